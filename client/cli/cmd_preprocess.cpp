@@ -1,0 +1,44 @@
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/report.h"
+
+namespace curvecast::cli {
+namespace {
+
+struct Flags {
+  std::string mesh;
+  std::uint64_t points = 65'536;
+  double omega = 10;
+};
+
+absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_token stop) {
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
+  if (!host.ok()) return host.status();
+  absl::StatusOr<OpenedMesh> opened = open_mesh((*host)->client(), flags.mesh, flags.points, flags.omega, options.quiet, stop);
+  if (!opened.ok()) return opened.status();
+  return options.json ? print_json(preprocess_json(opened->session)) : print_text(preprocess_text(opened->session));
+}
+
+}  // namespace
+
+Command add_preprocess(CLI::App& root, CommonOptions& options) {
+  CLI::App* app =
+      add_command(root, options, "preprocess",
+                  "Prepares a mesh: repair, cut, parameterisation and the Hilbert curve on its surface; says what each "
+                  "stage took and how good it is. With --server, the session stays there, ready for all clients.",
+                  {"curvecast preprocess bunny.obj", "curvecast preprocess -n 1000000 --omega 10 --json igea.ply"});
+  const auto flags = std::make_shared<Flags>();
+  app->add_option("MESH", flags->mesh, "a .ply, .obj, .off or .stl file")->required();
+  app->add_option("-n,--points", flags->points, "N for which the curve is made fine enough, 1 to 4,000,000")
+      ->check(point_count_range())
+      ->type_name("N")
+      ->capture_default_str();
+  app->add_option("--omega", flags->omega, "curve vertices per point, 1 to 1,000")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->type_name("W")
+      ->capture_default_str();
+  return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
+}
+
+}  // namespace curvecast::cli

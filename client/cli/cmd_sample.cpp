@@ -1,0 +1,115 @@
+#include <absl/strings/str_format.h>
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <string_view>
+
+#include "client/cli/choice.h"
+#include "client/cli/commands.h"
+#include "client/cli/points_io.h"
+#include "client/cli/report.h"
+#include "client/cli/sample_flags.h"
+#include "client/lib/file_bytes.h"
+
+namespace curvecast::cli {
+namespace {
+
+constexpr std::array<std::string_view, 1> kSamplers = {"equalised"};
+
+struct Flags {
+  std::string mesh, output;
+  std::string sampler = "equalised";
+  SampleFlags sample;
+  client::DrcOptions drc;
+};
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+absl::Status report(const Flags& flags, const CommonOptions& options, const OpenedMesh& opened,
+                    const client::DecodedSample& sample, double total) {
+  const v1::FrameStatistics& statistics = sample.statistics;
+  if (!options.json) {
+    std::string text = absl::StrFormat("%d points from %d curve vertices\n", sample.points.size(), statistics.curve_vertices());
+    absl::StrAppendFormat(&text, "seconds        preprocess %.3f, density %.4f, equalise %.4f, encode %.4f, total %.3f\n",
+                          opened.seconds, statistics.density_seconds(), statistics.equalise_seconds(),
+                          statistics.encode_seconds(), total);
+    if (!flags.output.empty()) absl::StrAppendFormat(&text, "written        %s\n", flags.output);
+    return print_text(text);
+  }
+  Json json = {{"points", sample.points.size()},
+               {"curve_vertices", statistics.curve_vertices()},
+               {"seconds",
+                {{"preprocess", opened.seconds},
+                 {"density", statistics.density_seconds()},
+                 {"equalise", statistics.equalise_seconds()},
+                 {"encode", statistics.encode_seconds()},
+                 {"total", total}}},
+               {"sampler", flags.sampler},
+               {"sequence", flags.sample.sequence},
+               {"seed", options.seed},
+               {"session_id", opened.session.session_id()}};
+  if (!flags.output.empty()) json["output"] = flags.output;
+  return print_json(json);
+}
+
+absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_token stop) {
+  const Clock::time_point start = Clock::now();
+  if (!flags.output.empty()) {
+    if (absl::Status status = client::check_writable(flags.output); !status.ok()) return status;
+  }
+  v1::ResampleRequest request;
+  absl::StatusOr<v1::SampleRequest> wanted = make_request(flags.sample, options.seed);
+  if (!wanted.ok()) return wanted.status();
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
+  if (!host.ok()) return host.status();
+  client::Client& client = (*host)->client();
+  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, session_points(flags.sample.points), 0, options.quiet, stop);
+  if (!opened.ok()) return opened.status();
+  absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box_of(opened->session.report().mesh()), 1);
+  if (!camera.ok()) return camera.status();
+  request.set_session_id(opened->session.session_id());
+  *request.mutable_sample() = *std::move(wanted);
+  *request.mutable_sample()->mutable_camera() = *std::move(camera);
+  // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
+  request.mutable_sample()->mutable_encoding()->mutable_raw();
+  absl::StatusOr<client::DecodedSample> sample = client.resample(request, stop);
+  if (!sample.ok()) return sample.status();
+  if (stop.stop_requested()) return absl::CancelledError("cancelled");
+  if (!flags.output.empty()) {
+    const Clock::time_point encode_start = Clock::now();
+    if (absl::Status status = save_points(flags.output, sample->points, flags.drc); !status.ok()) return status;
+    sample->statistics.set_encode_seconds(sample->statistics.encode_seconds() + seconds_since(encode_start));
+  }
+  return report(flags, options, *opened, *sample, seconds_since(start));
+}
+
+}  // namespace
+
+Command add_sample(CLI::App& root, CommonOptions& options) {
+  CLI::App* app = add_command(
+      root, options, "sample",
+      "Places exactly N points on a mesh, evenly with respect to a density, and writes them with normals and splat radii.",
+      {"curvecast sample bunny.obj -n 50000 -o bunny.ply", "curvecast sample igea.ply -n 100000 --density curvature -o igea.drc",
+       "curvecast sample igea.ply -n 20000 --density view:s0=0.1 --camera eye=0,0,3 -o view.pcd"});
+  const auto flags = std::make_shared<Flags>();
+  app->add_option("MESH", flags->mesh, "a .ply, .obj, .off or .stl file")->required();
+  add_sample_flags(app, &flags->sample)->required();
+  add_camera_flag(app, &flags->sample);
+  app->add_option("-o,--output", flags->output,
+                  "the points' file: .ply, .xyz, .pcd (lossless) or .drc (Draco); without it, only statistics")
+      ->check(validator(check_points_ending, ""))
+      ->type_name("FILE");
+  app->add_option("--sampler", flags->sampler, "equalised (the paper's)")
+      ->check(validator([](const std::string& text) { return check_choice("sampler", text, kSamplers); }, ""))
+      ->type_name("NAME")
+      ->capture_default_str();
+  app->add_option("--position-bits", flags->drc.position_bits, "of a .drc file, per coordinate")
+      ->check(CLI::Range(1, 30))
+      ->capture_default_str();
+  app->add_option("--normal-bits", flags->drc.normal_bits, "of a .drc file")->check(CLI::Range(2, 30))->capture_default_str();
+  return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
+}
+
+}  // namespace curvecast::cli

@@ -1,0 +1,15 @@
+// The subcommands; each is in a file of its own.
+#pragma once
+
+#include "client/cli/common.h"
+
+namespace curvecast::cli {
+
+Command add_serve(CLI::App& root, CommonOptions& options);
+Command add_info(CLI::App& root, CommonOptions& options);
+Command add_preprocess(CLI::App& root, CommonOptions& options);
+Command add_sample(CLI::App& root, CommonOptions& options);
+Command add_stream(CLI::App& root, CommonOptions& options);
+Command add_render(CLI::App& root, CommonOptions& options);
+
+}  // namespace curvecast::cli

@@ -1,0 +1,109 @@
+#include "client/cli/common.h"
+
+#include <absl/strings/ascii.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "client/cli/progress_bar.h"
+#include "client/lib/draco_points.h"
+
+namespace curvecast::cli {
+namespace {
+
+constexpr std::uint64_t kDefaultSessionPoints = 65'536;
+constexpr int kMaxThreads = 1024;
+
+}  // namespace
+
+CLI::App* add_command(CLI::App& root, CommonOptions& options, const std::string& name, const std::string& description,
+                      const std::vector<std::string>& examples) {
+  CLI::App* command = root.add_subcommand(name, description);
+  const std::string group = "Common";
+  command->add_option("--server", options.server, "host:port of a running server; without it, the work is done in this process")
+      ->group(group);
+  command->add_option("--seed", options.seed, "of all random numbers; the same seed gives the same bytes")
+      ->capture_default_str()
+      ->group(group);
+  command->add_option("--threads", options.threads, "of the work in this process; 0 = one per core; never changes the result")
+      ->check(CLI::Range(0, kMaxThreads))
+      ->capture_default_str()
+      ->group(group);
+  command->add_flag("--json", options.json, "one JSON object on standard output instead of text")->group(group);
+  CLI::Option* quiet = command->add_flag("--quiet", options.quiet, "no progress and no notes, only results and errors");
+  quiet->group(group);
+  command->add_flag("--verbose", options.verbose, "the log of the server in this process too")->excludes(quiet)->group(group);
+  command->footer(absl::StrCat("Examples:\n  ", absl::StrJoin(examples, "\n  "),
+                               "\n\nExit status: 0 done; 2 wrong usage; 3 bad input; 4 server or network; 130 interrupted."));
+  return command;
+}
+
+CLI::Validator validator(std::function<absl::Status(const std::string& value)> check, const std::string& type_name) {
+  return CLI::Validator(
+      [check = std::move(check)](std::string& value) {
+        const absl::Status status = check(value);
+        return status.ok() ? std::string() : std::string(status.message());
+      },
+      type_name);
+}
+
+CLI::Validator point_count_range() { return CLI::Range(std::uint64_t{1}, client::kMaxPoints); }
+
+absl::Status check_ending(const std::string& path, const std::vector<std::string>& endings) {
+  const std::string ending = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+  if (std::find(endings.begin(), endings.end(), ending) != endings.end()) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("'", path, "' must end in ", absl::StrJoin(endings, ", ")));
+}
+
+Host::Host(std::unique_ptr<server::Server> server, std::shared_ptr<client::Connection> connection)
+    : server_(std::move(server)), client_(std::move(connection)) {}
+
+absl::StatusOr<std::unique_ptr<Host>> Host::open(const CommonOptions& options) {
+  if (!options.server.empty()) {
+    return std::unique_ptr<Host>(new Host(nullptr, client::make_connection(client::tcp_channel(options.server))));
+  }
+  server::ServerOptions server_options;
+  server_options.threads = options.threads;
+  server_options.log = options.verbose;
+  absl::StatusOr<std::unique_ptr<server::Server>> server = server::Server::start(server_options);
+  if (!server.ok()) return server.status();
+  std::shared_ptr<client::Connection> connection = client::make_connection((*server)->in_process_channel());
+  return std::unique_ptr<Host>(new Host(*std::move(server), std::move(connection)));
+}
+
+absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, std::uint64_t max_points, double omega,
+                                     bool quiet, std::stop_token stop) {
+  const auto start = std::chrono::steady_clock::now();
+  ProgressBar bar(progress_style(quiet), std::filesystem::path(path).filename().string());
+  const client::StageProgress on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
+  absl::StatusOr<std::string> mesh_id = client.upload_mesh(path, on_progress, stop);
+  if (!mesh_id.ok()) return mesh_id.status();
+  v1::SessionOptions session_options;
+  session_options.set_max_points(max_points);
+  session_options.set_omega(omega);
+  absl::StatusOr<v1::Session> session = client.create_session(*mesh_id, session_options, on_progress, stop);
+  if (!session.ok()) return session.status();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return OpenedMesh{*std::move(session), seconds};
+}
+
+std::uint64_t session_points(std::uint64_t points) { return std::max(points, kDefaultSessionPoints); }
+
+absl::Status print_text(const std::string& text) {
+  if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0) {
+    return absl::FailedPreconditionError("standard output cannot be written");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status print_json(const Json& json) {
+  // Names of files need not be UTF-8.
+  return print_text(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace curvecast::cli

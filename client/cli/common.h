@@ -1,0 +1,78 @@
+// What all commands share: options, the server they talk to, output.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "client/lib/client.h"
+#include "server/server.h"
+
+namespace curvecast::cli {
+
+using Json = nlohmann::ordered_json;
+
+struct CommonOptions {
+  std::string server;  // "host:port"; empty = a server within this process
+  std::uint64_t seed = 0;
+  int threads = 0;  // of the server within this process; 0 = one per core
+  bool json = false, quiet = false, verbose = false;
+};
+
+/// One subcommand. `run` is called when it was chosen.
+struct Command {
+  CLI::App* app = nullptr;
+  std::function<absl::Status(const CommonOptions& options, std::stop_token stop)> run;
+};
+
+/// Adds a subcommand with the common options; `examples` are lines of its help.
+CLI::App* add_command(CLI::App& root, CommonOptions& options, const std::string& name, const std::string& description,
+                      const std::vector<std::string>& examples);
+
+/// Makes CLI11 refuse a value with the message of `check`'s status.
+CLI::Validator validator(std::function<absl::Status(const std::string& value)> check, const std::string& type_name);
+
+/// 1 to kMaxPoints.
+CLI::Validator point_count_range();
+
+/// OK when the ending of `path` is one of `endings` (lower case, with the dot).
+absl::Status check_ending(const std::string& path, const std::vector<std::string>& endings);
+
+/// A client of --server or, without it, of a server that lives and ends with this object: one code path for both.
+class Host {
+ public:
+  static absl::StatusOr<std::unique_ptr<Host>> open(const CommonOptions& options);
+  client::Client& client() { return client_; }
+
+ private:
+  Host(std::unique_ptr<server::Server> server, std::shared_ptr<client::Connection> connection);
+
+  std::unique_ptr<server::Server> server_;  // null when remote
+  client::Client client_;
+};
+
+struct OpenedMesh {
+  v1::Session session;  // ready
+  double seconds = 0;   // that it took, upload included
+};
+
+/// Uploads a mesh and waits for its session, with progress.
+absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, std::uint64_t max_points, double omega,
+                                     bool quiet, std::stop_token stop);
+
+/// N that a session is made for, when N points are wanted: at least the API's default, so that most commands share one session.
+std::uint64_t session_points(std::uint64_t points);
+
+/// The one JSON object of standard output. FailedPrecondition when it cannot be written.
+absl::Status print_json(const Json& json);
+/// Text for standard output, if there is no --json.
+absl::Status print_text(const std::string& text);
+
+}  // namespace curvecast::cli

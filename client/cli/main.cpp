@@ -1,0 +1,58 @@
+// The `curvecast` command.
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "client/cli/commands.h"
+#include "client/cli/exit_status.h"
+#include "client/cli/signals.h"
+
+namespace curvecast::cli {
+namespace {
+
+int report_failure(const absl::Status& status, const CommonOptions& options, bool interrupted) {
+  const ExitStatus exit = exit_status(status, interrupted);
+  std::string message(status.message());
+  if (exit == kInterrupted) message = "interrupted";
+  if (exit == kServerError && !options.server.empty()) message = "server " + options.server + ": " + message;
+  std::fprintf(stderr, "curvecast: %s\n", message.c_str());
+  return exit;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Low-discrepancy point sampling of meshes, streamed.", "curvecast");
+  app.set_version_flag("--version", "curvecast " CURVECAST_VERSION);
+  app.require_subcommand(1);
+  app.footer("curvecast COMMAND --help tells all about a command.");
+  CommonOptions options;
+  const std::vector<Command> commands = {add_serve(app, options),  add_info(app, options),   add_preprocess(app, options),
+                                         add_sample(app, options), add_stream(app, options), add_render(app, options)};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "curvecast: %s\nRun curvecast --help or curvecast COMMAND --help for more.\n", error.what());
+    return kWrongUsage;
+  }
+  const SignalWatcher signals;
+  for (const Command& command : commands) {
+    if (!command.app->parsed()) continue;
+    const absl::Status status = command.run(options, signals.token());
+    if (!status.ok()) return report_failure(status, options, signals.interrupted());
+  }
+  return kDone;
+}
+
+}  // namespace
+}  // namespace curvecast::cli
+
+int main(int argc, char** argv) {
+  try {
+    return curvecast::cli::run(argc, argv);
+  } catch (const std::exception& error) {  // of the standard library, such as bad_alloc
+    std::fprintf(stderr, "curvecast: %s\n", error.what());
+    return curvecast::cli::kServerError;
+  }
+}

@@ -1,0 +1,106 @@
+#include "client/cli/report.h"
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "client/cli/camera_option.h"
+
+namespace curvecast::cli {
+namespace {
+
+std::array<std::pair<const char*, double>, 8> stages(const v1::StageSeconds& seconds) {
+  return {{{"read", seconds.read()},
+           {"repair", seconds.repair()},
+           {"cut", seconds.cut()},
+           {"parameterise", seconds.parameterise()},
+           {"curve", seconds.curve()},
+           {"map", seconds.map()},
+           {"area", seconds.area()},
+           {"total", seconds.total()}}};
+}
+
+std::array<std::pair<const char*, std::uint64_t>, 8> counts(const v1::Repairs& repairs) {
+  return {{{"triangulated_polygons", repairs.triangulated_polygons()},
+           {"degenerate_faces", repairs.degenerate_faces()},
+           {"duplicate_faces", repairs.duplicate_faces()},
+           {"welded_vertices", repairs.welded_vertices()},
+           {"unused_vertices", repairs.unused_vertices()},
+           {"flipped_faces", repairs.flipped_faces()},
+           {"nonmanifold_edges", repairs.nonmanifold_edges()},
+           {"split_vertices", repairs.split_vertices()}}};
+}
+
+}  // namespace
+
+Json mesh_json(const v1::MeshInfo& mesh) {
+  return {{"vertices", mesh.vertices()},
+          {"faces", mesh.faces()},
+          {"components", mesh.components()},
+          {"genus", mesh.genus()},
+          {"boundary_loops", mesh.boundary_loops()}};
+}
+
+Json repairs_json(const v1::Repairs& repairs) {
+  Json json = Json::object();
+  for (const auto& [name, count] : counts(repairs)) json[name] = count;
+  return json;
+}
+
+Json preprocess_json(const v1::Session& session) {
+  const v1::PreprocessReport& report = session.report();
+  Json seconds = Json::object();
+  for (const auto& [name, value] : stages(report.seconds())) seconds[name] = value;
+  return {{"mesh", mesh_json(report.mesh())},
+          {"repairs", repairs_json(report.mesh().repairs())},
+          {"discs", report.discs()},
+          {"curve_vertices", report.curve_vertices()},
+          {"omega", session.options().omega()},
+          {"points", session.options().max_points()},
+          {"max_level", report.max_level()},
+          {"flipped_triangles", report.flipped_triangles()},
+          {"area_error", report.area_error()},
+          {"distortion",
+           {{"p50", report.distortion().p50()}, {"p99", report.distortion().p99()}, {"max", report.distortion().max()}}},
+          {"seconds", seconds},
+          {"curve_bytes", report.curve_bytes()},
+          {"peak_bytes", report.peak_bytes()},
+          {"session_id", session.session_id()},
+          {"mesh_id", session.mesh_id()}};
+}
+
+std::string mesh_text(const v1::MeshInfo& mesh) {
+  const Vec3d size = to_vec(mesh.box_max()) - to_vec(mesh.box_min());
+  std::string text = absl::StrFormat("%s (%s): %d vertices, %d polygons in the file\n", mesh.name(), mesh.format(),
+                                     mesh.file_vertices(), mesh.file_polygons());
+  absl::StrAppendFormat(&text, "after repair   %d vertices, %d triangles\n", mesh.vertices(), mesh.faces());
+  absl::StrAppendFormat(&text, "topology       components %d, genus %d, boundary loops %d\n", mesh.components(), mesh.genus(),
+                        mesh.boundary_loops());
+  absl::StrAppendFormat(&text, "area           %g\nbox            %g x %g x %g\n", mesh.area(), size.x(), size.y(), size.z());
+  std::string repairs;
+  for (const auto& [name, count] : counts(mesh.repairs())) {
+    if (count > 0) absl::StrAppend(&repairs, repairs.empty() ? "" : ", ", name, " ", count);
+  }
+  absl::StrAppend(&text, "repairs        ", repairs.empty() ? "none" : repairs, "\n");
+  return text;
+}
+
+std::string preprocess_text(const v1::Session& session) {
+  const v1::PreprocessReport& report = session.report();
+  std::string text = mesh_text(report.mesh());
+  for (const auto& [name, value] : stages(report.seconds())) absl::StrAppendFormat(&text, "%-14s %.3f s\n", name, value);
+  absl::StrAppendFormat(&text, "curve          %d vertices on discs %d, deepest level %d, %.1f MB, for %d points\n",
+                        report.curve_vertices(), report.discs(), report.max_level(),
+                        1e-6 * static_cast<double>(report.curve_bytes()), session.options().max_points());
+  absl::StrAppendFormat(&text, "distortion     p50 %.3g, p99 %.3g, max %.3g; flipped triangles %d\n", report.distortion().p50(),
+                        report.distortion().p99(), report.distortion().max(), report.flipped_triangles());
+  absl::StrAppendFormat(&text, "area error     %.2e\nsession        %s\n", report.area_error(), session.session_id());
+  return text;
+}
+
+Box3d box_of(const v1::MeshInfo& mesh) { return {to_vec(mesh.box_min()), to_vec(mesh.box_max())}; }
+
+}  // namespace curvecast::cli

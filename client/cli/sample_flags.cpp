@@ -1,0 +1,64 @@
+#include "client/cli/sample_flags.h"
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "client/cli/choice.h"
+#include "client/cli/common.h"
+#include "client/cli/density_term.h"
+
+namespace curvecast::cli {
+namespace {
+
+constexpr std::array<std::string_view, 2> kSequences = {"jittered", "regular"};
+
+}  // namespace
+
+CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
+  CLI::Option* count = command->add_option("-n,--points", flags->points, "number of points N, 1 to 4,000,000")
+                           ->check(point_count_range())
+                           ->type_name("N");
+  command->add_option("--density", flags->density, kDensityHelp)
+      ->check(validator([](const std::string& text) { return parse_density_term(text).status(); }, ""))
+      ->type_name("TERM")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--sequence", flags->sequence,
+                   "placement along the curve: jittered (low discrepancy without a pattern) or regular")
+      ->check(validator([](const std::string& text) { return check_choice("sequence", text, kSequences); }, ""))
+      ->type_name("NAME")
+      ->capture_default_str();
+  return count;
+}
+
+void add_camera_flag(CLI::App* command, SampleFlags* flags) {
+  command->add_option("--camera", flags->camera, kCameraHelp)
+      ->check(validator([](const std::string& text) { return parse_camera(text).status(); }, ""))
+      ->type_name("CAMERA");
+}
+
+absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::uint64_t seed) {
+  v1::SampleRequest request;
+  request.set_points(flags.points);
+  request.set_seed(seed);
+  request.set_sequence(flags.sequence == "regular" ? v1::SEQUENCE_REGULAR : v1::SEQUENCE_JITTERED);
+  for (const std::string& text : flags.density) {
+    absl::StatusOr<v1::DensityTerm> term = parse_density_term(text);
+    if (!term.ok()) return term.status();
+    *request.add_density() = *std::move(term);
+  }
+  return request;
+}
+
+absl::StatusOr<v1::Camera> camera_of(const SampleFlags& flags, const Box3d& box, double aspect) {
+  CameraOption option;
+  if (!flags.camera.empty()) {
+    absl::StatusOr<CameraOption> parsed = parse_camera(flags.camera);
+    if (!parsed.ok()) return parsed.status();
+    option = *parsed;
+  }
+  return resolve_camera(option, box, aspect);
+}
+
+}  // namespace curvecast::cli

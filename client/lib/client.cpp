@@ -1,0 +1,165 @@
+#include "client/lib/client.h"
+
+#include <absl/strings/escaping.h>
+#include <absl/strings/str_cat.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "client/lib/draco_points.h"
+#include "client/lib/file_bytes.h"
+
+namespace curvecast::client {
+namespace {
+
+constexpr std::size_t kHashBlock = 1 << 20;  // bytes read at a time
+
+std::string to_hex(const XXH128_hash_t& hash) {
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, hash);
+  return absl::BytesToHexString(absl::string_view(reinterpret_cast<const char*>(canonical.digest), sizeof canonical.digest));
+}
+
+absl::StatusOr<std::string> hash_file(const InputFile& file, const std::stop_token& stop) {
+  struct Free {
+    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+  };
+  const std::unique_ptr<XXH3_state_t, Free> state(XXH3_createState());
+  if (!state) return absl::ResourceExhaustedError("out of memory for hashing");
+  XXH3_128bits_reset(state.get());
+  std::string block;
+  for (std::uint64_t offset = 0; offset < file.size(); offset += block.size()) {
+    if (stop.stop_requested()) return absl::CancelledError("cancelled");
+    block.resize(std::min<std::uint64_t>(kHashBlock, file.size() - offset));
+    if (absl::Status status = file.read_at(offset, block); !status.ok()) return status;
+    XXH3_128bits_update(state.get(), block.data(), block.size());
+  }
+  return to_hex(XXH3_128bits_digest(state.get()));
+}
+
+}  // namespace
+
+std::string mesh_id_of(std::span<const char> bytes) { return to_hex(XXH3_128bits(bytes.data(), bytes.size())); }
+
+absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample) {
+  DecodedSample decoded{.points = {}, .statistics = sample.statistics, .bytes = sample.bytes};
+  for (const v1::PointBlock& block : sample.blocks) {
+    absl::StatusOr<Points> points = decode_block(block);
+    if (!points.ok()) return points.status();
+    append_points(*std::move(points), &decoded.points);
+  }
+  return decoded;
+}
+
+absl::StatusOr<std::string> Client::upload_mesh(const std::string& path, const StageProgress& on_progress, std::stop_token stop) {
+  absl::StatusOr<InputFile> file = InputFile::open(path);
+  if (!file.ok()) return file.status();
+  absl::StatusOr<std::string> hash = hash_file(*file, stop);
+  if (!hash.ok()) return hash.status();
+  v1::UploadHeader header;
+  header.set_name(std::filesystem::path(path).filename().string());
+  header.set_size(file->size());
+  header.set_mesh_id(*hash);
+  return upload_if_missing(
+      header, [&](std::uint64_t offset, std::span<char> out) { return file->read_at(offset, out); }, on_progress, stop);
+}
+
+absl::StatusOr<std::string> Client::upload_mesh(const std::string& name, std::span<const char> bytes,
+                                                const StageProgress& on_progress, std::stop_token stop) {
+  v1::UploadHeader header;
+  header.set_name(name);
+  header.set_size(bytes.size());
+  header.set_mesh_id(mesh_id_of(bytes));
+  const ReadAt read = [&](std::uint64_t offset, std::span<char> out) {
+    std::memcpy(out.data(), bytes.data() + offset, out.size());
+    return absl::OkStatus();
+  };
+  return upload_if_missing(header, read, on_progress, stop);
+}
+
+absl::StatusOr<std::string> Client::upload_if_missing(const v1::UploadHeader& header, const ReadAt& read,
+                                                      const StageProgress& on_progress, std::stop_token stop) {
+  v1::GetMeshRequest question;
+  question.set_mesh_id(header.mesh_id());
+  const absl::Status held = connection_->get_mesh(question, stop).status();
+  if (held.ok()) return header.mesh_id();
+  if (!absl::IsNotFound(held)) return held;
+  const OnBytes on_bytes = [&](std::uint64_t sent) {
+    if (on_progress) on_progress("upload", static_cast<double>(sent) / static_cast<double>(header.size()));
+  };
+  absl::StatusOr<v1::UploadMeshResponse> response = connection_->upload_mesh(header, read, on_bytes, stop);
+  if (!response.ok()) return response.status();
+  if (response->mesh_id() != header.mesh_id()) {
+    return absl::DataLossError(absl::StrCat(header.name(), ": sent as mesh ", header.mesh_id(), ", but the server received mesh ",
+                                            response->mesh_id(), "; send it again"));
+  }
+  return header.mesh_id();
+}
+
+absl::StatusOr<v1::MeshInfo> Client::inspect(const std::string& mesh_id, std::stop_token stop) {
+  v1::InspectMeshRequest request;
+  request.set_mesh_id(mesh_id);
+  absl::StatusOr<v1::InspectMeshResponse> response = connection_->inspect_mesh(request, stop);
+  if (!response.ok()) return response.status();
+  return std::move(*response->mutable_mesh());
+}
+
+absl::StatusOr<v1::Session> Client::create_session(const std::string& mesh_id, const v1::SessionOptions& options,
+                                                   const StageProgress& on_progress, std::stop_token stop) {
+  v1::CreateSessionRequest request;
+  request.set_mesh_id(mesh_id);
+  *request.mutable_options() = options;
+  const OnProgress forward = [&](const v1::Progress& progress) {
+    if (on_progress) on_progress(progress.stage(), progress.fraction());
+  };
+  return connection_->create_session(request, forward, stop);
+}
+
+absl::StatusOr<v1::Session> Client::get_session(const std::string& session_id, std::stop_token stop) {
+  v1::GetSessionRequest request;
+  request.set_session_id(session_id);
+  absl::StatusOr<v1::GetSessionResponse> response = connection_->get_session(request, stop);
+  if (!response.ok()) return response.status();
+  return std::move(*response->mutable_session());
+}
+
+absl::StatusOr<std::vector<v1::Session>> Client::list_sessions(std::stop_token stop) {
+  absl::StatusOr<v1::ListSessionsResponse> response = connection_->list_sessions(stop);
+  if (!response.ok()) return response.status();
+  return std::vector<v1::Session>(response->sessions().begin(), response->sessions().end());
+}
+
+absl::Status Client::close_session(const std::string& session_id, std::stop_token stop) {
+  v1::CloseSessionRequest request;
+  request.set_session_id(session_id);
+  return connection_->close_session(request, stop);
+}
+
+absl::StatusOr<EncodedSample> Client::resample_encoded(const v1::ResampleRequest& request, std::stop_token stop) {
+  absl::StatusOr<std::vector<v1::ResampleResponse>> responses = connection_->resample(request, stop);
+  if (!responses.ok()) return responses.status();
+  EncodedSample sample;
+  std::uint64_t points = 0;
+  for (v1::ResampleResponse& response : *responses) {
+    if (response.has_statistics()) sample.statistics = response.statistics();
+    if (!response.has_points()) continue;
+    points += response.points().count();
+    sample.bytes += encoded_bytes(response.points());
+    sample.blocks.push_back(std::move(*response.mutable_points()));
+  }
+  if (points != request.sample().points()) {
+    return absl::DataLossError(absl::StrCat("asked for ", request.sample().points(), " points, but the server sent ", points));
+  }
+  return sample;
+}
+
+absl::StatusOr<DecodedSample> Client::resample(const v1::ResampleRequest& request, std::stop_token stop) {
+  absl::StatusOr<EncodedSample> sample = resample_encoded(request, stop);
+  if (!sample.ok()) return sample.status();
+  return decode_sample(*sample);
+}
+
+}  // namespace curvecast::client

@@ -1,0 +1,76 @@
+// What a program does with a Curvecast server: bring a mesh, open a session, take point sets.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/lib/connection.h"
+#include "client/lib/points.h"
+#include "curvecast/v1/curvecast.pb.h"
+
+namespace curvecast::client {
+
+/// `stage` is "upload" or one of v1::Progress.stage; `fraction` of the stage, 0 to 1. Called from the calling thread.
+using StageProgress = std::function<void(std::string_view stage, double fraction)>;
+
+/// A point set as it came over the wire.
+struct EncodedSample {
+  std::vector<v1::PointBlock> blocks;  // consecutive along the curve, N points together
+  v1::FrameStatistics statistics;
+  std::uint64_t bytes = 0;  // of the encoded points
+};
+
+struct DecodedSample {
+  Points points;  // N
+  v1::FrameStatistics statistics;
+  std::uint64_t bytes = 0;  // of the encoded points
+};
+
+/// The 32 hexadecimal digits by which servers know a mesh file: XXH3-128 of its bytes.
+std::string mesh_id_of(std::span<const char> bytes);
+/// Decodes the blocks and joins them.
+absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample);
+
+/// Thread-safe. Every call blocks, and returns Cancelled soon after `stop` is requested. Errors are those of the API, see the
+/// .proto file, and of Connection; DataLoss when the server's answer makes no sense.
+class Client {
+ public:
+  explicit Client(std::shared_ptr<Connection> connection) : connection_(std::move(connection)) {}
+
+  /// Makes the server hold a mesh file, sent only if it does not yet, and returns its mesh_id. The file is read twice (hash,
+  /// upload) and never held in memory. NotFound, PermissionDenied or InvalidArgument name a file that cannot be read.
+  absl::StatusOr<std::string> upload_mesh(const std::string& path, const StageProgress& on_progress = {},
+                                          std::stop_token stop = {});
+  /// The same for bytes in memory; `name` as of a file.
+  absl::StatusOr<std::string> upload_mesh(const std::string& name, std::span<const char> bytes,
+                                          const StageProgress& on_progress = {}, std::stop_token stop = {});
+  absl::StatusOr<v1::MeshInfo> inspect(const std::string& mesh_id, std::stop_token stop = {});
+
+  /// Waits until the session is ready. Requesting stop ends the preprocessing unless other clients wait for it too.
+  absl::StatusOr<v1::Session> create_session(const std::string& mesh_id, const v1::SessionOptions& options,
+                                             const StageProgress& on_progress = {}, std::stop_token stop = {});
+  absl::StatusOr<v1::Session> get_session(const std::string& session_id, std::stop_token stop = {});
+  absl::StatusOr<std::vector<v1::Session>> list_sessions(std::stop_token stop = {});
+  absl::Status close_session(const std::string& session_id, std::stop_token stop = {});
+
+  absl::StatusOr<DecodedSample> resample(const v1::ResampleRequest& request, std::stop_token stop = {});
+  absl::StatusOr<EncodedSample> resample_encoded(const v1::ResampleRequest& request, std::stop_token stop = {});
+
+  const std::shared_ptr<Connection>& connection() const { return connection_; }
+
+ private:
+  absl::StatusOr<std::string> upload_if_missing(const v1::UploadHeader& header, const ReadAt& read,
+                                                const StageProgress& on_progress, std::stop_token stop);
+
+  std::shared_ptr<Connection> connection_;
+};
+
+}  // namespace curvecast::client

@@ -1,0 +1,254 @@
+#include "client/lib/connection.h"
+
+#include <absl/strings/match.h>
+#include <absl/strings/str_cat.h>
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <utility>
+
+#include "curvecast/v1/curvecast.grpc.pb.h"
+
+namespace curvecast::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::size_t kChunkBytes = 512 << 10;  // of an upload; the API allows 1 MiB
+constexpr int kMaxMessageBytes = 64 << 20;      // received; servers send frames of up to 32 MiB
+constexpr int kKeepaliveMs = 20'000;            // between pings during a call; servers allow one every 5 seconds
+constexpr int kKeepaliveTimeoutMs = 10'000;     // until a silent server counts as lost
+
+/// The codes of gRPC and of Abseil have the same numbers.
+absl::Status to_absl(const grpc::Status& status) {
+  if (status.ok()) return absl::OkStatus();
+  return {static_cast<absl::StatusCode>(status.error_code()), status.error_message()};
+}
+
+bool is_retryable(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kCancelled:
+      return true;
+    case absl::StatusCode::kInternal:
+      return absl::StrContains(status.message(), "RST_STREAM");
+    default:
+      return false;
+  }
+}
+
+/// Sleeps; false when `stop` was requested meanwhile.
+bool sleep_for(milliseconds delay, const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  never.wait_for(lock, stop, delay, [] { return false; });
+  return !stop.stop_requested();
+}
+
+template <typename T>
+absl::Status status_of(const absl::StatusOr<T>& result) {
+  return result.status();
+}
+
+/// Calls `attempt` until it succeeds, fails for good, or the policy is exhausted.
+template <typename Attempt>
+auto with_retry(const RetryPolicy& policy, const std::stop_token& stop, const Attempt& attempt) -> decltype(attempt()) {
+  // Jitter only spreads the load of many clients that lost the same server.
+  std::minstd_rand random(static_cast<unsigned>(std::chrono::steady_clock::now().time_since_epoch().count()));
+  milliseconds delay = policy.first_delay;
+  for (int i = 1;; ++i) {
+    auto result = attempt();
+    if (result.ok()) return result;
+    if (stop.stop_requested()) return absl::CancelledError("cancelled");
+    if (i >= policy.attempts || !is_retryable(status_of(result))) return result;
+    const double jitter = std::uniform_real_distribution<double>(0.5, 1.0)(random);
+    if (!sleep_for(std::chrono::duration_cast<milliseconds>(delay * jitter), stop)) return absl::CancelledError("cancelled");
+    delay = std::min(delay * 2, policy.longest_delay);
+  }
+}
+
+/// The context of one call, cancelled when `stop` is requested.
+class Call {
+ public:
+  Call(const std::stop_token& stop, std::optional<milliseconds> timeout) : on_stop_(stop, Cancel{&context_}) {
+    if (timeout) context_.set_deadline(std::chrono::system_clock::now() + *timeout);
+  }
+  grpc::ClientContext* context() { return &context_; }
+
+ private:
+  struct Cancel {
+    grpc::ClientContext* context;
+    void operator()() const { context->TryCancel(); }
+  };
+  grpc::ClientContext context_;
+  std::stop_callback<Cancel> on_stop_;
+};
+
+class GrpcViewCall : public ViewCall {
+ public:
+  GrpcViewCall(v1::CurvecastService::Stub& stub, const std::stop_token& stop)
+      : call_(stop, std::nullopt), stream_(stub.StreamViews(call_.context())) {}
+  ~GrpcViewCall() override {
+    if (finished_) return;
+    cancel();
+    v1::StreamViewsResponse rest;
+    while (stream_->Read(&rest)) {
+    }
+    stream_->Finish();
+  }
+  bool write(const v1::StreamViewsRequest& request) override { return stream_->Write(request); }
+  bool read(v1::StreamViewsResponse* response) override { return stream_->Read(response); }
+  void writes_done() override { stream_->WritesDone(); }
+  void cancel() override { call_.context()->TryCancel(); }
+  absl::Status finish() override {
+    finished_ = true;
+    return to_absl(stream_->Finish());
+  }
+
+ private:
+  Call call_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::StreamViewsRequest, v1::StreamViewsResponse>> stream_;
+  bool finished_ = false;
+};
+
+class GrpcConnection : public Connection {
+ public:
+  GrpcConnection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options)
+      : stub_(v1::CurvecastService::NewStub(std::move(channel))), options_(options) {}
+
+  absl::StatusOr<v1::UploadMeshResponse> upload_mesh(const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes,
+                                                     std::stop_token stop) override {
+    return with_retry(options_.retry, stop, [&] { return upload_once(header, read, on_bytes, stop); });
+  }
+
+  absl::StatusOr<v1::GetMeshResponse> get_mesh(const v1::GetMeshRequest& request, std::stop_token stop) override {
+    return unary<v1::GetMeshResponse>(&v1::CurvecastService::Stub::GetMesh, request, options_.short_timeout, stop);
+  }
+
+  absl::StatusOr<v1::InspectMeshResponse> inspect_mesh(const v1::InspectMeshRequest& request, std::stop_token stop) override {
+    return unary<v1::InspectMeshResponse>(&v1::CurvecastService::Stub::InspectMesh, request, options_.long_timeout, stop);
+  }
+
+  absl::StatusOr<v1::Session> create_session(const v1::CreateSessionRequest& request, const OnProgress& on_progress,
+                                             std::stop_token stop) override {
+    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<v1::Session> {
+      Call call(stop, std::nullopt);
+      const auto reader = stub_->CreateSession(call.context(), request);
+      std::optional<v1::Session> session;
+      v1::CreateSessionResponse response;
+      while (reader->Read(&response)) {
+        if (response.has_session()) session = std::move(*response.mutable_session());
+        if (response.has_progress() && on_progress) on_progress(response.progress());
+      }
+      if (absl::Status status = to_absl(reader->Finish()); !status.ok()) return status;
+      if (!session) return absl::DataLossError("the server ended CreateSession without a session");
+      return *std::move(session);
+    });
+  }
+
+  absl::StatusOr<v1::GetSessionResponse> get_session(const v1::GetSessionRequest& request, std::stop_token stop) override {
+    return unary<v1::GetSessionResponse>(&v1::CurvecastService::Stub::GetSession, request, options_.short_timeout, stop);
+  }
+
+  absl::StatusOr<v1::ListSessionsResponse> list_sessions(std::stop_token stop) override {
+    return unary<v1::ListSessionsResponse>(&v1::CurvecastService::Stub::ListSessions, v1::ListSessionsRequest{},
+                                           options_.short_timeout, stop);
+  }
+
+  absl::Status close_session(const v1::CloseSessionRequest& request, std::stop_token stop) override {
+    Call call(stop, options_.short_timeout);
+    v1::CloseSessionResponse response;
+    return to_absl(stub_->CloseSession(call.context(), request, &response));
+  }
+
+  absl::StatusOr<std::vector<v1::ResampleResponse>> resample(const v1::ResampleRequest& request, std::stop_token stop) override {
+    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::ResampleResponse>> {
+      Call call(stop, options_.long_timeout);
+      const auto reader = stub_->Resample(call.context(), request);
+      std::vector<v1::ResampleResponse> responses;
+      v1::ResampleResponse response;
+      std::uint64_t points = 0;
+      while (reader->Read(&response)) {
+        points += response.points().count();
+        // A server that sends on and on must not fill this machine's memory.
+        if (points > request.sample().points() || responses.size() > request.sample().points()) {
+          call.context()->TryCancel();
+          while (reader->Read(&response)) {
+          }
+          reader->Finish();
+          return absl::DataLossError(
+              absl::StrCat("the server sent more than the ", request.sample().points(), " points asked for"));
+        }
+        responses.push_back(std::move(response));
+        response.Clear();
+      }
+      if (absl::Status status = to_absl(reader->Finish()); !status.ok()) return status;
+      return responses;
+    });
+  }
+
+  std::unique_ptr<ViewCall> stream_views(std::stop_token stop) override { return std::make_unique<GrpcViewCall>(*stub_, stop); }
+
+ private:
+  template <typename Response, typename Request, typename Method>
+  absl::StatusOr<Response> unary(Method method, const Request& request, milliseconds timeout, const std::stop_token& stop) {
+    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<Response> {
+      Call call(stop, timeout);
+      Response response;
+      if (absl::Status status = to_absl(((*stub_).*method)(call.context(), request, &response)); !status.ok()) return status;
+      return response;
+    });
+  }
+
+  absl::StatusOr<v1::UploadMeshResponse> upload_once(const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes,
+                                                     const std::stop_token& stop) {
+    Call call(stop, options_.long_timeout);
+    v1::UploadMeshResponse response;
+    const auto writer = stub_->UploadMesh(call.context(), &response);
+    v1::UploadMeshRequest message;
+    *message.mutable_header() = header;
+    bool open = writer->Write(message);
+    for (std::uint64_t sent = 0; open && sent < header.size();) {
+      std::string& chunk = *message.mutable_chunk();
+      chunk.resize(std::min<std::uint64_t>(kChunkBytes, header.size() - sent));
+      if (absl::Status status = read(sent, chunk); !status.ok()) {
+        call.context()->TryCancel();
+        writer->Finish();
+        return status;
+      }
+      open = writer->Write(message);
+      if (open) sent += chunk.size();
+      if (open && on_bytes) on_bytes(sent);
+    }
+    writer->WritesDone();
+    if (absl::Status status = to_absl(writer->Finish()); !status.ok()) return status;
+    return response;
+  }
+
+  std::unique_ptr<v1::CurvecastService::Stub> stub_;
+  ConnectionOptions options_;
+};
+
+}  // namespace
+
+std::shared_ptr<grpc::Channel> tcp_channel(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+std::shared_ptr<Connection> make_connection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options) {
+  return std::make_shared<GrpcConnection>(std::move(channel), options);
+}
+
+}  // namespace curvecast::client

@@ -1,0 +1,80 @@
+// One line to a Curvecast server: calls with deadlines, retries and cancellation, errors as absl::Status.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "curvecast/v1/curvecast.pb.h"
+
+namespace grpc {
+class Channel;
+}
+
+namespace curvecast::client {
+
+struct RetryPolicy {
+  int attempts = 5;                            // in all, at least 1
+  std::chrono::milliseconds first_delay{100};  // doubles after every attempt, with jitter
+  std::chrono::milliseconds longest_delay{2000};
+};
+
+struct ConnectionOptions {
+  RetryPolicy retry;
+  std::chrono::milliseconds short_timeout{30'000};  // calls that only look something up
+  std::chrono::milliseconds long_timeout{600'000};  // calls that compute or move data; preprocessing has no deadline
+};
+
+/// Fills `out` with the bytes from `offset` on. Called again from the start when an upload is repeated.
+using ReadAt = std::function<absl::Status(std::uint64_t offset, std::span<char> out)>;
+using OnBytes = std::function<void(std::uint64_t sent)>;
+using OnProgress = std::function<void(const v1::Progress& progress)>;
+
+/// A running StreamViews call. One thread may write while another reads.
+class ViewCall {
+ public:
+  virtual ~ViewCall() = default;  // cancels what still runs
+  /// False when the call is over.
+  virtual bool write(const v1::StreamViewsRequest& request) = 0;
+  virtual bool read(v1::StreamViewsResponse* response) = 0;
+  virtual void writes_done() = 0;
+  virtual void cancel() = 0;
+  /// How the call ended; after read() has said false.
+  virtual absl::Status finish() = 0;
+};
+
+/// An interface, so that clients can be tested without a server. Errors are the server's, or Unavailable, DeadlineExceeded,
+/// and Cancelled once `stop` is requested. Thread-safe.
+class Connection {
+ public:
+  virtual ~Connection() = default;
+  virtual absl::StatusOr<v1::UploadMeshResponse> upload_mesh(const v1::UploadHeader& header, const ReadAt& read,
+                                                             const OnBytes& on_bytes, std::stop_token stop) = 0;
+  virtual absl::StatusOr<v1::GetMeshResponse> get_mesh(const v1::GetMeshRequest& request, std::stop_token stop) = 0;
+  virtual absl::StatusOr<v1::InspectMeshResponse> inspect_mesh(const v1::InspectMeshRequest& request, std::stop_token stop) = 0;
+  virtual absl::StatusOr<v1::Session> create_session(const v1::CreateSessionRequest& request, const OnProgress& on_progress,
+                                                     std::stop_token stop) = 0;
+  virtual absl::StatusOr<v1::GetSessionResponse> get_session(const v1::GetSessionRequest& request, std::stop_token stop) = 0;
+  virtual absl::StatusOr<v1::ListSessionsResponse> list_sessions(std::stop_token stop) = 0;
+  virtual absl::Status close_session(const v1::CloseSessionRequest& request, std::stop_token stop) = 0;
+  /// All messages of the answer, in order.
+  virtual absl::StatusOr<std::vector<v1::ResampleResponse>> resample(const v1::ResampleRequest& request,
+                                                                     std::stop_token stop) = 0;
+  virtual std::unique_ptr<ViewCall> stream_views(std::stop_token stop) = 0;
+};
+
+/// A channel over TCP, without encryption; "host:port". Connects at the first call.
+std::shared_ptr<grpc::Channel> tcp_channel(const std::string& address);
+
+/// Repeats idempotent calls (all but close_session and stream_views) after Unavailable, after Cancelled that nobody here asked
+/// for (a proxy lost its server) and after Internal for a reset HTTP/2 stream.
+std::shared_ptr<Connection> make_connection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options = {});
+
+}  // namespace curvecast::client

@@ -1,0 +1,171 @@
+#include "client/lib/point_file.h"
+
+#include <absl/strings/ascii.h>
+#include <absl/strings/str_format.h>
+
+#include <bit>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "client/lib/file_bytes.h"
+#include "client/lib/point_headers.h"
+#include "client/lib/point_table.h"
+
+namespace curvecast::client {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "records are little endian and written as they lie in memory");
+
+constexpr std::uint64_t kLargestFile = std::uint64_t{16} << 30;  // bytes
+
+enum class Format { kPly, kXyz, kPcd };
+
+absl::StatusOr<Format> format_of(const std::string& path) {
+  const std::string ending = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+  if (ending == ".ply") return Format::kPly;
+  if (ending == ".xyz") return Format::kXyz;
+  if (ending == ".pcd") return Format::kPcd;
+  return absl::InvalidArgumentError("not a point file's name: it has to end in .ply, .xyz or .pcd");
+}
+
+struct Layout {
+  bool normals;
+  bool radii;
+  bool doubles;  // x y z
+};
+
+std::array<double, 3> absolute(const Points& points, std::size_t i) {
+  std::array<double, 3> p;
+  for (int axis = 0; axis < 3; ++axis) p[axis] = points.origin[axis] + double{points.positions[i][axis]};
+  return p;
+}
+
+// One record per point: x y z [normal] [radius].
+void append_records(const Points& points, const Layout& layout, std::string& out) {
+  const std::size_t stride = (layout.doubles ? 24 : 12) + (layout.normals ? 12 : 0) + (layout.radii ? 4 : 0);
+  const std::size_t header = out.size();
+  out.resize(header + stride * points.size());
+  char* p = out.data() + header;
+  const auto put = [&p](const auto& value) {
+    std::memcpy(p, &value, sizeof(value));
+    p += sizeof(value);
+  };
+  constexpr std::array<float, 3> kNoNormal{};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::array<double, 3> position = absolute(points, i);
+    if (layout.doubles) {
+      put(position);
+    } else {
+      for (const double coordinate : position) put(static_cast<float>(coordinate));
+    }
+    if (layout.normals) put(points.normals.empty() ? kNoNormal : points.normals[i]);
+    if (layout.radii) put(points.radii.empty() ? 0.0F : points.radii[i]);
+  }
+}
+
+std::string make_ply(const Points& points) {
+  const Layout layout{!points.normals.empty(), !points.radii.empty(), points.origin != std::array<double, 3>{}};
+  const char* const type = layout.doubles ? "double" : "float";
+  std::string out = absl::StrFormat("ply\nformat binary_little_endian 1.0\nelement vertex %d\n", points.size());
+  for (const char* axis : {"x", "y", "z"}) absl::StrAppendFormat(&out, "property %s %s\n", type, axis);
+  if (layout.normals) out += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (layout.radii) out += "property float radius\n";
+  out += "end_header\n";
+  append_records(points, layout, out);
+  return out;
+}
+
+std::string make_pcd(const Points& points) {
+  std::string out = absl::StrFormat(
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z normal_x normal_y normal_z radius\n"
+      "SIZE 4 4 4 4 4 4 4\nTYPE F F F F F F F\nCOUNT 1 1 1 1 1 1 1\nWIDTH %d\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
+      "POINTS %d\nDATA binary\n",
+      points.size(), points.size());
+  append_records(points, {.normals = true, .radii = true, .doubles = false}, out);
+  return out;
+}
+
+std::string make_xyz(const Points& points) {
+  const bool doubles = points.origin != std::array<double, 3>{};
+  std::string out;
+  const auto put = [&out](auto value, char behind) {
+    char digits[32];
+    out.append(digits, std::to_chars(std::begin(digits), std::end(digits), value).ptr);
+    out += behind;
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::array<double, 3> p = absolute(points, i);
+    for (int axis = 0; axis < 3; ++axis) {
+      const char behind = axis < 2 || !points.normals.empty() ? ' ' : '\n';
+      doubles ? put(p[axis], behind) : put(points.positions[i][axis], behind);
+    }
+    if (points.normals.empty()) continue;
+    for (int axis = 0; axis < 3; ++axis) put(points.normals[i][axis], axis < 2 ? ' ' : '\n');
+  }
+  return out;
+}
+
+absl::Status write_as(Format format, const std::string& path, const Points& points) {
+  switch (format) {
+    case Format::kPly:
+      return write_bytes(path, make_ply(points));
+    case Format::kXyz:
+      return write_bytes(path, make_xyz(points));
+    case Format::kPcd:
+      return write_bytes(path, make_pcd(points));
+  }
+  return absl::InternalError("unknown point format");
+}
+
+absl::StatusOr<Points> parse_as(Format format, std::string_view bytes) {
+  absl::StatusOr<PointTable> table = format == Format::kPly   ? parse_ply_points(bytes)
+                                     : format == Format::kPcd ? parse_pcd_points(bytes)
+                                                              : parse_xyz_points(bytes);
+  if (!table.ok()) return table.status();
+  return read_point_table(*table);
+}
+
+absl::Status in_file(const std::string& path, const absl::Status& status) {
+  return absl::Status(status.code(), absl::StrFormat("%s: %s", path, status.message()));
+}
+
+}  // namespace
+
+absl::Status write_point_file(const std::string& path, const Points& points) {
+  const absl::StatusOr<Format> format = format_of(path);
+  if (!format.ok()) return in_file(path, format.status());
+  const auto fits = [&points](std::size_t size) { return size == 0 || size == points.size(); };
+  if (!fits(points.normals.size()) || !fits(points.radii.size())) {
+    return absl::InvalidArgumentError(absl::StrFormat("%s: %d positions do not go with %d normals and %d radii", path,
+                                                      points.size(), points.normals.size(), points.radii.size()));
+  }
+  try {
+    return write_as(*format, path, points);
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(absl::StrFormat("%s: not enough memory to write the points", path));
+  }
+}
+
+absl::StatusOr<Points> read_point_file(const std::string& path) {
+  const absl::StatusOr<Format> format = format_of(path);
+  if (!format.ok()) return in_file(path, format.status());
+  try {
+    const absl::StatusOr<std::string> bytes = read_bytes(path, kLargestFile);
+    if (!bytes.ok()) return bytes.status();  // names the path already
+    absl::StatusOr<Points> points = parse_as(*format, *bytes);
+    if (!points.ok()) return in_file(path, points.status());
+    return points;
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(absl::StrFormat("%s: not enough memory to read the points", path));
+  } catch (const std::length_error&) {
+    return absl::ResourceExhaustedError(absl::StrFormat("%s: not enough memory to read the points", path));
+  }
+}
+
+}  // namespace curvecast::client

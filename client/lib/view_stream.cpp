@@ -1,0 +1,157 @@
+#include "client/lib/view_stream.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "client/lib/draco_points.h"
+
+namespace curvecast::client {
+namespace {
+
+// The server keeps two frames in flight at most; a few more are refused frames, which are small.
+constexpr std::size_t kMaxQueuedFrames = 16;
+
+absl::StatusOr<Frame> decode_frame(const v1::PointFrame& message) {
+  const auto start = std::chrono::steady_clock::now();
+  Frame frame;
+  frame.sequence = message.sequence();
+  frame.curve_revision = message.curve_revision();
+  frame.statistics = message.statistics();
+  if (message.has_error()) {
+    frame.error = absl::Status(static_cast<absl::StatusCode>(message.error().code()), message.error().message());
+    if (frame.error.ok()) frame.error = absl::UnknownError(message.error().message());
+    return frame;
+  }
+  if (message.kind() != v1::FRAME_KIND_KEY) {
+    return absl::DataLossError(
+        absl::StrCat("frame ", message.sequence(), " is of kind ", message.kind(), ", which is not known"));
+  }
+  absl::StatusOr<Points> points = decode_block(message.points());
+  if (!points.ok()) return points.status();
+  frame.points = *std::move(points);
+  frame.encoded_bytes = encoded_bytes(message.points());
+  frame.decode_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return frame;
+}
+
+}  // namespace
+
+struct ViewStream::State {
+  State(std::unique_ptr<ViewCall> view_call, std::stop_token stop_token)
+      : call(std::move(view_call)), stop(std::move(stop_token)), reader([this] { read_frames(); }) {}
+
+  ~State() {
+    {
+      const std::lock_guard lock(mutex);
+      closing = true;
+    }
+    changed.notify_all();
+    call->cancel();
+    reader.join();
+  }
+
+  void read_frames() {
+    v1::StreamViewsResponse response;
+    while (call->read(&response)) {
+      std::unique_lock lock(mutex);
+      changed.wait(lock, [this] { return closing || queue.size() < kMaxQueuedFrames; });
+      if (!closing) queue.push_back(std::move(*response.mutable_frame()));
+      lock.unlock();
+      changed.notify_all();
+      response.Clear();
+    }
+    absl::Status status = call->finish();
+    if (stop.stop_requested()) status = absl::CancelledError("cancelled");
+    const std::lock_guard lock(mutex);
+    ended = std::move(status);
+    changed.notify_all();
+  }
+
+  bool write(const v1::StreamViewsRequest& request) {
+    const std::lock_guard lock(write_mutex);
+    return writing && call->write(request);
+  }
+
+  std::unique_ptr<ViewCall> call;
+  std::stop_token stop;
+  std::mutex write_mutex;           // gRPC takes one write at a time
+  std::uint64_t last_sequence = 0;  // under write_mutex, as the following
+  bool writing = true;              // until close()
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<v1::PointFrame> queue;  // under mutex, as the following
+  std::optional<absl::Status> ended;
+  bool closing = false;
+
+  std::thread reader;  // last: it uses all of the above
+};
+
+ViewStream::ViewStream(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ViewStream::~ViewStream() = default;
+
+std::unique_ptr<ViewStream> ViewStream::open(Connection& connection, const std::string& session_id, std::stop_token stop) {
+  auto state = std::make_unique<State>(connection.stream_views(stop), stop);
+  v1::StreamViewsRequest request;
+  request.mutable_open()->set_session_id(session_id);
+  state->write(request);  // a failure shows in the stream's status
+  return std::unique_ptr<ViewStream>(new ViewStream(std::move(state)));
+}
+
+absl::StatusOr<std::uint64_t> ViewStream::send_view(const v1::SampleRequest& sample) {
+  v1::StreamViewsRequest request;
+  *request.mutable_view()->mutable_sample() = sample;
+  {
+    const std::lock_guard lock(state_->write_mutex);
+    request.mutable_view()->set_sequence(++state_->last_sequence);
+    if (!state_->writing) return absl::FailedPreconditionError("the stream is closed");
+    if (state_->call->write(request)) return request.view().sequence();
+  }
+  std::unique_lock lock(state_->mutex);
+  state_->changed.wait(lock, [this] { return state_->ended.has_value(); });
+  return state_->ended->ok() ? absl::AbortedError("the server has ended the stream") : *state_->ended;
+}
+
+absl::StatusOr<Frame> ViewStream::next_frame(std::chrono::milliseconds timeout) {
+  v1::PointFrame message;
+  {
+    std::unique_lock lock(state_->mutex);
+    const auto ready = [this] { return !state_->queue.empty() || state_->ended.has_value(); };
+    if (!state_->changed.wait_for(lock, timeout, ready)) {
+      return absl::DeadlineExceededError(absl::StrCat("no frame within ", timeout.count(), " ms"));
+    }
+    if (state_->queue.empty()) {
+      return state_->ended->ok() ? absl::AbortedError("the server has ended the stream") : *state_->ended;
+    }
+    message = std::move(state_->queue.front());
+    state_->queue.pop_front();
+  }
+  state_->changed.notify_all();
+  // Before decoding, so that the server prepares the next frame meanwhile.
+  v1::StreamViewsRequest request;
+  request.mutable_ack()->set_sequence(message.sequence());
+  state_->write(request);
+  return decode_frame(message);
+}
+
+absl::Status ViewStream::close() {
+  {
+    const std::lock_guard lock(state_->write_mutex);
+    if (std::exchange(state_->writing, false)) state_->call->writes_done();
+  }
+  std::unique_lock lock(state_->mutex);
+  while (!state_->ended) {
+    state_->queue.clear();
+    state_->changed.notify_all();
+    state_->changed.wait(lock);
+  }
+  return *state_->ended;
+}
+
+}  // namespace curvecast::client

@@ -1,0 +1,54 @@
+// A conversation with a session: views out, frames in.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+#include <string>
+
+#include "client/lib/connection.h"
+#include "client/lib/points.h"
+#include "curvecast/v1/curvecast.pb.h"
+
+namespace curvecast::client {
+
+struct Frame {
+  std::uint64_t sequence = 0;  // of the view that it answers
+  std::uint64_t curve_revision = 0;
+  Points points;  // replaces the frame before it; empty when `error` is set
+  v1::FrameStatistics statistics;
+  std::uint64_t encoded_bytes = 0;  // of the points on the wire
+  double decode_seconds = 0;
+  absl::Status error;  // why the server refused the view; the stream goes on
+};
+
+/// Thread-safe, but a frame goes to one caller of next_frame() only.
+class ViewStream {
+ public:
+  /// Opens the stream; a server that refuses says so in the first next_frame(). `stop` ends the stream with Cancelled.
+  static std::unique_ptr<ViewStream> open(Connection& connection, const std::string& session_id, std::stop_token stop = {});
+  ViewStream(const ViewStream&) = delete;
+  ViewStream& operator=(const ViewStream&) = delete;
+  ~ViewStream();  // closes at once
+
+  /// Asks for a view and returns its sequence number. The newest view wins: one that is overtaken gets no frame. After the
+  /// stream's end, its status.
+  absl::StatusOr<std::uint64_t> send_view(const v1::SampleRequest& sample);
+
+  /// Waits for the next frame, acknowledges it, and decodes it. DeadlineExceeded after `timeout`, DataLoss for a frame that
+  /// cannot be decoded, Aborted when the server has ended the stream in order, else the status it ended with.
+  absl::StatusOr<Frame> next_frame(std::chrono::milliseconds timeout);
+
+  /// Sends no more, waits for the server to end the stream and returns its status. Frames not taken are dropped.
+  absl::Status close();
+
+ private:
+  struct State;
+  explicit ViewStream(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace curvecast::client

@@ -1,0 +1,73 @@
+#include "core/codec/draco_codec.h"
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+#include <draco/compression/encode.h>
+#include <draco/point_cloud/point_cloud_builder.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace curvecast {
+namespace {
+
+absl::Status check(const PointSet& points, const DracoOptions& options) {
+  if (points.size() == 0) return absl::InvalidArgumentError("there are no points to encode");
+  if (options.position_bits < 1 || options.position_bits > 30) {
+    return absl::InvalidArgumentError(absl::StrFormat("position_bits = %d; it must lie in 1 .. 30", options.position_bits));
+  }
+  if (options.normal_bits < 2 || options.normal_bits > 30) {
+    return absl::InvalidArgumentError(absl::StrFormat("normal_bits = %d; it must lie in 2 .. 30", options.normal_bits));
+  }
+  if (!options.box_min.allFinite() || !(options.box_size > 0) || !std::isfinite(options.box_size)) {
+    return absl::InvalidArgumentError("the lattice's box must be finite and larger than nothing");
+  }
+  return absl::OkStatus();
+}
+
+/// Radii as one byte each, evenly spaced in the logarithm: the error stays in proportion.
+std::vector<std::uint8_t> radius_codes(const std::vector<float>& radii, float& smallest, float& largest) {
+  const auto [low, high] = std::minmax_element(radii.begin(), radii.end());
+  smallest = *low;
+  largest = *high;
+  std::vector<std::uint8_t> codes(radii.size(), 0);
+  if (!(largest > smallest)) return codes;
+  const float scale = 255 / std::log(largest / smallest);
+  for (std::size_t i = 0; i < radii.size(); ++i) {
+    codes[i] = static_cast<std::uint8_t>(std::lround(std::clamp(scale * std::log(radii[i] / smallest), 0.0f, 255.0f)));
+  }
+  return codes;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> encode_draco(const PointSet& points, const DracoOptions& options, float* radius_min,
+                                         float* radius_max) {
+  if (absl::Status status = check(points, options); !status.ok()) return status;
+  const std::vector<std::uint8_t> codes = radius_codes(points.radii, *radius_min, *radius_max);
+  try {
+    draco::PointCloudBuilder builder;
+    builder.Start(static_cast<draco::PointIndex::ValueType>(points.size()));
+    const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+    const int normal = builder.AddAttribute(draco::GeometryAttribute::NORMAL, 3, draco::DT_FLOAT32);
+    const int radius = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 1, draco::DT_UINT8);
+    builder.SetAttributeValuesForAllPoints(position, points.positions.data(), sizeof(Vec3f));
+    builder.SetAttributeValuesForAllPoints(normal, points.normals.data(), sizeof(Vec3f));
+    builder.SetAttributeValuesForAllPoints(radius, codes.data(), sizeof(std::uint8_t));
+    const std::unique_ptr<draco::PointCloud> cloud = builder.Finalize(/*deduplicate_points=*/false);
+    draco::Encoder encoder;
+    encoder.SetEncodingMethod(draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+    const Vec3f corner = options.box_min.cast<float>();
+    encoder.SetAttributeExplicitQuantization(draco::GeometryAttribute::POSITION, options.position_bits, 3, corner.data(),
+                                             static_cast<float>(options.box_size));
+    encoder.SetAttributeQuantization(draco::GeometryAttribute::NORMAL, options.normal_bits);
+    draco::EncoderBuffer buffer;
+    const draco::Status status = encoder.EncodePointCloudToBuffer(*cloud, &buffer);
+    if (!status.ok()) return absl::InternalError(absl::StrCat("Draco could not encode the points: ", status.error_msg_string()));
+    return std::string(buffer.data(), buffer.size());
+  } catch (const std::exception& error) {
+    return absl::InternalError(absl::StrCat("Draco could not encode the points: ", error.what()));
+  }
+}
+
+}  // namespace curvecast

@@ -1,0 +1,40 @@
+// The adaptive Hilbert curve: leaves of a quadtree over the parameter square, in curve order (paper, section 3.2; Quinn, Langbein,
+// Martin, Elber, "Density-controlled sampling of parametric surfaces using adaptive space-filling curves", 2006).
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/curve/hilbert.h"
+#include "core/execution_context.h"
+#include "core/flatten/flatten.h"
+
+namespace curvecast {
+
+struct QuadtreeLeaves {
+  std::vector<std::uint64_t> key;             // L, ascending: Hilbert index of the leaf's first cell at kMaxLevel
+  std::vector<std::uint8_t> level;            // L
+  std::vector<std::uint32_t> triangle_begin;  // L + 1 offsets into `triangles`
+  std::vector<std::uint32_t> triangles;       // triangles of the disc that overlap or touch each leaf; at least one
+
+  std::size_t size() const { return key.size(); }
+};
+
+/// A leaf's square in [0, 1]^2.
+struct Quad {
+  Vec2d corner;  // lower left
+  double side;
+};
+Quad leaf_quad(std::uint64_t key, std::uint8_t level);
+
+/// Divides the square until each leaf, as one curve vertex, is enough for every triangle that it overlaps: a triangle t wants
+/// demand[t] curve vertices per unit of uv area. Leaves that meet no triangle are left out. At most `max_leaves` (>= 1024):
+/// where more are wanted the highest demands are lowered until they fit. The same leaves for any number of threads.
+/// Cancelled when the context says so.
+absl::StatusOr<QuadtreeLeaves> build_quadtree(const Chart& chart, std::span<const double> demand, std::size_t max_leaves,
+                                              const ExecutionContext& context = {});
+
+}  // namespace curvecast

@@ -1,0 +1,15 @@
+// Exact area elements: the surface area that lies under each leaf (paper, section 3.4).
+#pragma once
+
+#include <span>
+
+#include "core/curve/adaptive_quadtree.h"
+#include "core/flatten/flatten.h"
+
+namespace curvecast {
+
+/// Writes the surface area under each leaf to `area` (L entries, squared units): the sum over its triangles of the area that they
+/// share in the parameter square, times the triangle's area ratio. Over all leaves they add up to the chart's surface area.
+void area_elements(const Chart& chart, const QuadtreeLeaves& leaves, std::span<float> area);
+
+}  // namespace curvecast

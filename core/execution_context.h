@@ -1,0 +1,28 @@
+// Progress, cancellation and parallelism of a long computation, passed down as one small value.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <atomic>
+#include <functional>
+#include <string_view>
+
+namespace curvecast {
+
+struct ExecutionContext {
+  /// Called from the computing thread with the stage's name (a literal) and its fraction done in [0, 1]. May be empty.
+  std::function<void(std::string_view stage, double fraction)> on_progress;
+  /// Set by anyone, at any time, to stop the work. May be null.
+  const std::atomic<bool>* cancel = nullptr;
+  /// Threads to use; 0 = one per core. Results never depend on it.
+  int threads = 0;
+
+  void progress(std::string_view stage, double fraction) const {
+    if (on_progress) on_progress(stage, fraction);
+  }
+  bool cancelled() const { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
+  /// OK, or CancelledError once `cancel` is set.
+  absl::Status check() const { return cancelled() ? absl::CancelledError("cancelled") : absl::OkStatus(); }
+};
+
+}  // namespace curvecast

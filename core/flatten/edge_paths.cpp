@@ -1,0 +1,77 @@
+#include "core/flatten/edge_paths.h"
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <queue>
+
+namespace curvecast {
+
+EdgePaths::EdgePaths(const TriangleMesh& mesh) : mesh_(mesh), begin_(mesh.vertex_count() + 1, 0) {
+  const auto for_each_end = [&](auto&& visit) {
+    for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
+      visit(mesh.from(h), h);
+      if (mesh.twins[h] == kNone) visit(mesh.to(h), h);
+    }
+  };
+  for_each_end([&](std::uint32_t v, std::uint32_t) { ++begin_[v + 1]; });
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  halfedges_.resize(begin_.back());
+  std::vector<std::uint32_t> cursor(begin_.begin(), begin_.end() - 1);
+  for_each_end([&](std::uint32_t v, std::uint32_t h) { halfedges_[cursor[v]++] = h; });
+  clear();
+}
+
+void EdgePaths::clear() {
+  distance_.assign(mesh_.vertex_count(), std::numeric_limits<double>::infinity());
+  parent_.assign(mesh_.vertex_count(), kNone);
+}
+
+void EdgePaths::add_sources(std::span<const std::uint32_t> vertices) {
+  using Entry = std::pair<double, std::uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (const std::uint32_t v : vertices) {
+    distance_[v] = 0;
+    parent_[v] = kNone;
+    queue.emplace(0.0, v);
+  }
+  while (!queue.empty()) {
+    const auto [d, v] = queue.top();
+    queue.pop();
+    if (d > distance_[v]) continue;
+    for (std::uint32_t i = begin_[v]; i < begin_[v + 1]; ++i) {
+      const std::uint32_t h = halfedges_[i];
+      const std::uint32_t w = mesh_.from(h) == v ? mesh_.to(h) : mesh_.from(h);
+      const double through = d + (mesh_.positions[w] - mesh_.positions[v]).norm();
+      if (through < distance_[w]) {
+        distance_[w] = through;
+        parent_[w] = h;
+        queue.emplace(through, w);
+      }
+    }
+  }
+}
+
+std::uint32_t EdgePaths::parent(std::uint32_t v) const {
+  const std::uint32_t h = parent_[v];
+  return mesh_.from(h) == v ? mesh_.to(h) : mesh_.from(h);
+}
+
+std::uint32_t EdgePaths::source(std::uint32_t v) const {
+  while (parent_[v] != kNone) v = parent(v);
+  return v;
+}
+
+std::uint32_t EdgePaths::farthest() const {
+  std::uint32_t best = 0;
+  double largest = -1;
+  for (std::uint32_t v = 0; v < distance_.size(); ++v) {
+    if (std::isfinite(distance_[v]) && distance_[v] > largest) {
+      largest = distance_[v];
+      best = v;
+    }
+  }
+  return best;
+}
+
+}  // namespace curvecast

@@ -1,0 +1,20 @@
+// What a mesh file holds, before any repair: positions and polygons over them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/vec.h"
+
+namespace curvecast {
+
+struct PolygonSoup {
+  std::vector<Vec3d> positions;              // V, in the file's units, all finite
+  std::vector<std::uint32_t> polygon_begin;  // P + 1 offsets into `indices`, ascending, first 0
+  std::vector<std::uint32_t> indices;        // vertex of each polygon corner, all < V
+  bool shares_vertices = true;               // false: every polygon has vertices of its own (STL), to be welded
+
+  std::size_t polygon_count() const { return polygon_begin.empty() ? 0 : polygon_begin.size() - 1; }
+};
+
+}  // namespace curvecast

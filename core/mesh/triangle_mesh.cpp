@@ -1,0 +1,23 @@
+#include "core/mesh/triangle_mesh.h"
+
+namespace curvecast {
+
+double triangle_area(const TriangleMesh& mesh, std::size_t f) {
+  const Triangle& t = mesh.triangles[f];
+  const Vec3d& a = mesh.positions[t[0]];
+  return 0.5 * (mesh.positions[t[1]] - a).cross(mesh.positions[t[2]] - a).norm();
+}
+
+double surface_area(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) sum += triangle_area(mesh, f);
+  return sum;
+}
+
+Box3d bounding_box(const TriangleMesh& mesh) {
+  Box3d box;
+  for (const Vec3d& p : mesh.positions) box.extend(p);
+  return box;
+}
+
+}  // namespace curvecast

@@ -1,0 +1,213 @@
+#include "core/pipeline.h"
+
+#include <absl/strings/str_format.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/curve/adaptive_quadtree.h"
+#include "core/curve/area_element.h"
+#include "core/curve/surface_map.h"
+#include "core/flatten/distortion.h"
+#include "core/flatten/flatten.h"
+#include "core/mesh/curvature.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/topology.h"
+#include "core/stopwatch.h"
+
+namespace curvecast {
+namespace {
+
+constexpr double kMaxOmega = 1000;
+// Leaves to allow for each vertex wanted: powers of four and mixed neighbourhoods cost a factor of 3 or so.
+constexpr double kLeavesPerVertex = 64;
+constexpr double kMostLeaves = 1e9;
+
+absl::Status check(const PreprocessOptions& options) {
+  if (options.points < 1 || options.points > kMaxPoints) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("max_points = %d; it must lie in 1 .. %d", options.points, kMaxPoints));
+  }
+  if (!(options.omega >= 1 && options.omega <= kMaxOmega)) {
+    return absl::InvalidArgumentError(absl::StrFormat("omega = %g; it must lie in 1 .. %g", options.omega, kMaxOmega));
+  }
+  return absl::OkStatus();
+}
+
+/// A message that says which file it is about.
+absl::Status about(std::string_view name, const absl::Status& status) {
+  return absl::Status(status.code(), absl::StrFormat("%s: %s", name, status.message()));
+}
+
+struct LoadedMesh {
+  TriangleMesh mesh;
+  MeshInfo info;
+};
+
+absl::StatusOr<LoadedMesh> load(std::string_view name, std::span<const char> bytes, const ExecutionContext& context,
+                                StageSeconds& seconds) {
+  Stopwatch watch;
+  context.progress("read", 0);
+  absl::StatusOr<MeshFormat> format = detect_mesh_format(name, bytes);
+  if (!format.ok()) return format.status();
+  absl::StatusOr<PolygonSoup> soup = read_mesh(name, bytes, context);
+  if (!soup.ok()) return soup.status();
+  context.progress("read", 1);
+  seconds.read = watch.lap();
+  absl::StatusOr<RepairedMesh> repaired = repair(*soup, context);
+  if (!repaired.ok()) return about(name, repaired.status());
+  LoadedMesh loaded;
+  loaded.mesh = std::move(repaired->mesh);
+  const Topology topology = analyse_topology(loaded.mesh);
+  constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl"};
+  loaded.info = {.format = kFormatNames[static_cast<int>(*format)],
+                 .file_vertices = soup->positions.size(),
+                 .file_polygons = soup->polygon_count(),
+                 .vertices = loaded.mesh.vertex_count(),
+                 .faces = loaded.mesh.face_count(),
+                 .components = topology.components,
+                 .genus = topology.genus,
+                 .boundary_loops = topology.boundary_loops,
+                 .area = surface_area(loaded.mesh),
+                 .box = bounding_box(loaded.mesh),
+                 .repairs = repaired->report};
+  seconds.repair = watch.lap();
+  return loaded;
+}
+
+/// Where positions are taken relative to: the box's centre if floats would be too coarse so far out.
+Vec3d choose_origin(const Box3d& box) {
+  constexpr double kFarOut = 100;
+  const double reach = std::max(box.min.norm(), box.max.norm());
+  return reach > kFarOut * box.diagonal() ? box.center() : Vec3d(Vec3d::Zero());
+}
+
+Distortion measure_distortion(const std::vector<Chart>& charts, double total_area) {
+  std::vector<AreaShare> shares;
+  const double mean = total_area / static_cast<double>(charts.size());  // every chart fills a square of area 1
+  for (const Chart& chart : charts) {
+    for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
+      const Triangle& v = chart.disc.triangles[t];
+      const Vec2d p = chart.uv[v[1]] - chart.uv[v[0]];
+      const Vec2d q = chart.uv[v[2]] - chart.uv[v[0]];
+      const double uv_area = 0.5 * (p.x() * q.y() - p.y() * q.x());
+      shares.push_back({uv_area * chart.area_ratio[t], chart.area_ratio[t] / mean});
+    }
+  }
+  return summarise_distortion(std::move(shares));
+}
+
+/// Makes the area elements add up to the surface area exactly; returns how far off they were, relatively.
+double normalise_areas(SurfaceCurve& curve) {
+  double sum = 0;
+  for (const float a : curve.area) sum += static_cast<double>(a);
+  const double factor = curve.total_area / sum;
+  for (float& a : curve.area) a = static_cast<float>(a * factor);
+  return std::abs(sum / curve.total_area - 1);
+}
+
+absl::Status build_curve(const TriangleMesh& mesh, const std::vector<Chart>& charts, const PreprocessOptions& options,
+                         const ExecutionContext& context, SurfaceCurve& curve, PreprocessReport& report) {
+  Stopwatch watch;
+  const double wanted = options.omega * static_cast<double>(options.points);
+  std::vector<QuadtreeLeaves> leaves;
+  leaves.reserve(charts.size());
+  curve.disc_begin.assign(1, 0);
+  std::size_t count = 0;
+  for (const Chart& chart : charts) {
+    context.progress("curve", static_cast<double>(leaves.size()) / static_cast<double>(charts.size()));
+    std::vector<double> demand(chart.area_ratio.size());
+    double share = 0;
+    for (std::size_t t = 0; t < demand.size(); ++t) {
+      demand[t] = wanted * chart.area_ratio[t] / curve.total_area;
+      const Triangle& v = chart.disc.triangles[t];
+      const Vec2d p = chart.uv[v[1]] - chart.uv[v[0]];
+      const Vec2d q = chart.uv[v[2]] - chart.uv[v[0]];
+      share += 0.5 * (p.x() * q.y() - p.y() * q.x()) * demand[t];
+    }
+    const auto most = static_cast<std::size_t>(std::min(kLeavesPerVertex * share + 1e6, kMostLeaves));
+    absl::StatusOr<QuadtreeLeaves> built = build_quadtree(chart, demand, most, context);
+    if (!built.ok()) return built.status();
+    leaves.push_back(*std::move(built));
+    count += leaves.back().size();
+    if (count >= kNone) return absl::ResourceExhaustedError("the curve would need more than 2^32 vertices: ask for fewer points");
+    curve.disc_begin.push_back(static_cast<std::uint32_t>(count));
+  }
+  report.seconds.curve = watch.lap();
+
+  context.progress("map", 0);
+  curve.resize(count);
+  const DifferentialGeometry geometry = differential_geometry(mesh);
+  for (std::size_t d = 0; d < charts.size(); ++d) {
+    map_to_surface(mesh, geometry, charts[d], leaves[d], curve.disc_begin[d], curve);
+  }
+  report.max_level = *std::max_element(curve.level.begin(), curve.level.end());
+  report.seconds.map = watch.lap();
+  if (absl::Status status = context.check(); !status.ok()) return status;
+
+  context.progress("area", 0);
+  for (std::size_t d = 0; d < charts.size(); ++d) {
+    area_elements(charts[d], leaves[d], std::span(curve.area).subspan(curve.disc_begin[d], leaves[d].size()));
+  }
+  report.area_error = normalise_areas(curve);
+  curve.reference_curvature = reference_curvatures(curve);
+  context.progress("area", 1);
+  report.seconds.area = watch.lap();
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Preprocessed> preprocess_here(std::string_view name, std::span<const char> bytes,
+                                             const PreprocessOptions& options, const ExecutionContext& context) {
+  if (absl::Status status = check(options); !status.ok()) return status;
+  Stopwatch watch;
+  PreprocessReport report;
+  absl::StatusOr<LoadedMesh> loaded = load(name, bytes, context, report.seconds);
+  if (!loaded.ok()) return loaded.status();
+  report.mesh = loaded->info;
+  FlattenTimes times;
+  absl::StatusOr<std::vector<Chart>> charts = flatten(loaded->mesh, {}, context, times);
+  if (!charts.ok()) return charts.status();
+  report.seconds.cut = times.cut;
+  report.seconds.parameterise = times.parameterise;
+  report.discs = static_cast<std::uint32_t>(charts->size());
+  for (const Chart& chart : *charts) report.flipped_triangles += count_flipped(chart.disc, chart.uv);
+  const Distortion distortion = measure_distortion(*charts, report.mesh.area);
+  report.distortion_p50 = distortion.p50;
+  report.distortion_p99 = distortion.p99;
+  report.distortion_max = distortion.max;
+
+  auto curve = std::make_shared<SurfaceCurve>();
+  curve->total_area = report.mesh.area;
+  curve->box = report.mesh.box;
+  curve->origin = choose_origin(report.mesh.box);
+  curve->max_points = options.points;
+  if (absl::Status status = build_curve(loaded->mesh, *charts, options, context, *curve, report); !status.ok()) return status;
+  report.curve_vertices = curve->size();
+  report.curve_bytes = curve->byte_size();
+  report.seconds.total = watch.lap();
+  return Preprocessed{std::move(curve), report};
+}
+
+/// Runs the stages on as many threads as the context allows.
+template <typename Function>
+auto with_threads(const ExecutionContext& context, Function&& function) {
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  return arena.execute(std::forward<Function>(function));
+}
+
+}  // namespace
+
+absl::StatusOr<MeshInfo> inspect_mesh(std::string_view name, std::span<const char> bytes, const ExecutionContext& context) {
+  StageSeconds seconds;
+  absl::StatusOr<LoadedMesh> loaded = load(name, bytes, context, seconds);
+  if (!loaded.ok()) return loaded.status();
+  return loaded->info;
+}
+
+absl::StatusOr<Preprocessed> preprocess(std::string_view name, std::span<const char> bytes, const PreprocessOptions& options,
+                                        const ExecutionContext& context) {
+  return with_threads(context, [&] { return preprocess_here(name, bytes, options, context); });
+}
+
+}  // namespace curvecast

@@ -1,0 +1,144 @@
+#include "server/client_stream.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <utility>
+
+#include "server/guarded.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr std::size_t kMaxUnacknowledged = 2;
+
+}  // namespace
+
+ClientStream::ClientStream(Transport* transport, Hooks hooks) : transport_(transport), hooks_(std::move(hooks)) {}
+
+void ClientStream::receive(const v1::StreamViewsRequest& request) {
+  const std::lock_guard lock(mutex_);
+  if (ended_ || ending_) return;
+  const auto kind = request.request_case();
+  if (kind == v1::StreamViewsRequest::REQUEST_NOT_SET) {
+    ending_ = absl::InvalidArgumentError("the message holds neither open, view nor ack");
+  } else if (kind == v1::StreamViewsRequest::kOpen) {
+    open(request.open());
+  } else if (session_ == nullptr) {
+    ending_ = absl::InvalidArgumentError("the first message must be open");
+  } else if (kind == v1::StreamViewsRequest::kView) {
+    view(request.view());
+  } else {
+    acknowledge(request.ack().sequence());
+  }
+  advance();
+}
+
+void ClientStream::half_close() {
+  const std::lock_guard lock(mutex_);
+  half_closed_ = true;
+  if (session_ == nullptr && !ending_) ending_ = absl::InvalidArgumentError("the stream ended before open");
+  advance();
+}
+
+void ClientStream::sent(bool ok) {
+  const std::lock_guard lock(mutex_);
+  sending_ = false;
+  if (!ok && !ending_) ending_ = absl::CancelledError("the client has gone");
+  advance();
+}
+
+void ClientStream::stop(const absl::Status& reason) {
+  const std::lock_guard lock(mutex_);
+  if (!ending_) ending_ = reason;
+  advance();
+}
+
+void ClientStream::open(const v1::OpenView& request) {
+  if (session_ != nullptr) {
+    ending_ = absl::InvalidArgumentError("open was sent twice; use a stream for each session");
+    return;
+  }
+  auto session = hooks_.find(request.session_id());
+  if (session.ok()) {
+    session_ = *std::move(session);
+  } else {
+    ending_ = session.status();
+  }
+}
+
+void ClientStream::view(const v1::ViewUpdate& update) {
+  if (last_view_ && update.sequence() <= *last_view_) {
+    ending_ = absl::InvalidArgumentError(
+        absl::StrCat("view.sequence is ", update.sequence(), " after ", *last_view_, "; number the views upwards"));
+    return;
+  }
+  last_view_ = update.sequence();
+  pending_ = View{update.sequence(), to_sample(update.sample())};
+}
+
+void ClientStream::acknowledge(std::uint64_t sequence) {
+  // Taken at its word, an acknowledgement ahead of its frame would let frames pile up for a client that reads none.
+  if (!last_sent_ || sequence > *last_sent_) {
+    ending_ = absl::InvalidArgumentError(absl::StrCat("ack.sequence is ", sequence, ", which no frame sent so far has reached"));
+    return;
+  }
+  while (!unacknowledged_.empty() && unacknowledged_.front() <= sequence) unacknowledged_.pop_front();
+}
+
+void ClientStream::start(View next) {
+  if (!next.sample.ok()) {
+    queue_frame(next.sequence, next.sample.status());
+    return;
+  }
+  const absl::Status accepted =
+      hooks_.submit([self = shared_from_this(), session = session_, sequence = next.sequence, sample = *std::move(next.sample)] {
+        auto frame = guarded([&] { return self->hooks_.answer(*session, sample); });
+        const std::lock_guard lock(self->mutex_);
+        self->computing_ = false;
+        self->queue_frame(sequence, std::move(frame));
+        self->advance();
+      });
+  if (accepted.ok()) {
+    computing_ = true;
+  } else {
+    queue_frame(next.sequence, accepted);
+  }
+}
+
+void ClientStream::queue_frame(std::uint64_t sequence, absl::StatusOr<v1::PointFrame> frame) {
+  if (ending_) return;
+  v1::StreamViewsResponse response;
+  if (frame.ok()) {
+    *response.mutable_frame() = *std::move(frame);
+  } else {
+    *response.mutable_frame()->mutable_error() = to_proto(frame.status());
+  }
+  response.mutable_frame()->set_sequence(sequence);
+  outbox_.push_back(std::move(response));
+  unacknowledged_.push_back(sequence);
+}
+
+void ClientStream::advance() {
+  if (ended_) return;
+  if (!ending_ && pending_ && !computing_ && (unacknowledged_.size() < kMaxUnacknowledged || half_closed_)) {
+    start(*std::exchange(pending_, std::nullopt));
+  }
+  if (!ending_ && half_closed_ && !computing_ && outbox_.empty() && !sending_) ending_ = absl::OkStatus();
+  if (ending_) {
+    pending_.reset();
+    outbox_.clear();
+    if (sending_) return;
+    ended_ = true;
+    session_.reset();
+    transport_->end(*ending_);
+    return;
+  }
+  if (!sending_ && !outbox_.empty()) {
+    sending_ = true;
+    last_sent_ = outbox_.front().frame().sequence();
+    transport_->send(std::move(outbox_.front()));
+    outbox_.pop_front();
+  }
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,337 @@
+#include "server/convert.h"
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+#include <Eigen/Geometry>
+
+#include <bit>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace curvecast::server {
+namespace {
+
+constexpr int kMaxTerms = 16;
+constexpr double kMaxOmega = 1000;
+// More than 5 GB of curve: what the two options may ask for together.
+constexpr double kMaxCurveVertices = 1e8;
+
+// The first error of many checks, so that a converter reads like the message that it converts.
+class Checker {
+ public:
+  const absl::Status& status() const { return status_; }
+  bool ok() const { return status_.ok(); }
+
+  void fail(const std::string& field, const std::string& problem) {
+    if (status_.ok()) status_ = absl::InvalidArgumentError(absl::StrCat(field, " ", problem));
+  }
+  /// Finite, or an error.
+  double finite(const std::string& field, double value) {
+    if (!std::isfinite(value)) fail(field, "is not finite");
+    return value;
+  }
+  template <class Number>
+  Number in_range(const std::string& field, Number value, Number low, Number high) {
+    if (!(value >= low && value <= high)) {  // written so that a NaN fails
+      fail(field, absl::StrCat("is ", value, "; it must be from ", low, " to ", high));
+    }
+    return value;
+  }
+  Vec3d vector(const std::string& field, const v1::Vec3& v) {
+    return {finite(field + ".x", v.x()), finite(field + ".y", v.y()), finite(field + ".z", v.z())};
+  }
+
+ private:
+  absl::Status status_;
+};
+
+// Of the same direction; lengths from the smallest to the largest doubles neither vanish nor overflow.
+Vec3d direction(const Vec3d& v) { return (v / v.cwiseAbs().maxCoeff()).normalized(); }
+
+// Returns the eye.
+Vec3d check_camera(Checker& check, const std::string& field, const v1::Camera& camera) {
+  const Vec3d eye = check.vector(field + ".eye", camera.eye());
+  const Vec3d target = check.vector(field + ".target", camera.target());
+  const Vec3d up = camera.has_up() ? check.vector(field + ".up", camera.up()) : Vec3d::UnitY();
+  const double fov = camera.vertical_fov_degrees();
+  if (!(fov == 0 || (fov > 0 && fov < 180))) {
+    check.fail(field + ".vertical_fov_degrees", absl::StrCat("is ", fov, "; it must lie between 0 and 180, or be 0 for 45"));
+  }
+  if (!check.ok()) return eye;
+  const Vec3d view = 0.5 * target - 0.5 * eye;
+  if (view.isZero(0)) {
+    check.fail(field, "looks nowhere: eye and target are the same point");
+  } else if (up.isZero(0)) {
+    check.fail(field + ".up", "has no length");
+  } else if (direction(view).cross(direction(up)).norm() < 1e-9) {
+    check.fail(field + ".up", "is along the view; choose another direction");
+  }
+  return eye;
+}
+
+CurvatureTerm to_core(Checker& check, const std::string& field, const v1::CurvatureDensity& in) {
+  CurvatureTerm term;
+  switch (in.kind()) {
+    case v1::CURVATURE_KIND_UNSPECIFIED:
+    case v1::CURVATURE_KIND_GAUSS:
+      term.kind = CurvatureKind::kGauss;
+      break;
+    case v1::CURVATURE_KIND_MEAN:
+      term.kind = CurvatureKind::kMean;
+      break;
+    case v1::CURVATURE_KIND_MAX:
+      term.kind = CurvatureKind::kMax;
+      break;
+    default:
+      check.fail(field + ".kind", absl::StrCat("has the unknown value ", static_cast<int>(in.kind())));
+  }
+  if (in.has_exponent()) {
+    term.exponent = check.finite(field + ".exponent", in.exponent());
+    if (term.exponent < 0) check.fail(field + ".exponent", absl::StrCat("is ", term.exponent, "; it must not be negative"));
+  }
+  if (in.has_floor()) term.floor = check.in_range(field + ".floor", in.floor(), 0.0, 1.0);
+  return term;
+}
+
+ViewTerm to_core(Checker& check, const std::string& field, const v1::ViewDensity& in, const std::optional<Vec3d>& eye) {
+  ViewTerm term;
+  if (!eye) {
+    check.fail(field, "needs sample.camera");
+  } else {
+    term.eye = *eye;
+  }
+  if (in.has_s0()) {
+    term.s0 = check.finite(field + ".s0", in.s0());
+    if (term.s0 <= 0) check.fail(field + ".s0", absl::StrCat("is ", term.s0, "; it must be above 0"));
+  }
+  return term;
+}
+
+std::optional<DracoOptions> to_core(Checker& check, const v1::Encoding& in) {
+  if (in.has_raw()) return std::nullopt;
+  DracoOptions draco;
+  if (const auto bits = in.draco().position_bits(); bits != 0) {
+    draco.position_bits = static_cast<int>(check.in_range("sample.encoding.draco.position_bits", bits, 1u, 30u));
+  }
+  if (const auto bits = in.draco().normal_bits(); bits != 0) {
+    draco.normal_bits = static_cast<int>(check.in_range("sample.encoding.draco.normal_bits", bits, 2u, 30u));
+  }
+  return draco;
+}
+
+Sequence to_core(Checker& check, v1::Sequence in) {
+  switch (in) {
+    case v1::SEQUENCE_UNSPECIFIED:
+    case v1::SEQUENCE_JITTERED:
+      return Sequence::kJittered;
+    case v1::SEQUENCE_REGULAR:
+      return Sequence::kRegular;
+    default:
+      check.fail("sample.sequence", absl::StrCat("has the unknown value ", static_cast<int>(in)));
+      return Sequence::kJittered;
+  }
+}
+
+void set(v1::Vec3* out, const Vec3d& in) {
+  out->set_x(in.x());
+  out->set_y(in.y());
+  out->set_z(in.z());
+}
+
+v1::SessionOptions to_proto(const PreprocessOptions& options) {
+  v1::SessionOptions out;
+  out.set_max_points(options.points);
+  out.set_omega(options.omega);
+  return out;
+}
+
+v1::PreprocessReport to_proto(const PreprocessReport& report, const std::string& mesh_name, std::uint64_t peak_bytes) {
+  v1::PreprocessReport out;
+  *out.mutable_mesh() = server::to_proto(report.mesh, mesh_name);
+  out.set_discs(report.discs);
+  out.set_curve_vertices(report.curve_vertices);
+  out.set_max_level(report.max_level);
+  out.set_flipped_triangles(report.flipped_triangles);
+  out.set_area_error(report.area_error);
+  out.mutable_distortion()->set_p50(report.distortion_p50);
+  out.mutable_distortion()->set_p99(report.distortion_p99);
+  out.mutable_distortion()->set_max(report.distortion_max);
+  v1::StageSeconds& seconds = *out.mutable_seconds();
+  seconds.set_read(report.seconds.read);
+  seconds.set_repair(report.seconds.repair);
+  seconds.set_cut(report.seconds.cut);
+  seconds.set_parameterise(report.seconds.parameterise);
+  seconds.set_curve(report.seconds.curve);
+  seconds.set_map(report.seconds.map);
+  seconds.set_area(report.seconds.area);
+  seconds.set_total(report.seconds.total);
+  out.set_curve_bytes(report.curve_bytes);
+  out.set_peak_bytes(peak_bytes);
+  return out;
+}
+
+v1::SessionState to_proto(SessionState state) {
+  switch (state) {
+    case SessionState::kQueued:
+      return v1::SESSION_STATE_QUEUED;
+    case SessionState::kPreprocessing:
+      return v1::SESSION_STATE_PREPROCESSING;
+    case SessionState::kReady:
+      return v1::SESSION_STATE_READY;
+  }
+  return v1::SESSION_STATE_UNSPECIFIED;
+}
+
+template <class T>
+std::string little_endian(const std::vector<T>& values, std::size_t begin, std::size_t count) {
+  static_assert(std::endian::native == std::endian::little && sizeof(T) % sizeof(float) == 0);
+  return std::string(reinterpret_cast<const char*>(values.data() + begin), count * sizeof(T));
+}
+
+PointSet slice(const PointSet& points, std::size_t begin, std::size_t count) {
+  const auto part = [&](const auto& values) {
+    return std::remove_cvref_t<decltype(values)>(values.begin() + begin, values.begin() + begin + count);
+  };
+  return {points.origin, part(points.positions), part(points.normals), part(points.radii), part(points.vertices)};
+}
+
+}  // namespace
+
+absl::StatusOr<Sample> to_sample(const v1::SampleRequest& request) {
+  Checker check;
+  Sample sample;
+  sample.options.points = request.points();
+  if (request.points() == 0) check.fail("sample.points", "is 0; ask for at least one");
+  std::optional<Vec3d> eye;
+  if (request.has_camera()) eye = check_camera(check, "sample.camera", request.camera());
+  if (request.has_viewport()) {
+    if (request.viewport().width() == 0) check.fail("sample.viewport.width", "is 0");
+    if (request.viewport().height() == 0) check.fail("sample.viewport.height", "is 0");
+  }
+  if (request.density_size() > kMaxTerms) {
+    check.fail("sample.density", absl::StrCat("has ", request.density_size(), " terms; at most ", kMaxTerms, " are taken"));
+  }
+  for (int i = 0; check.ok() && i < request.density_size(); ++i) {
+    const std::string field = absl::StrCat("sample.density[", i, "]");
+    const v1::DensityTerm& term = request.density(i);
+    switch (term.term_case()) {
+      case v1::DensityTerm::kUniform:
+        sample.options.density.emplace_back(UniformTerm{});
+        break;
+      case v1::DensityTerm::kCurvature:
+        sample.options.density.emplace_back(to_core(check, field + ".curvature", term.curvature()));
+        break;
+      case v1::DensityTerm::kView:
+        sample.options.density.emplace_back(to_core(check, field + ".view", term.view(), eye));
+        break;
+      case v1::DensityTerm::TERM_NOT_SET:
+        check.fail(field, "holds no term that this server knows");
+        break;
+    }
+  }
+  sample.options.sequence = to_core(check, request.sequence());
+  sample.options.seed = request.seed();
+  sample.draco = to_core(check, request.encoding());
+  if (!check.ok()) return check.status();
+  return sample;
+}
+
+absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions& options) {
+  Checker check;
+  PreprocessOptions out;
+  if (options.max_points() != 0) {
+    out.points = check.in_range<std::uint64_t>("options.max_points", options.max_points(), 1, kMaxPoints);
+  }
+  if (options.omega() != 0) out.omega = check.in_range("options.omega", options.omega(), 1.0, kMaxOmega);
+  if (const double vertices = static_cast<double>(out.points) * out.omega; vertices > kMaxCurveVertices) {
+    check.fail("options.max_points",
+               absl::StrFormat("times omega makes %.0f curve vertices; at most %.0f are made", vertices, kMaxCurveVertices));
+  }
+  if (!check.ok()) return check.status();
+  return out;
+}
+
+v1::MeshInfo to_proto(const MeshInfo& info, const std::string& name) {
+  v1::MeshInfo out;
+  out.set_name(name);
+  out.set_format(info.format);
+  out.set_file_vertices(info.file_vertices);
+  out.set_file_polygons(info.file_polygons);
+  out.set_vertices(info.vertices);
+  out.set_faces(info.faces);
+  out.set_components(info.components);
+  out.set_genus(info.genus);
+  out.set_boundary_loops(info.boundary_loops);
+  out.set_area(info.area);
+  set(out.mutable_box_min(), info.box.min);
+  set(out.mutable_box_max(), info.box.max);
+  v1::Repairs& repairs = *out.mutable_repairs();
+  repairs.set_triangulated_polygons(info.repairs.triangulated_polygons);
+  repairs.set_degenerate_faces(info.repairs.degenerate_faces);
+  repairs.set_duplicate_faces(info.repairs.duplicate_faces);
+  repairs.set_welded_vertices(info.repairs.welded_vertices);
+  repairs.set_unused_vertices(info.repairs.unused_vertices);
+  repairs.set_flipped_faces(info.repairs.flipped_faces);
+  repairs.set_nonmanifold_edges(info.repairs.nonmanifold_edges);
+  repairs.set_split_vertices(info.repairs.split_vertices);
+  return out;
+}
+
+v1::Session to_proto(const Session& session) {
+  v1::Session out;
+  out.set_session_id(session.id);
+  out.set_mesh_id(session.mesh_id);
+  out.set_state(v1::SESSION_STATE_READY);
+  *out.mutable_options() = to_proto(session.options);
+  *out.mutable_report() = to_proto(session.preprocessed.report, session.mesh_name, session.peak_bytes);
+  out.set_curve_revision(session.curve().revision);
+  return out;
+}
+
+v1::Session to_proto(const SessionInfo& info) {
+  if (info.session != nullptr) return to_proto(*info.session);
+  v1::Session out;
+  out.set_session_id(info.id);
+  out.set_mesh_id(info.mesh_id);
+  out.set_state(to_proto(info.state));
+  *out.mutable_options() = to_proto(info.options);
+  return out;
+}
+
+absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
+                                        const std::optional<DracoOptions>& draco) {
+  v1::PointBlock block;
+  block.set_count(static_cast<std::uint32_t>(count));
+  set(block.mutable_origin(), points.origin);
+  if (!draco) {
+    v1::RawPoints& raw = *block.mutable_raw();
+    raw.set_positions(little_endian(points.positions, begin, count));
+    raw.set_normals(little_endian(points.normals, begin, count));
+    raw.set_radii(little_endian(points.radii, begin, count));
+    return block;
+  }
+  // The session's own box, not the block's: all frames and blocks share one lattice.
+  DracoOptions options = *draco;
+  options.box_min = curve.box.min - points.origin;
+  options.box_size = (curve.box.max - curve.box.min).maxCoeff();
+  float radius_min = 0, radius_max = 0;
+  absl::StatusOr<std::string> data = count == points.size()
+                                         ? encode_draco(points, options, &radius_min, &radius_max)
+                                         : encode_draco(slice(points, begin, count), options, &radius_min, &radius_max);
+  if (!data.ok()) return data.status();
+  v1::DracoPoints& out = *block.mutable_draco();
+  out.set_data(*std::move(data));
+  out.set_radius_min(radius_min);
+  out.set_radius_max(radius_max);
+  return block;
+}
+
+v1::FrameError to_proto(const absl::Status& status) {
+  v1::FrameError error;
+  error.set_code(static_cast<std::uint32_t>(status.code()));
+  error.set_message(std::string(status.message()));
+  return error;
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,36 @@
+// The only code between core and proto: checks every field that a client sent, and converts both ways.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <optional>
+
+#include "core/codec/draco_codec.h"
+#include "core/pipeline.h"
+#include "core/sample/resample.h"
+#include "curvecast/v1/curvecast.pb.h"
+#include "server/session.h"
+
+namespace curvecast::server {
+
+/// What a client asked for in a SampleRequest, checked as far as that goes without the session.
+struct Sample {
+  ResampleOptions options;
+  std::optional<DracoOptions> draco;  // bits only; the lattice is the session's. Not set: raw floats
+};
+
+// Defaults are filled in. InvalidArgument names the field at fault and its value.
+absl::StatusOr<Sample> to_sample(const v1::SampleRequest& request);
+absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions& options);
+
+v1::MeshInfo to_proto(const MeshInfo& info, const std::string& name);
+v1::Session to_proto(const SessionInfo& info);
+v1::Session to_proto(const Session& session);
+
+/// Points [begin, begin + count) as one block; `curve` is the one that they were sampled from.
+absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
+                                        const std::optional<DracoOptions>& draco);
+
+v1::FrameError to_proto(const absl::Status& status);
+
+}  // namespace curvecast::server

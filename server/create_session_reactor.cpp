@@ -1,0 +1,70 @@
+// CreateSession: waits for a session and tells how far it is.
+#include "server/convert.h"
+#include "server/grpc_status.h"
+#include "server/guarded.h"
+#include "server/reactors.h"
+#include "server/write_queue.h"
+
+namespace curvecast::server {
+namespace {
+
+// Either the store's on_done or a successful leave() finishes, never both.
+class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>, public SessionWaiter {
+ public:
+  CreateSessionReactor(Engine& engine, const grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request)
+      : WriteQueue(RequestLog(*engine.log, "CreateSession", context)), engine_(engine) {
+    // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
+    const absl::Status begun = guarded([&] { return begin(request); });
+    if (!begun.ok()) finish(to_grpc(begun));
+  }
+
+ private:
+  absl::Status begin(const v1::CreateSessionRequest& request) {
+    auto mesh = engine_.meshes.find(request.mesh_id());
+    if (!mesh.ok()) return mesh.status();
+    const auto options = to_preprocess_options(request.options());
+    if (!options.ok()) return options.status();
+    auto id = engine_.sessions.join(*std::move(mesh), *options, this);
+    if (id.ok()) id_ = *std::move(id);
+    return id.status();
+  }
+
+  void on_progress(std::string_view stage, double fraction) override {
+    v1::CreateSessionResponse response;
+    response.mutable_progress()->set_stage(std::string(stage));
+    response.mutable_progress()->set_fraction(fraction);
+    push(std::move(response));
+  }
+
+  void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) override {
+    if (session.ok()) {
+      v1::CreateSessionResponse response;
+      *response.mutable_session() = to_proto(**session);
+      push(std::move(response));
+    }
+    finish(to_grpc(session.status()));
+  }
+
+  // A client that reads slowly gets the start and the newest state of every stage.
+  bool replaces(const v1::CreateSessionResponse& newer, const v1::CreateSessionResponse& older) const override {
+    return newer.has_progress() && older.has_progress() && newer.progress().stage() == older.progress().stage() &&
+           older.progress().fraction() > 0;
+  }
+
+  void OnCancel() override {
+    WriteQueue::OnCancel();
+    if (engine_.sessions.leave(id_, this)) finish(grpc::Status::CANCELLED);
+  }
+
+  Engine& engine_;
+  std::string id_;
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::CreateSessionResponse>* create_session(Engine& engine, grpc::CallbackServerContext& context,
+                                                                    const v1::CreateSessionRequest& request) {
+  return new CreateSessionReactor(engine, context, request);
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,58 @@
+#include "server/engine.h"
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "server/log.h"
+#include "server/point_blocks.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr std::size_t kMaxPendingViews = 1024;
+constexpr std::size_t kMaxPendingSessions = 1024;
+
+int worker_count(int threads) {
+  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+}  // namespace
+
+Engine::Engine(const ServerOptions& options)
+    : log(make_logger(options.log, options.verbose)),
+      views(worker_count(options.threads), kMaxPendingViews),
+      preprocessing(1, kMaxPendingSessions),
+      meshes(options.max_mesh_bytes, options.max_upload_bytes),
+      sessions(preprocessing, preprocess, options.max_sessions, options.threads, log) {}
+
+absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport) {
+  auto stream = std::make_shared<ClientStream>(
+      transport, ClientStream::Hooks{
+                     .find = [this](const std::string& id) { return sessions.find(id); },
+                     .answer = [](const Session& session, const Sample& sample) { return make_frame(session, sample); },
+                     .submit = [this](std::function<void()> job) { return views.submit(std::move(job)).status(); },
+                 });
+  const std::lock_guard lock(mutex_);
+  if (stopped_) return absl::UnavailableError("the server is shutting down");
+  if (streams_.size() >= sweep_at_) {
+    std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });
+    sweep_at_ = std::max<std::size_t>(64, 2 * streams_.size());
+  }
+  streams_.push_back(stream);
+  return stream;
+}
+
+void Engine::stop_streams(const absl::Status& reason) {
+  std::vector<std::weak_ptr<ClientStream>> streams;
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    streams = std::exchange(streams_, {});
+  }
+  for (const auto& weak : streams) {
+    if (const auto stream = weak.lock()) stream->stop(reason);
+  }
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,43 @@
+// What all calls share: the stores, the workers, the log. No transport.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/client_stream.h"
+#include "server/job_queue.h"
+#include "server/mesh_store.h"
+#include "server/server.h"
+#include "server/session_store.h"
+
+namespace curvecast::server {
+
+/// Thread-safe. Members are public because it is only the place where they meet, in the order in which they need each other.
+class Engine {
+ public:
+  explicit Engine(const ServerOptions& options);
+
+  /// Makes a conversation that stop_streams() reaches; refused with Unavailable after it.
+  absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport);
+  /// Ends all conversations and refuses new ones.
+  void stop_streams(const absl::Status& reason);
+
+  const std::shared_ptr<spdlog::logger> log;
+  JobQueue views;          // views, point sets, inspection
+  JobQueue preprocessing;  // one at a time: each uses all cores by itself
+  MeshStore meshes;
+  SessionStore sessions;
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<ClientStream>> streams_;
+  std::size_t sweep_at_ = 64;  // number of streams at which those that have gone are forgotten
+  bool stopped_ = false;
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <absl/status/status.h>
+#include <grpcpp/support/status.h>
+
+namespace curvecast::server {
+
+/// The same code and message; messages too long for a trailer are cut.
+grpc::Status to_grpc(const absl::Status& status);
+
+}  // namespace curvecast::server

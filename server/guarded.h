@@ -1,0 +1,25 @@
+// Turns what a library throws into a status, at the edge of our code.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <exception>
+#include <new>
+#include <string>
+
+namespace curvecast::server {
+
+/// `work()`, which returns an absl::Status or absl::StatusOr; ResourceExhausted when memory ran out, Internal for any other
+/// exception.
+template <class Work>
+auto guarded(Work&& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("the server ran out of memory; ask for fewer points or a lower omega");
+  } catch (const std::exception& error) {
+    return absl::InternalError(std::string("unexpected: ") + error.what());
+  }
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,27 @@
+// The content hash that names meshes and sessions: XXH3-128.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+struct XXH3_state_s;
+
+namespace curvecast::server {
+
+/// Not thread-safe.
+class Hasher {
+ public:
+  Hasher();
+  void update(std::string_view bytes);
+  /// Of all bytes so far: 32 hexadecimal digits, lower case, as `xxh128sum` prints it.
+  std::string hex() const;
+
+ private:
+  struct Free {
+    void operator()(XXH3_state_s* state) const;
+  };
+  std::unique_ptr<XXH3_state_s, Free> state_;
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,85 @@
+// The mesh files that clients have sent, named by their content.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "server/hash.h"
+
+namespace curvecast::server {
+
+/// A mesh file. Immutable once stored.
+struct Mesh {
+  struct Free {
+    void operator()(char* data) const { std::free(data); }
+  };
+  std::string id;    // hash of the bytes
+  std::string name;  // as first uploaded
+  std::unique_ptr<char[], Free> data;
+  std::size_t size = 0;  // bytes
+
+  std::span<const char> bytes() const { return {data.get(), size}; }
+};
+
+/// Thread-safe. Holds whole files and uploads under way within one budget; the least recently used files that nobody works
+/// on go first.
+class MeshStore {
+ public:
+  /// Bytes of all files together, and of one file.
+  MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes);
+
+  /// NotFound with what to do.
+  absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id);
+
+  std::uint64_t max_file_bytes() const { return max_file_bytes_; }
+
+ private:
+  friend class MeshUpload;
+  using Recency = std::list<std::shared_ptr<const Mesh>>;  // most recently used first
+
+  absl::Status reserve(std::uint64_t bytes);
+  void release(std::uint64_t bytes);
+  std::shared_ptr<const Mesh> keep(std::shared_ptr<const Mesh> mesh, std::uint64_t reserved);
+
+  const std::uint64_t max_bytes_;
+  const std::uint64_t max_file_bytes_;
+  std::mutex mutex_;
+  std::uint64_t used_ = 0;  // bytes of `recency_` and of all uploads
+  Recency recency_;
+  std::unordered_map<std::string, Recency::iterator> by_id_;
+};
+
+/// One file on its way into the store, which must outlive it. Not thread-safe.
+class MeshUpload {
+ public:
+  explicit MeshUpload(MeshStore& store) : store_(store) {}
+  ~MeshUpload();  // forgets what has not been finished
+  MeshUpload(const MeshUpload&) = delete;
+  MeshUpload& operator=(const MeshUpload&) = delete;
+
+  /// `size` is what the client claims: it is checked, never allocated ahead. `expected_id` may be empty.
+  absl::Status begin(std::string_view name, std::uint64_t size, std::string_view expected_id);
+  absl::Status append(std::string_view chunk);
+  /// The stored mesh, or the one already held for the same bytes. InvalidArgument for wrong size or hash.
+  absl::StatusOr<std::shared_ptr<const Mesh>> finish();
+
+ private:
+  MeshStore& store_;
+  Mesh mesh_;
+  Hasher hasher_;
+  std::string expected_id_;
+  std::uint64_t claimed_ = 0;
+  std::uint64_t reserved_ = 0;  // bytes of the store's budget; the buffer's capacity and a fixed charge
+  std::size_t capacity_ = 0;
+};
+
+}  // namespace curvecast::server

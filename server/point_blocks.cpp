@@ -1,0 +1,81 @@
+#include "server/point_blocks.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace curvecast::server {
+namespace {
+
+constexpr std::size_t kRawPointBytes = 2 * sizeof(Vec3f) + sizeof(float);
+
+struct Sampled {
+  PointSet points;
+  v1::FrameStatistics statistics;
+};
+
+absl::StatusOr<Sampled> sample_curve(const Session& session, const Sample& sample) {
+  ResampleTimes times;
+  absl::StatusOr<PointSet> points = resample(session.curve(), sample.options, &times);
+  if (!points.ok()) return points.status();
+  Sampled out{*std::move(points), {}};
+  out.statistics.set_density_seconds(times.density);
+  out.statistics.set_equalise_seconds(times.equalise);
+  out.statistics.set_curve_vertices(session.curve().size());
+  return out;
+}
+
+// Adds the time that it takes to the statistics.
+absl::StatusOr<v1::PointBlock> encode(Sampled& sampled, std::size_t begin, std::size_t count, const Session& session,
+                                      const Sample& sample) {
+  const auto start = std::chrono::steady_clock::now();
+  absl::StatusOr<v1::PointBlock> block = to_proto(sampled.points, begin, count, session.curve(), sample.draco);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  sampled.statistics.set_encode_seconds(sampled.statistics.encode_seconds() + seconds);
+  return block;
+}
+
+absl::Status too_large(std::size_t bytes) {
+  return absl::ResourceExhaustedError(absl::StrCat("the frame would have ", bytes, " bytes; at most ", kMaxFrameBytes,
+                                                   " are sent: ask for fewer points or fewer bits, or use Resample"));
+}
+
+}  // namespace
+
+absl::Status make_blocks(const Session& session, const Sample& sample, const std::function<bool(v1::ResampleResponse)>& emit) {
+  absl::StatusOr<Sampled> sampled = sample_curve(session, sample);
+  if (!sampled.ok()) return sampled.status();
+  const std::size_t total = sampled->points.size();
+  for (std::size_t begin = 0; begin < total; begin += kBlockPoints) {
+    const std::size_t count = std::min(kBlockPoints, total - begin);
+    absl::StatusOr<v1::PointBlock> block = encode(*sampled, begin, count, session, sample);
+    if (!block.ok()) return block.status();
+    v1::ResampleResponse response;
+    *response.mutable_points() = *std::move(block);
+    if (begin + count == total) *response.mutable_statistics() = sampled->statistics;
+    if (!emit(std::move(response))) return absl::CancelledError("the client has gone");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample) {
+  const std::size_t asked = sample.options.points;
+  if (!sample.draco && asked <= session.options.points && asked > kMaxFrameBytes / kRawPointBytes) {
+    return too_large(asked * kRawPointBytes);
+  }
+  absl::StatusOr<Sampled> sampled = sample_curve(session, sample);
+  if (!sampled.ok()) return sampled.status();
+  absl::StatusOr<v1::PointBlock> block = encode(*sampled, 0, sampled->points.size(), session, sample);
+  if (!block.ok()) return block.status();
+  v1::PointFrame frame;
+  frame.set_curve_revision(session.curve().revision);
+  frame.set_kind(v1::FRAME_KIND_KEY);
+  *frame.mutable_points() = *std::move(block);
+  *frame.mutable_statistics() = std::move(sampled->statistics);
+  if (frame.points().draco().data().size() > kMaxFrameBytes) return too_large(frame.points().draco().data().size());
+  return frame;
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,49 @@
+// Resample: one point set, packed on a worker and sent block by block.
+#include "server/grpc_status.h"
+#include "server/guarded.h"
+#include "server/point_blocks.h"
+#include "server/reactors.h"
+#include "server/write_queue.h"
+
+namespace curvecast::server {
+namespace {
+
+// The job is the only one that finishes, so the reactor outlives it.
+class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
+ public:
+  ResampleReactor(Engine& engine, const grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
+      : WriteQueue(RequestLog(*engine.log, "Resample", context)) {
+    const absl::Status begun = guarded([&] { return begin(engine, request); });
+    if (!begun.ok()) finish(to_grpc(begun));
+  }
+
+ private:
+  absl::Status begin(Engine& engine, const v1::ResampleRequest& request) {
+    auto session = engine.sessions.find(request.session_id());
+    if (!session.ok()) return session.status();
+    auto sample = to_sample(request.sample());
+    if (!sample.ok()) return sample.status();
+    return engine.views
+        .submit([this, session = *std::move(session), sample = *std::move(sample)] {
+          finish(to_grpc(guarded([&] { return answer(*session, sample); })));
+        })
+        .status();
+  }
+
+  absl::Status answer(const Session& session, const Sample& sample) {
+    if (cancelled()) return absl::CancelledError("the client has gone");
+    return make_blocks(session, sample, [this](v1::ResampleResponse block) {
+      push(std::move(block));
+      return !cancelled();
+    });
+  }
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::ResampleResponse>* resample(Engine& engine, grpc::CallbackServerContext& context,
+                                                         const v1::ResampleRequest& request) {
+  return new ResampleReactor(engine, context, request);
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,43 @@
+// The gRPC server: sessions and views for many clients, over TCP, in this process, or both.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace grpc {
+class Channel;
+}
+
+namespace curvecast::server {
+
+struct ServerOptions {
+  std::string listen = {};                                  // "host:port"; port 0 = any free one; empty = this process only
+  int threads = 0;                                          // for preprocessing and views; 0 = one per core
+  std::uint64_t max_upload_bytes = std::uint64_t{2} << 30;  // of one mesh file
+  std::uint64_t max_mesh_bytes = std::uint64_t{4} << 30;    // of all mesh files held; the least recently used go first
+  std::uint64_t max_sessions = 64;                          // held at once
+  bool log = true;                                          // one line per state change and error, to standard error
+  bool verbose = false;                                     // with log: one line per request too
+};
+
+/// Thread-safe after start(). Frames of StreamViews are up to 32 MiB: let the client's channel receive that much.
+class Server {
+ public:
+  /// Listens, or fails with Unavailable (address in use) or InvalidArgument (malformed address, negative threads).
+  static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options);
+  virtual ~Server() = default;  // shuts down at once where shutdown() was not called
+
+  /// The TCP port listened on; 0 when in-process only.
+  virtual int port() const = 0;
+  /// A channel that reaches this server without a socket.
+  virtual std::shared_ptr<grpc::Channel> in_process_channel() = 0;
+  /// Health says NOT_SERVING, streams of views end with UNAVAILABLE, other running calls get `drain` to end, then are
+  /// cancelled; preprocessing stops. Idempotent.
+  virtual void shutdown(std::chrono::milliseconds drain) = 0;
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,37 @@
+// The gRPC service: thin. Calls that answer at once are here, all others in reactors.h.
+#pragma once
+
+#include "curvecast/v1/curvecast.grpc.pb.h"
+#include "server/engine.h"
+
+namespace curvecast::server {
+
+/// Thread-safe. `engine` must outlive it.
+class Service final : public v1::CurvecastService::CallbackService {
+ public:
+  explicit Service(Engine& engine) : engine_(engine) {}
+
+  grpc::ServerReadReactor<v1::UploadMeshRequest>* UploadMesh(grpc::CallbackServerContext* context,
+                                                             v1::UploadMeshResponse* response) override;
+  grpc::ServerUnaryReactor* GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
+                                    v1::GetMeshResponse* response) override;
+  grpc::ServerUnaryReactor* InspectMesh(grpc::CallbackServerContext* context, const v1::InspectMeshRequest* request,
+                                        v1::InspectMeshResponse* response) override;
+  grpc::ServerWriteReactor<v1::CreateSessionResponse>* CreateSession(grpc::CallbackServerContext* context,
+                                                                     const v1::CreateSessionRequest* request) override;
+  grpc::ServerUnaryReactor* GetSession(grpc::CallbackServerContext* context, const v1::GetSessionRequest* request,
+                                       v1::GetSessionResponse* response) override;
+  grpc::ServerUnaryReactor* ListSessions(grpc::CallbackServerContext* context, const v1::ListSessionsRequest* request,
+                                         v1::ListSessionsResponse* response) override;
+  grpc::ServerUnaryReactor* CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
+                                         v1::CloseSessionResponse* response) override;
+  grpc::ServerWriteReactor<v1::ResampleResponse>* Resample(grpc::CallbackServerContext* context,
+                                                           const v1::ResampleRequest* request) override;
+  grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>* StreamViews(
+      grpc::CallbackServerContext* context) override;
+
+ private:
+  Engine& engine_;
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,22 @@
+#include "server/session.h"
+
+#include <absl/strings/str_format.h>
+#include <sys/resource.h>
+
+#include "server/hash.h"
+
+namespace curvecast::server {
+
+std::string session_id(const std::string& mesh_id, const PreprocessOptions& options) {
+  Hasher hasher;
+  hasher.update(absl::StrFormat("%s\n%d\n%a\n", mesh_id, options.points, options.omega));
+  return hasher.hex();
+}
+
+std::uint64_t peak_memory_bytes() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace curvecast::server

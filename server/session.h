@@ -1,0 +1,41 @@
+// A session: a mesh's curve, ready to be sampled.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/pipeline.h"
+
+namespace curvecast::server {
+
+/// Ready and immutable; whoever holds it may go on using it after it has been closed.
+struct Session {
+  std::string id;
+  std::string mesh_id;
+  std::string mesh_name;
+  PreprocessOptions options;
+  Preprocessed preprocessed;
+  std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
+
+  const SurfaceCurve& curve() const { return *preprocessed.curve; }
+};
+
+enum class SessionState { kQueued, kPreprocessing, kReady };
+
+struct SessionInfo {
+  std::string id;
+  std::string mesh_id;
+  PreprocessOptions options;
+  SessionState state = SessionState::kQueued;
+  std::shared_ptr<const Session> session;  // set when ready
+};
+
+/// The same for the same mesh and options: 32 hexadecimal digits.
+std::string session_id(const std::string& mesh_id, const PreprocessOptions& options);
+
+/// The process's peak memory so far, bytes.
+std::uint64_t peak_memory_bytes();
+
+}  // namespace curvecast::server

@@ -1,0 +1,239 @@
+#include "server/session_store.h"
+
+#include <absl/strings/str_cat.h>
+#include <spdlog/logger.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "server/guarded.h"
+#include "server/log.h"
+
+namespace curvecast::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kReportInterval = std::chrono::milliseconds(50);
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+absl::Status not_found(const std::string& id) {
+  return absl::NotFoundError(absl::StrCat("session \"", printable(id), "\" is not held here; create it again"));
+}
+
+}  // namespace
+
+struct SessionStore::Job {
+  std::string id;
+  std::string mesh_id;
+  PreprocessOptions options;
+  std::shared_ptr<const Mesh> mesh;
+  Clock::time_point created = Clock::now();
+  std::atomic<bool> cancel = false;
+  // What follows is guarded by the store's lock.
+  std::uint64_t ticket = 0;
+  std::vector<SessionWaiter*> waiters;
+  std::string stage = "queued";  // last one told to the waiters, as is `fraction`
+  double fraction = 0;
+  Clock::time_point last_report;
+};
+
+SessionStore::SessionStore(JobQueue& queue, Preprocess preprocess, std::size_t max_sessions, int threads,
+                           std::shared_ptr<spdlog::logger> log)
+    : queue_(queue), preprocess_(std::move(preprocess)), max_sessions_(max_sessions), threads_(threads), log_(std::move(log)) {}
+
+SessionStore::~SessionStore() {
+  std::unique_lock lock(mutex_);
+  for (auto& [id, entry] : entries_) {
+    if (entry.job != nullptr) abandon(*entry.job);
+  }
+  idle_.wait(lock, [this] { return jobs_ == 0; });
+}
+
+absl::StatusOr<std::string> SessionStore::join(std::shared_ptr<const Mesh> mesh, const PreprocessOptions& options,
+                                               SessionWaiter* waiter) {
+  const std::string id = session_id(mesh->id, options);
+  std::shared_ptr<const Session> evicted;  // outlives the lock: a curve takes its time to go
+  const std::lock_guard lock(mutex_);
+  if (const auto found = entries_.find(id); found != entries_.end()) {
+    Entry& entry = found->second;
+    entry.last_used = ++clock_;
+    if (entry.job == nullptr) {
+      waiter->on_done(entry.info.session);
+    } else {
+      entry.job->waiters.push_back(waiter);
+      waiter->on_progress(entry.job->stage, entry.job->fraction);
+    }
+    return id;
+  }
+  if (absl::Status status = make_room(&evicted); !status.ok()) return status;
+  auto job = std::make_shared<Job>();
+  job->id = id;
+  job->mesh_id = mesh->id;
+  job->options = options;
+  job->mesh = std::move(mesh);
+  const auto ticket = queue_.submit([this, job] { run(job); });
+  if (!ticket.ok()) return ticket.status();
+  ++jobs_;
+  job->ticket = *ticket;
+  job->waiters.push_back(waiter);
+  entries_[id] = {.info = {id, job->mesh_id, options, SessionState::kQueued, nullptr}, .job = job, .last_used = ++clock_};
+  log_->info("session {} created: mesh {} \"{}\", {} points, omega {}", id, job->mesh_id, printable(job->mesh->name),
+             options.points, options.omega);
+  waiter->on_progress(job->stage, job->fraction);
+  return id;
+}
+
+bool SessionStore::leave(const std::string& id, SessionWaiter* waiter) {
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(id);
+  if (found == entries_.end() || found->second.job == nullptr) return false;
+  const std::shared_ptr<Job> job = found->second.job;
+  if (std::erase(job->waiters, waiter) == 0) return false;
+  if (job->waiters.empty()) {
+    log_->info("session {} cancelled: nobody waits for it any more", id);
+    abandon(*job);
+    entries_.erase(found);
+  }
+  return true;
+}
+
+absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return not_found(id);
+  found->second.last_used = ++clock_;
+  if (found->second.info.session == nullptr) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("session ", id, " is still being preprocessed; join it with CreateSession and wait until it is ready"));
+  }
+  return found->second.info.session;
+}
+
+absl::StatusOr<SessionInfo> SessionStore::info(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return not_found(id);
+  return found->second.info;
+}
+
+std::vector<SessionInfo> SessionStore::list() {
+  const std::lock_guard lock(mutex_);
+  std::vector<SessionInfo> out;
+  out.reserve(entries_.size());
+  for (const auto& [id, entry] : entries_) out.push_back(entry.info);
+  return out;
+}
+
+absl::Status SessionStore::close(const std::string& id) {
+  Entry closed;  // outlives the lock, as in join()
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return not_found(id);
+  closed = std::move(found->second);
+  entries_.erase(found);
+  log_->info("session {} closed", id);
+  if (closed.job != nullptr) {
+    const absl::Status reason = absl::AbortedError(absl::StrCat("session ", id, " was closed before it was ready"));
+    for (SessionWaiter* waiter : std::exchange(closed.job->waiters, {})) waiter->on_done(reason);
+    abandon(*closed.job);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SessionStore::make_room(std::shared_ptr<const Session>* evicted) {
+  if (entries_.size() < max_sessions_) return absl::OkStatus();
+  auto oldest = entries_.end();
+  for (auto it = entries_.begin(); it != entries_.end(); ++it) {
+    // References are only handed out under the lock, so a count of one cannot grow meanwhile.
+    if (it->second.job != nullptr || it->second.info.session.use_count() > 1) continue;
+    if (oldest == entries_.end() || it->second.last_used < oldest->second.last_used) oldest = it;
+  }
+  if (oldest == entries_.end()) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the server holds ", max_sessions_, " sessions, all of them in use; close one or try again later"));
+  }
+  log_->info("session {} evicted: the least recently used of {}", oldest->first, max_sessions_);
+  *evicted = std::move(oldest->second.info.session);
+  entries_.erase(oldest);
+  return absl::OkStatus();
+}
+
+void SessionStore::abandon(Job& job) {
+  job.cancel = true;
+  if (queue_.withdraw(job.ticket)) --jobs_;
+}
+
+void SessionStore::run(const std::shared_ptr<Job>& job) {
+  absl::StatusOr<Preprocessed> result = absl::CancelledError("cancelled");
+  bool wanted = false;
+  {
+    const std::lock_guard lock(mutex_);
+    wanted = !job->cancel;
+    if (wanted) {
+      entries_.at(job->id).info.state = SessionState::kPreprocessing;
+      broadcast(*job, "queued", 1);
+    }
+  }
+  if (wanted) {
+    ExecutionContext context;
+    context.on_progress = [&](std::string_view stage, double fraction) { report(*job, stage, fraction); };
+    context.cancel = &job->cancel;
+    context.threads = threads_;
+    result = guarded([&] { return preprocess_(job->mesh->name, job->mesh->bytes(), job->options, context); });
+  }
+  const std::lock_guard lock(mutex_);
+  if (!job->cancel) settle(*job, std::move(result));
+  --jobs_;
+  idle_.notify_all();
+}
+
+void SessionStore::settle(Job& job, absl::StatusOr<Preprocessed> result) {
+  if (result.ok() && job.fraction < 1) broadcast(job, std::string(job.stage), 1);
+  const auto waiters = std::exchange(job.waiters, {});
+  if (!result.ok()) {
+    log_->error("session {} failed after {:.3f} s: {}", job.id, seconds_since(job.created), result.status().ToString());
+    entries_.erase(job.id);
+    for (SessionWaiter* waiter : waiters) waiter->on_done(result.status());
+    return;
+  }
+  auto session = std::make_shared<Session>();
+  session->id = job.id;
+  session->mesh_id = job.mesh_id;
+  session->mesh_name = job.mesh->name;
+  session->options = job.options;
+  session->preprocessed = *std::move(result);
+  session->peak_bytes = peak_memory_bytes();
+  Entry& entry = entries_.at(job.id);
+  entry.info.state = SessionState::kReady;
+  entry.info.session = session;
+  entry.last_used = ++clock_;
+  entry.job = nullptr;
+  log_->info("session {} ready after {:.3f} s: {} curve vertices, {} MiB", job.id, seconds_since(job.created),
+             session->curve().size(), session->curve().byte_size() >> 20);
+  for (SessionWaiter* waiter : waiters) waiter->on_done(session);
+}
+
+void SessionStore::report(Job& job, std::string_view stage, double fraction) {
+  const std::lock_guard lock(mutex_);
+  if (job.cancel) return;
+  if (stage != job.stage) {
+    if (job.fraction < 1) broadcast(job, std::string(job.stage), 1);
+    broadcast(job, stage, fraction);
+  } else if ((fraction >= 1 && job.fraction < 1) || Clock::now() - job.last_report >= kReportInterval) {
+    broadcast(job, stage, fraction);
+  }
+}
+
+void SessionStore::broadcast(Job& job, std::string_view stage, double fraction) {
+  job.stage = stage;
+  job.fraction = std::clamp(fraction, 0.0, 1.0);
+  job.last_report = Clock::now();
+  for (SessionWaiter* waiter : job.waiters) waiter->on_progress(job.stage, job.fraction);
+}
+
+}  // namespace curvecast::server

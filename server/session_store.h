@@ -1,0 +1,91 @@
+// All sessions, shared between clients: one preprocessing job for each, whoever and how many wait for it.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/job_queue.h"
+#include "server/mesh_store.h"
+#include "server/session.h"
+
+namespace spdlog {
+class logger;
+}
+
+namespace curvecast::server {
+
+/// Someone who waits for a session. Called with the store's lock held, from any thread: must not call the store.
+class SessionWaiter {
+ public:
+  virtual ~SessionWaiter() = default;
+  /// The start and the end of every stage and, about 20 times a second, what lies between.
+  virtual void on_progress(std::string_view stage, double fraction) = 0;
+  /// The last call: the session is ready, or why it never will be.
+  virtual void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) = 0;
+};
+
+/// Thread-safe.
+class SessionStore {
+ public:
+  /// The signature of curvecast::preprocess.
+  using Preprocess = std::function<absl::StatusOr<Preprocessed>(std::string_view name, std::span<const char> bytes,
+                                                                const PreprocessOptions&, const ExecutionContext&)>;
+
+  /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core).
+  SessionStore(JobQueue& queue, Preprocess preprocess, std::size_t max_sessions, int threads,
+               std::shared_ptr<spdlog::logger> log);
+  ~SessionStore();  // cancels all preprocessing and waits until it has stopped; nobody may wait for a session any more
+
+  /// Joins the session for this mesh and options or starts to make it, and returns its id. From then on `waiter` is called, if
+  /// the session is ready even before join() returns, until on_done or leave(). On an error it is never called:
+  /// ResourceExhausted when there are too many sessions that are in use or being made.
+  absl::StatusOr<std::string> join(std::shared_ptr<const Mesh> mesh, const PreprocessOptions& options, SessionWaiter* waiter);
+  /// Stops waiting; the last one to leave cancels the job, and the session vanishes. False when on_done has been called.
+  bool leave(const std::string& id, SessionWaiter* waiter);
+
+  /// A ready session. NotFound, or FailedPrecondition while it is being made.
+  absl::StatusOr<std::shared_ptr<const Session>> find(const std::string& id);
+  absl::StatusOr<SessionInfo> info(const std::string& id);
+  std::vector<SessionInfo> list();  // by id
+  /// Forgets a session; those who wait for it get Aborted. NotFound.
+  absl::Status close(const std::string& id);
+
+ private:
+  struct Job;
+  struct Entry {
+    SessionInfo info;
+    std::shared_ptr<Job> job;  // until ready
+    std::uint64_t last_used = 0;
+  };
+  using Entries = std::map<std::string, Entry>;
+
+  absl::Status make_room(std::shared_ptr<const Session>* evicted);
+  void run(const std::shared_ptr<Job>& job);
+  void settle(Job& job, absl::StatusOr<Preprocessed> result);
+  void report(Job& job, std::string_view stage, double fraction);
+  void broadcast(Job& job, std::string_view stage, double fraction);
+  void abandon(Job& job);
+
+  JobQueue& queue_;
+  const Preprocess preprocess_;
+  const std::size_t max_sessions_;
+  const int threads_;
+  const std::shared_ptr<spdlog::logger> log_;
+  std::mutex mutex_;
+  std::condition_variable idle_;
+  std::size_t jobs_ = 0;  // accepted by the queue and not yet over or withdrawn
+  Entries entries_;
+  std::uint64_t clock_ = 0;  // counts uses
+};
+
+}  // namespace curvecast::server

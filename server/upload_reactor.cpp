@@ -1,0 +1,80 @@
+// UploadMesh: the chunks of a file, straight into the store's buffer. gRPC calls a read reactor from one thread at a time.
+#include <absl/strings/str_cat.h>
+#include <spdlog/logger.h>
+
+#include "server/grpc_status.h"
+#include "server/guarded.h"
+#include "server/log.h"
+#include "server/reactors.h"
+#include "server/request_log.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr std::size_t kMaxChunk = std::size_t{1} << 20;
+
+class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest> {
+ public:
+  UploadReactor(Engine& engine, const grpc::CallbackServerContext& context, v1::UploadMeshResponse* response)
+      : engine_(engine), log_(*engine.log, "UploadMesh", context), upload_(engine.meshes), response_(response) {
+    StartRead(&request_);
+  }
+
+ private:
+  void OnReadDone(bool ok) override {
+    const absl::Status status = guarded([&] { return ok ? take() : complete(); });
+    if (ok && status.ok()) {
+      StartRead(&request_);
+      return;
+    }
+    log_.finish(to_grpc(status));
+    Finish(to_grpc(status));
+  }
+
+  void OnDone() override { delete this; }
+
+  absl::Status take() {
+    switch (request_.part_case()) {
+      case v1::UploadMeshRequest::kHeader:
+        if (begun_) return absl::InvalidArgumentError("the header was sent twice; send it first and once");
+        begun_ = true;
+        return upload_.begin(request_.header().name(), request_.header().size(), request_.header().mesh_id());
+      case v1::UploadMeshRequest::kChunk:
+        if (!begun_) return absl::InvalidArgumentError("a chunk came before the header; send the header first");
+        if (request_.chunk().size() > kMaxChunk) {
+          return absl::InvalidArgumentError(
+              absl::StrCat("the chunk has ", request_.chunk().size(), " bytes; at most ", kMaxChunk, " are taken"));
+        }
+        return upload_.append(request_.chunk());
+      case v1::UploadMeshRequest::PART_NOT_SET:
+        break;
+    }
+    return absl::InvalidArgumentError("the message holds neither header nor chunk");
+  }
+
+  absl::Status complete() {
+    if (!begun_) return absl::InvalidArgumentError("the upload has no header");
+    const auto mesh = upload_.finish();
+    if (!mesh.ok()) return mesh.status();
+    engine_.log->info("mesh {} \"{}\" received, {} bytes", (*mesh)->id, printable((*mesh)->name), (*mesh)->size);
+    response_->set_mesh_id((*mesh)->id);
+    response_->set_size((*mesh)->size);
+    return absl::OkStatus();
+  }
+
+  Engine& engine_;
+  RequestLog log_;
+  MeshUpload upload_;
+  v1::UploadMeshRequest request_;
+  v1::UploadMeshResponse* const response_;
+  bool begun_ = false;
+};
+
+}  // namespace
+
+grpc::ServerReadReactor<v1::UploadMeshRequest>* upload_mesh(Engine& engine, grpc::CallbackServerContext& context,
+                                                            v1::UploadMeshResponse* response) {
+  return new UploadReactor(engine, context, response);
+}
+
+}  // namespace curvecast::server

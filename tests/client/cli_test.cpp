@@ -1,0 +1,347 @@
+// Runs the real command on a generated sphere.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "client/cli/points_io.h"
+#include "client/lib/file_bytes.h"
+#include "tests/client/process.h"
+
+namespace curvecast::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+std::string temporary(const std::string& name) { return ::testing::TempDir() + "/curvecast_cli_test_" + name; }
+
+/// A sphere of `rings` x 2 `rings` quads with its poles, as an OFF file.
+std::string write_sphere(const std::string& name, int rings) {
+  const int columns = 2 * rings;
+  std::ostringstream vertices, faces;
+  int face_count = 0;
+  const auto index = [&](int ring, int column) { return 1 + (ring - 1) * columns + column % columns; };
+  const int last = 1 + (rings - 1) * columns;
+  vertices << "0 0 1\n";
+  for (int ring = 1; ring < rings; ++ring) {
+    const double theta = std::numbers::pi * ring / rings;
+    for (int column = 0; column < columns; ++column) {
+      const double phi = 2 * std::numbers::pi * column / columns;
+      vertices << std::sin(theta) * std::cos(phi) << ' ' << std::sin(theta) * std::sin(phi) << ' ' << std::cos(theta) << '\n';
+    }
+  }
+  vertices << "0 0 -1\n";
+  for (int column = 0; column < columns; ++column) {
+    faces << "3 0 " << index(1, column) << ' ' << index(1, column + 1) << '\n';
+    faces << "3 " << last << ' ' << index(rings - 1, column + 1) << ' ' << index(rings - 1, column) << '\n';
+    face_count += 2;
+    for (int ring = 1; ring + 1 < rings; ++ring) {
+      faces << "4 " << index(ring, column) << ' ' << index(ring + 1, column) << ' ' << index(ring + 1, column + 1) << ' '
+            << index(ring, column + 1) << '\n';
+      ++face_count;
+    }
+  }
+  const std::string path = temporary(name);
+  std::ofstream(path) << "OFF\n" << last + 1 << ' ' << face_count << " 0\n" << vertices.str() << faces.str();
+  return path;
+}
+
+class CliTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { sphere_ = write_sphere("sphere.off", 12); }
+
+  /// Runs to success and parses standard output.
+  static json run_json(std::vector<std::string> arguments) {
+    arguments.emplace_back("--json");
+    const Finished finished = run(arguments);
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return json::parse(finished.out, nullptr, false);
+  }
+  static void expect_failure(const std::vector<std::string>& arguments, int status, const std::string& message) {
+    const Finished finished = run(arguments);
+    EXPECT_EQ(finished.status, status) << ::testing::PrintToString(arguments) << finished.err;
+    EXPECT_THAT(finished.err, HasSubstr("curvecast: "));
+    EXPECT_THAT(finished.err, HasSubstr(message));
+    EXPECT_THAT(finished.out, IsEmpty());
+  }
+  static std::string bytes_of(const std::string& path) {
+    const auto bytes = client::read_bytes(path, 1 << 30);
+    EXPECT_TRUE(bytes.ok()) << bytes.status();
+    return bytes.value_or("");
+  }
+  static void expect_keys(const json& object, const std::vector<std::string>& keys) {
+    for (const std::string& key : keys) EXPECT_TRUE(object.contains(key)) << key << " is missing in " << object.dump();
+  }
+
+  static inline std::string sphere_;
+};
+
+TEST_F(CliTest, HelpTellsAboutEveryCommand) {
+  const Finished help = run({"--help"});
+  EXPECT_EQ(help.status, 0);
+  for (const std::string command : {"serve", "info", "preprocess", "sample", "stream", "render"}) {
+    EXPECT_THAT(help.out, HasSubstr(command));
+    const Finished own = run({command, "--help"});
+    EXPECT_EQ(own.status, 0);
+    EXPECT_THAT(own.out, HasSubstr("Examples:"));
+    EXPECT_THAT(own.out, HasSubstr("--server"));
+  }
+  EXPECT_THAT(run({"sample", "--help"}).out, HasSubstr("1 to 4,000,000"));
+  EXPECT_THAT(run({"--version"}).out, StartsWith("curvecast "));
+}
+
+TEST_F(CliTest, InfoSaysWhatTheFileHolds) {
+  const json info = run_json({"info", sphere_});
+  EXPECT_EQ(info["name"], "curvecast_cli_test_sphere.off");
+  EXPECT_EQ(info["format"], "off");
+  EXPECT_EQ(info["mesh"]["components"], 1);
+  EXPECT_EQ(info["mesh"]["genus"], 0);
+  EXPECT_EQ(info["mesh"]["boundary_loops"], 0);
+  EXPECT_EQ(info["mesh"]["vertices"], 2 + 11 * 24);
+  EXPECT_NEAR(info["area"].get<double>(), 4 * std::numbers::pi, 0.3);
+  EXPECT_EQ(info["repairs"]["triangulated_polygons"], 10 * 24);
+  EXPECT_NEAR(info["box"]["max"][2].get<double>(), 1, 1e-9);
+  const Finished text = run({"info", sphere_});
+  EXPECT_EQ(text.status, 0);
+  EXPECT_THAT(text.out, HasSubstr("genus 0"));
+}
+
+TEST_F(CliTest, PreprocessReportsItsStages) {
+  const json report = run_json({"preprocess", sphere_, "-n", "5000", "--omega", "8"});
+  expect_keys(report, {"mesh", "repairs", "discs", "curve_vertices", "omega", "points", "max_level", "flipped_triangles",
+                       "area_error", "distortion", "seconds", "curve_bytes", "peak_bytes"});
+  expect_keys(report["mesh"], {"vertices", "faces", "components", "genus", "boundary_loops"});
+  expect_keys(report["distortion"], {"p50", "p99", "max"});
+  expect_keys(report["seconds"], {"read", "repair", "cut", "parameterise", "curve", "map", "area", "total"});
+  EXPECT_EQ(report["omega"], 8);
+  EXPECT_EQ(report["points"], 5000);
+  EXPECT_EQ(report["flipped_triangles"], 0);
+  const Finished text = run({"preprocess", sphere_, "-n", "5000"});
+  EXPECT_THAT(text.out, HasSubstr("parameterise"));
+  EXPECT_THAT(text.err, HasSubstr("curve")) << "plain lines where there is no terminal";
+  EXPECT_THAT(run({"preprocess", sphere_, "-n", "5000", "--quiet"}).err, IsEmpty());
+}
+
+TEST_F(CliTest, SampleWritesExactlyNPointsOnTheSphere) {
+  for (const std::string ending : {"ply", "xyz", "pcd", "drc"}) {
+    const std::string path = temporary("points." + ending);
+    const json report = run_json({"sample", sphere_, "-n", "3000", "-o", path, "--seed", "5"});
+    expect_keys(report, {"points", "curve_vertices", "seconds", "sampler", "sequence", "seed"});
+    expect_keys(report["seconds"], {"preprocess", "density", "equalise", "encode", "total"});
+    EXPECT_EQ(report["points"], 3000);
+    EXPECT_EQ(report["seed"], 5);
+    EXPECT_EQ(report["sampler"], "equalised");
+    EXPECT_EQ(report["sequence"], "jittered");
+    const auto points = load_points(path);
+    ASSERT_TRUE(points.ok()) << points.status();
+    ASSERT_EQ(points->size(), 3000U);
+    for (const auto& p : points->positions) {
+      const double radius = std::hypot(p[0] + points->origin[0], p[1] + points->origin[1], p[2] + points->origin[2]);
+      ASSERT_NEAR(radius, 1, 0.03) << ending;
+    }
+  }
+}
+
+TEST_F(CliTest, SampleWithoutOutputOnlyMeasures) {
+  EXPECT_EQ(run_json({"sample", sphere_, "-n", "1", "--sequence", "regular"})["sequence"], "regular");
+}
+
+TEST_F(CliTest, TheSameSeedGivesTheSameBytes) {
+  for (const std::string ending : {"ply", "drc"}) {
+    const auto sample = [&](const std::string& seed, const std::string& threads) {
+      const std::string path = temporary("same." + ending);
+      run_json({"sample", sphere_, "-n", "2000", "--density", "curvature:kind=mean", "-o", path, "--seed", seed, "--threads",
+                threads});
+      return bytes_of(path);
+    };
+    const std::string first = sample("7", "1");
+    EXPECT_EQ(first, sample("7", "2"));
+    EXPECT_NE(first, sample("8", "1"));
+  }
+}
+
+TEST_F(CliTest, ViewDensityLeavesTheBackOut) {
+  const std::string path = temporary("view.ply");
+  run_json({"sample", sphere_, "-n", "2000", "--density", "view:s0=0.1", "--camera", "eye=0,0,10", "-o", path});
+  const auto points = load_points(path);
+  ASSERT_TRUE(points.ok()) << points.status();
+  for (const auto& p : points->positions) ASSERT_GT(p[2], -0.1);
+}
+
+TEST_F(CliTest, StreamMeasuresAPath) {
+  const std::string folder = temporary("frames");
+  std::filesystem::remove_all(folder);
+  const json report = run_json({"stream", sphere_, "--path", "orbit", "--frames", "4", "-n", "1500", "-o", folder});
+  expect_keys(report, {"frames", "points_median", "added_median", "removed_median", "key_bytes", "delta_bytes_median",
+                       "bytes_per_point", "server_ms", "latency_ms"});
+  EXPECT_EQ(report["frames"], 4);
+  EXPECT_EQ(report["points_median"], 1500);
+  EXPECT_EQ(report["added_median"], 1500);
+  EXPECT_EQ(report["removed_median"], 1500);
+  EXPECT_GT(report["latency_ms"]["p99"].get<double>(), 0);
+  EXPECT_GE(report["server_ms"]["p99"].get<double>(), report["server_ms"]["p50"].get<double>());
+  for (int i = 0; i < 4; ++i) {
+    const auto points = load_points(folder + "/frame_000" + std::to_string(i) + ".ply");
+    ASSERT_TRUE(points.ok()) << points.status();
+    EXPECT_EQ(points->size(), 1500U);
+  }
+  const std::string views = temporary("views.txt");
+  std::ofstream(views) << "# two views\n0 0 5 0 0 0 0 1 0 45\n5 0 0 0 0 0 0 1 0 45\n";
+  EXPECT_EQ(run_json({"stream", sphere_, "--path", views, "--frames", "3", "-n", "100", "--density", "uniform"})["frames"], 3);
+  EXPECT_EQ(run_json({"stream", sphere_, "--path", "zoom", "--frames", "1", "-n", "100"})["removed_median"], 0);
+}
+
+TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
+  const std::string png = temporary("picture.png");
+  const auto check = [&](const std::vector<std::string>& arguments) {
+    std::filesystem::remove(png);
+    std::vector<std::string> all = {"render", "-o", png, "--size", "64x48"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const json report = run_json(all);
+    EXPECT_EQ(report["width"], 64);
+    const std::string bytes = bytes_of(png);
+    ASSERT_GT(bytes.size(), 24U);
+    EXPECT_EQ(bytes.substr(1, 3), "PNG");
+    EXPECT_EQ(bytes.substr(16, 8), std::string("\0\0\0\x40\0\0\0\x30", 8));
+  };
+  check({sphere_, "-n", "5000"});
+  check({sphere_, "-n", "500", "--style", "dots", "--density", "view", "--camera", "fov=20"});
+  for (const std::string ending : {"ply", "xyz", "pcd", "drc"}) {
+    const std::string path = temporary("render." + ending);
+    run_json({"sample", sphere_, "-n", "2000", "-o", path});
+    check({path});
+  }
+}
+
+TEST_F(CliTest, WrongUsageIsStatus2) {
+  expect_failure({}, 2, "subcommand");
+  expect_failure({"fly"}, 2, "");
+  expect_failure({"sample", sphere_}, 2, "--points");
+  for (const char* n : {"0", "4000001", "-5", "many", "1.5"}) expect_failure({"sample", sphere_, "-n", n}, 2, "");
+  expect_failure({"sample", sphere_, "-n", "10", "-o", "x.obj"}, 2, ".ply, .xyz, .pcd, .drc");
+  expect_failure({"sample", sphere_, "-n", "10", "--density", "frustum"}, 2, "there are: uniform, curvature, view");
+  expect_failure({"sample", sphere_, "-n", "10", "--sampler", "progressive"}, 2, "there are: equalised");
+  expect_failure({"sample", sphere_, "-n", "10", "--sequence", "golden"}, 2, "there are: jittered, regular");
+  expect_failure({"sample", sphere_, "-n", "10", "--camera", "eye=1"}, 2, "eye takes 3 numbers");
+  expect_failure({"preprocess", sphere_, "--omega", "0.5"}, 2, "omega");
+  expect_failure({"render", sphere_, "-o", "x.jpg"}, 2, ".png");
+  expect_failure({"render", sphere_, "-o", "x.png", "--size", "0x10"}, 2, "WIDTHxHEIGHT");
+  expect_failure({"stream", sphere_, "--frames", "0"}, 2, "frames");
+  expect_failure({"info", sphere_, "--quiet", "--verbose"}, 2, "");
+}
+
+TEST_F(CliTest, BadInputIsStatus3) {
+  for (const char* command : {"info", "preprocess"}) {
+    expect_failure({command, "/nonexistent/mesh.off"}, 3, "/nonexistent/mesh.off: cannot be opened: No such file");
+  }
+  expect_failure({"sample", "/nonexistent/mesh.off", "-n", "5"}, 3, "/nonexistent/mesh.off");
+  expect_failure({"info", ::testing::TempDir()}, 3, "is a directory");
+  const std::string broken = temporary("broken.off");
+  std::ofstream(broken) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n";
+  for (const char* command : {"info", "preprocess"}) expect_failure({command, broken}, 3, "broken.off");
+  std::ofstream(broken) << "";
+  expect_failure({"info", broken}, 3, "empty");
+  const std::string points = temporary("broken.drc");
+  std::ofstream(points) << "DRACO nothing of the kind";
+  expect_failure({"render", points, "-o", temporary("x.png")}, 3, "broken.drc");
+  const std::string views = temporary("broken_views.txt");
+  std::ofstream(views) << "1 2 3\n";
+  expect_failure({"stream", sphere_, "--path", views}, 3, "line 1");
+}
+
+TEST_F(CliTest, AnOutputThatCannotBeWrittenIsFoundOutFirst) {
+  // The mesh is missing too: the output is looked at before.
+  const std::string output = "/nonexistent/folder/points.ply";
+  expect_failure({"sample", "/nonexistent/mesh.off", "-n", "5", "-o", output}, 3, output);
+  expect_failure({"render", "/nonexistent/mesh.off", "-o", "/nonexistent/folder/x.png"}, 3, "/nonexistent/folder/x.png");
+  expect_failure({"stream", "/nonexistent/mesh.off", "-o", sphere_ + "/frames"}, 3, "frames");
+}
+
+TEST_F(CliTest, AServerThatIsNotThereIsStatus4) {
+  expect_failure({"info", sphere_, "--server", "127.0.0.1:1"}, 4, "127.0.0.1:1");
+}
+
+TEST_F(CliTest, CtrlCEndsPreprocessing) {
+  const std::string big = write_sphere("big.off", 400);
+  Process process({"preprocess", big, "-n", "4000000"});
+  ASSERT_TRUE(process.wait_for("big.off: ")) << process.err();  // the first line of progress
+  process.signal(SIGINT);
+  const Finished finished = process.finish();
+  EXPECT_EQ(finished.status, 130) << finished.err;
+  EXPECT_THAT(finished.err, HasSubstr("curvecast: interrupted"));
+  EXPECT_THAT(finished.out, IsEmpty());
+}
+
+/// A server process on a free port.
+class ServeTest : public CliTest {
+ protected:
+  static std::string address_of(Process& process) {
+    const std::string prefix = "listening on ";
+    EXPECT_TRUE(process.wait_for(prefix)) << process.err();
+    const std::string out = process.out();
+    const std::size_t begin = out.find(prefix) + prefix.size();
+    return out.substr(begin, out.find('\n', begin) - begin);
+  }
+};
+
+TEST_F(ServeTest, GivesTheSameBytesAsInProcess) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--open", sphere_});
+  const std::string address = address_of(server);
+  ASSERT_TRUE(server.wait_for("session ")) << server.err();
+  const std::string remote = temporary("remote.ply"), local = temporary("local.ply");
+  const json far = run_json({"sample", sphere_, "-n", "70000", "--seed", "3", "-o", remote, "--server", address});
+  const json near = run_json({"sample", sphere_, "-n", "70000", "--seed", "3", "-o", local});
+  EXPECT_EQ(far["session_id"], near["session_id"]);
+  EXPECT_EQ(bytes_of(remote), bytes_of(local));
+  EXPECT_EQ(run_json({"info", sphere_, "--server", address})["mesh"]["genus"], 0);
+  EXPECT_EQ(run_json({"stream", sphere_, "--frames", "3", "-n", "500", "--server", address})["frames"], 3);
+  const json opened = run_json({"preprocess", sphere_, "--server", address});
+  EXPECT_THAT(server.out(), HasSubstr("session " + opened["session_id"].get<std::string>()));
+  server.signal(SIGTERM);
+  const Finished finished = server.finish();
+  EXPECT_EQ(finished.status, 0) << finished.err;
+}
+
+TEST_F(ServeTest, JsonFollowsWhenAllIsOpen) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--open", sphere_, "--json", "--quiet"});
+  ASSERT_TRUE(server.wait_for("session_id")) << server.err();
+  ASSERT_TRUE(server.wait_for("\n}"));
+  const json object = json::parse(server.out(), nullptr, false);
+  EXPECT_GT(object["port"], 0);
+  EXPECT_EQ(object["sessions"][0]["mesh"], sphere_);
+  server.signal(SIGINT);
+  EXPECT_EQ(server.finish().status, 0);
+}
+
+TEST_F(ServeTest, StopsWhileItOpensAMesh) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--open", write_sphere("big_served.off", 400)});
+  ASSERT_TRUE(server.wait_for("big_served.off: ")) << server.err();
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 0);
+}
+
+TEST_F(ServeTest, RefusesWhatItCannotDo) {
+  Process server({"serve", "--listen", "127.0.0.1:0"});
+  const std::string address = address_of(server);
+  expect_failure({"serve", "--listen", address}, 4, address);
+  expect_failure({"serve", "--listen", "nonsense"}, 3, "nonsense");
+  expect_failure({"serve", "--server", address}, 3, "--server");
+  Finished finished = run({"serve", "--listen", "127.0.0.1:0", "--open", "/nonexistent/mesh.off"});
+  EXPECT_EQ(finished.status, 3);
+  EXPECT_THAT(finished.err, HasSubstr("/nonexistent/mesh.off"));
+}
+
+}  // namespace
+}  // namespace curvecast::cli

@@ -1,0 +1,156 @@
+#include "client/lib/client.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "client/lib/file_bytes.h"
+#include "tests/client/fake_connection.h"
+#include "tests/client/sphere_points.h"
+
+namespace curvecast::client {
+namespace {
+
+using ::testing::_;
+using ::testing::HasSubstr;
+using ::testing::NiceMock;
+using ::testing::Return;
+
+class ClientTest : public ::testing::Test {
+ protected:
+  std::shared_ptr<NiceMock<FakeConnection>> connection_ = std::make_shared<NiceMock<FakeConnection>>();
+  Client client_{connection_};
+};
+
+/// Takes an upload as a server does, and answers with the hash of what has come.
+auto receive(std::string* received) {
+  return [received](const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes,
+                    std::stop_token) -> absl::StatusOr<v1::UploadMeshResponse> {
+    received->resize(header.size());
+    for (std::size_t offset = 0; offset < received->size(); ++offset) {
+      if (absl::Status status = read(offset, {received->data() + offset, 1}); !status.ok()) return status;
+    }
+    on_bytes(header.size());
+    v1::UploadMeshResponse response;
+    response.set_mesh_id(mesh_id_of(*received));
+    response.set_size(received->size());
+    return response;
+  };
+}
+
+TEST_F(ClientTest, KnowsXxh3) {
+  // As `xxh128sum` prints it for no input at all.
+  EXPECT_EQ(mesh_id_of({}), "99aa06d3014798d86001c324468d497f");
+  EXPECT_EQ(mesh_id_of(std::string("a")).size(), 32U);
+}
+
+TEST_F(ClientTest, UploadsOnlyWhatIsNotThereYet) {
+  EXPECT_CALL(*connection_, get_mesh).WillOnce(Return(v1::GetMeshResponse()));
+  EXPECT_CALL(*connection_, upload_mesh).Times(0);
+  const std::string bytes = "OFF";
+  EXPECT_EQ(*client_.upload_mesh("x.off", std::span<const char>(bytes)), mesh_id_of(bytes));
+}
+
+TEST_F(ClientTest, UploadsAFileUnderItsNameAndHash) {
+  const std::string path = ::testing::TempDir() + "/curvecast_client_test.off";
+  const std::string bytes(100, 'm');
+  ASSERT_TRUE(write_bytes(path, bytes).ok());
+  std::string received;
+  ON_CALL(*connection_, get_mesh).WillByDefault(Return(absl::NotFoundError("no")));
+  EXPECT_CALL(*connection_, upload_mesh)
+      .WillOnce([&](const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes, std::stop_token stop) {
+        EXPECT_EQ(header.name(), "curvecast_client_test.off");
+        EXPECT_EQ(header.mesh_id(), mesh_id_of(bytes));
+        return receive(&received)(header, read, on_bytes, stop);
+      });
+  double fraction = 0;
+  const auto mesh_id = client_.upload_mesh(path, [&](std::string_view stage, double f) {
+    EXPECT_EQ(stage, "upload");
+    fraction = f;
+  });
+  ASSERT_TRUE(mesh_id.ok()) << mesh_id.status();
+  EXPECT_EQ(*mesh_id, mesh_id_of(bytes));
+  EXPECT_EQ(received, bytes);
+  EXPECT_EQ(fraction, 1);
+}
+
+TEST_F(ClientTest, SaysWhichFileCannotBeRead) {
+  EXPECT_CALL(*connection_, get_mesh).Times(0);
+  const absl::Status status = client_.upload_mesh("/nonexistent/mesh.ply").status();
+  EXPECT_TRUE(absl::IsNotFound(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("/nonexistent/mesh.ply"));
+}
+
+TEST_F(ClientTest, NoticesAMeshThatArrivedChanged) {
+  ON_CALL(*connection_, get_mesh).WillByDefault(Return(absl::NotFoundError("no")));
+  ON_CALL(*connection_, upload_mesh).WillByDefault(Return(v1::UploadMeshResponse()));
+  EXPECT_TRUE(absl::IsDataLoss(client_.upload_mesh("x.off", std::span<const char>("OFF", 3)).status()));
+}
+
+TEST_F(ClientTest, PassesOtherErrorsOn) {
+  ON_CALL(*connection_, get_mesh).WillByDefault(Return(absl::UnavailableError("gone")));
+  EXPECT_CALL(*connection_, upload_mesh).Times(0);
+  EXPECT_TRUE(absl::IsUnavailable(client_.upload_mesh("x.off", std::span<const char>("OFF", 3)).status()));
+  ON_CALL(*connection_, resample).WillByDefault(Return(absl::OutOfRangeError("too many")));
+  EXPECT_TRUE(absl::IsOutOfRange(client_.resample({}).status()));
+}
+
+TEST_F(ClientTest, JoinsBlocksInOrder) {
+  const Points points = sphere_points(10);
+  std::vector<v1::ResampleResponse> responses;
+  for (std::size_t begin = 0; begin < 10; begin += 5) {
+    Points half;
+    half.positions.assign(points.positions.begin() + begin, points.positions.begin() + begin + 5);
+    half.normals.assign(points.normals.begin() + begin, points.normals.begin() + begin + 5);
+    half.radii.assign(points.radii.begin() + begin, points.radii.begin() + begin + 5);
+    *responses.emplace_back().mutable_points() = raw_block(half);
+  }
+  responses.back().mutable_statistics()->set_curve_vertices(77);
+  ON_CALL(*connection_, resample).WillByDefault(Return(responses));
+  v1::ResampleRequest request;
+  request.mutable_sample()->set_points(10);
+  const auto sample = client_.resample(request);
+  ASSERT_TRUE(sample.ok()) << sample.status();
+  EXPECT_EQ(sample->points.positions, points.positions);
+  EXPECT_EQ(sample->points.normals, points.normals);
+  EXPECT_EQ(sample->points.radii, points.radii);
+  EXPECT_EQ(sample->statistics.curve_vertices(), 77U);
+  EXPECT_EQ(sample->bytes, 280U);
+
+  request.mutable_sample()->set_points(11);
+  EXPECT_TRUE(absl::IsDataLoss(client_.resample(request).status())) << "exactly as many as asked for";
+}
+
+TEST_F(ClientTest, ForwardsSessions) {
+  v1::Session session;
+  session.set_session_id("s");
+  EXPECT_CALL(*connection_, create_session)
+      .WillOnce([&](const v1::CreateSessionRequest& request, const OnProgress& on_progress, std::stop_token) {
+        EXPECT_EQ(request.mesh_id(), "m");
+        EXPECT_EQ(request.options().max_points(), 5U);
+        v1::Progress progress;
+        progress.set_stage("map");
+        progress.set_fraction(0.5);
+        on_progress(progress);
+        return session;
+      });
+  v1::SessionOptions options;
+  options.set_max_points(5);
+  std::string seen;
+  const auto created = client_.create_session("m", options, [&](std::string_view stage, double) { seen = stage; });
+  ASSERT_TRUE(created.ok()) << created.status();
+  EXPECT_EQ(created->session_id(), "s");
+  EXPECT_EQ(seen, "map");
+
+  v1::ListSessionsResponse list;
+  *list.add_sessions() = session;
+  ON_CALL(*connection_, list_sessions).WillByDefault(Return(list));
+  EXPECT_EQ(client_.list_sessions()->size(), 1U);
+  ON_CALL(*connection_, close_session).WillByDefault(Return(absl::NotFoundError("unknown")));
+  EXPECT_TRUE(absl::IsNotFound(client_.close_session("t")));
+}
+
+}  // namespace
+}  // namespace curvecast::client

@@ -1,0 +1,202 @@
+#include "client/lib/draco_points.h"
+
+#include <absl/strings/str_cat.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "client/lib/drc_file.h"
+#include "tests/client/sphere_points.h"
+
+namespace curvecast::client {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::size_t kCountOffset = 11;  // of the point count, in a Draco cloud without metadata
+
+/// Draco data of `count` points without radii, and so without metadata.
+std::string plain_draco(std::size_t count) {
+  Points points = sphere_points(count);
+  points.radii.clear();
+  return *make_drc(points, {});
+}
+
+std::string with_count(std::string bytes, std::int32_t count) {
+  std::memcpy(&bytes[kCountOffset], &count, sizeof count);
+  return bytes;
+}
+
+/// A header and nothing else: `attributes` times `components` of `type`.
+std::string bare_header(std::int32_t points, std::uint8_t attributes, std::uint8_t type, std::uint8_t components) {
+  std::string bytes("DRACO\x02\x03\x00\x00\x00\x00", kCountOffset);
+  bytes.append(reinterpret_cast<const char*>(&points), sizeof points);
+  bytes += '\x01';
+  bytes += static_cast<char>(attributes);
+  for (int i = 0; i < attributes; ++i) {
+    bytes += {'\x00', static_cast<char>(type), static_cast<char>(components), '\x00', static_cast<char>(i)};
+  }
+  return bytes;
+}
+
+double distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+TEST(DecodeBlock, KeepsRawPointsExactly) {
+  Points points = sphere_points(1000);
+  points.origin = {1e6, -2, 3};
+  const auto decoded = decode_block(raw_block(points));
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  EXPECT_EQ(decoded->origin, points.origin);
+  EXPECT_EQ(decoded->positions, points.positions);
+  EXPECT_EQ(decoded->normals, points.normals);
+  EXPECT_EQ(decoded->radii, points.radii);
+}
+
+TEST(DecodeBlock, KeepsDracoPointsInOrderWithinTheLattice) {
+  const Points points = sphere_points(5000);
+  const auto decoded = decode_block(draco_block(points, 14));
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  ASSERT_EQ(decoded->size(), points.size());
+  const double cell = 2.0 / ((1 << 14) - 1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ASSERT_LT(distance(decoded->positions[i], points.positions[i]), 0.9 * cell) << i;
+    ASSERT_LT(distance(decoded->normals[i], points.normals[i]), 0.01) << i;
+    ASSERT_NEAR(decoded->radii[i] / points.radii[i], 1, 0.5 * std::log(2.0) / 255 + 1e-5) << i;
+  }
+}
+
+TEST(DecodeBlock, RefusesBlocksThatDisagreeWithTheirCount) {
+  const Points points = sphere_points(100);
+  for (v1::PointBlock block : {raw_block(points), draco_block(points)}) {
+    for (const std::uint32_t count : {0U, 1U, 99U, 101U, 0xffffffffU}) {
+      block.set_count(count);
+      EXPECT_TRUE(absl::IsDataLoss(decode_block(block).status())) << count;
+    }
+  }
+  EXPECT_TRUE(absl::IsDataLoss(decode_block(v1::PointBlock()).status()));
+}
+
+TEST(DecodeBlock, RefusesWhatIsNotFinite) {
+  const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()};
+  for (const float value : bad) {
+    for (int field = 0; field < 3; ++field) {
+      Points points = sphere_points(10);
+      (field == 0 ? points.positions[7][1] : field == 1 ? points.normals[7][2] : points.radii[7]) = value;
+      const absl::Status status = decode_block(raw_block(points)).status();
+      EXPECT_TRUE(absl::IsDataLoss(status));
+      EXPECT_THAT(std::string(status.message()), HasSubstr("point 7"));
+    }
+    v1::PointBlock block = draco_block(sphere_points(10));
+    block.mutable_draco()->set_radius_max(value);
+    EXPECT_TRUE(absl::IsDataLoss(decode_block(block).status()));
+    block = raw_block(sphere_points(10));
+    block.mutable_origin()->set_x(value);
+    EXPECT_TRUE(absl::IsDataLoss(decode_block(block).status()));
+  }
+}
+
+TEST(CheckDracoHeader, ReadsTheCountOfARealCloud) {
+  const auto header = check_draco_header(plain_draco(1234));
+  ASSERT_TRUE(header.ok()) << header.status();
+  EXPECT_EQ(header->points, 1234U);
+  EXPECT_EQ(header->bytes_per_point, 24U);
+  EXPECT_FALSE(header->radii.valid());
+}
+
+TEST(CheckDracoHeader, RefusesAbsurdCounts) {
+  const std::string bytes = plain_draco(100);
+  for (const std::int32_t count :
+       {0, -1, std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max(), 2'000'000, 1'000'000'000}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(check_draco_header(with_count(bytes, count)).status())) << count;
+    EXPECT_TRUE(absl::IsInvalidArgument(decode_draco(with_count(bytes, count), {}).status())) << count;
+  }
+}
+
+TEST(CheckDracoHeader, RefusesAttributesThatNeedTooMuchMemory) {
+  constexpr std::uint8_t kFloat = 9, kDouble = 10;
+  EXPECT_TRUE(check_draco_header(bare_header(100, 2, kFloat, 3)).ok());
+  EXPECT_FALSE(check_draco_header(bare_header(100, 1, kDouble, 255)).ok());
+  EXPECT_FALSE(check_draco_header(bare_header(100, 200, kFloat, 3)).ok());
+  EXPECT_FALSE(check_draco_header(bare_header(100, 1, 0, 3)).ok());
+  EXPECT_FALSE(check_draco_header(bare_header(100, 1, 99, 3)).ok());
+  EXPECT_FALSE(check_draco_header(bare_header(100, 1, kFloat, 0)).ok());
+}
+
+TEST(CheckDracoHeader, RefusesOtherFormats) {
+  const std::string bytes = plain_draco(100);
+  const auto changed = [&](std::size_t offset, char value) {
+    std::string other = bytes;
+    other[offset] = value;
+    return check_draco_header(other).status();
+  };
+  EXPECT_THAT(std::string(changed(0, 'd').message()), HasSubstr("DRACO"));
+  EXPECT_THAT(std::string(changed(5, 1).message()), HasSubstr("version is 1.3"));
+  EXPECT_THAT(std::string(changed(7, 1).message()), HasSubstr("no point cloud"));
+  EXPECT_THAT(std::string(changed(8, 7).message()), HasSubstr("method"));
+  EXPECT_FALSE(check_draco_header("").ok());
+}
+
+TEST(DecodeDraco, RefusesEveryTruncation) {
+  const v1::PointBlock block = draco_block(sphere_points(60));
+  for (std::size_t size = 0; size < block.draco().data().size(); ++size) {
+    v1::PointBlock cut = block;
+    cut.mutable_draco()->mutable_data()->resize(size);
+    ASSERT_FALSE(decode_block(cut).ok()) << size;
+  }
+}
+
+TEST(DecodeDraco, SurvivesDamage) {
+  const v1::PointBlock block = draco_block(sphere_points(300));
+  std::mt19937 random(1);
+  for (int trial = 0; trial < 3000; ++trial) {
+    v1::PointBlock damaged = block;
+    std::string& bytes = *damaged.mutable_draco()->mutable_data();
+    for (int i = 0; i < 1 + trial % 4; ++i) bytes[random() % bytes.size()] = static_cast<char>(random());
+    const auto points = decode_block(damaged);
+    if (!points.ok()) continue;
+    ASSERT_EQ(points->size(), 300U);
+    for (const auto& p : points->positions) ASSERT_TRUE(std::isfinite(p[0] + p[1] + p[2]));
+  }
+}
+
+// Few bits make points that hardly differ and next to no bytes; the bound must let them pass.
+TEST(DecodeDraco, AcceptsTheSmallestEncodings) {
+  for (const std::size_t count : {1UL, 2UL, 100'000UL, 1'000'000UL}) {
+    Points points = sphere_points(count);
+    std::sort(points.positions.begin(), points.positions.end());
+    std::sort(points.normals.begin(), points.normals.end());
+    std::fill(points.radii.begin(), points.radii.end(), 0.5F);
+    const auto bytes = make_drc(points, {.position_bits = 1, .normal_bits = 2});
+    ASSERT_TRUE(bytes.ok()) << bytes.status();
+    const auto decoded = parse_drc(*bytes);
+    ASSERT_TRUE(decoded.ok()) << decoded.status() << " in " << bytes->size() << " bytes";
+    EXPECT_EQ(decoded->size(), count);
+  }
+}
+
+TEST(AppendPoints, KeepsAbsolutePositions) {
+  Points all = sphere_points(3), more = sphere_points(5);
+  all.origin = {100, 200, 300};
+  more.origin = {101, 202, 297};
+  append_points(more, &all);
+  ASSERT_EQ(all.size(), 8U);
+  EXPECT_EQ(all.normals.size(), 8U);
+  EXPECT_EQ(all.radii.size(), 8U);
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(all.origin[axis] + all.positions[3 + i][axis], more.origin[axis] + more.positions[i][axis], 1e-5);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace curvecast::client

@@ -1,0 +1,27 @@
+// A connection without a server.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include "client/lib/connection.h"
+
+namespace curvecast::client {
+
+class FakeConnection : public Connection {
+ public:
+  MOCK_METHOD(absl::StatusOr<v1::UploadMeshResponse>, upload_mesh,
+              (const v1::UploadHeader&, const ReadAt&, const OnBytes&, std::stop_token), (override));
+  MOCK_METHOD(absl::StatusOr<v1::GetMeshResponse>, get_mesh, (const v1::GetMeshRequest&, std::stop_token), (override));
+  MOCK_METHOD(absl::StatusOr<v1::InspectMeshResponse>, inspect_mesh, (const v1::InspectMeshRequest&, std::stop_token),
+              (override));
+  MOCK_METHOD(absl::StatusOr<v1::Session>, create_session, (const v1::CreateSessionRequest&, const OnProgress&, std::stop_token),
+              (override));
+  MOCK_METHOD(absl::StatusOr<v1::GetSessionResponse>, get_session, (const v1::GetSessionRequest&, std::stop_token), (override));
+  MOCK_METHOD(absl::StatusOr<v1::ListSessionsResponse>, list_sessions, (std::stop_token), (override));
+  MOCK_METHOD(absl::Status, close_session, (const v1::CloseSessionRequest&, std::stop_token), (override));
+  MOCK_METHOD(absl::StatusOr<std::vector<v1::ResampleResponse>>, resample, (const v1::ResampleRequest&, std::stop_token),
+              (override));
+  MOCK_METHOD(std::unique_ptr<ViewCall>, stream_views, (std::stop_token), (override));
+};
+
+}  // namespace curvecast::client

@@ -1,0 +1,86 @@
+#include "tests/client/process.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace curvecast::cli {
+namespace {
+
+std::string content_of(const std::string& path) {
+  std::ostringstream content;
+  content << std::ifstream(path, std::ios::binary).rdbuf();
+  return content.str();
+}
+
+std::string new_path(const std::string& kind) {
+  static std::atomic<int> counter = 0;
+  return ::testing::TempDir() + "/curvecast_cli_" + std::to_string(getpid()) + "_" + std::to_string(counter++) + kind;
+}
+
+}  // namespace
+
+Process::Process(const std::vector<std::string>& arguments) : out_path_(new_path(".out")), err_path_(new_path(".err")) {
+  std::vector<std::string> words = {CURVECAST_COMMAND};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_ = ::fork();
+  if (pid_ != 0) return;
+  // The child: only calls that are safe between fork and exec.
+  const int out = ::open(out_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int err = ::open(err_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  ::dup2(out, STDOUT_FILENO);
+  ::dup2(err, STDERR_FILENO);
+  ::execv(argv[0], argv.data());
+  _exit(127);
+}
+
+Process::~Process() {
+  if (running_ && !reap(false)) {
+    signal(SIGKILL);
+    reap(true);
+  }
+  std::remove(out_path_.c_str());
+  std::remove(err_path_.c_str());
+}
+
+bool Process::reap(bool block) {
+  if (running_ && ::waitpid(pid_, &status_, block ? 0 : WNOHANG) == pid_) running_ = false;
+  return !running_;
+}
+
+void Process::signal(int number) const {
+  if (running_) ::kill(pid_, number);
+}
+
+std::string Process::out() const { return content_of(out_path_); }
+std::string Process::err() const { return content_of(err_path_); }
+
+bool Process::wait_for(const std::string& text) {
+  for (int i = 0; i < 6000; ++i) {
+    const bool ended = reap(false);
+    if ((out() + err()).find(text) != std::string::npos) return true;
+    if (ended) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+Finished Process::finish() {
+  reap(true);
+  return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), out(), err()};
+}
+
+Finished run(const std::vector<std::string>& arguments) { return Process(arguments).finish(); }
+
+}  // namespace curvecast::cli

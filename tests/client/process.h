@@ -1,0 +1,45 @@
+// Runs the command under test as a process of its own.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace curvecast::cli {
+
+struct Finished {
+  int status = -1;  // exit status; 128 + signal when killed
+  std::string out, err;
+};
+
+/// Standard output and error go to files, so nothing blocks. Killed when destroyed while running.
+class Process {
+ public:
+  explicit Process(const std::vector<std::string>& arguments);
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  ~Process();
+
+  void signal(int number) const;
+  /// Waits until standard output or standard error contains `text`; false when the process ends or a minute passes before.
+  bool wait_for(const std::string& text);
+  /// What has been written so far.
+  std::string out() const;
+  std::string err() const;
+  Finished finish();
+
+ private:
+  bool reap(bool block);
+
+  std::string out_path_, err_path_;
+  pid_t pid_ = -1;
+  int status_ = -1;  // as of waitpid(), once reaped
+  bool running_ = true;
+};
+
+/// Runs the command to its end.
+Finished run(const std::vector<std::string>& arguments);
+
+}  // namespace curvecast::cli

@@ -1,0 +1,215 @@
+#include "server/convert.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace curvecast::server {
+namespace {
+
+using Code = absl::StatusCode;
+using ::testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+// With every kind of term and a camera, all valid.
+v1::SampleRequest good_request() {
+  v1::SampleRequest request;
+  request.set_points(1000);
+  request.set_seed(7);
+  request.add_density()->mutable_uniform();
+  request.add_density()->mutable_curvature();
+  request.add_density()->mutable_view();
+  request.mutable_camera()->mutable_eye()->set_z(3);
+  request.mutable_camera()->mutable_target();
+  request.mutable_viewport()->set_width(640);
+  request.mutable_viewport()->set_height(480);
+  return request;
+}
+
+TEST(ToSample, FillsInTheDefaults) {
+  const auto sample = to_sample(good_request());
+  ASSERT_TRUE(sample.ok()) << sample.status();
+  EXPECT_EQ(sample->options.points, 1000u);
+  EXPECT_EQ(sample->options.seed, 7u);
+  EXPECT_EQ(sample->options.sequence, Sequence::kJittered);
+  ASSERT_EQ(sample->options.density.size(), 3u);
+  EXPECT_TRUE(std::holds_alternative<UniformTerm>(sample->options.density[0]));
+  const auto& curvature = std::get<CurvatureTerm>(sample->options.density[1]);
+  EXPECT_EQ(curvature.kind, CurvatureKind::kGauss);
+  EXPECT_EQ(curvature.exponent, 1);
+  EXPECT_EQ(curvature.floor, 0.05);
+  const auto& view = std::get<ViewTerm>(sample->options.density[2]);
+  EXPECT_EQ(view.eye, Vec3d(0, 0, 3));
+  EXPECT_EQ(view.s0, 0.1);
+  ASSERT_TRUE(sample->draco);
+  EXPECT_EQ(sample->draco->position_bits, 11);
+  EXPECT_EQ(sample->draco->normal_bits, 8);
+}
+
+TEST(ToSample, TakesWhatIsSet) {
+  v1::SampleRequest request = good_request();
+  request.set_sequence(v1::SEQUENCE_REGULAR);
+  auto& curvature = *request.mutable_density(1)->mutable_curvature();
+  curvature.set_kind(v1::CURVATURE_KIND_MAX);
+  curvature.set_exponent(0);
+  curvature.set_floor(0);
+  request.mutable_density(2)->mutable_view()->set_s0(2);
+  request.mutable_encoding()->mutable_draco()->set_position_bits(30);
+  request.mutable_encoding()->mutable_draco()->set_normal_bits(2);
+  auto sample = to_sample(request);
+  ASSERT_TRUE(sample.ok()) << sample.status();
+  EXPECT_EQ(sample->options.sequence, Sequence::kRegular);
+  EXPECT_EQ(std::get<CurvatureTerm>(sample->options.density[1]).kind, CurvatureKind::kMax);
+  EXPECT_EQ(std::get<CurvatureTerm>(sample->options.density[1]).exponent, 0);
+  EXPECT_EQ(std::get<CurvatureTerm>(sample->options.density[1]).floor, 0);
+  EXPECT_EQ(std::get<ViewTerm>(sample->options.density[2]).s0, 2);
+  EXPECT_EQ(sample->draco->position_bits, 30);
+  EXPECT_EQ(sample->draco->normal_bits, 2);
+  request.mutable_encoding()->mutable_raw();
+  sample = to_sample(request);
+  ASSERT_TRUE(sample.ok());
+  EXPECT_FALSE(sample->draco);
+}
+
+struct Hostile {
+  const char* message;  // what the error must say
+  std::function<void(v1::SampleRequest&)> spoil;
+};
+
+TEST(ToSample, NamesTheFieldAtFault) {
+  const std::vector<Hostile> cases = {
+      {"sample.points is 0", [](auto& r) { r.set_points(0); }},
+      {"sample.camera.eye.x is not finite", [](auto& r) { r.mutable_camera()->mutable_eye()->set_x(kNan); }},
+      {"sample.camera.eye.y is not finite", [](auto& r) { r.mutable_camera()->mutable_eye()->set_y(kInf); }},
+      {"sample.camera.eye.z is not finite", [](auto& r) { r.mutable_camera()->mutable_eye()->set_z(-kInf); }},
+      {"sample.camera.target.x is not finite", [](auto& r) { r.mutable_camera()->mutable_target()->set_x(kNan); }},
+      {"sample.camera.target.z is not finite", [](auto& r) { r.mutable_camera()->mutable_target()->set_z(kInf); }},
+      {"sample.camera.up.y is not finite", [](auto& r) { r.mutable_camera()->mutable_up()->set_y(kNan); }},
+      {"same point", [](auto& r) { r.mutable_camera()->clear_eye(); }},
+      {"sample.camera.up has no length", [](auto& r) { r.mutable_camera()->mutable_up(); }},
+      {"sample.camera.up is along the view", [](auto& r) { r.mutable_camera()->mutable_up()->set_z(-1e-200); }},
+      {"vertical_fov_degrees is 180", [](auto& r) { r.mutable_camera()->set_vertical_fov_degrees(180); }},
+      {"vertical_fov_degrees is -1", [](auto& r) { r.mutable_camera()->set_vertical_fov_degrees(-1); }},
+      {"vertical_fov_degrees is nan", [](auto& r) { r.mutable_camera()->set_vertical_fov_degrees(kNan); }},
+      {"sample.viewport.width is 0", [](auto& r) { r.mutable_viewport()->set_width(0); }},
+      {"sample.viewport.height is 0", [](auto& r) { r.mutable_viewport()->set_height(0); }},
+      {"sample.density has 17 terms",
+       [](auto& r) {
+         while (r.density_size() < 17) r.add_density()->mutable_uniform();
+       }},
+      {"sample.density[3] holds no term", [](auto& r) { r.add_density(); }},
+      {"sample.density[1].curvature.kind has the unknown value 77",
+       [](auto& r) { r.mutable_density(1)->mutable_curvature()->set_kind(static_cast<v1::CurvatureKind>(77)); }},
+      {"sample.density[1].curvature.exponent is not finite",
+       [](auto& r) { r.mutable_density(1)->mutable_curvature()->set_exponent(kInf); }},
+      {"sample.density[1].curvature.exponent is -1",
+       [](auto& r) { r.mutable_density(1)->mutable_curvature()->set_exponent(-1); }},
+      {"sample.density[1].curvature.floor is nan", [](auto& r) { r.mutable_density(1)->mutable_curvature()->set_floor(kNan); }},
+      {"sample.density[1].curvature.floor is 1.5", [](auto& r) { r.mutable_density(1)->mutable_curvature()->set_floor(1.5); }},
+      {"sample.density[2].view needs sample.camera", [](auto& r) { r.clear_camera(); }},
+      {"sample.density[2].view.s0 is 0", [](auto& r) { r.mutable_density(2)->mutable_view()->set_s0(0); }},
+      {"sample.density[2].view.s0 is not finite", [](auto& r) { r.mutable_density(2)->mutable_view()->set_s0(kNan); }},
+      {"sample.sequence has the unknown value -5", [](auto& r) { r.set_sequence(static_cast<v1::Sequence>(-5)); }},
+      {"sample.encoding.draco.position_bits is 31",
+       [](auto& r) { r.mutable_encoding()->mutable_draco()->set_position_bits(31); }},
+      {"sample.encoding.draco.normal_bits is 1", [](auto& r) { r.mutable_encoding()->mutable_draco()->set_normal_bits(1); }},
+      {"sample.encoding.draco.normal_bits is 4294967295",
+       [](auto& r) { r.mutable_encoding()->mutable_draco()->set_normal_bits(~0u); }},
+  };
+  for (const Hostile& hostile : cases) {
+    v1::SampleRequest request = good_request();
+    hostile.spoil(request);
+    const auto sample = to_sample(request);
+    EXPECT_EQ(sample.status().code(), Code::kInvalidArgument) << hostile.message;
+    EXPECT_THAT(sample.status().message(), HasSubstr(hostile.message));
+  }
+}
+
+TEST(ToSample, CamerasOfAnySizeWillDo) {
+  for (const double scale : {1e-300, 1e-20, 1.0, 1e20, 1.7e308}) {
+    v1::SampleRequest request = good_request();
+    request.mutable_camera()->mutable_eye()->set_z(scale);
+    request.mutable_camera()->mutable_target()->set_z(-scale);
+    EXPECT_TRUE(to_sample(request).ok()) << scale;
+    request.mutable_camera()->mutable_up()->set_z(scale);
+    EXPECT_FALSE(to_sample(request).ok()) << scale;
+  }
+}
+
+TEST(ToPreprocessOptions, ChecksAndFillsIn) {
+  const auto convert = [](std::uint64_t points, double omega) {
+    v1::SessionOptions options;
+    options.set_max_points(points);
+    options.set_omega(omega);
+    return to_preprocess_options(options);
+  };
+  const auto defaults = convert(0, 0);
+  ASSERT_TRUE(defaults.ok());
+  EXPECT_EQ(defaults->points, 65'536u);
+  EXPECT_EQ(defaults->omega, 10);
+  EXPECT_TRUE(convert(1, 1).ok());
+  EXPECT_TRUE(convert(4'000'000, 0).ok());
+  EXPECT_TRUE(convert(100, 1000).ok());
+  for (const double omega : {0.5, -1.0, 1000.1, kNan, kInf}) {
+    EXPECT_EQ(convert(0, omega).status().code(), Code::kInvalidArgument) << omega;
+    EXPECT_THAT(convert(0, omega).status().message(), HasSubstr("options.omega")) << omega;
+  }
+  EXPECT_THAT(convert(4'000'001, 0).status().message(), HasSubstr("options.max_points is 4000001"));
+  EXPECT_EQ(convert(~std::uint64_t{0}, 0).status().code(), Code::kInvalidArgument);
+  EXPECT_THAT(convert(4'000'000, 1000).status().message(), HasSubstr("curve vertices"));
+}
+
+TEST(ToProto, RawBlocksHoldTheFloatsThemselves) {
+  PointSet points;
+  points.origin = {1, 2, 3};
+  for (int i = 0; i < 10; ++i) {
+    const auto value = static_cast<float>(i);
+    points.positions.emplace_back(value, value + 0.25f, value + 0.5f);
+    points.normals.emplace_back(0.f, 0.f, 1.f);
+    points.radii.push_back(value / 8);
+    points.vertices.push_back(i);
+  }
+  const auto block = to_proto(points, 4, 3, SurfaceCurve(), std::nullopt);
+  ASSERT_TRUE(block.ok());
+  EXPECT_EQ(block->count(), 3u);
+  EXPECT_EQ(block->origin().y(), 2);
+  ASSERT_EQ(block->raw().positions().size(), 36u);
+  ASSERT_EQ(block->raw().normals().size(), 36u);
+  ASSERT_EQ(block->raw().radii().size(), 12u);
+  EXPECT_EQ(std::memcmp(block->raw().positions().data(), &points.positions[4], 36), 0);
+  EXPECT_EQ(std::memcmp(block->raw().radii().data(), &points.radii[4], 12), 0);
+}
+
+TEST(ToProto, SessionsSayWhatTheyAre) {
+  SessionInfo info{"id", "mesh", {.points = 5, .omega = 2}, SessionState::kPreprocessing, nullptr};
+  EXPECT_EQ(to_proto(info).state(), v1::SESSION_STATE_PREPROCESSING);
+  EXPECT_FALSE(to_proto(info).has_report());
+  auto session = std::make_shared<Session>();
+  session->id = "id";
+  session->mesh_name = "bunny.ply";
+  session->options = info.options;
+  auto curve = std::make_shared<SurfaceCurve>();
+  curve->revision = 3;
+  session->preprocessed.curve = curve;
+  session->preprocessed.report.mesh.genus = 2;
+  session->peak_bytes = 12;
+  info.session = session;
+  const v1::Session ready = to_proto(info);
+  EXPECT_EQ(ready.state(), v1::SESSION_STATE_READY);
+  EXPECT_EQ(ready.curve_revision(), 3u);
+  EXPECT_EQ(ready.options().max_points(), 5u);
+  EXPECT_EQ(ready.report().mesh().name(), "bunny.ply");
+  EXPECT_EQ(ready.report().mesh().genus(), 2u);
+  EXPECT_EQ(ready.report().peak_bytes(), 12u);
+}
+
+}  // namespace
+}  // namespace curvecast::server

@@ -1,0 +1,150 @@
+#include "server_fixture.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+// The system's gRPC is not instrumented, so ThreadSanitizer does not see how it hands a call from thread to thread. The threads
+// of our own have tests without gRPC (client_stream, session_store, job_queue), where nothing is suppressed.
+extern "C" const char* __tsan_default_suppressions() {
+  return "race:libgrpc\nrace:libgpr\nrace:libabsl\nrace:libprotobuf\nrace:grpc::\nmutex:libgrpc\ndeadlock:libgrpc\n";
+}
+
+namespace curvecast::server {
+
+std::string sphere_off(int levels) {
+  using Point = std::array<double, 3>;
+  std::vector<Point> points = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  std::vector<std::array<int, 3>> faces = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                           {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (int level = 0; level < levels; ++level) {
+    std::map<std::pair<int, int>, int> middles;
+    const auto middle = [&](int a, int b) {
+      const auto [it, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<int>(points.size()));
+      if (is_new) {
+        Point p;
+        for (int i = 0; i < 3; ++i) p[i] = points[a][i] + points[b][i];
+        const double length = std::hypot(p[0], p[1], p[2]);
+        for (double& x : p) x /= length;
+        points.push_back(p);
+      }
+      return it->second;
+    };
+    std::vector<std::array<int, 3>> finer;
+    for (const auto& [a, b, c] : faces) {
+      const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    faces = std::move(finer);
+  }
+  std::string out = absl::StrCat("OFF\n", points.size(), " ", faces.size(), " 0\n");
+  for (const auto& p : points) absl::StrAppend(&out, p[0], " ", p[1], " ", p[2], "\n");
+  for (const auto& f : faces) absl::StrAppend(&out, "3 ", f[0], " ", f[1], " ", f[2], "\n");
+  return out;
+}
+
+void ServerFixture::start(ServerOptions options) {
+  server_.reset();
+  options.listen = "127.0.0.1:0";
+  options.log = false;
+  auto server = Server::start(options);
+  ASSERT_TRUE(server.ok()) << server.status();
+  server_ = *std::move(server);
+  ASSERT_GT(server_->port(), 0);
+}
+
+std::string ServerFixture::address() const { return absl::StrCat("127.0.0.1:", server_->port()); }
+
+std::shared_ptr<grpc::Channel> ServerFixture::connect() const {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // else channels to one address share a connection
+  arguments.SetMaxReceiveMessageSize(-1);
+  return grpc::CreateCustomChannel(address(), grpc::InsecureChannelCredentials(), arguments);
+}
+
+void set_patience(grpc::ClientContext& context) {
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(120));
+}
+
+Uploaded upload(Stub& stub, const v1::UploadHeader& header, const std::string& bytes, std::size_t chunk) {
+  Uploaded out;
+  grpc::ClientContext context;
+  set_patience(context);
+  const auto writer = stub.UploadMesh(&context, &out.response);
+  v1::UploadMeshRequest request;
+  *request.mutable_header() = header;
+  bool open = writer->Write(request);
+  for (std::size_t at = 0; open && at < bytes.size(); at += chunk) {
+    request.set_chunk(bytes.substr(at, chunk));
+    open = writer->Write(request);
+  }
+  writer->WritesDone();
+  out.status = writer->Finish();
+  return out;
+}
+
+std::string upload(Stub& stub, const std::string& bytes) {
+  v1::UploadHeader header;
+  header.set_name("test.off");
+  header.set_size(bytes.size());
+  const Uploaded uploaded = upload(stub, header, bytes);
+  EXPECT_TRUE(uploaded.status.ok()) << uploaded.status.error_message();
+  return uploaded.response.mesh_id();
+}
+
+Created create(Stub& stub, const std::string& mesh_id, std::uint64_t max_points) {
+  Created out;
+  grpc::ClientContext context;
+  set_patience(context);
+  v1::CreateSessionRequest request;
+  request.set_mesh_id(mesh_id);
+  request.mutable_options()->set_max_points(max_points);
+  const auto reader = stub.CreateSession(&context, request);
+  v1::CreateSessionResponse response;
+  while (reader->Read(&response)) {
+    EXPECT_FALSE(out.session.has_report()) << "a message after the session";
+    if (response.has_progress()) out.progress.push_back(response.progress());
+    if (response.has_session()) out.session = response.session();
+  }
+  out.status = reader->Finish();
+  return out;
+}
+
+std::uint64_t Resampled::points() const {
+  std::uint64_t sum = 0;
+  for (const auto& block : blocks) sum += block.points().count();
+  return sum;
+}
+
+std::string Resampled::bytes() const {
+  std::string out;
+  for (const auto& block : blocks) out += block.points().SerializeAsString();
+  return out;
+}
+
+Resampled resample(Stub& stub, const std::string& session_id, const v1::SampleRequest& sample) {
+  Resampled out;
+  grpc::ClientContext context;
+  set_patience(context);
+  v1::ResampleRequest request;
+  request.set_session_id(session_id);
+  *request.mutable_sample() = sample;
+  const auto reader = stub.Resample(&context, request);
+  v1::ResampleResponse response;
+  while (reader->Read(&response)) out.blocks.push_back(response);
+  out.status = reader->Finish();
+  return out;
+}
+
+v1::SampleRequest view_of(std::uint64_t points) {
+  v1::SampleRequest sample;
+  sample.set_points(points);
+  sample.add_density()->mutable_view();
+  sample.mutable_camera()->mutable_eye()->set_z(3);
+  return sample;
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,36 @@
+// Generated shapes of every topology that the pipeline has to deal with.
+#pragma once
+
+#include <string>
+
+#include "core/mesh/polygon_soup.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace curvecast::testing {
+
+PolygonSoup disc(int rings, int sectors);                              // flat, one border loop
+PolygonSoup sphere(int rings, int sectors, double radius = 1);         // closed, genus 0
+PolygonSoup torus(int rings, int sectors, double tube = 0.3);          // closed, genus 1; ring radius 1
+PolygonSoup open_cylinder(int rings, int sectors, double height = 2);  // two border loops; radius 1
+PolygonSoup mobius_strip(int sectors);                                 // one-sided
+/// A slab of n x m unit cells, one cell thick, with every other inner cell a hole: closed, genus ((n - 1) / 2) ((m - 1) / 2) for
+/// odd n and m. Quads.
+PolygonSoup perforated_slab(int n, int m);
+/// The cube's 8 vertices and 6 quads.
+PolygonSoup cube();
+PolygonSoup tetrahedron();
+PolygonSoup single_triangle();
+
+/// Both soups side by side in one, sharing nothing.
+PolygonSoup merged(const PolygonSoup& a, const PolygonSoup& b);
+PolygonSoup translated(PolygonSoup soup, const Vec3d& by);
+/// Every coordinate moved at random by up to `amount`, by the same numbers every time.
+PolygonSoup jittered(PolygonSoup soup, double amount);
+
+/// repair() of the soup; the test fails where that does.
+TriangleMesh make_mesh(const PolygonSoup& soup);
+
+/// The soup as the text of an OFF file.
+std::string to_off(const PolygonSoup& soup);
+
+}  // namespace curvecast::testing
