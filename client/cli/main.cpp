@@ -33,7 +33,10 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "curvecast: %s\nRun curvecast --help or curvecast COMMAND --help for more.\n", error.what());
+    // CLI11 only misses a command where there is an unknown one.
+    const bool unknown = app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-';
+    const std::string message = unknown ? std::string("there is no command '") + argv[1] + "'" : error.what();
+    std::fprintf(stderr, "curvecast: %s\nRun curvecast --help or curvecast COMMAND --help for more.\n", message.c_str());
     return kWrongUsage;
   }
   const SignalWatcher signals;

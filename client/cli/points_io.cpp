@@ -20,9 +20,7 @@ namespace {
 
 constexpr std::uint64_t kMaxPlyHeader = 64 << 10;  // bytes looked at
 
-std::string ending_of(const std::string& path) {
-  return absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
-}
+std::string ending_of(const std::string& path) { return absl::AsciiStrToLower(std::filesystem::path(path).extension().string()); }
 
 /// Whether a PLY header declares faces or triangle strips. What is broken counts as a mesh, whose reader says what is wrong.
 bool ply_declares_faces(absl::string_view start) {

@@ -92,7 +92,7 @@ std::string preprocess_text(const v1::Session& session) {
   const v1::PreprocessReport& report = session.report();
   std::string text = mesh_text(report.mesh());
   for (const auto& [name, value] : stages(report.seconds())) absl::StrAppendFormat(&text, "%-14s %.3f s\n", name, value);
-  absl::StrAppendFormat(&text, "curve          %d vertices on discs %d, deepest level %d, %.1f MB, for %d points\n",
+  absl::StrAppendFormat(&text, "curve          %d vertices, discs %d, deepest level %d, %.1f MB, for %d points\n",
                         report.curve_vertices(), report.discs(), report.max_level(),
                         1e-6 * static_cast<double>(report.curve_bytes()), session.options().max_points());
   absl::StrAppendFormat(&text, "distortion     p50 %.3g, p99 %.3g, max %.3g; flipped triangles %d\n", report.distortion().p50(),

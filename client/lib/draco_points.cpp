@@ -21,7 +21,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "raw points are copied as they are");
 
-constexpr std::uint64_t kPointsPerByte = 64;
+constexpr std::uint64_t kPointsPerByte = 256;  // 70 were measured, for 4,000,000 points at 1 bit and normals at 2
 constexpr std::uint64_t kFreePoints = 65'536;
 constexpr std::uint64_t kMaxBytesPerPoint = 64;
 

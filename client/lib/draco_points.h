@@ -32,7 +32,7 @@ struct DracoHeaderInfo {
   RadiusRange radii;                  // from the metadata of a file of ours
 };
 
-/// Reads the start of a Draco point cloud and bounds what decoding it can cost: at most kMaxPoints points, at most 64 points per
+/// Reads the start of a Draco point cloud and bounds what decoding it can cost: at most kMaxPoints points, at most 256 points per
 /// byte plus 65,536 (entropy coding spends next to nothing on points that hardly differ, so a small constant must be allowed and
 /// then growth with the bytes), at most 64 bytes per point decoded. InvalidArgument for anything else.
 absl::StatusOr<DracoHeaderInfo> check_draco_header(std::string_view bytes);

@@ -227,7 +227,7 @@ TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
 
 TEST_F(CliTest, WrongUsageIsStatus2) {
   expect_failure({}, 2, "subcommand");
-  expect_failure({"fly"}, 2, "");
+  expect_failure({"fly"}, 2, "there is no command 'fly'");
   expect_failure({"sample", sphere_}, 2, "--points");
   for (const char* n : {"0", "4000001", "-5", "many", "1.5"}) expect_failure({"sample", sphere_, "-n", n}, 2, "");
   expect_failure({"sample", sphere_, "-n", "10", "-o", "x.obj"}, 2, ".ply, .xyz, .pcd, .drc");

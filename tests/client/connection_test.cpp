@@ -27,8 +27,11 @@ class ScriptedService : public v1::CurvecastService::Service {
     script_ = std::move(statuses);
   }
   int calls() const { return calls_; }
-  const std::string& uploaded() const { return uploaded_; }
-  bool hang = false;  // until cancelled
+  std::string uploaded() {
+    const std::lock_guard lock(mutex_);
+    return uploaded_;
+  }
+  std::atomic<bool> hang = false;  // until cancelled
 
   grpc::Status GetMesh(grpc::ServerContext* context, const v1::GetMeshRequest* request, v1::GetMeshResponse* response) override {
     response->set_mesh_id(request->mesh_id());
@@ -45,6 +48,7 @@ class ScriptedService : public v1::CurvecastService::Service {
       bytes += message.chunk();
     }
     response->set_size(bytes.size());
+    const std::lock_guard lock(mutex_);
     uploaded_ = std::move(bytes);
     return status;
   }
@@ -70,8 +74,8 @@ class ScriptedService : public v1::CurvecastService::Service {
     for (int i = 0; i < blocks && status.ok(); ++i) writer->Write(response);
     return status;
   }
-  int blocks = 1;  // of Resample, after the first
-  bool without_session = false;
+  std::atomic<int> blocks = 1;  // of Resample, after the first
+  std::atomic<bool> without_session = false;
 
  private:
   grpc::Status next(grpc::ServerContext* context) {

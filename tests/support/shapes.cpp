@@ -1,10 +1,13 @@
 #include "tests/support/shapes.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "core/mesh/repair.h"
 #include "core/sample/random.h"
@@ -133,9 +136,7 @@ PolygonSoup perforated_slab(int n, int m) {
     if (fresh) soup.positions.emplace_back(x, y, z);
     return it->second;
   };
-  const auto solid = [&](int x, int y) {
-    return x >= 0 && y >= 0 && x < n && y < m && !(x % 2 == 1 && y % 2 == 1);
-  };
+  const auto solid = [&](int x, int y) { return x >= 0 && y >= 0 && x < n && y < m && !(x % 2 == 1 && y % 2 == 1); };
   for (int x = 0; x < n; ++x) {
     for (int y = 0; y < m; ++y) {
       if (!solid(x, y)) continue;
@@ -169,6 +170,42 @@ PolygonSoup single_triangle() {
   return soup;
 }
 
+PolygonSoup icosphere(int level, double radius) {
+  const double g = std::numbers::phi;
+  std::vector<Vec3d> places = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                               {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<std::vector<std::uint32_t>> faces = {
+      {0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+      {3, 9, 4},  {3, 4, 2}, {3, 2, 6}, {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+  for (int i = 0; i < level; ++i) {
+    std::map<std::array<std::uint32_t, 2>, std::uint32_t> middles;
+    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+      const auto [it, fresh] = middles.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<std::uint32_t>(places.size()));
+      if (fresh) places.emplace_back((places[a].normalized() + places[b].normalized()).normalized());
+      return it->second;
+    };
+    std::vector<std::vector<std::uint32_t>> finer;
+    for (const auto& f : faces) {
+      const std::uint32_t a = middle(f[0], f[1]), b = middle(f[1], f[2]), c = middle(f[2], f[0]);
+      finer.insert(finer.end(), {{f[0], a, c}, {f[1], b, a}, {f[2], c, b}, {a, b, c}});
+    }
+    faces = std::move(finer);
+  }
+  for (Vec3d& p : places) p = radius * p.normalized();
+  return soup_of(std::move(places), faces);
+}
+
+PolygonSoup soup_of(std::vector<Vec3d> positions, const std::vector<std::vector<std::uint32_t>>& polygons) {
+  PolygonSoup soup;
+  soup.positions = std::move(positions);
+  soup.polygon_begin.push_back(0);
+  for (const std::vector<std::uint32_t>& polygon : polygons) {
+    soup.indices.insert(soup.indices.end(), polygon.begin(), polygon.end());
+    soup.polygon_begin.push_back(static_cast<std::uint32_t>(soup.indices.size()));
+  }
+  return soup;
+}
+
 PolygonSoup merged(const PolygonSoup& a, const PolygonSoup& b) {
   PolygonSoup soup = a;
   const auto shift = static_cast<std::uint32_t>(a.positions.size());
@@ -182,6 +219,30 @@ PolygonSoup merged(const PolygonSoup& a, const PolygonSoup& b) {
 PolygonSoup translated(PolygonSoup soup, const Vec3d& by) {
   for (Vec3d& p : soup.positions) p += by;
   return soup;
+}
+
+PolygonSoup scaled(PolygonSoup soup, double factor) {
+  for (Vec3d& p : soup.positions) p *= factor;
+  return soup;
+}
+
+PolygonSoup unshared(const PolygonSoup& soup) {
+  PolygonSoup result = soup;
+  result.positions.clear();
+  for (std::uint32_t& v : result.indices) {
+    result.positions.push_back(soup.positions[v]);
+    v = static_cast<std::uint32_t>(result.positions.size() - 1);
+  }
+  result.shares_vertices = false;
+  return result;
+}
+
+PolygonSoup filtered(const PolygonSoup& soup, const std::function<bool(std::size_t)>& keep) {
+  std::vector<std::vector<std::uint32_t>> polygons;
+  for (std::size_t p = 0; p < soup.polygon_count(); ++p) {
+    if (keep(p)) polygons.emplace_back(&soup.indices[soup.polygon_begin[p]], &soup.indices[0] + soup.polygon_begin[p + 1]);
+  }
+  return soup_of(soup.positions, polygons);
 }
 
 PolygonSoup jittered(PolygonSoup soup, double amount) {

@@ -1,7 +1,10 @@
 // Generated shapes of every topology that the pipeline has to deal with.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "core/mesh/polygon_soup.h"
 #include "core/mesh/triangle_mesh.h"
@@ -20,10 +23,19 @@ PolygonSoup perforated_slab(int n, int m);
 PolygonSoup cube();
 PolygonSoup tetrahedron();
 PolygonSoup single_triangle();
+PolygonSoup icosphere(int level, double radius = 1);  // closed, genus 0; 20 * 4^level nearly equal triangles
+
+/// The given polygons over the given positions.
+PolygonSoup soup_of(std::vector<Vec3d> positions, const std::vector<std::vector<std::uint32_t>>& polygons);
 
 /// Both soups side by side in one, sharing nothing.
 PolygonSoup merged(const PolygonSoup& a, const PolygonSoup& b);
 PolygonSoup translated(PolygonSoup soup, const Vec3d& by);
+PolygonSoup scaled(PolygonSoup soup, double factor);
+/// Every polygon with vertices of its own, to be welded, as STL has them.
+PolygonSoup unshared(const PolygonSoup& soup);
+/// Only the polygons for which keep(p) holds; the positions stay.
+PolygonSoup filtered(const PolygonSoup& soup, const std::function<bool(std::size_t)>& keep);
 /// Every coordinate moved at random by up to `amount`, by the same numbers every time.
 PolygonSoup jittered(PolygonSoup soup, double amount);
 

@@ -1,0 +1,110 @@
+// What a new view costs, stage by stage, beside the cost of reading the same arrays once.
+//   resample_bench [MESH] [--benchmark_...]      without a mesh: a generated torus
+#include <benchmark/benchmark.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "core/codec/draco_codec.h"
+#include "core/pipeline.h"
+#include "core/sample/equalise.h"
+#include "core/sample/resample.h"
+#include "tests/support/shapes.h"
+
+namespace curvecast {
+namespace {
+
+constexpr std::uint64_t kPoints = 50'000;
+
+std::shared_ptr<const SurfaceCurve> curve;
+
+ResampleOptions view_options() {
+  ResampleOptions options;
+  options.points = kPoints;
+  options.density = {ViewTerm{.eye = curve->box.center() + Vec3d(0.3, 0.5, 2) * curve->box.diagonal()}};
+  return options;
+}
+
+/// Seconds per curve vertex are shown as items per second.
+void count_vertices(benchmark::State& state) {
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * static_cast<std::int64_t>(curve->size()));
+}
+
+void read_arrays(benchmark::State& state) {
+  for (auto _ : state) {
+    float sum[8] = {};
+    for (const std::vector<float>* values : {&curve->x, &curve->y, &curve->z, &curve->nx, &curve->ny, &curve->nz, &curve->area}) {
+      const float* data = values->data();
+      for (std::size_t i = 0; i + 8 <= values->size(); i += 8) {
+        for (int k = 0; k < 8; ++k) sum[k] += data[i + k];
+      }
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+  count_vertices(state);
+}
+
+void density(benchmark::State& state) {
+  std::vector<float> values(curve->size());
+  const ResampleOptions options = view_options();
+  for (auto _ : state) benchmark::DoNotOptimize(evaluate_density(*curve, options.density, values).ok());
+  count_vertices(state);
+}
+
+void equalise_view(benchmark::State& state) {
+  std::vector<float> values(curve->size());
+  const ResampleOptions options = view_options();
+  if (!evaluate_density(*curve, options.density, values).ok()) return;
+  std::vector<double> q(kPoints);
+  fill_sequence(Sequence::kJittered, 1, q);
+  std::vector<std::uint32_t> vertices(kPoints);
+  for (auto _ : state) benchmark::DoNotOptimize(equalise(values, curve->area, q, vertices));
+  count_vertices(state);
+}
+
+void resample_view(benchmark::State& state) {
+  const ResampleOptions options = view_options();
+  for (auto _ : state) benchmark::DoNotOptimize(resample(*curve, options)->size());
+  count_vertices(state);
+}
+
+void encode(benchmark::State& state) {
+  const absl::StatusOr<PointSet> points = resample(*curve, view_options());
+  DracoOptions options;
+  options.box_min = curve->box.min - curve->origin;
+  options.box_size = (curve->box.max - curve->box.min).maxCoeff();
+  float smallest, largest;
+  for (auto _ : state) benchmark::DoNotOptimize(encode_draco(*points, options, &smallest, &largest)->size());
+}
+
+BENCHMARK(read_arrays)->Unit(benchmark::kMillisecond);
+BENCHMARK(density)->Unit(benchmark::kMillisecond);
+BENCHMARK(equalise_view)->Unit(benchmark::kMillisecond);
+BENCHMARK(resample_view)->Unit(benchmark::kMillisecond);
+BENCHMARK(encode)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace curvecast
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  std::string name = "torus.off";
+  std::string bytes;
+  if (argc > 1) {
+    name = argv[1];
+    std::ifstream file(name, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(file), {});
+  } else {
+    bytes = curvecast::testing::to_off(curvecast::testing::torus(300, 150));
+  }
+  absl::StatusOr<curvecast::Preprocessed> preprocessed = curvecast::preprocess(name, bytes, {});
+  if (!preprocessed.ok()) {
+    std::fprintf(stderr, "%s\n", std::string(preprocessed.status().message()).c_str());
+    return 3;
+  }
+  curvecast::curve = preprocessed->curve;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

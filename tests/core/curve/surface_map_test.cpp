@@ -1,0 +1,96 @@
+#include "core/curve/surface_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/core/curve/charts.h"
+
+namespace curvecast {
+namespace {
+
+using testing::charts_of;
+using testing::even_demand;
+using testing::make_mesh;
+
+struct Mapped {
+  TriangleMesh mesh;
+  Chart chart;
+  QuadtreeLeaves leaves;
+  SurfaceCurve curve;
+};
+
+Mapped map_shape(const PolygonSoup& soup, double vertices, const Vec3d& origin = Vec3d::Zero()) {
+  Mapped mapped;
+  mapped.mesh = make_mesh(soup);
+  mapped.chart = std::move(charts_of(mapped.mesh)[0]);
+  absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(mapped.chart, even_demand(mapped.chart, vertices), 1'000'000);
+  EXPECT_TRUE(leaves.ok());
+  mapped.leaves = *std::move(leaves);
+  mapped.curve.origin = origin;
+  mapped.curve.resize(mapped.leaves.size());
+  map_to_surface(mapped.mesh, differential_geometry(mapped.mesh), mapped.chart, mapped.leaves, 0, mapped.curve);
+  return mapped;
+}
+
+Vec3d position(const SurfaceCurve& curve, std::size_t l) { return curve.origin + Vec3d(curve.x[l], curve.y[l], curve.z[l]); }
+
+TEST(SurfaceMap, PutsEveryVertexInsideItsFace) {
+  using namespace testing;
+  for (const PolygonSoup& soup : {disc(8, 24), jittered(sphere(24, 30), 0.02), torus(24, 12), perforated_slab(5, 3), single_triangle()}) {
+    const Mapped m = map_shape(soup, 5'000);
+    for (std::size_t l = 0; l < m.curve.size(); ++l) {
+      const Triangle& t = m.mesh.triangles[m.curve.triangle[l]];
+      const Vec3d &a = m.mesh.positions[t[0]], &b = m.mesh.positions[t[1]], &c = m.mesh.positions[t[2]];
+      const Vec3d p = position(m.curve, l);
+      const double whole = (b - a).cross(c - a).norm();
+      const double parts = (b - p).cross(c - p).norm() + (c - p).cross(a - p).norm() + (a - p).cross(b - p).norm();
+      EXPECT_NEAR(parts, whole, 1e-5) << "the parts make up the face only where the point lies in it";
+    }
+  }
+}
+
+TEST(SurfaceMap, FollowsTheParameterMesh) {
+  // Map the centre of each leaf by brute force over all triangles.
+  const Mapped m = map_shape(testing::jittered(testing::torus(16, 10), 0.02), 800);
+  for (std::size_t l = 0; l < m.curve.size(); ++l) {
+    const Quad quad = leaf_quad(m.leaves.key[l], m.leaves.level[l]);
+    const Vec2d p = quad.corner + Vec2d::Constant(0.5 * quad.side);
+    double nearest = 1e300;
+    for (const Triangle& t : m.chart.disc.triangles) {
+      Eigen::Matrix3d system;
+      system << m.chart.uv[t[0]].x(), m.chart.uv[t[1]].x(), m.chart.uv[t[2]].x(),  //
+          m.chart.uv[t[0]].y(), m.chart.uv[t[1]].y(), m.chart.uv[t[2]].y(),        //
+          1, 1, 1;
+      const Vec3d w = system.inverse() * Vec3d(p.x(), p.y(), 1);
+      if (w.minCoeff() < -1e-9) continue;
+      const auto& places = m.chart.disc.positions;
+      nearest = std::min(nearest, (w[0] * places[t[0]] + w[1] * places[t[1]] + w[2] * places[t[2]] - position(m.curve, l)).norm());
+    }
+    EXPECT_LT(nearest, 1e-6);
+  }
+}
+
+TEST(SurfaceMap, InterpolatesNormalsAndCurvatures) {
+  const Mapped m = map_shape(testing::sphere(60, 90, 2), 5'000);
+  for (std::size_t l = 0; l < m.curve.size(); ++l) {
+    const Vec3d normal(m.curve.nx[l], m.curve.ny[l], m.curve.nz[l]);
+    EXPECT_NEAR(normal.norm(), 1, 1e-5);
+    EXPECT_GT(normal.dot(position(m.curve, l).normalized()), 0.99);
+    const bool near_pole = std::abs(m.curve.z[l]) > 1.8;  // where the mesh's triangles are needles
+    EXPECT_NEAR(m.curve.curvature_max[l], 0.5, near_pole ? 0.5 : 0.05);
+  }
+}
+
+TEST(SurfaceMap, KeepsItsDigitsFarFromTheOrigin) {
+  const Vec3d far(1e7, -2e7, 3e7);
+  const Mapped m = map_shape(testing::translated(testing::sphere(20, 30), far), 2'000, far);
+  for (std::size_t l = 0; l < m.curve.size(); ++l) {
+    const double radius = Vec3d(m.curve.x[l], m.curve.y[l], m.curve.z[l]).norm();
+    EXPECT_LT(radius, 1 + 1e-5);
+    EXPECT_GT(radius, 0.97);
+  }
+}
+
+}  // namespace
+}  // namespace curvecast

@@ -1,0 +1,39 @@
+#include "core/flatten/distortion.h"
+
+#include <gtest/gtest.h>
+
+namespace curvecast {
+namespace {
+
+DiscMesh two_triangles() {
+  DiscMesh disc;
+  disc.positions = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}};
+  disc.triangles = {{0, 1, 2}, {0, 2, 3}};
+  disc.face_of = {0, 1};
+  disc.border = {0, 1, 2, 3};
+  return disc;
+}
+
+TEST(Distortion, CountsFlippedAndEmptyTriangles) {
+  const DiscMesh disc = two_triangles();
+  EXPECT_EQ(count_flipped(disc, {{0, 0}, {1, 0}, {1, 1}, {0, 1}}), 0u);
+  EXPECT_EQ(count_flipped(disc, {{0, 0}, {1, 0}, {1, 1}, {0.5, 0.5}}), 1u);  // empty
+  EXPECT_EQ(count_flipped(disc, {{0, 0}, {1, 0}, {1, 1}, {0.9, 0.1}}), 1u);  // turned
+  EXPECT_EQ(count_flipped(disc, {{0, 0}, {0, 1}, {1, 1}, {1, 0}}), 2u);
+}
+
+TEST(Distortion, AreaRatiosAreSurfaceOverParameterArea) {
+  const std::vector<double> ratios = area_ratios(two_triangles(), {{0, 0}, {1, 0}, {1, 1}, {0, 0.5}});
+  EXPECT_DOUBLE_EQ(ratios[0], 4);
+  EXPECT_DOUBLE_EQ(ratios[1], 8);
+}
+
+TEST(Distortion, QuantilesGoByArea) {
+  const Distortion distortion = summarise_distortion({{60, 1}, {38.5, 2}, {1, 0.1}, {0.5, 100}});
+  EXPECT_DOUBLE_EQ(distortion.p50, 1);
+  EXPECT_DOUBLE_EQ(distortion.p99, 10);  // shrinking by 10 counts as 10
+  EXPECT_DOUBLE_EQ(distortion.max, 100);
+}
+
+}  // namespace
+}  // namespace curvecast

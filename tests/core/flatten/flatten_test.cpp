@@ -1,0 +1,82 @@
+#include "core/flatten/flatten.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "core/flatten/distortion.h"
+#include "tests/support/shapes.h"
+
+namespace curvecast {
+namespace {
+
+/// Every face lies in one chart, whole; no chart has a flipped triangle.
+void expect_complete(const TriangleMesh& mesh, const std::vector<Chart>& charts) {
+  std::vector<double> covered(mesh.face_count(), 0.0);
+  std::vector<std::size_t> chart_of(mesh.face_count(), charts.size());
+  for (std::size_t c = 0; c < charts.size(); ++c) {
+    EXPECT_EQ(count_flipped(charts[c].disc, charts[c].uv), 0u);
+    for (std::size_t t = 0; t < charts[c].disc.triangles.size(); ++t) {
+      const std::uint32_t f = charts[c].disc.face_of[t];
+      EXPECT_TRUE(chart_of[f] == charts.size() || chart_of[f] == c);
+      chart_of[f] = c;
+      const Triangle& v = charts[c].disc.triangles[t];
+      const Vec2d p = charts[c].uv[v[1]] - charts[c].uv[v[0]], q = charts[c].uv[v[2]] - charts[c].uv[v[0]];
+      covered[f] += 0.5 * (p.x() * q.y() - p.y() * q.x()) * charts[c].area_ratio[t];
+    }
+  }
+  for (std::size_t f = 0; f < covered.size(); ++f) EXPECT_NEAR(covered[f], triangle_area(mesh, f), 1e-9 * covered[f]);
+}
+
+std::vector<Chart> flattened(const TriangleMesh& mesh, const FlattenOptions& options = {}) {
+  FlattenTimes times;
+  absl::StatusOr<std::vector<Chart>> charts = flatten(mesh, options, {}, times);
+  EXPECT_TRUE(charts.ok()) << charts.status().message();
+  return *std::move(charts);
+}
+
+TEST(Flatten, OneChartPerComponent) {
+  using namespace testing;
+  const TriangleMesh mesh =
+      make_mesh(merged(merged(sphere(12, 16), translated(torus(16, 8), {4, 0, 0})), translated(single_triangle(), {9, 0, 0})));
+  const std::vector<Chart> charts = flattened(mesh);
+  EXPECT_EQ(charts.size(), 3u);
+  EXPECT_EQ(charts[0].disc.face_of[0], 0u);
+  expect_complete(mesh, charts);
+}
+
+TEST(Flatten, DividesWhatIsTooDistorted) {
+  const TriangleMesh mesh = testing::make_mesh(testing::open_cylinder(200, 8, 60));
+  const FlattenOptions strict{.cut = {.max_extremities = 0}, .max_area_ratio = 4};
+  const std::vector<Chart> charts = flattened(mesh, strict);
+  EXPECT_GT(charts.size(), 1u);
+  expect_complete(mesh, charts);
+}
+
+TEST(Flatten, FallsBackToSingleTriangles) {
+  const TriangleMesh mesh = testing::make_mesh(testing::cube());
+  const std::vector<Chart> charts = flattened(mesh, {.max_area_ratio = 1.5});
+  expect_complete(mesh, charts);
+}
+
+TEST(Flatten, NeedlesAndSpikesStayValid) {
+  // A sphere with one vertex pulled far out, and one squeezed to a millionth of its height.
+  PolygonSoup spike = testing::sphere(20, 24);
+  spike.positions[200] *= 50;
+  PolygonSoup flat = testing::sphere(20, 24);
+  for (Vec3d& p : flat.positions) p.z() *= 1e-6;
+  for (const PolygonSoup& soup : {spike, flat}) {
+    const TriangleMesh mesh = testing::make_mesh(soup);
+    expect_complete(mesh, flattened(mesh));
+  }
+}
+
+TEST(Flatten, StopsWhenCancelled) {
+  const std::atomic<bool> cancel = true;
+  FlattenTimes times;
+  const TriangleMesh mesh = testing::make_mesh(testing::cube());
+  EXPECT_EQ(flatten(mesh, {}, {.cancel = &cancel}, times).status().code(), absl::StatusCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace curvecast
