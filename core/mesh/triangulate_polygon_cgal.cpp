@@ -1,5 +1,9 @@
+// CGAL would print that a polygon crosses itself.
+#define CGAL_NO_CDT_2_WARNING
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
+#include <CGAL/Polygon_mesh_processing/triangulate_faces.h>
+#include <CGAL/Surface_mesh.h>
 
 #include "core/mesh/triangulate_polygon.h"
 
@@ -7,6 +11,9 @@ namespace curvecast {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+
+// Polygons that cross themselves cost the square of their corners: beyond this nobody would wait for the answer.
+constexpr std::size_t kMostCorners = 20'000;
 
 void triangulate_quad(std::span<const Vec3d> p, std::vector<Triangle>& triangles) {
   // The quad's normal; a diagonal is good when both of its triangles agree with it.
@@ -28,36 +35,29 @@ void triangulate_quad(std::span<const Vec3d> p, std::vector<Triangle>& triangles
 
 /// CGAL's answer, or nothing where it finds none.
 std::vector<Triangle> triangulate_large(std::span<const Vec3d> corners) {
+  if (corners.size() > kMostCorners) return {};
   std::vector<Triangle> triangles;
   try {
-    std::vector<Kernel::Point_3> polyline;
-    polyline.reserve(corners.size());
-    for (const Vec3d& p : corners) polyline.emplace_back(p.x(), p.y(), p.z());
-    std::vector<CGAL::Triple<int, int, int>> patch;
-    CGAL::Polygon_mesh_processing::triangulate_hole_polyline(polyline, std::back_inserter(patch));
-    for (const auto& t : patch) {
-      triangles.push_back({static_cast<std::uint32_t>(t.first), static_cast<std::uint32_t>(t.second),
-                           static_cast<std::uint32_t>(t.third)});
+    CGAL::Surface_mesh<Kernel::Point_3> mesh;
+    std::vector<CGAL::SM_Vertex_index> polygon;
+    polygon.reserve(corners.size());
+    for (const Vec3d& p : corners) polygon.push_back(mesh.add_vertex(Kernel::Point_3(p.x(), p.y(), p.z())));
+    mesh.add_face(polygon);
+    if (!CGAL::Polygon_mesh_processing::triangulate_faces(mesh)) return {};
+    for (const CGAL::SM_Face_index f : mesh.faces()) {
+      Triangle triangle{};
+      int i = 0;
+      for (const CGAL::SM_Vertex_index v : mesh.vertices_around_face(mesh.halfedge(f))) {
+        if (i < 3) triangle[i] = static_cast<std::uint32_t>(v);
+        ++i;
+      }
+      if (i != 3) return {};
+      triangles.push_back(triangle);
     }
   } catch (const std::exception&) {
-    triangles.clear();
+    return {};
   }
   return triangles.size() == corners.size() - 2 ? triangles : std::vector<Triangle>{};
-}
-
-/// A patch for a hole is oriented against its border; the polygon's own triangles go along with it.
-void orient_along_border(std::size_t n, std::vector<Triangle>& triangles) {
-  for (const Triangle& t : triangles) {
-    for (int i = 0; i < 3; ++i) {
-      const std::uint32_t a = t[i];
-      const std::uint32_t b = t[(i + 1) % 3];
-      if ((a + 1) % n == b) return;
-      if ((b + 1) % n == a) {
-        for (Triangle& u : triangles) std::swap(u[1], u[2]);
-        return;
-      }
-    }
-  }
 }
 
 }  // namespace
@@ -70,7 +70,6 @@ void triangulate_polygon(std::span<const Vec3d> corners, std::vector<Triangle>& 
     triangulate_quad(corners, triangles);
   } else {
     std::vector<Triangle> patch = triangulate_large(corners);
-    orient_along_border(n, patch);
     if (patch.empty()) {
       for (std::uint32_t i = 1; i + 1 < n; ++i) patch.push_back({0, i, i + 1});
     }

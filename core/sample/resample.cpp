@@ -13,7 +13,7 @@ namespace {
 
 // Splat radius over the square root of the area that a point stands for. Discs of this size around jittered points leave next
 // to no holes (the coverage radius of such sets is 1.45 at its worst, under 1 nearly everywhere).
-constexpr double kSplatRadius = 1.1;
+constexpr double kSplatRadius = 1.25;
 
 PointSet gather(const SurfaceCurve& curve, std::span<const float> density, double mass_per_point,
                 std::vector<std::uint32_t> vertices) {

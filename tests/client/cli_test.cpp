@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -25,7 +25,9 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-std::string temporary(const std::string& name) { return ::testing::TempDir() + "/curvecast_cli_test_" + name; }
+/// CTest runs each test as a process of its own, many at once: each has a folder to itself.
+std::string folder() { return ::testing::TempDir() + "/curvecast_cli_test_" + std::to_string(getpid()); }
+std::string temporary(const std::string& name) { return folder() + "/" + name; }
 
 /// A sphere of `rings` x 2 `rings` quads with its poles, as an OFF file.
 std::string write_sphere(const std::string& name, int rings) {
@@ -60,7 +62,11 @@ std::string write_sphere(const std::string& name, int rings) {
 
 class CliTest : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { sphere_ = write_sphere("sphere.off", 12); }
+  static void SetUpTestSuite() {
+    std::filesystem::create_directories(folder());
+    sphere_ = write_sphere("sphere.off", 12);
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder()); }
 
   /// Runs to success and parses standard output.
   static json run_json(std::vector<std::string> arguments) {
@@ -104,7 +110,7 @@ TEST_F(CliTest, HelpTellsAboutEveryCommand) {
 
 TEST_F(CliTest, InfoSaysWhatTheFileHolds) {
   const json info = run_json({"info", sphere_});
-  EXPECT_EQ(info["name"], "curvecast_cli_test_sphere.off");
+  EXPECT_EQ(info["name"], "sphere.off");
   EXPECT_EQ(info["format"], "off");
   EXPECT_EQ(info["mesh"]["components"], 1);
   EXPECT_EQ(info["mesh"]["genus"], 0);
@@ -181,9 +187,8 @@ TEST_F(CliTest, ViewDensityLeavesTheBackOut) {
 }
 
 TEST_F(CliTest, StreamMeasuresAPath) {
-  const std::string folder = temporary("frames");
-  std::filesystem::remove_all(folder);
-  const json report = run_json({"stream", sphere_, "--path", "orbit", "--frames", "4", "-n", "1500", "-o", folder});
+  const std::string frames = temporary("frames");
+  const json report = run_json({"stream", sphere_, "--path", "orbit", "--frames", "4", "-n", "1500", "-o", frames});
   expect_keys(report, {"frames", "points_median", "added_median", "removed_median", "key_bytes", "delta_bytes_median",
                        "bytes_per_point", "server_ms", "latency_ms"});
   EXPECT_EQ(report["frames"], 4);
@@ -193,7 +198,7 @@ TEST_F(CliTest, StreamMeasuresAPath) {
   EXPECT_GT(report["latency_ms"]["p99"].get<double>(), 0);
   EXPECT_GE(report["server_ms"]["p99"].get<double>(), report["server_ms"]["p50"].get<double>());
   for (int i = 0; i < 4; ++i) {
-    const auto points = load_points(folder + "/frame_000" + std::to_string(i) + ".ply");
+    const auto points = load_points(frames + "/frame_000" + std::to_string(i) + ".ply");
     ASSERT_TRUE(points.ok()) << points.status();
     EXPECT_EQ(points->size(), 1500U);
   }

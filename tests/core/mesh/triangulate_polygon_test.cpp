@@ -125,6 +125,21 @@ TEST(TriangulatePolygon, CutsRandomStars) {
   }
 }
 
+TEST(TriangulatePolygon, CutsLargePolygonsInReasonableTime) {
+  // With steps in proportion to the cube of these the program's time limit would end it.
+  for (const std::size_t n : {3000u, 20'000u, 100'000u}) {
+    std::vector<Vec3d> star, wild, line;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double a = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
+      const double reach = 0.3 + random_unit(n, i);
+      star.emplace_back(reach * std::cos(a), reach * std::sin(a), 0);
+      wild.emplace_back(random_unit(n, 3 * i), random_unit(n, 3 * i + 1), random_unit(n, 3 * i + 2));
+      line.emplace_back(static_cast<double>(i), 0, 0);
+    }
+    for (const auto& corners : {star, wild, line}) EXPECT_EQ(triangulated(corners).size(), n - 2);
+  }
+}
+
 TEST(TriangulatePolygon, CutsPolygonsThatAreNotPlanar) {
   for (const int n : {4, 5, 6, 12, 40}) {
     std::vector<Vec3d> corners;
@@ -141,16 +156,17 @@ TEST(TriangulatePolygon, CutsPolygonsThatAreNotPlanar) {
 }
 
 TEST(TriangulatePolygon, AnswersHopelessPolygonsWithTheRightCount) {
-  for (const std::size_t n : {4u, 5u, 9u, 30u}) {
+  for (const std::size_t n : {4u, 5u, 9u, 30u, 300u}) {
     EXPECT_EQ(triangulated(std::vector<Vec3d>(n, Vec3d(1, 2, 3))).size(), n - 2);  // all at one place
-    std::vector<Vec3d> line, pentagram, wild;
+    std::vector<Vec3d> line, twice_round, wild, revisiting;
     for (std::size_t i = 0; i < n; ++i) {
       const double a = 4 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
       line.emplace_back(static_cast<double>(i), 0, 0);
-      pentagram.emplace_back(std::cos(a), std::sin(a), 0);
+      twice_round.emplace_back(std::cos(a), std::sin(a), 0);
+      revisiting.emplace_back(i % 7, i % 5, i % 3);
       wild.emplace_back(random_unit(n, 3 * i), random_unit(n, 3 * i + 1), random_unit(n, 3 * i + 2));
     }
-    for (const auto& corners : {line, pentagram, wild}) {
+    for (const auto& corners : {line, twice_round, wild, revisiting}) {
       const std::vector<Triangle> triangles = triangulated(corners);
       EXPECT_EQ(triangles.size(), n - 2);
       for (const Triangle& t : triangles) EXPECT_LT(std::max({t[0], t[1], t[2]}), n);

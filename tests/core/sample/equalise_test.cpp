@@ -1,0 +1,197 @@
+#include "core/sample/equalise.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/sample/random.h"
+#include "core/sample/sequence.h"
+
+namespace curvecast {
+namespace {
+
+constexpr std::uint32_t kUntouched = 0xdeadbeef;
+
+struct Curve {
+  std::vector<float> density, area;
+
+  std::size_t size() const { return density.size(); }
+  double mass(std::size_t l) const { return static_cast<double>(density[l]) * static_cast<double>(area[l]); }
+};
+
+/// Random densities over random areas, with runs of zeros. With `whole` all masses are small whole numbers, so that every sum is
+/// exact in whatever order it is taken.
+Curve random_curve(std::uint64_t seed, std::size_t n, bool whole) {
+  Curve curve;
+  std::uint64_t counter = 0;
+  bool zero = false;
+  std::size_t run = 0;
+  for (std::size_t l = 0; l < n; ++l) {
+    if (run-- == 0) {
+      zero = random_unit(seed, counter++) < 0.4;
+      run = static_cast<std::size_t>(std::exp(6 * random_unit(seed, counter++)));
+    }
+    const double d = random_unit(seed, counter++), a = random_unit(seed, counter++);
+    curve.density.push_back(zero ? 0.0f : static_cast<float>(whole ? std::floor(8 * d) : std::exp(12 * d - 6)));
+    curve.area.push_back(static_cast<float>(whole ? std::exp2(std::floor(4 * a)) : 1e-3 * (0.1 + a)));
+  }
+  return curve;
+}
+
+std::vector<double> sequence_of(std::size_t n, std::uint64_t seed = 1) {
+  std::vector<double> q(n);
+  fill_sequence(Sequence::kJittered, seed, q);
+  return q;
+}
+
+std::vector<std::uint32_t> equalised(const Curve& curve, const std::vector<double>& q) {
+  std::vector<std::uint32_t> vertices(q.size(), kUntouched);
+  EXPECT_GT(equalise(curve.density, curve.area, q, vertices), 0);
+  return vertices;
+}
+
+void expect_sound(const Curve& curve, const std::vector<std::uint32_t>& vertices) {
+  ASSERT_TRUE(std::is_sorted(vertices.begin(), vertices.end()));
+  for (const std::uint32_t l : vertices) {
+    ASSERT_LT(l, curve.size());
+    ASSERT_GT(curve.mass(l), 0) << "vertex " << l << " has no density";
+  }
+}
+
+TEST(Equalise, IsExactWhereSumsAre) {
+  // Around the sizes at which sums may be taken in blocks, and far from them.
+  for (const std::size_t n : {1u, 2u, 5u, 31u, 63u, 64u, 65u, 127u, 128u, 129u, 1000u, 4097u}) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      Curve curve = random_curve(100 * seed + n, n, true);
+      curve.density[(n - 1) * seed / 20] = 3;
+      std::vector<double> cumulative(n);
+      double sum = 0;
+      for (std::size_t l = 0; l < n; ++l) cumulative[l] = sum += curve.mass(l);
+      for (const std::size_t points : {1u, 2u, 17u, 300u, 5000u}) {
+        const std::vector<double> q = sequence_of(points, seed);
+        std::vector<std::uint32_t> expected;
+        for (const double u : q) {
+          const auto first = std::upper_bound(cumulative.begin(), cumulative.end(), u * sum);
+          expected.push_back(static_cast<std::uint32_t>(first - cumulative.begin()));
+        }
+        std::vector<std::uint32_t> vertices(points, kUntouched);
+        ASSERT_EQ(equalise(curve.density, curve.area, q, vertices), sum);
+        ASSERT_EQ(vertices, expected) << n << " vertices, " << points << " points, seed " << seed;
+        expect_sound(curve, vertices);
+      }
+    }
+  }
+}
+
+TEST(Equalise, InvertsTheCumulativeDensityWithinRounding) {
+  for (const std::size_t n : {100u, 1000u, 50'000u}) {
+    for (std::uint64_t seed = 0; seed < 5; ++seed) {
+      Curve curve = random_curve(seed, n, false);
+      curve.density[n / 2] = 1;
+      std::vector<long double> cumulative(n + 1, 0);
+      for (std::size_t l = 0; l < n; ++l) cumulative[l + 1] = cumulative[l] + curve.mass(l);
+      const long double total = cumulative[n];
+      for (const std::size_t points : {1u, 100u, 20'000u}) {
+        const std::vector<double> q = sequence_of(points, seed);
+        const std::vector<std::uint32_t> vertices = equalised(curve, q);
+        expect_sound(curve, vertices);
+        for (std::size_t i = 0; i < points; ++i) {
+          // Masses are rounded to floats.
+          ASSERT_LE(cumulative[vertices[i]], (q[i] + 1e-6L) * total) << "point " << i;
+          ASSERT_GE(cumulative[vertices[i] + 1], (q[i] - 1e-6L) * total) << "point " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(Equalise, GivesEveryIntervalItsShareOfThePoints) {
+  // One point per stratum: any stretch of the curve gets its share of the points but for less than one at either end.
+  const std::size_t n = 20'000;
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const Curve curve = random_curve(seed, n, false);
+    double total = 0;
+    for (std::size_t l = 0; l < n; ++l) total += curve.mass(l);
+    for (const std::size_t points : {10u, 3000u, 100'000u}) {
+      std::vector<int> count(n, 0);
+      for (const std::uint32_t l : equalised(curve, sequence_of(points, seed))) ++count[l];
+      double excess = 0, least = 0, most = 0;  // points minus share, over all stretches that start with the curve
+      for (std::size_t l = 0; l < n; ++l) {
+        excess += count[l] - static_cast<double>(points) * curve.mass(l) / total;
+        least = std::min(least, excess);
+        most = std::max(most, excess);
+      }
+      const double rounding = 1e-6 * static_cast<double>(points);
+      EXPECT_GT(least, -1 - rounding);
+      EXPECT_LT(most, 1 + rounding);
+    }
+  }
+}
+
+TEST(Equalise, PutsAllPointsWhereAllMassIs) {
+  const std::size_t n = 1000;
+  for (const std::size_t only : {0u, 1u, 63u, 64u, 500u, 998u, 999u}) {
+    Curve curve{std::vector<float>(n, 0.0f), std::vector<float>(n, 1.0f)};
+    curve.density[only] = 1e-20f;
+    EXPECT_EQ(equalised(curve, sequence_of(777)), std::vector<std::uint32_t>(777, static_cast<std::uint32_t>(only)));
+  }
+}
+
+TEST(Equalise, SkipsVerticesWithoutArea) {
+  Curve curve{std::vector<float>(300, 1.0f), std::vector<float>(300, 1.0f)};
+  for (std::size_t l = 0; l < 300; l += 2) curve.area[l] = 0;
+  const std::vector<std::uint32_t> vertices = equalised(curve, sequence_of(150));
+  expect_sound(curve, vertices);
+  EXPECT_EQ(vertices.front(), 1u);
+  EXPECT_EQ(vertices.back(), 299u);
+}
+
+TEST(Equalise, ServesTheEndsOfTheUnitInterval) {
+  const std::size_t n = 200;
+  for (const std::size_t zeros : {0u, 1u, 100u}) {  // at both ends
+    Curve curve{std::vector<float>(n, 0.3f), std::vector<float>(n, 0.7f)};
+    for (std::size_t l = 0; l < zeros && 2 * zeros <= n; ++l) curve.density[l] = curve.density[n - 1 - l] = 0;
+    if (zeros == 100) curve.density[77] = 1;
+    const std::vector<std::uint32_t> vertices = equalised(curve, {0, 1 - 0x1p-53});
+    EXPECT_EQ(vertices[0], zeros == 100 ? 77 : zeros);
+    EXPECT_EQ(vertices[1], zeros == 100 ? 77 : n - 1 - zeros);
+  }
+}
+
+TEST(Equalise, StandsMassesOfVeryDifferentSizes) {
+  // After the large masses the small ones vanish in the sum, alone or a block at a time.
+  for (const std::size_t large : {0u, 100u, 499u}) {
+    Curve curve{std::vector<float>(500, 1e-25f), std::vector<float>(500, 1.0f)};
+    curve.density[large] = 1e25f;
+    const std::vector<std::uint32_t> vertices = equalised(curve, sequence_of(1000));
+    expect_sound(curve, vertices);
+    EXPECT_EQ(vertices, std::vector<std::uint32_t>(1000, static_cast<std::uint32_t>(large)));
+  }
+}
+
+TEST(Equalise, LeavesVerticesAloneWithoutAMass) {
+  std::vector<std::uint32_t> vertices(10, kUntouched);
+  const std::vector<double> q = sequence_of(10);
+  const std::vector<float> zeros(500, 0.0f), ones(500, 1.0f);
+  EXPECT_EQ(equalise(zeros, ones, q, vertices), 0);
+  EXPECT_EQ(equalise(ones, zeros, q, vertices), 0);
+  EXPECT_EQ(equalise({}, {}, q, vertices), 0);
+  std::vector<float> wild = ones;
+  wild[123] = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(std::isfinite(equalise(wild, ones, q, vertices)));
+  wild[123] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(std::isfinite(equalise(wild, ones, q, vertices)));
+  EXPECT_EQ(vertices, std::vector<std::uint32_t>(10, kUntouched));
+}
+
+TEST(Equalise, OfNoPointsOnlySums) {
+  const std::vector<float> ones(130, 1.0f), twos(130, 2.0f);
+  EXPECT_EQ(equalise(ones, twos, {}, {}), 260);
+}
+
+}  // namespace
+}  // namespace curvecast
