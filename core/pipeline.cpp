@@ -26,8 +26,7 @@ constexpr double kMostLeaves = 1e9;
 
 absl::Status check(const PreprocessOptions& options) {
   if (options.points < 1 || options.points > kMaxPoints) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("max_points = %d; it must lie in 1 .. %d", options.points, kMaxPoints));
+    return absl::InvalidArgumentError(absl::StrFormat("max_points = %d; it must lie in 1 .. %d", options.points, kMaxPoints));
   }
   if (!(options.omega >= 1 && options.omega <= kMaxOmega)) {
     return absl::InvalidArgumentError(absl::StrFormat("omega = %g; it must lie in 1 .. %g", options.omega, kMaxOmega));
@@ -157,8 +156,8 @@ absl::Status build_curve(const TriangleMesh& mesh, const std::vector<Chart>& cha
   return absl::OkStatus();
 }
 
-absl::StatusOr<Preprocessed> preprocess_here(std::string_view name, std::span<const char> bytes,
-                                             const PreprocessOptions& options, const ExecutionContext& context) {
+absl::StatusOr<Preprocessed> preprocess_here(std::string_view name, std::span<const char> bytes, const PreprocessOptions& options,
+                                             const ExecutionContext& context) {
   if (absl::Status status = check(options); !status.ok()) return status;
   Stopwatch watch;
   PreprocessReport report;

@@ -23,15 +23,15 @@ inline constexpr std::uint64_t kMaxPoints = 4'000'000;
 
 /// What a file holds and what repair made of it.
 struct MeshInfo {
-  std::string format;                // "ply", "obj", "off" or "stl"
+  std::string format;  // "ply", "obj", "off" or "stl"
   std::uint64_t file_vertices = 0;
   std::uint64_t file_polygons = 0;
-  std::uint64_t vertices = 0;        // after repair
-  std::uint64_t faces = 0;           // after repair
+  std::uint64_t vertices = 0;  // after repair
+  std::uint64_t faces = 0;     // after repair
   std::uint32_t components = 0;
-  std::uint32_t genus = 0;           // sum over the components
+  std::uint32_t genus = 0;  // sum over the components
   std::uint32_t boundary_loops = 0;
-  double area = 0;                   // squared units of the file
+  double area = 0;  // squared units of the file
   Box3d box;
   RepairReport repairs;
 };
@@ -44,9 +44,9 @@ struct PreprocessReport {
   MeshInfo mesh;
   std::uint32_t discs = 0;
   std::uint64_t curve_vertices = 0;
-  std::uint32_t max_level = 0;           // deepest quadtree level used
-  std::uint64_t flipped_triangles = 0;   // in the parameter mesh; always 0, counted all the same
-  double area_error = 0;                 // |sum of area elements / surface area - 1| before normalisation
+  std::uint32_t max_level = 0;          // deepest quadtree level used
+  std::uint64_t flipped_triangles = 0;  // in the parameter mesh; always 0, counted all the same
+  double area_error = 0;                // |sum of area elements / surface area - 1| before normalisation
   double distortion_p50 = 0, distortion_p99 = 0, distortion_max = 0;  // area ratio over the mean, by share of the area
   std::uint64_t curve_bytes = 0;
   StageSeconds seconds;
@@ -58,8 +58,7 @@ struct Preprocessed {
 };
 
 /// Reads and repairs only.
-absl::StatusOr<MeshInfo> inspect_mesh(std::string_view name, std::span<const char> bytes,
-                                      const ExecutionContext& context = {});
+absl::StatusOr<MeshInfo> inspect_mesh(std::string_view name, std::span<const char> bytes, const ExecutionContext& context = {});
 
 /// The whole way. InvalidArgument for a bad file (see read_mesh, repair) or options out of range; Cancelled.
 absl::StatusOr<Preprocessed> preprocess(std::string_view name, std::span<const char> bytes, const PreprocessOptions& options,

@@ -103,7 +103,9 @@ ViewTerm to_core(Checker& check, const std::string& field, const v1::ViewDensity
   }
   if (in.has_s0()) {
     term.s0 = check.finite(field + ".s0", in.s0());
-    if (term.s0 <= 0) check.fail(field + ".s0", absl::StrCat("is ", term.s0, "; it must be above 0"));
+    if (term.s0 <= 0 || term.s0 > kMaxS0) {
+      check.fail(field + ".s0", absl::StrCat("is ", term.s0, "; it must be above 0 and at most ", kMaxS0));
+    }
   }
   return term;
 }

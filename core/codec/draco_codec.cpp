@@ -19,10 +19,29 @@ absl::Status check(const PointSet& points, const DracoOptions& options) {
   if (options.normal_bits < 2 || options.normal_bits > 30) {
     return absl::InvalidArgumentError(absl::StrFormat("normal_bits = %d; it must lie in 2 .. 30", options.normal_bits));
   }
-  if (!options.box_min.allFinite() || !(options.box_size > 0) || !std::isfinite(options.box_size)) {
-    return absl::InvalidArgumentError("the lattice's box must be finite and larger than nothing");
+  const auto size = static_cast<float>(options.box_size);
+  if (!options.box_min.cast<float>().allFinite() || !(size > 0) || !std::isfinite(size)) {
+    return absl::InvalidArgumentError("the lattice's box must be finite and larger than nothing, as floats");
   }
   return absl::OkStatus();
+}
+
+/// Positions for Draco, which does not survive places outside of its lattice: rounding is put right, all else refused.
+absl::StatusOr<std::vector<Vec3f>> within_box(const std::vector<Vec3f>& positions, const DracoOptions& options) {
+  const auto size = static_cast<float>(options.box_size);
+  const Vec3f low = options.box_min.cast<float>();
+  const Vec3f high = low + Vec3f::Constant(size);
+  const Vec3f slack = Vec3f::Constant(1e-3f * size);
+  std::vector<Vec3f> inside;
+  inside.reserve(positions.size());
+  for (const Vec3f& p : positions) {
+    if (!((p - low + slack).minCoeff() >= 0 && (high + slack - p).minCoeff() >= 0)) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("point %d (%g, %g, %g) lies outside of the lattice's box", inside.size(), p.x(), p.y(), p.z()));
+    }
+    inside.push_back(p.cwiseMax(low).cwiseMin(high));
+  }
+  return inside;
 }
 
 /// Radii as one byte each, evenly spaced in the logarithm: the error stays in proportion.
@@ -44,6 +63,8 @@ std::vector<std::uint8_t> radius_codes(const std::vector<float>& radii, float& s
 absl::StatusOr<std::string> encode_draco(const PointSet& points, const DracoOptions& options, float* radius_min,
                                          float* radius_max) {
   if (absl::Status status = check(points, options); !status.ok()) return status;
+  const absl::StatusOr<std::vector<Vec3f>> positions = within_box(points.positions, options);
+  if (!positions.ok()) return positions.status();
   const std::vector<std::uint8_t> codes = radius_codes(points.radii, *radius_min, *radius_max);
   try {
     draco::PointCloudBuilder builder;
@@ -51,7 +72,7 @@ absl::StatusOr<std::string> encode_draco(const PointSet& points, const DracoOpti
     const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
     const int normal = builder.AddAttribute(draco::GeometryAttribute::NORMAL, 3, draco::DT_FLOAT32);
     const int radius = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 1, draco::DT_UINT8);
-    builder.SetAttributeValuesForAllPoints(position, points.positions.data(), sizeof(Vec3f));
+    builder.SetAttributeValuesForAllPoints(position, positions->data(), sizeof(Vec3f));
     builder.SetAttributeValuesForAllPoints(normal, points.normals.data(), sizeof(Vec3f));
     builder.SetAttributeValuesForAllPoints(radius, codes.data(), sizeof(std::uint8_t));
     const std::unique_ptr<draco::PointCloud> cloud = builder.Finalize(/*deduplicate_points=*/false);

@@ -10,15 +10,15 @@
 namespace curvecast {
 
 struct DracoOptions {
-  int position_bits = 11;  // 1 .. 30 per coordinate, over the largest side of `box`
-  int normal_bits = 8;     // 2 .. 30, octahedral
+  int position_bits = 11;         // 1 .. 30 per coordinate, over the largest side of `box`
+  int normal_bits = 8;            // 2 .. 30, octahedral
   Vec3d box_min = Vec3d::Zero();  // lattice of the positions, relative to points.origin: the same box for every frame of a
   double box_size = 1;            // session makes all frames share one lattice; > 0
 };
 
 /// The message holds position, normal and a generic one-byte attribute "radius": code c means
 /// radius_min (radius_max / radius_min)^(c / 255), where both bounds are written to the arguments.
-/// InvalidArgument for options out of range; Internal with Draco's message otherwise.
+/// InvalidArgument for options out of range and points outside of the box; Internal with Draco's message otherwise.
 absl::StatusOr<std::string> encode_draco(const PointSet& points, const DracoOptions& options, float* radius_min,
                                          float* radius_max);
 

@@ -1,5 +1,5 @@
-// The adaptive Hilbert curve: leaves of a quadtree over the parameter square, in curve order (paper, section 3.2; Quinn, Langbein,
-// Martin, Elber, "Density-controlled sampling of parametric surfaces using adaptive space-filling curves", 2006).
+// The adaptive Hilbert curve: leaves of a quadtree over the parameter square, in curve order (paper, section 3.2; Quinn,
+// Langbein, Martin, Elber, "Density-controlled sampling of parametric surfaces using adaptive space-filling curves", 2006).
 #pragma once
 
 #include <absl/status/statusor.h>

@@ -15,9 +15,12 @@ inline constexpr int kCurvatureKinds = 3;
 /// k1, k2: principal curvatures in 1/unit. Gauss is in 1/unit^2.
 inline float curvature_measure(CurvatureKind kind, float k1, float k2) {
   switch (kind) {
-    case CurvatureKind::kGauss: return std::abs(k1 * k2);
-    case CurvatureKind::kMean: return 0.5f * std::abs(k1 + k2);
-    case CurvatureKind::kMax: break;
+    case CurvatureKind::kGauss:
+      return std::abs(k1 * k2);
+    case CurvatureKind::kMean:
+      return 0.5f * std::abs(k1 + k2);
+    case CurvatureKind::kMax:
+      break;
   }
   return std::fmax(std::abs(k1), std::abs(k2));
 }

@@ -22,8 +22,8 @@ absl::Status check(const CurvatureTerm& term) {
 
 absl::Status check(const ViewTerm& term) {
   if (!term.eye.allFinite()) return absl::InvalidArgumentError("view density: the eye's coordinates are not finite");
-  if (!(std::isfinite(term.s0) && term.s0 > 0)) {
-    return absl::InvalidArgumentError(absl::StrFormat("view density: s0 = %g; it must be positive", term.s0));
+  if (!(term.s0 > 0 && term.s0 <= kMaxS0)) {
+    return absl::InvalidArgumentError(absl::StrFormat("view density: s0 = %g; it must lie in (0, %g]", term.s0, kMaxS0));
   }
   return absl::OkStatus();
 }
@@ -44,24 +44,27 @@ void multiply(const SurfaceCurve& curve, const CurvatureTerm& term, std::span<fl
 }
 
 void multiply(const SurfaceCurve& curve, const ViewTerm& term, std::span<float> density) {
-  // An eye this far out sees parallel rays; nearer it fits a float with its square.
+  // In units of the diagonal, and no farther out than where rays are parallel: squares fit a float at every size.
   constexpr double kFar = 1e6;
+  const double diagonal = curve.box.diagonal();
   const Vec3d center = curve.box.center();
-  Vec3d eye = term.eye;
-  const double reach = kFar * curve.box.diagonal();
-  if (const double distance = (eye - center).stableNorm(); distance > reach) eye = center + (eye - center) * (reach / distance);
-  const Vec3f local = (eye - curve.origin).cast<float>();
-  const float ex = local.x(), ey = local.y(), ez = local.z();
-  const float start = static_cast<float>(1 + term.s0);
+  Vec3d from_center = term.eye / diagonal - center / diagonal;
+  if (const double reach = from_center.cwiseAbs().maxCoeff(); reach > kFar) {
+    from_center = (term.eye - center) / (term.eye - center).cwiseAbs().maxCoeff() * kFar;
+  }
+  const Vec3f eye = (from_center + (center - curve.origin) / diagonal).cast<float>();
+  const float ex = eye.x(), ey = eye.y(), ez = eye.z();
+  const auto scale = static_cast<float>(1 / diagonal);
+  const auto s0 = static_cast<float>(term.s0);
   const float *x = curve.x.data(), *y = curve.y.data(), *z = curve.z.data();
   const float *nx = curve.nx.data(), *ny = curve.ny.data(), *nz = curve.nz.data();
   float* out = density.data();
   for (std::size_t l = 0; l < density.size(); ++l) {
-    const float dx = ex - x[l], dy = ey - y[l], dz = ez - z[l];
+    const float dx = ex - scale * x[l], dy = ey - scale * y[l], dz = ez - scale * z[l];
     const float square = std::max(dx * dx + dy * dy + dz * dz, 1e-37f);
     const float facing = dx * nx[l] + dy * ny[l] + dz * nz[l];
     const float cosine = std::min(facing / std::sqrt(square), 1.0f);
-    out[l] *= facing > 0 ? start - cosine : 0.0f;
+    out[l] *= facing > 0 ? (1 - cosine) + s0 : 0.0f;
   }
 }
 

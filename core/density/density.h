@@ -17,14 +17,16 @@ struct UniformTerm {};
 /// the area is curved more. 1 everywhere on a flat surface.
 struct CurvatureTerm {
   CurvatureKind kind = CurvatureKind::kGauss;
-  double exponent = 1;   // >= 0
-  double floor = 0.05;   // in [0, 1], relative to k_ref: flat regions keep this density
+  double exponent = 1;  // >= 0
+  double floor = 0.05;  // in [0, 1], relative to k_ref: flat regions keep this density
 };
+
+inline constexpr double kMaxS0 = 1e6;
 
 /// Silhouette enhancement: with c the cosine between normal and direction to the eye, 1 - c + s0 where c > 0, else 0.
 struct ViewTerm {
   Vec3d eye = Vec3d::Zero();  // absolute coordinates, in the file's units
-  double s0 = 0.1;            // > 0: density of what faces the eye squarely
+  double s0 = 0.1;            // in (0, kMaxS0]: density of what faces the eye squarely
 };
 
 using DensityTerm = std::variant<UniformTerm, CurvatureTerm, ViewTerm>;

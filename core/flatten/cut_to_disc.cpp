@@ -32,7 +32,8 @@ TriangleMesh extract(const TriangleMesh& mesh, std::span<const std::uint32_t> fa
 /// The disc under construction, with its connectivity.
 class DiscBuilder {
  public:
-  DiscBuilder(const TriangleMesh& piece, const std::vector<bool>& cut, std::span<const std::uint32_t> faces) : twins_(piece.twins) {
+  DiscBuilder(const TriangleMesh& piece, const std::vector<bool>& cut, std::span<const std::uint32_t> faces)
+      : twins_(piece.twins) {
     for (std::uint32_t h = 0; h < twins_.size(); ++h) {
       if (cut[h]) twins_[h] = kNone;
     }

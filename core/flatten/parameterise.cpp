@@ -62,7 +62,8 @@ struct System {
 };
 
 /// Weights towards a vertex are divided by its stretch.
-System assemble(const DiscMesh& disc, ParameterWeights weights, const std::vector<double>& stretch, const std::vector<Vec2d>& uv) {
+System assemble(const DiscMesh& disc, ParameterWeights weights, const std::vector<double>& stretch,
+                const std::vector<Vec2d>& uv) {
   System system;
   std::vector<int> unknown(disc.vertex_count(), 0);
   for (const std::uint32_t v : disc.border) unknown[v] = -1;

@@ -1,7 +1,7 @@
 // Maps a disc to the unit square with positive weights, so that no triangle flips.
-// Source: Floater, "Mean value coordinates" (2003), on the border of Floater, "Parametrization and smooth approximation of surface
-// triangulations" (1997); paper, section 3.1. Stretch: Yoshizawa, Belyaev, Seidel, "A fast and simple stretch-minimizing mesh
-// parameterization" (2004).
+// Source: Floater, "Mean value coordinates" (2003), on the border of Floater, "Parametrization and smooth approximation of
+// surface triangulations" (1997); paper, section 3.1. Stretch: Yoshizawa, Belyaev, Seidel, "A fast and simple stretch-minimizing
+// mesh parameterization" (2004).
 #pragma once
 
 #include <absl/status/statusor.h>

@@ -48,9 +48,9 @@ void add_face(const TriangleMesh& mesh, std::size_t f, Accumulators& sums) {
     sums.normal[t[i]] += corner[i].angle * unit;
     sums.angle[t[i]] += corner[i].angle;
     sums.laplacian[t[i]] += corner[k].cotangent * (p[i] - p[j]) + corner[j].cotangent * (p[i] - p[k]);
-    sums.mixed_area[t[i]] += obtuse ? area / (corner[i].cotangent < 0 ? 2 : 4)
-                                    : (corner[k].cotangent * (p[i] - p[j]).squaredNorm() +
-                                       corner[j].cotangent * (p[i] - p[k]).squaredNorm()) / 8;
+    sums.mixed_area[t[i]] +=
+        obtuse ? area / (corner[i].cotangent < 0 ? 2 : 4)
+               : (corner[k].cotangent * (p[i] - p[j]).squaredNorm() + corner[j].cotangent * (p[i] - p[k]).squaredNorm()) / 8;
     if (mesh.twins[3 * f + i] == kNone) sums.border[t[i]] = sums.border[t[j]] = true;
   }
 }

@@ -153,13 +153,17 @@ bool drop_duplicates(std::vector<Triangle>& triangles, RepairReport& report) {
 /// Twins of all edges with exactly two faces; edges with more stay open and are counted.
 std::vector<std::uint32_t> pair_halfedges(std::vector<Triangle>& triangles, std::size_t vertex_count, RepairReport& report) {
   EdgeGroups groups = group_edges(triangles, vertex_count);
-  const auto crowded = [&] {
+  // More than two faces at an edge, or two that share their third vertex too: there may be duplicates.
+  const auto apex = [&](std::uint32_t h) { return triangles[h / 3][previous_halfedge(h) % 3]; };
+  const auto suspicious = [&] {
     for (std::size_t e = 0; e + 1 < groups.begin.size(); ++e) {
-      if (groups.begin[e + 1] - groups.begin[e] > 2) return true;
+      const std::uint32_t size = groups.begin[e + 1] - groups.begin[e];
+      const std::uint32_t* edge = &groups.halfedges[groups.begin[e]];
+      if (size > 2 || (size == 2 && apex(edge[0]) == apex(edge[1]))) return true;
     }
     return false;
   };
-  if (crowded() && drop_duplicates(triangles, report)) groups = group_edges(triangles, vertex_count);
+  if (suspicious() && drop_duplicates(triangles, report)) groups = group_edges(triangles, vertex_count);
   std::vector<std::uint32_t> twins(3 * triangles.size(), kNone);
   for (std::size_t e = 0; e + 1 < groups.begin.size(); ++e) {
     const std::uint32_t size = groups.begin[e + 1] - groups.begin[e];
@@ -269,9 +273,9 @@ absl::StatusOr<RepairedMesh> repair(const PolygonSoup& soup, const ExecutionCont
   report.unused_vertices -= report.welded_vertices;
   const double diagonal = bounding_box(result.mesh).diagonal();
   if (!(diagonal >= kSmallestDiagonal && diagonal <= kLargestDiagonal)) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "the mesh's bounding box has a diagonal of %g; between %g and %g are possible: scale the mesh", diagonal,
-        kSmallestDiagonal, kLargestDiagonal));
+    return absl::InvalidArgumentError(
+        absl::StrFormat("the mesh's bounding box has a diagonal of %g; between %g and %g are possible: scale the mesh", diagonal,
+                        kSmallestDiagonal, kLargestDiagonal));
   }
   context.progress("repair", 1);
   return result;

@@ -11,7 +11,7 @@
 
 namespace curvecast {
 
-struct RepairReport {  // counts
+struct RepairReport {                       // counts
   std::uint64_t triangulated_polygons = 0;  // polygons of more than three corners
   std::uint64_t degenerate_faces = 0;       // dropped: repeated corner or no area
   std::uint64_t duplicate_faces = 0;        // dropped: the same three vertices again

@@ -10,8 +10,8 @@ namespace curvecast {
 
 struct Topology {
   std::uint32_t components = 0;
-  std::uint32_t boundary_loops = 0;  // of all components
-  std::uint32_t genus = 0;           // sum over the components
+  std::uint32_t boundary_loops = 0;              // of all components
+  std::uint32_t genus = 0;                       // sum over the components
   std::vector<std::uint32_t> component_of_face;  // F, numbered by first face
 };
 

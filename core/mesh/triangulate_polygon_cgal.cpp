@@ -1,7 +1,5 @@
-// CGAL would print that a polygon crosses itself.
-#define CGAL_NO_CDT_2_WARNING
-
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_2_algorithms.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_faces.h>
 #include <CGAL/Surface_mesh.h>
 
@@ -11,9 +9,6 @@ namespace curvecast {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-
-// Polygons that cross themselves cost the square of their corners: beyond this nobody would wait for the answer.
-constexpr std::size_t kMostCorners = 20'000;
 
 void triangulate_quad(std::span<const Vec3d> p, std::vector<Triangle>& triangles) {
   // The quad's normal; a diagonal is good when both of its triangles agree with it.
@@ -33,11 +28,25 @@ void triangulate_quad(std::span<const Vec3d> p, std::vector<Triangle>& triangles
   }
 }
 
+/// Whether the polygon, seen along its normal, is one that a triangulation can fill: it neither crosses nor touches itself.
+bool is_simple(std::span<const Vec3d> corners) {
+  Vec3d normal = Vec3d::Zero();
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    normal += (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]);
+  }
+  int axis = 0;
+  if (!(normal.cwiseAbs().maxCoeff(&axis) > 0)) return false;
+  std::vector<Kernel::Point_2> outline;
+  outline.reserve(corners.size());
+  for (const Vec3d& p : corners) outline.emplace_back(p[(axis + 1) % 3], p[(axis + 2) % 3]);
+  return CGAL::is_simple_2(outline.begin(), outline.end(), Kernel());
+}
+
 /// CGAL's answer, or nothing where it finds none.
 std::vector<Triangle> triangulate_large(std::span<const Vec3d> corners) {
-  if (corners.size() > kMostCorners) return {};
   std::vector<Triangle> triangles;
   try {
+    if (!is_simple(corners)) return {};
     CGAL::Surface_mesh<Kernel::Point_3> mesh;
     std::vector<CGAL::SM_Vertex_index> polygon;
     polygon.reserve(corners.size());

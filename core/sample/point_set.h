@@ -8,10 +8,10 @@
 namespace curvecast {
 
 struct PointSet {
-  Vec3d origin = Vec3d::Zero();  // positions are relative to it
-  std::vector<Vec3f> positions;  // N, in the file's units
-  std::vector<Vec3f> normals;    // N, unit length
-  std::vector<float> radii;      // N, splat radius from the local density, in the file's units: neighbouring discs overlap
+  Vec3d origin = Vec3d::Zero();         // positions are relative to it
+  std::vector<Vec3f> positions;         // N, in the file's units
+  std::vector<Vec3f> normals;           // N, unit length
+  std::vector<float> radii;             // N, splat radius from the local density, in the file's units: neighbouring discs overlap
   std::vector<std::uint32_t> vertices;  // N, curve vertex of each point, ascending
 
   std::size_t size() const { return positions.size(); }

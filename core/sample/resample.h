@@ -14,7 +14,7 @@
 namespace curvecast {
 
 struct ResampleOptions {
-  std::uint64_t points = 50'000;  // N, 1 .. curve.max_points
+  std::uint64_t points = 50'000;     // N, 1 .. curve.max_points
   std::vector<DensityTerm> density;  // multiplied; none = uniform
   Sequence sequence = Sequence::kJittered;
   std::uint64_t seed = 0;

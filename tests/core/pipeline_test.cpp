@@ -24,9 +24,16 @@ absl::StatusOr<Preprocessed> run(const std::string& off, const PreprocessOptions
 
 TEST(Pipeline, TakesEveryShapeToACurve) {
   using namespace curvecast::testing;
-  const std::vector<PolygonSoup> shapes = {
-      disc(6, 20),         sphere(16, 24),     torus(24, 12),       perforated_slab(5, 3),  open_cylinder(10, 16), mobius_strip(30),
-      single_triangle(),   tetrahedron(),      cube(),              merged(sphere(8, 12), translated(torus(12, 8), {4, 0, 0}))};
+  const std::vector<PolygonSoup> shapes = {disc(6, 20),
+                                           sphere(16, 24),
+                                           torus(24, 12),
+                                           perforated_slab(5, 3),
+                                           open_cylinder(10, 16),
+                                           mobius_strip(30),
+                                           single_triangle(),
+                                           tetrahedron(),
+                                           cube(),
+                                           merged(sphere(8, 12), translated(torus(12, 8), {4, 0, 0}))};
   for (const PolygonSoup& soup : shapes) {
     const absl::StatusOr<Preprocessed> result = run(to_off(soup));
     ASSERT_TRUE(result.ok()) << result.status().message();

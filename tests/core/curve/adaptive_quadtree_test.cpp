@@ -20,8 +20,8 @@ constexpr std::size_t kNoLimit = 10'000'000;
 std::vector<Chart> sample_charts() {
   using namespace testing;
   std::vector<Chart> charts;
-  for (const PolygonSoup& soup : {disc(8, 24), jittered(sphere(24, 30), 0.02), torus(24, 12), open_cylinder(20, 12, 5), perforated_slab(5, 3),
-                                  single_triangle()}) {
+  for (const PolygonSoup& soup : {disc(8, 24), jittered(sphere(24, 30), 0.02), torus(24, 12), open_cylinder(20, 12, 5),
+                                  perforated_slab(5, 3), single_triangle()}) {
     for (Chart& chart : charts_of(make_mesh(soup))) charts.push_back(std::move(chart));
   }
   return charts;
@@ -87,7 +87,8 @@ TEST(AdaptiveQuadtree, ListsEveryTriangleThatReachesIntoALeaf) {
       // A triangle reaches in for certain when one of its interior points does.
       for (std::uint32_t t = 0; t < chart.disc.triangles.size(); ++t) {
         const Triangle& v = chart.disc.triangles[t];
-        for (const Vec3d& w : {Vec3d(0.34, 0.33, 0.33), Vec3d(0.98, 0.01, 0.01), Vec3d(0.01, 0.98, 0.01), Vec3d(0.01, 0.01, 0.98)}) {
+        for (const Vec3d& w :
+             {Vec3d(0.34, 0.33, 0.33), Vec3d(0.98, 0.01, 0.01), Vec3d(0.01, 0.98, 0.01), Vec3d(0.01, 0.01, 0.98)}) {
           const Vec2d p = w[0] * chart.uv[v[0]] + w[1] * chart.uv[v[1]] + w[2] * chart.uv[v[2]] - quad.corner;
           const bool inside = p.minCoeff() > 0 && p.maxCoeff() < quad.side;
           EXPECT_TRUE(!inside || std::find(first, last, t) != last);

@@ -15,7 +15,8 @@ using testing::make_mesh;
 
 TEST(AreaElement, AddsUpToTheSurface) {
   using namespace testing;
-  for (const PolygonSoup& soup : {disc(8, 24), jittered(sphere(24, 30), 0.02), torus(24, 12), open_cylinder(20, 12, 5), perforated_slab(5, 3)}) {
+  for (const PolygonSoup& soup :
+       {disc(8, 24), jittered(sphere(24, 30), 0.02), torus(24, 12), open_cylinder(20, 12, 5), perforated_slab(5, 3)}) {
     const TriangleMesh mesh = make_mesh(soup);
     double sum = 0;
     for (const Chart& chart : charts_of(mesh)) {
@@ -56,7 +57,8 @@ TEST(AreaElement, MatchesPointCounts) {
           const auto left = [&](const Vec2d& a, const Vec2d& b) {
             return (b - a).x() * (p - a).y() - (b - a).y() * (p - a).x() >= 0;
           };
-          if (left(chart.uv[v[0]], chart.uv[v[1]]) && left(chart.uv[v[1]], chart.uv[v[2]]) && left(chart.uv[v[2]], chart.uv[v[0]])) {
+          if (left(chart.uv[v[0]], chart.uv[v[1]]) && left(chart.uv[v[1]], chart.uv[v[2]]) &&
+              left(chart.uv[v[2]], chart.uv[v[0]])) {
             sum += chart.area_ratio[t];
             largest = std::max(largest, chart.area_ratio[t]);
             break;

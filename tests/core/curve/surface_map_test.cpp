@@ -37,7 +37,8 @@ Vec3d position(const SurfaceCurve& curve, std::size_t l) { return curve.origin +
 
 TEST(SurfaceMap, PutsEveryVertexInsideItsFace) {
   using namespace testing;
-  for (const PolygonSoup& soup : {disc(8, 24), jittered(sphere(24, 30), 0.02), torus(24, 12), perforated_slab(5, 3), single_triangle()}) {
+  for (const PolygonSoup& soup :
+       {disc(8, 24), jittered(sphere(24, 30), 0.02), torus(24, 12), perforated_slab(5, 3), single_triangle()}) {
     const Mapped m = map_shape(soup, 5'000);
     for (std::size_t l = 0; l < m.curve.size(); ++l) {
       const Triangle& t = m.mesh.triangles[m.curve.triangle[l]];
@@ -65,7 +66,8 @@ TEST(SurfaceMap, FollowsTheParameterMesh) {
       const Vec3d w = system.inverse() * Vec3d(p.x(), p.y(), 1);
       if (w.minCoeff() < -1e-9) continue;
       const auto& places = m.chart.disc.positions;
-      nearest = std::min(nearest, (w[0] * places[t[0]] + w[1] * places[t[1]] + w[2] * places[t[2]] - position(m.curve, l)).norm());
+      nearest =
+          std::min(nearest, (w[0] * places[t[0]] + w[1] * places[t[1]] + w[2] * places[t[2]] - position(m.curve, l)).norm());
     }
     EXPECT_LT(nearest, 1e-6);
   }

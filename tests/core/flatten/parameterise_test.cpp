@@ -24,8 +24,9 @@ DiscMesh disc_of(const PolygonSoup& soup) {
 
 std::vector<DiscMesh> discs() {
   using namespace testing;
-  return {disc_of(disc(8, 24)), disc_of(jittered(sphere(20, 30), 0.02)), disc_of(torus(24, 12)), disc_of(perforated_slab(5, 5)),
-          disc_of(open_cylinder(12, 16)), disc_of(single_triangle()), disc_of(tetrahedron())};
+  return {disc_of(disc(8, 24)),           disc_of(jittered(sphere(20, 30), 0.02)), disc_of(torus(24, 12)),
+          disc_of(perforated_slab(5, 5)), disc_of(open_cylinder(12, 16)),          disc_of(single_triangle()),
+          disc_of(tetrahedron())};
 }
 
 TEST(Parameterise, CoversTheSquareOnceWithoutAFlip) {

@@ -162,6 +162,31 @@ TEST(Equalise, ServesTheEndsOfTheUnitInterval) {
   }
 }
 
+TEST(Equalise, MovesOnWhereTheSumIsReachedExactly) {
+  const std::size_t n = 256;
+  const Curve curve{std::vector<float>(n, 1.0f), std::vector<float>(n, 1.0f)};
+  std::vector<double> q;
+  std::vector<std::uint32_t> expected;
+  for (std::uint32_t l = 0; l < n; ++l) {
+    q.push_back(l / 256.0);
+    expected.push_back(l);
+  }
+  EXPECT_EQ(equalised(curve, q), expected);
+}
+
+TEST(Equalise, EndsAtTheLastVertexWithDensityHoweverSumsAreRounded) {
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    const std::size_t n = 70 + seed % 120;
+    const std::size_t end = n - 1 - seed % 7;  // nothing from here on
+    Curve curve;
+    for (std::size_t l = 0; l < n; ++l) {
+      curve.density.push_back(l < end ? static_cast<float>(0.1 + random_unit(seed, 2 * l)) : 0.0f);
+      curve.area.push_back(static_cast<float>(0.1 + random_unit(seed, 2 * l + 1)));
+    }
+    ASSERT_EQ(equalised(curve, {1 - 0x1p-53})[0], end - 1) << "seed " << seed;
+  }
+}
+
 TEST(Equalise, StandsMassesOfVeryDifferentSizes) {
   // After the large masses the small ones vanish in the sum, alone or a block at a time.
   for (const std::size_t large : {0u, 100u, 499u}) {

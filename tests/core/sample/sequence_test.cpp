@@ -51,6 +51,17 @@ TEST(Sequence, JitteredUsesItsWholeStratumEvenly) {
   EXPECT_GT(most, 1 - 1e-3);
 }
 
+TEST(Sequence, JittersEveryPointOnItsOwn) {
+  const std::size_t n = 100'000;
+  const std::vector<double> q = sequence_of(Sequence::kJittered, 5, n);
+  const auto offset = [&](std::size_t i) { return q[i] * static_cast<double>(n) - static_cast<double>(i) - 0.5; };
+  for (const std::size_t lag : {1u, 2u, 3u, 64u, 1024u}) {
+    double sum = 0;
+    for (std::size_t i = 0; i + lag < n; ++i) sum += 12 * offset(i) * offset(i + lag);
+    EXPECT_LT(std::abs(sum / static_cast<double>(n - lag)), 5 / std::sqrt(static_cast<double>(n))) << lag;
+  }
+}
+
 TEST(Sequence, JitteredFollowsTheSeed) {
   const std::vector<double> q = sequence_of(Sequence::kJittered, 7, 1000);
   EXPECT_EQ(q, sequence_of(Sequence::kJittered, 7, 1000));
