@@ -100,39 +100,43 @@ TEST(Pipeline, NamesTheFileAtFault) {
   EXPECT_THAT(std::string(result.status().message()), HasSubstr("degenerate"));
 }
 
-TEST(Pipeline, RealMeshesGiveExactlyNPointsOnTheirSurface) {
-  const std::filesystem::path folder = std::filesystem::path(CURVECAST_SOURCE_DIR) / ".." / "shared" / "meshes";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
-  constexpr std::uint64_t kPoints = 5000;
-  for (const char* name : {"3holes.off", "fertility.off", "rocker-arm.obj", "squirrel.obj", "teapot.obj", "camelhead.off"}) {
-    SCOPED_TRACE(name);
-    std::ifstream file(folder / name, std::ios::binary);
-    const std::string bytes(std::istreambuf_iterator<char>(file), {});
-    const absl::StatusOr<Preprocessed> result = preprocess(name, bytes, {.points = kPoints});
-    ASSERT_TRUE(result.ok()) << result.status().message();
-    EXPECT_EQ(result->report.flipped_triangles, 0u);
-    EXPECT_LT(result->report.area_error, 0.005);
-    EXPECT_GE(result->report.curve_vertices, 10 * kPoints);
-    const absl::StatusOr<PointSet> points = resample(*result->curve, {.points = kPoints});
-    ASSERT_TRUE(points.ok());
-    ASSERT_EQ(points->size(), kPoints);
-    const absl::StatusOr<PolygonSoup> soup = read_mesh(name, bytes);
-    ASSERT_TRUE(soup.ok());
-    const TriangleMesh mesh = curvecast::testing::make_mesh(*soup);
-    const double tolerance = 1e-5 * result->report.mesh.box.diagonal();
-    for (std::size_t i = 0; i < points->size(); ++i) {
-      // The face whose share the point is holds it: distance to the face's plane and to its inside.
-      const Triangle& t = mesh.triangles[result->curve->triangle[points->vertices[i]]];
-      const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-      const Vec3d p = points->origin + points->positions[i].cast<double>();
-      const Vec3d normal = (b - a).cross(c - a).normalized();
-      EXPECT_LT(std::abs((p - a).dot(normal)), tolerance);
-      EXPECT_GT((b - a).cross(p - a).dot(normal) / (b - a).norm(), -tolerance);
-      EXPECT_GT((c - b).cross(p - b).dot(normal) / (c - b).norm(), -tolerance);
-      EXPECT_GT((a - c).cross(p - c).dot(normal) / (a - c).norm(), -tolerance);
-    }
+class RealMesh : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RealMesh, GivesExactlyNPointsOnItsSurface) {
+  const std::filesystem::path file = std::filesystem::path(CURVECAST_SOURCE_DIR) / ".." / "shared" / "meshes" / GetParam();
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
+  constexpr std::uint64_t kPoints = 50'000;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+  const absl::StatusOr<Preprocessed> result = preprocess(GetParam(), bytes, {.points = kPoints});
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_EQ(result->report.flipped_triangles, 0u);
+  EXPECT_LT(result->report.area_error, 0.005);
+  EXPECT_GE(result->report.curve_vertices, 10 * kPoints);
+  const absl::StatusOr<PointSet> points = resample(*result->curve, {.points = kPoints});
+  ASSERT_TRUE(points.ok());
+  ASSERT_EQ(points->size(), kPoints);
+  const absl::StatusOr<PolygonSoup> soup = read_mesh(GetParam(), bytes);
+  ASSERT_TRUE(soup.ok());
+  const TriangleMesh mesh = curvecast::testing::make_mesh(*soup);
+  const double tolerance = 1e-5 * result->report.mesh.box.diagonal();
+  for (std::size_t i = 0; i < points->size(); ++i) {
+    // Distance to the plane of the face that holds the point, and to the inside of its three sides.
+    const Triangle& t = mesh.triangles[result->curve->triangle[points->vertices[i]]];
+    const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    const Vec3d p = points->origin + points->positions[i].cast<double>();
+    const Vec3d normal = (b - a).cross(c - a).normalized();
+    ASSERT_LT(std::abs((p - a).dot(normal)), tolerance);
+    ASSERT_GT((b - a).cross(p - a).dot(normal) / (b - a).norm(), -tolerance);
+    ASSERT_GT((c - b).cross(p - b).dot(normal) / (c - b).norm(), -tolerance);
+    ASSERT_GT((a - c).cross(p - c).dot(normal) / (a - c).norm(), -tolerance);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Shared, RealMesh,
+                         ::testing::Values("3holes.off", "camelhead.off", "chinese-lion.obj", "fertility.off",
+                                           "igea-tristrips.ply", "igea.ply", "lionstatue.obj", "rocker-arm.obj", "skull.obj",
+                                           "spot.obj", "squirrel.obj", "stanford-bunny.obj", "teapot.obj"));
 
 }  // namespace
 }  // namespace curvecast
