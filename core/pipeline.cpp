@@ -87,11 +87,7 @@ Distortion measure_distortion(const std::vector<Chart>& charts, double total_are
   const double mean = total_area / static_cast<double>(charts.size());  // every chart fills a square of area 1
   for (const Chart& chart : charts) {
     for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
-      const Triangle& v = chart.disc.triangles[t];
-      const Vec2d p = chart.uv[v[1]] - chart.uv[v[0]];
-      const Vec2d q = chart.uv[v[2]] - chart.uv[v[0]];
-      const double uv_area = 0.5 * (p.x() * q.y() - p.y() * q.x());
-      shares.push_back({uv_area * chart.area_ratio[t], chart.area_ratio[t] / mean});
+      shares.push_back({uv_area(chart.disc, chart.uv, t) * chart.area_ratio[t], chart.area_ratio[t] / mean});
     }
   }
   return summarise_distortion(std::move(shares));
@@ -120,10 +116,7 @@ absl::Status build_curve(const TriangleMesh& mesh, const std::vector<Chart>& cha
     double share = 0;
     for (std::size_t t = 0; t < demand.size(); ++t) {
       demand[t] = wanted * chart.area_ratio[t] / curve.total_area;
-      const Triangle& v = chart.disc.triangles[t];
-      const Vec2d p = chart.uv[v[1]] - chart.uv[v[0]];
-      const Vec2d q = chart.uv[v[2]] - chart.uv[v[0]];
-      share += 0.5 * (p.x() * q.y() - p.y() * q.x()) * demand[t];
+      share += uv_area(chart.disc, chart.uv, t) * demand[t];
     }
     const auto most = static_cast<std::size_t>(std::min(kLeavesPerVertex * share + 1e6, kMostLeaves));
     absl::StatusOr<QuadtreeLeaves> built = build_quadtree(chart, demand, most, context);

@@ -3,6 +3,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/flatten/cut_graph.h"
+#include "core/flatten/face_set.h"
 #include "core/mesh/topology.h"
 
 namespace curvecast {
@@ -10,15 +11,10 @@ namespace {
 
 /// The piece as a mesh of its own.
 TriangleMesh extract(const TriangleMesh& mesh, std::span<const std::uint32_t> faces) {
-  std::vector<std::uint32_t> local(mesh.face_count(), kNone);
-  for (std::uint32_t f = 0; f < faces.size(); ++f) local[faces[f]] = f;
+  const FaceSet set(faces, mesh);
   TriangleMesh piece;
   piece.twins.resize(3 * faces.size());
-  for (std::uint32_t h = 0; h < piece.twins.size(); ++h) {
-    const std::uint32_t twin = mesh.twins[3 * faces[h / 3] + h % 3];
-    const bool inside = twin != kNone && local[twin / 3] != kNone;
-    piece.twins[h] = inside ? 3 * local[twin / 3] + twin % 3 : kNone;
-  }
+  for (std::uint32_t h = 0; h < piece.twins.size(); ++h) piece.twins[h] = set.halfedge(mesh.twins[3 * faces[h / 3] + h % 3]);
   std::vector<std::uint32_t> fan_of_corner;
   piece.positions.resize(label_fans(piece.twins, fan_of_corner));
   piece.triangles.resize(faces.size());

@@ -15,7 +15,7 @@ struct CutOptions {
   double min_reach = 0.36;   // a point nearer to the border than this, in square roots of the piece's area, gets no cut
 };
 
-/// Cuts the piece made of `faces` (connected through twins, each once). Twins that leave the piece count as border.
+/// Cuts the piece made of `faces` (ascending, connected through twins). Twins that leave the piece count as border.
 /// All border loops and handles are joined by short paths along edges; then cuts run to the extremities (ears, fingers,
 /// feet), which is what keeps a parameterisation's distortion low. No edge inside the disc joins two border vertices: such
 /// edges are split at their middle, because the triangles beyond them would collapse on a straight border.

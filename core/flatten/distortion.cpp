@@ -12,14 +12,19 @@ std::uint64_t count_flipped(const DiscMesh& disc, const std::vector<Vec2d>& uv) 
   return flipped;
 }
 
+double uv_area(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t) {
+  const Triangle& v = disc.triangles[t];
+  const Vec2d p = uv[v[1]] - uv[v[0]];
+  const Vec2d q = uv[v[2]] - uv[v[0]];
+  return 0.5 * (p.x() * q.y() - p.y() * q.x());
+}
+
 std::vector<double> area_ratios(const DiscMesh& disc, const std::vector<Vec2d>& uv) {
-  std::vector<double> ratios;
-  ratios.reserve(disc.triangles.size());
-  for (const Triangle& t : disc.triangles) {
-    const Vec3d &a = disc.positions[t[0]], &b = disc.positions[t[1]], &c = disc.positions[t[2]];
-    const Vec2d p = uv[t[1]] - uv[t[0]];
-    const Vec2d q = uv[t[2]] - uv[t[0]];
-    ratios.push_back((b - a).cross(c - a).norm() / (p.x() * q.y() - p.y() * q.x()));
+  std::vector<double> ratios(disc.triangles.size());
+  for (std::size_t t = 0; t < ratios.size(); ++t) {
+    const Triangle& v = disc.triangles[t];
+    const Vec3d &a = disc.positions[v[0]], &b = disc.positions[v[1]], &c = disc.positions[v[2]];
+    ratios[t] = 0.5 * (b - a).cross(c - a).norm() / uv_area(disc, uv, t);
   }
   return ratios;
 }

@@ -1,6 +1,7 @@
 // How good a parameterisation is: flipped triangles and area distortion.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +11,9 @@ namespace curvecast {
 
 /// Triangles whose uv area is not positive, by an exact test.
 std::uint64_t count_flipped(const DiscMesh& disc, const std::vector<Vec2d>& uv);
+
+/// Signed area of triangle t in the parameter square.
+double uv_area(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t);
 
 /// Surface area over uv area of every triangle. Precondition: no triangle is flipped.
 std::vector<double> area_ratios(const DiscMesh& disc, const std::vector<Vec2d>& uv);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/flatten/distortion.h"
+#include "core/flatten/face_set.h"
 #include "core/flatten/parameterise.h"
 #include "core/mesh/topology.h"
 #include "core/stopwatch.h"
@@ -18,10 +19,7 @@ bool is_valid(const Chart& chart, double max_area_ratio) {
   double surface = 0;
   double largest = 0;
   for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
-    const Triangle& v = chart.disc.triangles[t];
-    const Vec2d p = chart.uv[v[1]] - chart.uv[v[0]];
-    const Vec2d q = chart.uv[v[2]] - chart.uv[v[0]];
-    surface += 0.5 * chart.area_ratio[t] * (p.x() * q.y() - p.y() * q.x());
+    surface += chart.area_ratio[t] * uv_area(chart.disc, chart.uv, t);
     largest = std::max(largest, chart.area_ratio[t]);
   }
   return std::isfinite(largest) && largest <= max_area_ratio * surface;  // the square's area is 1
@@ -29,26 +27,26 @@ bool is_valid(const Chart& chart, double max_area_ratio) {
 
 /// Divides the faces into the half nearest to the first one, by steps between neighbours, and the connected rest.
 std::vector<Faces> bisect(const TriangleMesh& mesh, const Faces& faces) {
-  constexpr char kOutside = 0, kUnseen = 1, kNear = 2, kDone = 3;
-  std::vector<char> state(mesh.face_count(), kOutside);
-  for (const std::uint32_t f : faces) state[f] = kUnseen;
-  const auto grow = [&](std::uint32_t seed, std::size_t limit, char mark) {
-    Faces part = {seed};
-    state[seed] = mark;
+  const FaceSet set(faces, mesh);
+  std::vector<bool> taken(faces.size(), false);
+  const auto grow = [&](std::uint32_t seed, std::size_t limit) {
+    Faces part = {faces[seed]};
+    taken[seed] = true;
     for (std::size_t i = 0; i < part.size(); ++i) {
       for (std::uint32_t h = 3 * part[i]; h < 3 * part[i] + 3 && part.size() < limit; ++h) {
         const std::uint32_t twin = mesh.twins[h];
-        if (twin == kNone || state[twin / 3] != kUnseen) continue;
-        state[twin / 3] = mark;
-        part.push_back(twin / 3);
+        const std::uint32_t next = twin == kNone ? kNone : set.index(twin / 3);
+        if (next == kNone || taken[next]) continue;
+        taken[next] = true;
+        part.push_back(faces[next]);
       }
     }
     std::sort(part.begin(), part.end());
     return part;
   };
-  std::vector<Faces> parts = {grow(faces.front(), (faces.size() + 1) / 2, kNear)};
-  for (const std::uint32_t f : faces) {
-    if (state[f] == kUnseen) parts.push_back(grow(f, faces.size(), kDone));
+  std::vector<Faces> parts = {grow(0, (faces.size() + 1) / 2)};
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    if (!taken[i]) parts.push_back(grow(i, faces.size()));
   }
   return parts;
 }
