@@ -44,18 +44,17 @@ struct LoadedMesh {
   MeshInfo info;
 };
 
-absl::StatusOr<LoadedMesh> load(std::string_view name, std::span<const char> bytes, const ExecutionContext& context,
-                                StageSeconds& seconds) {
+absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& context, StageSeconds& seconds) {
   Stopwatch watch;
   context.progress("read", 0);
-  absl::StatusOr<MeshFormat> format = detect_mesh_format(name, bytes);
+  absl::StatusOr<MeshFormat> format = detect_mesh_format(file.name, file.bytes);
   if (!format.ok()) return format.status();
-  absl::StatusOr<PolygonSoup> soup = read_mesh(name, bytes, context);
+  absl::StatusOr<PolygonSoup> soup = read_mesh(file, context);
   if (!soup.ok()) return soup.status();
   context.progress("read", 1);
   seconds.read = watch.lap();
   absl::StatusOr<RepairedMesh> repaired = repair(*soup, context);
-  if (!repaired.ok()) return about(name, repaired.status());
+  if (!repaired.ok()) return about(file.name, repaired.status());
   LoadedMesh loaded;
   loaded.mesh = std::move(repaired->mesh);
   const Topology topology = analyse_topology(loaded.mesh);
@@ -149,12 +148,12 @@ absl::Status build_curve(const TriangleMesh& mesh, const std::vector<Chart>& cha
   return absl::OkStatus();
 }
 
-absl::StatusOr<Preprocessed> preprocess_here(std::string_view name, std::span<const char> bytes, const PreprocessOptions& options,
+absl::StatusOr<Preprocessed> preprocess_here(const MeshFile& file, const PreprocessOptions& options,
                                              const ExecutionContext& context) {
   if (absl::Status status = check(options); !status.ok()) return status;
   Stopwatch watch;
   PreprocessReport report;
-  absl::StatusOr<LoadedMesh> loaded = load(name, bytes, context, report.seconds);
+  absl::StatusOr<LoadedMesh> loaded = load(file, context, report.seconds);
   if (!loaded.ok()) return loaded.status();
   report.mesh = loaded->info;
   FlattenTimes times;
@@ -190,16 +189,15 @@ auto with_threads(const ExecutionContext& context, Function&& function) {
 
 }  // namespace
 
-absl::StatusOr<MeshInfo> inspect_mesh(std::string_view name, std::span<const char> bytes, const ExecutionContext& context) {
+absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context) {
   StageSeconds seconds;
-  absl::StatusOr<LoadedMesh> loaded = load(name, bytes, context, seconds);
+  absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds);
   if (!loaded.ok()) return loaded.status();
   return loaded->info;
 }
 
-absl::StatusOr<Preprocessed> preprocess(std::string_view name, std::span<const char> bytes, const PreprocessOptions& options,
-                                        const ExecutionContext& context) {
-  return with_threads(context, [&] { return preprocess_here(name, bytes, options, context); });
+absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options, const ExecutionContext& context) {
+  return with_threads(context, [&] { return preprocess_here(file, options, context); });
 }
 
 }  // namespace curvecast

@@ -10,6 +10,7 @@
 
 #include "core/curve/surface_curve.h"
 #include "core/execution_context.h"
+#include "core/mesh/mesh_file.h"
 #include "core/mesh/repair.h"
 
 namespace curvecast {
@@ -58,10 +59,10 @@ struct Preprocessed {
 };
 
 /// Reads and repairs only.
-absl::StatusOr<MeshInfo> inspect_mesh(std::string_view name, std::span<const char> bytes, const ExecutionContext& context = {});
+absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context = {});
 
 /// The whole way. InvalidArgument for a bad file (see read_mesh, repair) or options out of range; Cancelled.
-absl::StatusOr<Preprocessed> preprocess(std::string_view name, std::span<const char> bytes, const PreprocessOptions& options,
+absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options,
                                         const ExecutionContext& context = {});
 
 }  // namespace curvecast

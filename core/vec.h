@@ -10,6 +10,7 @@
 namespace curvecast {
 
 using Vec2d = Eigen::Vector2d;
+using Vec2f = Eigen::Vector2f;
 using Vec3d = Eigen::Vector3d;
 using Vec3f = Eigen::Vector3f;
 

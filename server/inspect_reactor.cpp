@@ -35,7 +35,7 @@ class InspectReactor final : public grpc::ServerUnaryReactor {
       ExecutionContext context;
       context.cancel = &cancel_;
       context.threads = 1;
-      const auto info = curvecast::inspect_mesh(mesh.name, mesh.bytes(), context);
+      const auto info = curvecast::inspect_mesh({mesh.name, mesh.bytes()}, context);
       if (info.ok()) *response_->mutable_mesh() = to_proto(*info, mesh.name);
       return info.status();
     });

@@ -184,7 +184,7 @@ void SessionStore::run(const std::shared_ptr<Job>& job) {
     context.on_progress = [&](std::string_view stage, double fraction) { report(*job, stage, fraction); };
     context.cancel = &job->cancel;
     context.threads = threads_;
-    result = guarded([&] { return preprocess_(job->mesh->name, job->mesh->bytes(), job->options, context); });
+    result = guarded([&] { return preprocess_({job->mesh->name, job->mesh->bytes()}, job->options, context); });
   }
   const std::lock_guard lock(mutex_);
   if (!job->cancel) settle(*job, std::move(result));

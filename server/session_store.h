@@ -38,8 +38,8 @@ class SessionWaiter {
 class SessionStore {
  public:
   /// The signature of curvecast::preprocess.
-  using Preprocess = std::function<absl::StatusOr<Preprocessed>(std::string_view name, std::span<const char> bytes,
-                                                                const PreprocessOptions&, const ExecutionContext&)>;
+  using Preprocess =
+      std::function<absl::StatusOr<Preprocessed>(const MeshFile&, const PreprocessOptions&, const ExecutionContext&)>;
 
   /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core).
   SessionStore(JobQueue& queue, Preprocess preprocess, std::size_t max_sessions, int threads,

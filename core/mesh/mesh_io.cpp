@@ -72,29 +72,29 @@ absl::StatusOr<MeshFormat> detect_mesh_format(std::string_view name, std::span<c
                   "neither the content nor the name tells the format; give a PLY, OBJ, OFF or STL file");
 }
 
-absl::StatusOr<PolygonSoup> read_mesh(std::string_view name, std::span<const char> bytes, const ExecutionContext& context) {
-  if (bytes.empty()) return error_in(name, absl::StatusCode::kInvalidArgument, "the file is empty");
+absl::StatusOr<PolygonSoup> read_mesh(const MeshFile& file, const ExecutionContext& context) {
+  if (file.bytes.empty()) return error_in(file.name, absl::StatusCode::kInvalidArgument, "the file is empty");
   if (absl::Status status = context.check(); !status.ok()) return status;
-  const absl::StatusOr<MeshFormat> format = detect_mesh_format(name, bytes);
+  const absl::StatusOr<MeshFormat> format = detect_mesh_format(file.name, file.bytes);
   if (!format.ok()) return format.status();
   try {
     context.progress("read", 0);
-    absl::StatusOr<PolygonSoup> soup = read_as(*format, {bytes.data(), bytes.size()}, context);
+    absl::StatusOr<PolygonSoup> soup = read_as(*format, {file.bytes.data(), file.bytes.size()}, context);
     if (!soup.ok()) {
       if (absl::IsCancelled(soup.status())) return soup;
-      return error_in(name, soup.status().code(), soup.status().message());
+      return error_in(file.name, soup.status().code(), soup.status().message());
     }
     if (soup->polygon_count() == 0) {
-      return error_in(name, absl::StatusCode::kInvalidArgument,
+      return error_in(file.name, absl::StatusCode::kInvalidArgument,
                       absl::StrFormat("no faces: none of its polygons has three or more corners (the file has %d vertices)",
                                       soup->positions.size()));
     }
     context.progress("read", 1);
     return soup;
   } catch (const std::bad_alloc&) {
-    return error_in(name, absl::StatusCode::kResourceExhausted, "not enough memory to read the file");
+    return error_in(file.name, absl::StatusCode::kResourceExhausted, "not enough memory to read the file");
   } catch (const std::length_error&) {
-    return error_in(name, absl::StatusCode::kResourceExhausted, "not enough memory to read the file");
+    return error_in(file.name, absl::StatusCode::kResourceExhausted, "not enough memory to read the file");
   }
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/execution_context.h"
+#include "core/mesh/mesh_file.h"
 #include "core/mesh/polygon_soup.h"
 
 namespace curvecast {
@@ -17,13 +18,13 @@ enum class MeshFormat { kPly, kObj, kOff, kStl };
 /// InvalidArgument when neither tells.
 absl::StatusOr<MeshFormat> detect_mesh_format(std::string_view name, std::span<const char> bytes);
 
-/// Parses the bytes of a mesh file. `name` is the file's name as the user knows it: it helps to detect the format
-/// and starts every message, followed by the line (text, from 1) or the element (binary, from 0) at fault.
+/// Parses a mesh file. Every message starts with its name, followed by the line (text, from 1) or the element (binary, from 0) at
+/// fault.
 ///
 /// The result has at least one polygon, every polygon at least three corners, every index < V, every coordinate
 /// finite. InvalidArgument when the bytes don't hold that: empty or truncated file, index out of range, NaN or infinite
 /// coordinate, no faces, malformed header. Cancelled when the context says so. ResourceExhausted when memory runs out; it
 /// stays within a small multiple of bytes.size(), whatever counts the file claims. Polygons of one or two corners are dropped.
-absl::StatusOr<PolygonSoup> read_mesh(std::string_view name, std::span<const char> bytes, const ExecutionContext& context = {});
+absl::StatusOr<PolygonSoup> read_mesh(const MeshFile& file, const ExecutionContext& context = {});
 
 }  // namespace curvecast

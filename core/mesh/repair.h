@@ -24,6 +24,7 @@ struct RepairReport {                       // counts
 
 struct RepairedMesh {
   TriangleMesh mesh;
+  MeshAttributes attributes;
   RepairReport report;
 };
 

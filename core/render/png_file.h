@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/render/image.h"
+#include "core/image.h"
 
 namespace curvecast {
 

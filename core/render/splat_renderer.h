@@ -12,7 +12,7 @@
 #include <optional>
 #include <span>
 
-#include "core/render/image.h"
+#include "core/image.h"
 #include "core/render/render_camera.h"
 #include "core/vec.h"
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/render/image.h"
+#include "core/image.h"
 
 namespace curvecast {
 

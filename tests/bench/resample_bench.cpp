@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
   } else {
     bytes = curvecast::testing::to_off(curvecast::testing::torus(300, 150));
   }
-  absl::StatusOr<curvecast::Preprocessed> preprocessed = curvecast::preprocess(name, bytes, {});
+  absl::StatusOr<curvecast::Preprocessed> preprocessed = curvecast::preprocess({name, bytes}, {});
   if (!preprocessed.ok()) {
     std::fprintf(stderr, "%s\n", std::string(preprocessed.status().message()).c_str());
     return 3;

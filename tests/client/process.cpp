@@ -7,7 +7,9 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <thread>
@@ -35,7 +37,12 @@ Process::Process(const std::vector<std::string>& arguments) : out_path_(new_path
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   pid_ = ::fork();
-  if (pid_ != 0) return;
+  if (pid_ != 0) {
+    // kill(-1) and waitpid(-1) mean every process: a child that never was must not be signalled or waited for.
+    running_ = pid_ > 0;
+    EXPECT_GT(pid_, 0) << "fork: " << std::strerror(errno);
+    return;
+  }
   // The child: only calls that are safe between fork and exec.
   const int out = ::open(out_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   const int err = ::open(err_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -60,7 +67,7 @@ bool Process::reap(bool block) {
 }
 
 void Process::signal(int number) const {
-  if (running_) ::kill(pid_, number);
+  if (running_ && pid_ > 0) ::kill(pid_, number);
 }
 
 std::string Process::out() const { return content_of(out_path_); }
@@ -78,6 +85,7 @@ bool Process::wait_for(const std::string& text) {
 
 Finished Process::finish() {
   reap(true);
+  if (pid_ <= 0) return {};
   return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), out(), err()};
 }
 

@@ -19,7 +19,7 @@ namespace {
 using ::testing::HasSubstr;
 
 absl::StatusOr<Preprocessed> run(const std::string& off, const PreprocessOptions& options = {.points = 2000}, int threads = 0) {
-  return preprocess("shape.off", off, options, {.threads = threads});
+  return preprocess({"shape.off", off}, options, {.threads = threads});
 }
 
 TEST(Pipeline, TakesEveryShapeToACurve) {
@@ -70,7 +70,8 @@ TEST(Pipeline, ReportsStagesInOrder) {
     EXPECT_LE(fraction, 1);
     if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
   };
-  ASSERT_TRUE(preprocess("shape.off", curvecast::testing::to_off(curvecast::testing::cube()), {.points = 100}, context).ok());
+  const std::string cube = curvecast::testing::to_off(curvecast::testing::cube());
+  ASSERT_TRUE(preprocess({"shape.off", cube}, {.points = 100}, context).ok());
   EXPECT_THAT(stages, ::testing::ElementsAre("read", "repair", "cut", "parameterise", "curve", "map", "area"));
 }
 
@@ -81,7 +82,7 @@ TEST(Pipeline, StopsAtEveryStageWhenCancelled) {
     ExecutionContext context;
     context.cancel = &cancel;
     context.on_progress = [&](std::string_view stage, double) { cancel = cancel || stage == last; };
-    EXPECT_EQ(preprocess("shape.off", off, {.points = 2000}, context).status().code(), absl::StatusCode::kCancelled) << last;
+    EXPECT_EQ(preprocess({"shape.off", off}, {.points = 2000}, context).status().code(), absl::StatusCode::kCancelled) << last;
   }
 }
 
@@ -108,7 +109,7 @@ TEST_P(RealMesh, GivesExactlyNPointsOnItsSurface) {
   constexpr std::uint64_t kPoints = 50'000;
   std::ifstream stream(file, std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(stream), {});
-  const absl::StatusOr<Preprocessed> result = preprocess(GetParam(), bytes, {.points = kPoints});
+  const absl::StatusOr<Preprocessed> result = preprocess({GetParam(), bytes}, {.points = kPoints});
   ASSERT_TRUE(result.ok()) << result.status().message();
   EXPECT_EQ(result->report.flipped_triangles, 0u);
   EXPECT_LT(result->report.area_error, 0.005);
@@ -116,7 +117,7 @@ TEST_P(RealMesh, GivesExactlyNPointsOnItsSurface) {
   const absl::StatusOr<PointSet> points = resample(*result->curve, {.points = kPoints});
   ASSERT_TRUE(points.ok());
   ASSERT_EQ(points->size(), kPoints);
-  const absl::StatusOr<PolygonSoup> soup = read_mesh(GetParam(), bytes);
+  const absl::StatusOr<PolygonSoup> soup = read_mesh({GetParam(), bytes});
   ASSERT_TRUE(soup.ok());
   const TriangleMesh mesh = curvecast::testing::make_mesh(*soup);
   const double tolerance = 1e-5 * result->report.mesh.box.diagonal();

@@ -121,13 +121,13 @@ class SessionStoreTest : public ::testing::Test {
   absl::Status failure_;
   int runs_ = 0, cancelled_ = 0;
   JobQueue queue_{1, 16};
-  std::optional<SessionStore> store_{std::in_place,
-                                     queue_,
-                                     [this](std::string_view, std::span<const char>, const PreprocessOptions&,
-                                            const ExecutionContext& context) { return preprocess(context); },
-                                     3,
-                                     1,
-                                     make_logger(false, false)};
+  std::optional<SessionStore> store_{
+      std::in_place,
+      queue_,
+      [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context) { return preprocess(context); },
+      3,
+      1,
+      make_logger(false, false)};
 };
 
 TEST_F(SessionStoreTest, ClientsShareOneJobAndItsProgress) {
@@ -168,7 +168,7 @@ TEST_F(SessionStoreTest, TellsStartAndEndOfEveryStage) {
   const auto start = std::chrono::steady_clock::now();
   SessionStore store(
       queue_,
-      [](std::string_view, std::span<const char>, const PreprocessOptions&, const ExecutionContext& context) {
+      [](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context) {
         for (const char* stage : {"read", "cut", "map"}) {
           // "cut" never says that it is over.
           for (int i = 0; i <= 1000; ++i) context.progress(stage, i / (stage == std::string("cut") ? 1001.0 : 1000.0));

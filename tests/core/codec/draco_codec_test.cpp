@@ -223,7 +223,7 @@ TEST(DracoCodec, SurvivesPointsOutsideTheBox) {
 
 TEST(DracoCodec, IsMuchSmallerThanRawInCurveOrder) {
   const std::string off = curvecast::testing::to_off(curvecast::testing::icosphere(4));
-  const absl::StatusOr<Preprocessed> done = preprocess("ball.off", off, {.points = 10'000});
+  const absl::StatusOr<Preprocessed> done = preprocess({"ball.off", off}, {.points = 10'000});
   ASSERT_TRUE(done.ok()) << done.status();
   const absl::StatusOr<PointSet> points = resample(*done->curve, {.points = 10'000});
   ASSERT_TRUE(points.ok()) << points.status();

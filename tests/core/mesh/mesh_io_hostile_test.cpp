@@ -20,7 +20,7 @@ using ::testing::StartsWith;
 
 absl::StatusOr<PolygonSoup> read(const std::string& name, const std::string& bytes) {
   const std::vector<char> exact(bytes.begin(), bytes.end());  // no terminator behind: reading past the end is found out
-  return read_mesh(name, exact);
+  return read_mesh({name, exact});
 }
 
 std::string message_of(const absl::StatusOr<PolygonSoup>& soup) { return std::string(soup.status().message()); }

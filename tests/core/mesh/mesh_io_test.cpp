@@ -23,7 +23,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 absl::StatusOr<PolygonSoup> read(const std::string& name, const std::string& bytes) {
-  return read_mesh(name, std::span<const char>(bytes.data(), bytes.size()));
+  return read_mesh({name, std::span<const char>(bytes.data(), bytes.size())});
 }
 
 std::string message_of(const absl::StatusOr<PolygonSoup>& soup) { return std::string(soup.status().message()); }
@@ -266,14 +266,14 @@ TEST(MeshIo, ReportsProgressAndStopsWhenCancelled) {
       fractions.push_back(fraction);
     };
     const std::span<const char> bytes(file.data(), file.size());
-    ASSERT_TRUE(read_mesh("a", bytes, context).ok());
+    ASSERT_TRUE(read_mesh({"a", bytes}, context).ok());
     EXPECT_GE(fractions.size(), 4U);
     EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
     EXPECT_EQ(fractions.front(), 0);
     EXPECT_EQ(fractions.back(), 1);
     context.on_progress = [&](std::string_view, double fraction) { cancel = cancel || fraction > 0.3; };
-    EXPECT_EQ(read_mesh("a", bytes, context).status().code(), absl::StatusCode::kCancelled);
-    EXPECT_EQ(read_mesh("a", bytes, context).status().code(), absl::StatusCode::kCancelled);
+    EXPECT_EQ(read_mesh({"a", bytes}, context).status().code(), absl::StatusCode::kCancelled);
+    EXPECT_EQ(read_mesh({"a", bytes}, context).status().code(), absl::StatusCode::kCancelled);
   }
 }
 

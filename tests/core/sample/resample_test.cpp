@@ -30,7 +30,7 @@ struct Surface {
 
 Surface surface_of(const PolygonSoup& soup) {
   const std::string off = to_off(soup);
-  absl::StatusOr<Preprocessed> done = preprocess("shape.off", off, {.points = kMaxPointsHere});
+  absl::StatusOr<Preprocessed> done = preprocess({"shape.off", off}, {.points = kMaxPointsHere});
   EXPECT_TRUE(done.ok()) << done.status();
   return {make_mesh(soup), done.ok() ? done->curve : std::make_shared<SurfaceCurve>()};
 }
