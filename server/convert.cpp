@@ -156,9 +156,13 @@ v1::PreprocessReport to_proto(const PreprocessReport& report, const std::string&
   out.set_max_level(report.max_level);
   out.set_flipped_triangles(report.flipped_triangles);
   out.set_area_error(report.area_error);
-  out.mutable_distortion()->set_p50(report.distortion_p50);
-  out.mutable_distortion()->set_p99(report.distortion_p99);
-  out.mutable_distortion()->set_max(report.distortion_max);
+  out.mutable_distortion()->set_p50(report.distortion.p50);
+  out.mutable_distortion()->set_p99(report.distortion.p99);
+  out.mutable_distortion()->set_p999(report.distortion.p999);
+  out.mutable_distortion()->set_max(report.distortion.max);
+  out.mutable_distortion()->set_extra_levels_mean(report.distortion.extra_levels_mean);
+  out.mutable_distortion()->set_extra_levels_max(report.distortion.extra_levels_max);
+  out.set_fallback_discs(report.fallback_discs);
   v1::StageSeconds& seconds = *out.mutable_seconds();
   seconds.set_read(report.seconds.read);
   seconds.set_repair(report.seconds.repair);

@@ -59,15 +59,22 @@ Stretch measure_stretch(const DiscMesh& disc, const std::vector<Vec2d>& uv) {
 }
 
 Distortion summarise_distortion(std::vector<AreaShare> shares) {
-  for (AreaShare& share : shares) share.ratio = std::max(share.ratio, 1 / share.ratio);
-  std::sort(shares.begin(), shares.end(), [](const AreaShare& a, const AreaShare& b) { return a.ratio < b.ratio; });
-  double total = 0;
-  for (const AreaShare& share : shares) total += share.area;
   Distortion distortion;
+  double total = 0;
+  for (AreaShare& share : shares) {
+    const double levels = std::max(0.0, 0.5 * std::log2(share.ratio));
+    distortion.extra_levels_mean += share.area * levels;
+    distortion.extra_levels_max = std::max(distortion.extra_levels_max, levels);
+    total += share.area;
+    share.ratio = std::max(share.ratio, 1 / share.ratio);
+  }
+  distortion.extra_levels_mean /= total;
+  std::sort(shares.begin(), shares.end(), [](const AreaShare& a, const AreaShare& b) { return a.ratio < b.ratio; });
   double sum = 0;
   for (const AreaShare& share : shares) {
     if (sum <= 0.50 * total) distortion.p50 = share.ratio;
     if (sum <= 0.99 * total) distortion.p99 = share.ratio;
+    if (sum <= 0.999 * total) distortion.p999 = share.ratio;
     distortion.max = share.ratio;
     sum += share.area;
   }

@@ -17,8 +17,9 @@ namespace curvecast {
 /// threads. Deterministic.
 class VertexHierarchy {
  public:
-  /// Keeps a reference to the mesh's positions and triangles' order, not to its connectivity. `pinned` vertices never go.
+  /// Keeps a reference to the mesh's positions and a copy of the rest. `pinned` vertices never go.
   VertexHierarchy(const TriangleMesh& mesh, std::span<const std::uint32_t> pinned);
+  VertexHierarchy(TriangleMesh&&, std::span<const std::uint32_t>) = delete;
 
   /// Makes levels until at most `target` vertices are left or no more can go. Cheap vertices (flat, in coarse enough triangles)
   /// go first. May be called once.

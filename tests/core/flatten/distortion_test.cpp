@@ -32,7 +32,14 @@ TEST(Distortion, QuantilesGoByArea) {
   const Distortion distortion = summarise_distortion({{60, 1}, {38.5, 2}, {1, 0.1}, {0.5, 100}});
   EXPECT_DOUBLE_EQ(distortion.p50, 1);
   EXPECT_DOUBLE_EQ(distortion.p99, 10);  // shrinking by 10 counts as 10
+  EXPECT_DOUBLE_EQ(distortion.p999, 100);
   EXPECT_DOUBLE_EQ(distortion.max, 100);
+}
+
+TEST(Distortion, ExtraLevelsCountPowersOfFour) {
+  const Distortion distortion = summarise_distortion({{50, 1}, {25, 16}, {25, 0.01}});
+  EXPECT_DOUBLE_EQ(distortion.extra_levels_mean, 0.5);  // where the map is too large no leaf is deeper
+  EXPECT_DOUBLE_EQ(distortion.extra_levels_max, 2);
 }
 
 }  // namespace
