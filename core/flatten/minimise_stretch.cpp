@@ -57,7 +57,7 @@ class Unfolding {
   }
 
   static int sweeps(std::size_t vertices, const MinimiseStretchOptions& options) {
-    constexpr double kWork = 2e5;  // vertices in sweeps beyond the first
+    constexpr double kWork = 5e5;  // vertices in sweeps beyond the first
     return 1 + static_cast<int>(std::min(options.most_sweeps - 1.0, kWork / static_cast<double>(vertices)));
   }
 

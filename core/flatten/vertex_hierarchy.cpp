@@ -1,7 +1,5 @@
 #include "core/flatten/vertex_hierarchy.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -12,6 +10,8 @@ namespace {
 constexpr float kNever = std::numeric_limits<float>::infinity();
 // Of the vertices that could go, the share that a level considers: the others wait, so that features outlive what is flat.
 constexpr double kShare = 0.7;
+// Vertices that are asked for their costs to find out what is cheap.
+constexpr std::size_t kProbes = 1000;
 // Moving a vertex by its distance from the surface counts in full, along the surface by this much: keeps triangles even.
 constexpr double kTangential = 0.02;
 // Levels that take less than one vertex in so many are not worth their while.
@@ -215,28 +215,28 @@ void VertexHierarchy::restore(std::uint32_t h) {
   if (from(outgoing_[u]) != u) outgoing_[u] = n;
 }
 
-bool VertexHierarchy::remove_level(const std::vector<std::uint32_t>& alive) {
-  std::vector<Candidate> candidates(alive.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, alive.size(), 1024), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) candidates[i] = best_candidate(alive[i]);
-  });
+/// The cost below which kShare of the vertices lie, going by some of them.
+float VertexHierarchy::typical_cost(const std::vector<std::uint32_t>& alive) const {
+  const std::size_t step = std::max<std::size_t>(1, alive.size() / kProbes);
   std::vector<float> costs;
-  costs.reserve(candidates.size());
-  for (const Candidate& c : candidates) {
-    if (c.halfedge != kNone) costs.push_back(c.cost);
+  for (std::size_t i = step / 2; i < alive.size(); i += step) {
+    if (const Candidate c = best_candidate(alive[i]); c.halfedge != kNone) costs.push_back(c.cost);
   }
-  if (costs.empty()) return false;
+  if (costs.empty()) return kNever;
   const auto limit = costs.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(costs.size() - 1));
   std::nth_element(costs.begin(), limit, costs.end());
-  const float highest = *limit;
+  return *limit;
+}
+
+bool VertexHierarchy::remove_level(const std::vector<std::uint32_t>& alive) {
+  const float highest = typical_cost(alive);
   const auto mark = static_cast<std::uint32_t>(levels_.size() + 1);
   std::vector<std::uint32_t> level;
-  for (std::size_t i = 0; i < alive.size(); ++i) {
-    const Candidate& c = candidates[i];
-    const std::uint32_t v = alive[i];
-    if (c.halfedge == kNone || c.cost > highest || locked_[v] == mark || !may_collapse(c.halfedge)) continue;
+  for (const std::uint32_t v : alive) {
+    if (locked_[v] == mark) continue;
+    const Candidate c = best_candidate(v);
+    if (c.halfedge == kNone || c.cost > highest) continue;
     for_each_neighbour(v, [&](std::uint32_t x) { locked_[x] = mark; });
-    locked_[v] = mark;
     collapse(c.halfedge);
     level.push_back(c.halfedge);
   }

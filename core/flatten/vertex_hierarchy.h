@@ -65,6 +65,7 @@ class VertexHierarchy {
   void collapse(std::uint32_t h);
   void restore(std::uint32_t h);
   void relabel(std::uint32_t h, std::uint32_t v);
+  float typical_cost(const std::vector<std::uint32_t>& alive) const;
   bool remove_level(const std::vector<std::uint32_t>& alive);
 
   const std::vector<Vec3d>& positions_;

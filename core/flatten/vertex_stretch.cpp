@@ -22,6 +22,8 @@ double certain_area(const Vec2d& u, const Vec2d& p, const Vec2d& q) {
 
 // Needles get this part of an equal-sided triangle's shape, or nothing would keep them from collapsing.
 constexpr double kFattening = 1e-8;
+// Steps are longer than Newton's: what is smooth over many vertices settles in fewer sweeps (successive over-relaxation).
+constexpr double kOverrelaxation = 1.7;
 // An energy that a step lowers to this part of it is worth trying to lower more.
 constexpr double kSteep = 0.6;
 
@@ -119,7 +121,7 @@ double VertexStretch::improve(Vec2d& uv, const std::optional<Vec2d>& direction) 
     step = -Vec2d(yy * gradient.x() - xy * gradient.y(), xx * gradient.y() - xy * gradient.x()) / determinant;
   }
   // Not so far that a triangle would lose nearly all of its area.
-  double length = 1;
+  double length = kOverrelaxation;
   for (const Corner& c : corners_) {
     const double area = cross(c.p - uv, c.q - uv);
     const double change = (c.p.y() - c.q.y()) * step.x() + (c.q.x() - c.p.x()) * step.y();

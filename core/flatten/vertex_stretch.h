@@ -27,8 +27,8 @@ class VertexStretch {
   /// Whether all triangles turn counter-clockwise beyond doubt.
   bool valid(const Vec2d& uv) const { return !(energy(uv) == kInvalid); }
 
-  /// One Newton step from the valid place `uv`, shortened until it lowers the energy; along `direction` only where that is given
-  /// (the side that a border vertex slides on; a unit vector). Returns by how much the energy fell; 0: uv stays.
+  /// One over-relaxed Newton step from the valid place `uv`, shortened until it lowers the energy; along `direction` only where
+  /// that is given (the side that a border vertex slides on; a unit vector). Returns by how much the energy fell; 0: uv stays.
   double improve(Vec2d& uv, const std::optional<Vec2d>& direction) const;
 
   /// A place for a vertex that has none yet: its mean value combination of the neighbours if that is valid, else the middle of
