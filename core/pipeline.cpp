@@ -41,8 +41,23 @@ absl::Status about(std::string_view name, const absl::Status& status) {
 
 struct LoadedMesh {
   TriangleMesh mesh;
+  MeshAttributes attributes;
   MeshInfo info;
 };
+
+/// What there is, in words.
+std::vector<std::string> names_of(const MeshAttributes& attributes) {
+  std::vector<std::string> names;
+  if (!attributes.colours.empty()) names.emplace_back("colours");
+  if (!attributes.face_colours.empty()) names.emplace_back("face colours");
+  if (!attributes.normals.empty()) names.emplace_back("normals");
+  if (!attributes.uv.empty()) names.emplace_back("uv");
+  if (!attributes.materials.empty()) names.emplace_back("materials");
+  const auto has_texture = [](const Material& material) { return material.texture != nullptr; };
+  if (std::any_of(attributes.materials.begin(), attributes.materials.end(), has_texture)) names.emplace_back("textures");
+  for (const ScalarAttribute& scalar : attributes.scalars) names.push_back("scalar " + scalar.name);
+  return names;
+}
 
 absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& context, StageSeconds& seconds) {
   Stopwatch watch;
@@ -57,8 +72,9 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
   if (!repaired.ok()) return about(file.name, repaired.status());
   LoadedMesh loaded;
   loaded.mesh = std::move(repaired->mesh);
+  loaded.attributes = std::move(repaired->attributes);
   const Topology topology = analyse_topology(loaded.mesh);
-  constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl"};
+  constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl", "gltf"};
   loaded.info = {.format = kFormatNames[static_cast<int>(*format)],
                  .file_vertices = soup->positions.size(),
                  .file_polygons = soup->polygon_count(),
@@ -69,7 +85,9 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
                  .boundary_loops = topology.boundary_loops,
                  .area = surface_area(loaded.mesh),
                  .box = bounding_box(loaded.mesh),
-                 .repairs = repaired->report};
+                 .repairs = repaired->report,
+                 .attributes = names_of(loaded.attributes),
+                 .warnings = std::move(soup->warnings)};
   seconds.repair = watch.lap();
   return loaded;
 }

@@ -54,6 +54,8 @@ absl::StatusOr<PolygonSoup> read_as(MeshFormat format, std::string_view bytes, c
       return read_off(bytes, context);
     case MeshFormat::kStl:
       return read_stl(bytes, context);
+    case MeshFormat::kGltf:
+      return absl::UnimplementedError("glTF is not read yet");
   }
   return absl::InternalError("unknown mesh format");
 }

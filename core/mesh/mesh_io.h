@@ -12,7 +12,7 @@
 
 namespace curvecast {
 
-enum class MeshFormat { kPly, kObj, kOff, kStl };
+enum class MeshFormat { kPly, kObj, kOff, kStl, kGltf };  // kGltf: JSON and GLB
 
 /// The format by the content's first bytes, else by the ending of `name`.
 /// InvalidArgument when neither tells.
