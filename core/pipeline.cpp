@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/area_element.h"
+#include "core/curve/surface_colour.h"
 #include "core/curve/surface_map.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/flatten.h"
@@ -119,7 +121,7 @@ double normalise_areas(SurfaceCurve& curve) {
   return std::abs(sum / curve.total_area - 1);
 }
 
-absl::Status build_curve(const TriangleMesh& mesh, const std::vector<Chart>& charts, const PreprocessOptions& options,
+absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& charts, const PreprocessOptions& options,
                          const ExecutionContext& context, SurfaceCurve& curve, PreprocessReport& report) {
   Stopwatch watch;
   const double wanted = options.omega * static_cast<double>(options.points);
@@ -146,10 +148,12 @@ absl::Status build_curve(const TriangleMesh& mesh, const std::vector<Chart>& cha
   report.seconds.curve = watch.lap();
 
   context.progress("map", 0);
-  curve.resize(count);
-  const DifferentialGeometry geometry = differential_geometry(mesh);
+  std::optional<SurfaceColour> colour;
+  if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
+  curve.resize(count, colour.has_value());
+  const DifferentialGeometry geometry = differential_geometry(loaded.mesh);
   for (std::size_t d = 0; d < charts.size(); ++d) {
-    map_to_surface(mesh, geometry, charts[d], leaves[d], curve.disc_begin[d], curve);
+    map_to_surface(loaded.mesh, geometry, charts[d], leaves[d], curve.disc_begin[d], curve, colour ? &*colour : nullptr);
   }
   report.max_level = *std::max_element(curve.level.begin(), curve.level.end());
   report.seconds.map = watch.lap();
@@ -191,7 +195,7 @@ absl::StatusOr<Preprocessed> preprocess_here(const MeshFile& file, const Preproc
   curve->box = report.mesh.box;
   curve->origin = choose_origin(report.mesh.box);
   curve->max_points = options.points;
-  if (absl::Status status = build_curve(loaded->mesh, *charts, options, context, *curve, report); !status.ok()) return status;
+  if (absl::Status status = build_curve(*loaded, *charts, options, context, *curve, report); !status.ok()) return status;
   report.curve_vertices = curve->size();
   report.curve_bytes = curve->byte_size();
   report.seconds.total = watch.lap();
