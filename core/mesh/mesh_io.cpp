@@ -44,10 +44,11 @@ std::optional<MeshFormat> format_by_ending(std::string_view name) {
   return std::nullopt;
 }
 
-absl::StatusOr<PolygonSoup> read_as(MeshFormat format, std::string_view bytes, const ExecutionContext& context) {
+absl::StatusOr<PolygonSoup> read_as(MeshFormat format, const MeshFile& file, const ExecutionContext& context) {
+  const std::string_view bytes(file.bytes.data(), file.bytes.size());
   switch (format) {
     case MeshFormat::kPly:
-      return read_ply(bytes, context);
+      return read_ply(file, context);
     case MeshFormat::kObj:
       return read_obj(bytes, context);
     case MeshFormat::kOff:
@@ -81,7 +82,7 @@ absl::StatusOr<PolygonSoup> read_mesh(const MeshFile& file, const ExecutionConte
   if (!format.ok()) return format.status();
   try {
     context.progress("read", 0);
-    absl::StatusOr<PolygonSoup> soup = read_as(*format, {file.bytes.data(), file.bytes.size()}, context);
+    absl::StatusOr<PolygonSoup> soup = read_as(*format, file, context);
     if (!soup.ok()) {
       if (absl::IsCancelled(soup.status())) return soup;
       return error_in(file.name, soup.status().code(), soup.status().message());
