@@ -65,7 +65,7 @@ absl::StatusOr<std::vector<std::string>> mesh_companions(const MeshFile& file) {
   const absl::StatusOr<MeshFormat> format = detect_mesh_format(file.name, file.bytes);
   if (!format.ok()) return format.status();
   Collector collector(file);
-  const std::string_view bytes(file.bytes.data(), file.bytes.size());
+  const std::string_view bytes = file.text();
   if (*format == MeshFormat::kObj) collect_obj(bytes, collector);
   return collector.take();
 }

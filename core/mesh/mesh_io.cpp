@@ -45,12 +45,12 @@ std::optional<MeshFormat> format_by_ending(std::string_view name) {
 }
 
 absl::StatusOr<PolygonSoup> read_as(MeshFormat format, const MeshFile& file, const ExecutionContext& context) {
-  const std::string_view bytes(file.bytes.data(), file.bytes.size());
+  const std::string_view bytes = file.text();
   switch (format) {
     case MeshFormat::kPly:
       return read_ply(file, context);
     case MeshFormat::kObj:
-      return read_obj(bytes, context);
+      return read_obj(file, context);
     case MeshFormat::kOff:
       return read_off(bytes, context);
     case MeshFormat::kStl:

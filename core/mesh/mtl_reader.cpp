@@ -11,12 +11,6 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 std::string_view rest_of_line(const TextScanner& scanner) { return trimmed(TextScanner(scanner).line_rest()); }
 
 // Behind map_Kd: options, each a word that begins with '-' and its values, and then the name, which may hold blanks.
@@ -46,6 +40,12 @@ std::string_view texture_name(std::string_view text) {
 }
 
 }  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
 
 std::vector<std::string_view> library_names(std::string_view line) {
   std::vector<std::string_view> names;

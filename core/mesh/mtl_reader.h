@@ -17,6 +17,9 @@ struct MtlMaterial {
   std::size_t line = 0;      // of map_Kd, from 1
 };
 
+/// Without the blanks at both ends.
+std::string_view trimmed(std::string_view text);
+
 /// The names behind `mtllib` in an OBJ: several, or one with blanks in it (names end in ".mtl", or with the line). Point into
 /// `line`.
 std::vector<std::string_view> library_names(std::string_view line);

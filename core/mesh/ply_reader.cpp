@@ -434,13 +434,13 @@ class PlyBodyReader {
 
 template <class Source>
 absl::StatusOr<PolygonSoup> read_body(const MeshFile& file, const PlyHeader& header, const ExecutionContext& context) {
-  return PlyBodyReader<Source>({file.bytes.data(), file.bytes.size()}, header, context).read(file);
+  return PlyBodyReader<Source>(file.text(), header, context).read(file);
 }
 
 }  // namespace
 
 absl::StatusOr<PolygonSoup> read_ply(const MeshFile& file, const ExecutionContext& context) {
-  const absl::StatusOr<PlyHeader> header = parse_ply_header({file.bytes.data(), file.bytes.size()});
+  const absl::StatusOr<PlyHeader> header = parse_ply_header(file.text());
   if (!header.ok()) return header.status();
   switch (header->format) {
     case PlyFormat::kAscii:
