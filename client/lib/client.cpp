@@ -48,6 +48,10 @@ google::protobuf::Map<std::string, std::string> to_proto(const std::map<std::str
   return {companions.begin(), companions.end()};
 }
 
+void add_refused(const UploadedMesh& mesh, v1::MeshInfo* info) {
+  for (const std::string& reason : mesh.refused) info->add_warnings(reason);
+}
+
 }  // namespace
 
 std::string mesh_id_of(std::span<const char> bytes) { return to_hex(XXH3_128bits(bytes.data(), bytes.size())); }
@@ -101,7 +105,10 @@ absl::StatusOr<UploadedMesh> Client::upload_with_companions(const std::string& p
       if (seen.size() >= kMaxCompanions) break;
       if (!seen.insert(name).second) continue;
       absl::StatusOr<InputFile> file = open_companion(path, name);
-      if (!file.ok()) continue;
+      if (!file.ok()) {
+        if (!absl::IsNotFound(file.status())) mesh.refused.emplace_back(file.status().message());
+        continue;
+      }
       absl::StatusOr<std::string> id = upload_file(*file, std::filesystem::path(name).filename().string(), on_progress, stop);
       if (!id.ok()) return id.status();
       mesh.companions[name] = *std::move(id);
@@ -150,6 +157,7 @@ absl::StatusOr<v1::MeshInfo> Client::inspect(const UploadedMesh& mesh, std::stop
   *request.mutable_companions() = to_proto(mesh.companions);
   absl::StatusOr<v1::InspectMeshResponse> response = connection_->inspect_mesh(request, stop);
   if (!response.ok()) return response.status();
+  add_refused(mesh, response->mutable_mesh());
   return std::move(*response->mutable_mesh());
 }
 
@@ -162,7 +170,9 @@ absl::StatusOr<v1::Session> Client::create_session(const UploadedMesh& mesh, con
   const OnProgress forward = [&](const v1::Progress& progress) {
     if (on_progress) on_progress(progress.stage(), progress.fraction());
   };
-  return connection_->create_session(request, forward, stop);
+  absl::StatusOr<v1::Session> session = connection_->create_session(request, forward, stop);
+  if (session.ok()) add_refused(mesh, session->mutable_report()->mutable_mesh());
+  return session;
 }
 
 absl::StatusOr<v1::Session> Client::get_session(const std::string& session_id, std::stop_token stop) {

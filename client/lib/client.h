@@ -37,6 +37,7 @@ struct UploadedMesh {
 
   std::string mesh_id;
   std::map<std::string, std::string> companions;  // name in the mesh -> mesh_id of that file
+  std::vector<std::string> refused;               // why other files that it names were not sent, though some may be there
 };
 
 struct DecodedSample {
@@ -64,8 +65,9 @@ class Client {
   absl::StatusOr<std::string> upload_mesh(const std::string& name, std::span<const char> bytes,
                                           const StageProgress& on_progress = {}, std::stop_token stop = {});
   /// upload_mesh() of a file and, where its format can refer to others, of those that it refers to and that lie in its own
-  /// folder (see open_companion; no other file is read, whatever mesh and server say). Those that are missing or cannot be taken
-  /// are left out: MeshInfo.warnings names them. At most 256 files in 8 rounds of references to references.
+  /// folder (see open_companion; no other file is read, whatever mesh and server say). Those that are missing are left out, and
+  /// MeshInfo.warnings names them; inspect() and create_session() add there why the client refused any. At most 256 files, in 8
+  /// rounds of references to references.
   absl::StatusOr<UploadedMesh> upload_with_companions(const std::string& path, const StageProgress& on_progress = {},
                                                       std::stop_token stop = {});
   absl::StatusOr<v1::MeshInfo> inspect(const UploadedMesh& mesh, std::stop_token stop = {});

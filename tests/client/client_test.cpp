@@ -149,6 +149,10 @@ TEST_F(ReferenceTest, SendsNothingFromElsewhereWhateverTheServerAsksFor) {
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   EXPECT_THAT(uploads_, ElementsAre("content of mesh/a.obj"));
   EXPECT_TRUE(mesh->companions.empty());
+  ASSERT_EQ(mesh->refused.size(), 7U);
+  EXPECT_THAT(mesh->refused[0], HasSubstr("../secret.png"));
+  EXPECT_CALL(*connection_, inspect_mesh).WillOnce(Return(v1::InspectMeshResponse()));
+  EXPECT_EQ(client_.inspect(*mesh)->warnings_size(), 7) << "the user learns why";
 }
 
 TEST_F(ReferenceTest, AsksOnlyForFormatsThatRefer) {
