@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "core/mesh/companion_name.h"
+#include "core/mesh/gltf_document.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mtl_reader.h"
+#include "core/mesh/ply_header.h"
 #include "core/mesh/text_scanner.h"
 
 namespace curvecast {
@@ -59,14 +61,33 @@ void collect_obj(std::string_view text, Collector& collector) {
   }
 }
 
+void collect_ply(const PlyHeader& header, Collector& collector) {
+  for (const PlyTexture& texture : header.textures) collector.want(safe_companion_name(texture.name));
+}
+
+void collect_gltf(const GltfDocument& document, Collector& collector) {
+  for (const GltfSource& buffer : document.buffers) {
+    if (!buffer.file.empty()) collector.want(safe_companion_name(buffer.file));
+  }
+  for (const GltfSource& image : document.images) {
+    if (image.is_base_colour && !image.file.empty()) collector.want(safe_companion_name(image.file));
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<std::string>> mesh_companions(const MeshFile& file) {
   const absl::StatusOr<MeshFormat> format = detect_mesh_format(file.name, file.bytes);
   if (!format.ok()) return format.status();
   Collector collector(file);
-  const std::string_view bytes = file.text();
-  if (*format == MeshFormat::kObj) collect_obj(bytes, collector);
+  if (*format == MeshFormat::kObj) {
+    collect_obj(file.text(), collector);
+  } else if (*format == MeshFormat::kPly) {
+    // What is wrong with a header is for the reader to say.
+    if (const absl::StatusOr<PlyHeader> header = parse_ply_header(file.text()); header.ok()) collect_ply(*header, collector);
+  } else if (*format == MeshFormat::kGltf) {
+    if (const absl::StatusOr<GltfDocument> document = parse_gltf(file.text()); document.ok()) collect_gltf(*document, collector);
+  }
   return collector.take();
 }
 
