@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int kMostLevels = 64;
-constexpr std::uint64_t kMostValues = 4'000'000;
+constexpr std::uint64_t kMostValues = 2'000'000;
 constexpr std::string_view kMagic = "glTF";
 
 /// The two chunks of a GLB.

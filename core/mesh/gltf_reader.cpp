@@ -15,7 +15,9 @@
 #include "core/mesh/companion_name.h"
 #include "core/mesh/gltf_accessor.h"
 #include "core/mesh/gltf_document.h"
+#include "core/mesh/gltf_nodes.h"
 #include "core/mesh/mesh_reading.h"
+#include "core/mesh/srgb.h"
 #include "core/mesh/texture_loader.h"
 
 namespace curvecast {
@@ -57,19 +59,13 @@ std::vector<GltfClaim> claims_of(const tinygltf::Model& model) {
   return claims;
 }
 
-/// 0 .. 1, linear, as an sRGB byte.
-std::uint8_t srgb_byte(double linear) {
-  return unit_to_byte(linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055);
-}
-
-/// By 16 bits: colours of vertices come by the million.
-const std::vector<std::uint8_t>& srgb_table() {
-  static const std::vector<std::uint8_t> table = [] {
-    std::vector<std::uint8_t> bytes(65'536);
-    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = srgb_byte(static_cast<double>(i) / 65'535);
-    return bytes;
-  }();
-  return table;
+std::vector<GltfNode> nodes_of(const tinygltf::Model& model) {
+  std::vector<GltfNode> nodes;
+  nodes.reserve(model.nodes.size());
+  for (const tinygltf::Node& node : model.nodes) {
+    nodes.push_back({node.mesh, node.children, node.matrix, node.translation, node.rotation, node.scale});
+  }
+  return nodes;
 }
 
 /// Texture coordinates and how the material moves them.
@@ -136,14 +132,14 @@ class GltfReader {
         model_(model),
         accessors_(file, document, views_of(model), claims_of(model)),
         textures_(file, soup_.warnings),
-        monitor_(context, std::max<std::size_t>(1, model.nodes.size())) {
+        context_(context) {
     soup_.shares_vertices = false;
     soup_.polygon_begin.push_back(0);
   }
 
   absl::StatusOr<PolygonSoup> read() {
     if (absl::Status status = check_extensions(model_, soup_.warnings); !status.ok()) return status;
-    if (absl::Status status = read_nodes(); !status.ok()) return status;
+    if (absl::Status status = read_scene(); !status.ok()) return status;
     MeshAttributes& attributes = soup_.attributes;
     if (!attributes.colours.empty()) attributes.colours.resize(soup_.positions.size());
     if (!attributes.normals.empty()) attributes.normals.resize(soup_.positions.size(), Vec3f::Zero());
@@ -153,98 +149,41 @@ class GltfReader {
   }
 
  private:
-  // ---------------------------------------------------------------------------------------------------------------- nodes
-
-  struct Visit {
-    int node;
-    Eigen::Affine3d parent;
-  };
-
-  absl::Status read_nodes() {
-    std::vector<Visit> stack;
-    const auto push = [&](const std::vector<int>& nodes, const Eigen::Affine3d& parent) {
-      for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) stack.push_back({*node, parent});
-    };
-    const absl::StatusOr<std::vector<int>> roots = root_nodes();
-    if (!roots.ok()) return roots.status();
-    push(*roots, Eigen::Affine3d::Identity());
-    std::vector<bool> seen(model_.nodes.size(), false);
-    while (!stack.empty()) {
-      const Visit visit = stack.back();
-      stack.pop_back();
-      if (!has(model_.nodes, visit.node)) return gltf_has_no("node", visit.node, model_.nodes.size());
-      if (seen[static_cast<std::size_t>(visit.node)]) {
-        return absl::InvalidArgumentError(absl::StrFormat(
-            "node %d is reached twice: it is its own ancestor or has two parents, but nodes have to form trees", visit.node));
-      }
-      seen[static_cast<std::size_t>(visit.node)] = true;
-      const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(visit.node)];
-      const absl::StatusOr<Eigen::Affine3d> own = transform_of(node, visit.node);
-      if (!own.ok()) return own.status();
-      const Eigen::Affine3d world = visit.parent * *own;
-      if (node.mesh >= 0) {
-        if (absl::Status status = read_mesh_of(node.mesh, world); !status.ok()) return status;
-      }
-      push(node.children, world);
-      if (!monitor_.tick(++nodes_done_)) return monitor_.status();
+  absl::Status read_scene() {
+    std::vector<int> roots;
+    const std::vector<GltfNode> nodes = nodes_of(model_);
+    if (model_.defaultScene >= 0) {
+      if (!has(model_.scenes, model_.defaultScene)) return gltf_has_no("scene", model_.defaultScene, model_.scenes.size());
+      roots = model_.scenes[static_cast<std::size_t>(model_.defaultScene)].nodes;
+    } else if (absl::StatusOr<std::vector<int>> found = gltf_roots(nodes); found.ok()) {
+      roots = *std::move(found);
+    } else {
+      return found.status();
     }
-    for (int mesh = 0; model_.nodes.empty() && has(model_.meshes, mesh); ++mesh) {
-      if (absl::Status status = read_mesh_of(mesh, Eigen::Affine3d::Identity()); !status.ok()) return status;
+    absl::StatusOr<std::vector<GltfInstance>> instances = gltf_instances(nodes, roots);
+    if (!instances.ok()) return instances.status();
+    for (std::size_t mesh = 0; nodes.empty() && mesh < model_.meshes.size(); ++mesh) {
+      instances->push_back({static_cast<std::int64_t>(mesh), Eigen::Affine3d::Identity()});
+    }
+    monitor_.emplace(context_, std::max<std::size_t>(1, instances->size()));
+    for (const GltfInstance& instance : *instances) {
+      if (absl::Status status = read_instance(instance); !status.ok()) return status;
+      if (!monitor_->tick(++instances_done_)) return monitor_->status();
     }
     return absl::OkStatus();
   }
 
-  absl::StatusOr<std::vector<int>> root_nodes() const {
-    if (model_.defaultScene >= 0) {
-      if (!has(model_.scenes, model_.defaultScene)) return gltf_has_no("scene", model_.defaultScene, model_.scenes.size());
-      return model_.scenes[static_cast<std::size_t>(model_.defaultScene)].nodes;
-    }
-    std::vector<bool> is_child(model_.nodes.size(), false);
-    for (const tinygltf::Node& node : model_.nodes) {
-      for (const int child : node.children) {
-        if (has(model_.nodes, child)) is_child[static_cast<std::size_t>(child)] = true;
-      }
-    }
-    std::vector<int> roots;
-    for (std::size_t i = 0; i < is_child.size(); ++i) {
-      if (!is_child[i]) roots.push_back(static_cast<int>(i));
-    }
-    if (roots.empty() && !model_.nodes.empty()) {
-      return absl::InvalidArgumentError("every node is a child of another: nodes are their own ancestors");
-    }
-    return roots;
-  }
-
-  static absl::StatusOr<Eigen::Affine3d> transform_of(const tinygltf::Node& node, int number) {
-    const auto fits = [](const std::vector<double>& values, std::size_t size) { return values.empty() || values.size() == size; };
-    if (!fits(node.matrix, 16) || !fits(node.translation, 3) || !fits(node.rotation, 4) || !fits(node.scale, 3)) {
-      return absl::InvalidArgumentError(absl::StrFormat("node %d has a transform of the wrong number of values", number));
-    }
-    Eigen::Affine3d transform = Eigen::Affine3d::Identity();
-    if (!node.matrix.empty()) {
-      transform.matrix().topRows<3>() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data()).topRows<3>();
-      return transform;
-    }
-    if (!node.translation.empty()) transform.translate(Vec3d(node.translation[0], node.translation[1], node.translation[2]));
-    if (!node.rotation.empty()) {
-      const Eigen::Quaterniond q(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
-      if (q.squaredNorm() > 0) transform.rotate(q.normalized());
-    }
-    if (!node.scale.empty()) transform.scale(Vec3d(node.scale[0], node.scale[1], node.scale[2]));
-    return transform;
-  }
-
   // ------------------------------------------------------------------------------------------------------------ primitives
 
-  absl::Status read_mesh_of(int mesh, const Eigen::Affine3d& world) {
-    if (!has(model_.meshes, mesh)) return gltf_has_no("mesh", mesh, model_.meshes.size());
-    const std::vector<tinygltf::Primitive>& primitives = model_.meshes[static_cast<std::size_t>(mesh)].primitives;
+  absl::Status read_instance(const GltfInstance& instance) {
+    if (!has(model_.meshes, instance.mesh)) return gltf_has_no("mesh", instance.mesh, model_.meshes.size());
+    const std::vector<tinygltf::Primitive>& primitives = model_.meshes[static_cast<std::size_t>(instance.mesh)].primitives;
     blocks_.clear();
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const absl::Status status = read_primitive(primitives[i], world);
+      const absl::Status status = read_primitive(primitives[i], instance.world);
       if (status.ok()) continue;
       if (absl::IsCancelled(status)) return status;
-      return absl::Status(status.code(), absl::StrFormat("mesh %d, primitive %d: %s", mesh, i, status.message()));
+      return absl::Status(status.code(), absl::StrFormat("mesh %d, primitive %d: %s", instance.mesh, i, status.message()));
     }
     return absl::OkStatus();
   }
@@ -287,7 +226,7 @@ class GltfReader {
     if (absl::Status status = check_room(first + positions.count, "vertices"); !status.ok()) return status;
     soup_.positions.reserve(first + positions.count);
     for (std::size_t i = 0; i < positions.count; ++i) {
-      if (!monitor_.tick(nodes_done_)) return monitor_.status();
+      if (!monitor_->tick(instances_done_)) return monitor_->status();
       const Vec3d p = world * Vec3d(positions.number(i, 0), positions.number(i, 1), positions.number(i, 2));
       if (!is_finite(p)) return absl::InvalidArgumentError(absl::StrFormat("vertex %d: %s", i, kNotFinite));
       soup_.positions.push_back(p);
@@ -307,11 +246,7 @@ class GltfReader {
     if (key[2] >= 0) {
       const absl::StatusOr<GltfAccessor> colours = accessors_.find(key[2], 3, 4, "COLOR_0");
       if (!colours.ok()) return colours.status();
-      const std::vector<std::uint8_t>& table = srgb_table();
-      const auto encoded = [&](std::size_t i, int c) {
-        const double value = colours->number(i, c);
-        return table[value > 0 ? static_cast<std::size_t>(std::min(value, 1.0) * 65'535 + 0.5) : 0];
-      };
+      const auto encoded = [&](std::size_t i, int c) { return srgb_byte(colours->number(i, c)); };
       attributes.colours.resize(first);
       for (std::size_t i = 0; i < std::min(positions.count, colours->count); ++i) {
         const std::uint8_t alpha = colours->components == 4 ? unit_to_byte(colours->number(i, 3)) : std::uint8_t{255};
@@ -334,7 +269,7 @@ class GltfReader {
     soup_.indices.reserve(old_size + 3 * triangles);
     if (*uv) attributes.uv.resize(old_size, Vec2f::Zero());
     for (std::size_t t = 0; t < triangles; ++t) {
-      if (!monitor_.tick(nodes_done_)) return monitor_.status();
+      if (!monitor_->tick(instances_done_)) return monitor_->status();
       std::array<std::size_t, 3> corners = {3 * t, 3 * t + 1, 3 * t + 2};
       if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) corners = {t, t + 1 + t % 2, t + 2 - t % 2};
       if (mode == TINYGLTF_MODE_TRIANGLE_FAN) corners = {0, t + 1, t + 2};
@@ -442,8 +377,9 @@ class GltfReader {
   PolygonSoup soup_;
   GltfAccessors accessors_;
   TextureLoader textures_;
-  ReadMonitor monitor_;
-  std::size_t nodes_done_ = 0;
+  const ExecutionContext& context_;
+  std::optional<ReadMonitor> monitor_;  // counts instances
+  std::size_t instances_done_ = 0;
   std::map<std::array<int, 3>, std::size_t> blocks_;  // of the mesh at hand: first vertex by accessors
 };
 

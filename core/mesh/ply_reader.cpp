@@ -11,14 +11,13 @@
 #include "core/mesh/mesh_reading.h"
 #include "core/mesh/ply_columns.h"
 #include "core/mesh/ply_header.h"
+#include "core/mesh/ply_plain_faces.h"
 #include "core/mesh/ply_source.h"
 #include "core/mesh/text_scanner.h"
 #include "core/mesh/texture_loader.h"
 
 namespace curvecast {
 namespace {
-
-constexpr std::size_t kNotThere = SIZE_MAX;
 
 enum class Role { kVertices, kPolygons, kStrips, kOther };
 
@@ -29,14 +28,14 @@ Role role_of(const PlyElement& element) {
   return Role::kOther;
 }
 
-// The list of vertex indices among the properties; kNotThere without one.
+// The list of vertex indices among the properties; PlyFaceLayout::kNotThere without one.
 std::size_t find_index_list(const PlyElement& element) {
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     const PlyProperty& property = element.properties[i];
     const bool name_fits = property.name == "vertex_indices" || property.name == "vertex_index";
     if (name_fits && property.is_list && is_integer(property.type)) return i;
   }
-  return kNotThere;
+  return PlyFaceLayout::kNotThere;
 }
 
 // The bytes of each element, when they are the same for all (no lists).
@@ -193,7 +192,7 @@ class PlyBodyReader {
 
   absl::Status read_faces(const PlyElement& element) {
     const std::size_t list = find_index_list(element);
-    if (list == kNotThere) {
+    if (list == PlyFaceLayout::kNotThere) {
       return absl::InvalidArgumentError(
           absl::StrFormat("the element '%s' has no list 'vertex_indices' (or 'vertex_index') of integers", element.name));
     }
@@ -202,11 +201,13 @@ class PlyBodyReader {
       soup_.polygon_begin.reserve(soup_.polygon_begin.size() + element.count);
       soup_.indices.reserve(soup_.indices.size() + std::min<std::uint64_t>(3 * element.count, source_.scalars_left()));
     }
-    FaceLayout layout{.indices = list};
+    PlyFaceLayout layout{.indices = list};
     if (!strips) layout = {list, find_texcoord(element), face_columns(element, soup_, texture_numbers_)};
-    const PlainFace plain = strips ? PlainFace{} : plain_face(element, layout);
+    PlyPlainFaces plain;
+    if (kBinary && !strips) plain = PlyPlainFaces(element, layout, *vertex_count_);
     for (std::uint64_t i = 0; i < element.count;) {
-      const std::size_t triangles = plain.size > 0 ? read_plain_triangles(plain, element.count - i) : 0;
+      std::size_t triangles = 0;
+      if constexpr (kBinary) triangles = plain.read(source_, soup_, element.count - i);
       if (!monitor_.tick(source_.offset(), triangles + 1)) return monitor_.status();
       i += triangles;
       if (triangles > 0) continue;
@@ -216,20 +217,14 @@ class PlyBodyReader {
     return absl::OkStatus();
   }
 
-  struct FaceLayout {
-    std::size_t indices = kNotThere;
-    std::size_t texcoord = kNotThere;  // list of u, v for each corner
-    std::vector<PlyColumn> columns = {};
-  };
-
   static std::size_t find_texcoord(const PlyElement& element) {
     for (std::size_t j = 0; j < element.properties.size(); ++j) {
       if (element.properties[j].name == "texcoord" && element.properties[j].is_list) return j;
     }
-    return kNotThere;
+    return PlyFaceLayout::kNotThere;
   }
 
-  absl::Status read_face(const PlyElement& element, const FaceLayout& layout, bool strips, std::uint64_t number) {
+  absl::Status read_face(const PlyElement& element, const PlyFaceLayout& layout, bool strips, std::uint64_t number) {
     const std::size_t slot = soup_.polygon_count();  // those of too few corners leave it to the next
     std::size_t next = 0;
     face_uv_.clear();
@@ -247,15 +242,8 @@ class PlyBodyReader {
       }
       if (!status.ok()) return status;
     }
-    if (soup_.polygon_count() > slot && !face_uv_.empty()) append_uv(soup_.polygon_begin[slot], face_uv_);
+    if (soup_.polygon_count() > slot && !face_uv_.empty()) append_uv(soup_, soup_.polygon_begin[slot], face_uv_);
     return absl::OkStatus();
-  }
-
-  // For the corners from `first` on: zero where there are too few, also before.
-  void append_uv(std::size_t first, const std::vector<Vec2f>& uv) {
-    soup_.attributes.uv.resize(first, Vec2f::Zero());
-    const std::size_t count = std::min(uv.size(), soup_.indices.size() - first);
-    soup_.attributes.uv.insert(soup_.attributes.uv.end(), uv.begin(), uv.begin() + static_cast<std::ptrdiff_t>(count));
   }
 
   absl::Status read_texcoord(const PlyElement& element, const PlyProperty& list, std::uint64_t number) {
@@ -315,87 +303,6 @@ class PlyBodyReader {
   }
 
   bool in_range(std::int64_t index) const { return index >= 0 && static_cast<std::uint64_t>(index) < *vertex_count_; }
-
-  // A face of scalars, the list of indices (1-byte length, 4-byte indices), and maybe one of texture coordinates (1-byte length,
-  // float): most files. `size` is 0 for other faces.
-  struct PlainFace {
-    std::size_t size = 0;  // of a triangle, bytes
-    std::size_t list = 0;  // offset of the list
-    std::size_t texcoord = kNotThere;
-    std::uint64_t largest_index = 0;
-    std::vector<PlyColumn> columns = {};
-  };
-
-  PlainFace plain_face(const PlyElement& element, const FaceLayout& layout) const {
-    if constexpr (!kBinary) return {};
-    if (*vertex_count_ == 0) return {};
-    PlainFace face{.columns = layout.columns};
-    for (std::size_t j = 0; j < element.properties.size(); ++j) {
-      const PlyProperty& property = element.properties[j];
-      const bool is_texcoord = j == layout.texcoord;
-      if (property.is_list && j != layout.indices && !is_texcoord) return {};
-      if (property.is_list && (ply_type_bytes(property.count_type) != 1 || ply_type_bytes(property.type) != 4)) return {};
-      if (is_texcoord && property.type != PlyType::kFloat32) return {};
-      if (j == layout.indices) face.list = face.size;
-      if (is_texcoord) face.texcoord = face.size;
-      for (PlyColumn& column : face.columns) {
-        if (column.property == j) column.offset = face.size;
-      }
-      face.size += j == layout.indices ? 1 + 3 * 4 : is_texcoord ? 1 + 6 * 4 : ply_type_bytes(property.type);
-    }
-    const bool negative = element.properties[layout.indices].type == PlyType::kInt32;
-    face.largest_index = std::min<std::uint64_t>(*vertex_count_ - 1, negative ? INT32_MAX : UINT32_MAX);
-    return face;
-  }
-
-  // The run of triangles that comes next, at most `most`; returns how many. 0 when a polygon, a fault or the end comes next,
-  // to be looked at one by one.
-  std::size_t read_plain_triangles(const PlainFace& face, std::uint64_t most) {
-    if constexpr (kBinary) {
-      constexpr std::uint64_t kLongestRun = 4096;  // small enough to be still in the cache the second time
-      const std::size_t room =
-          std::min({most, kLongestRun, source_.remaining() / face.size, (UINT32_MAX - soup_.indices.size()) / 3});
-      const char* const elements = source_.data();
-      const char* const p = elements + face.list;
-      const auto is_plain = [&](std::size_t i) {
-        return p[i * face.size] == 3 && (face.texcoord == kNotThere || elements[i * face.size + face.texcoord] == 6);
-      };
-      std::size_t run = 0;
-      while (run < room && is_plain(run)) ++run;
-      const std::size_t old_size = soup_.indices.size();
-      soup_.indices.resize(old_size + 3 * run);
-      std::uint32_t largest = 0;
-      for (std::size_t i = 0; i < run; ++i) {
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-          const std::uint32_t index = Source::template at<std::uint32_t>(p + i * face.size + 1 + 4 * corner);
-          largest = std::max(largest, index);
-          soup_.indices[old_size + 3 * i + corner] = index;
-        }
-      }
-      if (largest > face.largest_index) {
-        soup_.indices.resize(old_size);
-        return 0;
-      }
-      for (const PlyColumn& column : face.columns) {
-        copy_column<Source>(column, elements, face.size, soup_.polygon_count(), run);
-      }
-      if (face.texcoord != kNotThere) {
-        face_uv_.clear();
-        for (std::size_t i = 0; i < run; ++i) {
-          const char* const q = elements + i * face.size + face.texcoord + 1;
-          for (int corner = 0; corner < 3; ++corner) {
-            face_uv_.emplace_back(Source::template at<float>(q + 8 * corner), Source::template at<float>(q + 8 * corner + 4));
-          }
-        }
-        append_uv(old_size, face_uv_);
-      }
-      for (std::size_t i = 1; i <= run; ++i) soup_.polygon_begin.push_back(static_cast<std::uint32_t>(old_size + 3 * i));
-      source_.advance(run * face.size);
-      return run;
-    } else {
-      return 0;
-    }
-  }
 
   // What was noted on the way, and what some polygons lack, as attributes of all.
   void finish_attributes(TextureLoader& textures) {
