@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -26,6 +29,17 @@
 #include "core/mesh/mesh_reading.h"
 #include "core/mesh/srgb.h"
 #include "core/mesh/texture_loader.h"
+
+// Debian's Draco exports another version of tinygltf under the same names, and the linker would mix the two: so this one is
+// compiled in, under a name of its own, without anything that opens files or decodes images.
+#define tinygltf curvecast_tinygltf
+#define TINYGLTF_IMPLEMENTATION
+#define TINYGLTF_NO_FS
+#define TINYGLTF_NO_EXTERNAL_IMAGE
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_INCLUDE_JSON
+#include <tiny_gltf.h>
 
 namespace curvecast {
 namespace {
@@ -101,13 +115,6 @@ absl::StatusOr<tinygltf::Model> parse_model(const GltfDocument& document) {
   constexpr std::size_t kMostBytes = UINT32_MAX;
   if (document.json.size() > kMostBytes) return absl::InvalidArgumentError("the JSON has more than 4 GiB; split the scene");
   tinygltf::TinyGLTF parser;
-  parser.SetFsCallbacks({[](const std::string&, void*) { return false; }, [](const std::string&, void*) { return std::string(); },
-                         [](std::vector<unsigned char>*, std::string*, const std::string&, void*) { return false; },
-                         [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; },
-                         nullptr});
-  parser.SetImageLoader(
-      [](tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) { return false; },
-      nullptr);
   tinygltf::Model model;
   std::string error, warning;
   const auto length = static_cast<unsigned int>(document.json.size());
