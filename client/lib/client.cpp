@@ -49,7 +49,7 @@ google::protobuf::Map<std::string, std::string> to_proto(const std::map<std::str
 }
 
 void add_refused(const UploadedMesh& mesh, v1::MeshInfo* info) {
-  for (const std::string& reason : mesh.refused) info->add_warnings(reason);
+  for (const std::string& reason : mesh.refused) info->add_warnings(reason + ".");
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ bool may_have_companions(std::string_view path) { return ends_in(fs::path(path),
 absl::StatusOr<InputFile> open_companion(const std::string& mesh_path, std::string_view name) {
   const auto refused = [&](absl::string_view why) {
     return absl::InvalidArgumentError(
-        absl::StrCat(mesh_path, ": refers to \"", absl::Utf8SafeCHexEscape({name.data(), name.size()}), "\", which ", why));
+        absl::StrCat(mesh_path, " refers to \"", absl::Utf8SafeCHexEscape({name.data(), name.size()}), "\", which ", why));
   };
   const fs::path relative(name);
   if (const absl::string_view objection = objection_to(relative); !objection.empty()) return refused(objection);

@@ -14,14 +14,6 @@
 #include <utility>
 #include <vector>
 
-// Compiled in, and under a name of its own: Debian's Draco exports the functions of another tinygltf, which in a program that
-// uses both take the place of the library's and write past its objects.
-#define tinygltf curvecast_tinygltf
-#define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#include <tiny_gltf.h>
-
 #include "core/mesh/companion_name.h"
 #include "core/mesh/gltf_accessor.h"
 #include "core/mesh/gltf_document.h"
