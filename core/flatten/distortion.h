@@ -18,6 +18,16 @@ double uv_area(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t
 /// Surface area over uv area of every triangle. Precondition: no triangle is flipped.
 std::vector<double> area_ratios(const DiscMesh& disc, const std::vector<Vec2d>& uv);
 
+/// The L2 stretch of the map from uv to the surface (Sander and others, 2001): of the whole, and of the triangles around each
+/// vertex, both relative to the stretch of an isometric map. The uv fill an area of 1. Finite, if large, for triangles flipped by
+/// rounding.
+struct Stretch {
+  double total = 0;
+  std::vector<double> vertex;
+};
+
+Stretch measure_stretch(const DiscMesh& disc, const std::vector<Vec2d>& uv);
+
 /// One triangle's part in a surface's distortion.
 struct AreaShare {
   double area;   // on the surface
