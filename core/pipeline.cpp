@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/area_element.h"
+#include "core/curve/surface_colour.h"
 #include "core/curve/surface_map.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/flatten.h"
@@ -41,8 +43,23 @@ absl::Status about(std::string_view name, const absl::Status& status) {
 
 struct LoadedMesh {
   TriangleMesh mesh;
+  MeshAttributes attributes;
   MeshInfo info;
 };
+
+/// What there is, in words.
+std::vector<std::string> names_of(const MeshAttributes& attributes) {
+  std::vector<std::string> names;
+  if (!attributes.colours.empty()) names.emplace_back("colours");
+  if (!attributes.face_colours.empty()) names.emplace_back("face colours");
+  if (!attributes.normals.empty()) names.emplace_back("normals");
+  if (!attributes.uv.empty()) names.emplace_back("uv");
+  if (!attributes.materials.empty()) names.emplace_back("materials");
+  const auto has_texture = [](const Material& material) { return material.texture != nullptr; };
+  if (std::any_of(attributes.materials.begin(), attributes.materials.end(), has_texture)) names.emplace_back("textures");
+  for (const ScalarAttribute& scalar : attributes.scalars) names.push_back("scalar " + scalar.name);
+  return names;
+}
 
 absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& context, StageSeconds& seconds) {
   Stopwatch watch;
@@ -57,8 +74,9 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
   if (!repaired.ok()) return about(file.name, repaired.status());
   LoadedMesh loaded;
   loaded.mesh = std::move(repaired->mesh);
+  loaded.attributes = std::move(repaired->attributes);
   const Topology topology = analyse_topology(loaded.mesh);
-  constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl"};
+  constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl", "gltf"};
   loaded.info = {.format = kFormatNames[static_cast<int>(*format)],
                  .file_vertices = soup->positions.size(),
                  .file_polygons = soup->polygon_count(),
@@ -69,7 +87,9 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
                  .boundary_loops = topology.boundary_loops,
                  .area = surface_area(loaded.mesh),
                  .box = bounding_box(loaded.mesh),
-                 .repairs = repaired->report};
+                 .repairs = repaired->report,
+                 .attributes = names_of(loaded.attributes),
+                 .warnings = std::move(soup->warnings)};
   seconds.repair = watch.lap();
   return loaded;
 }
@@ -100,7 +120,7 @@ void normalise_areas(SurfaceCurve& curve) {
   for (float& a : curve.area) a = static_cast<float>(a * factor);
 }
 
-absl::Status build_curve(const TriangleMesh& mesh, const std::vector<Chart>& charts, const PreprocessOptions& options,
+absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& charts, const PreprocessOptions& options,
                          const ExecutionContext& context, SurfaceCurve& curve, PreprocessReport& report) {
   Stopwatch watch;
   const double wanted = options.omega * static_cast<double>(options.points);
@@ -127,10 +147,12 @@ absl::Status build_curve(const TriangleMesh& mesh, const std::vector<Chart>& cha
   report.seconds.curve = watch.lap();
 
   context.progress("map", 0);
-  curve.resize(count);
-  const DifferentialGeometry geometry = differential_geometry(mesh);
+  std::optional<SurfaceColour> colour;
+  if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
+  curve.resize(count, colour.has_value());
+  const DifferentialGeometry geometry = differential_geometry(loaded.mesh);
   for (std::size_t d = 0; d < charts.size(); ++d) {
-    map_to_surface(mesh, geometry, charts[d], leaves[d], curve.disc_begin[d], curve);
+    map_to_surface(loaded.mesh, geometry, charts[d], leaves[d], curve.disc_begin[d], curve, colour ? &*colour : nullptr);
   }
   report.max_level = *std::max_element(curve.level.begin(), curve.level.end());
   report.seconds.map = watch.lap();
@@ -174,7 +196,7 @@ absl::StatusOr<Preprocessed> preprocess_here(const MeshFile& file, const Preproc
   curve->box = report.mesh.box;
   curve->origin = choose_origin(report.mesh.box);
   curve->max_points = options.points;
-  if (absl::Status status = build_curve(loaded->mesh, *charts, options, context, *curve, report); !status.ok()) return status;
+  if (absl::Status status = build_curve(*loaded, *charts, options, context, *curve, report); !status.ok()) return status;
   report.curve_vertices = curve->size();
   report.curve_bytes = curve->byte_size();
   report.seconds.total = watch.lap();

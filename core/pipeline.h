@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/curve/surface_curve.h"
 #include "core/execution_context.h"
@@ -25,7 +26,7 @@ inline constexpr std::uint64_t kMaxPoints = 4'000'000;
 
 /// What a file holds and what repair made of it.
 struct MeshInfo {
-  std::string format;  // "ply", "obj", "off" or "stl"
+  std::string format;  // "ply", "obj", "off", "stl" or "gltf" (GLB too)
   std::uint64_t file_vertices = 0;
   std::uint64_t file_polygons = 0;
   std::uint64_t vertices = 0;  // after repair
@@ -36,6 +37,8 @@ struct MeshInfo {
   double area = 0;  // squared units of the file
   Box3d box;
   RepairReport repairs;
+  std::vector<std::string> attributes;  // what the mesh carries: "colours", "normals", "uv", "scalar quality" ...
+  std::vector<std::string> warnings;    // what was left out and why; whole sentences
 };
 
 struct StageSeconds {

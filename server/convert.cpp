@@ -195,11 +195,21 @@ std::string little_endian(const std::vector<T>& values, std::size_t begin, std::
   return std::string(reinterpret_cast<const char*>(values.data() + begin), count * sizeof(T));
 }
 
+std::string rgb_bytes(const std::vector<Rgba8>& colours, std::size_t begin, std::size_t count) {
+  std::string bytes;
+  bytes.reserve(3 * count);
+  for (std::size_t i = begin; i < begin + count; ++i) {
+    for (const std::uint8_t value : {colours[i].r, colours[i].g, colours[i].b}) bytes += static_cast<char>(value);
+  }
+  return bytes;
+}
+
 PointSet slice(const PointSet& points, std::size_t begin, std::size_t count) {
   const auto part = [&](const auto& values) {
     return std::remove_cvref_t<decltype(values)>(values.begin() + begin, values.begin() + begin + count);
   };
-  return {points.origin, part(points.positions), part(points.normals), part(points.radii), part(points.vertices)};
+  return {points.origin,      part(points.positions), part(points.normals),
+          part(points.radii), part(points.vertices),  points.colours.empty() ? points.colours : part(points.colours)};
 }
 
 }  // namespace
@@ -281,6 +291,8 @@ v1::MeshInfo to_proto(const MeshInfo& info, const std::string& name) {
   repairs.set_flipped_faces(info.repairs.flipped_faces);
   repairs.set_nonmanifold_edges(info.repairs.nonmanifold_edges);
   repairs.set_split_vertices(info.repairs.split_vertices);
+  for (const std::string& attribute : info.attributes) out.add_attributes(attribute);
+  for (const std::string& warning : info.warnings) out.add_warnings(warning);
   return out;
 }
 
@@ -315,6 +327,7 @@ absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begi
     raw.set_positions(little_endian(points.positions, begin, count));
     raw.set_normals(little_endian(points.normals, begin, count));
     raw.set_radii(little_endian(points.radii, begin, count));
+    if (!points.colours.empty()) raw.set_colours(rgb_bytes(points.colours, begin, count));
     return block;
   }
   // The session's own box, not the block's: all frames and blocks share one lattice.

@@ -2,6 +2,7 @@
 #include "server/convert.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
+#include "server/mesh_files.h"
 #include "server/reactors.h"
 #include "server/write_queue.h"
 
@@ -20,11 +21,11 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
 
  private:
   absl::Status begin(const v1::CreateSessionRequest& request) {
-    auto mesh = engine_.meshes.find(request.mesh_id());
-    if (!mesh.ok()) return mesh.status();
+    auto files = find_files(engine_.meshes, request.mesh_id(), request.companions());
+    if (!files.ok()) return files.status();
     const auto options = to_preprocess_options(request.options());
     if (!options.ok()) return options.status();
-    auto id = engine_.sessions.join(*std::move(mesh), *options, this);
+    auto id = engine_.sessions.join(*std::move(files), *options, this);
     if (id.ok()) id_ = *std::move(id);
     return id.status();
   }

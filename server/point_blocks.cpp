@@ -10,6 +10,7 @@ namespace curvecast::server {
 namespace {
 
 constexpr std::size_t kRawPointBytes = 2 * sizeof(Vec3f) + sizeof(float);
+constexpr std::size_t kRawColourBytes = 3;
 
 struct Sampled {
   PointSet points;
@@ -62,9 +63,8 @@ absl::Status make_blocks(const Session& session, const Sample& sample, const std
 
 absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample) {
   const std::size_t asked = sample.options.points;
-  if (!sample.draco && asked <= session.options.points && asked > kMaxFrameBytes / kRawPointBytes) {
-    return too_large(asked * kRawPointBytes);
-  }
+  const std::size_t raw_bytes = kRawPointBytes + (session.curve().colour.empty() ? 0 : kRawColourBytes);
+  if (!sample.draco && asked <= session.options.points && asked > kMaxFrameBytes / raw_bytes) return too_large(asked * raw_bytes);
   absl::StatusOr<Sampled> sampled = sample_curve(session, sample);
   if (!sampled.ok()) return sampled.status();
   absl::StatusOr<v1::PointBlock> block = encode(*sampled, 0, sampled->points.size(), session, sample);

@@ -15,6 +15,10 @@ grpc::ServerReadReactor<v1::UploadMeshRequest>* upload_mesh(Engine& engine, grpc
 grpc::ServerUnaryReactor* inspect_mesh(Engine& engine, grpc::CallbackServerContext& context,
                                        const v1::InspectMeshRequest& request, v1::InspectMeshResponse* response);
 
+grpc::ServerUnaryReactor* list_mesh_references(Engine& engine, grpc::CallbackServerContext& context,
+                                               const v1::ListMeshReferencesRequest& request,
+                                               v1::ListMeshReferencesResponse* response);
+
 grpc::ServerWriteReactor<v1::CreateSessionResponse>* create_session(Engine& engine, grpc::CallbackServerContext& context,
                                                                     const v1::CreateSessionRequest& request);
 

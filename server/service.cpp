@@ -44,6 +44,12 @@ grpc::ServerUnaryReactor* Service::InspectMesh(grpc::CallbackServerContext* cont
   return inspect_mesh(engine_, *context, *request, response);
 }
 
+grpc::ServerUnaryReactor* Service::ListMeshReferences(grpc::CallbackServerContext* context,
+                                                      const v1::ListMeshReferencesRequest* request,
+                                                      v1::ListMeshReferencesResponse* response) {
+  return list_mesh_references(engine_, *context, *request, response);
+}
+
 grpc::ServerWriteReactor<v1::CreateSessionResponse>* Service::CreateSession(grpc::CallbackServerContext* context,
                                                                             const v1::CreateSessionRequest* request) {
   return create_session(engine_, *context, *request);

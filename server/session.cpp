@@ -7,9 +7,12 @@
 
 namespace curvecast::server {
 
-std::string session_id(const std::string& mesh_id, const PreprocessOptions& options) {
+std::string session_id(const MeshFiles& files, const PreprocessOptions& options) {
   Hasher hasher;
-  hasher.update(absl::StrFormat("%s\n%d\n%a\n", mesh_id, options.points, options.omega));
+  hasher.update(absl::StrFormat("%s\n%d\n%a\n", files.mesh->id, options.points, options.omega));
+  for (const auto& [name, file] : files.companions) {
+    hasher.update(absl::StrFormat("%d %s\n%s\n", name.size(), name, file->id));
+  }
   return hasher.hex();
 }
 

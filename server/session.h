@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/pipeline.h"
+#include "server/mesh_files.h"
 
 namespace curvecast::server {
 
@@ -32,8 +33,8 @@ struct SessionInfo {
   std::shared_ptr<const Session> session;  // set when ready
 };
 
-/// The same for the same mesh and options: 32 hexadecimal digits.
-std::string session_id(const std::string& mesh_id, const PreprocessOptions& options);
+/// The same for the same files, under the same names, and options: 32 hexadecimal digits.
+std::string session_id(const MeshFiles& files, const PreprocessOptions& options);
 
 /// The process's peak memory so far, bytes.
 std::uint64_t peak_memory_bytes();

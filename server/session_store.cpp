@@ -31,7 +31,7 @@ struct SessionStore::Job {
   std::string id;
   std::string mesh_id;
   PreprocessOptions options;
-  std::shared_ptr<const Mesh> mesh;
+  MeshFiles files;
   Clock::time_point created = Clock::now();
   std::atomic<bool> cancel = false;
   // What follows is guarded by the store's lock.
@@ -54,9 +54,8 @@ SessionStore::~SessionStore() {
   idle_.wait(lock, [this] { return jobs_ == 0; });
 }
 
-absl::StatusOr<std::string> SessionStore::join(std::shared_ptr<const Mesh> mesh, const PreprocessOptions& options,
-                                               SessionWaiter* waiter) {
-  const std::string id = session_id(mesh->id, options);
+absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter) {
+  const std::string id = session_id(files, options);
   std::shared_ptr<const Session> evicted;  // outlives the lock: a curve takes its time to go
   const std::lock_guard lock(mutex_);
   if (const auto found = entries_.find(id); found != entries_.end()) {
@@ -73,16 +72,16 @@ absl::StatusOr<std::string> SessionStore::join(std::shared_ptr<const Mesh> mesh,
   if (absl::Status status = make_room(&evicted); !status.ok()) return status;
   auto job = std::make_shared<Job>();
   job->id = id;
-  job->mesh_id = mesh->id;
+  job->mesh_id = files.mesh->id;
   job->options = options;
-  job->mesh = std::move(mesh);
+  job->files = std::move(files);
   const auto ticket = queue_.submit([this, job] { run(job); });
   if (!ticket.ok()) return ticket.status();
   ++jobs_;
   job->ticket = *ticket;
   job->waiters.push_back(waiter);
   entries_[id] = {.info = {id, job->mesh_id, options, SessionState::kQueued, nullptr}, .job = job, .last_used = ++clock_};
-  log_->info("session {} created: mesh {} \"{}\", {} points, omega {}", id, job->mesh_id, printable(job->mesh->name),
+  log_->info("session {} created: mesh {} \"{}\", {} points, omega {}", id, job->mesh_id, printable(job->files.mesh->name),
              options.points, options.omega);
   waiter->on_progress(job->stage, job->fraction);
   return id;
@@ -184,7 +183,7 @@ void SessionStore::run(const std::shared_ptr<Job>& job) {
     context.on_progress = [&](std::string_view stage, double fraction) { report(*job, stage, fraction); };
     context.cancel = &job->cancel;
     context.threads = threads_;
-    result = guarded([&] { return preprocess_({job->mesh->name, job->mesh->bytes()}, job->options, context); });
+    result = guarded([&] { return preprocess_(job->files.file(), job->options, context); });
   }
   const std::lock_guard lock(mutex_);
   if (!job->cancel) settle(*job, std::move(result));
@@ -204,7 +203,7 @@ void SessionStore::settle(Job& job, absl::StatusOr<Preprocessed> result) {
   auto session = std::make_shared<Session>();
   session->id = job.id;
   session->mesh_id = job.mesh_id;
-  session->mesh_name = job.mesh->name;
+  session->mesh_name = job.files.mesh->name;
   session->options = job.options;
   session->preprocessed = *std::move(result);
   session->peak_bytes = peak_memory_bytes();

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "server/job_queue.h"
-#include "server/mesh_store.h"
+#include "server/mesh_files.h"
 #include "server/session.h"
 
 namespace spdlog {
@@ -46,10 +46,10 @@ class SessionStore {
                std::shared_ptr<spdlog::logger> log);
   ~SessionStore();  // cancels all preprocessing and waits until it has stopped; nobody may wait for a session any more
 
-  /// Joins the session for this mesh and options or starts to make it, and returns its id. From then on `waiter` is called, if
+  /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called, if
   /// the session is ready even before join() returns, until on_done or leave(). On an error it is never called:
   /// ResourceExhausted when there are too many sessions that are in use or being made.
-  absl::StatusOr<std::string> join(std::shared_ptr<const Mesh> mesh, const PreprocessOptions& options, SessionWaiter* waiter);
+  absl::StatusOr<std::string> join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter);
   /// Stops waiting; the last one to leave cancels the job, and the session vanishes. False when on_done has been called.
   bool leave(const std::string& id, SessionWaiter* waiter);
 

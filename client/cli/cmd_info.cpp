@@ -20,7 +20,9 @@ Json info_json(const v1::MeshInfo& mesh, const std::string& mesh_id) {
           {"mesh", mesh_json(mesh)},
           {"area", mesh.area()},
           {"box", {{"min", vec_json(mesh.box_min())}, {"max", vec_json(mesh.box_max())}}},
-          {"repairs", repairs_json(mesh.repairs())}};
+          {"repairs", repairs_json(mesh.repairs())},
+          {"attributes", strings_json(mesh.attributes())},
+          {"warnings", strings_json(mesh.warnings())}};
 }
 
 absl::Status run(const std::string& path, const CommonOptions& options, std::stop_token stop) {
@@ -28,13 +30,13 @@ absl::Status run(const std::string& path, const CommonOptions& options, std::sto
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
   ProgressBar bar(progress_style(options.quiet), std::filesystem::path(path).filename().string());
-  absl::StatusOr<std::string> mesh_id = client.upload_mesh(
+  absl::StatusOr<client::UploadedMesh> uploaded = client.upload_with_companions(
       path, [&](std::string_view stage, double fraction) { bar.update(stage, fraction); }, stop);
-  if (!mesh_id.ok()) return mesh_id.status();
-  absl::StatusOr<v1::MeshInfo> mesh = client.inspect(*mesh_id, stop);
+  if (!uploaded.ok()) return uploaded.status();
+  absl::StatusOr<v1::MeshInfo> mesh = client.inspect(*uploaded, stop);
   if (!mesh.ok()) return mesh.status();
   bar.finish();
-  return options.json ? print_json(info_json(*mesh, *mesh_id)) : print_text(mesh_text(*mesh));
+  return options.json ? print_json(info_json(*mesh, uploaded->mesh_id)) : print_text(mesh_text(*mesh));
 }
 
 }  // namespace
@@ -43,7 +45,7 @@ Command add_info(CLI::App& root, CommonOptions& options) {
   CLI::App* app = add_command(root, options, "info", "What a mesh file holds, its topology, and what repair would do.",
                               {"curvecast info bunny.obj", "curvecast info --json bunny.obj | jq .mesh.genus"});
   const auto path = std::make_shared<std::string>();
-  app->add_option("MESH", *path, "a .ply, .obj, .off or .stl file")->required();
+  app->add_option("MESH", *path, kMeshHelp)->required();
   return {app, [path](const CommonOptions& common, std::stop_token stop) { return run(*path, common, stop); }};
 }
 

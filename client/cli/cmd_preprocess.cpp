@@ -29,7 +29,7 @@ Command add_preprocess(CLI::App& root, CommonOptions& options) {
                   "stage took and how good it is. With --server, the session stays there, ready for all clients.",
                   {"curvecast preprocess bunny.obj", "curvecast preprocess -n 1000000 --omega 10 --json igea.ply"});
   const auto flags = std::make_shared<Flags>();
-  app->add_option("MESH", flags->mesh, "a .ply, .obj, .off or .stl file")->required();
+  app->add_option("MESH", flags->mesh, kMeshHelp)->required();
   app->add_option("-n,--points", flags->points, "N for which the curve is made fine enough, 1 to 4,000,000")
       ->check(point_count_range())
       ->type_name("N")

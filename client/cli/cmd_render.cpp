@@ -26,6 +26,7 @@ constexpr std::int64_t kMaxSupersampledPixels = 16 << 20;  // above, one sample 
 
 struct Flags {
   std::string input, output, size = "1280x960", style = "surface";
+  bool no_colour = false;
   SampleFlags sample;
 };
 
@@ -109,13 +110,13 @@ RenderCamera to_render_camera(const v1::Camera& camera, const Vec3d& origin) {
 absl::StatusOr<Image> draw(const Scene& scene, const v1::Camera& camera, const Size& size, const std::string& style) {
   const std::vector<Vec3f> positions = to_vectors(scene.cloud.positions), normals = to_vectors(scene.cloud.normals);
   const std::vector<Vec3f> dots = to_vectors(scene.dots.positions);
-  const SplatCloud cloud{positions, normals, scene.cloud.radii, {}};
+  const SplatCloud cloud{positions, normals, scene.cloud.radii, scene.cloud.colours};
   RenderOptions options;
   options.width = size.width;
   options.height = size.height;
   if (std::int64_t{size.width} * size.height > kMaxSupersampledPixels) options.supersample = 1;
   options.mode = style == "dots" ? RenderMode::kDots : RenderMode::kSurface;
-  return render_splats(cloud, to_render_camera(camera, Vec3d(scene.cloud.origin.data())), options, dots);
+  return render_splats(cloud, to_render_camera(camera, Vec3d(scene.cloud.origin.data())), options, dots, scene.dots.colours);
 }
 
 absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_token stop) {
@@ -126,6 +127,10 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   if (!is_points.ok()) return is_points.status();
   absl::StatusOr<Scene> scene = *is_points ? load_scene(flags.input) : sample_scene(flags, options, *size, stop);
   if (!scene.ok()) return scene.status();
+  if (flags.no_colour) {
+    scene->cloud.colours.clear();
+    scene->dots.colours.clear();
+  }
   absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, scene->box, size->aspect());
   if (!camera.ok()) return camera.status();
   absl::StatusOr<Image> image = draw(*scene, *camera, *size, flags.style);
@@ -148,14 +153,15 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
 }  // namespace
 
 Command add_render(CLI::App& root, CommonOptions& options) {
-  CLI::App* app =
-      add_command(root, options, "render",
-                  "Draws a mesh's point set, or a file of points, as a PNG picture: a closed surface of splats, or dots. -n, "
-                  "--density, --sequence and --seed apply to meshes only.",
-                  {"curvecast render bunny.obj -o bunny.png", "curvecast render points.ply --size 1920x1080 -o points.png",
-                   "curvecast render igea.ply --style dots -n 20000 --density view --camera fov=20 -o dots.png"});
+  CLI::App* app = add_command(
+      root, options, "render",
+      "Draws a mesh's point set, or a file of points, as a PNG picture: a closed surface of splats, or dots, in its own colours "
+      "where it has any. -n, --density, --sequence and --seed apply to meshes only.",
+      {"curvecast render bunny.obj -o bunny.png", "curvecast render points.ply --size 1920x1080 -o points.png",
+       "curvecast render igea.ply --style dots -n 20000 --density view --camera fov=20 -o dots.png"});
   const auto flags = std::make_shared<Flags>();
-  app->add_option("INPUT", flags->input, "a mesh (.ply, .obj, .off, .stl) or points (.drc, .xyz, .pcd, or a .ply without faces)")
+  app->add_option("INPUT", flags->input,
+                  "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) or points (.drc, .xyz, .pcd, or a .ply without faces)")
       ->required();
   app->add_option("-o,--output", flags->output, "the picture: .png")
       ->check(validator([](const std::string& path) { return check_ending(path, {".png"}); }, ""))
@@ -171,6 +177,7 @@ Command add_render(CLI::App& root, CommonOptions& options) {
       ->check(validator([](const std::string& text) { return check_choice("style", text, kStyles); }, ""))
       ->type_name("NAME")
       ->capture_default_str();
+  app->add_flag("--no-colour", flags->no_colour, "as if of clay, whatever the colours of the mesh or the points");
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
 }
 

@@ -94,7 +94,7 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
       {"curvecast sample bunny.obj -n 50000 -o bunny.ply", "curvecast sample igea.ply -n 100000 --density curvature -o igea.drc",
        "curvecast sample igea.ply -n 20000 --density view:s0=0.1 --camera eye=0,0,3 -o view.pcd"});
   const auto flags = std::make_shared<Flags>();
-  app->add_option("MESH", flags->mesh, "a .ply, .obj, .off or .stl file")->required();
+  app->add_option("MESH", flags->mesh, kMeshHelp)->required();
   add_sample_flags(app, &flags->sample)->required();
   add_camera_flag(app, &flags->sample);
   app->add_option("-o,--output", flags->output,

@@ -78,7 +78,8 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
                   {"curvecast serve --open bunny.obj --open igea.ply", "curvecast serve --listen 0.0.0.0:50051"});
   const auto flags = std::make_shared<Flags>();
   app->add_option("--listen", flags->listen, "host:port; port 0 takes any free one")->type_name("ADDRESS")->capture_default_str();
-  app->add_option("--open", flags->meshes, "a mesh to prepare at once, for 65,536 points; repeat for more")
+  app->add_option("--open", flags->meshes,
+                  "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) to prepare at once, for 65,536 points; repeat for more")
       ->type_name("MESH")
       ->allow_extra_args(false);
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};

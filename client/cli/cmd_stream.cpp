@@ -169,7 +169,7 @@ Command add_stream(CLI::App& root, CommonOptions& options) {
                   {"curvecast stream igea.ply --path orbit --frames 120 -n 50000",
                    "curvecast stream igea.ply --path views.txt --frames 10 -n 20000 -o frames/"});
   const auto flags = std::make_shared<Flags>();
-  app->add_option("MESH", flags->mesh, "a .ply, .obj, .off or .stl file")->required();
+  app->add_option("MESH", flags->mesh, kMeshHelp)->required();
   app->add_option("--path", flags->path, kPathHelp)->type_name("orbit|zoom|FILE")->capture_default_str();
   app->add_option("--frames", flags->frames, "number of views F, 1 to 100,000")
       ->check(CLI::Range(std::size_t{1}, kMaxFrames))

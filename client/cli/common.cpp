@@ -81,12 +81,12 @@ absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& 
   const auto start = std::chrono::steady_clock::now();
   ProgressBar bar(progress_style(quiet), std::filesystem::path(path).filename().string());
   const client::StageProgress on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
-  absl::StatusOr<std::string> mesh_id = client.upload_mesh(path, on_progress, stop);
-  if (!mesh_id.ok()) return mesh_id.status();
+  absl::StatusOr<client::UploadedMesh> mesh = client.upload_with_companions(path, on_progress, stop);
+  if (!mesh.ok()) return mesh.status();
   v1::SessionOptions session_options;
   session_options.set_max_points(max_points);
   session_options.set_omega(omega);
-  absl::StatusOr<v1::Session> session = client.create_session(*mesh_id, session_options, on_progress, stop);
+  absl::StatusOr<v1::Session> session = client.create_session(*mesh, session_options, on_progress, stop);
   if (!session.ok()) return session.status();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return OpenedMesh{*std::move(session), seconds};

@@ -19,6 +19,9 @@ namespace curvecast::cli {
 
 using Json = nlohmann::ordered_json;
 
+/// Help for a mesh argument.
+inline constexpr char kMeshHelp[] = "a .ply, .obj, .off, .stl, .gltf or .glb file; what it refers to is taken from its folder";
+
 struct CommonOptions {
   std::string server;  // "host:port"; empty = a server within this process
   std::uint64_t seed = 0;
@@ -63,7 +66,7 @@ struct OpenedMesh {
   double seconds = 0;   // that it took, upload included
 };
 
-/// Uploads a mesh and waits for its session, with progress.
+/// Uploads a mesh with what it refers to, and waits for its session, with progress.
 absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, std::uint64_t max_points, double omega,
                                      bool quiet, std::stop_token stop);
 

@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
 
 #include <array>
 #include <cstdint>
@@ -50,12 +51,20 @@ Json repairs_json(const v1::Repairs& repairs) {
   return json;
 }
 
+Json strings_json(const google::protobuf::RepeatedPtrField<std::string>& strings) {
+  Json json = Json::array();
+  for (const std::string& text : strings) json.push_back(text);
+  return json;
+}
+
 Json preprocess_json(const v1::Session& session) {
   const v1::PreprocessReport& report = session.report();
   Json seconds = Json::object();
   for (const auto& [name, value] : stages(report.seconds())) seconds[name] = value;
   return {{"mesh", mesh_json(report.mesh())},
           {"repairs", repairs_json(report.mesh().repairs())},
+          {"attributes", strings_json(report.mesh().attributes())},
+          {"warnings", strings_json(report.mesh().warnings())},
           {"discs", report.discs()},
           {"curve_vertices", report.curve_vertices()},
           {"omega", session.options().omega()},
@@ -91,6 +100,8 @@ std::string mesh_text(const v1::MeshInfo& mesh) {
     if (count > 0) absl::StrAppend(&repairs, repairs.empty() ? "" : ", ", name, " ", count);
   }
   absl::StrAppend(&text, "repairs        ", repairs.empty() ? "none" : repairs, "\n");
+  absl::StrAppend(&text, "attributes     ", mesh.attributes().empty() ? "none" : absl::StrJoin(mesh.attributes(), ", "), "\n");
+  for (const std::string& warning : mesh.warnings()) absl::StrAppend(&text, "warning        ", warning, "\n");
   return text;
 }
 

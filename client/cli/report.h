@@ -10,9 +10,10 @@ namespace curvecast::cli {
 
 Json mesh_json(const v1::MeshInfo& mesh);       // {vertices, faces, components, genus, boundary_loops}
 Json repairs_json(const v1::Repairs& repairs);  // one count each
+Json strings_json(const google::protobuf::RepeatedPtrField<std::string>& strings);
 Json preprocess_json(const v1::Session& session);
 
-std::string mesh_text(const v1::MeshInfo& mesh);  // a few lines
+std::string mesh_text(const v1::MeshInfo& mesh);  // a few lines, and one for each warning
 std::string preprocess_text(const v1::Session& session);
 
 Box3d box_of(const v1::MeshInfo& mesh);

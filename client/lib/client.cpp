@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <set>
 #include <utility>
 
+#include "client/lib/companion_files.h"
 #include "client/lib/draco_points.h"
 #include "client/lib/file_bytes.h"
 
@@ -16,6 +18,8 @@ namespace curvecast::client {
 namespace {
 
 constexpr std::size_t kHashBlock = 1 << 20;  // bytes read at a time
+constexpr int kReferenceRounds = 8;          // a mesh names material libraries, these name textures: two, as a rule
+constexpr std::size_t kMaxCompanions = 256;  // of a mesh, as in the API
 
 std::string to_hex(const XXH128_hash_t& hash) {
   XXH128_canonical_t canonical;
@@ -40,6 +44,14 @@ absl::StatusOr<std::string> hash_file(const InputFile& file, const std::stop_tok
   return to_hex(XXH3_128bits_digest(state.get()));
 }
 
+google::protobuf::Map<std::string, std::string> to_proto(const std::map<std::string, std::string>& companions) {
+  return {companions.begin(), companions.end()};
+}
+
+void add_refused(const UploadedMesh& mesh, v1::MeshInfo* info) {
+  for (const std::string& reason : mesh.refused) info->add_warnings(reason + ".");
+}
+
 }  // namespace
 
 std::string mesh_id_of(std::span<const char> bytes) { return to_hex(XXH3_128bits(bytes.data(), bytes.size())); }
@@ -49,6 +61,9 @@ absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample) {
   for (const v1::PointBlock& block : sample.blocks) {
     absl::StatusOr<Points> points = decode_block(block);
     if (!points.ok()) return points.status();
+    if (decoded.points.size() > 0 && points->colours.empty() != decoded.points.colours.empty()) {
+      return absl::DataLossError("the server sent some blocks of points with colours and others without");
+    }
     append_points(*std::move(points), &decoded.points);
   }
   return decoded;
@@ -57,14 +72,51 @@ absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample) {
 absl::StatusOr<std::string> Client::upload_mesh(const std::string& path, const StageProgress& on_progress, std::stop_token stop) {
   absl::StatusOr<InputFile> file = InputFile::open(path);
   if (!file.ok()) return file.status();
-  absl::StatusOr<std::string> hash = hash_file(*file, stop);
+  return upload_file(*file, std::filesystem::path(path).filename().string(), on_progress, stop);
+}
+
+absl::StatusOr<std::string> Client::upload_file(const InputFile& file, const std::string& name, const StageProgress& on_progress,
+                                                std::stop_token stop) {
+  absl::StatusOr<std::string> hash = hash_file(file, stop);
   if (!hash.ok()) return hash.status();
   v1::UploadHeader header;
-  header.set_name(std::filesystem::path(path).filename().string());
-  header.set_size(file->size());
+  header.set_name(name);
+  header.set_size(file.size());
   header.set_mesh_id(*hash);
   return upload_if_missing(
-      header, [&](std::uint64_t offset, std::span<char> out) { return file->read_at(offset, out); }, on_progress, stop);
+      header, [&](std::uint64_t offset, std::span<char> out) { return file.read_at(offset, out); }, on_progress, stop);
+}
+
+absl::StatusOr<UploadedMesh> Client::upload_with_companions(const std::string& path, const StageProgress& on_progress,
+                                                            std::stop_token stop) {
+  absl::StatusOr<std::string> mesh_id = upload_mesh(path, on_progress, stop);
+  if (!mesh_id.ok()) return mesh_id.status();
+  UploadedMesh mesh(*std::move(mesh_id));
+  if (!may_have_companions(path)) return mesh;
+  std::set<std::string> seen;
+  for (int round = 0; round < kReferenceRounds; ++round) {
+    v1::ListMeshReferencesRequest request;
+    request.set_mesh_id(mesh.mesh_id);
+    *request.mutable_companions() = to_proto(mesh.companions);
+    absl::StatusOr<v1::ListMeshReferencesResponse> references = connection_->list_mesh_references(request, stop);
+    if (!references.ok()) return references.status();
+    bool has_more = false;
+    for (const std::string& name : references->missing()) {
+      if (seen.size() >= kMaxCompanions) break;
+      if (!seen.insert(name).second) continue;
+      absl::StatusOr<InputFile> file = open_companion(path, name);
+      if (!file.ok()) {
+        if (!absl::IsNotFound(file.status())) mesh.refused.emplace_back(file.status().message());
+        continue;
+      }
+      absl::StatusOr<std::string> id = upload_file(*file, std::filesystem::path(name).filename().string(), on_progress, stop);
+      if (!id.ok()) return id.status();
+      mesh.companions[name] = *std::move(id);
+      has_more = true;
+    }
+    if (!has_more) break;
+  }
+  return mesh;
 }
 
 absl::StatusOr<std::string> Client::upload_mesh(const std::string& name, std::span<const char> bytes,
@@ -99,23 +151,28 @@ absl::StatusOr<std::string> Client::upload_if_missing(const v1::UploadHeader& he
   return header.mesh_id();
 }
 
-absl::StatusOr<v1::MeshInfo> Client::inspect(const std::string& mesh_id, std::stop_token stop) {
+absl::StatusOr<v1::MeshInfo> Client::inspect(const UploadedMesh& mesh, std::stop_token stop) {
   v1::InspectMeshRequest request;
-  request.set_mesh_id(mesh_id);
+  request.set_mesh_id(mesh.mesh_id);
+  *request.mutable_companions() = to_proto(mesh.companions);
   absl::StatusOr<v1::InspectMeshResponse> response = connection_->inspect_mesh(request, stop);
   if (!response.ok()) return response.status();
+  add_refused(mesh, response->mutable_mesh());
   return std::move(*response->mutable_mesh());
 }
 
-absl::StatusOr<v1::Session> Client::create_session(const std::string& mesh_id, const v1::SessionOptions& options,
+absl::StatusOr<v1::Session> Client::create_session(const UploadedMesh& mesh, const v1::SessionOptions& options,
                                                    const StageProgress& on_progress, std::stop_token stop) {
   v1::CreateSessionRequest request;
-  request.set_mesh_id(mesh_id);
+  request.set_mesh_id(mesh.mesh_id);
+  *request.mutable_companions() = to_proto(mesh.companions);
   *request.mutable_options() = options;
   const OnProgress forward = [&](const v1::Progress& progress) {
     if (on_progress) on_progress(progress.stage(), progress.fraction());
   };
-  return connection_->create_session(request, forward, stop);
+  absl::StatusOr<v1::Session> session = connection_->create_session(request, forward, stop);
+  if (session.ok()) add_refused(mesh, session->mutable_report()->mutable_mesh());
+  return session;
 }
 
 absl::StatusOr<v1::Session> Client::get_session(const std::string& session_id, std::stop_token stop) {

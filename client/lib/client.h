@@ -5,14 +5,17 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "client/lib/connection.h"
+#include "client/lib/file_bytes.h"
 #include "client/lib/points.h"
 #include "curvecast/v1/curvecast.pb.h"
 
@@ -26,6 +29,15 @@ struct EncodedSample {
   std::vector<v1::PointBlock> blocks;  // consecutive along the curve, N points together
   v1::FrameStatistics statistics;
   std::uint64_t bytes = 0;  // of the encoded points
+};
+
+/// A mesh that the server holds, with what it refers to. A mesh_id alone is one without companions.
+struct UploadedMesh {
+  UploadedMesh(std::string id = {}) : mesh_id(std::move(id)) {}  // NOLINT(google-explicit-constructor): stands for the id
+
+  std::string mesh_id;
+  std::map<std::string, std::string> companions;  // name in the mesh -> mesh_id of that file
+  std::vector<std::string> refused;               // why other files that it names were not sent, though some may be there
 };
 
 struct DecodedSample {
@@ -52,10 +64,16 @@ class Client {
   /// The same for bytes in memory; `name` as of a file.
   absl::StatusOr<std::string> upload_mesh(const std::string& name, std::span<const char> bytes,
                                           const StageProgress& on_progress = {}, std::stop_token stop = {});
-  absl::StatusOr<v1::MeshInfo> inspect(const std::string& mesh_id, std::stop_token stop = {});
+  /// upload_mesh() of a file and, where its format can refer to others, of those that it refers to and that lie in its own
+  /// folder (see open_companion; no other file is read, whatever mesh and server say). Those that are missing are left out, and
+  /// MeshInfo.warnings names them; inspect() and create_session() add there why the client refused any. At most 256 files, in 8
+  /// rounds of references to references.
+  absl::StatusOr<UploadedMesh> upload_with_companions(const std::string& path, const StageProgress& on_progress = {},
+                                                      std::stop_token stop = {});
+  absl::StatusOr<v1::MeshInfo> inspect(const UploadedMesh& mesh, std::stop_token stop = {});
 
   /// Waits until the session is ready. Requesting stop ends the preprocessing unless other clients wait for it too.
-  absl::StatusOr<v1::Session> create_session(const std::string& mesh_id, const v1::SessionOptions& options,
+  absl::StatusOr<v1::Session> create_session(const UploadedMesh& mesh, const v1::SessionOptions& options,
                                              const StageProgress& on_progress = {}, std::stop_token stop = {});
   absl::StatusOr<v1::Session> get_session(const std::string& session_id, std::stop_token stop = {});
   absl::StatusOr<std::vector<v1::Session>> list_sessions(std::stop_token stop = {});
@@ -67,6 +85,8 @@ class Client {
   const std::shared_ptr<Connection>& connection() const { return connection_; }
 
  private:
+  absl::StatusOr<std::string> upload_file(const InputFile& file, const std::string& name, const StageProgress& on_progress,
+                                          std::stop_token stop);
   absl::StatusOr<std::string> upload_if_missing(const v1::UploadHeader& header, const ReadAt& read,
                                                 const StageProgress& on_progress, std::stop_token stop);
 

@@ -133,6 +133,12 @@ class GrpcConnection : public Connection {
     return unary<v1::GetMeshResponse>(&v1::CurvecastService::Stub::GetMesh, request, options_.short_timeout, stop);
   }
 
+  absl::StatusOr<v1::ListMeshReferencesResponse> list_mesh_references(const v1::ListMeshReferencesRequest& request,
+                                                                      std::stop_token stop) override {
+    return unary<v1::ListMeshReferencesResponse>(&v1::CurvecastService::Stub::ListMeshReferences, request, options_.long_timeout,
+                                                 stop);
+  }
+
   absl::StatusOr<v1::InspectMeshResponse> inspect_mesh(const v1::InspectMeshRequest& request, std::stop_token stop) override {
     return unary<v1::InspectMeshResponse>(&v1::CurvecastService::Stub::InspectMesh, request, options_.long_timeout, stop);
   }

@@ -164,6 +164,21 @@ absl::StatusOr<std::vector<float>> decode_radii(const draco::PointCloud& cloud, 
   return radii;
 }
 
+/// Draco's one byte per channel; no colours where a file holds any other type.
+absl::StatusOr<std::vector<std::array<std::uint8_t, 3>>> decode_colours(const draco::PointCloud& cloud) {
+  std::vector<std::array<std::uint8_t, 3>> colours;
+  const draco::PointAttribute* attribute = cloud.GetNamedAttribute(draco::GeometryAttribute::COLOR);
+  if (attribute == nullptr || attribute->data_type() != draco::DT_UINT8) return colours;
+  if (attribute->num_components() != 3 && attribute->num_components() != 4) return colours;
+  colours.resize(cloud.num_points());
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    const draco::AttributeValueIndex value = attribute->mapped_index(draco::PointIndex(static_cast<std::uint32_t>(i)));
+    if (value.value() >= attribute->size()) return broken("its colour attribute is too short");
+    std::memcpy(colours[i].data(), attribute->GetAddress(value), 3);
+  }
+  return colours;
+}
+
 absl::StatusOr<Points> decode_checked(std::string_view bytes, RadiusRange range, std::uint64_t expected) {
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
@@ -179,9 +194,12 @@ absl::StatusOr<Points> decode_checked(std::string_view bytes, RadiusRange range,
   if (!normals.ok()) return normals.status();
   absl::StatusOr<std::vector<float>> radii = decode_radii(*cloud.value(), range);
   if (!radii.ok()) return radii.status();
+  absl::StatusOr<std::vector<std::array<std::uint8_t, 3>>> colours = decode_colours(*cloud.value());
+  if (!colours.ok()) return colours.status();
   points.positions = *std::move(positions);
   points.normals = *std::move(normals);
   points.radii = *std::move(radii);
+  points.colours = *std::move(colours);
   if (absl::Status status = check_finite(points); !status.ok()) return status;
   return points;
 }
@@ -195,13 +213,18 @@ absl::StatusOr<Points> decode_raw(const v1::RawPoints& raw, std::uint64_t count)
   if (absl::Status status = check_size("positions", raw.positions().size(), count * sizeof(Vec)); !status.ok()) return status;
   if (absl::Status status = check_size("normals", raw.normals().size(), count * sizeof(Vec)); !status.ok()) return status;
   if (absl::Status status = check_size("radii", raw.radii().size(), count * sizeof(float)); !status.ok()) return status;
+  if (!raw.colours().empty()) {
+    if (absl::Status status = check_size("colours", raw.colours().size(), 3 * count); !status.ok()) return status;
+  }
   Points points;
   points.positions.resize(count);
   points.normals.resize(count);
   points.radii.resize(count);
+  points.colours.resize(raw.colours().size() / 3);
   std::memcpy(points.positions.data(), raw.positions().data(), raw.positions().size());
   std::memcpy(points.normals.data(), raw.normals().data(), raw.normals().size());
   std::memcpy(points.radii.data(), raw.radii().data(), raw.radii().size());
+  if (!points.colours.empty()) std::memcpy(points.colours.data(), raw.colours().data(), raw.colours().size());
   if (absl::Status status = check_finite(points); !status.ok()) return status;
   return points;
 }
@@ -259,8 +282,9 @@ absl::StatusOr<Points> decode_block(const v1::PointBlock& block) {
 }
 
 std::uint64_t encoded_bytes(const v1::PointBlock& block) {
-  return block.has_draco() ? block.draco().data().size()
-                           : block.raw().positions().size() + block.raw().normals().size() + block.raw().radii().size();
+  if (block.has_draco()) return block.draco().data().size();
+  const v1::RawPoints& raw = block.raw();
+  return raw.positions().size() + raw.normals().size() + raw.radii().size() + raw.colours().size();
 }
 
 void append_points(Points more, Points* points) {
@@ -278,6 +302,7 @@ void append_points(Points more, Points* points) {
   points->positions.insert(points->positions.end(), more.positions.begin(), more.positions.end());
   points->normals.insert(points->normals.end(), more.normals.begin(), more.normals.end());
   points->radii.insert(points->radii.end(), more.radii.begin(), more.radii.end());
+  points->colours.insert(points->colours.end(), more.colours.begin(), more.colours.end());
 }
 
 }  // namespace curvecast::client

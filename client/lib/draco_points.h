@@ -37,11 +37,13 @@ struct DracoHeaderInfo {
 /// then growth with the bytes), at most 64 bytes per point decoded. InvalidArgument for anything else.
 absl::StatusOr<DracoHeaderInfo> check_draco_header(std::string_view bytes);
 
-/// Decodes a Draco point cloud with POSITION, optionally NORMAL, and a one-byte GENERIC attribute as radius where the range is
-/// valid. The origin is zero. InvalidArgument when check_draco_header() or Draco refuses it, or a value is not finite.
+/// Decodes a Draco point cloud with POSITION, optionally NORMAL, COLOR of three or four bytes, and a one-byte GENERIC attribute
+/// as radius where the range is valid; alpha and colours of other types are skipped. The origin is zero. InvalidArgument when
+/// check_draco_header() or Draco refuses it, or a value is not finite.
 absl::StatusOr<Points> decode_draco(std::string_view bytes, RadiusRange radii);
 
-/// Decodes a block. DataLoss when it does not hold exactly `count` points with normals and radii, all finite.
+/// Decodes a block. DataLoss when it does not hold exactly `count` points with normals and radii, all finite, and colours or
+/// none.
 absl::StatusOr<Points> decode_block(const v1::PointBlock& block);
 
 /// Bytes that the points of a block take on the wire.

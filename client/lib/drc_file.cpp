@@ -72,6 +72,10 @@ std::string encode(const Points& points, const DrcOptions& options, draco::Statu
     const int radius = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 1, draco::DT_UINT8);
     builder.SetAttributeValuesForAllPoints(radius, codes.data(), 0);
   }
+  if (!points.colours.empty()) {
+    const int colour = builder.AddAttribute(draco::GeometryAttribute::COLOR, 3, draco::DT_UINT8);
+    builder.SetAttributeValuesForAllPoints(colour, points.colours.data(), 0);
+  }
   const std::unique_ptr<draco::PointCloud> cloud = builder.Finalize(false);
   if (!points.radii.empty()) cloud->AddMetadata(radius_metadata(range));
 

@@ -15,9 +15,9 @@ struct DrcOptions {
   int normal_bits = 10;    // 2 .. 30, octahedral
 };
 
-/// The bytes of a file with one point cloud in absolute coordinates: POSITION, NORMAL and the splat radius as in v1.DracoPoints
-/// with its range as metadata (see draco_points.h), the latter two where the points have them. The order is kept.
-/// InvalidArgument for no points or options out of range; Internal with Draco's message.
+/// The bytes of a file with one point cloud in absolute coordinates: POSITION, NORMAL, the splat radius as in v1.DracoPoints with
+/// its range as metadata (see draco_points.h), COLOR of three bytes; all but the first where the points have them. The order is
+/// kept. InvalidArgument for no points or options out of range; Internal with Draco's message.
 absl::StatusOr<std::string> make_drc(Points points, const DrcOptions& options);
 
 /// The points of such a file's bytes, or of any other Draco point cloud with positions. InvalidArgument when it is broken.

@@ -37,7 +37,9 @@ absl::StatusOr<Format> format_of(const std::string& path) {
 struct Layout {
   bool normals;
   bool radii;
-  bool doubles;  // x y z
+  bool doubles = false;        // x y z
+  bool colours = false;        // red green blue, a byte each
+  bool packed_colour = false;  // 0x00RRGGBB in four bytes
 };
 
 std::array<double, 3> absolute(const Points& points, std::size_t i) {
@@ -46,9 +48,10 @@ std::array<double, 3> absolute(const Points& points, std::size_t i) {
   return p;
 }
 
-// One record per point: x y z [normal] [radius].
+// One record per point: x y z [normal] [colour] [radius].
 void append_records(const Points& points, const Layout& layout, std::string& out) {
-  const std::size_t stride = (layout.doubles ? 24 : 12) + (layout.normals ? 12 : 0) + (layout.radii ? 4 : 0);
+  const std::size_t stride = (layout.doubles ? 24 : 12) + (layout.normals ? 12 : 0) + (layout.colours ? 3 : 0) +
+                             (layout.packed_colour ? 4 : 0) + (layout.radii ? 4 : 0);
   const std::size_t header = out.size();
   out.resize(header + stride * points.size());
   char* p = out.data() + header;
@@ -65,16 +68,25 @@ void append_records(const Points& points, const Layout& layout, std::string& out
       for (const double coordinate : position) put(static_cast<float>(coordinate));
     }
     if (layout.normals) put(points.normals.empty() ? kNoNormal : points.normals[i]);
+    if (layout.colours) put(points.colours[i]);
+    if (layout.packed_colour) {
+      const auto& [red, green, blue] = points.colours[i];
+      put(std::uint32_t{red} << 16 | std::uint32_t{green} << 8 | std::uint32_t{blue});
+    }
     if (layout.radii) put(points.radii.empty() ? 0.0F : points.radii[i]);
   }
 }
 
 std::string make_ply(const Points& points) {
-  const Layout layout{!points.normals.empty(), !points.radii.empty(), points.origin != std::array<double, 3>{}};
+  const Layout layout{.normals = !points.normals.empty(),
+                      .radii = !points.radii.empty(),
+                      .doubles = points.origin != std::array<double, 3>{},
+                      .colours = !points.colours.empty()};
   const char* const type = layout.doubles ? "double" : "float";
   std::string out = absl::StrFormat("ply\nformat binary_little_endian 1.0\nelement vertex %d\n", points.size());
   for (const char* axis : {"x", "y", "z"}) absl::StrAppendFormat(&out, "property %s %s\n", type, axis);
   if (layout.normals) out += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (layout.colours) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   if (layout.radii) out += "property float radius\n";
   out += "end_header\n";
   append_records(points, layout, out);
@@ -82,31 +94,37 @@ std::string make_ply(const Points& points) {
 }
 
 std::string make_pcd(const Points& points) {
+  const bool coloured = !points.colours.empty();
   std::string out = absl::StrFormat(
-      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z normal_x normal_y normal_z radius\n"
-      "SIZE 4 4 4 4 4 4 4\nTYPE F F F F F F F\nCOUNT 1 1 1 1 1 1 1\nWIDTH %d\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z normal_x normal_y normal_z%s radius\n"
+      "SIZE 4 4 4 4 4 4%s 4\nTYPE F F F F F F%s F\nCOUNT 1 1 1 1 1 1%s 1\nWIDTH %d\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
       "POINTS %d\nDATA binary\n",
-      points.size(), points.size());
-  append_records(points, {.normals = true, .radii = true, .doubles = false}, out);
+      coloured ? " rgb" : "", coloured ? " 4" : "", coloured ? " U" : "", coloured ? " 1" : "", points.size(), points.size());
+  append_records(points, {.normals = true, .radii = true, .packed_colour = coloured}, out);
   return out;
 }
 
 std::string make_xyz(const Points& points) {
   const bool doubles = points.origin != std::array<double, 3>{};
   std::string out;
-  const auto put = [&out](auto value, char behind) {
+  const auto put = [&out](auto value) {
     char digits[32];
     out.append(digits, std::to_chars(std::begin(digits), std::end(digits), value).ptr);
-    out += behind;
+    out += ' ';
   };
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::array<double, 3> p = absolute(points, i);
     for (int axis = 0; axis < 3; ++axis) {
-      const char behind = axis < 2 || !points.normals.empty() ? ' ' : '\n';
-      doubles ? put(p[axis], behind) : put(points.positions[i][axis], behind);
+      doubles ? put(p[axis]) : put(points.positions[i][axis]);
     }
-    if (points.normals.empty()) continue;
-    for (int axis = 0; axis < 3; ++axis) put(points.normals[i][axis], axis < 2 ? ' ' : '\n');
+    // Six numbers would be taken for a place and a normal: colours stand behind normals, or behind zeros.
+    if (!points.normals.empty() || !points.colours.empty()) {
+      for (const float n : points.normals.empty() ? std::array<float, 3>{} : points.normals[i]) put(n);
+    }
+    if (!points.colours.empty()) {
+      for (const std::uint8_t channel : points.colours[i]) put(int{channel});
+    }
+    out.back() = '\n';
   }
   return out;
 }
@@ -141,9 +159,10 @@ absl::Status write_point_file(const std::string& path, const Points& points) {
   const absl::StatusOr<Format> format = format_of(path);
   if (!format.ok()) return in_file(path, format.status());
   const auto fits = [&points](std::size_t size) { return size == 0 || size == points.size(); };
-  if (!fits(points.normals.size()) || !fits(points.radii.size())) {
-    return absl::InvalidArgumentError(absl::StrFormat("%s: %d positions do not go with %d normals and %d radii", path,
-                                                      points.size(), points.normals.size(), points.radii.size()));
+  if (!fits(points.normals.size()) || !fits(points.radii.size()) || !fits(points.colours.size())) {
+    return absl::InvalidArgumentError(absl::StrFormat("%s: %d positions do not go with %d normals, %d radii and %d colours", path,
+                                                      points.size(), points.normals.size(), points.radii.size(),
+                                                      points.colours.size()));
   }
   try {
     return write_as(*format, path, points);

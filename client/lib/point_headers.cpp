@@ -210,7 +210,7 @@ absl::StatusOr<PointTable> parse_pcd_points(std::string_view bytes) {
 }
 
 absl::StatusOr<PointTable> parse_xyz_points(std::string_view bytes) {
-  constexpr std::array<std::string_view, 6> kNames = {"x", "y", "z", "nx", "ny", "nz"};
+  constexpr std::array<std::string_view, 9> kNames = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"};
   PointTable table;
   table.body = bytes;
   HeaderLines lines(bytes);
@@ -218,11 +218,13 @@ absl::StatusOr<PointTable> parse_xyz_points(std::string_view bytes) {
   while (words == 0 && lines.next()) {
     std::string_view word = lines.word();
     if (word.starts_with('#') || word.starts_with("//")) continue;
-    for (; !word.empty() && words < kNames.size(); word = lines.word()) ++words;
+    for (; !word.empty(); word = lines.word()) ++words;
   }
   if (words < 3) return lines.error("expected x y z, or x y z nx ny nz");
-  const std::size_t columns = words < kNames.size() ? 3 : kNames.size();
-  for (std::size_t i = 0; i < columns; ++i) table.columns.push_back({.name = kNames[i]});
+  const std::size_t columns = words < 6 ? 3 : words == kNames.size() ? words : 6;
+  for (std::size_t i = 0; i < columns; ++i) {
+    table.columns.push_back({.name = kNames[i], .kind = i < 6 ? ColumnKind::kFloat : ColumnKind::kUnsigned});
+  }
   return table;
 }
 

@@ -13,7 +13,8 @@ namespace curvecast::client {
 /// big endian and lists in or before the vertices of a PLY, compressed PCD.
 absl::StatusOr<PointTable> parse_ply_points(std::string_view bytes);
 absl::StatusOr<PointTable> parse_pcd_points(std::string_view bytes);
-/// The first line that is not empty or a comment tells the columns: x y z, from six on x y z nx ny nz; more are skipped.
+/// The first line that is not empty or a comment tells the columns: x y z, from six on x y z nx ny nz, nine also red green
+/// blue (0 to 255); more are skipped.
 absl::StatusOr<PointTable> parse_xyz_points(std::string_view bytes);
 
 }  // namespace curvecast::client

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <iterator>
 #include <limits>
 #include <string>
@@ -46,7 +48,7 @@ double scalar_at(const char* p, const PointColumn& column) {
 }
 
 // What a point takes from a row, in this order.
-enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kRadius, kSlots };
+enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kRed, kGreen, kBlue, kPackedColour, kRadius, kSlots };
 constexpr std::pair<std::string_view, Slot> kSlotNames[] = {{"x", kX},
                                                             {"y", kY},
                                                             {"z", kZ},
@@ -56,7 +58,25 @@ constexpr std::pair<std::string_view, Slot> kSlotNames[] = {{"x", kX},
                                                             {"normal_x", kNormalX},
                                                             {"normal_y", kNormalY},
                                                             {"normal_z", kNormalZ},
+                                                            {"red", kRed},
+                                                            {"green", kGreen},
+                                                            {"blue", kBlue},
+                                                            {"rgb", kPackedColour},
+                                                            {"rgba", kPackedColour},
                                                             {"radius", kRadius}};
+
+/// A channel as files have it: floats from 0 to 1, anything else from 0 to 255.
+std::uint8_t channel_of(double value, const PointColumn& column) {
+  if (column.kind == ColumnKind::kFloat) value *= 255;
+  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+}
+
+/// 0xRRGGBB under whatever stands in the highest byte; PCL has it as the bits of a float, too.
+std::array<std::uint8_t, 3> unpack_colour(double value, const PointColumn& column) {
+  const auto bits = column.kind == ColumnKind::kFloat ? std::bit_cast<std::uint32_t>(static_cast<float>(value))
+                                                      : static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
+  return {static_cast<std::uint8_t>(bits >> 16), static_cast<std::uint8_t>(bits >> 8), static_cast<std::uint8_t>(bits)};
+}
 
 class TableReader {
  public:
@@ -70,8 +90,9 @@ class TableReader {
       return broken(absl::StrFormat("point %d: the file ends here at the latest, but its header claims %d", fit, rows));
     if (rows == 0) return std::move(points_);
     coordinates_.reserve(rows);
-    if (has_normals_) points_.normals.reserve(rows);
-    if (has_radii_) points_.radii.reserve(rows);
+    if (used_[kNormalX]) points_.normals.reserve(rows);
+    if (used_[kRadius]) points_.radii.reserve(rows);
+    if (used_[kRed] || used_[kPackedColour]) points_.colours.reserve(rows);
     if (absl::Status status = table_.binary ? read_binary(rows) : read_text(); !status.ok()) return status;
     place_origin();
     return std::move(points_);
@@ -95,22 +116,38 @@ class TableReader {
     for (const Slot slot : {kX, kY, kZ}) {
       if (scalar_of_[slot] == kNone) return broken(absl::StrFormat("the points have no '%s'", kSlotNames[slot].first));
     }
-    has_normals_ = scalar_of_[kNormalX] != kNone && scalar_of_[kNormalY] != kNone && scalar_of_[kNormalZ] != kNone;
-    has_radii_ = scalar_of_[kRadius] != kNone;
+    // A group counts only where it is whole.
+    const auto use = [this](std::initializer_list<Slot> group) {
+      const bool whole = std::all_of(group.begin(), group.end(), [this](Slot slot) { return scalar_of_[slot] != kNone; });
+      for (const Slot slot : group) used_[slot] = whole;
+    };
+    use({kX, kY, kZ});
+    use({kNormalX, kNormalY, kNormalZ});
+    use({kRed, kGreen, kBlue});
+    use({kPackedColour});
+    use({kRadius});
+    if (used_[kRed]) used_[kPackedColour] = false;
+    if (used_[kPackedColour] && table_.binary && column_of_[kPackedColour]->bytes == 4) {
+      // The bits as they are: a float that is no number would not keep them.
+      packed_bits_ = *column_of_[kPackedColour];
+      packed_bits_.kind = ColumnKind::kUnsigned;
+      column_of_[kPackedColour] = &packed_bits_;
+    }
     return absl::OkStatus();
   }
-
-  bool used(int slot) const { return slot < kNormalX || (slot < kRadius ? has_normals_ : has_radii_); }
 
   // False when a number is not finite, as a float.
   bool add(const std::array<double, kSlots>& row) {
     for (int slot = 0; slot < kSlots; ++slot) {
-      if (used(slot) && !(std::abs(row[slot]) <= std::numeric_limits<float>::max())) return false;
+      if (used_[slot] && !(std::abs(row[slot]) <= std::numeric_limits<float>::max())) return false;
     }
     coordinates_.push_back({row[kX], row[kY], row[kZ]});
     const auto f = [&row](Slot slot) { return static_cast<float>(row[slot]); };
-    if (has_normals_) points_.normals.push_back({f(kNormalX), f(kNormalY), f(kNormalZ)});
-    if (has_radii_) points_.radii.push_back(f(kRadius));
+    if (used_[kNormalX]) points_.normals.push_back({f(kNormalX), f(kNormalY), f(kNormalZ)});
+    const auto channel = [&](Slot slot) { return channel_of(row[slot], *column_of_[slot]); };
+    if (used_[kRed]) points_.colours.push_back({channel(kRed), channel(kGreen), channel(kBlue)});
+    if (used_[kPackedColour]) points_.colours.push_back(unpack_colour(row[kPackedColour], *column_of_[kPackedColour]));
+    if (used_[kRadius]) points_.radii.push_back(f(kRadius));
     return true;
   }
 
@@ -119,7 +156,7 @@ class TableReader {
     std::array<double, kSlots> row{};
     for (std::uint64_t i = 0; i < rows; ++i, p += stride_) {
       for (int slot = 0; slot < kSlots; ++slot) {
-        if (used(slot)) row[slot] = scalar_at(p + offset_of_[slot], *column_of_[slot]);
+        if (used_[slot]) row[slot] = scalar_at(p + offset_of_[slot], *column_of_[slot]);
       }
       if (!add(row)) return broken(absl::StrFormat("point %d: a number is not finite", i));
     }
@@ -129,7 +166,7 @@ class TableReader {
   absl::Status read_text() {
     std::vector<int> slot_of(scalars_, -1);
     for (int slot = 0; slot < kSlots; ++slot) {
-      if (used(slot)) slot_of[scalar_of_[slot]] = slot;
+      if (used_[slot]) slot_of[scalar_of_[slot]] = slot;
     }
     std::string_view text = table_.body;
     std::array<double, kSlots> row{};
@@ -189,8 +226,8 @@ class TableReader {
   const PointColumn* column_of_[kSlots] = {};
   std::size_t scalars_ = 0;  // in a row
   std::size_t stride_ = 0;   // bytes of a row
-  bool has_normals_ = false;
-  bool has_radii_ = false;
+  bool used_[kSlots] = {};
+  PointColumn packed_bits_;
   std::vector<std::array<double, 3>> coordinates_;
   Points points_;
 };

@@ -16,7 +16,7 @@ namespace curvecast::client {
 enum class ColumnKind { kSigned, kUnsigned, kFloat };
 
 struct PointColumn {
-  std::string_view name;  // x y z nx ny nz normal_x normal_y normal_z radius; others are skipped
+  std::string_view name;  // x y z nx ny nz normal_x normal_y normal_z red green blue rgb radius; others are skipped
   ColumnKind kind = ColumnKind::kFloat;
   std::size_t bytes = 4;  // of a scalar: 1, 2, 4 or 8; 4 or 8 for kFloat
   std::size_t count = 1;  // scalars in a row

@@ -6,6 +6,7 @@
 #include <draco/point_cloud/point_cloud_builder.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace curvecast {
@@ -58,6 +59,13 @@ std::vector<std::uint8_t> radius_codes(const std::vector<float>& radii, float& s
   return codes;
 }
 
+std::vector<std::array<std::uint8_t, 3>> without_alpha(const std::vector<Rgba8>& colours) {
+  std::vector<std::array<std::uint8_t, 3>> rgb;
+  rgb.reserve(colours.size());
+  for (const Rgba8& c : colours) rgb.push_back({c.r, c.g, c.b});
+  return rgb;
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> encode_draco(const PointSet& points, const DracoOptions& options, float* radius_min,
@@ -75,6 +83,10 @@ absl::StatusOr<std::string> encode_draco(const PointSet& points, const DracoOpti
     builder.SetAttributeValuesForAllPoints(position, positions->data(), sizeof(Vec3f));
     builder.SetAttributeValuesForAllPoints(normal, points.normals.data(), sizeof(Vec3f));
     builder.SetAttributeValuesForAllPoints(radius, codes.data(), sizeof(std::uint8_t));
+    if (!points.colours.empty()) {
+      const int colour = builder.AddAttribute(draco::GeometryAttribute::COLOR, 3, draco::DT_UINT8);
+      builder.SetAttributeValuesForAllPoints(colour, without_alpha(points.colours).data(), 3);
+    }
     const std::unique_ptr<draco::PointCloud> cloud = builder.Finalize(/*deduplicate_points=*/false);
     draco::Encoder encoder;
     encoder.SetEncodingMethod(draco::POINT_CLOUD_SEQUENTIAL_ENCODING);

@@ -17,7 +17,8 @@ struct DracoOptions {
 };
 
 /// The message holds position, normal and a generic one-byte attribute "radius": code c means
-/// radius_min (radius_max / radius_min)^(c / 255), where both bounds are written to the arguments.
+/// radius_min (radius_max / radius_min)^(c / 255), where both bounds are written to the arguments; where the points have colours,
+/// also COLOR, three bytes (alpha is dropped: points of a surface are not blended).
 /// InvalidArgument for options out of range and points outside of the box; Internal with Draco's message otherwise.
 absl::StatusOr<std::string> encode_draco(const PointSet& points, const DracoOptions& options, float* radius_min,
                                          float* radius_max);

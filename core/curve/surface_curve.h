@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/colour.h"
 #include "core/curve/curvature_measure.h"
 #include "core/vec.h"
 
@@ -18,6 +19,7 @@ struct SurfaceCurve {
   std::vector<float> nx, ny, nz;  // unit normal
   std::vector<float> curvature_min, curvature_max;  // principal curvatures, 1/unit
   std::vector<float> area;                          // area element A_l, squared units; sums to total_area
+  std::vector<Rgba8> colour;                        // of the surface; empty when the mesh has none
   std::vector<std::uint32_t> triangle;              // face of the repaired mesh on which the vertex lies
   std::vector<std::uint64_t> key;                   // Hilbert index of the leaf's first cell at kMaxLevel, within its disc
   std::vector<std::uint8_t> level;                  // quadtree level of the leaf
@@ -30,8 +32,8 @@ struct SurfaceCurve {
   std::uint64_t revision = 1;
 
   std::size_t size() const { return x.size(); }
-  /// Gives every per-vertex array n entries.
-  void resize(std::size_t n);
+  /// Gives every per-vertex array n entries; `colour` too if asked for.
+  void resize(std::size_t n, bool has_colour = false);
   /// Bytes held by the arrays.
   std::size_t byte_size() const;
 };

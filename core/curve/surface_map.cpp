@@ -61,7 +61,7 @@ Vec3d weights_on_face(const TriangleMesh& mesh, std::uint32_t f, const Vec3d& p)
 }  // namespace
 
 void map_to_surface(const TriangleMesh& mesh, const DifferentialGeometry& geometry, const Chart& chart,
-                    const QuadtreeLeaves& leaves, std::size_t offset, SurfaceCurve& curve) {
+                    const QuadtreeLeaves& leaves, std::size_t offset, SurfaceCurve& curve, const SurfaceColour* colour) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 4096), [&](const auto& range) {
     for (std::size_t l = range.begin(); l < range.end(); ++l) {
       const Quad quad = leaf_quad(leaves.key[l], leaves.level[l]);
@@ -90,6 +90,7 @@ void map_to_surface(const TriangleMesh& mesh, const DifferentialGeometry& geomet
       curve.nz[i] = normal.z();
       curve.curvature_min[i] = mix(geometry.curvature_min);
       curve.curvature_max[i] = mix(geometry.curvature_max);
+      if (colour != nullptr) curve.colour[i] = colour->at(face, w, quad.side * quad.side * chart.area_ratio[hit.triangle]);
       curve.triangle[i] = face;
       curve.key[i] = leaves.key[l];
       curve.level[i] = leaves.level[l];

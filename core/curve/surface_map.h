@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/curve/adaptive_quadtree.h"
+#include "core/curve/surface_colour.h"
 #include "core/curve/surface_curve.h"
 #include "core/flatten/flatten.h"
 #include "core/mesh/curvature.h"
@@ -12,8 +13,9 @@
 namespace curvecast {
 
 /// Writes entries [offset, offset + L) of `curve`: position, normal, curvatures and face of every leaf's centre, and its key and
-/// level. The curve's arrays are large enough and its origin is set. The triangle under a centre is found among the leaf's own.
+/// level; where `colour` is not null also the surface's colour, averaged over about the leaf's area. The curve's arrays are large
+/// enough and its origin is set. The triangle under a centre is found among the leaf's own.
 void map_to_surface(const TriangleMesh& mesh, const DifferentialGeometry& geometry, const Chart& chart,
-                    const QuadtreeLeaves& leaves, std::size_t offset, SurfaceCurve& curve);
+                    const QuadtreeLeaves& leaves, std::size_t offset, SurfaceCurve& curve, const SurfaceColour* colour = nullptr);
 
 }  // namespace curvecast

@@ -15,6 +15,8 @@ struct MeshFile {
   /// gives: relative, with forward slashes, never out of the mesh's folder. nullopt: not there. The bytes outlive the call that
   /// is given the MeshFile. May be empty: then there are none.
   std::function<std::optional<std::span<const char>>(std::string_view name)> companion = {};
+
+  std::string_view text() const { return {bytes.data(), bytes.size()}; }
 };
 
 }  // namespace curvecast

@@ -8,7 +8,10 @@
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
+#include "core/mesh/gltf_document.h"
+#include "core/mesh/gltf_reader.h"
 #include "core/mesh/obj_reader.h"
 #include "core/mesh/off_reader.h"
 #include "core/mesh/ply_reader.h"
@@ -26,6 +29,7 @@ bool is_obj_keyword(std::string_view word) {
 std::optional<MeshFormat> format_by_content(std::string_view bytes) {
   if (bytes.size() > 3 && bytes.starts_with("ply") && (bytes[3] == '\n' || bytes[3] == '\r')) return MeshFormat::kPly;
   if (is_binary_stl(bytes)) return MeshFormat::kStl;
+  if (is_gltf(bytes)) return MeshFormat::kGltf;
   TextScanner scanner(bytes);
   scanner.skip_space_and_comments('#');
   const std::string_view word = scanner.peek_word();
@@ -36,24 +40,28 @@ std::optional<MeshFormat> format_by_content(std::string_view bytes) {
 }
 
 std::optional<MeshFormat> format_by_ending(std::string_view name) {
-  const std::string_view ending = name.substr(name.size() - std::min<std::size_t>(name.size(), 4));
-  if (equals_ignoring_case(ending, ".ply")) return MeshFormat::kPly;
-  if (equals_ignoring_case(ending, ".obj")) return MeshFormat::kObj;
-  if (equals_ignoring_case(ending, ".off")) return MeshFormat::kOff;
-  if (equals_ignoring_case(ending, ".stl")) return MeshFormat::kStl;
+  constexpr std::pair<std::string_view, MeshFormat> kEndings[] = {{".ply", MeshFormat::kPly},   {".obj", MeshFormat::kObj},
+                                                                  {".off", MeshFormat::kOff},   {".stl", MeshFormat::kStl},
+                                                                  {".gltf", MeshFormat::kGltf}, {".glb", MeshFormat::kGltf}};
+  for (const auto& [ending, format] : kEndings) {
+    if (name.size() >= ending.size() && equals_ignoring_case(name.substr(name.size() - ending.size()), ending)) return format;
+  }
   return std::nullopt;
 }
 
-absl::StatusOr<PolygonSoup> read_as(MeshFormat format, std::string_view bytes, const ExecutionContext& context) {
+absl::StatusOr<PolygonSoup> read_as(MeshFormat format, const MeshFile& file, const ExecutionContext& context) {
+  const std::string_view bytes = file.text();
   switch (format) {
     case MeshFormat::kPly:
-      return read_ply(bytes, context);
+      return read_ply(file, context);
     case MeshFormat::kObj:
-      return read_obj(bytes, context);
+      return read_obj(file, context);
     case MeshFormat::kOff:
       return read_off(bytes, context);
     case MeshFormat::kStl:
       return read_stl(bytes, context);
+    case MeshFormat::kGltf:
+      return read_gltf(file, context);
   }
   return absl::InternalError("unknown mesh format");
 }
@@ -69,7 +77,7 @@ absl::StatusOr<MeshFormat> detect_mesh_format(std::string_view name, std::span<c
   if (!format) format = format_by_ending(name);
   if (format) return *format;
   return error_in(name, absl::StatusCode::kInvalidArgument,
-                  "neither the content nor the name tells the format; give a PLY, OBJ, OFF or STL file");
+                  "neither the content nor the name tells the format; give a PLY, OBJ, OFF, STL, glTF or GLB file");
 }
 
 absl::StatusOr<PolygonSoup> read_mesh(const MeshFile& file, const ExecutionContext& context) {
@@ -79,7 +87,7 @@ absl::StatusOr<PolygonSoup> read_mesh(const MeshFile& file, const ExecutionConte
   if (!format.ok()) return format.status();
   try {
     context.progress("read", 0);
-    absl::StatusOr<PolygonSoup> soup = read_as(*format, {file.bytes.data(), file.bytes.size()}, context);
+    absl::StatusOr<PolygonSoup> soup = read_as(*format, file, context);
     if (!soup.ok()) {
       if (absl::IsCancelled(soup.status())) return soup;
       return error_in(file.name, soup.status().code(), soup.status().message());

@@ -1,4 +1,5 @@
-// Reads mesh files: PLY (ASCII, little and big endian, polygons and tristrips), OBJ, OFF and STL (ASCII and binary).
+// Reads mesh files: PLY (ASCII, little and big endian, polygons and tristrips), OBJ, OFF, STL (ASCII and binary), glTF and GLB,
+// with the colours, normals, texture coordinates, materials and named values in them.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -12,7 +13,7 @@
 
 namespace curvecast {
 
-enum class MeshFormat { kPly, kObj, kOff, kStl };
+enum class MeshFormat { kPly, kObj, kOff, kStl, kGltf };  // kGltf: JSON and GLB
 
 /// The format by the content's first bytes, else by the ending of `name`.
 /// InvalidArgument when neither tells.

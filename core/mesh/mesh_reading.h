@@ -44,6 +44,11 @@ class ReadMonitor {
 
 inline bool is_finite(const Vec3d& p) { return std::isfinite(p.x()) && std::isfinite(p.y()) && std::isfinite(p.z()); }
 
+/// 0 .. 1 as 0 .. 255, rounded; what lies beyond, or is not a number, becomes the nearest end (NaN: 0).
+inline std::uint8_t unit_to_byte(double value) {
+  return value > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::fmin(value, 1))) : std::uint8_t{0};
+}
+
 /// Makes a polygon of the indices appended since the last one; drops them when they are fewer than three. False when
 /// the soup is full (2^32 corners).
 inline bool close_polygon(PolygonSoup& soup) {

@@ -3,15 +3,15 @@
 
 #include <absl/status/statusor.h>
 
-#include <string_view>
-
 #include "core/execution_context.h"
+#include "core/mesh/mesh_file.h"
 #include "core/mesh/polygon_soup.h"
 
 namespace curvecast {
 
-/// Takes `v` and `f` (texture and normal indices, and every other keyword, are ignored); all objects and groups are joined.
+/// Takes `v` with colours, `vt`, `f`, `usemtl` and `mtllib` (normals and every other keyword are ignored); all objects and groups
+/// are joined.
 /// Errors as for read_mesh, starting with the line; a result without polygons is left to the caller.
-absl::StatusOr<PolygonSoup> read_obj(std::string_view text, const ExecutionContext& context);
+absl::StatusOr<PolygonSoup> read_obj(const MeshFile& file, const ExecutionContext& context);
 
 }  // namespace curvecast

@@ -3,16 +3,23 @@
 #include <absl/strings/str_format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
+#include <vector>
 
 #include "core/mesh/mesh_reading.h"
+#include "core/mesh/text_colours.h"
 #include "core/mesh/text_scanner.h"
+#include "core/mesh/texture_loader.h"
 
 namespace curvecast {
 namespace {
 
 struct OffKeyword {
   bool valid = false;
+  bool places = false;         // "ST": texture coordinates
+  bool colours = false;        // "C"
+  bool normals = false;        // "N"
   bool homogeneous = false;    // "4": x y z w
   bool n_dimensional = false;  // "n": a dimension stands before the counts
 };
@@ -24,9 +31,10 @@ OffKeyword parse_keyword(std::string_view word) {
     word.remove_prefix(prefix.size());
     return true;
   };
-  take("ST");
-  take("C");
-  take("N");
+  keyword.places = take("ST");
+  keyword.colours = take("C");
+  keyword.normals = take("N");
+  if (!keyword.colours) keyword.colours = take("C");  // some write NCOFF
   keyword.homogeneous = take("4");
   keyword.n_dimensional = take("n");
   keyword.valid = word == "OFF";
@@ -42,20 +50,21 @@ class OffReader {
     if (absl::Status status = read_header(); !status.ok()) return status;
     if (absl::Status status = read_vertices(); !status.ok()) return status;
     if (absl::Status status = read_faces(); !status.ok()) return status;
+    finish_attributes();
     return std::move(soup_);
   }
 
  private:
   absl::Status read_header() {
     scanner_.skip_space_and_comments('#');
-    const OffKeyword keyword = parse_keyword(scanner_.peek_word());
-    if (keyword.valid) {  // else the counts come first: the keyword may be left out
+    if (const OffKeyword keyword = parse_keyword(scanner_.peek_word());
+        keyword.valid) {  // else the counts come first: the keyword may be left out
       scanner_.skip_word();
       scanner_.skip_blanks();
       if (scanner_.peek_word() == "BINARY") return scanner_.error("binary OFF is not supported; save it as text or as PLY");
+      keyword_ = keyword;
       if (keyword.n_dimensional) return scanner_.error("OFF in n dimensions is not supported; save it with x y z only");
     }
-    homogeneous_ = keyword.homogeneous;
     // No vertex takes less than "0 0 0\n", no face less than "0\n"; the last line end may be missing.
     if (absl::Status status = read_count("the number of vertices", 6, vertex_count_); !status.ok()) return status;
     if (absl::Status status = read_count("the number of faces", 2, face_count_); !status.ok()) return status;
@@ -77,6 +86,9 @@ class OffReader {
 
   absl::Status read_vertices() {
     soup_.positions.reserve(vertex_count_);
+    const bool has_attributes = keyword_.normals || keyword_.colours || keyword_.places;
+    if (keyword_.normals) soup_.attributes.normals.resize(vertex_count_, Vec3f::Zero());
+    if (keyword_.places) places_.resize(vertex_count_, Vec2f::Zero());
     for (std::uint64_t i = 0; i < vertex_count_; ++i) {
       if (!monitor_.tick(scanner_.offset())) return monitor_.status();
       scanner_.skip_space_and_comments('#');
@@ -85,17 +97,49 @@ class OffReader {
         scanner_.skip_blanks();
         if (!scanner_.number(p[axis])) return expected_in("a coordinate of vertex ", i, vertex_count_);
       }
-      if (homogeneous_) {
+      if (keyword_.homogeneous) {
         double w = 1;
         scanner_.skip_blanks();
         if (!scanner_.number(w)) return expected_in("the fourth coordinate of vertex ", i, vertex_count_);
         p /= w;
       }
       if (!is_finite(p)) return scanner_.error(kNotFinite);
+      if (has_attributes) read_attributes(i);
       soup_.positions.push_back(p);
       scanner_.next_line();
     }
     return absl::OkStatus();
+  }
+
+  // Numbers up to the end of the line; how many there are, at most `most`.
+  template <std::size_t kMost>
+  std::size_t read_numbers(std::array<float, kMost>& numbers) {
+    std::size_t count = 0;
+    double value = 0;
+    for (scanner_.skip_blanks(); count < kMost && scanner_.number(value); scanner_.skip_blanks()) {
+      numbers[count++] = static_cast<float>(value);
+    }
+    return count;
+  }
+
+  // Behind the coordinates, in this order: normal, colour (three or four numbers), texture coordinates.
+  void read_attributes(std::size_t vertex) {
+    std::array<float, 9> numbers{};
+    const std::size_t count = read_numbers(numbers);
+    const std::size_t before = keyword_.normals ? 3 : 0;
+    const std::size_t behind = keyword_.places ? 2 : 0;
+    const std::size_t channels = std::min<std::size_t>(count - std::min(count, before + behind), 4);
+    if (count < before + behind || (keyword_.colours && channels < 3)) {
+      if (incomplete_++ == 0) incomplete_line_ = scanner_.line();
+      return;
+    }
+    if (keyword_.normals) soup_.attributes.normals[vertex] = Vec3f(numbers[0], numbers[1], numbers[2]);
+    const float* next = numbers.data() + before;
+    if (keyword_.colours) {
+      colours_.put(vertex, {next[0], next[1], next[2], channels == 4 ? next[3] : -1.0F});
+      next += channels;
+    }
+    if (keyword_.places) places_[vertex] = Vec2f(next[0], next[1]);
   }
 
   absl::Status read_faces() {
@@ -117,10 +161,35 @@ class OffReader {
         }
         soup_.indices.push_back(static_cast<std::uint32_t>(index));
       }
+      const std::size_t polygon = soup_.polygon_count();
       if (!close_polygon(soup_)) return scanner_.error(kTooManyCorners);
-      scanner_.next_line();  // and with it the face's colour
+      // A single number is an index into a table of Geomview's own.
+      std::array<float, 4> rgba{};
+      const std::size_t channels = read_numbers(rgba);
+      if (channels == 3) rgba[3] = -1;
+      if (channels >= 3 && soup_.polygon_count() > polygon) face_colours_.put(polygon, rgba);
+      scanner_.next_line();
     }
     return absl::OkStatus();
+  }
+
+  void finish_attributes() {
+    MeshAttributes& attributes = soup_.attributes;
+    attributes.colours = colours_.take(soup_.positions.size());
+    attributes.face_colours = face_colours_.take(soup_.polygon_count());
+    if (incomplete_ > 0) {
+      add_warning(
+          soup_.warnings, incomplete_line_,
+          absl::StrFormat("this vertex lacks some of the normal, colour and texture coordinates that the file's first word "
+                          "promises, and so do %d more; they are left out.",
+                          incomplete_ - 1));
+    }
+    if (incomplete_ == vertex_count_) {
+      attributes.normals.clear();
+    } else if (keyword_.places) {
+      attributes.uv.reserve(soup_.indices.size());
+      for (const std::uint32_t index : soup_.indices) attributes.uv.push_back(places_[index]);
+    }
   }
 
   absl::Status expected_in(std::string_view what, std::uint64_t number, std::uint64_t count) const {
@@ -132,7 +201,12 @@ class OffReader {
   PolygonSoup soup_;
   std::uint64_t vertex_count_ = 0;
   std::uint64_t face_count_ = 0;
-  bool homogeneous_ = false;
+  OffKeyword keyword_;
+  TextColours colours_;
+  TextColours face_colours_;
+  std::vector<Vec2f> places_;     // of the vertices
+  std::uint64_t incomplete_ = 0;  // vertices without the attributes that the keyword promises
+  std::size_t incomplete_line_ = 0;
 };
 
 }  // namespace

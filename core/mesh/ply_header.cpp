@@ -43,7 +43,9 @@ class HeaderParser {
         status = parse_element();
       } else if (keyword == "property") {
         status = parse_property();
-      } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
+      } else if (keyword == "comment") {
+        parse_comment();
+      } else if (keyword != "obj_info" && !keyword.empty()) {
         status = scanner_.error(absl::StrFormat("unknown keyword in the header: '%s'", printable(keyword)));
       }
       if (!status.ok()) return status;
@@ -81,6 +83,13 @@ class HeaderParser {
     }
     has_format_ = true;
     return absl::OkStatus();
+  }
+
+  void parse_comment() {
+    if (next_word() != "TextureFile") return;
+    std::string_view name = scanner_.line_rest();
+    while (name.ends_with(' ') || name.ends_with('\t')) name.remove_suffix(1);
+    if (!name.empty()) header_.textures.push_back({name, scanner_.line()});
   }
 
   absl::Status parse_element() {

@@ -26,9 +26,16 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 };
 
+/// A line "comment TextureFile NAME", as MeshLab writes it.
+struct PlyTexture {
+  std::string_view name;
+  std::size_t line = 0;
+};
+
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
+  std::vector<PlyTexture> textures;
   std::size_t body_offset = 0;  // bytes
   std::size_t body_line = 1;    // number of the line there, for text
 };

@@ -7,15 +7,17 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/mesh/companion_name.h"
 #include "core/mesh/mesh_reading.h"
+#include "core/mesh/ply_columns.h"
 #include "core/mesh/ply_header.h"
+#include "core/mesh/ply_plain_faces.h"
 #include "core/mesh/ply_source.h"
 #include "core/mesh/text_scanner.h"
+#include "core/mesh/texture_loader.h"
 
 namespace curvecast {
 namespace {
-
-constexpr std::size_t kNotThere = SIZE_MAX;
 
 enum class Role { kVertices, kPolygons, kStrips, kOther };
 
@@ -26,14 +28,14 @@ Role role_of(const PlyElement& element) {
   return Role::kOther;
 }
 
-// The list of vertex indices among the properties; kNotThere without one.
+// The list of vertex indices among the properties; PlyFaceLayout::kNotThere without one.
 std::size_t find_index_list(const PlyElement& element) {
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     const PlyProperty& property = element.properties[i];
     const bool name_fits = property.name == "vertex_indices" || property.name == "vertex_index";
     if (name_fits && property.is_list && is_integer(property.type)) return i;
   }
-  return kNotThere;
+  return PlyFaceLayout::kNotThere;
 }
 
 // The bytes of each element, when they are the same for all (no lists).
@@ -52,7 +54,7 @@ class PlyBodyReader {
   PlyBodyReader(std::string_view bytes, const PlyHeader& header, const ExecutionContext& context)
       : header_(header), source_(bytes, header), monitor_(context, bytes.size()) {}
 
-  absl::StatusOr<PolygonSoup> read() {
+  absl::StatusOr<PolygonSoup> read(const MeshFile& file) {
     soup_.polygon_begin.push_back(0);
     std::size_t elements_needed = 0;
     for (std::size_t i = 0; i < header_.elements.size(); ++i) {
@@ -73,6 +75,8 @@ class PlyBodyReader {
     if (soup_.positions.size() != *vertex_count_) {
       return absl::InvalidArgumentError("the element 'vertex' has no properties x, y and z");
     }
+    TextureLoader textures(file, soup_.warnings);
+    finish_attributes(textures);
     return std::move(soup_);
   }
 
@@ -130,64 +134,51 @@ class PlyBodyReader {
   // ------------------------------------------------------------------------------------------------------------ vertices
 
   absl::Status read_vertices(const PlyElement& element) {
-    std::size_t place[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      constexpr std::string_view kNames[] = {"x", "y", "z"};
-      const auto found = std::find_if(element.properties.begin(), element.properties.end(), [&](const PlyProperty& property) {
-        return property.name == kNames[axis] && !property.is_list;
-      });
-      if (found == element.properties.end()) {
-        return absl::InvalidArgumentError(absl::StrFormat("the element 'vertex' has no property '%s'", kNames[axis]));
-      }
-      place[axis] = static_cast<std::size_t>(found - element.properties.begin());
+    const std::vector<PlyColumn> columns = vertex_columns(element, soup_, vertex_uv_);
+    if (columns.empty()) {
+      const auto is_there = [&](std::string_view name) {
+        return std::any_of(element.properties.begin(), element.properties.end(),
+                           [&](const PlyProperty& property) { return property.name == name && !property.is_list; });
+      };
+      const char* const missing = !is_there("x") ? "x" : !is_there("y") ? "y" : "z";
+      return absl::InvalidArgumentError(absl::StrFormat("the element 'vertex' has no property '%s'", missing));
     }
     if constexpr (kBinary) {
-      const PlyType type = element.properties[place[0]].type;
-      const bool same = type == element.properties[place[1]].type && type == element.properties[place[2]].type;
-      if (same && fixed_size(element) && type == PlyType::kFloat32) return read_fixed_vertices<float>(element, place);
-      if (same && fixed_size(element) && type == PlyType::kFloat64) return read_fixed_vertices<double>(element, place);
+      if (const std::optional<std::size_t> stride = fixed_size(element)) return read_fixed_vertices(element, columns, *stride);
     }
-    std::vector<int> axis_of(element.properties.size(), -1);
-    for (int axis = 0; axis < 3; ++axis) axis_of[place[axis]] = axis;
-    soup_.positions.reserve(element.count);
     for (std::uint64_t i = 0; i < element.count; ++i) {
       if (!monitor_.tick(source_.offset())) return monitor_.status();
-      Vec3d p;
-      for (std::size_t j = 0; j < axis_of.size(); ++j) {
-        const PlyProperty& property = element.properties[j];
-        if (axis_of[j] < 0) {
-          if (absl::Status status = skip_property(element, property, i); !status.ok()) return status;
-        } else if (!source_.real(property.type, p[axis_of[j]])) {
-          return source_.missing(element, i);
-        }
+      std::size_t next = 0;
+      for (std::size_t j = 0; j < element.properties.size(); ++j) {
+        const bool wanted = next < columns.size() && columns[next].property == j;
+        if (absl::Status status = read_property(element, j, i, wanted ? &columns[next] : nullptr, i); !status.ok()) return status;
+        next += wanted;
       }
-      if (!is_finite(p)) return source_.error(element.name, i, kNotFinite);
-      soup_.positions.push_back(p);
+      if (!is_finite(soup_.positions[i])) return source_.error(element.name, i, kNotFinite);
     }
     return absl::OkStatus();
   }
 
-  // All vertices of one size, their coordinates of one type.
-  template <class T>
-  absl::Status read_fixed_vertices(const PlyElement& element, const std::size_t (&place)[3]) {
-    std::size_t offsets[3] = {0, 0, 0};
-    for (int axis = 0; axis < 3; ++axis) {
-      for (std::size_t j = 0; j < place[axis]; ++j) offsets[axis] += ply_type_bytes(element.properties[j].type);
-    }
-    const std::size_t stride = *fixed_size(element);
-    soup_.positions.resize(element.count);
-    for (std::size_t first = 0; first < element.count; first += kReadBlock) {
-      if (!monitor_.look(source_.offset())) return monitor_.status();
-      const std::size_t count = std::min<std::size_t>(kReadBlock, element.count - first);
-      const char* const block = source_.data();
-      Vec3d* const out = soup_.positions.data() + first;
+  // Into place `slot` of the column; nowhere without one.
+  absl::Status read_property(const PlyElement& element, std::size_t property, std::uint64_t number, const PlyColumn* column,
+                             std::size_t slot) {
+    if (column == nullptr) return skip_property(element, element.properties[property], number);
+    double value = 0;
+    if (!source_.real(column->type, value)) return source_.missing(element, number);
+    put(*column, slot, value);
+    return absl::OkStatus();
+  }
+
+  // Column by column, in blocks that stay in the cache meanwhile.
+  absl::Status read_fixed_vertices(const PlyElement& element, const std::vector<PlyColumn>& columns, std::size_t stride) {
+    constexpr std::size_t kBlock = 1024;
+    for (std::size_t first = 0; first < element.count; first += kBlock) {
+      if (!monitor_.tick(source_.offset(), kBlock)) return monitor_.status();
+      const std::size_t count = std::min<std::size_t>(kBlock, element.count - first);
+      for (const PlyColumn& column : columns) copy_column<Source>(column, source_.data(), stride, first, count);
+      const Vec3d* const out = soup_.positions.data() + first;
       bool finite = true;
-      for (std::size_t i = 0; i < count; ++i) {
-        const char* const p = block + i * stride;
-        out[i] = Vec3d(Source::template at<T>(p + offsets[0]), Source::template at<T>(p + offsets[1]),
-                       Source::template at<T>(p + offsets[2]));
-        finite &= is_finite(out[i]);
-      }
+      for (std::size_t i = 0; i < count; ++i) finite &= is_finite(out[i]);
       if (!finite) {
         const Vec3d* const bad = std::find_if_not(out, out + count, is_finite);
         return source_.error(element.name, first + static_cast<std::size_t>(bad - out), kNotFinite);
@@ -201,7 +192,7 @@ class PlyBodyReader {
 
   absl::Status read_faces(const PlyElement& element) {
     const std::size_t list = find_index_list(element);
-    if (list == kNotThere) {
+    if (list == PlyFaceLayout::kNotThere) {
       return absl::InvalidArgumentError(
           absl::StrFormat("the element '%s' has no list 'vertex_indices' (or 'vertex_index') of integers", element.name));
     }
@@ -210,23 +201,59 @@ class PlyBodyReader {
       soup_.polygon_begin.reserve(soup_.polygon_begin.size() + element.count);
       soup_.indices.reserve(soup_.indices.size() + std::min<std::uint64_t>(3 * element.count, source_.scalars_left()));
     }
-    const PlainFace plain = strips ? PlainFace{} : plain_face(element, list);
+    PlyFaceLayout layout{.indices = list};
+    if (!strips) layout = {list, find_texcoord(element), face_columns(element, soup_, texture_numbers_)};
+    PlyPlainFaces plain;
+    if (kBinary && !strips) plain = PlyPlainFaces(element, layout, *vertex_count_);
     for (std::uint64_t i = 0; i < element.count;) {
-      const std::size_t triangles = plain.size > 0 ? read_plain_triangles(plain, element.count - i) : 0;
+      std::size_t triangles = 0;
+      if constexpr (kBinary) triangles = plain.read(source_, soup_, element.count - i);
       if (!monitor_.tick(source_.offset(), triangles + 1)) return monitor_.status();
       i += triangles;
       if (triangles > 0) continue;
-      for (std::size_t j = 0; j < element.properties.size(); ++j) {
-        const PlyProperty& property = element.properties[j];
-        absl::Status status;
-        if (j != list) {
-          status = skip_property(element, property, i);
-        } else {
-          status = strips ? read_strips(element, property, i) : read_polygon(element, property, i);
-        }
-        if (!status.ok()) return status;
-      }
+      if (absl::Status status = read_face(element, layout, strips, i); !status.ok()) return status;
       ++i;
+    }
+    return absl::OkStatus();
+  }
+
+  static std::size_t find_texcoord(const PlyElement& element) {
+    for (std::size_t j = 0; j < element.properties.size(); ++j) {
+      if (element.properties[j].name == "texcoord" && element.properties[j].is_list) return j;
+    }
+    return PlyFaceLayout::kNotThere;
+  }
+
+  absl::Status read_face(const PlyElement& element, const PlyFaceLayout& layout, bool strips, std::uint64_t number) {
+    const std::size_t slot = soup_.polygon_count();  // those of too few corners leave it to the next
+    std::size_t next = 0;
+    face_uv_.clear();
+    for (std::size_t j = 0; j < element.properties.size(); ++j) {
+      const PlyProperty& property = element.properties[j];
+      absl::Status status;
+      if (j == layout.indices) {
+        status = strips ? read_strips(element, property, number) : read_polygon(element, property, number);
+      } else if (j == layout.texcoord) {
+        status = read_texcoord(element, property, number);
+      } else {
+        const bool wanted = next < layout.columns.size() && layout.columns[next].property == j;
+        status = read_property(element, j, number, wanted ? &layout.columns[next] : nullptr, slot);
+        next += wanted;
+      }
+      if (!status.ok()) return status;
+    }
+    if (soup_.polygon_count() > slot && !face_uv_.empty()) append_uv(soup_, soup_.polygon_begin[slot], face_uv_);
+    return absl::OkStatus();
+  }
+
+  absl::Status read_texcoord(const PlyElement& element, const PlyProperty& list, std::uint64_t number) {
+    std::int64_t length = 0;
+    if (absl::Status status = read_length(element, list, number, length); !status.ok()) return status;
+    double value[2] = {0, 0};
+    for (std::int64_t i = 0; i < length; ++i) {
+      if (!source_.real(list.type, value[i % 2])) return source_.missing(element, number);
+      if (i % 2 == 1) face_uv_.emplace_back(static_cast<float>(value[0]), static_cast<float>(value[1]));
+      if (!monitor_.tick(source_.offset())) return monitor_.status();
     }
     return absl::OkStatus();
   }
@@ -277,57 +304,28 @@ class PlyBodyReader {
 
   bool in_range(std::int64_t index) const { return index >= 0 && static_cast<std::uint64_t>(index) < *vertex_count_; }
 
-  // A face of one list (1-byte length, 4-byte indices) and nothing else of varying size: most files. `size` is 0 for other faces.
-  struct PlainFace {
-    std::size_t size = 0;  // of a triangle, bytes
-    std::size_t list = 0;  // offset of the list
-    std::uint64_t largest_index = 0;
-  };
-
-  PlainFace plain_face(const PlyElement& element, std::size_t list) const {
-    if constexpr (!kBinary) return {};
-    PlainFace face;
-    for (std::size_t j = 0; j < element.properties.size(); ++j) {
-      const PlyProperty& property = element.properties[j];
-      if (property.is_list != (j == list)) return {};
-      if (j == list) face.list = face.size;
-      face.size += j == list ? 13 : ply_type_bytes(property.type);
+  // What was noted on the way, and what some polygons lack, as attributes of all.
+  void finish_attributes(TextureLoader& textures) {
+    MeshAttributes& attributes = soup_.attributes;
+    if (!attributes.uv.empty()) {
+      attributes.uv.resize(soup_.indices.size(), Vec2f::Zero());
+    } else if (!vertex_uv_.empty()) {
+      attributes.uv.reserve(soup_.indices.size());
+      for (const std::uint32_t index : soup_.indices) attributes.uv.push_back(vertex_uv_[index]);
     }
-    const PlyProperty& indices = element.properties[list];
-    if (ply_type_bytes(indices.count_type) != 1 || ply_type_bytes(indices.type) != 4 || *vertex_count_ == 0) return {};
-    face.largest_index = std::min<std::uint64_t>(*vertex_count_ - 1, indices.type == PlyType::kInt32 ? INT32_MAX : UINT32_MAX);
-    return face;
-  }
-
-  // The run of triangles that comes next, at most `most`; returns how many. 0 when a polygon, a fault or the end comes next,
-  // to be looked at one by one.
-  std::size_t read_plain_triangles(const PlainFace& face, std::uint64_t most) {
-    if constexpr (kBinary) {
-      constexpr std::uint64_t kLongestRun = 4096;  // small enough to be still in the cache the second time
-      const std::size_t room =
-          std::min({most, kLongestRun, source_.remaining() / face.size, (UINT32_MAX - soup_.indices.size()) / 3});
-      const char* const p = source_.data() + face.list;
-      std::size_t run = 0;
-      while (run < room && p[run * face.size] == 3) ++run;
-      const std::size_t old_size = soup_.indices.size();
-      soup_.indices.resize(old_size + 3 * run);
-      std::uint32_t largest = 0;
-      for (std::size_t i = 0; i < run; ++i) {
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-          const std::uint32_t index = Source::template at<std::uint32_t>(p + i * face.size + 1 + 4 * corner);
-          largest = std::max(largest, index);
-          soup_.indices[old_size + 3 * i + corner] = index;
-        }
-      }
-      if (largest > face.largest_index) {
-        soup_.indices.resize(old_size);
-        return 0;
-      }
-      for (std::size_t i = 1; i <= run; ++i) soup_.polygon_begin.push_back(static_cast<std::uint32_t>(old_size + 3 * i));
-      source_.advance(run * face.size);
-      return run;
-    } else {
-      return 0;
+    if (!attributes.face_colours.empty()) attributes.face_colours.resize(soup_.polygon_count());
+    if (attributes.uv.empty() || header_.textures.empty()) return;
+    for (const PlyTexture& texture : header_.textures) {
+      attributes.materials.push_back({.name = display_name(texture.name),
+                                      .colour = {},
+                                      .texture = textures.load(texture.name, "", absl::StrFormat("line %d", texture.line))});
+    }
+    const auto count = static_cast<float>(attributes.materials.size());
+    attributes.material_of_face.assign(soup_.polygon_count(), 0);
+    for (std::size_t p = 0; p < std::min(texture_numbers_.size(), soup_.polygon_count()); ++p) {
+      const float number = texture_numbers_[p];
+      attributes.material_of_face[p] =
+          number >= 0 && number < count ? static_cast<std::uint32_t>(number) : MeshAttributes::kNoMaterial;
     }
   }
 
@@ -336,20 +334,28 @@ class PlyBodyReader {
   ReadMonitor monitor_;
   PolygonSoup soup_;
   std::optional<std::uint64_t> vertex_count_;
+  std::vector<Vec2f> vertex_uv_;
+  std::vector<float> texture_numbers_;  // of the polygons so far
+  std::vector<Vec2f> face_uv_;          // of the face at hand
 };
+
+template <class Source>
+absl::StatusOr<PolygonSoup> read_body(const MeshFile& file, const PlyHeader& header, const ExecutionContext& context) {
+  return PlyBodyReader<Source>(file.text(), header, context).read(file);
+}
 
 }  // namespace
 
-absl::StatusOr<PolygonSoup> read_ply(std::string_view bytes, const ExecutionContext& context) {
-  const absl::StatusOr<PlyHeader> header = parse_ply_header(bytes);
+absl::StatusOr<PolygonSoup> read_ply(const MeshFile& file, const ExecutionContext& context) {
+  const absl::StatusOr<PlyHeader> header = parse_ply_header(file.text());
   if (!header.ok()) return header.status();
   switch (header->format) {
     case PlyFormat::kAscii:
-      return PlyBodyReader<PlyTextSource>(bytes, *header, context).read();
+      return read_body<PlyTextSource>(file, *header, context);
     case PlyFormat::kBinaryLittleEndian:
-      return PlyBodyReader<PlyBinarySource<false>>(bytes, *header, context).read();
+      return read_body<PlyBinarySource<false>>(file, *header, context);
     case PlyFormat::kBinaryBigEndian:
-      return PlyBodyReader<PlyBinarySource<true>>(bytes, *header, context).read();
+      return read_body<PlyBinarySource<true>>(file, *header, context);
   }
   return absl::InternalError("unknown PLY format");
 }

@@ -3,16 +3,16 @@
 
 #include <absl/status/statusor.h>
 
-#include <string_view>
-
 #include "core/execution_context.h"
+#include "core/mesh/mesh_file.h"
 #include "core/mesh/polygon_soup.h"
 
 namespace curvecast {
 
-/// Takes x, y, z of the element `vertex` and the list `vertex_indices` (or `vertex_index`) of the elements `face` and
-/// `tristrips`; all else is skipped. Errors as for read_mesh, starting with the line (text) or the element's number from 0
-/// (binary); a result without polygons is left to the caller.
-absl::StatusOr<PolygonSoup> read_ply(std::string_view bytes, const ExecutionContext& context);
+/// Takes the scalars of the element `vertex` (see vertex_columns) and of the elements `face` and `tristrips` the list
+/// `vertex_indices` (or `vertex_index`); of `face` also red, green, blue, alpha, the list `texcoord` (u and v of each corner) and
+/// `texnumber`, which counts the header's lines `comment TextureFile NAME`. All else is skipped. Errors as for read_mesh,
+/// starting with the line (text) or the element's number from 0 (binary); a result without polygons is left to the caller.
+absl::StatusOr<PolygonSoup> read_ply(const MeshFile& file, const ExecutionContext& context);
 
 }  // namespace curvecast

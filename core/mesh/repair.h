@@ -15,7 +15,7 @@ struct RepairReport {                       // counts
   std::uint64_t triangulated_polygons = 0;  // polygons of more than three corners
   std::uint64_t degenerate_faces = 0;       // dropped: repeated corner or no area
   std::uint64_t duplicate_faces = 0;        // dropped: the same three vertices again
-  std::uint64_t welded_vertices = 0;        // merged into another at the same place (formats without shared vertices)
+  std::uint64_t welded_vertices = 0;        // merged into another at the same place
   std::uint64_t unused_vertices = 0;        // dropped: no face uses them
   std::uint64_t flipped_faces = 0;          // turned to agree with their neighbours
   std::uint64_t nonmanifold_edges = 0;      // split: more than two faces, or orientations that cannot agree
@@ -24,12 +24,13 @@ struct RepairReport {                       // counts
 
 struct RepairedMesh {
   TriangleMesh mesh;
-  MeshAttributes attributes;
+  MeshAttributes attributes;  // of the soup, for the mesh's vertices, corners and faces
   RepairReport report;
 };
 
-/// Triangulates, welds (only if !soup.shares_vertices), drops degenerate and duplicate faces, orients, splits non-manifold
-/// edges and vertices, drops unused vertices. Face order is kept. Closes nothing.
+/// Triangulates, welds vertices at the same place (only those on a border of the soup's own connectivity, but all if
+/// !soup.shares_vertices), drops degenerate and duplicate faces, orients, splits non-manifold edges and vertices, drops unused
+/// vertices. Face order is kept. Closes nothing.
 /// InvalidArgument when no face with an area is left.
 absl::StatusOr<RepairedMesh> repair(const PolygonSoup& soup, const ExecutionContext& context = {});
 

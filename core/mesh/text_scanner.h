@@ -58,6 +58,12 @@ class TextScanner {
     count_line_end();
     ++p_;
   }
+  /// Everything up to the end of the line; moves there.
+  std::string_view line_rest() {
+    const char* const start = p_;
+    while (p_ != end_ && !is_line_end(*p_)) ++p_;
+    return {start, static_cast<std::size_t>(p_ - start)};
+  }
   /// Up to `a`, `b` or the end of the line.
   void skip_until(char a, char b) {
     while (p_ != end_ && *p_ != a && *p_ != b && !is_line_end(*p_)) ++p_;

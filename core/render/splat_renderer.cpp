@@ -47,7 +47,7 @@ absl::Status check_options(const RenderOptions& options) {
   return absl::OkStatus();
 }
 
-absl::Status check_cloud(const SplatCloud& cloud, std::span<const Vec3f> dots) {
+absl::Status check_cloud(const SplatCloud& cloud, std::span<const Vec3f> dots, std::span<const Rgb8> dot_colors) {
   const std::size_t n = cloud.positions.size();
   if (n == 0) return absl::InvalidArgumentError("cannot render an empty cloud");
   if (n > std::numeric_limits<std::int32_t>::max() || dots.size() > std::numeric_limits<std::int32_t>::max()) {
@@ -60,6 +60,10 @@ absl::Status check_cloud(const SplatCloud& cloud, std::span<const Vec3f> dots) {
   if (absl::Status status = check_size("normals", cloud.normals.size()); !status.ok()) return status;
   if (absl::Status status = check_size("radii", cloud.radii.size()); !status.ok()) return status;
   if (absl::Status status = check_size("colours", cloud.colors.size()); !status.ok()) return status;
+  if (!dot_colors.empty() && dot_colors.size() != dots.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("there are %d dots but %d colours of dots", dots.size(), dot_colors.size()));
+  }
 
   const auto check_finite = [](const char* what, std::span<const Vec3f> values) {
     const auto bad = std::find_if(values.begin(), values.end(), [](const Vec3f& v) { return !v.allFinite(); });
@@ -146,23 +150,20 @@ void pack_splats(const SplatCloud& cloud, const EyeTransform& to_eye, double all
   scene.mean_radius = static_cast<float>(sum / static_cast<double>(n));
 }
 
-void pack_dots(const SplatCloud& cloud, std::span<const Vec3f> dots, const EyeTransform& to_eye, const RenderOptions& options,
-               SplatScene& scene) {
-  const bool are_own = dots.empty();
-  const std::span<const Vec3f> points = are_own ? cloud.positions : dots;
-  const bool use_colors = are_own && !cloud.colors.empty();
-  scene.dots.resize(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    scene.dots[i] = {to_eye(points[i]), with_alpha(use_colors ? cloud.colors[i] : options.dot_color)};
+void pack_dots(std::span<const Vec3f> dots, std::span<const Rgb8> colors, const EyeTransform& to_eye,
+               const RenderOptions& options, SplatScene& scene) {
+  scene.dots.resize(dots.size());
+  for (std::size_t i = 0; i < dots.size(); ++i) {
+    scene.dots[i] = {to_eye(dots[i]), with_alpha(colors.empty() ? options.dot_color : colors[i])};
   }
 }
 
 }  // namespace
 
 absl::StatusOr<Image> render_splats(const SplatCloud& cloud, const RenderCamera& camera, const RenderOptions& options,
-                                    std::span<const Vec3f> dots) {
+                                    std::span<const Vec3f> dots, std::span<const Rgb8> dot_colors) {
   if (absl::Status status = check_options(options); !status.ok()) return status;
-  if (absl::Status status = check_cloud(cloud, dots); !status.ok()) return status;
+  if (absl::Status status = check_cloud(cloud, dots, dot_colors); !status.ok()) return status;
   const absl::StatusOr<Eigen::Matrix3d> rotation = camera_rotation(camera);
   if (!rotation.ok()) return rotation.status();
 
@@ -195,7 +196,8 @@ absl::StatusOr<Image> render_splats(const SplatCloud& cloud, const RenderCamera&
     scene.background_bottom = options.background_bottom;
     scene.dot_diameter = static_cast<float>(options.dot_diameter);
     pack_splats(cloud, to_eye, estimated_radius(box, cloud.positions.size()), options.radius_scale, scene.has_colors, scene);
-    if (is_dots) pack_dots(cloud, dots, to_eye, options, scene);
+    if (is_dots && dots.empty()) pack_dots(cloud.positions, cloud.colors, to_eye, options, scene);
+    if (is_dots && !dots.empty()) pack_dots(dots, dot_colors, to_eye, options, scene);
     return draw_splats(scene);
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrFormat("out of memory while rendering %d splats on %d x %d pixels",

@@ -49,12 +49,13 @@ struct RenderOptions {
 /// Neighbouring discs should overlap: a radius of the spacing of evenly spread points makes the surface smooth, 0.7 of it still
 /// leaves no hole. A disc without neighbours shows up to 0.8 of its radius. Without any normals they are taken from the depths.
 /// Two-sided: the back of an open surface is shaded too. Hidden dots are those behind the splatted surface. With `dots`, kDots
-/// draws these points instead of the cloud's own, which then only makes the surface: a dense cloud under a sparse point set.
+/// draws these points, in `dot_colors` where there are any, instead of the cloud's own, which then only makes the surface: a
+/// dense cloud under a sparse point set.
 ///
 /// InvalidArgument for an empty cloud, spans of other lengths, coordinates that are not finite, options out of range or a camera
 /// without a direction; ResourceExhausted or Internal when OSMesa refuses. Deterministic on one machine. May be called from any
 /// thread; leaves no OSMesa context current on it.
 absl::StatusOr<Image> render_splats(const SplatCloud& cloud, const RenderCamera& camera, const RenderOptions& options = {},
-                                    std::span<const Vec3f> dots = {});
+                                    std::span<const Vec3f> dots = {}, std::span<const Rgb8> dot_colors = {});
 
 }  // namespace curvecast

@@ -28,6 +28,10 @@ PointSet gather(const SurfaceCurve& curve, std::span<const float> density, doubl
     points.normals.emplace_back(curve.nx[l], curve.ny[l], curve.nz[l]);
     points.radii.push_back(static_cast<float>(std::min(kSplatRadius * std::sqrt(mass_per_point / density[l]), largest)));
   }
+  if (!curve.colour.empty()) {
+    points.colours.reserve(vertices.size());
+    for (const std::uint32_t l : vertices) points.colours.push_back(curve.colour[l]);
+  }
   points.vertices = std::move(vertices);
   return points;
 }

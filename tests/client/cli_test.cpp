@@ -4,7 +4,9 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -228,6 +230,43 @@ TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
     run_json({"sample", sphere_, "-n", "2000", "-o", path});
     check({path});
   }
+}
+
+TEST_F(CliTest, RenderDrawsThePointsColoursUnlessToldNot) {
+  const std::string ply = temporary("plain.ply"), coloured = temporary("coloured.ply");
+  run_json({"sample", sphere_, "-n", "2000", "-o", ply});
+  auto points = load_points(ply);
+  ASSERT_TRUE(points.ok()) << points.status();
+  points->colours.assign(points->size(), {0, 0, 255});
+  ASSERT_TRUE(save_points(coloured, *points, {}).ok());
+  const auto picture = [&](std::vector<std::string> arguments) {
+    const std::string png = temporary("colours.png");
+    for (const char* argument : {"-o", png.c_str(), "--size", "64x48"}) arguments.emplace_back(argument);
+    run_json(arguments);
+    return bytes_of(png);
+  };
+  for (const char* style : {"surface", "dots"}) {
+    const std::string plain = picture({"render", ply, "--style", style});
+    EXPECT_NE(picture({"render", coloured, "--style", style}), plain);
+    EXPECT_EQ(picture({"render", coloured, "--style", style, "--no-colour"}), plain);
+  }
+}
+
+TEST_F(CliTest, WhatAMeshRefersToIsTakenFromItsFolder) {
+  std::filesystem::create_directories(temporary("obj"));
+  const std::string obj = temporary("obj/square.obj");
+  std::ofstream(temporary("obj/square.mtl")) << "newmtl blue\nKd 0 0 1\nmap_Kd missing.png\n";
+  std::ofstream(obj) << "mtllib square.mtl\nusemtl blue\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+  const json info = run_json({"info", obj});
+  EXPECT_THAT(info["attributes"].dump(), HasSubstr("materials"));
+  EXPECT_THAT(info["warnings"].dump(), HasSubstr("missing.png"));
+  EXPECT_THAT(run({"info", obj}).out, HasSubstr("warning        "));
+  EXPECT_EQ(run_json({"preprocess", obj, "-n", "100"})["warnings"], info["warnings"]);
+  const std::string ply = temporary("square.ply");
+  run_json({"sample", obj, "-n", "50", "-o", ply});
+  const auto points = load_points(ply);
+  ASSERT_TRUE(points.ok()) << points.status();
+  EXPECT_EQ(points->colours, (std::vector<std::array<std::uint8_t, 3>>(50, {0, 0, 255})));
 }
 
 TEST_F(CliTest, WrongUsageIsStatus2) {

@@ -2,9 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "client/lib/file_bytes.h"
 #include "tests/client/fake_connection.h"
@@ -14,8 +18,10 @@ namespace curvecast::client {
 namespace {
 
 using ::testing::_;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::NiceMock;
+using ::testing::Pair;
 using ::testing::Return;
 
 class ClientTest : public ::testing::Test {
@@ -76,6 +82,107 @@ TEST_F(ClientTest, UploadsAFileUnderItsNameAndHash) {
   EXPECT_EQ(fraction, 1);
 }
 
+/// A server that takes everything, and for each list of references names the next of `rounds`, the last one for ever.
+class ReferenceTest : public ClientTest {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(::testing::TempDir()) / ("curvecast_references_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_ / "mesh");
+    for (const char* name : {"mesh/a.obj", "mesh/a.off", "mesh/a.mtl", "mesh/t.png", "secret.png"}) {
+      ASSERT_TRUE(write_bytes((folder_ / name).string(), std::string("content of ") + name).ok());
+    }
+    ON_CALL(*connection_, get_mesh).WillByDefault(Return(absl::NotFoundError("no")));
+    ON_CALL(*connection_, upload_mesh)
+        .WillByDefault([this](const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes, std::stop_token stop) {
+          std::string received;
+          auto response = receive(&received)(header, read, on_bytes, stop);
+          uploads_.push_back(received);
+          return response;
+        });
+    ON_CALL(*connection_, list_mesh_references)
+        .WillByDefault([this](const v1::ListMeshReferencesRequest& request, std::stop_token) {
+          requests_.push_back(request);
+          v1::ListMeshReferencesResponse response;
+          for (const std::string& name : rounds_[std::min(requests_.size(), rounds_.size()) - 1]) response.add_missing(name);
+          return response;
+        });
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  absl::StatusOr<UploadedMesh> upload(const char* name) {
+    return client_.upload_with_companions((folder_ / "mesh" / name).string());
+  }
+
+  std::filesystem::path folder_;
+  std::vector<std::vector<std::string>> rounds_ = {{}};
+  std::vector<std::string> uploads_;
+  std::vector<v1::ListMeshReferencesRequest> requests_;
+};
+
+TEST_F(ReferenceTest, FollowsReferencesToReferences) {
+  rounds_ = {{"a.mtl", "missing.mtl"}, {"missing.mtl", "t.png"}, {"missing.mtl"}};
+  const auto mesh = upload("a.obj");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(uploads_, ElementsAre("content of mesh/a.obj", "content of mesh/a.mtl", "content of mesh/t.png"));
+  EXPECT_EQ(mesh->mesh_id, mesh_id_of(std::string("content of mesh/a.obj")));
+  EXPECT_THAT(mesh->companions, ElementsAre(Pair("a.mtl", mesh_id_of(std::string("content of mesh/a.mtl"))),
+                                            Pair("t.png", mesh_id_of(std::string("content of mesh/t.png")))));
+  ASSERT_EQ(requests_.size(), 3U);
+  EXPECT_EQ(requests_[2].companions().size(), 2U);
+
+  EXPECT_CALL(*connection_, inspect_mesh).WillOnce([&](const v1::InspectMeshRequest& request, std::stop_token) {
+    EXPECT_EQ(request.companions().size(), 2U);
+    return v1::InspectMeshResponse();
+  });
+  EXPECT_TRUE(client_.inspect(*mesh).ok());
+  EXPECT_CALL(*connection_, create_session)
+      .WillOnce([&](const v1::CreateSessionRequest& request, const OnProgress&, std::stop_token) {
+        EXPECT_EQ(request.companions().at("t.png"), mesh_id_of(std::string("content of mesh/t.png")));
+        return v1::Session();
+      });
+  EXPECT_TRUE(client_.create_session(*mesh, {}).ok());
+}
+
+TEST_F(ReferenceTest, SendsNothingFromElsewhereWhateverTheServerAsksFor) {
+  rounds_ = {{"../secret.png", (folder_ / "secret.png").string(), "a.off", "/etc/passwd", "", "..", "../mesh/t.png"}};
+  const auto mesh = upload("a.obj");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_THAT(uploads_, ElementsAre("content of mesh/a.obj"));
+  EXPECT_TRUE(mesh->companions.empty());
+  ASSERT_EQ(mesh->refused.size(), 7U);
+  EXPECT_THAT(mesh->refused[0], HasSubstr("../secret.png"));
+  EXPECT_CALL(*connection_, inspect_mesh).WillOnce(Return(v1::InspectMeshResponse()));
+  EXPECT_EQ(client_.inspect(*mesh)->warnings_size(), 7) << "the user learns why";
+}
+
+TEST_F(ReferenceTest, AsksOnlyForFormatsThatRefer) {
+  EXPECT_CALL(*connection_, list_mesh_references).Times(0);
+  EXPECT_TRUE(upload("a.off").ok());
+}
+
+TEST_F(ReferenceTest, AServerThatNeverEndsIsLeft) {
+  rounds_.clear();
+  for (int round = 0; round < 50; ++round) {
+    const std::string name = std::to_string(round) + ".png";
+    ASSERT_TRUE(write_bytes((folder_ / "mesh" / name).string(), name).ok());
+    rounds_.push_back({name});
+  }
+  ASSERT_TRUE(upload("a.obj").ok());
+  EXPECT_EQ(requests_.size(), 8U);
+  requests_.clear();
+  rounds_ = {{}};
+  for (int i = 0; i < 1000; ++i) rounds_[0].push_back("../" + std::to_string(i));
+  rounds_[0].push_back("t.png");
+  const auto mesh = upload("a.obj");
+  ASSERT_TRUE(mesh.ok());
+  EXPECT_TRUE(mesh->companions.empty()) << "after 256 names";
+}
+
+TEST_F(ReferenceTest, PassesErrorsOn) {
+  ON_CALL(*connection_, list_mesh_references).WillByDefault(Return(absl::InvalidArgumentError("broken")));
+  EXPECT_TRUE(absl::IsInvalidArgument(upload("a.obj").status()));
+}
+
 TEST_F(ClientTest, SaysWhichFileCannotBeRead) {
   EXPECT_CALL(*connection_, get_mesh).Times(0);
   const absl::Status status = client_.upload_mesh("/nonexistent/mesh.ply").status();
@@ -119,6 +226,10 @@ TEST_F(ClientTest, JoinsBlocksInOrder) {
   EXPECT_EQ(sample->statistics.curve_vertices(), 77U);
   EXPECT_EQ(sample->bytes, 280U);
 
+  responses.back().mutable_points()->mutable_raw()->set_colours(std::string(15, 'c'));
+  ON_CALL(*connection_, resample).WillByDefault(Return(responses));
+  EXPECT_TRUE(absl::IsDataLoss(client_.resample(request).status())) << "colours for all points or for none";
+
   request.mutable_sample()->set_points(11);
   EXPECT_TRUE(absl::IsDataLoss(client_.resample(request).status())) << "exactly as many as asked for";
 }
@@ -139,7 +250,7 @@ TEST_F(ClientTest, ForwardsSessions) {
   v1::SessionOptions options;
   options.set_max_points(5);
   std::string seen;
-  const auto created = client_.create_session("m", options, [&](std::string_view stage, double) { seen = stage; });
+  const auto created = client_.create_session(std::string("m"), options, [&](std::string_view stage, double) { seen = stage; });
   ASSERT_TRUE(created.ok()) << created.status();
   EXPECT_EQ(created->session_id(), "s");
   EXPECT_EQ(seen, "map");

@@ -74,6 +74,29 @@ TEST(DecodeBlock, KeepsDracoPointsInOrderWithinTheLattice) {
   }
 }
 
+TEST(DecodeBlock, KeepsColoursExactly) {
+  Points points = sphere_points(1000);
+  EXPECT_TRUE(decode_block(draco_block(points))->colours.empty());
+  const std::uint64_t uncoloured = encoded_bytes(raw_block(points));
+  add_colours(&points);
+  for (const v1::PointBlock& block : {raw_block(points), draco_block(points)}) {
+    const auto decoded = decode_block(block);
+    ASSERT_TRUE(decoded.ok()) << decoded.status();
+    EXPECT_EQ(decoded->colours, points.colours);
+  }
+  EXPECT_EQ(encoded_bytes(raw_block(points)), uncoloured + 3000);
+}
+
+TEST(DecodeBlock, RefusesColoursOfAnotherNumber) {
+  Points points = sphere_points(100);
+  add_colours(&points);
+  for (const std::size_t bytes : {1UL, 3UL, 100UL, 299UL, 301UL, 400UL}) {
+    v1::PointBlock block = raw_block(points);
+    block.mutable_raw()->mutable_colours()->resize(bytes);
+    EXPECT_TRUE(absl::IsDataLoss(decode_block(block).status())) << bytes;
+  }
+}
+
 TEST(DecodeBlock, RefusesBlocksThatDisagreeWithTheirCount) {
   const Points points = sphere_points(100);
   for (v1::PointBlock block : {raw_block(points), draco_block(points)}) {
@@ -155,7 +178,9 @@ TEST(DecodeDraco, RefusesEveryTruncation) {
 }
 
 TEST(DecodeDraco, SurvivesDamage) {
-  const v1::PointBlock block = draco_block(sphere_points(300));
+  Points whole = sphere_points(300);
+  add_colours(&whole);
+  const v1::PointBlock block = draco_block(whole);
   std::mt19937 random(1);
   for (int trial = 0; trial < 3000; ++trial) {
     v1::PointBlock damaged = block;
@@ -164,6 +189,7 @@ TEST(DecodeDraco, SurvivesDamage) {
     const auto points = decode_block(damaged);
     if (!points.ok()) continue;
     ASSERT_EQ(points->size(), 300U);
+    ASSERT_TRUE(points->colours.empty() || points->colours.size() == 300U);
     for (const auto& p : points->positions) ASSERT_TRUE(std::isfinite(p[0] + p[1] + p[2]));
   }
 }
@@ -185,12 +211,16 @@ TEST(DecodeDraco, AcceptsTheSmallestEncodings) {
 
 TEST(AppendPoints, KeepsAbsolutePositions) {
   Points all = sphere_points(3), more = sphere_points(5);
+  add_colours(&all);
+  add_colours(&more);
   all.origin = {100, 200, 300};
   more.origin = {101, 202, 297};
   append_points(more, &all);
   ASSERT_EQ(all.size(), 8U);
   EXPECT_EQ(all.normals.size(), 8U);
   EXPECT_EQ(all.radii.size(), 8U);
+  ASSERT_EQ(all.colours.size(), 8U);
+  EXPECT_EQ(all.colours[7], more.colours[4]);
   for (std::size_t i = 0; i < 5; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(all.origin[axis] + all.positions[3 + i][axis], more.origin[axis] + more.positions[i][axis], 1e-5);

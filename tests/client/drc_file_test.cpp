@@ -47,6 +47,14 @@ TEST(DrcFile, WritesPointsWithoutNormalsAndRadii) {
   EXPECT_TRUE(read->radii.empty());
 }
 
+TEST(DrcFile, KeepsColours) {
+  Points points = sphere_points(700);
+  add_colours(&points);
+  const auto read = parse_drc(*make_drc(points, {}));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->colours, points.colours);
+}
+
 TEST(DrcFile, KeepsZeroRadiiSmall) {
   Points points = sphere_points(3);
   points.radii = {0, 0.5F, 1};

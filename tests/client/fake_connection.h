@@ -12,6 +12,8 @@ class FakeConnection : public Connection {
   MOCK_METHOD(absl::StatusOr<v1::UploadMeshResponse>, upload_mesh,
               (const v1::UploadHeader&, const ReadAt&, const OnBytes&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<v1::GetMeshResponse>, get_mesh, (const v1::GetMeshRequest&, std::stop_token), (override));
+  MOCK_METHOD(absl::StatusOr<v1::ListMeshReferencesResponse>, list_mesh_references,
+              (const v1::ListMeshReferencesRequest&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<v1::InspectMeshResponse>, inspect_mesh, (const v1::InspectMeshRequest&, std::stop_token),
               (override));
   MOCK_METHOD(absl::StatusOr<v1::Session>, create_session, (const v1::CreateSessionRequest&, const OnProgress&, std::stop_token),

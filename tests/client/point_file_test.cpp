@@ -17,6 +17,7 @@
 namespace curvecast::client {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -81,6 +82,73 @@ TEST_F(PointFile, ReadsBackWhatItWrote) {
     } else {
       EXPECT_EQ(back->radii, points.radii) << ending;
     }
+  }
+}
+
+Points coloured(Points points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points.colours.push_back({static_cast<std::uint8_t>(i), 0, static_cast<std::uint8_t>(255 - i % 256)});
+  }
+  return points;
+}
+
+TEST_F(PointFile, ColoursComeBack) {
+  const Points points = coloured(some_points(300));
+  Points bare = points;
+  bare.normals.clear();
+  bare.radii.clear();
+  for (const char* name : {"a.ply", "a.xyz", "a.pcd"}) {
+    for (const Points& written : {points, bare}) {
+      ASSERT_TRUE(write_point_file(path(name), written).ok());
+      const absl::StatusOr<Points> back = read_point_file(path(name));
+      ASSERT_TRUE(back.ok()) << back.status();
+      EXPECT_EQ(back->positions, points.positions) << name;
+      EXPECT_EQ(back->colours, points.colours) << name;
+    }
+  }
+}
+
+TEST_F(PointFile, ColouredLayoutsAreWhatOtherProgramsExpect) {
+  Points points;
+  points.positions = {{1.5F, -2, 0.1F}};
+  points.normals = {{0, 0, 1}};
+  points.radii = {0.25F};
+  points.colours = {{255, 128, 7}};
+  for (const char* name : {"a.ply", "a.pcd", "a.xyz"}) ASSERT_TRUE(write_point_file(path(name), points).ok());
+  EXPECT_THAT(get("a.ply"), HasSubstr("property float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+                                      "property float radius\n"));
+  EXPECT_THAT(get("a.ply"), EndsWith(std::string("\x00\x00\x80\x3f\xff\x80\x07\x00\x00\x80\x3e", 11)));
+  EXPECT_THAT(get("a.pcd"), HasSubstr("FIELDS x y z normal_x normal_y normal_z rgb radius\nSIZE 4 4 4 4 4 4 4 4\n"
+                                      "TYPE F F F F F F U F\nCOUNT 1 1 1 1 1 1 1 1\n"));
+  EXPECT_THAT(get("a.pcd"), EndsWith(std::string("\x00\x00\x80\x3f\x07\x80\xff\x00\x00\x00\x80\x3e", 12)));
+  EXPECT_EQ(get("a.xyz"), "1.5 -2 0.1 0 0 1 255 128 7\n");
+}
+
+TEST_F(PointFile, ReadsColoursOfOthers) {
+  const std::string ascii = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string pcd = "FIELDS x y z rgb\nSIZE 4 4 4 4\nWIDTH 1\nHEIGHT 1\n";
+  const std::string place(12, '\0');
+  for (const auto& [name, bytes] : std::vector<std::array<std::string, 2>>{
+           {"a.ply", ascii + "property uchar blue\nproperty uchar green\nproperty uchar red\nproperty uchar alpha\nend_header\n"
+                             "1 2 3 7 128 255 9\n"},
+           {"a.ply", ascii + "property float red\nproperty float green\nproperty float blue\nend_header\n1 2 3 2 0.502 0.0275\n"},
+           {"a.xyz", "1 2 3 0 0 1 255 128 7\n"},
+           {"a.pcd", pcd + "TYPE F F F U\nDATA ascii\n1 2 3 16744455\n"},
+           {"a.pcd", pcd + "TYPE F F F U\nDATA binary\n" + place + "\x07\x80\xff\x7f"},
+           // As PCL writes them: the bits of a float, which need not be a number.
+           {"a.pcd", pcd + "TYPE F F F F\nDATA binary\n" + place + "\x07\x80\xff\xff"},
+           {"a.pcd", pcd + "TYPE F F F F\nDATA ascii\n1 2 3 2.3463979077456005e-38\n"}}) {
+    const absl::StatusOr<Points> points = read(name, bytes);
+    ASSERT_TRUE(points.ok()) << points.status() << "\n" << bytes;
+    EXPECT_EQ(points->colours, (std::vector<std::array<std::uint8_t, 3>>{{255, 128, 7}})) << bytes;
+  }
+  for (const auto& [name, bytes] : std::vector<std::array<std::string, 2>>{
+           {"a.ply", ascii + "property uchar red\nproperty uchar green\nend_header\n1 2 3 7 128\n"},
+           {"a.xyz", "1 2 3 0 0 1 255 128\n"},
+           {"a.xyz", "1 2 3 255 128 7\n"}}) {
+    const absl::StatusOr<Points> points = read(name, bytes);
+    ASSERT_TRUE(points.ok()) << points.status() << "\n" << bytes;
+    EXPECT_TRUE(points->colours.empty()) << bytes;
   }
 }
 
@@ -265,7 +333,7 @@ TEST_F(PointFile, FailedWritesLeaveTheOldFileAlone) {
   broken.normals.pop_back();
   const absl::Status status = write_point_file(path("a.ply"), broken);
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("10 positions do not go with 9 normals and 10 radii"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("10 positions do not go with 9 normals, 10 radii and 0 colours"));
   EXPECT_EQ(get("a.ply"), before);
 
   const absl::Status nowhere = write_point_file(path("missing/a.ply"), points);

@@ -39,12 +39,20 @@ Points sphere_points(std::size_t count) {
   return points;
 }
 
+void add_colours(Points* points) {
+  for (std::size_t i = 0; i < points->size(); ++i) {
+    points->colours.push_back(
+        {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(255 - i % 256)});
+  }
+}
+
 v1::PointBlock raw_block(const Points& points) {
   v1::PointBlock block;
   set_common(points, &block);
   block.mutable_raw()->set_positions(bytes_of(points.positions));
   block.mutable_raw()->set_normals(bytes_of(points.normals));
   block.mutable_raw()->set_radii(bytes_of(points.radii));
+  block.mutable_raw()->set_colours(bytes_of(points.colours));
   return block;
 }
 

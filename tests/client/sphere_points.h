@@ -10,6 +10,8 @@ namespace curvecast::client {
 
 /// `count` points on the unit sphere along a spiral, with normals and radii from 0.01 to 0.02.
 Points sphere_points(std::size_t count);
+/// Gives every point a colour.
+void add_colours(Points* points);
 
 /// As raw and as Draco blocks.
 v1::PointBlock raw_block(const Points& points);

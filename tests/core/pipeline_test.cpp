@@ -49,6 +49,35 @@ TEST(Pipeline, TakesEveryShapeToACurve) {
   }
 }
 
+TEST(Pipeline, BakesColoursWhereThereAreAny) {
+  const PolygonSoup soup = curvecast::testing::icosphere(2);
+  std::string plain, coloured;
+  for (const Vec3d& p : soup.positions) {
+    const std::string place = "v " + std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z());
+    plain += place + "\n";
+    coloured += place + (p.z() > 0 ? " 1 0 0\n" : " 0 0 1\n");
+  }
+  std::string faces;
+  for (std::size_t i = 0; i < soup.indices.size(); ++i) {
+    faces += (i % 3 == 0 ? "\nf " : " ") + std::to_string(soup.indices[i] + 1);
+  }
+  plain += faces + "\n";
+  coloured += faces + "\n";
+  const PreprocessOptions options = {.points = 2000};
+  const absl::StatusOr<Preprocessed> without = preprocess({"a.obj", plain}, options);
+  const absl::StatusOr<Preprocessed> with = preprocess({"a.obj", coloured}, options, {.threads = 2});
+  const absl::StatusOr<Preprocessed> again = preprocess({"a.obj", coloured}, options, {.threads = 1});
+  ASSERT_TRUE(without.ok() && with.ok() && again.ok());
+  EXPECT_TRUE(without->curve->colour.empty());
+  ASSERT_EQ(with->curve->colour.size(), with->curve->size());
+  EXPECT_EQ(with->curve->x, without->curve->x);
+  EXPECT_EQ(with->curve->colour, again->curve->colour);
+  for (std::size_t l = 0; l < with->curve->size(); ++l) {
+    if (std::abs(with->curve->z[l]) < 0.4f) continue;  // faces of both colours
+    EXPECT_EQ(with->curve->colour[l], with->curve->z[l] > 0 ? (Rgba8{255, 0, 0}) : (Rgba8{0, 0, 255}));
+  }
+}
+
 TEST(Pipeline, TheNumberOfThreadsChangesNothing) {
   const std::string off = curvecast::testing::to_off(curvecast::testing::torus(60, 30));
   const absl::StatusOr<Preprocessed> one = run(off, {.points = 20'000}, 1);

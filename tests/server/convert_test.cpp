@@ -186,6 +186,29 @@ TEST(ToProto, RawBlocksHoldTheFloatsThemselves) {
   ASSERT_EQ(block->raw().radii().size(), 12u);
   EXPECT_EQ(std::memcmp(block->raw().positions().data(), &points.positions[4], 36), 0);
   EXPECT_EQ(std::memcmp(block->raw().radii().data(), &points.radii[4], 12), 0);
+  EXPECT_TRUE(block->raw().colours().empty());
+}
+
+TEST(ToProto, ColoursGoWithTheirPoints) {
+  PointSet points;
+  SurfaceCurve curve;
+  curve.box = {Vec3d(0, 0, 0), Vec3d(9, 9, 9)};
+  for (std::uint8_t i = 0; i < 10; ++i) {
+    points.positions.emplace_back(i, i, i);
+    points.normals.emplace_back(0.f, 0.f, 1.f);
+    points.radii.push_back(1);
+    points.vertices.push_back(i);
+    points.colours.push_back({i, 20, 200, 77});
+  }
+  const auto raw = to_proto(points, 4, 2, curve, std::nullopt);
+  ASSERT_TRUE(raw.ok());
+  EXPECT_EQ(raw->raw().colours(), "\x04\x14\xc8\x05\x14\xc8");
+  const auto whole = to_proto(points, 0, 10, curve, DracoOptions());
+  const auto part = to_proto(points, 4, 2, curve, DracoOptions());
+  ASSERT_TRUE(whole.ok() && part.ok());
+  points.colours.clear();
+  EXPECT_GT(whole->draco().data().size(), to_proto(points, 0, 10, curve, DracoOptions())->draco().data().size());
+  EXPECT_GT(part->draco().data().size(), to_proto(points, 4, 2, curve, DracoOptions())->draco().data().size());
 }
 
 TEST(ToProto, SessionsSayWhatTheyAre) {
@@ -200,6 +223,8 @@ TEST(ToProto, SessionsSayWhatTheyAre) {
   curve->revision = 3;
   session->preprocessed.curve = curve;
   session->preprocessed.report.mesh.genus = 2;
+  session->preprocessed.report.mesh.attributes = {"uv"};
+  session->preprocessed.report.mesh.warnings = {"One.", "Two."};
   session->peak_bytes = 12;
   info.session = session;
   const v1::Session ready = to_proto(info);
@@ -208,6 +233,8 @@ TEST(ToProto, SessionsSayWhatTheyAre) {
   EXPECT_EQ(ready.options().max_points(), 5u);
   EXPECT_EQ(ready.report().mesh().name(), "bunny.ply");
   EXPECT_EQ(ready.report().mesh().genus(), 2u);
+  EXPECT_THAT(ready.report().mesh().attributes(), ::testing::ElementsAre("uv"));
+  EXPECT_THAT(ready.report().mesh().warnings(), ::testing::ElementsAre("One.", "Two."));
   EXPECT_EQ(ready.report().peak_bytes(), 12u);
 }
 

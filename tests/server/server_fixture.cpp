@@ -97,13 +97,15 @@ std::string upload(Stub& stub, const std::string& bytes) {
   return uploaded.response.mesh_id();
 }
 
-Created create(Stub& stub, const std::string& mesh_id, std::uint64_t max_points) {
+Created create(Stub& stub, const std::string& mesh_id, std::uint64_t max_points,
+               const std::map<std::string, std::string>& companions) {
   Created out;
   grpc::ClientContext context;
   set_patience(context);
   v1::CreateSessionRequest request;
   request.set_mesh_id(mesh_id);
   request.mutable_options()->set_max_points(max_points);
+  request.mutable_companions()->insert(companions.begin(), companions.end());
   const auto reader = stub.CreateSession(&context, request);
   v1::CreateSessionResponse response;
   while (reader->Read(&response)) {

@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -46,7 +47,8 @@ struct Created {
   std::vector<v1::Progress> progress;
   v1::Session session;
 };
-Created create(Stub& stub, const std::string& mesh_id, std::uint64_t max_points);
+Created create(Stub& stub, const std::string& mesh_id, std::uint64_t max_points,
+               const std::map<std::string, std::string>& companions = {});
 
 struct Resampled {
   grpc::Status status;

@@ -102,10 +102,16 @@ class SessionStoreTest : public ::testing::Test {
     return cancelled_;
   }
 
-  static std::shared_ptr<const Mesh> mesh(const std::string& id) {
+  static MeshFiles mesh(const std::string& id) {
     auto out = std::make_shared<Mesh>();
     out->id = id;
-    return out;
+    return {out, {}};
+  }
+  /// Mesh "m" with one companion.
+  static MeshFiles mesh_with(const std::string& name, const std::string& companion) {
+    MeshFiles files = mesh("m");
+    files.companions[name] = mesh(companion).mesh;
+    return files;
   }
   std::string make_ready(const std::string& mesh_id) {
     Waiter waiter;
@@ -162,6 +168,19 @@ TEST_F(SessionStoreTest, OtherOptionsAreAnotherSession) {
   EXPECT_NE(*b, *c);
   EXPECT_TRUE(first.wait().ok() && second.wait().ok() && third.wait().ok());
   EXPECT_EQ(runs(), 3);
+}
+
+TEST_F(SessionStoreTest, OtherCompanionsAreAnotherSession) {
+  const std::set<std::string> ids = {session_id(mesh("m"), {}), session_id(mesh_with("t.png", "a"), {}),
+                                     session_id(mesh_with("t.png", "b"), {}), session_id(mesh_with("u.png", "a"), {}),
+                                     session_id(mesh_with("t.png\na", ""), {})};
+  EXPECT_EQ(ids.size(), 5u);
+  set_open(true);
+  Waiter first, second;
+  const auto a = store_->join(mesh_with("t.png", "a"), {}, &first);
+  EXPECT_EQ(store_->join(mesh_with("t.png", "a"), {}, &second).value_or(""), *a);
+  EXPECT_TRUE(first.wait().ok() && second.wait().ok());
+  EXPECT_EQ(runs(), 1);
 }
 
 TEST_F(SessionStoreTest, TellsStartAndEndOfEveryStage) {

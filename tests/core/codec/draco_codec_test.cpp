@@ -43,6 +43,7 @@ PointSet random_points(std::size_t n, std::uint64_t seed = 1) {
 struct Decoded {
   std::vector<Vec3f> positions, normals;
   std::vector<int> codes;
+  std::vector<Rgba8> colours;  // opaque
 };
 
 Decoded decoded(const std::string& bytes) {
@@ -52,7 +53,8 @@ Decoded decoded(const std::string& bytes) {
   EXPECT_TRUE(result.ok()) << result.status().error_msg_string();
   if (!result.ok()) return {};
   const draco::PointCloud& cloud = *result.value();
-  EXPECT_EQ(cloud.num_attributes(), 3);
+  const draco::PointAttribute* colour = cloud.GetNamedAttribute(draco::GeometryAttribute::COLOR);
+  EXPECT_EQ(cloud.num_attributes(), colour == nullptr ? 3 : 4);
   const draco::PointAttribute* position = cloud.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   const draco::PointAttribute* normal = cloud.GetNamedAttribute(draco::GeometryAttribute::NORMAL);
   const draco::PointAttribute* radius = cloud.GetNamedAttribute(draco::GeometryAttribute::GENERIC);
@@ -72,6 +74,11 @@ Decoded decoded(const std::string& bytes) {
     all.positions.push_back(p);
     all.normals.push_back(n);
     all.codes.push_back(code);
+    if (colour == nullptr) continue;
+    EXPECT_EQ(colour->num_components(), 3);
+    Rgba8 rgb;
+    colour->GetMappedValue(i, &rgb);
+    all.colours.push_back(rgb);
   }
   return all;
 }
@@ -149,6 +156,18 @@ TEST(DracoCodec, KeepsRadiiInProportion) {
   }
   EXPECT_EQ(least, 0);
   EXPECT_EQ(most, 255);
+}
+
+TEST(DracoCodec, KeepsColoursButNotAlpha) {
+  PointSet points = random_points(3000);
+  EXPECT_TRUE(decoded(encoded(points, kUnitBall).bytes).colours.empty());
+  std::vector<Rgba8> opaque;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto channel = [&](std::uint64_t n) { return static_cast<std::uint8_t>(256 * random_unit(9, 4 * i + n)); };
+    points.colours.push_back({channel(0), channel(1), channel(2), channel(3)});
+    opaque.push_back({channel(0), channel(1), channel(2), 255});
+  }
+  EXPECT_EQ(decoded(encoded(points, kUnitBall).bytes).colours, opaque);
 }
 
 TEST(DracoCodec, EncodesOnePointAndEqualRadii) {

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <memory>
 
 #include "tests/core/curve/charts.h"
 
@@ -82,6 +85,40 @@ TEST(SurfaceMap, InterpolatesNormalsAndCurvatures) {
     const bool near_pole = std::abs(m.curve.z[l]) > 1.8;  // where the mesh's triangles are needles
     EXPECT_NEAR(m.curve.curvature_max[l], 0.5, near_pole ? 0.5 : 0.05);
   }
+}
+
+TEST(SurfaceMap, BakesTheColourOfEveryPlace) {
+  // Red grows with x, green with y, in a texture laid flat over a disc of radius 1.
+  constexpr int kSide = 64;
+  auto texture = std::make_shared<Image>(Image{kSide, kSide, {}});
+  const auto level = [](double t) { return static_cast<std::uint8_t>(std::lround(255 * t)); };
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 0; column < kSide; ++column) {
+      const std::uint8_t texel[] = {level((column + 0.5) / kSide), level(1 - (row + 0.5) / kSide), 7, 255};
+      texture->rgba.insert(texture->rgba.end(), std::begin(texel), std::end(texel));
+    }
+  }
+  Mapped m = map_shape(testing::disc(8, 24), 5'000);
+  MeshAttributes attributes;
+  attributes.materials = {{"flat", {}, texture}};
+  attributes.material_of_face.assign(m.mesh.face_count(), 0);
+  const auto uv_of = [](double t) { return 0.1 + 0.4 * (t + 1); };  // stays clear of the texture's edges
+  for (const Triangle& t : m.mesh.triangles) {
+    for (const std::uint32_t v : t) {
+      const Vec3d& p = m.mesh.positions[v];
+      attributes.uv.push_back(Vec2d(uv_of(p.x()), uv_of(p.y())).cast<float>());
+    }
+  }
+  const SurfaceColour colour(m.mesh, attributes);
+  m.curve.resize(m.leaves.size(), true);
+  map_to_surface(m.mesh, differential_geometry(m.mesh), m.chart, m.leaves, 0, m.curve, &colour);
+  for (std::size_t l = 0; l < m.curve.size(); ++l) {
+    const Vec3d p = position(m.curve, l);
+    EXPECT_NEAR(m.curve.colour[l].r, 255 * uv_of(p.x()), 4);
+    EXPECT_NEAR(m.curve.colour[l].g, 255 * uv_of(p.y()), 4);
+    EXPECT_EQ(m.curve.colour[l].b, 7);
+  }
+  EXPECT_EQ(m.curve.byte_size(), map_shape(testing::disc(8, 24), 5'000).curve.byte_size() + 4 * m.curve.size());
 }
 
 TEST(SurfaceMap, KeepsItsDigitsFarFromTheOrigin) {

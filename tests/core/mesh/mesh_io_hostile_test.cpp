@@ -225,7 +225,7 @@ TEST(MeshIoHostile, HeadersThatClaimOrSayNonsense) {
       {"a.stl", "solid a\nfacet normal 0 0 1\nouter ring\n", "line 3: expected loop, found 'ring'"},
       {"a.stl", "solid a\nendsolid\n", "no faces"},
       {"a.stl", "solid a\nfacets\n", "line 2: expected facet or endsolid, found 'facets'"},
-      {"a.txt", "hello", "give a PLY, OBJ, OFF or STL file"}};
+      {"a.txt", "hello", "give a PLY, OBJ, OFF, STL, glTF or GLB file"}};
   for (const auto& [name, bytes, message] : cases) {
     SCOPED_TRACE(bytes.substr(0, 200));
     const absl::StatusOr<PolygonSoup> soup = read(name, bytes);

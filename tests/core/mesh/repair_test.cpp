@@ -313,12 +313,28 @@ TEST(Repair, WeldsSoups) {
   }
 }
 
-TEST(Repair, WeldsOnlyWhereVerticesAreNotShared) {
-  PolygonSoup soup = unshared(tetrahedron());
-  soup.shares_vertices = true;
-  const RepairedMesh result = repaired(soup);
-  EXPECT_EQ(result.report.welded_vertices, 0u);
-  EXPECT_EQ(analyse_topology(result.mesh).components, 4u);
+TEST(Repair, WeldsBordersInFormatsThatShareVertices) {
+  for (const PolygonSoup& whole : {tetrahedron(), sphere(9, 12), torus(8, 7), open_cylinder(4, 11)}) {
+    PolygonSoup soup = unshared(whole);  // a PLY or OBJ whose triangles own their vertices
+    soup.shares_vertices = true;
+    const RepairedMesh result = repaired(soup);
+    expect_manifold(result.mesh);
+    EXPECT_EQ(result.report.welded_vertices, soup.positions.size() - whole.positions.size());
+    EXPECT_EQ(faults(result.report), result.report.welded_vertices);
+    EXPECT_EQ(analyse_topology(result.mesh).components, 1u);
+    EXPECT_EQ(analyse_topology(result.mesh).boundary_loops, analyse_topology(repaired(whole).mesh).boundary_loops);
+  }
+}
+
+TEST(Repair, LeavesClosedSurfacesAloneThatTouch) {
+  // Two closed cubes side by side share the places of four vertices; so do two equal spheres.
+  for (const auto& [soup, other] : {std::pair{cube(), translated(cube(), {1, 0, 0})}, std::pair{sphere(7, 8), sphere(7, 8)}}) {
+    const RepairedMesh result = repaired(merged(soup, other));
+    EXPECT_EQ(result.report.welded_vertices, 0u);
+    EXPECT_EQ(result.report.duplicate_faces, 0u);
+    EXPECT_EQ(analyse_topology(result.mesh).components, 2u);
+    EXPECT_EQ(analyse_topology(result.mesh).boundary_loops, 0u);
+  }
 }
 
 TEST(Repair, WeldsBothZeros) {

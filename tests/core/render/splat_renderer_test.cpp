@@ -310,5 +310,25 @@ TEST(SplatRendererTest, RefusesBadInput) {
   }
 }
 
+TEST(SplatRendererTest, DotsHaveColoursOfTheirOwn) {
+  const Points plane = make_plane(0, 1, kGreen);
+  const std::vector<Vec3f> dots = {Vec3f(0, 0, 0.01F)};
+  const std::vector<Rgb8> blue = {kBlue};
+  RenderOptions options;
+  options.width = options.height = 33;
+  options.mode = RenderMode::kDots;
+  options.dot_diameter = 9;
+  const auto centre = [&](std::span<const Rgb8> colors) {
+    const absl::StatusOr<Image> image = render_splats(plane.colored_cloud(), camera_at({0, 0, 4}), options, dots, colors);
+    EXPECT_TRUE(image.ok()) << image.status();
+    const std::uint8_t* pixel = &image->rgba[4 * (16 * 33 + 16)];
+    return Rgb8{pixel[0], pixel[1], pixel[2]};
+  };
+  EXPECT_GT(centre(blue)[2], 240);
+  EXPECT_LT(centre(blue)[0], 15);
+  EXPECT_LT(centre({})[2], 60) << "dark, whatever the colours of the cloud that makes the surface";
+  EXPECT_FALSE(render_splats(plane.cloud(), camera_at({0, 0, 4}), options, dots, std::vector<Rgb8>(2, kRed)).ok());
+}
+
 }  // namespace
 }  // namespace curvecast

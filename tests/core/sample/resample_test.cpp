@@ -46,6 +46,18 @@ PointSet points_of(const Surface& surface, const ResampleOptions& options) {
   return points.ok() ? *std::move(points) : PointSet{};
 }
 
+TEST(Resample, PointsHaveTheCurvesColours) {
+  EXPECT_TRUE(points_of(ball(), {.points = 100}).colours.empty());
+  auto curve = std::make_shared<SurfaceCurve>(*ball().curve);
+  for (std::size_t l = 0; l < curve->size(); ++l) {
+    curve->colour.push_back(
+        {static_cast<std::uint8_t>(l), static_cast<std::uint8_t>(l >> 8), static_cast<std::uint8_t>(l >> 16)});
+  }
+  const PointSet points = points_of({ball().mesh, curve}, {.points = 1000});
+  ASSERT_EQ(points.colours.size(), 1000u);
+  for (std::size_t i = 0; i < 1000; ++i) EXPECT_EQ(points.colours[i], curve->colour[points.vertices[i]]);
+}
+
 /// Distance from p to the triangle a, b, c: to its plane where p lies above it, else to the nearest side.
 double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d normal = (b - a).cross(c - a).normalized();

@@ -1,0 +1,27 @@
+// Mesh files with companions, for tests.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/mesh/mesh_file.h"
+
+namespace curvecast {
+
+using Companions = std::map<std::string, std::string, std::less<>>;
+
+/// All arguments must outlive the result.
+inline MeshFile mesh_file(std::string_view name, const std::string& bytes, const Companions& companions) {
+  return {.name = name,
+          .bytes = std::span<const char>(bytes.data(), bytes.size()),
+          .companion = [&companions](std::string_view wanted) -> std::optional<std::span<const char>> {
+            const auto found = companions.find(wanted);
+            if (found == companions.end()) return std::nullopt;
+            return std::span<const char>(found->second.data(), found->second.size());
+          }};
+}
+
+}  // namespace curvecast
