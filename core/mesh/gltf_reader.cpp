@@ -230,7 +230,7 @@ class GltfReader {
     if (!is_new) return known->second;
     const std::size_t first = soup_.positions.size();
     if (absl::Status status = check_room(first + positions.count, "vertices"); !status.ok()) return status;
-    soup_.positions.reserve(first + positions.count);
+    grow(soup_.positions, first + positions.count);
     for (std::size_t i = 0; i < positions.count; ++i) {
       if (!monitor_->tick(instances_done_)) return monitor_->status();
       const Vec3d p = world * Vec3d(positions.number(i, 0), positions.number(i, 1), positions.number(i, 2));
@@ -272,7 +272,7 @@ class GltfReader {
     if (!uv.ok()) return uv.status();
     MeshAttributes& attributes = soup_.attributes;
     const std::size_t old_size = soup_.indices.size();
-    soup_.indices.reserve(old_size + 3 * triangles);
+    grow(soup_.indices, old_size + 3 * triangles);
     if (*uv) attributes.uv.resize(old_size, Vec2f::Zero());
     for (std::size_t t = 0; t < triangles; ++t) {
       if (!monitor_->tick(instances_done_)) return monitor_->status();
@@ -341,11 +341,9 @@ class GltfReader {
       const int texture = from.pbrMetallicRoughness.baseColorTexture.index;
       if (texture < 0) continue;
       const int image = has(model_.textures, texture) ? model_.textures[static_cast<std::size_t>(texture)].source : -1;
-      if (const auto [known, is_new] = images.try_emplace(image); !is_new) {
-        to.texture = known->second;
-      } else {
-        to.texture = known->second = load_image(image, absl::StrFormat("material %d", i));
-      }
+      const auto [known, is_new] = images.try_emplace(image);
+      if (is_new) known->second = load_image(image, absl::StrFormat("material %d", i));
+      to.texture = known->second;
     }
   }
 

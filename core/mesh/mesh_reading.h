@@ -3,10 +3,12 @@
 
 #include <absl/status/status.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/execution_context.h"
 #include "core/mesh/polygon_soup.h"
@@ -47,6 +49,13 @@ inline bool is_finite(const Vec3d& p) { return std::isfinite(p.x()) && std::isfi
 /// 0 .. 1 as 0 .. 255, rounded; what lies beyond, or is not a number, becomes the nearest end (NaN: 0).
 inline std::uint8_t unit_to_byte(double value) {
   return value > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::fmin(value, 1))) : std::uint8_t{0};
+}
+
+/// Makes room for `size` elements, of which more may come: many small steps take linear time, one large step no more than it
+/// needs.
+template <class T>
+void grow(std::vector<T>& items, std::size_t size) {
+  if (size > items.capacity()) items.reserve(std::max(size, 2 * items.capacity()));
 }
 
 /// Makes a polygon of the indices appended since the last one; drops them when they are fewer than three. False when

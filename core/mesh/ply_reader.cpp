@@ -198,8 +198,8 @@ class PlyBodyReader {
     }
     const bool strips = role_of(element) == Role::kStrips;
     if (!strips) {
-      soup_.polygon_begin.reserve(soup_.polygon_begin.size() + element.count);
-      soup_.indices.reserve(soup_.indices.size() + std::min<std::uint64_t>(3 * element.count, source_.scalars_left()));
+      grow(soup_.polygon_begin, soup_.polygon_begin.size() + element.count);
+      grow(soup_.indices, soup_.indices.size() + std::min<std::uint64_t>(3 * element.count, source_.scalars_left()));
     }
     PlyFaceLayout layout{.indices = list};
     if (!strips) layout = {list, find_texcoord(element), face_columns(element, soup_, texture_numbers_)};

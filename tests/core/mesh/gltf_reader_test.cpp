@@ -279,10 +279,10 @@ TEST(GltfReader, HostileStructures) {
   expect_refused(changed([](json& j) { j["nodes"] = {{{"mesh", 7}}}; }), "there is no mesh 7");
   expect_refused(changed([](json& j) { j["nodes"][0]["matrix"] = {1, 2, 3}; }), "wrong number of values");
   expect_refused(changed([](json& j) {
-                   j["nodes"][0]["scale"] = {1e308, 1e308, 1e308};
-                   j["nodes"][0]["rotation"] = {1e308, 0, 0, 1};
+                   j["nodes"][0]["scale"] = {1e300, 1e300, 1e300};
+                   j["nodes"].push_back({{"children", {0}}, {"scale", {1e300, 1e300, 1e300}}});
                  }),
-                 "");
+                 "not a finite number");
   expect_refused(changed([](json& j) { j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9; }),
                  "there is no accessor 9");
   expect_refused(changed([](json& j) { j["meshes"][0]["primitives"][0]["material"] = 9; }), "there is no material 9");

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/mesh/mesh_io.h"
+#include "tests/core/mesh/gltf_writer.h"
 #include "tests/core/mesh/mesh_writers.h"
 
 namespace curvecast {
@@ -39,6 +40,17 @@ void expect_promise(const std::string& name, const std::string& bytes) {
   for (std::size_t p = 0; p < soup->polygon_count(); ++p) ASSERT_GE(soup->polygon_begin[p + 1], soup->polygon_begin[p] + 3);
   for (std::uint32_t index : soup->indices) ASSERT_LT(index, soup->positions.size());
   for (const Vec3d& p : soup->positions) ASSERT_TRUE(p.allFinite());
+  const MeshAttributes& attributes = soup->attributes;
+  const auto fits = [](const auto& values, std::size_t count) { return values.empty() || values.size() == count; };
+  EXPECT_TRUE(fits(attributes.colours, soup->positions.size()));
+  EXPECT_TRUE(fits(attributes.normals, soup->positions.size()));
+  EXPECT_TRUE(fits(attributes.uv, soup->indices.size()));
+  EXPECT_TRUE(fits(attributes.face_colours, soup->polygon_count()));
+  EXPECT_TRUE(fits(attributes.material_of_face, soup->polygon_count()));
+  for (const ScalarAttribute& scalar : attributes.scalars) EXPECT_EQ(scalar.values.size(), soup->positions.size());
+  for (const std::uint32_t material : attributes.material_of_face) {
+    EXPECT_TRUE(material == MeshAttributes::kNoMaterial || material < attributes.materials.size());
+  }
   const std::size_t memory = soup->positions.capacity() * sizeof(Vec3d) +
                              (soup->indices.capacity() + soup->polygon_begin.capacity()) * sizeof(std::uint32_t);
   EXPECT_LE(memory, 20 * bytes.size() + 1'000);
@@ -48,6 +60,29 @@ struct Sample {
   std::string name;
   std::string bytes;
 };
+
+std::string everything_ply() {
+  std::string file = "ply\nformat binary_little_endian 1.0\ncomment TextureFile a.png\nelement vertex 3\n";
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "s", "t", "quality"})
+    file += std::string("property float ") + name + "\n";
+  for (const char* name : {"red", "green", "blue"}) file += std::string("property uchar ") + name + "\n";
+  file +=
+      "element face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  for (int v = 0; v < 3; ++v) {
+    for (int i = 0; i < 9; ++i) append(file, static_cast<float>(v == i));
+    file += "\x10\x20\x30";
+  }
+  for (int f = 0; f < 2; ++f) {
+    file += '\3';
+    for (int i = 0; i < 3; ++i) append(file, i);
+    file += '\6';
+    for (int i = 0; i < 6; ++i) append(file, 0.5F);
+    append(file, f);
+    file += "abc";
+  }
+  return file;
+}
 
 std::vector<Sample> samples() {
   const FileMesh mesh = pyramid();
@@ -62,6 +97,15 @@ std::vector<Sample> samples() {
            "property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n8 0 1 2 3 -1 0 1 2\n"},
           {"mesh.obj", obj_file(mesh) + "f 1/1/1 2//2 \\\n 3/3 -1\n"},
           {"mesh.off", off_file(mesh)},
+          {"everything.obj",
+           "mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 9 9 9 9\nvt 0 0\nvt 1 1\nusemtl a\nf 1/1 2/2 3/-1\n"
+           "usemtl b\nf 1/1 2/5 3\n"},
+          {"everything.off",
+           "STCNOFF\n3 2 0\n0 0 0 0 0 1 255 0 0 1 0 0\n1 0 0 0 0 1 1 1 1 0.5 0.5\n0 1 0 0 0 1 1 1 1 1 0 0\n"
+           "3 0 1 2 255 0 0\n3 0 2 1 0.5 1 1 1\n"},
+          {"everything.ply", everything_ply()},
+          {"mesh.gltf", gltf_tetrahedron().embedded()},
+          {"mesh.glb", gltf_tetrahedron().glb()},
           {"binary.stl", binary_stl_file(triangles)},
           {"solid.stl", binary_stl_file(triangles, "solid")},
           {"text.stl", text_stl_file(triangles)}};
