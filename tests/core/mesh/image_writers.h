@@ -13,7 +13,9 @@ namespace curvecast {
 /// A picture of one colour.
 inline Image plain_image(int width, int height, std::uint8_t r, std::uint8_t g, std::uint8_t b, std::uint8_t a = 255) {
   Image image{.width = width, .height = height, .rgba = {}};
-  for (int i = 0; i < width * height; ++i) image.rgba.insert(image.rgba.end(), {r, g, b, a});
+  for (int i = 0; i < width * height; ++i) {
+    for (const std::uint8_t channel : {r, g, b, a}) image.rgba.push_back(channel);
+  }
   return image;
 }
 
