@@ -115,6 +115,15 @@ TEST(Pipeline, StopsAtEveryStageWhenCancelled) {
   }
 }
 
+TEST(Pipeline, TellsWhatTheMeshCarriesAndWhatIsMissing) {
+  const std::string file = "mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
+  const absl::StatusOr<MeshInfo> info = inspect_mesh({"a.obj", std::span<const char>(file.data(), file.size())});
+  ASSERT_TRUE(info.ok()) << info.status();
+  EXPECT_EQ(info->format, "obj");
+  EXPECT_THAT(info->attributes, ::testing::ElementsAre("colours", "uv", "materials"));
+  EXPECT_THAT(info->warnings, ::testing::ElementsAre(HasSubstr("line 1: the material library 'a.mtl' is not there")));
+}
+
 TEST(Pipeline, RefusesOptionsOutOfRange) {
   const std::string off = curvecast::testing::to_off(curvecast::testing::cube());
   for (const PreprocessOptions& options :
