@@ -135,6 +135,19 @@ Sequence to_core(Checker& check, v1::Sequence in) {
   }
 }
 
+Parameteriser to_core(Checker& check, const std::string& field, v1::Parameteriser in) {
+  switch (in) {
+    case v1::PARAMETERISER_UNSPECIFIED:
+    case v1::PARAMETERISER_OWN:
+      return Parameteriser::kOwn;
+    case v1::PARAMETERISER_CGAL:
+      return Parameteriser::kCgal;
+    default:
+      check.fail(field, absl::StrCat("has the unknown value ", static_cast<int>(in)));
+      return Parameteriser::kOwn;
+  }
+}
+
 void set(v1::Vec3* out, const Vec3d& in) {
   out->set_x(in.x());
   out->set_y(in.y());
@@ -145,6 +158,7 @@ v1::SessionOptions to_proto(const PreprocessOptions& options) {
   v1::SessionOptions out;
   out.set_max_points(options.points);
   out.set_omega(options.omega);
+  out.set_parameteriser(options.parameteriser == Parameteriser::kCgal ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
   return out;
 }
 
@@ -156,9 +170,10 @@ v1::PreprocessReport to_proto(const PreprocessReport& report, const std::string&
   out.set_max_level(report.max_level);
   out.set_flipped_triangles(report.flipped_triangles);
   out.set_area_error(report.area_error);
-  out.mutable_distortion()->set_p50(report.distortion_p50);
-  out.mutable_distortion()->set_p99(report.distortion_p99);
-  out.mutable_distortion()->set_max(report.distortion_max);
+  out.mutable_distortion()->set_p50(report.distortion.p50);
+  out.mutable_distortion()->set_p99(report.distortion.p99);
+  out.mutable_distortion()->set_p999(report.distortion.p999);
+  out.mutable_distortion()->set_max(report.distortion.max);
   v1::StageSeconds& seconds = *out.mutable_seconds();
   seconds.set_read(report.seconds.read);
   seconds.set_repair(report.seconds.repair);
@@ -246,6 +261,7 @@ absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions
     out.points = check.in_range<std::uint64_t>("options.max_points", options.max_points(), 1, kMaxPoints);
   }
   if (options.omega() != 0) out.omega = check.in_range("options.omega", options.omega(), 1.0, kMaxOmega);
+  out.parameteriser = to_core(check, "options.parameteriser", options.parameteriser());
   if (const double vertices = static_cast<double>(out.points) * out.omega; vertices > kMaxCurveVertices) {
     check.fail("options.max_points",
                absl::StrFormat("times omega makes %.0f curve vertices; at most %.0f are made", vertices, kMaxCurveVertices));

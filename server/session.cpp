@@ -9,7 +9,8 @@ namespace curvecast::server {
 
 std::string session_id(const std::string& mesh_id, const PreprocessOptions& options) {
   Hasher hasher;
-  hasher.update(absl::StrFormat("%s\n%d\n%a\n", mesh_id, options.points, options.omega));
+  hasher.update(
+      absl::StrFormat("%s\n%d\n%a\n%d\n", mesh_id, options.points, options.omega, static_cast<int>(options.parameteriser)));
   return hasher.hex();
 }
 

@@ -75,7 +75,7 @@ absl::StatusOr<Scene> sample_scene(const Flags& flags, const CommonOptions& opti
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
   const std::uint64_t max_points = session_points(flags.sample.points);
-  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.input, max_points, 0, options.quiet, stop);
+  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.input, max_points, options.quiet, stop);
   if (!opened.ok()) return opened.status();
   Scene scene{{}, {}, box_of(opened->session.report().mesh())};
   absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, scene.box, size.aspect());

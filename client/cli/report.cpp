@@ -64,7 +64,11 @@ Json preprocess_json(const v1::Session& session) {
           {"flipped_triangles", report.flipped_triangles()},
           {"area_error", report.area_error()},
           {"distortion",
-           {{"p50", report.distortion().p50()}, {"p99", report.distortion().p99()}, {"max", report.distortion().max()}}},
+           {{"p50", report.distortion().p50()},
+            {"p99", report.distortion().p99()},
+            {"p999", report.distortion().p999()},
+            {"max", report.distortion().max()}}},
+          {"parameteriser", session.options().parameteriser() == v1::PARAMETERISER_CGAL ? "cgal" : "own"},
           {"seconds", seconds},
           {"curve_bytes", report.curve_bytes()},
           {"peak_bytes", report.peak_bytes()},
@@ -95,8 +99,9 @@ std::string preprocess_text(const v1::Session& session) {
   absl::StrAppendFormat(&text, "curve          %d vertices, discs %d, deepest level %d, %.1f MB, for %d points\n",
                         report.curve_vertices(), report.discs(), report.max_level(),
                         1e-6 * static_cast<double>(report.curve_bytes()), session.options().max_points());
-  absl::StrAppendFormat(&text, "distortion     p50 %.3g, p99 %.3g, max %.3g; flipped triangles %d\n", report.distortion().p50(),
-                        report.distortion().p99(), report.distortion().max(), report.flipped_triangles());
+  absl::StrAppendFormat(&text, "distortion     p50 %.3g, p99 %.3g, p99.9 %.3g, max %.3g; flipped triangles %d\n",
+                        report.distortion().p50(), report.distortion().p99(), report.distortion().p999(),
+                        report.distortion().max(), report.flipped_triangles());
   absl::StrAppendFormat(&text, "area error     %.2e\nsession        %s\n", report.area_error(), session.session_id());
   return text;
 }

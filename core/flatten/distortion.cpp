@@ -39,6 +39,7 @@ Distortion summarise_distortion(std::vector<AreaShare> shares) {
   for (const AreaShare& share : shares) {
     if (sum <= 0.50 * total) distortion.p50 = share.ratio;
     if (sum <= 0.99 * total) distortion.p99 = share.ratio;
+    if (sum <= 0.999 * total) distortion.p999 = share.ratio;
     distortion.max = share.ratio;
     sum += share.area;
   }

@@ -25,7 +25,7 @@ struct AreaShare {
 };
 
 struct Distortion {  // max(ratio, 1 / ratio), as quantiles by surface area
-  double p50 = 1, p99 = 1, max = 1;
+  double p50 = 1, p99 = 1, p999 = 1, max = 1;
 };
 
 Distortion summarise_distortion(std::vector<AreaShare> shares);

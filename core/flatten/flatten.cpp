@@ -6,6 +6,7 @@
 #include "core/flatten/distortion.h"
 #include "core/flatten/face_set.h"
 #include "core/flatten/parameterise.h"
+#include "core/flatten/parameterise_cgal.h"
 #include "core/mesh/topology.h"
 #include "core/stopwatch.h"
 
@@ -76,7 +77,9 @@ absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const Flatt
       Chart chart;
       chart.disc = *std::move(disc);
       for (const ParameterWeights weights : {ParameterWeights::kMeanValue, ParameterWeights::kUniform}) {
-        absl::StatusOr<std::vector<Vec2d>> uv = parameterise(chart.disc, {.weights = weights});
+        const bool by_cgal = options.parameteriser == Parameteriser::kCgal && weights == ParameterWeights::kMeanValue;
+        absl::StatusOr<std::vector<Vec2d>> uv =
+            by_cgal ? parameterise_cgal(chart.disc) : parameterise(chart.disc, {.weights = weights});
         if (!uv.ok()) continue;
         chart.uv = *std::move(uv);
         chart.area_ratio = area_ratios(chart.disc, chart.uv);

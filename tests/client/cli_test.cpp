@@ -97,7 +97,7 @@ class CliTest : public ::testing::Test {
 TEST_F(CliTest, HelpTellsAboutEveryCommand) {
   const Finished help = run({"--help"});
   EXPECT_EQ(help.status, 0);
-  for (const std::string command : {"serve", "info", "preprocess", "sample", "stream", "render"}) {
+  for (const std::string command : {"serve", "info", "preprocess", "sample", "stream", "render", "bench"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
     const Finished own = run({command, "--help"});
     EXPECT_EQ(own.status, 0);
@@ -228,6 +228,33 @@ TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
     run_json({"sample", sphere_, "-n", "2000", "-o", path});
     check({path});
   }
+}
+
+TEST_F(CliTest, PreprocessTakesCgalsParameteriser) {
+  const json own = run_json({"preprocess", sphere_, "-n", "500"});
+  const json cgal = run_json({"preprocess", sphere_, "-n", "500", "--parameteriser", "cgal"});
+  EXPECT_EQ(own["parameteriser"], "own");
+  EXPECT_EQ(cgal["parameteriser"], "cgal");
+  EXPECT_NE(own["session_id"], cgal["session_id"]);
+  EXPECT_EQ(cgal["flipped_triangles"], 0);
+}
+
+TEST_F(CliTest, BenchMeasuresWithoutAServer) {
+  EXPECT_THAT(run({"bench", "--list"}).out, HasSubstr("corpus"));
+  const json growth = run_json({"bench", "growth", sphere_, "--levels", "1", "-n", "500"});
+  expect_keys(growth, {"name", "machine", "results"});
+  expect_keys(growth["results"][0], {"case", "value", "unit"});
+  const std::string meshes = temporary("corpus");
+  std::filesystem::create_directories(meshes);
+  std::filesystem::copy(sphere_, meshes + "/sphere.off");
+  const std::string table = temporary("corpus.md");
+  EXPECT_EQ(run_json({"bench", "corpus", meshes, "-n", "500", "--out", table})["files"][0]["result"], "passed");
+  EXPECT_THAT(bytes_of(table), HasSubstr("| sphere.off | passed |"));
+  std::ofstream(meshes + "/broken.off") << "OFF\n1";
+  EXPECT_EQ(run({"bench", "corpus", meshes, "-n", "500"}).status, 3);
+  expect_failure({"bench", "growth", sphere_, "--server", "127.0.0.1:1"}, 3, "--server");
+  expect_failure({"bench"}, 2, "name a benchmark");
+  expect_failure({"bench", "fly"}, 2, "");
 }
 
 TEST_F(CliTest, WrongUsageIsStatus2) {

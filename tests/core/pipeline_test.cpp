@@ -42,9 +42,10 @@ TEST(Pipeline, TakesEveryShapeToACurve) {
     EXPECT_LT(report.area_error, 1e-6);
     EXPECT_GE(report.curve_vertices, 20'000u);
     EXPECT_EQ(report.curve_vertices, result->curve->size());
-    EXPECT_GE(report.distortion_p50, 1);
-    EXPECT_LE(report.distortion_p50, report.distortion_p99);
-    EXPECT_LE(report.distortion_p99, report.distortion_max);
+    EXPECT_GE(report.distortion.p50, 1);
+    EXPECT_LE(report.distortion.p50, report.distortion.p99);
+    EXPECT_LE(report.distortion.p99, report.distortion.p999);
+    EXPECT_LE(report.distortion.p999, report.distortion.max);
     EXPECT_NEAR(report.mesh.area, surface_area(make_mesh(soup)), 1e-9);
   }
 }

@@ -32,6 +32,7 @@ TEST(Distortion, QuantilesGoByArea) {
   const Distortion distortion = summarise_distortion({{60, 1}, {38.5, 2}, {1, 0.1}, {0.5, 100}});
   EXPECT_DOUBLE_EQ(distortion.p50, 1);
   EXPECT_DOUBLE_EQ(distortion.p99, 10);  // shrinking by 10 counts as 10
+  EXPECT_DOUBLE_EQ(distortion.p999, 100);
   EXPECT_DOUBLE_EQ(distortion.max, 100);
 }
 
