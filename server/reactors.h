@@ -18,6 +18,9 @@ grpc::ServerUnaryReactor* inspect_mesh(Engine& engine, grpc::CallbackServerConte
 grpc::ServerWriteReactor<v1::CreateSessionResponse>* create_session(Engine& engine, grpc::CallbackServerContext& context,
                                                                     const v1::CreateSessionRequest& request);
 
+grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* get_parameter_mesh(Engine& engine, grpc::CallbackServerContext& context,
+                                                                           const v1::GetParameterMeshRequest& request);
+
 grpc::ServerWriteReactor<v1::ResampleResponse>* resample(Engine& engine, grpc::CallbackServerContext& context,
                                                          const v1::ResampleRequest& request);
 

@@ -17,6 +17,8 @@ class Service final : public v1::CurvecastService::CallbackService {
                                     v1::GetMeshResponse* response) override;
   grpc::ServerUnaryReactor* InspectMesh(grpc::CallbackServerContext* context, const v1::InspectMeshRequest* request,
                                         v1::InspectMeshResponse* response) override;
+  grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* GetParameterMesh(grpc::CallbackServerContext* context,
+                                                                           const v1::GetParameterMeshRequest* request) override;
   grpc::ServerWriteReactor<v1::CreateSessionResponse>* CreateSession(grpc::CallbackServerContext* context,
                                                                      const v1::CreateSessionRequest* request) override;
   grpc::ServerUnaryReactor* GetSession(grpc::CallbackServerContext* context, const v1::GetSessionRequest* request,

@@ -107,6 +107,16 @@ absl::StatusOr<v1::MeshInfo> Client::inspect(const std::string& mesh_id, std::st
   return std::move(*response->mutable_mesh());
 }
 
+absl::StatusOr<ParameterMesh> Client::get_parameter_mesh(const std::string& mesh_id, v1::Parameteriser parameteriser,
+                                                         std::stop_token stop) {
+  v1::GetParameterMeshRequest request;
+  request.set_mesh_id(mesh_id);
+  request.set_parameteriser(parameteriser);
+  absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> responses = connection_->get_parameter_mesh(request, std::move(stop));
+  if (!responses.ok()) return responses.status();
+  return decode_parameter_mesh(*responses);
+}
+
 absl::StatusOr<v1::Session> Client::create_session(const std::string& mesh_id, const v1::SessionOptions& options,
                                                    const StageProgress& on_progress, std::stop_token stop) {
   v1::CreateSessionRequest request;

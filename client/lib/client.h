@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "client/lib/connection.h"
+#include "client/lib/parameter_mesh.h"
 #include "client/lib/points.h"
 #include "curvecast/v1/curvecast.pb.h"
 
@@ -53,6 +54,10 @@ class Client {
   absl::StatusOr<std::string> upload_mesh(const std::string& name, std::span<const char> bytes,
                                           const StageProgress& on_progress = {}, std::stop_token stop = {});
   absl::StatusOr<v1::MeshInfo> inspect(const std::string& mesh_id, std::stop_token stop = {});
+
+  /// The parameter mesh, checked: see decode_parameter_mesh. Computed anew by the server for every call.
+  absl::StatusOr<ParameterMesh> get_parameter_mesh(const std::string& mesh_id, v1::Parameteriser parameteriser,
+                                                   std::stop_token stop = {});
 
   /// Waits until the session is ready. Requesting stop ends the preprocessing unless other clients wait for it too.
   absl::StatusOr<v1::Session> create_session(const std::string& mesh_id, const v1::SessionOptions& options,

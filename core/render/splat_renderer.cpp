@@ -146,23 +146,26 @@ void pack_splats(const SplatCloud& cloud, const EyeTransform& to_eye, double all
   scene.mean_radius = static_cast<float>(sum / static_cast<double>(n));
 }
 
-void pack_dots(const SplatCloud& cloud, std::span<const Vec3f> dots, const EyeTransform& to_eye, const RenderOptions& options,
-               SplatScene& scene) {
+void pack_dots(const SplatCloud& cloud, std::span<const Vec3f> dots, std::span<const Rgb8> dot_colors, const EyeTransform& to_eye,
+               const RenderOptions& options, SplatScene& scene) {
   const bool are_own = dots.empty();
   const std::span<const Vec3f> points = are_own ? cloud.positions : dots;
-  const bool use_colors = are_own && !cloud.colors.empty();
+  const std::span<const Rgb8> colors = are_own ? cloud.colors : dot_colors;
   scene.dots.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    scene.dots[i] = {to_eye(points[i]), with_alpha(use_colors ? cloud.colors[i] : options.dot_color)};
+    scene.dots[i] = {to_eye(points[i]), with_alpha(colors.empty() ? options.dot_color : colors[i])};
   }
 }
 
 }  // namespace
 
 absl::StatusOr<Image> render_splats(const SplatCloud& cloud, const RenderCamera& camera, const RenderOptions& options,
-                                    std::span<const Vec3f> dots) {
+                                    std::span<const Vec3f> dots, std::span<const Rgb8> dot_colors) {
   if (absl::Status status = check_options(options); !status.ok()) return status;
   if (absl::Status status = check_cloud(cloud, dots); !status.ok()) return status;
+  if (!dot_colors.empty() && dot_colors.size() != dots.size()) {
+    return absl::InvalidArgumentError(absl::StrFormat("there are %d dots but %d dot colours", dots.size(), dot_colors.size()));
+  }
   const absl::StatusOr<Eigen::Matrix3d> rotation = camera_rotation(camera);
   if (!rotation.ok()) return rotation.status();
 
@@ -189,13 +192,13 @@ absl::StatusOr<Image> render_splats(const SplatCloud& cloud, const RenderCamera&
     scene.has_normals = !cloud.normals.empty();
     scene.has_colors = !is_dots && !cloud.colors.empty();
     scene.ambient_occlusion = options.ambient_occlusion;
-    scene.is_matte = is_dots;
-    scene.surface_color = options.surface_color.value_or(is_dots ? Rgb8{244, 242, 238} : Rgb8{208, 184, 160});
+    scene.is_matte = is_dots && options.matte_under_dots;
+    scene.surface_color = options.surface_color.value_or(scene.is_matte ? Rgb8{244, 242, 238} : Rgb8{208, 184, 160});
     scene.background_top = options.background_top;
     scene.background_bottom = options.background_bottom;
     scene.dot_diameter = static_cast<float>(options.dot_diameter);
     pack_splats(cloud, to_eye, estimated_radius(box, cloud.positions.size()), options.radius_scale, scene.has_colors, scene);
-    if (is_dots) pack_dots(cloud, dots, to_eye, options, scene);
+    if (is_dots) pack_dots(cloud, dots, dot_colors, to_eye, options, scene);
     return draw_splats(scene);
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrFormat("out of memory while rendering %d splats on %d x %d pixels",

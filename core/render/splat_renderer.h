@@ -41,6 +41,7 @@ struct RenderOptions {
   double radius_scale = 1;  // times every radius, > 0
   double dot_diameter = 5;  // pixels, 1 .. 64
   bool ambient_occlusion = true;
+  bool matte_under_dots = true;       // kDots: the surface hardly shaded, so that the dots stand out; else as in kSurface
   std::optional<Rgb8> surface_color;  // none: clay in kSurface, nearly white in kDots
   Rgb8 dot_color = {20, 24, 34};
   Rgb8 background_top = {250, 251, 252}, background_bottom = {205, 211, 219};
@@ -50,11 +51,12 @@ struct RenderOptions {
 /// leaves no hole. A disc without neighbours shows up to 0.8 of its radius. Without any normals they are taken from the depths.
 /// Two-sided: the back of an open surface is shaded too. Hidden dots are those behind the splatted surface. With `dots`, kDots
 /// draws these points instead of the cloud's own, which then only makes the surface: a dense cloud under a sparse point set.
+/// `dot_colors`: as many, or none for options.dot_color.
 ///
 /// InvalidArgument for an empty cloud, spans of other lengths, coordinates that are not finite, options out of range or a camera
 /// without a direction; ResourceExhausted or Internal when OSMesa refuses. Deterministic on one machine. May be called from any
 /// thread; leaves no OSMesa context current on it.
 absl::StatusOr<Image> render_splats(const SplatCloud& cloud, const RenderCamera& camera, const RenderOptions& options = {},
-                                    std::span<const Vec3f> dots = {});
+                                    std::span<const Vec3f> dots = {}, std::span<const Rgb8> dot_colors = {});
 
 }  // namespace curvecast

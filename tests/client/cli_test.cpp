@@ -223,10 +223,14 @@ TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
   };
   check({sphere_, "-n", "5000"});
   check({sphere_, "-n", "500", "--style", "dots", "--density", "view", "--camera", "fov=20"});
+  EXPECT_EQ(run_json({"render", sphere_, "--what", "uv", "-o", png, "--size", "64x64"})["drawn"], 1);
+  EXPECT_EQ(bytes_of(png).substr(1, 3), "PNG");
+  check({sphere_, "--what", "cut", "-n", "5000"});
   for (const std::string ending : {"ply", "xyz", "pcd", "drc"}) {
     const std::string path = temporary("render." + ending);
     run_json({"sample", sphere_, "-n", "2000", "-o", path});
     check({path});
+    expect_failure({"render", path, "--what", "cut", "-o", png}, 3, "needs a mesh");
   }
 }
 
@@ -270,6 +274,8 @@ TEST_F(CliTest, WrongUsageIsStatus2) {
   expect_failure({"preprocess", sphere_, "--omega", "0.5"}, 2, "omega");
   expect_failure({"render", sphere_, "-o", "x.jpg"}, 2, ".png");
   expect_failure({"render", sphere_, "-o", "x.png", "--size", "0x10"}, 2, "WIDTHxHEIGHT");
+  expect_failure({"render", sphere_, "-o", "x.png", "--what", "hair"}, 2, "there are: surface, uv, cut");
+  expect_failure({"preprocess", sphere_, "--parameteriser", "magic"}, 2, "there are: own, cgal");
   expect_failure({"stream", sphere_, "--frames", "0"}, 2, "frames");
   expect_failure({"info", sphere_, "--quiet", "--verbose"}, 2, "");
 }
