@@ -86,19 +86,15 @@ absl::Status run(const Flags& flags, const CommonOptions& options, const std::st
   ExecutionContext context;
   context.cancel = &cancel;
   context.threads = options.threads;
-  absl::Status status;
-  if (flags.corpus_app->parsed()) status = run_corpus_bench(flags, options, context);
-  if (status.ok() && flags.preprocess_app->parsed()) {
-    status = run_on_mesh(flags.preprocess_mesh, options, context, [&](const MeshFile& file, const ExecutionContext& inner) {
+  if (flags.corpus_app->parsed()) return run_corpus_bench(flags, options, context);
+  if (flags.preprocess_app->parsed()) {
+    return run_on_mesh(flags.preprocess_mesh, options, context, [&](const MeshFile& file, const ExecutionContext& inner) {
       return bench_preprocess(file, flags.preprocess, inner);
     });
   }
-  if (status.ok() && flags.growth_app->parsed()) {
-    status = run_on_mesh(flags.growth_mesh, options, context, [&](const MeshFile& file, const ExecutionContext& inner) {
-      return bench_growth(file, flags.growth, inner);
-    });
-  }
-  return status;
+  return run_on_mesh(flags.growth_mesh, options, context, [&](const MeshFile& file, const ExecutionContext& inner) {
+    return bench_growth(file, flags.growth, inner);
+  });
 }
 
 /// A benchmark; the common options may stand after its own.
@@ -157,6 +153,7 @@ Command add_bench(CLI::App& root, CommonOptions& options) {
       ->type_name("L")
       ->capture_default_str();
   add_points(flags->growth_app, &flags->growth.points, "N for which the curve is made");
+  app->require_subcommand(0, 1);
   app->final_callback([flags, app] {
     if (!flags->list && app->get_subcommands().empty()) {
       throw CLI::ValidationError("bench", "name a benchmark; --list tells which there are");

@@ -4,6 +4,7 @@
 #include <absl/strings/str_format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <thread>
 
@@ -19,7 +20,10 @@ std::string machine_name() {
       break;
     }
   }
-  return absl::StrCat(processor, ", ", std::thread::hardware_concurrency(), " cores");
+  std::string name = absl::StrCat(processor, ", ", std::thread::hardware_concurrency(), " cores");
+  double load = 0;
+  if (getloadavg(&load, 1) == 1) absl::StrAppendFormat(&name, ", load %.1f", load);
+  return name;
 }
 
 Json bench_json(const BenchReport& report) {

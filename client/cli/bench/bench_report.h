@@ -26,7 +26,8 @@ struct BenchReport {
 Json bench_json(const BenchReport& report);         // {name, machine, results[{case, value, unit, reference, ratio}], notes}
 std::string bench_text(const BenchReport& report);  // a table
 
-/// Processor and number of cores.
+/// Processor, number of cores, and how many processes want them now (the load average of the last minute): times taken on a busy
+/// machine say so.
 std::string machine_name();
 
 }  // namespace curvecast::cli
