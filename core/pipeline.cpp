@@ -74,10 +74,10 @@ Vec3d choose_origin(const Box3d& box) {
   return reach > kFarOut * box.diagonal() ? box.center() : Vec3d(Vec3d::Zero());
 }
 
-Distortion measure_distortion(const std::vector<Chart>& charts, double total_area) {
+Distortion measure_distortion(const std::vector<Chart>& charts) {
   std::vector<AreaShare> shares;
-  const double mean = total_area / static_cast<double>(charts.size());  // every chart fills a square of area 1
   for (const Chart& chart : charts) {
+    const double mean = surface_area(chart.disc);  // the square's area is 1
     for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
       shares.push_back({uv_area(chart.disc, chart.uv, t) * chart.area_ratio[t], chart.area_ratio[t] / mean});
     }
@@ -85,13 +85,12 @@ Distortion measure_distortion(const std::vector<Chart>& charts, double total_are
   return summarise_distortion(std::move(shares));
 }
 
-/// Makes the area elements add up to the surface area exactly; returns how far off they were, relatively.
-double normalise_areas(SurfaceCurve& curve) {
+/// Makes the rounded area elements add up to the surface area.
+void normalise_areas(SurfaceCurve& curve) {
   double sum = 0;
   for (const float a : curve.area) sum += static_cast<double>(a);
   const double factor = curve.total_area / sum;
   for (float& a : curve.area) a = static_cast<float>(a * factor);
-  return std::abs(sum / curve.total_area - 1);
 }
 
 absl::Status build_curve(const TriangleMesh& mesh, const std::vector<Chart>& charts, const PreprocessOptions& options,
@@ -131,10 +130,12 @@ absl::Status build_curve(const TriangleMesh& mesh, const std::vector<Chart>& cha
   if (absl::Status status = context.check(); !status.ok()) return status;
 
   context.progress("area", 0);
+  double sum = 0;
   for (std::size_t d = 0; d < charts.size(); ++d) {
-    area_elements(charts[d], leaves[d], std::span(curve.area).subspan(curve.disc_begin[d], leaves[d].size()));
+    sum += area_elements(charts[d], leaves[d], std::span(curve.area).subspan(curve.disc_begin[d], leaves[d].size()));
   }
-  report.area_error = normalise_areas(curve);
+  report.area_error = std::abs(sum / curve.total_area - 1);
+  normalise_areas(curve);
   curve.reference_curvature = reference_curvatures(curve);
   context.progress("area", 1);
   report.seconds.area = watch.lap();
@@ -151,8 +152,12 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   PreprocessReport& report = flattened.report;
   report.mesh = flattened.loaded.info;
   report.discs = static_cast<std::uint32_t>(flattened.charts.size());
-  for (const Chart& chart : flattened.charts) report.flipped_triangles += count_flipped(chart.disc, chart.uv);
-  report.distortion = measure_distortion(flattened.charts, report.mesh.area);
+  for (const Chart& chart : flattened.charts) {
+    report.flipped_triangles += count_flipped(chart.disc, chart.uv);
+    report.fallback_discs +=
+        chart.parameterisation != Parameterisation::kLeastStretch && chart.parameterisation != Parameterisation::kCgal;
+  }
+  report.distortion = measure_distortion(flattened.charts);
   report.seconds = seconds;
   report.seconds.cut = times.cut;
   report.seconds.parameterise = times.parameterise;

@@ -52,7 +52,8 @@ struct PreprocessReport {
   std::uint32_t max_level = 0;          // deepest quadtree level used
   std::uint64_t flipped_triangles = 0;  // in the parameter mesh; always 0, counted all the same
   double area_error = 0;                // |sum of area elements / surface area - 1| before normalisation
-  Distortion distortion;                // area ratio over the mean, by share of the area
+  Distortion distortion;
+  std::uint32_t fallback_discs = 0;  // whose least-stretch map failed, see Parameterisation
   std::uint64_t curve_bytes = 0;
   StageSeconds seconds;
 };

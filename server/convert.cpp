@@ -159,6 +159,7 @@ v1::PreprocessReport to_proto(const PreprocessReport& report, const std::string&
   out.set_flipped_triangles(report.flipped_triangles);
   out.set_area_error(report.area_error);
   *out.mutable_distortion() = server::to_proto(report.distortion);
+  out.set_fallback_discs(report.fallback_discs);
   v1::StageSeconds& seconds = *out.mutable_seconds();
   seconds.set_read(report.seconds.read);
   seconds.set_repair(report.seconds.repair);
@@ -269,6 +270,8 @@ v1::Distortion to_proto(const Distortion& distortion) {
   out.set_p99(distortion.p99);
   out.set_p999(distortion.p999);
   out.set_max(distortion.max);
+  out.set_extra_levels_mean(distortion.extra_levels_mean);
+  out.set_extra_levels_max(distortion.extra_levels_max);
   return out;
 }
 

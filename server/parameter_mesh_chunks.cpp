@@ -31,7 +31,8 @@ absl::Status make_chunks(const FlattenedMesh& flattened, const std::string& mesh
   *first.mutable_info()->mutable_distortion() = to_proto(flattened.report.distortion);
   if (!emit(std::move(first))) return gone;
   for (std::size_t d = 0; d < flattened.charts.size(); ++d) {
-    const auto& [disc, uv, area_ratio] = flattened.charts[d];
+    const Chart& chart = flattened.charts[d];
+    const DiscMesh& disc = chart.disc;
     const std::vector<bool> cuts = border_cuts(flattened.loaded.mesh, disc);
     const std::vector<std::uint8_t> cut_bytes(cuts.begin(), cuts.end());
     const std::size_t chunks =
@@ -43,11 +44,11 @@ absl::Status make_chunks(const FlattenedMesh& flattened, const std::string& mesh
       out.set_disc(static_cast<std::uint32_t>(d));
       const auto [vertex, vertices] = part(disc.vertex_count(), kChunkVertices, i);
       out.set_positions(little_endian(disc.positions, vertex, vertices));
-      out.set_uv(little_endian(uv, vertex, vertices));
+      out.set_uv(little_endian(chart.uv, vertex, vertices));
       const auto [triangle, triangles] = part(disc.triangles.size(), kChunkTriangles, i);
       out.set_triangles(little_endian(disc.triangles, triangle, triangles));
       out.set_faces(little_endian(disc.face_of, triangle, triangles));
-      out.set_area_ratios(little_endian(area_ratio, triangle, triangles));
+      out.set_area_ratios(little_endian(chart.area_ratio, triangle, triangles));
       const auto [border, borders] = part(disc.border.size(), kChunkBorder, i);
       out.set_border(little_endian(disc.border, border, borders));
       out.set_border_cuts(little_endian(cut_bytes, border, borders));

@@ -67,8 +67,11 @@ Json preprocess_json(const v1::Session& session) {
            {{"p50", report.distortion().p50()},
             {"p99", report.distortion().p99()},
             {"p999", report.distortion().p999()},
-            {"max", report.distortion().max()}}},
+            {"max", report.distortion().max()},
+            {"extra_levels_mean", report.distortion().extra_levels_mean()},
+            {"extra_levels_max", report.distortion().extra_levels_max()}}},
           {"parameteriser", session.options().parameteriser() == v1::PARAMETERISER_CGAL ? "cgal" : "own"},
+          {"fallback_discs", report.fallback_discs()},
           {"seconds", seconds},
           {"curve_bytes", report.curve_bytes()},
           {"peak_bytes", report.peak_bytes()},
@@ -99,9 +102,12 @@ std::string preprocess_text(const v1::Session& session) {
   absl::StrAppendFormat(&text, "curve          %d vertices, discs %d, deepest level %d, %.1f MB, for %d points\n",
                         report.curve_vertices(), report.discs(), report.max_level(),
                         1e-6 * static_cast<double>(report.curve_bytes()), session.options().max_points());
-  absl::StrAppendFormat(&text, "distortion     p50 %.3g, p99 %.3g, p99.9 %.3g, max %.3g; flipped triangles %d\n",
-                        report.distortion().p50(), report.distortion().p99(), report.distortion().p999(),
-                        report.distortion().max(), report.flipped_triangles());
+  const v1::Distortion& distortion = report.distortion();
+  absl::StrAppendFormat(&text,
+                        "distortion     p50 %.3g, p99 %.3g, p99.9 %.3g, max %.3g; costs %.2f quadtree levels on average, %.1f at "
+                        "most; flipped triangles %d\n",
+                        distortion.p50(), distortion.p99(), distortion.p999(), distortion.max(), distortion.extra_levels_mean(),
+                        distortion.extra_levels_max(), report.flipped_triangles());
   absl::StrAppendFormat(&text, "area error     %.2e\nsession        %s\n", report.area_error(), session.session_id());
   return text;
 }

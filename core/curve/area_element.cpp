@@ -1,6 +1,9 @@
 #include "core/curve/area_element.h"
 
-#include <tbb/parallel_for.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <functional>
 
 #include <array>
 
@@ -58,8 +61,8 @@ double shared_area(const Quad& quad, const Vec2d& p, const Vec2d& q, const Vec2d
 
 }  // namespace
 
-void area_elements(const Chart& chart, const QuadtreeLeaves& leaves, std::span<float> area) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 4096), [&](const auto& range) {
+double area_elements(const Chart& chart, const QuadtreeLeaves& leaves, std::span<float> area) {
+  const auto write = [&](const tbb::blocked_range<std::size_t>& range, double total) {
     for (std::size_t l = range.begin(); l < range.end(); ++l) {
       const Quad quad = leaf_quad(leaves.key[l], leaves.level[l]);
       const std::uint32_t begin = leaves.triangle_begin[l];
@@ -74,8 +77,12 @@ void area_elements(const Chart& chart, const QuadtreeLeaves& leaves, std::span<f
         }
       }
       area[l] = static_cast<float>(sum);
+      total += sum;
     }
-  });
+    return total;
+  };
+  // The same order of additions on any number of threads.
+  return tbb::parallel_deterministic_reduce(tbb::blocked_range<std::size_t>(0, leaves.size(), 4096), 0.0, write, std::plus<>());
 }
 
 }  // namespace curvecast

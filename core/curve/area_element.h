@@ -9,7 +9,8 @@
 namespace curvecast {
 
 /// Writes the surface area under each leaf to `area` (L entries, squared units): the sum over its triangles of the area that they
-/// share in the parameter square, times the triangle's area ratio. Over all leaves they add up to the chart's surface area.
-void area_elements(const Chart& chart, const QuadtreeLeaves& leaves, std::span<float> area);
+/// share in the parameter square, times the triangle's area ratio. Over all leaves they add up to the chart's surface area:
+/// returns their sum before they are rounded to floats.
+double area_elements(const Chart& chart, const QuadtreeLeaves& leaves, std::span<float> area);
 
 }  // namespace curvecast

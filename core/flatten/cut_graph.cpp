@@ -19,10 +19,12 @@ class CutGraph {
  public:
   explicit CutGraph(const TriangleMesh& mesh) : mesh_(mesh), paths_(mesh), cut_(mesh.twins.size(), false) {}
 
-  std::vector<bool> build(const CutOptions& options) {
+  std::vector<bool> build(std::span<const std::uint32_t> extremities) {
     const Topology topology = analyse_topology(mesh_);
     std::vector<std::uint32_t> roots = border_vertices();
-    if (roots.empty()) {
+    if (roots.empty() && topology.genus == 0 && !extremities.empty()) {
+      roots = {extremities.front()};
+    } else if (roots.empty()) {
       // A closed surface is opened from one of its extremities.
       paths_.add_sources(std::vector<std::uint32_t>{0});
       roots = {paths_.farthest()};
@@ -35,8 +37,9 @@ class CutGraph {
       cut_handles(tree);
       if (topology.boundary_loops == 0) prune();
     }
-    if (topology.boundary_loops == 0 && topology.genus == 0) cut_path(paths_.farthest());
-    reach_extremities(options);
+    if (topology.boundary_loops == 0 && topology.genus == 0)
+      cut_path(extremities.size() > 1 ? extremities[1] : paths_.farthest());
+    reach(extremities);
     return std::move(cut_);
   }
 
@@ -139,17 +142,15 @@ class CutGraph {
     return cut_[h] ? h : kNone;
   }
 
-  void reach_extremities(const CutOptions& options) {
+  void reach(std::span<const std::uint32_t> extremities) {
+    if (extremities.empty()) return;
     std::vector<std::uint32_t> sources = border_vertices();
     for (std::uint32_t h = 0; h < cut_.size(); ++h) {
       if (cut_[h]) sources.push_back(mesh_.from(h));
     }
     paths_.clear();
     paths_.add_sources(sources);
-    const double least = options.min_reach * std::sqrt(surface_area(mesh_));
-    for (int i = 0; i < options.max_extremities; ++i) {
-      std::uint32_t tip = paths_.farthest();
-      if (!(paths_.distance(tip) > least)) break;
+    for (const std::uint32_t tip : extremities) {
       sources.clear();
       for (std::uint32_t v = tip; paths_.parent_edge(v) != kNone; v = paths_.parent(v)) sources.push_back(v);
       cut_path(tip);
@@ -164,6 +165,8 @@ class CutGraph {
 
 }  // namespace
 
-std::vector<bool> cut_graph(const TriangleMesh& mesh, const CutOptions& options) { return CutGraph(mesh).build(options); }
+std::vector<bool> cut_graph(const TriangleMesh& mesh, std::span<const std::uint32_t> extremities) {
+  return CutGraph(mesh).build(extremities);
+}
 
 }  // namespace curvecast

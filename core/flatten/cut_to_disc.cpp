@@ -2,47 +2,33 @@
 
 #include <absl/strings/str_format.h>
 
+#include <numeric>
+
 #include "core/flatten/cut_graph.h"
-#include "core/flatten/face_set.h"
 #include "core/mesh/topology.h"
 
 namespace curvecast {
 namespace {
 
-/// The piece as a mesh of its own.
-TriangleMesh extract(const TriangleMesh& mesh, std::span<const std::uint32_t> faces) {
-  const FaceSet set(faces, mesh);
-  TriangleMesh piece;
-  piece.twins.resize(3 * faces.size());
-  for (std::uint32_t h = 0; h < piece.twins.size(); ++h) piece.twins[h] = set.halfedge(mesh.twins[3 * faces[h / 3] + h % 3]);
-  std::vector<std::uint32_t> fan_of_corner;
-  piece.positions.resize(label_fans(piece.twins, fan_of_corner));
-  piece.triangles.resize(faces.size());
-  for (std::uint32_t h = 0; h < fan_of_corner.size(); ++h) {
-    piece.triangles[h / 3][h % 3] = fan_of_corner[h];
-    piece.positions[fan_of_corner[h]] = mesh.positions[mesh.triangles[faces[h / 3]][h % 3]];
-  }
-  return piece;
-}
-
 /// The disc under construction, with its connectivity.
 class DiscBuilder {
  public:
-  DiscBuilder(const TriangleMesh& piece, const std::vector<bool>& cut, std::span<const std::uint32_t> faces)
-      : twins_(piece.twins) {
-    for (std::uint32_t h = 0; h < twins_.size(); ++h) {
-      if (cut[h]) twins_[h] = kNone;
+  DiscBuilder(const TriangleMesh& piece, const std::vector<bool>& cut) {
+    disc_.twins = piece.twins;
+    for (std::uint32_t h = 0; h < disc_.twins.size(); ++h) {
+      if (cut[h]) disc_.twins[h] = kNone;
     }
     std::vector<std::uint32_t> fan_of_corner;
-    const std::uint32_t fans = label_fans(twins_, fan_of_corner);
-    disc_.triangles.resize(faces.size());
+    const std::uint32_t fans = label_fans(disc_.twins, fan_of_corner);
+    disc_.triangles.resize(piece.face_count());
     disc_.positions.resize(fans);
     for (std::uint32_t h = 0; h < fan_of_corner.size(); ++h) {
       const std::uint32_t fan = fan_of_corner[h];
       disc_.triangles[h / 3][h % 3] = fan;
       disc_.positions[fan] = piece.positions[piece.triangles[h / 3][h % 3]];
     }
-    disc_.face_of.assign(faces.begin(), faces.end());
+    disc_.face_of.resize(piece.face_count());
+    std::iota(disc_.face_of.begin(), disc_.face_of.end(), 0u);
   }
 
   absl::StatusOr<DiscMesh> build() {
@@ -55,9 +41,9 @@ class DiscBuilder {
     split_dividing_edges(loop);
     loop = trace_border();
     std::size_t open = 0;
-    for (const std::uint32_t t : twins_) open += t == kNone;
+    for (const std::uint32_t t : disc_.twins) open += t == kNone;
     if (loop.size() != open) return absl::InternalError(absl::StrFormat("the cut left %d border edges in several loops", open));
-    for (const std::uint32_t h : loop) disc_.border.push_back(disc_.triangles[h / 3][h % 3]);
+    for (const std::uint32_t h : loop) disc_.border.push_back(disc_.from(h));
     return std::move(disc_);
   }
 
@@ -65,31 +51,31 @@ class DiscBuilder {
   /// The halfedges of the border loop that the first open halfedge belongs to.
   std::vector<std::uint32_t> trace_border() const {
     std::uint32_t start = 0;
-    while (start < twins_.size() && twins_[start] != kNone) ++start;
-    if (start == twins_.size()) return {};
+    while (start < disc_.twins.size() && disc_.twins[start] != kNone) ++start;
+    if (start == disc_.twins.size()) return {};
     std::vector<std::uint32_t> loop;
     std::uint32_t h = start;
     do {
       loop.push_back(h);
-      h = next_on_border(twins_, h);
+      h = next_on_border(disc_.twins, h);
     } while (h != start);
     return loop;
   }
 
   void split_dividing_edges(const std::vector<std::uint32_t>& loop) {
     std::vector<bool> on_border(disc_.vertex_count(), false);
-    for (const std::uint32_t h : loop) on_border[disc_.triangles[h / 3][h % 3]] = true;
-    for (std::uint32_t h = 0; h < twins_.size(); ++h) {  // splits move edges to the end
-      const std::uint32_t a = disc_.triangles[h / 3][h % 3];
-      const std::uint32_t b = disc_.triangles[h / 3][(h + 1) % 3];
+    for (const std::uint32_t h : loop) on_border[disc_.from(h)] = true;
+    for (std::uint32_t h = 0; h < disc_.twins.size(); ++h) {  // splits move edges to the end
+      const std::uint32_t a = disc_.from(h);
+      const std::uint32_t b = disc_.to(h);
       // What ends at a new vertex is no longer a dividing edge.
-      if (twins_[h] != kNone && a < on_border.size() && b < on_border.size() && on_border[a] && on_border[b]) split(h);
+      if (disc_.twins[h] != kNone && a < on_border.size() && b < on_border.size() && on_border[a] && on_border[b]) split(h);
     }
   }
 
   void join(std::uint32_t a, std::uint32_t b) {
-    twins_[a] = b;
-    if (b != kNone) twins_[b] = a;
+    disc_.twins[a] = b;
+    if (b != kNone) disc_.twins[b] = a;
   }
 
   /// Halves halfedge h = (a, b) of face (a, b, c) at m: h becomes (a, m) in (a, m, c), and a new face (m, b, c) starts with the
@@ -99,20 +85,20 @@ class DiscBuilder {
     const std::uint32_t h1 = next_halfedge(h);
     const std::uint32_t b = disc_.triangles[f][h1 % 3];
     const std::uint32_t c = disc_.triangles[f][previous_halfedge(h) % 3];
-    const auto fresh = static_cast<std::uint32_t>(twins_.size());
+    const auto fresh = static_cast<std::uint32_t>(disc_.twins.size());
     disc_.triangles.push_back({m, b, c});
     disc_.face_of.push_back(disc_.face_of[f]);
     disc_.triangles[f][h1 % 3] = m;
-    twins_.insert(twins_.end(), 3, kNone);
-    join(fresh + 1, twins_[h1]);
+    disc_.twins.insert(disc_.twins.end(), 3, kNone);
+    join(fresh + 1, disc_.twins[h1]);
     join(h1, fresh + 2);
     return fresh;
   }
 
   void split(std::uint32_t h) {
-    const std::uint32_t a = disc_.triangles[h / 3][h % 3];
-    const std::uint32_t b = disc_.triangles[h / 3][(h + 1) % 3];
-    const std::uint32_t t = twins_[h];
+    const std::uint32_t a = disc_.from(h);
+    const std::uint32_t b = disc_.to(h);
+    const std::uint32_t t = disc_.twins[h];
     const auto m = static_cast<std::uint32_t>(disc_.vertex_count());
     disc_.positions.push_back(0.5 * (disc_.positions[a] + disc_.positions[b]));
     const std::uint32_t rest = halve_face(h, m);
@@ -123,17 +109,15 @@ class DiscBuilder {
   }
 
   DiscMesh disc_;
-  std::vector<std::uint32_t> twins_;
 };
 
 }  // namespace
 
-absl::StatusOr<DiscMesh> cut_to_disc(const TriangleMesh& mesh, std::span<const std::uint32_t> faces, const CutOptions& options) {
-  if (faces.empty()) return absl::InvalidArgumentError("there are no faces to cut");
-  const TriangleMesh piece = extract(mesh, faces);
+absl::StatusOr<DiscMesh> cut_to_disc(const TriangleMesh& piece, std::span<const std::uint32_t> extremities) {
+  if (piece.triangles.empty()) return absl::InvalidArgumentError("there are no faces to cut");
   std::vector<std::uint32_t> labels;
   if (label_components(piece.twins, labels) != 1) return absl::InvalidArgumentError("the faces to cut are not connected");
-  return DiscBuilder(piece, cut_graph(piece, options), faces).build();
+  return DiscBuilder(piece, cut_graph(piece, extremities)).build();
 }
 
 }  // namespace curvecast

@@ -10,17 +10,11 @@
 
 namespace curvecast {
 
-struct CutOptions {
-  int max_extremities = 20;  // count of cuts added towards the points farthest from the border
-  double min_reach = 0.36;   // a point nearer to the border than this, in square roots of the piece's area, gets no cut
-};
-
-/// Cuts the piece made of `faces` (ascending, connected through twins). Twins that leave the piece count as border.
-/// All border loops and handles are joined by short paths along edges; then cuts run to the extremities (ears, fingers,
-/// feet), which is what keeps a parameterisation's distortion low. No edge inside the disc joins two border vertices: such
-/// edges are split at their middle, because the triangles beyond them would collapse on a straight border.
-/// InvalidArgument when the faces are not connected or there are none.
-absl::StatusOr<DiscMesh> cut_to_disc(const TriangleMesh& mesh, std::span<const std::uint32_t> faces,
-                                     const CutOptions& options = {});
+/// All border loops and handles of the connected `piece` are joined by short paths along edges; then cuts run to the
+/// `extremities` (vertices of the piece, see find_extremities). `face_of` of the result counts the piece's faces; the first of
+/// its triangles are those, in their order. No edge inside the disc joins two border vertices: such edges are split at their
+/// middle, because the triangles beyond them would collapse on a straight border. InvalidArgument when the piece is not connected
+/// or has no faces.
+absl::StatusOr<DiscMesh> cut_to_disc(const TriangleMesh& piece, std::span<const std::uint32_t> extremities = {});
 
 }  // namespace curvecast

@@ -1,6 +1,7 @@
 #include "core/flatten/distortion.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/flatten/orientation.h"
 
@@ -29,12 +30,46 @@ std::vector<double> area_ratios(const DiscMesh& disc, const std::vector<Vec2d>& 
   return ratios;
 }
 
+Stretch measure_stretch(const DiscMesh& disc, const std::vector<Vec2d>& uv) {
+  constexpr double kSmallestArea = 1e-60;  // in uv: stands for triangles that rounding has collapsed or folded
+  Stretch stretch;
+  stretch.vertex.assign(disc.vertex_count(), 0.0);
+  std::vector<double> area_sum(disc.vertex_count(), 0.0);
+  double surface = 0;
+  for (const Triangle& t : disc.triangles) {
+    const Vec2d p = uv[t[1]] - uv[t[0]];
+    const Vec2d q = uv[t[2]] - uv[t[0]];
+    const Vec3d e = disc.positions[t[1]] - disc.positions[t[0]];
+    const Vec3d f = disc.positions[t[2]] - disc.positions[t[0]];
+    const double area = 0.5 * e.cross(f).norm();
+    const double determinant = std::max(p.x() * q.y() - p.y() * q.x(), kSmallestArea);
+    const Vec3d along_u = (e * q.y() - f * p.y()) / determinant;
+    const Vec3d along_v = (f * p.x() - e * q.x()) / determinant;
+    const double square = 0.5 * (along_u.squaredNorm() + along_v.squaredNorm());
+    for (const std::uint32_t v : t) {
+      stretch.vertex[v] += area * square;
+      area_sum[v] += area;
+    }
+    stretch.total += area * square;
+    surface += area;
+  }
+  stretch.total = std::sqrt(stretch.total) / surface;  // the square's own area is 1
+  for (std::size_t v = 0; v < area_sum.size(); ++v) stretch.vertex[v] = std::sqrt(stretch.vertex[v] / (area_sum[v] * surface));
+  return stretch;
+}
+
 Distortion summarise_distortion(std::vector<AreaShare> shares) {
-  for (AreaShare& share : shares) share.ratio = std::max(share.ratio, 1 / share.ratio);
-  std::sort(shares.begin(), shares.end(), [](const AreaShare& a, const AreaShare& b) { return a.ratio < b.ratio; });
-  double total = 0;
-  for (const AreaShare& share : shares) total += share.area;
   Distortion distortion;
+  double total = 0;
+  for (AreaShare& share : shares) {
+    const double levels = std::max(0.0, 0.5 * std::log2(share.ratio));
+    distortion.extra_levels_mean += share.area * levels;
+    distortion.extra_levels_max = std::max(distortion.extra_levels_max, levels);
+    total += share.area;
+    share.ratio = std::max(share.ratio, 1 / share.ratio);
+  }
+  distortion.extra_levels_mean /= total;
+  std::sort(shares.begin(), shares.end(), [](const AreaShare& a, const AreaShare& b) { return a.ratio < b.ratio; });
   double sum = 0;
   for (const AreaShare& share : shares) {
     if (sum <= 0.50 * total) distortion.p50 = share.ratio;

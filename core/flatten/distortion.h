@@ -18,14 +18,27 @@ double uv_area(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t
 /// Surface area over uv area of every triangle. Precondition: no triangle is flipped.
 std::vector<double> area_ratios(const DiscMesh& disc, const std::vector<Vec2d>& uv);
 
+/// The L2 stretch of the map from uv to the surface (Sander and others, 2001): of the whole, and of the triangles around each
+/// vertex, both relative to the stretch of an isometric map. The uv fill an area of 1. Finite, if large, for triangles flipped by
+/// rounding.
+struct Stretch {
+  double total = 0;
+  std::vector<double> vertex;
+};
+
+Stretch measure_stretch(const DiscMesh& disc, const std::vector<Vec2d>& uv);
+
 /// One triangle's part in a surface's distortion.
 struct AreaShare {
   double area;   // on the surface
-  double ratio;  // surface area over uv area, over the mean
+  double ratio;  // surface area over uv area, over the mean of its disc
 };
 
-struct Distortion {  // max(ratio, 1 / ratio), as quantiles by surface area
-  double p50 = 1, p99 = 1, p999 = 1, max = 1;
+struct Distortion {
+  double p50 = 1, p99 = 1, p999 = 1, max = 1;  // quantiles of max(ratio, 1 / ratio) by surface area
+  /// What it costs: quadtree levels (each a division by four) beyond those of a map without distortion, log4 of the ratio where
+  /// that is above 1: the mean over the surface and the largest.
+  double extra_levels_mean = 0, extra_levels_max = 0;
 };
 
 Distortion summarise_distortion(std::vector<AreaShare> shares);

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "core/flatten/cut_to_disc.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/face_set.h"
+#include "core/flatten/minimise_stretch.h"
 #include "core/flatten/parameterise.h"
 #include "core/flatten/parameterise_cgal.h"
+#include "core/flatten/piece.h"
 #include "core/mesh/topology.h"
 #include "core/stopwatch.h"
 
@@ -52,6 +56,37 @@ std::vector<Faces> bisect(const TriangleMesh& mesh, const Faces& faces) {
   return parts;
 }
 
+absl::StatusOr<std::vector<Vec2d>> map_to_square(const DiscMesh& disc, Parameterisation parameterisation,
+                                                 const ExecutionContext& context) {
+  switch (parameterisation) {
+    case Parameterisation::kLeastStretch:
+      return minimise_stretch(disc, {}, context);
+    case Parameterisation::kCgal:
+      return parameterise_cgal(disc);
+    case Parameterisation::kMeanValue:
+      return parameterise(disc, {.weights = ParameterWeights::kMeanValue});
+    case Parameterisation::kUniform:
+      break;
+  }
+  return parameterise(disc, {.weights = ParameterWeights::kUniform});
+}
+
+/// The chart of a disc by the first parameterisation that is valid; nullopt when none is.
+std::optional<Chart> make_chart(DiscMesh disc, const FlattenOptions& options, const ExecutionContext& context) {
+  const Parameterisation first =
+      options.parameteriser == Parameteriser::kCgal ? Parameterisation::kCgal : Parameterisation::kLeastStretch;
+  Chart chart{.disc = std::move(disc)};
+  for (const Parameterisation parameterisation : {first, Parameterisation::kMeanValue, Parameterisation::kUniform}) {
+    absl::StatusOr<std::vector<Vec2d>> uv = map_to_square(chart.disc, parameterisation, context);
+    if (!uv.ok()) continue;
+    chart.uv = *std::move(uv);
+    chart.area_ratio = area_ratios(chart.disc, chart.uv);
+    chart.parameterisation = parameterisation;
+    if (is_valid(chart, options.max_area_ratio)) return chart;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const FlattenOptions& options,
@@ -63,33 +98,22 @@ absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const Flatt
   std::vector<Chart> charts;
   std::size_t faces_done = 0;
   while (!pieces.empty()) {
-    if (absl::Status status = context.check(); !status.ok()) return status;
     const Faces faces = std::move(pieces.back());
     pieces.pop_back();
     const double fraction = static_cast<double>(faces_done) / static_cast<double>(mesh.face_count());
     context.progress("cut", fraction);
     Stopwatch watch;
-    absl::StatusOr<DiscMesh> disc = cut_to_disc(mesh, faces, options.cut);
+    const TriangleMesh piece = extract_piece(mesh, faces);
+    absl::StatusOr<DiscMesh> disc = cut_to_disc(piece, find_extremities(piece, options.extremities, context));
     times.cut += watch.lap();
     context.progress("parameterise", fraction);
-    bool valid = false;
-    if (disc.ok()) {
-      Chart chart;
-      chart.disc = *std::move(disc);
-      for (const ParameterWeights weights : {ParameterWeights::kMeanValue, ParameterWeights::kUniform}) {
-        const bool by_cgal = options.parameteriser == Parameteriser::kCgal && weights == ParameterWeights::kMeanValue;
-        absl::StatusOr<std::vector<Vec2d>> uv =
-            by_cgal ? parameterise_cgal(chart.disc) : parameterise(chart.disc, {.weights = weights});
-        if (!uv.ok()) continue;
-        chart.uv = *std::move(uv);
-        chart.area_ratio = area_ratios(chart.disc, chart.uv);
-        valid = is_valid(chart, options.max_area_ratio);
-        if (valid) break;
-      }
-      if (valid) charts.push_back(std::move(chart));
-    }
+    std::optional<Chart> chart;
+    if (disc.ok()) chart = make_chart(*std::move(disc), options, context);
     times.parameterise += watch.lap();
-    if (valid) {
+    if (absl::Status status = context.check(); !status.ok()) return status;
+    if (chart) {
+      for (std::uint32_t& f : chart->disc.face_of) f = faces[f];
+      charts.push_back(*std::move(chart));
       faces_done += faces.size();
     } else if (faces.size() == 1) {
       return absl::InternalError("a single triangle could not be parameterised");

@@ -6,25 +6,34 @@
 #include <vector>
 
 #include "core/execution_context.h"
-#include "core/flatten/cut_to_disc.h"
 #include "core/flatten/disc_mesh.h"
+#include "core/flatten/extremities.h"
 
 namespace curvecast {
+
+/// How a chart was mapped to the square, in the order in which they are tried.
+enum class Parameterisation {
+  kLeastStretch,  // minimise_stretch
+  kCgal,          // parameterise_cgal, where that is asked for: instead of the least stretch
+  kMeanValue,     // parameterise with mean value weights
+  kUniform,       // parameterise with uniform weights, the most robust
+};
 
 /// A disc with its place in the parameter square. No triangle is flipped or empty.
 struct Chart {
   DiscMesh disc;
   std::vector<Vec2d> uv;           // per vertex, in [0, 1]^2
   std::vector<double> area_ratio;  // per triangle: surface area over uv area
+  Parameterisation parameterisation = Parameterisation::kLeastStretch;
 };
 
 enum class Parameteriser {
-  kOwn,   // parameterise()
-  kCgal,  // parameterise_cgal(): slower and without stretch reweighting; for comparison
+  kOwn,   // minimise_stretch()
+  kCgal,  // parameterise_cgal(): slower, more distortion; for comparison
 };
 
 struct FlattenOptions {
-  CutOptions cut;
+  ExtremityOptions extremities;
   Parameteriser parameteriser = Parameteriser::kOwn;
   /// A chart is divided when some triangle's surface-to-uv area ratio exceeds its mean by this factor: the quadtree would go too
   /// deep for the curve's keys.
@@ -35,10 +44,9 @@ struct FlattenTimes {  // seconds
   double cut = 0, parameterise = 0;
 };
 
-/// One chart per component, or more where a component defeats the parameteriser (mean value weights) and uniform weights in turn,
-/// and is divided into halves until it doesn't: down to single triangles, which always succeed. Every face of the mesh lies in
-/// exactly one chart, whole. Charts come in the order of their components. Cancelled when the context says so (CGAL's solver ends
-/// first).
+/// One chart per component, or more where a component defeats every parameterisation in turn and is divided into halves until it
+/// doesn't: down to single triangles, which always succeed. Every face of the mesh lies in exactly one chart, whole. Charts come
+/// in the order of their components. Cancelled when the context says so (CGAL's solver ends first).
 absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const FlattenOptions& options,
                                            const ExecutionContext& context, FlattenTimes& times);
 

@@ -3,45 +3,17 @@
 #include <Eigen/SparseCore>
 #include <Eigen/SparseLU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+
+#include "core/flatten/distortion.h"
+#include "core/flatten/square_border.h"
 
 namespace curvecast {
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 using Solution = Eigen::Matrix<double, Eigen::Dynamic, 2>;
-
-/// Places the border loop on the square's sides, by arc length, with four of its vertices on the corners.
-void place_border(const DiscMesh& disc, std::vector<Vec2d>& uv) {
-  const std::vector<std::uint32_t>& loop = disc.border;
-  const std::size_t n = loop.size();
-  std::vector<double> along(n + 1, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    along[i + 1] = along[i] + (disc.positions[loop[(i + 1) % n]] - disc.positions[loop[i]]).norm();
-  }
-  // No edge may vanish beside much longer ones.
-  const double least = 1e-3 * along[n] / static_cast<double>(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    along[i + 1] = along[i] + std::max((disc.positions[loop[(i + 1) % n]] - disc.positions[loop[i]]).norm(), least);
-  }
-  std::array<std::size_t, 5> corner = {0, 0, 0, 0, n};
-  for (std::size_t k = 1; k < 4; ++k) {
-    const double target = along[n] * static_cast<double>(k) / 4;
-    std::size_t i = static_cast<std::size_t>(std::lower_bound(along.begin(), along.end(), target) - along.begin());
-    if (i > 0 && target - along[i - 1] < along[i] - target) --i;
-    corner[k] = std::clamp(i, corner[k - 1] + 1, n - 4 + k);
-  }
-  const std::array<Vec2d, 5> place = {Vec2d(0, 0), Vec2d(1, 0), Vec2d(1, 1), Vec2d(0, 1), Vec2d(0, 0)};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double length = along[corner[k + 1]] - along[corner[k]];
-    for (std::size_t i = corner[k]; i < corner[k + 1]; ++i) {
-      const double t = (along[i] - along[corner[k]]) / length;
-      uv[loop[i]] = place[k] + t * (place[k + 1] - place[k]);
-    }
-  }
-}
 
 /// Tangent of half the angle at `apex`, kept away from the extremes that slivers have.
 double half_tangent(const Vec3d& apex, const Vec3d& p, const Vec3d& q) {
@@ -111,50 +83,18 @@ System assemble(const DiscMesh& disc, ParameterWeights weights, const std::vecto
   return system;
 }
 
-/// The L2 stretch of the map from uv to the surface: of the whole, and of the triangles around each vertex, both relative to the
-/// stretch of an isometric map.
-struct Stretch {
-  double total = 0;
-  std::vector<double> vertex;
-};
-
-Stretch measure_stretch(const DiscMesh& disc, const std::vector<Vec2d>& uv) {
-  constexpr double kSmallestArea = 1e-60;  // in uv: stands for triangles that rounding has collapsed or folded
-  Stretch stretch;
-  stretch.vertex.assign(disc.vertex_count(), 0.0);
-  std::vector<double> area_sum(disc.vertex_count(), 0.0);
-  double surface = 0;
-  for (const Triangle& t : disc.triangles) {
-    const Vec2d p = uv[t[1]] - uv[t[0]];
-    const Vec2d q = uv[t[2]] - uv[t[0]];
-    const Vec3d e = disc.positions[t[1]] - disc.positions[t[0]];
-    const Vec3d f = disc.positions[t[2]] - disc.positions[t[0]];
-    const double area = 0.5 * e.cross(f).norm();
-    const double determinant = std::max(p.x() * q.y() - p.y() * q.x(), kSmallestArea);
-    const Vec3d along_u = (e * q.y() - f * p.y()) / determinant;
-    const Vec3d along_v = (f * p.x() - e * q.x()) / determinant;
-    const double square = 0.5 * (along_u.squaredNorm() + along_v.squaredNorm());
-    for (const std::uint32_t v : t) {
-      stretch.vertex[v] += area * square;
-      area_sum[v] += area;
-    }
-    stretch.total += area * square;
-    surface += area;
-  }
-  stretch.total = std::sqrt(stretch.total) / surface;  // the square's own area is 1
-  for (std::size_t v = 0; v < area_sum.size(); ++v) stretch.vertex[v] = std::sqrt(stretch.vertex[v] / (area_sum[v] * surface));
-  return stretch;
-}
-
 }  // namespace
 
 absl::StatusOr<std::vector<Vec2d>> parameterise(const DiscMesh& disc, const ParameteriseOptions& options) {
+  return parameterise_inside(disc, square_border(disc), options);
+}
+
+absl::StatusOr<std::vector<Vec2d>> parameterise_inside(const DiscMesh& disc, std::vector<Vec2d> uv,
+                                                       const ParameteriseOptions& options) {
   // Reweighting multiplies up; beyond this the system would lose its digits.
   constexpr double kSmallestStretch = 1e-3;
   constexpr double kLargestStretch = 1e15;
   const int reweightings = options.weights == ParameterWeights::kMeanValue ? options.reweightings : 0;
-  std::vector<Vec2d> uv(disc.vertex_count(), Vec2d::Zero());
-  place_border(disc, uv);
   std::vector<double> divisor(disc.vertex_count(), 1.0);
   std::vector<Vec2d> best;
   double best_stretch = std::numeric_limits<double>::infinity();

@@ -26,7 +26,7 @@ namespace {
 constexpr std::array<const char*, 4> kEndings = {".ply", ".obj", ".off", ".stl"};
 constexpr std::uint64_t kMaxFileBytes = std::uint64_t{16} << 30;
 constexpr double kMaxAreaError = 1e-9;
-constexpr double kMaxElementError = 1e-6;  // area elements are floats
+constexpr double kMaxElementError = 1e-9;
 
 /// Area of all charts' triangles on the surface.
 double chart_area(const std::vector<Chart>& charts) {

@@ -39,7 +39,7 @@ struct CorpusEntry {
 /// Mesh files in the folder and below, by their endings, in ascending order; paths relative to it. NotFound for no folder.
 absl::StatusOr<std::vector<std::string>> find_meshes(const std::string& folder);
 
-/// One file. Passed: no flipped triangle, area_error at most 1e-9, area elements that add up to 1e-6, all of N samples, and none
+/// One file. Passed: no flipped triangle, area_error at most 1e-9, area elements that add up to 1e-9, all of N samples, and none
 /// of them farther from its face than its coordinates' rounding to floats. Errors and exceptions are in the entry, never thrown.
 CorpusEntry examine_mesh(const std::string& folder, const std::string& name, const CorpusOptions& options,
                          const ExecutionContext& context);

@@ -2,10 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <numeric>
-
-#include "core/flatten/cut_to_disc.h"
+#include "core/flatten/flatten.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {
@@ -15,16 +12,16 @@ struct Lengths {
   double cuts = 0, borders = 0;
 };
 
-Lengths lengths_of(const TriangleMesh& mesh, const CutOptions& options = {}) {
-  std::vector<std::uint32_t> faces(mesh.face_count());
-  std::iota(faces.begin(), faces.end(), 0u);
-  const absl::StatusOr<DiscMesh> disc = cut_to_disc(mesh, faces, options);
-  EXPECT_TRUE(disc.ok()) << disc.status();
-  const std::vector<bool> cuts = border_cuts(mesh, *disc);
-  EXPECT_EQ(cuts.size(), disc->border.size());
+Lengths lengths_of(const TriangleMesh& mesh, const FlattenOptions& options = {}) {
+  FlattenTimes times;
+  const absl::StatusOr<std::vector<Chart>> charts = flatten(mesh, options, {}, times);
+  EXPECT_TRUE(charts.ok()) << charts.status();
+  const DiscMesh& disc = charts->at(0).disc;
+  const std::vector<bool> cuts = border_cuts(mesh, disc);
+  EXPECT_EQ(cuts.size(), disc.border.size());
   Lengths lengths;
   for (std::size_t i = 0; i < cuts.size(); ++i) {
-    const Vec3d &a = disc->positions[disc->border[i]], &b = disc->positions[disc->border[(i + 1) % cuts.size()]];
+    const Vec3d &a = disc.positions[disc.border[i]], &b = disc.positions[disc.border[(i + 1) % cuts.size()]];
     (cuts[i] ? lengths.cuts : lengths.borders) += (b - a).norm();
   }
   return lengths;
@@ -54,7 +51,7 @@ TEST(BorderCuts, TheMeshsOwnBorderIsKept) {
     const TriangleMesh mesh = make_mesh(soup);
     EXPECT_NEAR(lengths_of(mesh).borders, border_length(mesh), 1e-12);
   }
-  EXPECT_EQ(lengths_of(make_mesh(disc(6, 20)), {.max_extremities = 0}).cuts, 0);
+  EXPECT_EQ(lengths_of(make_mesh(disc(6, 20)), {.extremities = {.most = 0}}).cuts, 0);
   EXPECT_GE(lengths_of(make_mesh(open_cylinder(8, 12))).cuts, 2 * 2 - 1e-12);  // from rim to rim, seen from both sides
 }
 

@@ -36,5 +36,11 @@ TEST(Distortion, QuantilesGoByArea) {
   EXPECT_DOUBLE_EQ(distortion.max, 100);
 }
 
+TEST(Distortion, ExtraLevelsCountPowersOfFour) {
+  const Distortion distortion = summarise_distortion({{50, 1}, {25, 16}, {25, 0.01}});
+  EXPECT_DOUBLE_EQ(distortion.extra_levels_mean, 0.5);  // where the map is too large no leaf is deeper
+  EXPECT_DOUBLE_EQ(distortion.extra_levels_max, 2);
+}
+
 }  // namespace
 }  // namespace curvecast

@@ -41,7 +41,7 @@ TEST(ParameteriseCgal, CoversTheSquareOnceWithoutAFlip) {
 TEST(ParameteriseCgal, AgreesWithOursOnTheSameBorder) {
   // 24 equal border edges without a cut: both put the corners on every sixth.
   FlattenTimes times;
-  const auto charts = flatten(testing::make_mesh(testing::disc(8, 24)), {.cut = {.max_extremities = 0}}, {}, times);
+  const auto charts = flatten(testing::make_mesh(testing::disc(8, 24)), {.extremities = {.most = 0}}, {}, times);
   ASSERT_TRUE(charts.ok());
   const DiscMesh& disc = charts->at(0).disc;
   ASSERT_EQ(disc.border.size(), 24u);

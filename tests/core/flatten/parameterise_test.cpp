@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numeric>
 #include <set>
 
 #include "core/flatten/cut_to_disc.h"
@@ -14,10 +13,7 @@ namespace curvecast {
 namespace {
 
 DiscMesh disc_of(const PolygonSoup& soup) {
-  const TriangleMesh mesh = testing::make_mesh(soup);
-  std::vector<std::uint32_t> faces(mesh.face_count());
-  std::iota(faces.begin(), faces.end(), 0u);
-  absl::StatusOr<DiscMesh> disc = cut_to_disc(mesh, faces);
+  absl::StatusOr<DiscMesh> disc = cut_to_disc(testing::make_mesh(soup));
   EXPECT_TRUE(disc.ok());
   return *std::move(disc);
 }

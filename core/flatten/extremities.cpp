@@ -1,0 +1,124 @@
+#include "core/flatten/extremities.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/flatten/cut_to_disc.h"
+#include "core/flatten/distortion.h"
+#include "core/flatten/edge_paths.h"
+#include "core/flatten/minimise_stretch.h"
+#include "core/flatten/vertex_hierarchy.h"
+#include "core/mesh/topology.h"
+
+namespace curvecast {
+namespace {
+
+// Faces below which cuts cost more border than they spare stretch.
+constexpr std::size_t kSmallest = 64;
+
+/// The map of a mesh with some cuts.
+struct Trial {
+  std::vector<std::uint32_t> extremities;
+  double stretch = std::numeric_limits<double>::infinity();
+  std::uint32_t most_stretched = kNone;  // vertex, far enough from the cut
+  std::uint32_t farthest = kNone;        // vertex, from the cut
+};
+
+class Search {
+ public:
+  Search(const TriangleMesh& mesh, const ExtremityOptions& options)
+      : mesh_(mesh), options_(options), reach_(options.least_reach * std::sqrt(surface_area(mesh))) {}
+
+  std::vector<std::uint32_t> run(const ExecutionContext& context) {
+    Trial best = attempt(opening());
+    Trial last = best;
+    int in_vain = 0;
+    while (in_vain < options_.patience && static_cast<int>(last.extremities.size()) < options_.most &&
+           best.stretch > options_.good_stretch && !context.cancelled()) {
+      Trial next;
+      std::uint32_t tried = kNone;
+      for (const std::uint32_t v : {last.most_stretched, last.farthest}) {
+        if (v == kNone || v == tried) continue;
+        tried = v;
+        std::vector<std::uint32_t> longer = last.extremities;
+        longer.push_back(v);
+        if (Trial trial = attempt(std::move(longer)); trial.stretch < next.stretch) next = std::move(trial);
+      }
+      if (next.extremities.empty()) break;
+      last = std::move(next);
+      const auto cuts = static_cast<double>(last.extremities.size() - best.extremities.size());
+      if (last.stretch < std::pow(1 - options_.least_gain, cuts) * best.stretch) {
+        best = last;
+        in_vain = 0;
+      } else {
+        ++in_vain;
+      }
+    }
+    return std::move(best.extremities);
+  }
+
+ private:
+  /// The ends of the cut that opens a closed surface of genus 0: far from each other.
+  std::vector<std::uint32_t> opening() const {
+    const Topology topology = analyse_topology(mesh_);
+    if (topology.genus > 0 || topology.boundary_loops > 0) return {};
+    EdgePaths paths(mesh_);
+    paths.add_sources(std::vector<std::uint32_t>{0});
+    const std::uint32_t first = paths.farthest();
+    paths.clear();
+    paths.add_sources(std::vector<std::uint32_t>{first});
+    return {first, paths.farthest()};
+  }
+
+  Trial attempt(std::vector<std::uint32_t> extremities) const {
+    Trial trial;
+    trial.extremities = std::move(extremities);
+    const absl::StatusOr<DiscMesh> disc = cut_to_disc(mesh_, trial.extremities);
+    if (!disc.ok()) return trial;
+    const absl::StatusOr<std::vector<Vec2d>> uv = minimise_stretch(*disc);
+    if (!uv.ok()) return trial;
+    const Stretch stretch = measure_stretch(*disc, *uv);
+    trial.stretch = stretch.total;
+
+    EdgePaths paths(*disc);
+    paths.add_sources(disc->border);
+    double largest = 0;
+    double longest = reach_;
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      for (int i = 0; i < 3; ++i) {
+        const std::uint32_t v = disc->triangles[f][i];
+        const std::uint32_t original = mesh_.triangles[f][i];
+        if (paths.distance(v) < reach_ || disc->positions[v] != mesh_.positions[original]) continue;
+        if (stretch.vertex[v] > largest) {
+          largest = stretch.vertex[v];
+          trial.most_stretched = original;
+        }
+        if (paths.distance(v) > longest) {
+          longest = paths.distance(v);
+          trial.farthest = original;
+        }
+      }
+    }
+    return trial;
+  }
+
+  const TriangleMesh& mesh_;
+  const ExtremityOptions& options_;
+  const double reach_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> find_extremities(const TriangleMesh& piece, const ExtremityOptions& options,
+                                            const ExecutionContext& context) {
+  if (piece.face_count() < kSmallest || options.most == 0) return {};
+  VertexHierarchy hierarchy(piece, {});
+  hierarchy.coarsen(options.proxy_vertices);
+  const TriangleMesh proxy = hierarchy.base_mesh();
+  std::vector<std::uint32_t> extremities = Search(proxy, options).run(context);
+  for (std::uint32_t& v : extremities) v = hierarchy.base()[v];
+  return extremities;
+}
+
+}  // namespace curvecast

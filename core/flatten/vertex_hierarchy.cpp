@@ -1,0 +1,301 @@
+#include "core/flatten/vertex_hierarchy.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace curvecast {
+namespace {
+
+constexpr float kNever = std::numeric_limits<float>::infinity();
+// Of the vertices that could go, the share that a level considers: the others wait, so that features outlive what is flat.
+constexpr double kShare = 0.7;
+// Moving a vertex by its distance from the surface counts in full, along the surface by this much: keeps triangles even.
+constexpr double kTangential = 0.02;
+// Levels that take less than one vertex in so many are not worth their while.
+constexpr std::size_t kLeastShare = 200;
+
+}  // namespace
+
+VertexHierarchy::VertexHierarchy(const TriangleMesh& mesh, std::span<const std::uint32_t> pinned)
+    : positions_(mesh.positions),
+      triangles_(mesh.triangles),
+      twins_(mesh.twins),
+      outgoing_(mesh.vertex_count(), kNone),
+      border_(mesh.vertex_count(), 0),
+      degree_(mesh.vertex_count(), 0),
+      pinned_(mesh.vertex_count(), false),
+      locked_(mesh.vertex_count(), 0) {
+  for (std::uint32_t h = 0; h < twins_.size(); ++h) {
+    std::uint32_t& out = outgoing_[from(h)];
+    if (out == kNone || twins_[h] == kNone) out = h;
+    ++degree_[from(h)];
+    if (twins_[h] != kNone) continue;
+    border_[from(h)] = 1;
+    ++degree_[to(h)];
+  }
+  for (const std::uint32_t v : pinned) pinned_[v] = true;
+}
+
+/// Whether moving from(h) onto to(h) leaves a manifold of the same topology, with no inner edge between border vertices.
+bool VertexHierarchy::may_collapse(std::uint32_t h) const {
+  const std::uint32_t v = from(h);
+  const std::uint32_t u = to(h);
+  const std::uint32_t t = twins_[h];
+  const std::uint32_t a = from(previous_halfedge(h));
+  const std::uint32_t b = t == kNone ? kNone : from(previous_halfedge(t));
+  const bool v_border = on_border(v);
+  const bool u_border = on_border(u);
+  if (v_border && t != kNone) return false;
+  if (a == b) return false;
+  const std::uint32_t size = degree_[v];
+  // Vertices of many neighbours stay as they are; the last vertex inside a triangle may still go.
+  if (size > kMaxDegree || (size > 3 && degree_[u] + size > kMaxDegree + 4)) return false;
+  const auto may_lose_one = [&](std::uint32_t x) { return on_border(x) || degree_[x] > 3; };
+  if (!may_lose_one(a) || (b != kNone && !may_lose_one(b)) || (size == 3 && !may_lose_one(u))) return false;
+  std::array<std::uint32_t, kMaxDegree> ring;
+  std::uint32_t filled = 0;
+  bool fits = true;
+  for_each_neighbour(v, [&](std::uint32_t x) {
+    // A new edge from u to x.
+    fits = fits && !(u_border && !v_border && x != u && x != a && x != b && on_border(x));
+    ring[filled++] = x;
+  });
+  if (!fits) return false;
+  if (v_border && ring[size - 1] == a) return false;  // a triangle with two sides on the border
+  std::uint32_t shared = 0;
+  for_each_neighbour(u, [&](std::uint32_t x) {
+    for (std::uint32_t i = 0; i < size; ++i) shared += ring[i] == x;
+  });
+  return shared == (t == kNone ? 1u : 2u);
+}
+
+/// The cheapest way for v to go. The cost of a step is its squared distances from the planes around, weighted by area, and a
+/// little for every step along them.
+VertexHierarchy::Candidate VertexHierarchy::best_candidate(std::uint32_t v) const {
+  constexpr Candidate kStays{kNever, kNone};
+  if (pinned_[v] || degree_[v] > kMaxDegree) return kStays;
+  struct Neighbour {
+    Vec3d step;              // from v
+    std::uint32_t halfedge;  // to it; kNone for the previous one on a border
+    Vec3d normal;            // of the triangle with the next neighbour, twice its area long
+    double length = 0;       // of that normal
+    double cost = kNever;
+    bool checked = false;
+  };
+  std::array<Neighbour, kMaxDegree> ring;
+  std::size_t size = 0;
+  const Vec3d p = positions_[v];
+  const bool border = on_border(v);
+  std::uint32_t h = outgoing_[v];
+  for (;;) {
+    ring[size].step = positions_[to(h)] - p;
+    ring[size].halfedge = h;
+    ++size;
+    const std::uint32_t back = previous_halfedge(h);
+    h = twins_[back];
+    if (h == kNone) {
+      ring[size].step = positions_[from(back)] - p;
+      ring[size].halfedge = kNone;
+      ++size;
+      break;
+    }
+    if (h == outgoing_[v]) break;
+  }
+  const std::size_t triangles = border ? size - 1 : size;
+  double area = 0;
+  for (std::size_t i = 0; i < triangles; ++i) {
+    ring[i].normal = ring[i].step.cross(ring[i + 1 < size ? i + 1 : 0].step);
+    ring[i].length = ring[i].normal.norm();
+    area += ring[i].length;
+  }
+  const std::size_t targets = border ? 1 : size;
+  for (std::size_t t = 0; t < targets; ++t) {
+    double planes = 0;
+    for (std::size_t i = 0; i < triangles; ++i) {
+      const double height = ring[t].step.dot(ring[i].normal);
+      if (ring[i].length > 0) planes += height * height / ring[i].length;
+    }
+    ring[t].cost = planes + kTangential * ring[t].step.squaredNorm() * area;
+  }
+  const auto folds = [&](std::size_t t) {
+    for (std::size_t i = 0; i < triangles; ++i) {
+      const std::size_t j = i + 1 < size ? i + 1 : 0;
+      if (i == t || j == t) continue;
+      const Vec3d moved = (ring[i].step - ring[t].step).cross(ring[j].step - ring[t].step);
+      if (moved.dot(ring[i].normal) <= 0.2 * ring[i].length * moved.norm()) return true;
+    }
+    return false;
+  };
+  for (;;) {
+    const auto best = std::min_element(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(targets),
+                                       [](const Neighbour& x, const Neighbour& y) { return x.cost < y.cost; });
+    if (best->cost == kNever) return kStays;
+    if (!best->checked) {
+      best->checked = true;
+      if (!may_collapse(best->halfedge)) {
+        best->cost = kNever;
+      } else if (folds(static_cast<std::size_t>(best - ring.begin()))) {
+        best->cost += best->step.squaredNorm() * area;
+      }
+      continue;
+    }
+    return {static_cast<float>(best->cost), best->halfedge};
+  }
+}
+
+/// Gives the start of every halfedge around the start of h, in the fan that h belongs to, the name v.
+void VertexHierarchy::relabel(std::uint32_t h, std::uint32_t v) {
+  std::uint32_t out = h;
+  do {
+    triangles_[out / 3][out % 3] = v;
+    out = twins_[previous_halfedge(out)];
+  } while (out != kNone && out != h);
+}
+
+void VertexHierarchy::collapse(std::uint32_t h) {
+  const std::uint32_t v = from(h);
+  const std::uint32_t u = to(h);
+  const std::uint32_t t = twins_[h];
+  const std::uint32_t n = next_halfedge(h);      // u -> a
+  const std::uint32_t p = previous_halfedge(h);  // a -> v
+  const std::uint32_t a = from(p);
+  // The two triangles at the edge keep their corners for the way back; the others of the fan get theirs from the far side.
+  for (std::uint32_t out = twins_[p]; out != kNone && out / 3 != (t == kNone ? kNone : t / 3);
+       out = twins_[previous_halfedge(out)]) {
+    triangles_[out / 3][out % 3] = u;
+  }
+  const auto join = [&](std::uint32_t x, std::uint32_t y) {
+    if (x != kNone) twins_[x] = y;
+    if (y != kNone) twins_[y] = x;
+  };
+  const std::uint32_t beyond_n = twins_[n];
+  const std::uint32_t beyond_p = twins_[p];
+  const auto stands_on = [&](std::uint32_t w, std::uint32_t x) { return outgoing_[w] == x; };
+  if (stands_on(a, p)) outgoing_[a] = beyond_n;
+  if (stands_on(u, n) || stands_on(u, t)) outgoing_[u] = beyond_p;
+  if (t != kNone) {
+    const std::uint32_t n1 = next_halfedge(t);      // v -> b
+    const std::uint32_t p1 = previous_halfedge(t);  // b -> u
+    const std::uint32_t b = from(p1);
+    if (stands_on(b, p1)) outgoing_[b] = twins_[n1];
+    const std::uint32_t beyond_n1 = twins_[n1];
+    const std::uint32_t beyond_p1 = twins_[p1];
+    join(beyond_n1, beyond_p1);
+  }
+  join(beyond_n, beyond_p);
+  outgoing_[v] = h;
+  --degree_[a];
+  degree_[u] += degree_[v] - (t == kNone ? 3 : 4);
+  if (t != kNone) --degree_[from(previous_halfedge(t))];
+}
+
+/// Undoes collapse(h): everything around is as it was right after it.
+void VertexHierarchy::restore(std::uint32_t h) {
+  const std::uint32_t v = from(h);
+  const std::uint32_t u = to(h);
+  const std::uint32_t t = twins_[h];
+  const std::uint32_t n = next_halfedge(h);
+  const std::uint32_t p = previous_halfedge(h);
+  const auto reattach = [&](std::uint32_t x) {
+    if (twins_[x] != kNone) twins_[twins_[x]] = x;
+  };
+  reattach(n);
+  reattach(p);
+  if (t != kNone) {
+    const std::uint32_t n1 = next_halfedge(t);
+    const std::uint32_t p1 = previous_halfedge(t);
+    reattach(n1);
+    reattach(p1);
+    if (twins_[p1] == kNone) outgoing_[from(p1)] = p1;
+  }
+  relabel(h, v);
+  if (from(outgoing_[u]) != u) outgoing_[u] = n;
+}
+
+bool VertexHierarchy::remove_level(const std::vector<std::uint32_t>& alive) {
+  std::vector<Candidate> candidates(alive.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, alive.size(), 1024), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) candidates[i] = best_candidate(alive[i]);
+  });
+  std::vector<float> costs;
+  costs.reserve(candidates.size());
+  for (const Candidate& c : candidates) {
+    if (c.halfedge != kNone) costs.push_back(c.cost);
+  }
+  if (costs.empty()) return false;
+  const auto limit = costs.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(costs.size() - 1));
+  std::nth_element(costs.begin(), limit, costs.end());
+  const float highest = *limit;
+  const auto mark = static_cast<std::uint32_t>(levels_.size() + 1);
+  std::vector<std::uint32_t> level;
+  for (std::size_t i = 0; i < alive.size(); ++i) {
+    const Candidate& c = candidates[i];
+    const std::uint32_t v = alive[i];
+    if (c.halfedge == kNone || c.cost > highest || locked_[v] == mark || !may_collapse(c.halfedge)) continue;
+    for_each_neighbour(v, [&](std::uint32_t x) { locked_[x] = mark; });
+    locked_[v] = mark;
+    collapse(c.halfedge);
+    level.push_back(c.halfedge);
+  }
+  if (level.empty()) return false;
+  levels_.push_back(std::move(level));
+  return true;
+}
+
+void VertexHierarchy::coarsen(std::size_t target) {
+  base_.clear();
+  for (std::uint32_t v = 0; v < outgoing_.size(); ++v) {
+    if (outgoing_[v] != kNone) base_.push_back(v);
+  }
+  std::vector<bool> gone(outgoing_.size(), false);
+  while (base_.size() > target && remove_level(base_)) {
+    for (const std::uint32_t h : levels_.back()) gone[from(h)] = true;
+    std::erase_if(base_, [&](std::uint32_t v) { return gone[v]; });
+    if (levels_.back().size() < base_.size() / kLeastShare) break;
+  }
+}
+
+std::vector<std::uint32_t> VertexHierarchy::level(std::size_t l) const {
+  std::vector<std::uint32_t> vertices;
+  vertices.reserve(levels_[l].size());
+  for (const std::uint32_t h : levels_[l]) vertices.push_back(from(h));
+  return vertices;
+}
+
+void VertexHierarchy::restore_level() {
+  for (auto h = levels_.back().rbegin(); h != levels_.back().rend(); ++h) restore(*h);
+  levels_.pop_back();
+}
+
+TriangleMesh VertexHierarchy::base_mesh() const {
+  std::vector<std::uint32_t> face(triangles_.size(), 0);
+  for (const std::vector<std::uint32_t>& level : levels_) {
+    for (const std::uint32_t h : level) {
+      face[h / 3] = kNone;
+      if (twins_[h] != kNone) face[twins_[h] / 3] = kNone;
+    }
+  }
+  std::vector<std::uint32_t> vertex(positions_.size(), kNone);
+  TriangleMesh mesh;
+  for (const std::uint32_t v : base_) {
+    vertex[v] = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.push_back(positions_[v]);
+  }
+  for (std::uint32_t f = 0; f < face.size(); ++f) {
+    if (face[f] == kNone) continue;
+    face[f] = static_cast<std::uint32_t>(mesh.triangles.size());
+    const Triangle& t = triangles_[f];
+    mesh.triangles.push_back({vertex[t[0]], vertex[t[1]], vertex[t[2]]});
+  }
+  mesh.twins.reserve(3 * mesh.triangles.size());
+  for (std::uint32_t h = 0; h < twins_.size(); ++h) {
+    if (face[h / 3] == kNone) continue;
+    mesh.twins.push_back(twins_[h] == kNone ? kNone : 3 * face[twins_[h] / 3] + twins_[h] % 3);
+  }
+  return mesh;
+}
+
+}  // namespace curvecast

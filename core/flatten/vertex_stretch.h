@@ -1,0 +1,60 @@
+// The stretch of the triangles around one vertex as a function of the vertex's place in the parameter plane.
+// Source: the L2 stretch of Sander, Snyder, Gortler, Hoppe, "Texture mapping progressive meshes" (2001), minimised vertex by
+// vertex as in Sander, Gortler, Snyder, Hoppe, "Signal-specialized parametrization" (2002), with Newton's steps.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/vec.h"
+
+namespace curvecast {
+
+/// A vertex's neighbours, counter-clockwise, and the triangles between it and each two that follow each other. Meant to be filled
+/// again and again, for one vertex after the other. Not thread-safe.
+class VertexStretch {
+ public:
+  /// The vertex at `position` on the surface. `closed`: the last neighbour and the first make a triangle too.
+  void reset(const Vec3d& position, bool closed);
+  void add_neighbour(const Vec3d& position, const Vec2d& uv);
+  /// To be called after the last neighbour.
+  void finish();
+
+  /// Sum over the triangles of surface area times squared L2 stretch, in units of the surface's area over the plane's. Infinite
+  /// where a triangle is flipped or too thin for its sign to be certain.
+  double energy(const Vec2d& uv) const;
+  /// Whether all triangles turn counter-clockwise beyond doubt.
+  bool valid(const Vec2d& uv) const { return !(energy(uv) == kInvalid); }
+
+  /// One Newton step from the valid place `uv`, shortened until it lowers the energy; along `direction` only where that is given
+  /// (the side that a border vertex slides on; a unit vector). Returns by how much the energy fell; 0: uv stays.
+  double improve(Vec2d& uv, const std::optional<Vec2d>& direction) const;
+
+  /// A place for a vertex that has none yet: its mean value combination of the neighbours if that is valid, else the middle of
+  /// the region where it is. For a border vertex, on the segment between its last and its first neighbour. nullopt: there is no
+  /// such place, or it is too narrow for doubles.
+  std::optional<Vec2d> place() const;
+
+ private:
+  struct Neighbour {
+    Vec3d edge;  // from the vertex, on the surface
+    Vec2d uv;
+  };
+  struct Corner {  // the triangle of the vertex with neighbours p and q
+    Vec2d p, q;
+    double at_vertex, at_p, at_q;  // dot products of the surface triangle's sides at its corners
+    double half_area;
+  };
+  static constexpr double kInvalid = std::numeric_limits<double>::infinity();
+
+  std::optional<Vec2d> place_inside() const;
+  std::optional<Vec2d> place_on_border() const;
+
+  Vec3d position_ = Vec3d::Zero();
+  bool closed_ = true;
+  std::vector<Neighbour> neighbours_;
+  std::vector<Corner> corners_;
+};
+
+}  // namespace curvecast
