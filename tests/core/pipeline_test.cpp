@@ -44,7 +44,8 @@ TEST(Pipeline, TakesEveryShapeToACurve) {
     EXPECT_EQ(report.curve_vertices, result->curve->size());
     EXPECT_GE(report.distortion.p50, 1);
     EXPECT_LE(report.distortion.p50, report.distortion.p99);
-    EXPECT_LE(report.distortion.p99, report.distortion.max);
+    EXPECT_LE(report.distortion.p99, report.distortion.p999);
+    EXPECT_LE(report.distortion.p999, report.distortion.max);
     EXPECT_NEAR(report.mesh.area, surface_area(make_mesh(soup)), 1e-9);
   }
 }
