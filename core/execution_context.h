@@ -10,7 +10,7 @@
 namespace curvecast {
 
 struct ExecutionContext {
-  /// Called from the computing thread with the stage's name (a literal) and its fraction done in [0, 1]. May be empty.
+  /// Called with the stage's name (a literal) and its fraction done in [0, 1], by one thread at a time. May be empty.
   std::function<void(std::string_view stage, double fraction)> on_progress;
   /// Set by anyone, at any time, to stop the work. May be null.
   const std::atomic<bool>* cancel = nullptr;

@@ -11,8 +11,6 @@
 #include "core/curve/area_element.h"
 #include "core/curve/surface_colour.h"
 #include "core/curve/surface_map.h"
-#include "core/flatten/distortion.h"
-#include "core/flatten/flatten.h"
 #include "core/mesh/curvature.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/topology.h"
@@ -40,12 +38,6 @@ absl::Status check(const PreprocessOptions& options) {
 absl::Status about(std::string_view name, const absl::Status& status) {
   return absl::Status(status.code(), absl::StrFormat("%s: %s", name, status.message()));
 }
-
-struct LoadedMesh {
-  TriangleMesh mesh;
-  MeshAttributes attributes;
-  MeshInfo info;
-};
 
 /// What there is, in words.
 std::vector<std::string> names_of(const MeshAttributes& attributes) {
@@ -171,35 +163,43 @@ absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& cha
   return absl::OkStatus();
 }
 
-absl::StatusOr<Preprocessed> preprocess_here(const MeshFile& file, const PreprocessOptions& options,
-                                             const ExecutionContext& context) {
-  if (absl::Status status = check(options); !status.ok()) return status;
+absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds& seconds, const PreprocessOptions& options,
+                                           const ExecutionContext& context) {
   Stopwatch watch;
-  PreprocessReport report;
-  absl::StatusOr<LoadedMesh> loaded = load(file, context, report.seconds);
-  if (!loaded.ok()) return loaded.status();
-  report.mesh = loaded->info;
   FlattenTimes times;
-  absl::StatusOr<std::vector<Chart>> charts = flatten(loaded->mesh, {}, context, times);
+  absl::StatusOr<std::vector<Chart>> charts = flatten(loaded.mesh, {.parameteriser = options.parameteriser}, context, times);
   if (!charts.ok()) return charts.status();
+  FlattenedMesh flattened{std::move(loaded), *std::move(charts), {}};
+  PreprocessReport& report = flattened.report;
+  report.mesh = flattened.loaded.info;
+  report.discs = static_cast<std::uint32_t>(flattened.charts.size());
+  for (const Chart& chart : flattened.charts) {
+    report.flipped_triangles += count_flipped(chart.disc, chart.uv);
+    report.fallback_discs +=
+        chart.parameterisation != Parameterisation::kLeastStretch && chart.parameterisation != Parameterisation::kCgal;
+  }
+  report.distortion = measure_distortion(flattened.charts);
+  report.seconds = seconds;
   report.seconds.cut = times.cut;
   report.seconds.parameterise = times.parameterise;
-  report.discs = static_cast<std::uint32_t>(charts->size());
-  for (const Chart& chart : *charts) {
-    report.flipped_triangles += count_flipped(chart.disc, chart.uv);
-    report.fallback_discs += chart.parameterisation != Parameterisation::kLeastStretch;
-  }
-  report.distortion = measure_distortion(*charts);
+  report.seconds.total = seconds.read + seconds.repair + watch.lap();
+  return flattened;
+}
 
+absl::StatusOr<Preprocessed> lay_curve_here(const FlattenedMesh& flattened, const PreprocessOptions& options,
+                                            const ExecutionContext& context) {
+  Stopwatch watch;
+  PreprocessReport report = flattened.report;
   auto curve = std::make_shared<SurfaceCurve>();
   curve->total_area = report.mesh.area;
   curve->box = report.mesh.box;
   curve->origin = choose_origin(report.mesh.box);
   curve->max_points = options.points;
-  if (absl::Status status = build_curve(*loaded, *charts, options, context, *curve, report); !status.ok()) return status;
+  const absl::Status built = build_curve(flattened.loaded, flattened.charts, options, context, *curve, report);
+  if (!built.ok()) return built;
   report.curve_vertices = curve->size();
   report.curve_bytes = curve->byte_size();
-  report.seconds.total = watch.lap();
+  report.seconds.total += watch.lap();
   return Preprocessed{std::move(curve), report};
 }
 
@@ -219,8 +219,32 @@ absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionConte
   return loaded->info;
 }
 
+absl::StatusOr<FlattenedMesh> flatten_mesh(const MeshFile& file, const PreprocessOptions& options,
+                                           const ExecutionContext& context) {
+  if (absl::Status status = check(options); !status.ok()) return status;
+  return with_threads(context, [&]() -> absl::StatusOr<FlattenedMesh> {
+    StageSeconds seconds;
+    absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds);
+    if (!loaded.ok()) return loaded.status();
+    return flatten_here(*std::move(loaded), seconds, options, context);
+  });
+}
+
+absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOptions& options, const ExecutionContext& context) {
+  if (absl::Status status = check(options); !status.ok()) return status;
+  return with_threads(context, [&] { return flatten_here(std::move(loaded), {}, options, context); });
+}
+
+absl::StatusOr<Preprocessed> lay_curve(const FlattenedMesh& flattened, const PreprocessOptions& options,
+                                       const ExecutionContext& context) {
+  if (absl::Status status = check(options); !status.ok()) return status;
+  return with_threads(context, [&] { return lay_curve_here(flattened, options, context); });
+}
+
 absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options, const ExecutionContext& context) {
-  return with_threads(context, [&] { return preprocess_here(file, options, context); });
+  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(file, options, context);
+  if (!flattened.ok()) return flattened.status();
+  return lay_curve(*flattened, options, context);
 }
 
 }  // namespace curvecast

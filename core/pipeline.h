@@ -12,6 +12,7 @@
 #include "core/curve/surface_curve.h"
 #include "core/execution_context.h"
 #include "core/flatten/distortion.h"
+#include "core/flatten/flatten.h"
 #include "core/mesh/mesh_file.h"
 #include "core/mesh/repair.h"
 
@@ -20,6 +21,7 @@ namespace curvecast {
 struct PreprocessOptions {
   std::uint64_t points = 65'536;  // N for which the curve is made fine enough, 1 .. kMaxPoints
   double omega = 10;              // curve vertices per point (paper, section 3.2), 1 .. 1000
+  Parameteriser parameteriser = Parameteriser::kOwn;
 };
 
 inline constexpr std::uint64_t kMaxPoints = 4'000'000;
@@ -58,6 +60,19 @@ struct PreprocessReport {
   StageSeconds seconds;
 };
 
+struct LoadedMesh {
+  TriangleMesh mesh;  // repaired
+  MeshAttributes attributes;
+  MeshInfo info;
+};
+
+/// Half of the way: the parameter mesh.
+struct FlattenedMesh {
+  LoadedMesh loaded;
+  std::vector<Chart> charts;
+  PreprocessReport report;  // of the stages so far
+};
+
 struct Preprocessed {
   std::shared_ptr<const SurfaceCurve> curve;
   PreprocessReport report;
@@ -65,6 +80,16 @@ struct Preprocessed {
 
 /// Reads and repairs only.
 absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context = {});
+
+/// The first half: reads, repairs, cuts, parameterises. Errors as of preprocess().
+absl::StatusOr<FlattenedMesh> flatten_mesh(const MeshFile& file, const PreprocessOptions& options,
+                                           const ExecutionContext& context = {});
+/// The same for a mesh that has been repaired.
+absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOptions& options,
+                                           const ExecutionContext& context = {});
+/// The second half, with the same options.
+absl::StatusOr<Preprocessed> lay_curve(const FlattenedMesh& flattened, const PreprocessOptions& options,
+                                       const ExecutionContext& context = {});
 
 /// The whole way. InvalidArgument for a bad file (see read_mesh, repair) or options out of range; Cancelled.
 absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options,

@@ -4,10 +4,11 @@
 #include <absl/strings/str_format.h>
 #include <Eigen/Geometry>
 
-#include <bit>
 #include <cmath>
 #include <string>
 #include <utility>
+
+#include "server/little_endian.h"
 
 namespace curvecast::server {
 namespace {
@@ -145,6 +146,7 @@ v1::SessionOptions to_proto(const PreprocessOptions& options) {
   v1::SessionOptions out;
   out.set_max_points(options.points);
   out.set_omega(options.omega);
+  out.set_parameteriser(options.parameteriser == Parameteriser::kCgal ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
   return out;
 }
 
@@ -156,12 +158,7 @@ v1::PreprocessReport to_proto(const PreprocessReport& report, const std::string&
   out.set_max_level(report.max_level);
   out.set_flipped_triangles(report.flipped_triangles);
   out.set_area_error(report.area_error);
-  out.mutable_distortion()->set_p50(report.distortion.p50);
-  out.mutable_distortion()->set_p99(report.distortion.p99);
-  out.mutable_distortion()->set_p999(report.distortion.p999);
-  out.mutable_distortion()->set_max(report.distortion.max);
-  out.mutable_distortion()->set_extra_levels_mean(report.distortion.extra_levels_mean);
-  out.mutable_distortion()->set_extra_levels_max(report.distortion.extra_levels_max);
+  *out.mutable_distortion() = server::to_proto(report.distortion);
   out.set_fallback_discs(report.fallback_discs);
   v1::StageSeconds& seconds = *out.mutable_seconds();
   seconds.set_read(report.seconds.read);
@@ -187,12 +184,6 @@ v1::SessionState to_proto(SessionState state) {
       return v1::SESSION_STATE_READY;
   }
   return v1::SESSION_STATE_UNSPECIFIED;
-}
-
-template <class T>
-std::string little_endian(const std::vector<T>& values, std::size_t begin, std::size_t count) {
-  static_assert(std::endian::native == std::endian::little && sizeof(T) % sizeof(float) == 0);
-  return std::string(reinterpret_cast<const char*>(values.data() + begin), count * sizeof(T));
 }
 
 std::string rgb_bytes(const std::vector<Rgba8>& colours, std::size_t begin, std::size_t count) {
@@ -260,11 +251,37 @@ absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions
     out.points = check.in_range<std::uint64_t>("options.max_points", options.max_points(), 1, kMaxPoints);
   }
   if (options.omega() != 0) out.omega = check.in_range("options.omega", options.omega(), 1.0, kMaxOmega);
+  const auto parameteriser = to_parameteriser("options.parameteriser", options.parameteriser());
+  if (!parameteriser.ok()) return parameteriser.status();
+  out.parameteriser = *parameteriser;
   if (const double vertices = static_cast<double>(out.points) * out.omega; vertices > kMaxCurveVertices) {
     check.fail("options.max_points",
                absl::StrFormat("times omega makes %.0f curve vertices; at most %.0f are made", vertices, kMaxCurveVertices));
   }
   if (!check.ok()) return check.status();
+  return out;
+}
+
+absl::StatusOr<Parameteriser> to_parameteriser(const std::string& field, v1::Parameteriser parameteriser) {
+  switch (parameteriser) {
+    case v1::PARAMETERISER_UNSPECIFIED:
+    case v1::PARAMETERISER_OWN:
+      return Parameteriser::kOwn;
+    case v1::PARAMETERISER_CGAL:
+      return Parameteriser::kCgal;
+    default:
+      return absl::InvalidArgumentError(absl::StrCat(field, " has the unknown value ", static_cast<int>(parameteriser)));
+  }
+}
+
+v1::Distortion to_proto(const Distortion& distortion) {
+  v1::Distortion out;
+  out.set_p50(distortion.p50);
+  out.set_p99(distortion.p99);
+  out.set_p999(distortion.p999);
+  out.set_max(distortion.max);
+  out.set_extra_levels_mean(distortion.extra_levels_mean);
+  out.set_extra_levels_max(distortion.extra_levels_max);
   return out;
 }
 

@@ -21,6 +21,7 @@ int worker_count(int threads) {
 
 Engine::Engine(const ServerOptions& options)
     : log(make_logger(options.log, options.verbose)),
+      threads(options.threads),
       views(worker_count(options.threads), kMaxPendingViews),
       preprocessing(1, kMaxPendingSessions),
       meshes(options.max_mesh_bytes, options.max_upload_bytes),

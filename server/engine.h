@@ -28,6 +28,7 @@ class Engine {
   void stop_streams(const absl::Status& reason);
 
   const std::shared_ptr<spdlog::logger> log;
+  const int threads;       // of one preprocessing job; 0 = one per core
   JobQueue views;          // views, point sets, inspection
   JobQueue preprocessing;  // one at a time: each uses all cores by itself
   MeshStore meshes;

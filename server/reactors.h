@@ -22,6 +22,9 @@ grpc::ServerUnaryReactor* list_mesh_references(Engine& engine, grpc::CallbackSer
 grpc::ServerWriteReactor<v1::CreateSessionResponse>* create_session(Engine& engine, grpc::CallbackServerContext& context,
                                                                     const v1::CreateSessionRequest& request);
 
+grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* get_parameter_mesh(Engine& engine, grpc::CallbackServerContext& context,
+                                                                           const v1::GetParameterMeshRequest& request);
+
 grpc::ServerWriteReactor<v1::ResampleResponse>* resample(Engine& engine, grpc::CallbackServerContext& context,
                                                          const v1::ResampleRequest& request);
 

@@ -50,6 +50,11 @@ grpc::ServerUnaryReactor* Service::ListMeshReferences(grpc::CallbackServerContex
   return list_mesh_references(engine_, *context, *request, response);
 }
 
+grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* Service::GetParameterMesh(grpc::CallbackServerContext* context,
+                                                                                  const v1::GetParameterMeshRequest* request) {
+  return get_parameter_mesh(engine_, *context, *request);
+}
+
 grpc::ServerWriteReactor<v1::CreateSessionResponse>* Service::CreateSession(grpc::CallbackServerContext* context,
                                                                             const v1::CreateSessionRequest* request) {
   return create_session(engine_, *context, *request);

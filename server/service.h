@@ -19,6 +19,8 @@ class Service final : public v1::CurvecastService::CallbackService {
                                         v1::InspectMeshResponse* response) override;
   grpc::ServerUnaryReactor* ListMeshReferences(grpc::CallbackServerContext* context, const v1::ListMeshReferencesRequest* request,
                                                v1::ListMeshReferencesResponse* response) override;
+  grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* GetParameterMesh(grpc::CallbackServerContext* context,
+                                                                           const v1::GetParameterMeshRequest* request) override;
   grpc::ServerWriteReactor<v1::CreateSessionResponse>* CreateSession(grpc::CallbackServerContext* context,
                                                                      const v1::CreateSessionRequest* request) override;
   grpc::ServerUnaryReactor* GetSession(grpc::CallbackServerContext* context, const v1::GetSessionRequest* request,

@@ -9,7 +9,8 @@ namespace curvecast::server {
 
 std::string session_id(const MeshFiles& files, const PreprocessOptions& options) {
   Hasher hasher;
-  hasher.update(absl::StrFormat("%s\n%d\n%a\n", files.mesh->id, options.points, options.omega));
+  hasher.update(absl::StrFormat("%s\n%d\n%a\n%d\n", files.mesh->id, options.points, options.omega,
+                                static_cast<int>(options.parameteriser)));
   for (const auto& [name, file] : files.companions) {
     hasher.update(absl::StrFormat("%d %s\n%s\n", name.size(), name, file->id));
   }

@@ -44,6 +44,9 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
 
   void OnCancel() override { cancelled_ = true; }
 
+  /// Set once the client has gone.
+  const std::atomic<bool>& cancel_flag() const { return cancelled_; }
+
  private:
   /// Whether the older message, which still waits, is not worth sending any more. Called with the queue locked.
   virtual bool replaces(const Response& /*newer*/, const Response& /*older*/) const { return false; }

@@ -1,21 +1,31 @@
+#include <array>
 #include <memory>
+#include <string_view>
 
+#include "client/cli/choice.h"
 #include "client/cli/commands.h"
 #include "client/cli/report.h"
 
 namespace curvecast::cli {
 namespace {
 
+constexpr std::array<std::string_view, 2> kParameterisers = {"own", "cgal"};
+
 struct Flags {
   std::string mesh;
   std::uint64_t points = 65'536;
   double omega = 10;
+  std::string parameteriser = "own";
 };
 
 absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_token stop) {
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
   if (!host.ok()) return host.status();
-  absl::StatusOr<OpenedMesh> opened = open_mesh((*host)->client(), flags.mesh, flags.points, flags.omega, options.quiet, stop);
+  v1::SessionOptions session_options;
+  session_options.set_max_points(flags.points);
+  session_options.set_omega(flags.omega);
+  session_options.set_parameteriser(flags.parameteriser == "cgal" ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
+  absl::StatusOr<OpenedMesh> opened = open_mesh((*host)->client(), flags.mesh, session_options, options.quiet, stop);
   if (!opened.ok()) return opened.status();
   return options.json ? print_json(preprocess_json(opened->session)) : print_text(preprocess_text(opened->session));
 }
@@ -37,6 +47,11 @@ Command add_preprocess(CLI::App& root, CommonOptions& options) {
   app->add_option("--omega", flags->omega, "curve vertices per point, 1 to 1,000")
       ->check(CLI::Range(1.0, 1000.0))
       ->type_name("W")
+      ->capture_default_str();
+  app->add_option("--parameteriser", flags->parameteriser,
+                  "own, or cgal: CGAL's mean value parameteriser, for comparison; slower, more distortion")
+      ->check(validator([](const std::string& text) { return check_choice("parameteriser", text, kParameterisers); }, ""))
+      ->type_name("NAME")
       ->capture_default_str();
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
 }

@@ -65,7 +65,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
-  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, session_points(flags.sample.points), 0, options.quiet, stop);
+  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, session_points(flags.sample.points), options.quiet, stop);
   if (!opened.ok()) return opened.status();
   absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box_of(opened->session.report().mesh()), 1);
   if (!camera.ok()) return camera.status();

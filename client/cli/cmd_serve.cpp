@@ -40,7 +40,7 @@ absl::Status open_meshes(const Flags& flags, const CommonOptions& options, serve
   client::Client client(client::make_connection(server.in_process_channel()));
   Json sessions = Json::array();
   for (const std::string& path : flags.meshes) {
-    absl::StatusOr<OpenedMesh> opened = open_mesh(client, path, session_points(0), 0, options.quiet, stop);
+    absl::StatusOr<OpenedMesh> opened = open_mesh(client, path, session_points(0), options.quiet, stop);
     if (!opened.ok()) return opened.status();
     sessions.push_back({{"mesh", path}, {"session_id", opened->session.session_id()}});
     if (absl::Status status = announce(options, absl::StrCat("session ", opened->session.session_id(), " ", path));

@@ -143,7 +143,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
-  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, session_points(flags.sample.points), 0, options.quiet, stop);
+  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, session_points(flags.sample.points), options.quiet, stop);
   if (!opened.ok()) return opened.status();
   absl::StatusOr<std::vector<v1::Camera>> cameras =
       make_camera_path(flags.path, flags.frames, box_of(opened->session.report().mesh()));

@@ -11,5 +11,6 @@ Command add_preprocess(CLI::App& root, CommonOptions& options);
 Command add_sample(CLI::App& root, CommonOptions& options);
 Command add_stream(CLI::App& root, CommonOptions& options);
 Command add_render(CLI::App& root, CommonOptions& options);
+Command add_bench(CLI::App& root, CommonOptions& options);
 
 }  // namespace curvecast::cli

@@ -76,20 +76,24 @@ absl::StatusOr<std::unique_ptr<Host>> Host::open(const CommonOptions& options) {
   return std::unique_ptr<Host>(new Host(*std::move(server), std::move(connection)));
 }
 
-absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, std::uint64_t max_points, double omega,
+absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, const v1::SessionOptions& session_options,
                                      bool quiet, std::stop_token stop) {
   const auto start = std::chrono::steady_clock::now();
   ProgressBar bar(progress_style(quiet), std::filesystem::path(path).filename().string());
   const client::StageProgress on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
   absl::StatusOr<client::UploadedMesh> mesh = client.upload_with_companions(path, on_progress, stop);
   if (!mesh.ok()) return mesh.status();
-  v1::SessionOptions session_options;
-  session_options.set_max_points(max_points);
-  session_options.set_omega(omega);
   absl::StatusOr<v1::Session> session = client.create_session(*mesh, session_options, on_progress, stop);
   if (!session.ok()) return session.status();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return OpenedMesh{*std::move(session), seconds};
+  return OpenedMesh{*std::move(mesh), *std::move(session), seconds};
+}
+
+absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, std::uint64_t max_points, bool quiet,
+                                     std::stop_token stop) {
+  v1::SessionOptions session_options;
+  session_options.set_max_points(max_points);
+  return open_mesh(client, path, session_options, quiet, std::move(stop));
 }
 
 std::uint64_t session_points(std::uint64_t points) { return std::max(points, kDefaultSessionPoints); }

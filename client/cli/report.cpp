@@ -79,6 +79,7 @@ Json preprocess_json(const v1::Session& session) {
             {"max", report.distortion().max()},
             {"extra_levels_mean", report.distortion().extra_levels_mean()},
             {"extra_levels_max", report.distortion().extra_levels_max()}}},
+          {"parameteriser", session.options().parameteriser() == v1::PARAMETERISER_CGAL ? "cgal" : "own"},
           {"fallback_discs", report.fallback_discs()},
           {"seconds", seconds},
           {"curve_bytes", report.curve_bytes()},

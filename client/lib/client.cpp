@@ -161,6 +161,17 @@ absl::StatusOr<v1::MeshInfo> Client::inspect(const UploadedMesh& mesh, std::stop
   return std::move(*response->mutable_mesh());
 }
 
+absl::StatusOr<ParameterMesh> Client::get_parameter_mesh(const UploadedMesh& mesh, v1::Parameteriser parameteriser,
+                                                         std::stop_token stop) {
+  v1::GetParameterMeshRequest request;
+  request.set_mesh_id(mesh.mesh_id);
+  request.mutable_companions()->insert(mesh.companions.begin(), mesh.companions.end());
+  request.set_parameteriser(parameteriser);
+  absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> responses = connection_->get_parameter_mesh(request, std::move(stop));
+  if (!responses.ok()) return responses.status();
+  return decode_parameter_mesh(*responses);
+}
+
 absl::StatusOr<v1::Session> Client::create_session(const UploadedMesh& mesh, const v1::SessionOptions& options,
                                                    const StageProgress& on_progress, std::stop_token stop) {
   v1::CreateSessionRequest request;

@@ -16,6 +16,7 @@
 
 #include "client/lib/connection.h"
 #include "client/lib/file_bytes.h"
+#include "client/lib/parameter_mesh.h"
 #include "client/lib/points.h"
 #include "curvecast/v1/curvecast.pb.h"
 
@@ -71,6 +72,10 @@ class Client {
   absl::StatusOr<UploadedMesh> upload_with_companions(const std::string& path, const StageProgress& on_progress = {},
                                                       std::stop_token stop = {});
   absl::StatusOr<v1::MeshInfo> inspect(const UploadedMesh& mesh, std::stop_token stop = {});
+
+  /// The parameter mesh, checked: see decode_parameter_mesh. Computed anew by the server for every call.
+  absl::StatusOr<ParameterMesh> get_parameter_mesh(const UploadedMesh& mesh, v1::Parameteriser parameteriser,
+                                                   std::stop_token stop = {});
 
   /// Waits until the session is ready. Requesting stop ends the preprocessing unless other clients wait for it too.
   absl::StatusOr<v1::Session> create_session(const UploadedMesh& mesh, const v1::SessionOptions& options,

@@ -21,10 +21,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::size_t kChunkBytes = 512 << 10;  // of an upload; the API allows 1 MiB
-constexpr int kMaxMessageBytes = 64 << 20;      // received; servers send frames of up to 32 MiB
-constexpr int kKeepaliveMs = 20'000;            // between pings during a call; servers allow one every 5 seconds
-constexpr int kKeepaliveTimeoutMs = 10'000;     // until a silent server counts as lost
+constexpr std::size_t kChunkBytes = 512 << 10;                            // of an upload; the API allows 1 MiB
+constexpr int kMaxMessageBytes = 64 << 20;                                // received; servers send frames of up to 32 MiB
+constexpr std::uint64_t kMaxParameterMeshBytes = std::uint64_t{8} << 30;  // about 80 million triangles
+constexpr int kKeepaliveMs = 20'000;         // between pings during a call; servers allow one every 5 seconds
+constexpr int kKeepaliveTimeoutMs = 10'000;  // until a silent server counts as lost
 
 /// The codes of gRPC and of Abseil have the same numbers.
 absl::Status to_absl(const grpc::Status& status) {
@@ -141,6 +142,32 @@ class GrpcConnection : public Connection {
 
   absl::StatusOr<v1::InspectMeshResponse> inspect_mesh(const v1::InspectMeshRequest& request, std::stop_token stop) override {
     return unary<v1::InspectMeshResponse>(&v1::CurvecastService::Stub::InspectMesh, request, options_.long_timeout, stop);
+  }
+
+  absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> get_parameter_mesh(const v1::GetParameterMeshRequest& request,
+                                                                               std::stop_token stop) override {
+    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> {
+      Call call(stop, std::nullopt);
+      const auto reader = stub_->GetParameterMesh(call.context(), request);
+      std::vector<v1::GetParameterMeshResponse> responses;
+      v1::GetParameterMeshResponse response;
+      std::uint64_t bytes = 0;
+      while (reader->Read(&response)) {
+        bytes += response.ByteSizeLong() + sizeof response;
+        if (bytes > kMaxParameterMeshBytes) {
+          call.context()->TryCancel();
+          while (reader->Read(&response)) {
+          }
+          reader->Finish();
+          return absl::ResourceExhaustedError(
+              absl::StrCat("the server sent a parameter mesh of more than ", kMaxParameterMeshBytes, " bytes"));
+        }
+        responses.push_back(std::move(response));
+        response.Clear();
+      }
+      if (absl::Status status = to_absl(reader->Finish()); !status.ok()) return status;
+      return responses;
+    });
   }
 
   absl::StatusOr<v1::Session> create_session(const v1::CreateSessionRequest& request, const OnProgress& on_progress,

@@ -16,6 +16,11 @@ namespace {
 
 // Faces below which cuts cost more border than they spare stretch.
 constexpr std::size_t kSmallest = 64;
+// A trial shows which cut is better long before its map is as good as can be.
+constexpr MinimiseStretchOptions kTrial{.good_enough = 0.02, .most_sweeps = 25};
+// The search costs no more than the map of a small piece does: its coarse mesh has this part of its vertices.
+constexpr std::size_t kProxyShare = 4;
+constexpr std::size_t kSmallestProxy = 64;
 
 /// The map of a mesh with some cuts.
 struct Trial {
@@ -76,7 +81,7 @@ class Search {
     trial.extremities = std::move(extremities);
     const absl::StatusOr<DiscMesh> disc = cut_to_disc(mesh_, trial.extremities);
     if (!disc.ok()) return trial;
-    const absl::StatusOr<std::vector<Vec2d>> uv = minimise_stretch(*disc);
+    const absl::StatusOr<std::vector<Vec2d>> uv = minimise_stretch(*disc, kTrial);
     if (!uv.ok()) return trial;
     const Stretch stretch = measure_stretch(*disc, *uv);
     trial.stretch = stretch.total;
@@ -114,7 +119,7 @@ std::vector<std::uint32_t> find_extremities(const TriangleMesh& piece, const Ext
                                             const ExecutionContext& context) {
   if (piece.face_count() < kSmallest || options.most == 0) return {};
   VertexHierarchy hierarchy(piece, {});
-  hierarchy.coarsen(options.proxy_vertices);
+  hierarchy.coarsen(std::clamp(piece.vertex_count() / kProxyShare, kSmallestProxy, options.proxy_vertices));
   const TriangleMesh proxy = hierarchy.base_mesh();
   std::vector<std::uint32_t> extremities = Search(proxy, options).run(context);
   for (std::uint32_t& v : extremities) v = hierarchy.base()[v];

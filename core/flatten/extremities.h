@@ -12,7 +12,7 @@ namespace curvecast {
 
 struct ExtremityOptions {
   int most = 30;                     // count of cuts
-  std::size_t proxy_vertices = 800;  // of the coarse mesh on which cuts are tried
+  std::size_t proxy_vertices = 800;  // at most, of the coarse mesh on which cuts are tried; at least 64
   double least_gain = 0.01;          // a cut has to lower the L2 stretch by this part of it
   int patience = 3;                  // count of cuts in a row that may fail to: limbs often gain only together
   double good_stretch = 1.1;         // L2 stretch, 1 = isometric, at which there is no need to go on

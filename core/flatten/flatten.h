@@ -14,6 +14,7 @@ namespace curvecast {
 /// How a chart was mapped to the square, in the order in which they are tried.
 enum class Parameterisation {
   kLeastStretch,  // minimise_stretch
+  kCgal,          // parameterise_cgal, where that is asked for: instead of the least stretch
   kMeanValue,     // parameterise with mean value weights
   kUniform,       // parameterise with uniform weights, the most robust
 };
@@ -26,8 +27,14 @@ struct Chart {
   Parameterisation parameterisation = Parameterisation::kLeastStretch;
 };
 
+enum class Parameteriser {
+  kOwn,   // minimise_stretch()
+  kCgal,  // parameterise_cgal(): slower, more distortion; for comparison
+};
+
 struct FlattenOptions {
   ExtremityOptions extremities;
+  Parameteriser parameteriser = Parameteriser::kOwn;
   /// A chart is divided when some triangle's surface-to-uv area ratio exceeds its mean by this factor: the quadtree would go too
   /// deep for the curve's keys.
   double max_area_ratio = 1e9;
@@ -39,7 +46,7 @@ struct FlattenTimes {  // seconds
 
 /// One chart per component, or more where a component defeats every parameterisation in turn and is divided into halves until it
 /// doesn't: down to single triangles, which always succeed. Every face of the mesh lies in exactly one chart, whole. Charts come
-/// in the order of their components. Cancelled when the context says so.
+/// in the order of their components. Cancelled when the context says so (CGAL's solver ends first).
 absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const FlattenOptions& options,
                                            const ExecutionContext& context, FlattenTimes& times);
 

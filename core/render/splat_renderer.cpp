@@ -190,8 +190,8 @@ absl::StatusOr<Image> render_splats(const SplatCloud& cloud, const RenderCamera&
     scene.has_normals = !cloud.normals.empty();
     scene.has_colors = !is_dots && !cloud.colors.empty();
     scene.ambient_occlusion = options.ambient_occlusion;
-    scene.is_matte = is_dots;
-    scene.surface_color = options.surface_color.value_or(is_dots ? Rgb8{244, 242, 238} : Rgb8{208, 184, 160});
+    scene.is_matte = is_dots && options.matte_under_dots;
+    scene.surface_color = options.surface_color.value_or(scene.is_matte ? Rgb8{244, 242, 238} : Rgb8{208, 184, 160});
     scene.background_top = options.background_top;
     scene.background_bottom = options.background_bottom;
     scene.dot_diameter = static_cast<float>(options.dot_diameter);

@@ -41,6 +41,7 @@ struct RenderOptions {
   double radius_scale = 1;  // times every radius, > 0
   double dot_diameter = 5;  // pixels, 1 .. 64
   bool ambient_occlusion = true;
+  bool matte_under_dots = true;       // kDots: the surface hardly shaded, so that the dots stand out; else as in kSurface
   std::optional<Rgb8> surface_color;  // none: clay in kSurface, nearly white in kDots
   Rgb8 dot_color = {20, 24, 34};
   Rgb8 background_top = {250, 251, 252}, background_bottom = {205, 211, 219};

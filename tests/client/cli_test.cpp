@@ -99,7 +99,7 @@ class CliTest : public ::testing::Test {
 TEST_F(CliTest, HelpTellsAboutEveryCommand) {
   const Finished help = run({"--help"});
   EXPECT_EQ(help.status, 0);
-  for (const std::string command : {"serve", "info", "preprocess", "sample", "stream", "render"}) {
+  for (const std::string command : {"serve", "info", "preprocess", "sample", "stream", "render", "bench"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
     const Finished own = run({command, "--help"});
     EXPECT_EQ(own.status, 0);
@@ -225,10 +225,14 @@ TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
   };
   check({sphere_, "-n", "5000"});
   check({sphere_, "-n", "500", "--style", "dots", "--density", "view", "--camera", "fov=20"});
+  EXPECT_EQ(run_json({"render", sphere_, "--what", "uv", "-o", png, "--size", "64x64"})["drawn"], 1);
+  EXPECT_EQ(bytes_of(png).substr(1, 3), "PNG");
+  check({sphere_, "--what", "cut", "-n", "5000"});
   for (const std::string ending : {"ply", "xyz", "pcd", "drc"}) {
     const std::string path = temporary("render." + ending);
     run_json({"sample", sphere_, "-n", "2000", "-o", path});
     check({path});
+    expect_failure({"render", path, "--what", "cut", "-o", png}, 3, "needs a mesh");
   }
 }
 
@@ -269,6 +273,33 @@ TEST_F(CliTest, WhatAMeshRefersToIsTakenFromItsFolder) {
   EXPECT_EQ(points->colours, (std::vector<std::array<std::uint8_t, 3>>(50, {0, 0, 255})));
 }
 
+TEST_F(CliTest, PreprocessTakesCgalsParameteriser) {
+  const json own = run_json({"preprocess", sphere_, "-n", "500"});
+  const json cgal = run_json({"preprocess", sphere_, "-n", "500", "--parameteriser", "cgal"});
+  EXPECT_EQ(own["parameteriser"], "own");
+  EXPECT_EQ(cgal["parameteriser"], "cgal");
+  EXPECT_NE(own["session_id"], cgal["session_id"]);
+  EXPECT_EQ(cgal["flipped_triangles"], 0);
+}
+
+TEST_F(CliTest, BenchMeasuresWithoutAServer) {
+  EXPECT_THAT(run({"bench", "--list"}).out, HasSubstr("corpus"));
+  const json growth = run_json({"bench", "growth", sphere_, "--levels", "1", "-n", "500"});
+  expect_keys(growth, {"name", "machine", "results"});
+  expect_keys(growth["results"][0], {"case", "value", "unit"});
+  const std::string meshes = temporary("corpus");
+  std::filesystem::create_directories(meshes);
+  std::filesystem::copy(sphere_, meshes + "/sphere.off");
+  const std::string table = temporary("corpus.md");
+  EXPECT_EQ(run_json({"bench", "corpus", meshes, "-n", "500", "--out", table})["files"][0]["result"], "passed");
+  EXPECT_THAT(bytes_of(table), HasSubstr("| sphere.off | passed |"));
+  std::ofstream(meshes + "/broken.off") << "OFF\n1";
+  EXPECT_EQ(run({"bench", "corpus", meshes, "-n", "500"}).status, 3);
+  expect_failure({"bench", "growth", sphere_, "--server", "127.0.0.1:1"}, 3, "--server");
+  expect_failure({"bench"}, 2, "name a benchmark");
+  expect_failure({"bench", "fly"}, 2, "");
+}
+
 TEST_F(CliTest, WrongUsageIsStatus2) {
   expect_failure({}, 2, "subcommand");
   expect_failure({"fly"}, 2, "there is no command 'fly'");
@@ -282,6 +313,8 @@ TEST_F(CliTest, WrongUsageIsStatus2) {
   expect_failure({"preprocess", sphere_, "--omega", "0.5"}, 2, "omega");
   expect_failure({"render", sphere_, "-o", "x.jpg"}, 2, ".png");
   expect_failure({"render", sphere_, "-o", "x.png", "--size", "0x10"}, 2, "WIDTHxHEIGHT");
+  expect_failure({"render", sphere_, "-o", "x.png", "--what", "hair"}, 2, "there are: surface, uv, cut");
+  expect_failure({"preprocess", sphere_, "--parameteriser", "magic"}, 2, "there are: own, cgal");
   expect_failure({"stream", sphere_, "--frames", "0"}, 2, "frames");
   expect_failure({"info", sphere_, "--quiet", "--verbose"}, 2, "");
 }

@@ -44,7 +44,8 @@ TEST(Pipeline, TakesEveryShapeToACurve) {
     EXPECT_EQ(report.curve_vertices, result->curve->size());
     EXPECT_GE(report.distortion.p50, 1);
     EXPECT_LE(report.distortion.p50, report.distortion.p99);
-    EXPECT_LE(report.distortion.p99, report.distortion.max);
+    EXPECT_LE(report.distortion.p99, report.distortion.p999);
+    EXPECT_LE(report.distortion.p999, report.distortion.max);
     EXPECT_NEAR(report.mesh.area, surface_area(make_mesh(soup)), 1e-9);
   }
 }
@@ -113,6 +114,15 @@ TEST(Pipeline, StopsAtEveryStageWhenCancelled) {
     context.on_progress = [&](std::string_view stage, double) { cancel = cancel || stage == last; };
     EXPECT_EQ(preprocess({"shape.off", off}, {.points = 2000}, context).status().code(), absl::StatusCode::kCancelled) << last;
   }
+}
+
+TEST(Pipeline, TellsWhatTheMeshCarriesAndWhatIsMissing) {
+  const std::string file = "mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
+  const absl::StatusOr<MeshInfo> info = inspect_mesh({"a.obj", std::span<const char>(file.data(), file.size())});
+  ASSERT_TRUE(info.ok()) << info.status();
+  EXPECT_EQ(info->format, "obj");
+  EXPECT_THAT(info->attributes, ::testing::ElementsAre("colours", "uv", "materials"));
+  EXPECT_THAT(info->warnings, ::testing::ElementsAre(HasSubstr("line 1: the material library 'a.mtl' is not there")));
 }
 
 TEST(Pipeline, RefusesOptionsOutOfRange) {

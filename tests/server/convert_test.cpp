@@ -165,6 +165,12 @@ TEST(ToPreprocessOptions, ChecksAndFillsIn) {
   EXPECT_THAT(convert(4'000'001, 0).status().message(), HasSubstr("options.max_points is 4000001"));
   EXPECT_EQ(convert(~std::uint64_t{0}, 0).status().code(), Code::kInvalidArgument);
   EXPECT_THAT(convert(4'000'000, 1000).status().message(), HasSubstr("curve vertices"));
+  EXPECT_EQ(defaults->parameteriser, Parameteriser::kOwn);
+  v1::SessionOptions options;
+  options.set_parameteriser(v1::PARAMETERISER_CGAL);
+  EXPECT_EQ(to_preprocess_options(options)->parameteriser, Parameteriser::kCgal);
+  options.set_parameteriser(static_cast<v1::Parameteriser>(7));
+  EXPECT_THAT(to_preprocess_options(options).status().message(), HasSubstr("options.parameteriser has the unknown value 7"));
 }
 
 TEST(ToProto, RawBlocksHoldTheFloatsThemselves) {

@@ -45,6 +45,14 @@ TEST(Flatten, OneChartPerComponent) {
   expect_complete(mesh, charts);
 }
 
+TEST(Flatten, CgalMakesValidChartsToo) {
+  using namespace testing;
+  for (const PolygonSoup& soup : {merged(sphere(12, 16), translated(torus(16, 8), {4, 0, 0})), cube(), single_triangle()}) {
+    const TriangleMesh mesh = make_mesh(soup);
+    expect_complete(mesh, flattened(mesh, {.parameteriser = Parameteriser::kCgal}));
+  }
+}
+
 TEST(Flatten, DividesWhatIsTooDistorted) {
   const TriangleMesh mesh = testing::make_mesh(testing::open_cylinder(200, 8, 60));
   const FlattenOptions strict{.extremities = {.most = 0}, .max_area_ratio = 1.6};

@@ -12,10 +12,10 @@ namespace curvecast {
 
 /// A picture of one colour.
 inline Image plain_image(int width, int height, std::uint8_t r, std::uint8_t g, std::uint8_t b, std::uint8_t a = 255) {
+  const std::uint8_t pixel[] = {r, g, b, a};
   Image image{.width = width, .height = height, .rgba = {}};
-  for (int i = 0; i < width * height; ++i) {
-    for (const std::uint8_t channel : {r, g, b, a}) image.rgba.push_back(channel);
-  }
+  image.rgba.resize(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) image.rgba[i] = pixel[i % 4];
   return image;
 }
 

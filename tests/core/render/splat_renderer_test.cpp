@@ -218,6 +218,37 @@ TEST(SplatRendererTest, DotsBehindTheSurfaceAreHidden) {
   EXPECT_NEAR(count_dark(own), area, 0.2 * area);
 }
 
+TEST(SplatRendererTest, DotsHaveTheirOwnColoursOnAShadedSurface) {
+  RenderOptions options = small_options();
+  options.mode = RenderMode::kDots;
+  options.dot_diameter = 9;
+  const Points sphere = make_sphere(5'000, 1.5);
+  const RenderCamera camera = camera_at(Vec3d(0, 0, 4));
+  const std::vector<Vec3f> dots = {Vec3f(-0.5F, 0, 0.866F), Vec3f(0.5F, 0, 0.866F)};
+  const std::vector<Rgb8> colors = {Rgb8{200, 10, 10}, Rgb8{10, 200, 10}};
+  for (const bool is_matte : {true, false}) {
+    options.matte_under_dots = is_matte;
+    const Image image = *render_splats(sphere.cloud(), camera, options, dots, colors);
+    const auto count = [&](auto&& holds) {
+      int n = 0;
+      for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) n += holds(pixel(image, x, y));
+      }
+      return n;
+    };
+    EXPECT_NEAR(count(is_reddish), std::numbers::pi * 4.5 * 4.5, 15);
+    EXPECT_NEAR(count(is_greenish), std::numbers::pi * 4.5 * 4.5, 15);
+  }
+  // In kSurface's shading the surface is darker at the edge than under dots.
+  const auto rim = [&](bool is_matte) {
+    options.matte_under_dots = is_matte;
+    return pixel(*render_splats(sphere.cloud(), camera, options, dots, colors), 100, 30)[1];
+  };
+  EXPECT_LT(rim(false), rim(true));
+  EXPECT_EQ(render_splats(sphere.cloud(), camera, options, dots, std::vector<Rgb8>(1)).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
 TEST(SplatRendererTest, SamePictureEveryTimeAndFromEveryThread) {
   const Points sphere = make_sphere(3'000, 1.5);
   const RenderCamera camera = camera_at(Vec3d(1, 1, 3));

@@ -1,0 +1,24 @@
+// The stages of preprocessing with their names, as the benchmarks list them.
+#pragma once
+
+#include <array>
+
+#include "core/pipeline.h"
+
+namespace curvecast::cli {
+
+struct Stage {
+  const char* name;
+  double StageSeconds::*seconds;
+};
+
+inline constexpr std::array<Stage, 8> kStages = {{{"read", &StageSeconds::read},
+                                                  {"repair", &StageSeconds::repair},
+                                                  {"cut", &StageSeconds::cut},
+                                                  {"parameterise", &StageSeconds::parameterise},
+                                                  {"curve", &StageSeconds::curve},
+                                                  {"map", &StageSeconds::map},
+                                                  {"area", &StageSeconds::area},
+                                                  {"total", &StageSeconds::total}}};
+
+}  // namespace curvecast::cli

@@ -1,0 +1,57 @@
+// GetParameterMesh: reads, repairs and flattens a mesh, and sends its discs chunk by chunk.
+#include "server/convert.h"
+#include "server/grpc_status.h"
+#include "server/guarded.h"
+#include "server/mesh_files.h"
+#include "server/parameter_mesh_chunks.h"
+#include "server/reactors.h"
+#include "server/write_queue.h"
+
+namespace curvecast::server {
+namespace {
+
+// The job is the only one that finishes, so the reactor outlives it. It queues with the preprocessing jobs, whose work is the
+// same.
+class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshResponse> {
+ public:
+  ParameterMeshReactor(Engine& engine, const grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
+      : WriteQueue(RequestLog(*engine.log, "GetParameterMesh", context)) {
+    const absl::Status begun = guarded([&] { return begin(engine, request); });
+    if (!begun.ok()) finish(to_grpc(begun));
+  }
+
+ private:
+  absl::Status begin(Engine& engine, const v1::GetParameterMeshRequest& request) {
+    auto files = find_files(engine.meshes, request.mesh_id(), request.companions());
+    if (!files.ok()) return files.status();
+    const auto parameteriser = to_parameteriser("parameteriser", request.parameteriser());
+    if (!parameteriser.ok()) return parameteriser.status();
+    const PreprocessOptions options{.parameteriser = *parameteriser};
+    return engine.preprocessing
+        .submit([this, files = *std::move(files), options, threads = engine.threads] {
+          finish(to_grpc(guarded([&] { return answer(files, options, threads); })));
+        })
+        .status();
+  }
+
+  absl::Status answer(const MeshFiles& files, const PreprocessOptions& options, int threads) {
+    ExecutionContext context;
+    context.cancel = &cancel_flag();
+    context.threads = threads;
+    const auto flattened = flatten_mesh(files.file(), options, context);
+    if (!flattened.ok()) return flattened.status();
+    return make_chunks(*flattened, files.mesh->name, [this](v1::GetParameterMeshResponse response) {
+      push(std::move(response));
+      return !cancelled();
+    });
+  }
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* get_parameter_mesh(Engine& engine, grpc::CallbackServerContext& context,
+                                                                           const v1::GetParameterMeshRequest& request) {
+  return new ParameterMeshReactor(engine, context, request);
+}
+
+}  // namespace curvecast::server
