@@ -315,9 +315,10 @@ class GltfReader {
       const tinygltf::TextureInfo& texture =
           model_.materials[static_cast<std::size_t>(primitive.material)].pbrMetallicRoughness.baseColorTexture;
       set = texture.texCoord;
-      if (const auto found = texture.extensions.find("KHR_texture_transform"); found != texture.extensions.end()) {
+      const auto found = texture.extensions.find("KHR_texture_transform");
+      if (found != texture.extensions.end() && found->second.IsObject()) {
         frame = texture_transform(found->second);
-        if (found->second.Has("texCoord")) set = found->second.Get("texCoord").GetNumberAsInt();
+        if (const tinygltf::Value& own = found->second.Get("texCoord"); own.IsInt()) set = own.GetNumberAsInt();
       }
     }
     const int index = attribute_of(primitive, absl::StrFormat("TEXCOORD_%d", set));
@@ -365,8 +366,6 @@ class GltfReader {
                 absl::StrFormat("%s: the texture '%s' cannot be read (%s), so it is left out.", where, name, fault.message()));
     return nullptr;
   }
-
-  // ---------------------------------------------------------------------------------------------------------------- errors
 
   // Nodes can repeat a mesh, and accessors the same bytes, any number of times.
   absl::Status check_room(std::uint64_t count, std::string_view what) const {

@@ -132,6 +132,23 @@ std::vector<HostileFile> hostile_texture_files() {
                    .bytes = writer.glb(),
                    .usable = true,
                    .words = {"material 0: the texture 'image 0' cannot be read (there is no buffer view 99"}});
+  const nlohmann::json transforms[] = {nlohmann::json::object(),
+                                       7,
+                                       {{"texCoord", 1e300}, {"rotation", 1e300}},
+                                       {{"texCoord", "none"}, {"offset", {"a", "b"}}, {"scale", {1}}, {"rotation", {}}}};
+  for (const nlohmann::json& transform : transforms) {
+    GltfWriter moved = gltf_tetrahedron();
+    nlohmann::json& primitive = moved.json["meshes"][0]["primitives"][0];
+    primitive["material"] = 0;
+    primitive["attributes"]["TEXCOORD_0"] = moved.floats({0, 0, 1, 0, 0, 1, 1, 1}, "VEC2");
+    const nlohmann::json texture = {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}};
+    moved.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", texture}}}}};
+    files.push_back({.what = "glTF with the texture transform " + transform.dump(),
+                     .name = "a.glb",
+                     .bytes = moved.glb(),
+                     .usable = true,
+                     .words = {"material 0: the texture 'image -1' cannot be read (is not in the file)"}});
+  }
   return files;
 }
 

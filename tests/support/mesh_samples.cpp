@@ -48,7 +48,9 @@ std::string everything_gltf() {
   writer.json["images"] = {{{"uri", "a.png"}}, {{"bufferView", picture}, {"mimeType", "image/png"}}};
   writer.json["textures"] = {{{"source", 0}}, {{"source", 1}}};
   for (int i = 0; i < 2; ++i) {
-    writer.json["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+    const nlohmann::json moved = {{"offset", {0.5, 0.25}}, {"rotation", 1.5}, {"scale", {2, 1}}, {"texCoord", 0}};
+    const nlohmann::json texture = {{"index", i}, {"extensions", {{"KHR_texture_transform", moved}}}};
+    writer.json["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorTexture", texture}}}});
   }
   return writer.glb();
 }
