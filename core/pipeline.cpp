@@ -56,10 +56,10 @@ std::vector<std::string> names_of(const MeshAttributes& attributes) {
 absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& context, StageSeconds& seconds) {
   Stopwatch watch;
   context.progress("read", 0);
-  absl::StatusOr<MeshFormat> format = detect_mesh_format(file.name, file.bytes);
-  if (!format.ok()) return format.status();
   absl::StatusOr<PolygonSoup> soup = read_mesh(file, context);
   if (!soup.ok()) return soup.status();
+  const absl::StatusOr<MeshFormat> format = detect_mesh_format(file.name, file.bytes);
+  if (!format.ok()) return format.status();
   context.progress("read", 1);
   seconds.read = watch.lap();
   absl::StatusOr<RepairedMesh> repaired = repair(*soup, context);

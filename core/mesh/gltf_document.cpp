@@ -8,14 +8,14 @@
 #include <utility>
 
 #include "core/mesh/endian.h"
+#include "core/mesh/gltf_json.h"
 
 namespace curvecast {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kMostLevels = 64;
-constexpr std::uint64_t kMostValues = 2'000'000;
+constexpr std::size_t kMostMaterials = 4'096;  // a later parser takes 4 KiB for each
 constexpr std::string_view kMagic = "glTF";
 
 /// The two chunks of a GLB.
@@ -51,38 +51,6 @@ absl::StatusOr<Chunks> chunks_of_glb(std::string_view bytes) {
   return chunks;
 }
 
-absl::StatusOr<Json> parse_json(std::string_view text) {
-  std::uint64_t values = 0;
-  int deepest = 0;
-  // What is of no use here is not even built.
-  const auto keep = [&](int depth, Json::parse_event_t event, Json& parsed) {
-    ++values;
-    deepest = std::max(deepest, depth);
-    if (values > kMostValues || deepest > kMostLevels) return false;
-    if (event != Json::parse_event_t::key) return true;
-    constexpr std::string_view kUseless[] = {"extras", "animations", "skins", "cameras", "targets", "weights", "samplers"};
-    return std::find(std::begin(kUseless), std::end(kUseless), parsed.get_ref<const std::string&>()) == std::end(kUseless);
-  };
-  try {
-    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    Json json = Json::parse(text, keep);
-    if (deepest > kMostLevels) {
-      return absl::InvalidArgumentError(absl::StrFormat("the JSON is nested deeper than %d levels", kMostLevels));
-    }
-    if (values > kMostValues) {
-      return absl::InvalidArgumentError(absl::StrFormat("the JSON has more than %d values; split the scene", kMostValues));
-    }
-    if (!json.is_object()) return absl::InvalidArgumentError("line 1: a glTF file holds a JSON object");
-    return json;
-  } catch (const Json::parse_error& error) {
-    const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
-    return absl::InvalidArgumentError(
-        absl::StrFormat("line %d: the JSON is malformed", 1 + std::count(before.begin(), before.end(), '\n')));
-  } catch (const Json::exception&) {
-    return absl::InvalidArgumentError("the JSON holds what cannot be kept, such as a number out of range");
-  }
-}
-
 /// The member, or null where there is none.
 const Json* member(const Json& object, const char* key) {
   if (!object.is_object()) return nullptr;
@@ -99,6 +67,25 @@ std::string string_of(const Json& object, const char* key) {
 std::int64_t number_of(const Json& object, const char* key) {
   const Json* const value = member(object, key);
   return value != nullptr && value->is_number_integer() ? value->get<std::int64_t>() : -1;
+}
+
+/// Counts of bytes and elements must be whole and not negative: a later parser takes others for zero.
+absl::Status check_numbers(const Json& document) {
+  for (const char* list : {"accessors", "bufferViews"}) {
+    const Json* const objects = member(document, list);
+    for (std::size_t i = 0; objects != nullptr && objects->is_array() && i < objects->size(); ++i) {
+      for (const char* key : {"byteOffset", "byteLength", "byteStride", "count", "componentType"}) {
+        const Json* const value = member((*objects)[i], key);
+        if (value == nullptr || value->is_number_unsigned()) continue;
+        return absl::InvalidArgumentError(
+            absl::StrFormat("%s %d: its %s must be a whole number, not negative and below 2^64", list, i, key));
+      }
+    }
+  }
+  const Json* const materials = member(document, "materials");
+  if (materials == nullptr || materials->size() <= kMostMaterials) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("the file has %d materials; at most %d can be read: split the scene", materials->size(), kMostMaterials));
 }
 
 std::string percent_decoded(std::string_view text) {
@@ -166,7 +153,7 @@ absl::StatusOr<GltfDocument> parse_gltf(std::string_view bytes) {
     if (!found.ok()) return found.status();
     chunks = *found;
   }
-  absl::StatusOr<Json> json = parse_json(chunks.json);
+  absl::StatusOr<Json> json = parse_gltf_json(chunks.json);
   if (!json.ok()) return json.status();
   const Json* const asset = member(*json, "asset");
   const std::string version = asset != nullptr ? string_of(*asset, "version") : std::string();
@@ -174,6 +161,7 @@ absl::StatusOr<GltfDocument> parse_gltf(std::string_view bytes) {
     return absl::InvalidArgumentError(
         absl::StrFormat("this is not glTF 2.0 (its asset has version '%s')", absl::CHexEscape(version)));
   }
+  if (absl::Status status = check_numbers(*json); !status.ok()) return status;
   GltfDocument document;
   document.binary_chunk = chunks.binary;
   document.buffers = take_sources(*json, "buffers");

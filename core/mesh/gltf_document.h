@@ -32,8 +32,8 @@ struct GltfDocument {
 /// True for a GLB, and for a JSON object that mentions "asset".
 bool is_gltf(std::string_view bytes);
 
-/// Finds the JSON in a .gltf or .glb. InvalidArgument, with the line, when it is malformed, nested too deep or of too many values
-/// (later parsers recurse, and take a few hundred bytes for a value), of another version than 2, or when a GLB is truncated.
+/// Finds the JSON in a .gltf or .glb. InvalidArgument for what parse_gltf_json refuses, for more than 4,096 materials, offsets
+/// and counts that are no counts, another version than 2, and when a GLB is truncated.
 absl::StatusOr<GltfDocument> parse_gltf(std::string_view bytes);
 
 /// The bytes in "data:TYPE;base64,...". InvalidArgument when they are not base64.

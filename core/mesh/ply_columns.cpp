@@ -111,9 +111,9 @@ std::vector<PlyColumn> vertex_columns(const PlyElement& element, PolygonSoup& so
     }
     std::string name = display_name(element.properties[i].name);
     if (!names.insert(name).second) continue;
-    ScalarAttribute& scalar = attributes.scalars.emplace_back(std::move(name), std::vector<float>(element.count));
+    attributes.scalars.push_back({.name = std::move(name), .values = std::vector<float>(element.count)});
     PlyColumn column;
-    column.single = scalar.values.data();
+    column.single = attributes.scalars.back().values.data();
     planner.take(i, column);
   }
   if (left_out > 0) {

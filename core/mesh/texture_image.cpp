@@ -10,11 +10,20 @@
 namespace curvecast {
 namespace {
 
-absl::Status check_size(std::uint64_t width, std::uint64_t height, std::uint64_t most_pixels) {
+// No picture of so few bytes has more pixels than that.
+constexpr std::uint64_t kMostPixelsPerPngByte = 8 * 1032;  // a pixel takes a bit at least, deflate shrinks by 1032 at most
+constexpr std::uint64_t kMostPixelsPerJpegByte = 64 * 8;   // a block of 8 x 8 takes a bit at least
+
+absl::Status check_size(std::uint64_t width, std::uint64_t height, std::uint64_t most_pixels, std::uint64_t bytes,
+                        std::uint64_t most_per_byte) {
   if (width < 1 || height < 1) return absl::InvalidArgumentError("has no pixels");
-  if (width <= most_pixels / height) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      absl::StrFormat("has %d x %d pixels, which is more than the %d that are left for textures", width, height, most_pixels));
+  if (width > most_pixels / height) {
+    return absl::ResourceExhaustedError(
+        absl::StrFormat("has %d x %d pixels, which is more than the %d that are left for textures", width, height, most_pixels));
+  }
+  if (width * height <= most_per_byte * bytes) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("claims %d x %d pixels, more than its %d bytes can hold", width, height, bytes));
 }
 
 void allocate(Image& image, std::uint64_t width, std::uint64_t height) {
@@ -30,12 +39,8 @@ absl::StatusOr<Image> decode_png(std::span<const char> bytes, std::uint64_t most
   if (png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()) == 0) {
     return absl::InvalidArgumentError(absl::StrFormat("is a broken PNG (%s)", png.message));
   }
-  if (absl::Status status = check_size(png.width, png.height, most_pixels); !status.ok()) return status;
-  // A pixel takes a bit at least, and deflate makes nothing smaller than by 1032.
-  constexpr std::uint64_t kMostPixelsPerByte = 8 * 1032;
-  if (std::uint64_t{png.width} * png.height > kMostPixelsPerByte * bytes.size()) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("claims %d x %d pixels, more than its %d bytes can hold", png.width, png.height, bytes.size()));
+  if (absl::Status status = check_size(png.width, png.height, most_pixels, bytes.size(), kMostPixelsPerPngByte); !status.ok()) {
+    return status;
   }
   png.format = PNG_FORMAT_RGBA;
   Image image;
@@ -56,12 +61,12 @@ absl::StatusOr<Image> decode_jpeg(std::span<const char> bytes, std::uint64_t mos
   int width = 0, height = 0, subsampling = 0, colour_space = 0;
   if (tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &subsampling, &colour_space) != 0) return broken();
   if (width < 1 || height < 1) return absl::InvalidArgumentError("has no pixels");
-  if (absl::Status status = check_size(static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height), most_pixels);
-      !status.ok()) {
+  const auto columns = static_cast<std::uint64_t>(width), rows = static_cast<std::uint64_t>(height);
+  if (absl::Status status = check_size(columns, rows, most_pixels, bytes.size(), kMostPixelsPerJpegByte); !status.ok()) {
     return status;
   }
   Image image;
-  allocate(image, static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height));
+  allocate(image, columns, rows);
   // Limited scans: a progressive file could make each of millions of tiny ones go over the whole picture.
   if (tjDecompress2(decoder.get(), data, bytes.size(), image.rgba.data(), width, 0, height, TJPF_RGBA, TJFLAG_LIMITSCANS) != 0 &&
       tjGetErrorCode(decoder.get()) != TJERR_WARNING) {
