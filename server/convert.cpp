@@ -280,6 +280,7 @@ v1::Distortion to_proto(const Distortion& distortion) {
   out.set_p99(distortion.p99);
   out.set_p999(distortion.p999);
   out.set_max(distortion.max);
+  out.set_density_p999(distortion.density_p999);
   out.set_extra_levels_mean(distortion.extra_levels_mean);
   out.set_extra_levels_max(distortion.extra_levels_max);
   return out;

@@ -76,6 +76,7 @@ Json preprocess_json(const v1::Session& session) {
            {{"p50", report.distortion().p50()},
             {"p99", report.distortion().p99()},
             {"p999", report.distortion().p999()},
+            {"density_p999", report.distortion().density_p999()},
             {"max", report.distortion().max()},
             {"extra_levels_mean", report.distortion().extra_levels_mean()},
             {"extra_levels_max", report.distortion().extra_levels_max()}}},

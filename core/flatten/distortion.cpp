@@ -66,18 +66,27 @@ Distortion summarise_distortion(std::vector<AreaShare> shares) {
     distortion.extra_levels_mean += share.area * levels;
     distortion.extra_levels_max = std::max(distortion.extra_levels_max, levels);
     total += share.area;
-    share.ratio = std::max(share.ratio, 1 / share.ratio);
   }
   distortion.extra_levels_mean /= total;
-  std::sort(shares.begin(), shares.end(), [](const AreaShare& a, const AreaShare& b) { return a.ratio < b.ratio; });
-  double sum = 0;
-  for (const AreaShare& share : shares) {
-    if (sum <= 0.50 * total) distortion.p50 = share.ratio;
-    if (sum <= 0.99 * total) distortion.p99 = share.ratio;
-    if (sum <= 0.999 * total) distortion.p999 = share.ratio;
-    distortion.max = share.ratio;
-    sum += share.area;
-  }
+  const auto quantile = [&](double part) {
+    double sum = 0;
+    for (const AreaShare& share : shares) {
+      sum += share.area;
+      if (sum > part * total) return share.ratio;
+    }
+    return shares.back().ratio;
+  };
+  const auto sort = [&] {
+    std::sort(shares.begin(), shares.end(), [](const AreaShare& a, const AreaShare& b) { return a.ratio < b.ratio; });
+  };
+  sort();
+  distortion.density_p999 = quantile(0.999);
+  for (AreaShare& share : shares) share.ratio = std::max(share.ratio, 1 / share.ratio);
+  sort();
+  distortion.p50 = quantile(0.5);
+  distortion.p99 = quantile(0.99);
+  distortion.p999 = quantile(0.999);
+  distortion.max = shares.back().ratio;
   return distortion;
 }
 

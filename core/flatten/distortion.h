@@ -36,6 +36,7 @@ struct AreaShare {
 
 struct Distortion {
   double p50 = 1, p99 = 1, p999 = 1, max = 1;  // quantiles of max(ratio, 1 / ratio) by surface area
+  double density_p999 = 1;  // the same of the ratio itself: 99.9 % of the surface is squeezed together less than this
   /// What it costs: quadtree levels (each a division by four) beyond those of a map without distortion, log4 of the ratio where
   /// that is above 1: the mean over the surface and the largest.
   double extra_levels_mean = 0, extra_levels_max = 0;

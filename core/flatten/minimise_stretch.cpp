@@ -21,7 +21,11 @@ bool is_end(double x) { return x == 0 || x == 1; }
 class Unfolding {
  public:
   Unfolding(const DiscMesh& disc, std::vector<Vec2d> border)
-      : disc_(disc), uv_(std::move(border)), hierarchy_(disc, corners(disc, uv_)), fall_(disc.vertex_count(), 0.0) {}
+      : disc_(disc),
+        surface_(surface_area(disc)),
+        uv_(std::move(border)),
+        hierarchy_(disc, corners(disc, uv_)),
+        fall_(disc.vertex_count(), 0.0) {}
 
   absl::Status solve(const MinimiseStretchOptions& options, const ExecutionContext& context) {
     hierarchy_.coarsen(options.coarsest);
@@ -89,9 +93,9 @@ class Unfolding {
 
   /// Calls visit(v, stretch) for vertices no two of which are neighbours, on all threads.
   template <typename Visit>
-  static void for_independent(std::span<const std::uint32_t> vertices, Visit&& visit) {
+  void for_independent(std::span<const std::uint32_t> vertices, Visit&& visit) const {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), kGrain), [&](const auto& range) {
-      VertexStretch stretch;
+      VertexStretch stretch(surface_);
       for (std::size_t i = range.begin(); i < range.end(); ++i) visit(vertices[i], stretch);
     });
   }
@@ -127,7 +131,7 @@ class Unfolding {
 
   double energy() {
     double sum = 0;
-    VertexStretch stretch;
+    VertexStretch stretch(surface_);
     // Every triangle counts three times.
     const auto add = [&](std::uint32_t v) {
       gather(v, stretch);
@@ -141,7 +145,7 @@ class Unfolding {
   void relax(int most_sweeps, double good_enough) {
     double left = most_sweeps > 1 ? energy() : 0;
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-      VertexStretch stretch;
+      VertexStretch stretch(surface_);
       for (const std::uint32_t v : hierarchy_.base()) improve(v, stretch);
       for (std::size_t l = independent_.size(); l-- > 0;) {
         for_independent(independent_[l], [&](std::uint32_t v, VertexStretch& own) { improve(v, own); });
@@ -158,6 +162,7 @@ class Unfolding {
   }
 
   const DiscMesh& disc_;
+  const double surface_;  // area
   std::vector<Vec2d> uv_;
   VertexHierarchy hierarchy_;
   std::vector<double> fall_;                             // per vertex: by how much its last step lowered the energy

@@ -66,7 +66,8 @@ void VertexStretch::finish() {
     const double at_p = p_squared - dot + fat;
     const double at_q = q_squared - dot + fat;
     const double area_squared = at_vertex * (at_p + at_q) + at_p * at_q;  // of the parallelogram
-    corners_.push_back({p.uv, q.uv, at_vertex, at_p, at_q, 0.25 * std::sqrt(std::max(0.0, area_squared))});
+    const double half_area = 0.25 * std::sqrt(std::max(0.0, area_squared));
+    corners_.push_back({p.uv, q.uv, at_vertex, at_p, at_q, half_area, spread_ / half_area});
   }
 }
 
@@ -77,7 +78,7 @@ double VertexStretch::energy(const Vec2d& uv) const {
     if (!(area > 0)) return kInvalid;
     const double lengths =
         c.at_vertex * (c.q - c.p).squaredNorm() + c.at_p * (c.q - uv).squaredNorm() + c.at_q * (c.p - uv).squaredNorm();
-    sum += c.half_area * lengths / (area * area);
+    sum += (c.half_area / (area * area) + c.spread) * lengths;
   }
   return sum;
 }
@@ -95,12 +96,12 @@ double VertexStretch::improve(Vec2d& uv, const std::optional<Vec2d>& direction) 
     const double lengths = c.at_vertex * (c.q - c.p).squaredNorm() + c.at_p * to_q.squaredNorm() + c.at_q * to_p.squaredNorm();
     const Vec2d slope = -2 * (c.at_p * to_q + c.at_q * to_p);            // of the lengths
     const Vec2d turn(r * (c.p.y() - c.q.y()), r * (c.q.x() - c.p.x()));  // of the area, over the area
-    before += k * lengths;
-    gradient += k * (slope - 2 * lengths * turn);
+    before += (k + c.spread) * lengths;
+    gradient += k * (slope - 2 * lengths * turn) + c.spread * slope;
     const double straight = 2 * (c.at_p + c.at_q);
-    xx += k * (straight - 4 * slope.x() * turn.x() + 6 * lengths * turn.x() * turn.x());
+    xx += c.spread * straight + k * (straight - 4 * slope.x() * turn.x() + 6 * lengths * turn.x() * turn.x());
     xy += k * (-2 * (slope.x() * turn.y() + slope.y() * turn.x()) + 6 * lengths * turn.x() * turn.y());
-    yy += k * (straight - 4 * slope.y() * turn.y() + 6 * lengths * turn.y() * turn.y());
+    yy += c.spread * straight + k * (straight - 4 * slope.y() * turn.y() + 6 * lengths * turn.y() * turn.y());
   }
   Vec2d step;
   if (direction) {

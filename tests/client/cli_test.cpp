@@ -131,7 +131,7 @@ TEST_F(CliTest, PreprocessReportsItsStages) {
   expect_keys(report, {"mesh", "repairs", "discs", "curve_vertices", "omega", "points", "max_level", "flipped_triangles",
                        "area_error", "distortion", "fallback_discs", "seconds", "curve_bytes", "peak_bytes"});
   expect_keys(report["mesh"], {"vertices", "faces", "components", "genus", "boundary_loops"});
-  expect_keys(report["distortion"], {"p50", "p99", "p999", "max", "extra_levels_mean", "extra_levels_max"});
+  expect_keys(report["distortion"], {"p50", "p99", "p999", "density_p999", "max", "extra_levels_mean", "extra_levels_max"});
   expect_keys(report["seconds"], {"read", "repair", "cut", "parameterise", "curve", "map", "area", "total"});
   EXPECT_EQ(report["omega"], 8);
   EXPECT_EQ(report["points"], 5000);

@@ -34,6 +34,9 @@ TEST(Distortion, QuantilesGoByArea) {
   EXPECT_DOUBLE_EQ(distortion.p99, 10);  // shrinking by 10 counts as 10
   EXPECT_DOUBLE_EQ(distortion.p999, 100);
   EXPECT_DOUBLE_EQ(distortion.max, 100);
+  EXPECT_DOUBLE_EQ(distortion.density_p999, 100);
+  EXPECT_DOUBLE_EQ(summarise_distortion({{99.95, 1}, {0.05, 100}}).density_p999, 1);
+  EXPECT_DOUBLE_EQ(summarise_distortion({{90, 1}, {10, 0.1}}).density_p999, 1);  // spread out, not squeezed
 }
 
 TEST(Distortion, ExtraLevelsCountPowersOfFour) {

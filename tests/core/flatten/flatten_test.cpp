@@ -1,8 +1,10 @@
 #include "core/flatten/flatten.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
+#include <string_view>
 
 #include "core/flatten/distortion.h"
 #include "tests/support/shapes.h"
@@ -51,6 +53,44 @@ TEST(Flatten, CgalMakesValidChartsToo) {
     const TriangleMesh mesh = make_mesh(soup);
     expect_complete(mesh, flattened(mesh, {.parameteriser = Parameteriser::kCgal}));
   }
+}
+
+TEST(Flatten, ManyComponentsComeInTheirOrderOnAnyNumberOfThreads) {
+  PolygonSoup soup = testing::icosphere(2);
+  for (int i = 1; i < 60; ++i) {
+    soup =
+        testing::merged(soup, testing::translated(i % 3 == 0 ? testing::torus(12, 8) : testing::icosphere(2), {4.0 * i, 0, 0}));
+  }
+  const TriangleMesh mesh = testing::make_mesh(soup);
+  std::vector<std::vector<Chart>> results;
+  for (const int threads : {1, 4}) {
+    tbb::task_arena arena(threads);
+    arena.execute([&] { results.push_back(flattened(mesh)); });
+  }
+  for (const std::vector<Chart>& charts : results) {
+    ASSERT_EQ(charts.size(), 60u);
+    expect_complete(mesh, charts);
+    for (std::size_t c = 1; c < charts.size(); ++c) EXPECT_LT(charts[c - 1].disc.face_of[0], charts[c].disc.face_of[0]);
+  }
+  for (std::size_t c = 0; c < 60; ++c) EXPECT_EQ(results[0][c].uv, results[1][c].uv);
+}
+
+TEST(Flatten, ProgressComesFromOneThreadAtATimeAndNeverGoesBack) {
+  PolygonSoup soup = testing::cube();
+  for (int i = 1; i < 200; ++i) soup = testing::merged(soup, testing::translated(testing::cube(), {3.0 * i, 0, 0}));
+  const TriangleMesh mesh = testing::make_mesh(soup);
+  std::atomic<int> inside = 0;
+  double last = 0;
+  ExecutionContext context;
+  context.on_progress = [&](std::string_view, double fraction) {
+    EXPECT_EQ(inside.fetch_add(1), 0);
+    EXPECT_GE(fraction, last);
+    last = fraction;
+    --inside;
+  };
+  FlattenTimes times;
+  ASSERT_TRUE(flatten(mesh, {}, context, times).ok());
+  EXPECT_EQ(last, 1);
 }
 
 TEST(Flatten, DividesWhatIsTooDistorted) {

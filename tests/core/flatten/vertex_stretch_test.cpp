@@ -28,8 +28,8 @@ Ring random_ring(int n, std::mt19937& random) {
   return ring;
 }
 
-VertexStretch fill(const Ring& ring, bool closed) {
-  VertexStretch stretch;
+VertexStretch fill(const Ring& ring, bool closed, double surface = 0) {
+  VertexStretch stretch(surface);
   stretch.reset(ring.centre, closed);
   for (std::size_t i = 0; i < ring.uv.size(); ++i) stretch.add_neighbour(ring.positions[i], ring.uv[i]);
   stretch.finish();
@@ -45,6 +45,18 @@ TEST(VertexStretch, EnergyIsTheAreaOfAnIsometricMap) {
   EXPECT_NEAR(fill(ring, false).energy({0, 0}), 5 * 0.5 * std::sin(1.0), 1e-6);
   for (Vec2d& x : ring.uv) x *= 0.5;  // half as long in the plane: stretched by two, squared
   EXPECT_NEAR(fill(ring, false).energy({0, 0}), 4 * 5 * 0.5 * std::sin(1.0), 1e-6);
+}
+
+TEST(VertexStretch, SpreadingOutCostsATenthOfWhatSqueezingDoes) {
+  Ring ring{{0, 0, 0}, {}, {}};
+  for (int i = 0; i < 6; ++i) {
+    ring.positions.emplace_back(std::cos(i), std::sin(i), 0);
+    ring.uv.emplace_back(std::cos(i), std::sin(i));
+  }
+  const double area = 5 * 0.5 * std::sin(1.0);
+  EXPECT_NEAR(fill(ring, false, 1).energy({0, 0}), 1.1 * area, 1e-6);
+  for (Vec2d& x : ring.uv) x *= 2;
+  EXPECT_NEAR(fill(ring, false, 1).energy({0, 0}), (0.25 + 0.1 * 4) * area, 1e-6);
 }
 
 TEST(VertexStretch, FlippedAndEmptyTrianglesAreInvalid) {
