@@ -60,7 +60,7 @@ TEST(HostileFiles, AreManyAndDiffer) {
     EXPECT_TRUE(seen.insert(hostile.what).second) << hostile.what;
     EXPECT_TRUE(hostile.usable || !hostile.words.empty()) << hostile.what;
   }
-  EXPECT_GE(seen.size(), 300u);
+  EXPECT_GE(seen.size(), 400u);
 }
 
 TEST(HostileFiles, AreRefusedOrRepaired) {
