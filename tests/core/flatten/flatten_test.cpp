@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/flatten/distortion.h"
+#include "core/mesh/topology.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {
@@ -52,6 +53,22 @@ TEST(Flatten, CgalMakesValidChartsToo) {
   for (const PolygonSoup& soup : {merged(sphere(12, 16), translated(torus(16, 8), {4, 0, 0})), cube(), single_triangle()}) {
     const TriangleMesh mesh = make_mesh(soup);
     expect_complete(mesh, flattened(mesh, {.parameteriser = Parameteriser::kCgal}));
+  }
+}
+
+TEST(Flatten, HandlesAndHolesByTheHundredNeedNoDivision) {
+  // Closed, of genus 81; and a ball with more than 200 holes.
+  const PolygonSoup slab = testing::perforated_slab(19, 19);
+  const TriangleMesh handles = testing::make_mesh(slab);
+  ASSERT_EQ(analyse_topology(handles).genus, 81u);
+  const PolygonSoup ball = testing::icosphere(5);
+  const TriangleMesh holes = testing::make_mesh(testing::filtered(ball, [](std::size_t p) { return p % 97 != 0; }));
+  ASSERT_GE(analyse_topology(holes).boundary_loops, 200u);
+  for (const TriangleMesh* mesh : {&handles, &holes}) {
+    const std::vector<Chart> charts = flattened(*mesh);
+    ASSERT_EQ(charts.size(), 1u);
+    EXPECT_EQ(charts[0].parameterisation, Parameterisation::kLeastStretch);
+    expect_complete(*mesh, charts);
   }
 }
 
