@@ -1,6 +1,5 @@
 #include "core/flatten/minimise_stretch.h"
 
-#include <absl/strings/str_format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
