@@ -119,7 +119,8 @@ Command add_bench(CLI::App& root, CommonOptions& options) {
 
   flags->corpus_app = add_benchmark(
       app, "corpus",
-      "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. Ends with "
+      "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
+      "Ends with "
       "status "
       "0 only if every file that holds a triangle with an area came through: no flipped triangle, the whole area (1e-9), every "
       "sample on its face. What fails does not stop the others.");
