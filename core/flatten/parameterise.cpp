@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/flatten/distortion.h"
+#include "core/flatten/mean_value.h"
 #include "core/flatten/square_border.h"
 
 namespace curvecast {
@@ -14,17 +15,6 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 using Solution = Eigen::Matrix<double, Eigen::Dynamic, 2>;
-
-/// Tangent of half the angle at `apex`, kept away from the extremes that slivers have.
-double half_tangent(const Vec3d& apex, const Vec3d& p, const Vec3d& q) {
-  const Vec3d u = p - apex;
-  const Vec3d v = q - apex;
-  const double lengths = u.norm() * v.norm();
-  const double cosine = u.dot(v);
-  const double sine = u.cross(v).norm();
-  const double tangent = cosine > 0 ? sine / (lengths + cosine) : (lengths - cosine) / std::max(sine, 1e-300);
-  return std::clamp(tangent, 1e-4, 1e4);
-}
 
 /// The equations of the inner vertices: each is the weighted mean of its neighbours.
 struct System {
@@ -69,7 +59,7 @@ System assemble(const DiscMesh& disc, ParameterWeights weights, const std::vecto
       double to_c = 1;
       if (weights == ParameterWeights::kMeanValue) {
         const Vec3d &p = disc.positions[a], &q = disc.positions[b], &r = disc.positions[c];
-        const double tangent = half_tangent(p, q, r);
+        const double tangent = half_tangent(q - p, r - p);
         to_b = tangent / (q - p).norm();
         to_c = tangent / (r - p).norm();
       }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/flatten/mean_value.h"
+
 namespace curvecast {
 namespace {
 
@@ -149,18 +151,12 @@ double VertexStretch::improve(Vec2d& uv, const std::optional<Vec2d>& direction) 
 std::optional<Vec2d> VertexStretch::place() const { return closed_ ? place_inside() : place_on_border(); }
 
 std::optional<Vec2d> VertexStretch::place_inside() const {
-  const auto tangent_of_half = [](const Vec3d& p, const Vec3d& q) {
-    const double lengths = p.norm() * q.norm();
-    const double cosine = p.dot(q);
-    const double sine = p.cross(q).norm();
-    return std::min(1e4, cosine > 0 ? sine / (lengths + cosine) : (lengths - cosine) / std::max(sine, 1e-300));
-  };
   const std::size_t n = neighbours_.size();
   Vec2d sum = Vec2d::Zero();
   double total = 0;
-  double before = tangent_of_half(neighbours_[n - 1].edge, neighbours_[0].edge);
+  double before = half_tangent(neighbours_[n - 1].edge, neighbours_[0].edge);
   for (std::size_t i = 0; i < n; ++i) {
-    const double after = tangent_of_half(neighbours_[i].edge, neighbours_[i + 1 < n ? i + 1 : 0].edge);
+    const double after = half_tangent(neighbours_[i].edge, neighbours_[i + 1 < n ? i + 1 : 0].edge);
     const double weight = (before + after) / neighbours_[i].edge.norm();
     sum += weight * neighbours_[i].uv;
     total += weight;

@@ -23,12 +23,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-PolygonSoup soup_of(const std::string& bytes, const Companions& companions = {}) {
-  const absl::StatusOr<PolygonSoup> soup = read_mesh(mesh_file("a", bytes, companions));
-  EXPECT_TRUE(soup.ok()) << soup.status();
-  return soup.ok() ? *soup : PolygonSoup{};
-}
-
 void expect_refused(const std::string& bytes, const std::string& message) {
   const Companions none;
   const absl::StatusOr<PolygonSoup> soup = read_mesh(mesh_file("a.gltf", bytes, none));

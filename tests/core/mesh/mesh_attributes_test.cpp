@@ -22,12 +22,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-PolygonSoup soup_of(const std::string& bytes, const Companions& companions = {}) {
-  const absl::StatusOr<PolygonSoup> soup = read_mesh(mesh_file("a", bytes, companions));
-  EXPECT_TRUE(soup.ok()) << soup.status();
-  return soup.ok() ? *soup : PolygonSoup{};
-}
-
 struct Property {
   std::string type, name;
   std::vector<double> values;  // of each vertex or face

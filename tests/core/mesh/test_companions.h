@@ -1,6 +1,8 @@
 // Mesh files with companions, for tests.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <map>
 #include <optional>
 #include <span>
@@ -8,6 +10,7 @@
 #include <string_view>
 
 #include "core/mesh/mesh_file.h"
+#include "core/mesh/mesh_io.h"
 
 namespace curvecast {
 
@@ -22,6 +25,13 @@ inline MeshFile mesh_file(std::string_view name, const std::string& bytes, const
             if (found == companions.end()) return std::nullopt;
             return std::span<const char>(found->second.data(), found->second.size());
           }};
+}
+
+/// What read_mesh makes of the bytes; the test fails where it refuses them.
+inline PolygonSoup soup_of(const std::string& bytes, const Companions& companions = {}) {
+  const absl::StatusOr<PolygonSoup> soup = read_mesh(mesh_file("a", bytes, companions));
+  EXPECT_TRUE(soup.ok()) << soup.status();
+  return soup.ok() ? *soup : PolygonSoup{};
 }
 
 }  // namespace curvecast
