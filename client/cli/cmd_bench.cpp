@@ -6,6 +6,7 @@
 #include "client/cli/bench/corpus.h"
 #include "client/cli/bench/corpus_table.h"
 #include "client/cli/bench/growth.h"
+#include "client/cli/bench/local_mesh.h"
 #include "client/cli/bench/preprocess_bench.h"
 #include "client/cli/commands.h"
 #include "client/cli/progress_bar.h"
@@ -14,7 +15,6 @@
 namespace curvecast::cli {
 namespace {
 
-constexpr std::uint64_t kMaxFileBytes = std::uint64_t{16} << 30;
 constexpr char kList[] =
     "corpus DIR        every mesh of a folder through all of preprocessing, checked\n"
     "preprocess MESH   seconds of each stage, beside CGAL's parameteriser\n"
@@ -66,12 +66,12 @@ absl::Status run_corpus_bench(const Flags& flags, const CommonOptions& options, 
 /// Reads the mesh and hands it to `measure`.
 template <typename Measure>
 absl::Status run_on_mesh(const std::string& path, const CommonOptions& options, ExecutionContext context, Measure&& measure) {
-  const absl::StatusOr<std::string> bytes = client::read_bytes(path, kMaxFileBytes);
-  if (!bytes.ok()) return bytes.status();
+  absl::StatusOr<LocalMesh> mesh = LocalMesh::read(path);
+  if (!mesh.ok()) return mesh.status();
   const std::string name = std::filesystem::path(path).filename().string();
   ProgressBar bar(progress_style(options.quiet), name);
   context.on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
-  const absl::StatusOr<BenchReport> report = measure(MeshFile{name, *bytes}, context);
+  const absl::StatusOr<BenchReport> report = measure(mesh->file(name), context);
   bar.finish();
   return report.ok() ? print_report(*report, options) : report.status();
 }
@@ -137,7 +137,7 @@ Command add_bench(CLI::App& root, CommonOptions& options) {
   flags->preprocess_app = add_benchmark(app, "preprocess",
                                         "Seconds of every stage, with one thread and with all cores, beside CGAL's parameteriser "
                                         "on the same discs in the same run.");
-  flags->preprocess_app->add_option("MESH", flags->preprocess_mesh, "a .ply, .obj, .off or .stl file")->required();
+  flags->preprocess_app->add_option("MESH", flags->preprocess_mesh, "a .ply, .obj, .off, .stl, .gltf or .glb file")->required();
   flags->preprocess_app->add_option("--repeat", flags->preprocess.repeats, "runs of ours, of which the median counts")
       ->check(CLI::Range(1, 1000))
       ->type_name("R")
@@ -148,7 +148,7 @@ Command add_bench(CLI::App& root, CommonOptions& options) {
       add_benchmark(app, "growth",
                     "Seconds and peak memory for a mesh and its subdivisions, each with four times the faces, and "
                     "the exponent with which the seconds grow.");
-  flags->growth_app->add_option("MESH", flags->growth_mesh, "a .ply, .obj, .off or .stl file")->required();
+  flags->growth_app->add_option("MESH", flags->growth_mesh, "a .ply, .obj, .off, .stl, .gltf or .glb file")->required();
   flags->growth_app->add_option("--levels", flags->growth.levels, "subdivisions")
       ->check(CLI::Range(1, 6))
       ->type_name("L")

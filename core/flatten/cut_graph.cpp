@@ -26,8 +26,7 @@ class CutGraph {
       roots = {extremities.front()};
     } else if (roots.empty()) {
       // A closed surface is opened from one of its extremities.
-      paths_.add_sources(std::vector<std::uint32_t>{0});
-      roots = {paths_.farthest()};
+      roots = {paths_.farthest_from(0)};
       paths_.clear();
     }
     paths_.add_sources(roots);

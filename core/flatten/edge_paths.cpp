@@ -74,4 +74,10 @@ std::uint32_t EdgePaths::farthest() const {
   return best;
 }
 
+std::uint32_t EdgePaths::farthest_from(std::uint32_t v) {
+  clear();
+  add_sources({&v, 1});
+  return farthest();
+}
+
 }  // namespace curvecast

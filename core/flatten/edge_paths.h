@@ -30,6 +30,8 @@ class EdgePaths {
   std::uint32_t source(std::uint32_t v) const;
   /// The vertex with the largest finite distance; the first of several.
   std::uint32_t farthest() const;
+  /// The vertex farthest from v, which becomes the only source.
+  std::uint32_t farthest_from(std::uint32_t v);
 
  private:
   const TriangleMesh& mesh_;

@@ -69,11 +69,8 @@ class Search {
     const Topology topology = analyse_topology(mesh_);
     if (topology.genus > 0 || topology.boundary_loops > 0) return {};
     EdgePaths paths(mesh_);
-    paths.add_sources(std::vector<std::uint32_t>{0});
-    const std::uint32_t first = paths.farthest();
-    paths.clear();
-    paths.add_sources(std::vector<std::uint32_t>{first});
-    return {first, paths.farthest()};
+    const std::uint32_t first = paths.farthest_from(0);
+    return {first, paths.farthest_from(first)};
   }
 
   Trial attempt(std::vector<std::uint32_t> extremities) const {

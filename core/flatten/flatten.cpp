@@ -26,13 +26,8 @@ using Faces = std::vector<std::uint32_t>;
 
 bool is_valid(const Chart& chart, double max_area_ratio) {
   if (count_flipped(chart.disc, chart.uv) > 0) return false;
-  double surface = 0;
-  double largest = 0;
-  for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
-    surface += chart.area_ratio[t] * uv_area(chart.disc, chart.uv, t);
-    largest = std::max(largest, chart.area_ratio[t]);
-  }
-  return std::isfinite(largest) && largest <= max_area_ratio * surface;  // the square's area is 1
+  const double largest = *std::max_element(chart.area_ratio.begin(), chart.area_ratio.end());
+  return std::isfinite(largest) && largest <= max_area_ratio * surface_area(chart.disc);  // the square's area is 1
 }
 
 /// Divides the faces into the half nearest to the first one, by steps between neighbours, and the connected rest.

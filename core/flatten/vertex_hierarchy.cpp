@@ -173,23 +173,20 @@ void VertexHierarchy::collapse(std::uint32_t h) {
   };
   const std::uint32_t beyond_n = twins_[n];
   const std::uint32_t beyond_p = twins_[p];
-  const auto stands_on = [&](std::uint32_t w, std::uint32_t x) { return outgoing_[w] == x; };
-  if (stands_on(a, p)) outgoing_[a] = beyond_n;
-  if (stands_on(u, n) || stands_on(u, t)) outgoing_[u] = beyond_p;
+  if (outgoing_[a] == p) outgoing_[a] = beyond_n;
+  if (outgoing_[u] == n || outgoing_[u] == t) outgoing_[u] = beyond_p;
+  --degree_[a];
+  degree_[u] += degree_[v] - (t == kNone ? 3 : 4);
   if (t != kNone) {
     const std::uint32_t n1 = next_halfedge(t);      // v -> b
     const std::uint32_t p1 = previous_halfedge(t);  // b -> u
     const std::uint32_t b = from(p1);
-    if (stands_on(b, p1)) outgoing_[b] = twins_[n1];
-    const std::uint32_t beyond_n1 = twins_[n1];
-    const std::uint32_t beyond_p1 = twins_[p1];
-    join(beyond_n1, beyond_p1);
+    if (outgoing_[b] == p1) outgoing_[b] = twins_[n1];
+    --degree_[b];
+    join(twins_[n1], twins_[p1]);
   }
   join(beyond_n, beyond_p);
   outgoing_[v] = h;
-  --degree_[a];
-  degree_[u] += degree_[v] - (t == kNone ? 3 : 4);
-  if (t != kNone) --degree_[from(previous_halfedge(t))];
 }
 
 /// Undoes collapse(h): everything around is as it was right after it.
@@ -216,11 +213,11 @@ void VertexHierarchy::restore(std::uint32_t h) {
 }
 
 /// The cost below which kShare of the vertices lie, going by some of them.
-float VertexHierarchy::typical_cost(const std::vector<std::uint32_t>& alive) const {
-  const std::size_t step = std::max<std::size_t>(1, alive.size() / kProbes);
+float VertexHierarchy::typical_cost() const {
+  const std::size_t step = std::max<std::size_t>(1, base_.size() / kProbes);
   std::vector<float> costs;
-  for (std::size_t i = step / 2; i < alive.size(); i += step) {
-    if (const Candidate c = best_candidate(alive[i]); c.halfedge != kNone) costs.push_back(c.cost);
+  for (std::size_t i = step / 2; i < base_.size(); i += step) {
+    if (const Candidate c = best_candidate(base_[i]); c.halfedge != kNone) costs.push_back(c.cost);
   }
   if (costs.empty()) return kNever;
   const auto limit = costs.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(costs.size() - 1));
@@ -228,11 +225,11 @@ float VertexHierarchy::typical_cost(const std::vector<std::uint32_t>& alive) con
   return *limit;
 }
 
-bool VertexHierarchy::remove_level(const std::vector<std::uint32_t>& alive) {
-  const float highest = typical_cost(alive);
+bool VertexHierarchy::remove_level() {
+  const float highest = typical_cost();
   const auto mark = static_cast<std::uint32_t>(levels_.size() + 1);
   std::vector<std::uint32_t> level;
-  for (const std::uint32_t v : alive) {
+  for (const std::uint32_t v : base_) {
     if (locked_[v] == mark) continue;
     const Candidate c = best_candidate(v);
     if (c.halfedge == kNone || c.cost > highest) continue;
@@ -251,7 +248,7 @@ void VertexHierarchy::coarsen(std::size_t target) {
     if (outgoing_[v] != kNone) base_.push_back(v);
   }
   std::vector<bool> gone(outgoing_.size(), false);
-  while (base_.size() > target && remove_level(base_)) {
+  while (base_.size() > target && remove_level()) {
     for (const std::uint32_t h : levels_.back()) gone[from(h)] = true;
     std::erase_if(base_, [&](std::uint32_t v) { return gone[v]; });
     if (levels_.back().size() < base_.size() / kLeastShare) break;

@@ -65,8 +65,8 @@ class VertexHierarchy {
   void collapse(std::uint32_t h);
   void restore(std::uint32_t h);
   void relabel(std::uint32_t h, std::uint32_t v);
-  float typical_cost(const std::vector<std::uint32_t>& alive) const;
-  bool remove_level(const std::vector<std::uint32_t>& alive);
+  float typical_cost() const;
+  bool remove_level();
 
   const std::vector<Vec3d>& positions_;
   std::vector<Triangle> triangles_;  // those that are gone keep the vertices that they had

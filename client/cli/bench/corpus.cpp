@@ -7,18 +7,14 @@
 
 #include <algorithm>
 #include <array>
-#include <deque>
 #include <exception>
 #include <filesystem>
 #include <limits>
-#include <optional>
-#include <span>
 #include <system_error>
 #include <utility>
 
+#include "client/cli/bench/local_mesh.h"
 #include "client/cli/bench/peak_memory.h"
-#include "client/lib/companion_files.h"
-#include "client/lib/file_bytes.h"
 #include "core/measure/triangle_distance.h"
 #include "core/mesh/mesh_io.h"
 #include "core/sample/resample.h"
@@ -28,7 +24,6 @@ namespace curvecast::cli {
 namespace {
 
 constexpr std::array<const char*, 6> kEndings = {".ply", ".obj", ".off", ".stl", ".gltf", ".glb"};
-constexpr std::uint64_t kMaxFileBytes = std::uint64_t{16} << 30;
 constexpr double kMaxAreaError = 1e-9;
 constexpr double kMaxElementError = 1e-9;
 
@@ -57,31 +52,11 @@ bool is_nothing(const absl::Status& status) {
                                              absl::StrContains(status.message(), "the mesh has no face with an area"));
 }
 
-/// The files beside a mesh that it refers to, read when asked for.
-class CompanionFolder {
- public:
-  explicit CompanionFolder(std::string mesh_path) : mesh_path_(std::move(mesh_path)) {}
-
-  std::optional<std::span<const char>> find(std::string_view name) {
-    const absl::StatusOr<client::InputFile> file = client::open_companion(mesh_path_, name);
-    if (!file.ok() || file->size() > kMaxFileBytes) return std::nullopt;
-    std::string& bytes = held_.emplace_back(file->size(), '\0');
-    if (!file->read_at(0, bytes).ok()) return std::nullopt;
-    return bytes;
-  }
-
- private:
-  std::string mesh_path_;
-  std::deque<std::string> held_;
-};
-
 absl::Status examine(const std::string& path, const CorpusOptions& options, const ExecutionContext& context, CorpusEntry& entry) {
-  absl::StatusOr<std::string> bytes = client::read_bytes(path, kMaxFileBytes);
-  if (!bytes.ok()) return bytes.status();
+  absl::StatusOr<LocalMesh> local = LocalMesh::read(path);
+  if (!local.ok()) return local.status();
   const PreprocessOptions preprocess_options{.points = options.points};
-  CompanionFolder companions(path);
-  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(
-      {entry.name, *bytes, [&](std::string_view name) { return companions.find(name); }}, preprocess_options, context);
+  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(local->file(entry.name), preprocess_options, context);
   if (!flattened.ok()) return flattened.status();
   const absl::StatusOr<Preprocessed> preprocessed = lay_curve(*flattened, preprocess_options, context);
   if (!preprocessed.ok()) return preprocessed.status();
