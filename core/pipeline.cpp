@@ -186,21 +186,21 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   return flattened;
 }
 
-absl::StatusOr<Preprocessed> lay_curve_here(const FlattenedMesh& flattened, const PreprocessOptions& options,
+absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
                                             const ExecutionContext& context) {
   Stopwatch watch;
-  PreprocessReport report = flattened.report;
+  PreprocessReport report = flattened->report;
   auto curve = std::make_shared<SurfaceCurve>();
   curve->total_area = report.mesh.area;
   curve->box = report.mesh.box;
   curve->origin = choose_origin(report.mesh.box);
   curve->max_points = options.points;
-  const absl::Status built = build_curve(flattened.loaded, flattened.charts, options, context, *curve, report);
+  const absl::Status built = build_curve(flattened->loaded, flattened->charts, options, context, *curve, report);
   if (!built.ok()) return built;
   report.curve_vertices = curve->size();
   report.curve_bytes = curve->byte_size();
   report.seconds.total += watch.lap();
-  return Preprocessed{std::move(curve), report};
+  return Preprocessed{std::move(curve), report, std::move(flattened)};
 }
 
 /// Runs the stages on as many threads as the context allows.
@@ -235,16 +235,16 @@ absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOp
   return with_threads(context, [&] { return flatten_here(std::move(loaded), {}, options, context); });
 }
 
-absl::StatusOr<Preprocessed> lay_curve(const FlattenedMesh& flattened, const PreprocessOptions& options,
+absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
                                        const ExecutionContext& context) {
   if (absl::Status status = check(options); !status.ok()) return status;
-  return with_threads(context, [&] { return lay_curve_here(flattened, options, context); });
+  return with_threads(context, [&] { return lay_curve_here(std::move(flattened), options, context); });
 }
 
 absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options, const ExecutionContext& context) {
   absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(file, options, context);
   if (!flattened.ok()) return flattened.status();
-  return lay_curve(*flattened, options, context);
+  return lay_curve(std::make_shared<const FlattenedMesh>(*std::move(flattened)), options, context);
 }
 
 }  // namespace curvecast

@@ -9,7 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "core/curve/area_element.h"
 #include "core/curve/surface_curve.h"
+#include "core/curve/surface_map.h"
+#include "core/density/density.h"
 #include "core/execution_context.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/flatten.h"
@@ -22,6 +25,9 @@ struct PreprocessOptions {
   std::uint64_t points = 65'536;  // N for which the curve is made fine enough, 1 .. kMaxPoints
   double omega = 10;              // curve vertices per point (paper, section 3.2), 1 .. 1000
   Parameteriser parameteriser = Parameteriser::kOwn;
+  Mapper mapper = Mapper::kExact;
+  AreaElement area_element = AreaElement::kExact;
+  std::vector<DensityTerm> density;  // base density for which the curve is made; none = uniform
 };
 
 inline constexpr std::uint64_t kMaxPoints = 4'000'000;
@@ -76,6 +82,7 @@ struct FlattenedMesh {
 struct Preprocessed {
   std::shared_ptr<const SurfaceCurve> curve;
   PreprocessReport report;
+  std::shared_ptr<const FlattenedMesh> flattened;  // what the curve lies on: refinement starts from it
 };
 
 /// Reads and repairs only.
@@ -88,7 +95,7 @@ absl::StatusOr<FlattenedMesh> flatten_mesh(const MeshFile& file, const Preproces
 absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOptions& options,
                                            const ExecutionContext& context = {});
 /// The second half, with the same options.
-absl::StatusOr<Preprocessed> lay_curve(const FlattenedMesh& flattened, const PreprocessOptions& options,
+absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
                                        const ExecutionContext& context = {});
 
 /// The whole way. InvalidArgument for a bad file (see read_mesh, repair) or options out of range; Cancelled.

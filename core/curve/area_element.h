@@ -1,12 +1,19 @@
 // Exact area elements: the surface area that lies under each leaf (paper, section 3.4).
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "core/curve/adaptive_quadtree.h"
 #include "core/flatten/flatten.h"
 
 namespace curvecast {
+
+/// What counts as the surface's area around a curve vertex.
+enum class AreaElement : std::uint8_t {
+  kExact,    // the area under the leaf: area_elements()
+  kVoronoi,  // the Voronoi area among its eight neighbours (Meyer et al.)
+};
 
 /// Writes the surface area under each leaf to `area` (L entries, squared units): the sum over its triangles of the area that they
 /// share in the parameter square, times the triangle's area ratio. Over all leaves they add up to the chart's surface area:

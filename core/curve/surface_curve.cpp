@@ -1,18 +1,34 @@
 #include "core/curve/surface_curve.h"
 
 namespace curvecast {
+namespace {
+
+/// Calls `visit` with every column that always has L entries.
+template <typename Curve, typename Visit>
+void visit_columns(Curve& curve, Visit&& visit) {
+  visit(curve.x), visit(curve.y), visit(curve.z);
+  visit(curve.nx), visit(curve.ny), visit(curve.nz);
+  visit(curve.curvature_min), visit(curve.curvature_max);
+  visit(curve.area);
+  visit(curve.triangle), visit(curve.weight_1), visit(curve.weight_2);
+  visit(curve.key), visit(curve.level);
+}
+
+}  // namespace
 
 void SurfaceCurve::resize(std::size_t n, bool has_colour) {
-  for (std::vector<float>* values : {&x, &y, &z, &nx, &ny, &nz, &curvature_min, &curvature_max, &area}) values->resize(n);
+  visit_columns(*this, [n](auto& column) { column.resize(n); });
   if (has_colour) colour.resize(n);
-  triangle.resize(n);
-  key.resize(n);
-  level.resize(n);
+  for (ScalarColumn& scalar : scalars) scalar.values.resize(n);
 }
 
 std::size_t SurfaceCurve::byte_size() const {
-  constexpr std::size_t kEntry = 9 * sizeof(float) + sizeof(std::uint32_t) + sizeof(std::uint64_t) + sizeof(std::uint8_t);
-  return size() * kEntry + colour.size() * sizeof(Rgba8) + disc_begin.size() * sizeof(std::uint32_t);
+  std::size_t bytes = disc_begin.size() * sizeof(std::uint32_t);
+  const auto add = [&bytes](const auto& column) { bytes += column.size() * sizeof(column[0]); };
+  visit_columns(*this, add);
+  add(colour);
+  for (const ScalarColumn& scalar : scalars) add(scalar.values);
+  return bytes;
 }
 
 }  // namespace curvecast

@@ -92,6 +92,8 @@ void map_to_surface(const TriangleMesh& mesh, const DifferentialGeometry& geomet
       curve.curvature_max[i] = mix(geometry.curvature_max);
       if (colour != nullptr) curve.colour[i] = colour->at(face, w, quad.side * quad.side * chart.area_ratio[hit.triangle]);
       curve.triangle[i] = face;
+      curve.weight_1[i] = w[1];
+      curve.weight_2[i] = w[2];
       curve.key[i] = leaves.key[l];
       curve.level[i] = leaves.level[l];
     }

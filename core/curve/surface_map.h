@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/surface_colour.h"
@@ -11,6 +12,12 @@
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
+
+/// What finds the triangle under a leaf's centre.
+enum class Mapper : std::uint8_t {
+  kExact,     // the quadtree's own lists of triangles
+  kIdBuffer,  // pictures of the parameter mesh with a colour for each triangle, checked near edges
+};
 
 /// Writes entries [offset, offset + L) of `curve`: position, normal, curvatures and face of every leaf's centre, and its key and
 /// level; where `colour` is not null also the surface's colour, averaged over about the leaf's area. The curve's arrays are large

@@ -57,7 +57,7 @@ void multiply(const SurfaceCurve& curve, const ViewTerm& term, std::span<float> 
   const auto scale = static_cast<float>(1 / diagonal);
   const auto s0 = static_cast<float>(term.s0);
   const float *x = curve.x.data(), *y = curve.y.data(), *z = curve.z.data();
-  const float *nx = curve.nx.data(), *ny = curve.ny.data(), *nz = curve.nz.data();
+  const Snorm16 *nx = curve.nx.data(), *ny = curve.ny.data(), *nz = curve.nz.data();
   float* out = density.data();
   for (std::size_t l = 0; l < density.size(); ++l) {
     const float dx = ex - scale * x[l], dy = ey - scale * y[l], dz = ez - scale * z[l];

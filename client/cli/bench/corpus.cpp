@@ -56,18 +56,17 @@ absl::Status examine(const std::string& path, const CorpusOptions& options, cons
   absl::StatusOr<LocalMesh> local = LocalMesh::read(path);
   if (!local.ok()) return local.status();
   const PreprocessOptions preprocess_options{.points = options.points};
-  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(local->file(entry.name), preprocess_options, context);
-  if (!flattened.ok()) return flattened.status();
-  const absl::StatusOr<Preprocessed> preprocessed = lay_curve(*flattened, preprocess_options, context);
+  const absl::StatusOr<Preprocessed> preprocessed = preprocess(local->file(entry.name), preprocess_options, context);
   if (!preprocessed.ok()) return preprocessed.status();
+  const FlattenedMesh& flattened = *preprocessed->flattened;
   const absl::StatusOr<PointSet> points =
       resample(*preprocessed->curve, {.points = options.points, .density = {}, .seed = options.seed});
   if (!points.ok()) return points.status();
 
   entry.report = preprocessed->report;
   const MeshInfo& mesh = entry.report.mesh;
-  entry.area_error = std::abs(chart_area(flattened->charts) / mesh.area - 1);
-  entry.sample_distance = sample_distance(flattened->loaded.mesh, *preprocessed->curve, *points) / mesh.box.diagonal();
+  entry.area_error = std::abs(chart_area(flattened.charts) / mesh.area - 1);
+  entry.sample_distance = sample_distance(flattened.loaded.mesh, *preprocessed->curve, *points) / mesh.box.diagonal();
   // Half a unit in the last place for each coordinate; twice that is allowed.
   const Vec3d reach = (mesh.box.max - points->origin).cwiseAbs().cwiseMax((mesh.box.min - points->origin).cwiseAbs());
   const double rounding = reach.norm() * std::numeric_limits<float>::epsilon() / mesh.box.diagonal();

@@ -69,19 +69,19 @@ absl::StatusOr<BenchReport> bench_growth(const MeshFile& file, const GrowthOptio
     absl::StatusOr<FlattenedMesh> flattened = level == 0 ? flatten_mesh(file, preprocess_options, context)
                                                          : flatten_mesh(std::move(loaded), preprocess_options, context);
     if (!flattened.ok()) return flattened.status();
-    absl::StatusOr<Preprocessed> done = lay_curve(*flattened, preprocess_options, context);
+    const auto shared = std::make_shared<const FlattenedMesh>(*std::move(flattened));
+    absl::StatusOr<Preprocessed> done = lay_curve(shared, preprocess_options, context);
     if (!done.ok()) return done.status();
     Size size{static_cast<double>(done->report.mesh.faces), done->report.seconds, counts_memory ? peak_memory() : 0};
     size.seconds.total -= size.seconds.read + size.seconds.repair;
     add_size(size, before, report);
     before = size;
     if (level == options.levels) break;
-    if (4 * flattened->loaded.info.faces > kMaxFaces) {
+    if (4 * shared->loaded.info.faces > kMaxFaces) {
       return absl::InvalidArgumentError(absl::StrCat("level ", level + 1, " would have more than ", kMaxFaces, " faces"));
     }
     done = absl::UnknownError("freed");
-    flattened->charts = {};
-    loaded = refine(flattened->loaded);
+    loaded = refine(shared->loaded);
   }
   report.notes = {absl::StrFormat("%s and %d subdivisions, one run each, for %d points; total is without reading and repair.",
                                   file.name, options.levels, options.points),

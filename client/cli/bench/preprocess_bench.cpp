@@ -64,7 +64,7 @@ absl::StatusOr<BenchReport> bench_preprocess(const MeshFile& file, const Preproc
   BenchReport report{"preprocess", {}};
   const PreprocessOptions preprocess_options{.points = options.points};
   std::vector<std::pair<std::string, StageSeconds>> ours;
-  absl::StatusOr<FlattenedMesh> flattened;
+  std::shared_ptr<const FlattenedMesh> flattened;
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   for (const int threads : {1, cores}) {
     if (!ours.empty() && threads == 1) break;
@@ -72,10 +72,9 @@ absl::StatusOr<BenchReport> bench_preprocess(const MeshFile& file, const Preproc
     run_context.threads = threads;
     std::vector<StageSeconds> runs;
     for (int i = 0; i < options.repeats; ++i) {
-      flattened = flatten_mesh(file, preprocess_options, run_context);
-      if (!flattened.ok()) return flattened.status();
-      const absl::StatusOr<Preprocessed> done = lay_curve(*flattened, preprocess_options, run_context);
+      const absl::StatusOr<Preprocessed> done = preprocess(file, preprocess_options, run_context);
       if (!done.ok()) return done.status();
+      flattened = done->flattened;
       runs.push_back(done->report.seconds);
     }
     ours.emplace_back(threads == 1 ? "1 thread" : absl::StrCat(threads, " threads"), medians(runs));

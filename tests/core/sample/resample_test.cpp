@@ -49,9 +49,9 @@ PointSet points_of(const Surface& surface, const ResampleOptions& options) {
 TEST(Resample, PointsHaveTheCurvesColours) {
   EXPECT_TRUE(points_of(ball(), {.points = 100}).colours.empty());
   auto curve = std::make_shared<SurfaceCurve>(*ball().curve);
+  curve->colour.resize(curve->size());
   for (std::size_t l = 0; l < curve->size(); ++l) {
-    curve->colour.push_back(
-        {static_cast<std::uint8_t>(l), static_cast<std::uint8_t>(l >> 8), static_cast<std::uint8_t>(l >> 16)});
+    curve->colour[l] = {static_cast<std::uint8_t>(l), static_cast<std::uint8_t>(l >> 8), static_cast<std::uint8_t>(l >> 16)};
   }
   const PointSet points = points_of({ball().mesh, curve}, {.points = 1000});
   ASSERT_EQ(points.colours.size(), 1000u);

@@ -1,0 +1,46 @@
+// Small number formats for values of which millions are kept and few digits matter. They convert to and from float by themselves.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+namespace curvecast {
+
+/// [-1, 1] in steps of 1 / 32767: components of unit vectors, to two thousandths of a degree.
+struct Snorm16 {
+  std::int16_t code = 0;
+
+  Snorm16() = default;
+  constexpr Snorm16(float value) {
+    const float scaled = std::clamp(value, -1.0f, 1.0f) * 32767.0f;
+    code = static_cast<std::int16_t>(scaled + (scaled < 0 ? -0.5f : 0.5f));
+  }
+  constexpr operator float() const { return static_cast<float>(code) * (1 / 32767.0f); }
+};
+
+/// [0, 1] in steps of 1 / 65535.
+struct Unorm16 {
+  std::uint16_t code = 0;
+
+  Unorm16() = default;
+  constexpr Unorm16(float value) : code(static_cast<std::uint16_t>(std::clamp(value, 0.0f, 1.0f) * 65535.0f + 0.5f)) {}
+  constexpr operator float() const { return static_cast<float>(code) * (1 / 65535.0f); }
+};
+
+/// The upper half of a float, rounded to nearest: its whole range with 8 significant bits, within 0.2 %. Not for NaN.
+struct Bfloat16 {
+  std::uint16_t code = 0;
+
+  Bfloat16() = default;
+  constexpr Bfloat16(float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(std::clamp(value, -kLargest, kLargest));
+    code = static_cast<std::uint16_t>((bits + 0x7fff + (bits >> 16 & 1)) >> 16);
+  }
+  constexpr operator float() const { return std::bit_cast<float>(static_cast<std::uint32_t>(code) << 16); }
+
+ private:
+  static constexpr float kLargest = std::bit_cast<float>(0x7f7f0000u);
+};
+
+}  // namespace curvecast
