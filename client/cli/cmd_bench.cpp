@@ -5,6 +5,7 @@
 
 #include "client/cli/bench/corpus.h"
 #include "client/cli/bench/corpus_table.h"
+#include "client/cli/bench/curve_bench.h"
 #include "client/cli/bench/growth.h"
 #include "client/cli/bench/local_mesh.h"
 #include "client/cli/bench/preprocess_bench.h"
@@ -17,16 +18,18 @@ namespace {
 
 constexpr char kList[] =
     "corpus DIR        every mesh of a folder through all of preprocessing, checked\n"
+    "curve MESH        seconds to lay the curve: quadtree, map, area elements\n"
     "preprocess MESH   seconds of each stage, beside CGAL's parameteriser\n"
     "growth MESH       time and memory against the number of faces\n";
 
 struct Flags {
   bool list = false;
-  std::string folder, out, preprocess_mesh, growth_mesh;
+  std::string folder, out, curve_mesh, preprocess_mesh, growth_mesh;
   CorpusOptions corpus;
+  CurveBenchOptions curve;
   PreprocessBenchOptions preprocess;
   GrowthOptions growth;
-  CLI::App *corpus_app = nullptr, *preprocess_app = nullptr, *growth_app = nullptr;
+  CLI::App *corpus_app = nullptr, *curve_app = nullptr, *preprocess_app = nullptr, *growth_app = nullptr;
 };
 
 absl::Status print_report(const BenchReport& report, const CommonOptions& options) {
@@ -87,6 +90,11 @@ absl::Status run(const Flags& flags, const CommonOptions& options, const std::st
   context.cancel = &cancel;
   context.threads = options.threads;
   if (flags.corpus_app->parsed()) return run_corpus_bench(flags, options, context);
+  if (flags.curve_app->parsed()) {
+    return run_on_mesh(flags.curve_mesh, options, context, [&](const MeshFile& file, const ExecutionContext& inner) {
+      return bench_curve(file, flags.curve, inner);
+    });
+  }
   if (flags.preprocess_app->parsed()) {
     return run_on_mesh(flags.preprocess_mesh, options, context, [&](const MeshFile& file, const ExecutionContext& inner) {
       return bench_preprocess(file, flags.preprocess, inner);
@@ -133,6 +141,21 @@ Command add_bench(CLI::App& root, CommonOptions& options) {
           ""))
       ->type_name("FILE");
   add_points(flags->corpus_app, &flags->corpus.points, "points of the sample, and N of the curve");
+
+  flags->curve_app =
+      add_benchmark(app, "curve",
+                    "Seconds to lay the curve with one thread and with all cores, beside the time that it takes to "
+                    "write its bytes; then once for many more points, with the memory that it takes.");
+  flags->curve_app->add_option("MESH", flags->curve_mesh, "a .ply, .obj, .off, .stl, .gltf or .glb file")->required();
+  flags->curve_app->add_option("--repeat", flags->curve.repeats, "runs, of which the median counts")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("R")
+      ->capture_default_str();
+  add_points(flags->curve_app, &flags->curve.points, "N for which the curve is made");
+  flags->curve_app->add_option("--large", flags->curve.large_points, "N of the one large run; 0 = none")
+      ->check(CLI::Range(std::uint64_t{0}, kMaxPoints))
+      ->type_name("N")
+      ->capture_default_str();
 
   flags->preprocess_app = add_benchmark(app, "preprocess",
                                         "Seconds of every stage, with one thread and with all cores, beside CGAL's parameteriser "
