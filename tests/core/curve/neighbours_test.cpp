@@ -8,9 +8,9 @@
 #include <limits>
 #include <tuple>
 
-#include "core/curve/surface_map.h"
+#include "core/pipeline.h"
 #include "core/sample/random.h"
-#include "tests/core/curve/charts.h"
+#include "tests/support/shapes.h"
 
 namespace curvecast {
 namespace {
@@ -89,20 +89,12 @@ struct CurvePoints {
 };
 
 /// Curve vertices of a mesh, disc after disc.
-CurvePoints curve_of(const PolygonSoup& soup, double vertices) {
-  const TriangleMesh mesh = testing::make_mesh(soup);
-  const DifferentialGeometry geometry = differential_geometry(mesh);
-  CurvePoints result{{}, {0}};
-  for (const Chart& chart : testing::charts_of(mesh)) {
-    const absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(chart, testing::even_demand(chart, vertices), 1'000'000);
-    EXPECT_TRUE(leaves.ok());
-    SurfaceCurve curve;
-    curve.resize(leaves->size());
-    map_to_surface(mesh, geometry, chart, *leaves, 0, curve);
-    for (std::size_t l = 0; l < curve.size(); ++l) result.points.push_back(curve.position(l));
-    result.pieces.push_back(static_cast<std::uint32_t>(result.points.size()));
-  }
-  return result;
+CurvePoints curve_of(const PolygonSoup& soup, std::uint64_t points) {
+  const absl::StatusOr<Preprocessed> result = preprocess({"shape.off", testing::to_off(soup)}, {.points = points});
+  EXPECT_TRUE(result.ok()) << result.status();
+  CurvePoints curve{{}, result->curve->disc_begin};
+  for (std::size_t l = 0; l < result->curve->size(); ++l) curve.points.push_back(result->curve->position(l));
+  return curve;
 }
 
 TEST(Neighbours, AreThoseOfBruteForceOnCurves) {
@@ -110,7 +102,7 @@ TEST(Neighbours, AreThoseOfBruteForceOnCurves) {
   // Closed surfaces are cut open: both sides of a cut lie far apart on the curve and at one place in space.
   for (const PolygonSoup& soup :
        {sphere(12, 18), torus(16, 10), disc(6, 20), merged(cube(), translated(cube(), {0.5, 0.2, 1}))}) {
-    const CurvePoints curve = curve_of(soup, 1500);
+    const CurvePoints curve = curve_of(soup, 100);
     expect_exact(curve.points, curve.pieces, "curve");
   }
 }
@@ -122,7 +114,7 @@ TEST(Neighbours, AreThoseOfBruteForceOnManySmallPieces) {
                                                  {unit(5, 3 * i), unit(5, 3 * i + 1), unit(5, 3 * i + 2)});
     soup = i == 0 ? part : testing::merged(soup, part);
   }
-  const CurvePoints curve = curve_of(soup, 50);
+  const CurvePoints curve = curve_of(soup, 150);
   ASSERT_EQ(curve.pieces.size(), 31u);
   expect_exact(curve.points, curve.pieces, "pieces");
 }
