@@ -11,6 +11,7 @@
 #include "core/curve/area_element.h"
 #include "core/curve/surface_colour.h"
 #include "core/curve/surface_map.h"
+#include "core/density/face_density.h"
 #include "core/mesh/curvature.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/topology.h"
@@ -104,32 +105,46 @@ Distortion measure_distortion(const std::vector<Chart>& charts) {
   return summarise_distortion(std::move(shares));
 }
 
-/// Makes the rounded area elements add up to the surface area.
-void normalise_areas(SurfaceCurve& curve) {
-  double sum = 0;
-  for (const float a : curve.area) sum += static_cast<double>(a);
-  const double factor = curve.total_area / sum;
-  for (float& a : curve.area) a = static_cast<float>(a * factor);
+/// Curve vertices that each face wants per squared unit: omega N of them in all, spread as the base density asks.
+absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+                                                const PreprocessOptions& options) {
+  const double wanted = options.omega * static_cast<double>(options.points);
+  std::vector<double> demand(mesh.face_count(), 1.0);
+  if (!options.density.empty()) {
+    const absl::StatusOr<std::vector<float>> density = density_on_faces(mesh, geometry, options.density);
+    if (!density.ok()) return density.status();
+    std::copy(density->begin(), density->end(), demand.begin());
+  }
+  double mass = 0;
+  for (std::size_t f = 0; f < demand.size(); ++f) mass += demand[f] * triangle_area(mesh, f);
+  if (!(mass > 0 && std::isfinite(mass))) {
+    return absl::FailedPreconditionError("the base density is zero on the whole surface, so there is nowhere to put the curve");
+  }
+  for (double& d : demand) d *= wanted / mass;
+  return demand;
 }
 
 absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& charts, const PreprocessOptions& options,
                          const ExecutionContext& context, SurfaceCurve& curve, PreprocessReport& report) {
   Stopwatch watch;
-  const double wanted = options.omega * static_cast<double>(options.points);
+  const DifferentialGeometry geometry = differential_geometry(loaded.mesh);
+  const absl::StatusOr<std::vector<double>> demand_of_face = face_demand(loaded.mesh, geometry, options);
+  if (!demand_of_face.ok()) return demand_of_face.status();
+  std::vector<Column<ParameterTriangle>> triangles;
   std::vector<QuadtreeLeaves> leaves;
-  leaves.reserve(charts.size());
   curve.disc_begin.assign(1, 0);
   std::size_t count = 0;
   for (const Chart& chart : charts) {
     context.progress("curve", static_cast<double>(leaves.size()) / static_cast<double>(charts.size()));
+    triangles.push_back(parameter_triangles(chart));
     std::vector<double> demand(chart.area_ratio.size());
     double share = 0;
     for (std::size_t t = 0; t < demand.size(); ++t) {
-      demand[t] = wanted * chart.area_ratio[t] / curve.total_area;
-      share += uv_area(chart.disc, chart.uv, t) * demand[t];
+      demand[t] = (*demand_of_face)[chart.disc.face_of[t]] * chart.area_ratio[t];
+      share += triangles.back()[t].uv_area() * demand[t];
     }
     const auto most = static_cast<std::size_t>(std::min(kLeavesPerVertex * share + 1e6, kMostLeaves));
-    absl::StatusOr<QuadtreeLeaves> built = build_quadtree(chart, demand, most, context);
+    absl::StatusOr<QuadtreeLeaves> built = build_quadtree(triangles.back(), demand, most, context);
     if (!built.ok()) return built.status();
     leaves.push_back(*std::move(built));
     count += leaves.back().size();
@@ -141,10 +156,14 @@ absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& cha
   context.progress("map", 0);
   std::optional<SurfaceColour> colour;
   if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
+  for (const ScalarAttribute& scalar : loaded.attributes.scalars) curve.scalars.push_back({scalar.name, {}});
   curve.resize(count, colour.has_value());
-  const DifferentialGeometry geometry = differential_geometry(loaded.mesh);
+  const SurfaceData data{loaded.mesh, geometry, loaded.attributes, colour ? &*colour : nullptr};
   for (std::size_t d = 0; d < charts.size(); ++d) {
-    map_to_surface(loaded.mesh, geometry, charts[d], leaves[d], curve.disc_begin[d], curve, colour ? &*colour : nullptr);
+    Column<std::uint32_t> under;
+    under.resize(leaves[d].size());
+    locate_centres(triangles[d], leaves[d], under);
+    map_to_surface(data, charts[d], triangles[d], leaves[d], under, curve.disc_begin[d], curve);
   }
   report.max_level = *std::max_element(curve.level.begin(), curve.level.end());
   report.seconds.map = watch.lap();
@@ -153,10 +172,10 @@ absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& cha
   context.progress("area", 0);
   double sum = 0;
   for (std::size_t d = 0; d < charts.size(); ++d) {
-    sum += area_elements(charts[d], leaves[d], std::span(curve.area).subspan(curve.disc_begin[d], leaves[d].size()));
+    sum += area_elements(triangles[d], leaves[d], std::span(curve.area).subspan(curve.disc_begin[d], leaves[d].size()));
   }
   report.area_error = std::abs(sum / curve.total_area - 1);
-  normalise_areas(curve);
+  normalise_areas(curve.total_area, curve.area);
   curve.reference_curvature = reference_curvatures(curve);
   context.progress("area", 1);
   report.seconds.area = watch.lap();

@@ -6,41 +6,11 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 namespace curvecast {
 namespace {
-
-/// A triangle ready for overlap tests with squares: its box and the lines of its sides, positive inside.
-struct TriangleTest {
-  double min_x, max_x, min_y, max_y;
-  std::array<double, 3> a, b, c;  // side i: a x + b y + c
-
-  TriangleTest(const Vec2d& p, const Vec2d& q, const Vec2d& r)
-      : min_x(std::min({p.x(), q.x(), r.x()})),
-        max_x(std::max({p.x(), q.x(), r.x()})),
-        min_y(std::min({p.y(), q.y(), r.y()})),
-        max_y(std::max({p.y(), q.y(), r.y()})) {
-    const std::array<Vec2d, 3> corner = {p, q, r};
-    for (int i = 0; i < 3; ++i) {
-      const Vec2d& from = corner[i];
-      const Vec2d side = corner[(i + 1) % 3] - from;
-      a[i] = -side.y();
-      b[i] = side.x();
-      c[i] = side.y() * from.x() - side.x() * from.y();
-    }
-  }
-
-  bool touches(double x, double y, double side) const {
-    if (min_x > x + side || max_x < x || min_y > y + side || max_y < y) return false;
-    for (int i = 0; i < 3; ++i) {
-      // The square's corner that lies farthest on the inner side of the line.
-      const double px = a[i] > 0 ? x + side : x;
-      const double py = b[i] > 0 ? y + side : y;
-      if (a[i] * px + b[i] * py + c[i] < 0) return false;
-    }
-    return true;
-  }
-};
 
 struct Node {
   double x, y;
@@ -49,139 +19,265 @@ struct Node {
   HilbertState state;
 };
 
+double side_of(int level) { return 1.0 / static_cast<double>(std::uint64_t{1} << level); }
+
 Node child_of(const Node& node, unsigned i) {
-  const double half = std::ldexp(1.0, -node.level - 1);
+  const double half = side_of(node.level + 1);
   const unsigned quadrant = hilbert_quadrant(node.state, i);
   return {node.x + (quadrant & 1) * half, node.y + (quadrant >> 1) * half, node.index << 2 | i, node.level + 1,
           hilbert_child_state(node.state, i)};
 }
 
+/// The level at which quads are small enough for a demand per unit of uv area.
+std::uint8_t level_for(double demand) {
+  if (!(demand > 1)) return 0;
+  int exponent = 0;
+  const double mantissa = std::frexp(demand, &exponent);  // in [0.5, 1)
+  const int bits = mantissa == 0.5 ? exponent - 1 : exponent;
+  return static_cast<std::uint8_t>(std::min((bits + 1) / 2, kMaxLevel));
+}
+
+/// Triangles near a node, and the deepest level that one of them wants.
+struct Near {
+  std::span<const std::uint32_t> triangles;
+  int level = 0;
+};
+
+/// A triangle's list of neighbours divides into four, of which any may take all of it.
+struct Quarters {
+  std::vector<std::uint32_t> entries;
+  std::array<std::size_t, 4> size{};
+  std::array<int, 4> level{};
+
+  void reset(std::size_t n) {
+    if (entries.size() < 4 * n) entries.resize(4 * n);
+    capacity_ = n;
+    size.fill(0);
+    level.fill(0);
+  }
+  void add(unsigned quadrant, std::uint32_t t, int wanted) {
+    entries[quadrant * capacity_ + size[quadrant]++] = t;
+    level[quadrant] = std::max(level[quadrant], wanted);
+  }
+  Near near(unsigned quadrant) const { return {{entries.data() + quadrant * capacity_, size[quadrant]}, level[quadrant]}; }
+
+ private:
+  std::size_t capacity_ = 0;
+};
+
+/// Leaves of a part of the curve.
+struct Piece {
+  std::vector<std::uint64_t> key;
+  std::vector<std::uint8_t> level;
+  std::vector<std::uint32_t> count;  // of triangles
+  std::vector<std::uint32_t> triangles;
+  std::size_t uncounted = 0;  // leaves that the builder's count does not know of yet
+};
+
 class Builder {
  public:
-  Builder(const Chart& chart, std::span<const double> demand, std::size_t max_leaves, const ExecutionContext& context)
-      : demand_(demand), max_leaves_(max_leaves), context_(context) {
-    tests_.reserve(chart.disc.triangles.size());
-    for (const Triangle& t : chart.disc.triangles) tests_.emplace_back(chart.uv[t[0]], chart.uv[t[1]], chart.uv[t[2]]);
-    cap_ = *std::max_element(demand.begin(), demand.end());
+  Builder(std::span<const ParameterTriangle> triangles, std::span<const double> demand, std::size_t max_leaves,
+          const ExecutionContext& context)
+      : triangles_(triangles), max_leaves_(max_leaves), context_(context), wanted_(triangles.size()) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 4096), [&](const auto& range) {
+      for (std::size_t t = range.begin(); t < range.end(); ++t) wanted_[t] = level_for(demand[t]);
+    });
   }
 
   absl::StatusOr<QuadtreeLeaves> build() {
     for (;;) {
       leaf_count_ = 0;
-      QuadtreeLeaves leaves = build_all();
+      std::vector<Part> parts = divide();
+      tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+        Scratch scratch;
+        grow(parts[i].node, parts[i].near(), scratch, parts[i].piece);
+        parts[i].triangles = {};
+      });
       if (absl::Status status = context_.check(); !status.ok()) return status;
-      if (leaf_count_ <= max_leaves_) return leaves;
-      cap_ /= 4;
+      if (leaf_count_ <= max_leaves_) return join(parts);
+      // One level less for those that want the most.
+      const std::uint8_t cap = static_cast<std::uint8_t>(*std::max_element(wanted_.begin(), wanted_.end()) - 1);
+      for (std::uint8_t& wanted : wanted_) wanted = std::min(wanted, cap);
     }
   }
 
  private:
-  // Levels built before the work is shared out; a part is one node of this level.
-  static constexpr int kSharedLevel = 4;
-  static constexpr std::size_t kSmallChart = 20'000;  // leaves: not worth sharing out
-
   struct Part {
     Node node;
     std::vector<std::uint32_t> triangles;
-    QuadtreeLeaves leaves;
-  };
+    int level = 0;  // the deepest wanted
+    Piece piece = {};
 
-  QuadtreeLeaves build_all() {
-    std::vector<std::uint32_t> all(tests_.size());
-    for (std::uint32_t t = 0; t < all.size(); ++t) all[t] = t;
-    const Node root{0, 0, 0, 0, 0};
-    double wanted = 0;
-    for (const double d : demand_) wanted = std::max(wanted, std::min(d, cap_));
+    Near near() const { return {triangles, level}; }
+  };
+  using Scratch = std::array<Quarters, kMaxLevel + 1>;
+
+  // Parts of the square that are built independently: enough that threads share the work evenly. Neither number changes a leaf.
+  static constexpr int kMostPartLevels = 12;
+  static constexpr double kParts = 256;
+  static constexpr double kSmallPart = 4096;
+
+  /// What it takes to build a part, in leaves and triangles.
+  double work(const Part& part) const {
+    const double side = side_of(part.node.level);
+    double leaves = 0;
+    for (const std::uint32_t t : part.triangles) {
+      const double area = std::min(triangles_[t].uv_area(), side * side);
+      leaves += area * static_cast<double>(std::uint64_t{1} << 2 * wanted_[t]);
+    }
+    return leaves + static_cast<double>(part.triangles.size());
+  }
+
+  std::vector<Part> divide() const {
+    std::vector<Part> parts(1);
+    parts[0].node = {0, 0, 0, 0, 0};
+    parts[0].triangles.resize(triangles_.size());
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) parts[0].triangles[t] = t;
+    parts[0].level = *std::max_element(wanted_.begin(), wanted_.end());
+    const double enough = std::max(work(parts[0]) / kParts, kSmallPart);
+    for (int level = 0; level < kMostPartLevels; ++level) {
+      std::vector<std::vector<Part>> children(parts.size());
+      tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+        Part& part = parts[i];
+        if (part.level <= part.node.level || work(part) <= enough) {
+          children[i].push_back(std::move(part));
+          return;
+        }
+        Quarters quarters;
+        distribute(part.node, part.near(), quarters);
+        for (unsigned c = 0; c < 4; ++c) {
+          const Near near = quarters.near(hilbert_quadrant(part.node.state, c));
+          if (near.triangles.empty()) continue;
+          children[i].push_back({child_of(part.node, c), {near.triangles.begin(), near.triangles.end()}, near.level});
+        }
+      });
+      const std::size_t before = parts.size();
+      parts.clear();
+      for (std::vector<Part>& list : children) std::move(list.begin(), list.end(), std::back_inserter(parts));
+      if (parts.size() == before) break;
+    }
+    return parts;
+  }
+
+  /// Hands a node's triangles to those of its quadrants that they touch (separating axes: the square's sides, then theirs).
+  void distribute(const Node& node, const Near& near, Quarters& quarters) const {
+    const double half = side_of(node.level + 1);
+    const double mx = node.x + half, my = node.y + half;
+    quarters.reset(near.triangles.size());
+    for (const std::uint32_t t : near.triangles) {
+      const ParameterTriangle& p = triangles_[t];
+      const auto [min_u, max_u] = std::minmax({p.u[0], p.u[1], p.u[2]});
+      const auto [min_v, max_v] = std::minmax({p.v[0], p.v[1], p.v[2]});
+      const bool left = min_u <= mx, right = max_u >= mx, lower = min_v <= my, upper = max_v >= my;
+      const int wanted = wanted_[t];
+      if (left != right && lower != upper) {  // it reaches into the node, so into the one quadrant that its box meets
+        quarters.add((right ? 1u : 0u) | (upper ? 2u : 0u), t, wanted);
+        continue;
+      }
+      // Each side of the triangle leaves a quadrant out when the quadrant's corner farthest inwards is still outside.
+      std::array<bool, 4> meets = {left && lower, right && lower, left && upper, right && upper};
+      for (int i = 0; i < 3; ++i) {
+        const int j = i == 2 ? 0 : i + 1;
+        const double a = p.v[i] - p.v[j], b = p.u[j] - p.u[i];  // grows inwards
+        const double centre = a * (mx - p.u[i]) + b * (my - p.v[i]);
+        const double reach_left = std::max(-a * half, 0.0), reach_right = std::max(a * half, 0.0);
+        const double reach_down = std::max(-b * half, 0.0), reach_up = std::max(b * half, 0.0);
+        meets[0] = meets[0] && centre + reach_left + reach_down >= 0;
+        meets[1] = meets[1] && centre + reach_right + reach_down >= 0;
+        meets[2] = meets[2] && centre + reach_left + reach_up >= 0;
+        meets[3] = meets[3] && centre + reach_right + reach_up >= 0;
+      }
+      for (unsigned quadrant = 0; quadrant < 4; ++quadrant) {
+        if (meets[quadrant]) quarters.add(quadrant, t, wanted);
+      }
+    }
+  }
+
+  /// False when there are too many, or nobody wants them any more.
+  bool count_leaves(std::size_t n) {
+    if (context_.cancelled()) leaf_count_ = max_leaves_ + 1;
+    n = std::min(n, max_leaves_ + 1);  // so that the sum cannot overflow
+    return leaf_count_.fetch_add(n, std::memory_order_relaxed) + n <= max_leaves_;
+  }
+
+  void emit(const Node& node, const Near& near, Piece& piece) {
+    piece.key.push_back(node.index << 2 * (kMaxLevel - node.level));
+    piece.level.push_back(static_cast<std::uint8_t>(node.level));
+    piece.count.push_back(static_cast<std::uint32_t>(near.triangles.size()));
+    piece.triangles.insert(piece.triangles.end(), near.triangles.begin(), near.triangles.end());
+    constexpr std::size_t kBatch = 1024;
+    if (++piece.uncounted == kBatch) {
+      count_leaves(kBatch);
+      piece.uncounted = 0;
+    }
+  }
+
+  /// All leaves below a node that lies within one triangle: nothing to test.
+  void emit_grid(const Node& node, std::uint32_t t, int level, Piece& piece) {
+    const std::size_t n = std::size_t{1} << 2 * (level - node.level);
+    if (!count_leaves(n)) return;
+    const std::uint64_t first = node.index << 2 * (kMaxLevel - node.level);
+    const std::uint64_t step = std::uint64_t{1} << 2 * (kMaxLevel - level);
+    const std::size_t begin = piece.key.size();
+    piece.key.resize(begin + n);
+    for (std::size_t i = 0; i < n; ++i) piece.key[begin + i] = first + i * step;
+    piece.level.insert(piece.level.end(), n, static_cast<std::uint8_t>(level));
+    piece.count.insert(piece.count.end(), n, 1u);
+    piece.triangles.insert(piece.triangles.end(), n, t);
+  }
+
+  void grow(const Node& node, const Near& near, Scratch& scratch, Piece& piece) {
+    if (leaf_count_.load(std::memory_order_relaxed) > max_leaves_) return;
+    if (near.level <= node.level) {
+      emit(node, near, piece);
+      return;
+    }
+    if (near.triangles.size() == 1) {
+      emit_grid(node, near.triangles[0], near.level, piece);
+      return;
+    }
+    Quarters& quarters = scratch[node.level];
+    distribute(node, near, quarters);
+    for (unsigned i = 0; i < 4; ++i) {
+      const Near inside = quarters.near(hilbert_quadrant(node.state, i));
+      if (!inside.triangles.empty()) grow(child_of(node, i), inside, scratch, piece);
+    }
+  }
+
+  static absl::StatusOr<QuadtreeLeaves> join(std::vector<Part>& parts) {
+    std::vector<std::size_t> leaf_begin(parts.size() + 1, 0), triangle_begin(parts.size() + 1, 0);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      leaf_begin[i + 1] = leaf_begin[i] + parts[i].piece.key.size();
+      triangle_begin[i + 1] = triangle_begin[i] + parts[i].piece.triangles.size();
+    }
+    if (triangle_begin.back() > std::numeric_limits<std::uint32_t>::max()) {
+      return absl::ResourceExhaustedError(
+          "the curve's leaves would meet triangles more than 2^32 times: ask for fewer points, or simplify the mesh");
+    }
     QuadtreeLeaves leaves;
-    if (wanted < kSmallChart) {
-      Scratch scratch;
-      grow(root, all, scratch, leaves);
-      leaves.triangle_begin.push_back(static_cast<std::uint32_t>(leaves.triangles.size()));
-      return leaves;
-    }
-    std::vector<Part> parts;
-    collect_parts(root, std::move(all), parts);
+    leaves.key.resize(leaf_begin.back());
+    leaves.level.resize(leaf_begin.back());
+    leaves.triangle_begin.resize(leaf_begin.back() + 1);
+    leaves.triangles.resize(triangle_begin.back());
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-      Scratch scratch;
-      grow(parts[i].node, parts[i].triangles, scratch, parts[i].leaves);
+      const Piece piece = std::move(parts[i].piece);
+      std::copy(piece.key.begin(), piece.key.end(), leaves.key.begin() + leaf_begin[i]);
+      std::copy(piece.level.begin(), piece.level.end(), leaves.level.begin() + leaf_begin[i]);
+      std::copy(piece.triangles.begin(), piece.triangles.end(), leaves.triangles.begin() + triangle_begin[i]);
+      auto offset = static_cast<std::uint32_t>(triangle_begin[i]);
+      for (std::size_t l = 0; l < piece.count.size(); ++l) {
+        leaves.triangle_begin[leaf_begin[i] + l] = offset;
+        offset += piece.count[l];
+      }
     });
-    for (const Part& part : parts) {
-      const auto offset = static_cast<std::uint32_t>(leaves.triangles.size());
-      leaves.key.insert(leaves.key.end(), part.leaves.key.begin(), part.leaves.key.end());
-      leaves.level.insert(leaves.level.end(), part.leaves.level.begin(), part.leaves.level.end());
-      for (const std::uint32_t begin : part.leaves.triangle_begin) leaves.triangle_begin.push_back(offset + begin);
-      leaves.triangles.insert(leaves.triangles.end(), part.leaves.triangles.begin(), part.leaves.triangles.end());
-    }
-    leaves.triangle_begin.push_back(static_cast<std::uint32_t>(leaves.triangles.size()));
+    leaves.triangle_begin[leaf_begin.back()] = static_cast<std::uint32_t>(triangle_begin.back());
     return leaves;
   }
 
-  bool is_leaf(const Node& node, std::span<const std::uint32_t> triangles) const {
-    if (node.level == kMaxLevel) return true;
-    const double limit = std::ldexp(1.0, 2 * node.level);  // vertices per uv area that one vertex in this quad makes
-    if (cap_ <= limit) return true;
-    return std::all_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) { return demand_[t] <= limit; });
-  }
-
-  void touching(const Node& node, std::span<const std::uint32_t> from, std::vector<std::uint32_t>& to) const {
-    const double side = std::ldexp(1.0, -node.level);
-    to.clear();
-    for (const std::uint32_t t : from) {
-      if (tests_[t].touches(node.x, node.y, side)) to.push_back(t);
-    }
-  }
-
-  void collect_parts(const Node& node, std::vector<std::uint32_t> triangles, std::vector<Part>& parts) const {
-    if (node.level == kSharedLevel || is_leaf(node, triangles)) {
-      parts.push_back({node, std::move(triangles), {}});
-      return;
-    }
-    for (unsigned i = 0; i < 4; ++i) {
-      const Node child = child_of(node, i);
-      std::vector<std::uint32_t> inside;
-      touching(child, triangles, inside);
-      if (!inside.empty()) collect_parts(child, std::move(inside), parts);
-    }
-  }
-
-  using Scratch = std::array<std::vector<std::uint32_t>, kMaxLevel + 1>;
-
-  void emit(const Node& node, std::span<const std::uint32_t> triangles, QuadtreeLeaves& leaves) {
-    leaves.key.push_back(node.index << 2 * (kMaxLevel - node.level));
-    leaves.level.push_back(static_cast<std::uint8_t>(node.level));
-    leaves.triangle_begin.push_back(static_cast<std::uint32_t>(leaves.triangles.size()));
-    leaves.triangles.insert(leaves.triangles.end(), triangles.begin(), triangles.end());
-    constexpr std::size_t kBatch = 4096;
-    if (leaves.size() % kBatch == 0) {
-      leaf_count_.fetch_add(kBatch, std::memory_order_relaxed);
-      if (context_.cancelled()) leaf_count_ = max_leaves_ + 1;
-    }
-  }
-
-  void grow(const Node& node, std::span<const std::uint32_t> triangles, Scratch& scratch, QuadtreeLeaves& leaves) {
-    if (leaf_count_.load(std::memory_order_relaxed) > max_leaves_) return;
-    if (is_leaf(node, triangles)) {
-      emit(node, triangles, leaves);
-      return;
-    }
-    for (unsigned i = 0; i < 4; ++i) {
-      const Node child = child_of(node, i);
-      std::vector<std::uint32_t>& inside = scratch[child.level];
-      if (triangles.size() == 1) {
-        // Nothing else is near: the quad lies in the triangle, and so do its children.
-        inside.assign(triangles.begin(), triangles.end());
-      } else {
-        touching(child, triangles, inside);
-      }
-      if (!inside.empty()) grow(child, inside, scratch, leaves);
-    }
-  }
-
-  std::span<const double> demand_;
+  std::span<const ParameterTriangle> triangles_;
   std::size_t max_leaves_;
   const ExecutionContext& context_;
-  std::vector<TriangleTest> tests_;
-  double cap_;  // demands above count as this
+  std::vector<std::uint8_t> wanted_;  // level that each triangle wants of the leaves that it touches
   std::atomic<std::size_t> leaf_count_ = 0;
 };
 
@@ -189,13 +285,13 @@ class Builder {
 
 Quad leaf_quad(std::uint64_t key, std::uint8_t level) {
   const HilbertCell cell = hilbert_cell(key >> 2 * (kMaxLevel - level), level);
-  const double side = std::ldexp(1.0, -level);
+  const double side = side_of(level);
   return {Vec2d(cell.x * side, cell.y * side), side};
 }
 
-absl::StatusOr<QuadtreeLeaves> build_quadtree(const Chart& chart, std::span<const double> demand, std::size_t max_leaves,
-                                              const ExecutionContext& context) {
-  return Builder(chart, demand, max_leaves, context).build();
+absl::StatusOr<QuadtreeLeaves> build_quadtree(std::span<const ParameterTriangle> triangles, std::span<const double> demand,
+                                              std::size_t max_leaves, const ExecutionContext& context) {
+  return Builder(triangles, demand, max_leaves, context).build();
 }
 
 }  // namespace curvecast

@@ -114,9 +114,7 @@ class Cells {
     const Quad quad = leaf_quad(leaves_.key[leaf], leaves_.level[leaf]);
     const double u = quad.corner.x() + (i % 4 < 2 ? quad.side : 0);
     const double v = quad.corner.y() + (i % 4 == 1 || i % 4 == 2 ? quad.side : 0);
-    const std::span candidates(leaves_.triangles.data() + leaves_.triangle_begin[leaf],
-                               leaves_.triangles.data() + leaves_.triangle_begin[leaf + 1]);
-    const std::uint32_t t = deepest_triangle(triangles_, candidates, u, v);
+    const std::uint32_t t = deepest_triangle(triangles_, leaves_.triangles_of(leaf), u, v);
     const Vec3d weights = triangles_[t].weights(u, v);
     const Triangle& corners = chart_.disc.triangles[t];
     const std::vector<Vec3d>& places = chart_.disc.positions;

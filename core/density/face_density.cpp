@@ -1,0 +1,36 @@
+#include "core/density/face_density.h"
+
+namespace curvecast {
+
+absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+                                                    std::span<const DensityTerm> terms) {
+  // A curve with one vertex for each face: the terms need not know the difference.
+  SurfaceCurve faces;
+  faces.resize(mesh.face_count());
+  faces.box = bounding_box(mesh);
+  faces.origin = faces.box.center();
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const Triangle& t = mesh.triangles[f];
+    const Vec3f centroid =
+        ((mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3 - faces.origin).cast<float>();
+    const Vec3f normal = (geometry.normals[t[0]] + geometry.normals[t[1]] + geometry.normals[t[2]]).normalized();
+    const auto mean = [&](const std::vector<float>& values) { return (values[t[0]] + values[t[1]] + values[t[2]]) / 3; };
+    faces.x[f] = centroid.x();
+    faces.y[f] = centroid.y();
+    faces.z[f] = centroid.z();
+    faces.nx[f] = normal.x();
+    faces.ny[f] = normal.y();
+    faces.nz[f] = normal.z();
+    faces.curvature_min[f] = mean(geometry.curvature_min);
+    faces.curvature_max[f] = mean(geometry.curvature_max);
+    const double area = triangle_area(mesh, f);
+    faces.area[f] = static_cast<float>(area);
+    faces.total_area += area;
+  }
+  faces.reference_curvature = reference_curvatures(faces);
+  std::vector<float> density(faces.size());
+  if (absl::Status status = evaluate_density(faces, terms, density); !status.ok()) return status;
+  return density;
+}
+
+}  // namespace curvecast
