@@ -8,10 +8,12 @@
 #include <memory>
 #include <utility>
 
+#include "client/cli/bench/areas.h"
 #include "client/cli/bench/corpus.h"
 #include "client/cli/bench/corpus_table.h"
 #include "client/cli/bench/growth.h"
 #include "client/cli/bench/local_mesh.h"
+#include "client/cli/bench/mappers.h"
 #include "client/cli/bench/preprocess_bench.h"
 #include "client/cli/commands.h"
 #include "client/cli/progress_bar.h"
@@ -107,6 +109,7 @@ Run on_mesh(CLI::App& app, std::shared_ptr<Options> options, Measure<Options> me
     const std::string name = std::filesystem::path(*path).filename().string();
     ProgressBar bar(progress_style(common.quiet), name);
     context.on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
+    if constexpr (requires { options->seed; }) options->seed = common.seed;
     const absl::StatusOr<BenchReport> report = measure(mesh->file(name), *options, context);
     bar.finish();
     return report.ok() ? print_report(*report, common) : report.status();
@@ -127,6 +130,21 @@ Run add_growth(CLI::App& app) {
   return on_mesh(app, options, bench_growth);
 }
 
+Run add_mappers(CLI::App& app) {
+  const auto options = std::make_shared<MappersBenchOptions>();
+  add_count(app, "--repeat", &options->repeats, 1000, "runs of each, of which the median counts");
+  add_points(app, &options->points, "N for which the curve is made");
+  return on_mesh(app, options, bench_mappers);
+}
+
+Run add_areas(CLI::App& app) {
+  const auto options = std::make_shared<AreasBenchOptions>();
+  add_count(app, "--runs", &options->runs, 1000, "sets of samples of each size");
+  add_count(app, "--regions", &options->regions, 100'000, "seeds of the regions that discrepancy is measured over");
+  add_points(app, &options->points, "N for which the curve is made");
+  return on_mesh(app, options, bench_areas);
+}
+
 constexpr Benchmark kBenchmarks[] = {
     {"corpus", "DIR", "every mesh of a folder through all of preprocessing, checked",
      "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
@@ -140,6 +158,15 @@ constexpr Benchmark kBenchmarks[] = {
      "Seconds and peak memory for a mesh and its subdivisions, each with four times the faces, and the exponent with which the "
      "seconds grow.",
      add_growth},
+    {"mappers", "MESH", "the exact mapper beside the one that draws the parameter mesh",
+     "Seconds of the exact mapper and of the ID buffer on the same leaves, and the shares of centres for which they differ and "
+     "for "
+     "which the picture alone would not do.",
+     add_mappers},
+    {"areas", "MESH", "exact area elements beside Voronoi areas",
+     "Seconds of both area elements, how far their sums miss the surface's area, and the ring discrepancy of jittered samples "
+     "drawn with each, beside random ones.",
+     add_areas},
 };
 
 std::string list_benchmarks() {
@@ -166,11 +193,13 @@ absl::Status run(bool list, const Run& chosen, const CommonOptions& common, cons
 }  // namespace
 
 Command add_bench(CLI::App& root, CommonOptions& options) {
-  CLI::App* app = add_command(root, options, "bench",
-                              "Measures the work of a server in this process: preprocessing stage by stage, beside CGAL's "
-                              "parameteriser; a whole folder of meshes, checked; growth with the number of faces.",
-                              {"curvecast bench --list", "curvecast bench preprocess igea.ply --repeat 5",
-                               "curvecast bench corpus meshes --out corpus.md", "curvecast bench growth igea.ply --json"});
+  CLI::App* app = add_command(
+      root, options, "bench",
+      "Measures the work of a server in this process: preprocessing stage by stage, beside CGAL's "
+      "parameteriser; a whole folder of meshes, checked; growth with the number of faces; the alternatives to mapper and "
+      "area element.",
+      {"curvecast bench --list", "curvecast bench preprocess igea.ply --repeat 5",
+       "curvecast bench corpus meshes --out corpus.md", "curvecast bench growth igea.ply --json"});
   const auto list = std::make_shared<bool>(false);
   app->add_flag("--list", *list, "the benchmarks there are");
   const auto chosen = std::make_shared<Run>();
