@@ -15,7 +15,6 @@
 
 #include "core/column.h"
 #include "core/curve/deepest_triangle.h"
-#include "core/curve/leaf_cursor.h"
 #include "core/render/gl_context_osmesa.h"
 
 #define GL_GLEXT_PROTOTYPES
@@ -223,12 +222,11 @@ class Locator {
   void look_up(const Section& section, std::span<const std::uint32_t> list, const std::uint32_t* ids, int log_side) {
     const double scale = std::ldexp(1 / section.side, log_side);
     const auto look = [&](const tbb::blocked_range<std::size_t>& range) {
-      LeafCursor cursor;
       std::uint64_t walked = 0, searched = 0;
       std::uint32_t found = list[0];
       for (std::size_t l = range.begin(); l < range.end(); ++l) {
-        const LeafCursor::Square square = cursor(leaves_.key[l], leaves_.level[l]);
-        const double u = square.x + 0.5 * square.side, v = square.y + 0.5 * square.side;
+        const double half = 0.5 * side_of_level(leaves_.level[l]);
+        const double u = leaves_.x[l] * kCellSide + half, v = leaves_.y[l] * kCellSide + half;
         if (ids != nullptr) {
           const auto x = static_cast<std::size_t>((u - section.x) * scale);
           const auto y = static_cast<std::size_t>((v - section.y) * scale);

@@ -104,14 +104,13 @@ class Cells {
 
   Node node(std::uint32_t leaf, HilbertCell cell_in_it) const {
     const std::uint32_t cells = std::uint32_t{1} << (kMaxLevel - leaves_.level[leaf]);
-    const auto middle = [&](std::uint32_t c) { return ((c & ~(cells - 1)) + 0.5 * cells) * 0x1p-30; };
-    static_assert(kMaxLevel == 30);
+    const auto middle = [&](std::uint32_t c) { return ((c & ~(cells - 1)) + 0.5 * cells) * kCellSide; };
     return {place(leaf), Vec2d(middle(cell_in_it.x), middle(cell_in_it.y)), vertices_[leaf].area_ratio, leaf};
   }
 
   /// The surface at a corner of the leaf, counted counter-clockwise from the lower right one.
   Vec3d corner(std::uint32_t leaf, int i) const {
-    const Quad quad = leaf_quad(leaves_.key[leaf], leaves_.level[leaf]);
+    const Quad quad = leaves_.quad(leaf);
     const double u = quad.corner.x() + (i % 4 < 2 ? quad.side : 0);
     const double v = quad.corner.y() + (i % 4 == 1 || i % 4 == 2 ? quad.side : 0);
     const std::uint32_t t = deepest_triangle(triangles_, leaves_.triangles_of(leaf), u, v);
