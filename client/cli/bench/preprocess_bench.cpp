@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/cli/bench/median.h"
 #include "client/cli/bench/stages.h"
 #include "core/flatten/parameterise_cgal.h"
 

@@ -1,7 +1,8 @@
 #include "client/cli/bench/stages.h"
 
-#include <algorithm>
-#include <cstddef>
+#include <utility>
+
+#include "client/cli/bench/median.h"
 
 namespace curvecast::cli {
 
@@ -10,9 +11,7 @@ StageSeconds medians(const std::vector<StageSeconds>& runs) {
   for (const Stage& stage : kStages) {
     std::vector<double> values;
     for (const StageSeconds& run : runs) values.push_back(run.*stage.seconds);
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    result.*stage.seconds = *middle;
+    result.*stage.seconds = median(std::move(values));
   }
   return result;
 }
