@@ -11,6 +11,7 @@
 #include "client/cli/bench/areas.h"
 #include "client/cli/bench/corpus.h"
 #include "client/cli/bench/corpus_table.h"
+#include "client/cli/bench/curve_bench.h"
 #include "client/cli/bench/growth.h"
 #include "client/cli/bench/local_mesh.h"
 #include "client/cli/bench/mappers.h"
@@ -123,6 +124,17 @@ Run add_preprocess_benchmark(CLI::App& app) {
   return on_mesh(app, options, bench_preprocess);
 }
 
+Run add_curve(CLI::App& app) {
+  const auto options = std::make_shared<CurveBenchOptions>();
+  add_count(app, "--repeat", &options->repeats, 1000, "runs of which the median counts");
+  add_points(app, &options->points, "N for which the curve is made");
+  app.add_option("--large", options->large_points, "N of one large run; 0 = none")
+      ->check(CLI::Range(std::uint64_t{0}, kMaxPoints))
+      ->type_name("N")
+      ->capture_default_str();
+  return on_mesh(app, options, bench_curve);
+}
+
 Run add_growth(CLI::App& app) {
   const auto options = std::make_shared<GrowthOptions>();
   add_count(app, "--levels", &options->levels, 6, "subdivisions");
@@ -154,6 +166,10 @@ constexpr Benchmark kBenchmarks[] = {
     {"preprocess", "MESH", "seconds of each stage, beside CGAL's parameteriser",
      "Seconds of every stage, with one thread and with all cores, beside CGAL's parameteriser on the same discs in the same run.",
      add_preprocess_benchmark},
+    {"curve", "MESH", "seconds to lay the curve: quadtree, map, area elements",
+     "Seconds to lay the curve with one thread and with all cores, beside the time that it takes to write its bytes; then once for "
+     "many more points, with the memory that it takes.",
+     add_curve},
     {"growth", "MESH", "time and memory against the number of faces",
      "Seconds and peak memory for a mesh and its subdivisions, each with four times the faces, and the exponent with which the "
      "seconds grow.",

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/curve/tangent_frame.h"
+
 namespace curvecast {
 namespace {
 
@@ -103,6 +105,9 @@ void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const
       curve.nz[i] = normal.z();
       curve.curvature_min[i] = mix(data.geometry.curvature_min, corners, w);
       curve.curvature_max[i] = mix(data.geometry.curvature_max, corners, w);
+      const std::vector<Vec3f>& directions = data.geometry.directions_max;
+      const Vec3f axes[3] = {directions[corners[0]], directions[corners[1]], directions[corners[2]]};
+      curve.direction[i] = mix_directions(axes, w, curve.normal(i));  // in the frame of the packed normal
       curve.triangle[i] = face;
       curve.weight_1[i] = w[1];
       curve.weight_2[i] = w[2];

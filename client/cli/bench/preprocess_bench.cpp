@@ -23,16 +23,6 @@ struct Reference {
 constexpr std::array<Reference, 2> kReferences = {
     {{"CGAL (incomplete LU)", CgalPreconditioner::kIncompleteLu}, {"CGAL (diagonal)", CgalPreconditioner::kDiagonal}}};
 
-StageSeconds medians(const std::vector<StageSeconds>& runs) {
-  StageSeconds result;
-  for (const Stage& stage : kStages) {
-    std::vector<double> values;
-    for (const StageSeconds& run : runs) values.push_back(run.*stage.seconds);
-    result.*stage.seconds = median(std::move(values));
-  }
-  return result;
-}
-
 /// CGAL on every disc. Discs that it refuses are counted and cost nothing.
 struct CgalRun {
   double seconds = 0;
