@@ -23,11 +23,11 @@
 namespace curvecast {
 namespace {
 
-constexpr int kMaxLogSide = 11;  // of a picture: texels along its side, as a power of two
+constexpr int kMaxLogSide = 10;  // of a picture: texels along its side, as a power of two
 // A section with fewer leaves than this is not worth a picture, nor is a picture with more texels than this for each leaf while
 // its section can be divided.
 constexpr std::size_t kFewLeaves = 64;
-constexpr double kManyTexels = 32;
+constexpr double kManyTexels = 8;
 constexpr std::size_t kGrain = 4096;  // leaves
 constexpr int kMaxSteps = 64;         // of a walk
 

@@ -100,9 +100,13 @@ class Finder {
         state = static_cast<HilbertState>(step >> 2);
       }
     };
-    // As deep as the leaf itself, and only then deeper, where there are smaller leaves.
-    std::uint32_t near = leaf_;
-    for (descend_to(level_);; descend_to(level + 1)) {
+    // As deep as the leaf itself, and only then deeper, where there are smaller leaves. Among leaves of one size the difference
+    // of the keys tells the place: no search.
+    descend_to(level_);
+    const auto apart = static_cast<std::int64_t>(key - leaves_.key[leaf_]) >> 2 * (kMaxLevel - level_);
+    const auto last = static_cast<std::int64_t>(leaves_.key.size()) - 1;
+    auto near = static_cast<std::uint32_t>(std::clamp(static_cast<std::int64_t>(leaf_) + apart, std::int64_t{0}, last));
+    for (;; descend_to(level + 1)) {
       const std::uint32_t found = last_not_above(leaves_.key, key, near);
       if (found != kNone) {
         if (leaves_.level[found] <= level && holds(leaves_, found, key)) return found;
