@@ -9,8 +9,10 @@
 
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/area_element.h"
+#include "core/curve/id_buffer.h"
 #include "core/curve/surface_colour.h"
 #include "core/curve/surface_map.h"
+#include "core/curve/voronoi_area.h"
 #include "core/density/face_density.h"
 #include "core/mesh/curvature.h"
 #include "core/mesh/mesh_io.h"
@@ -159,11 +161,22 @@ absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& cha
   for (const ScalarAttribute& scalar : loaded.attributes.scalars) curve.scalars.push_back({scalar.name, {}});
   curve.resize(count, colour.has_value());
   const SurfaceData data{loaded.mesh, geometry, loaded.attributes, colour ? &*colour : nullptr};
+  std::unique_ptr<IdBuffer> id_buffer;
+  if (options.mapper == Mapper::kIdBuffer) {
+    absl::StatusOr<std::unique_ptr<IdBuffer>> made = IdBuffer::create();
+    if (!made.ok()) return made.status();
+    id_buffer = *std::move(made);
+  }
+  std::vector<Column<std::uint32_t>> under(charts.size());
   for (std::size_t d = 0; d < charts.size(); ++d) {
-    Column<std::uint32_t> under;
-    under.resize(leaves[d].size());
-    locate_centres(triangles[d], leaves[d], under);
-    map_to_surface(data, charts[d], triangles[d], leaves[d], under, curve.disc_begin[d], curve);
+    under[d].resize(leaves[d].size());
+    if (id_buffer != nullptr) {
+      absl::Status status = id_buffer->locate(charts[d], triangles[d], leaves[d], under[d], context);
+      if (!status.ok()) return status;
+    } else {
+      locate_centres(triangles[d], leaves[d], under[d]);
+    }
+    map_to_surface(data, charts[d], triangles[d], leaves[d], under[d], curve.disc_begin[d], curve);
   }
   report.max_level = *std::max_element(curve.level.begin(), curve.level.end());
   report.seconds.map = watch.lap();
@@ -172,11 +185,18 @@ absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& cha
   context.progress("area", 0);
   double sum = 0;
   for (std::size_t d = 0; d < charts.size(); ++d) {
-    sum += area_elements(triangles[d], leaves[d], std::span(curve.area).subspan(curve.disc_begin[d], leaves[d].size()));
+    const auto of_disc = [&](Column<float>& column) { return std::span(column).subspan(curve.disc_begin[d], leaves[d].size()); };
+    if (options.area_element == AreaElement::kVoronoi) {
+      const LeafVertices vertices{of_disc(curve.x), of_disc(curve.y), of_disc(curve.z), under[d], curve.origin};
+      sum += voronoi_areas(charts[d], triangles[d], leaves[d], vertices, of_disc(curve.area));
+    } else {
+      sum += area_elements(triangles[d], leaves[d], of_disc(curve.area));
+    }
   }
   report.area_error = std::abs(sum / curve.total_area - 1);
   normalise_areas(curve.total_area, curve.area);
   curve.reference_curvature = reference_curvatures(curve);
+  curve.hierarchy = build_hierarchy(curve);
   context.progress("area", 1);
   report.seconds.area = watch.lap();
   return absl::OkStatus();

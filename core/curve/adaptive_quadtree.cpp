@@ -9,23 +9,25 @@
 #include <limits>
 #include <vector>
 
+#include "core/branchless.h"
+#include "core/curve/triangle_bins.h"
+#include "core/lanes.h"
+
 namespace curvecast {
 namespace {
 
 struct Node {
-  double x, y;
-  std::uint64_t index;  // Hilbert index at its level
+  std::uint64_t key;   // Hilbert index of its first cell at kMaxLevel, where
+  std::uint32_t x, y;  // its lower left corner is this cell
   int level;
   HilbertState state;
 };
 
-double side_of(int level) { return 1.0 / static_cast<double>(std::uint64_t{1} << level); }
-
-Node child_of(const Node& node, unsigned i) {
-  const double half = side_of(node.level + 1);
+inline Node child_of(const Node& node, unsigned i) {
+  const int level = node.level + 1;
   const unsigned quadrant = hilbert_quadrant(node.state, i);
-  return {node.x + (quadrant & 1) * half, node.y + (quadrant >> 1) * half, node.index << 2 | i, node.level + 1,
-          hilbert_child_state(node.state, i)};
+  return {node.key + (std::uint64_t{i} << 2 * (kMaxLevel - level)), node.x + ((quadrant & 1) << (kMaxLevel - level)),
+          node.y + ((quadrant >> 1) << (kMaxLevel - level)), level, hilbert_child_state(node.state, i)};
 }
 
 /// The level at which quads are small enough for a demand per unit of uv area.
@@ -50,14 +52,8 @@ struct Quarters {
   std::array<int, 4> level{};
 
   void reset(std::size_t n) {
-    if (entries.size() < 4 * n) entries.resize(4 * n);
+    if (entries.size() <= 4 * n) entries.resize(4 * n + 1);
     capacity_ = n;
-    size.fill(0);
-    level.fill(0);
-  }
-  void add(unsigned quadrant, std::uint32_t t, int wanted) {
-    entries[quadrant * capacity_ + size[quadrant]++] = t;
-    level[quadrant] = std::max(level[quadrant], wanted);
   }
   Near near(unsigned quadrant) const { return {{entries.data() + quadrant * capacity_, size[quadrant]}, level[quadrant]}; }
 
@@ -69,10 +65,59 @@ struct Quarters {
 struct Piece {
   std::vector<std::uint64_t> key;
   std::vector<std::uint8_t> level;
+  std::vector<std::uint32_t> x, y;
   std::vector<std::uint32_t> count;  // of triangles
   std::vector<std::uint32_t> triangles;
   std::size_t uncounted = 0;  // leaves that the builder's count does not know of yet
+
+  void add(const Node& leaf) {
+    key.push_back(leaf.key);
+    level.push_back(static_cast<std::uint8_t>(leaf.level));
+    x.push_back(leaf.x);
+    y.push_back(leaf.y);
+  }
 };
+
+/// Hands a node's triangles to those of its quadrants that they touch (separating axes: the square's sides, then theirs).
+CURVECAST_WIDE void distribute(const ParameterTriangle* triangles, const std::uint8_t* wanted, const Node& node,
+                               const std::uint32_t* first, std::size_t count, Quarters& quarters) {
+  const double half = side_of_level(node.level + 1), quarter = 0.5 * half;
+  const double mx = node.x * kCellSide + half, my = node.y * kCellSide + half;
+  quarters.reset(count);
+  std::uint32_t* out = quarters.entries.data();
+  LaneMask size{};
+  LaneMask level{};
+  // Lanes are quadrants: bit 0 = right half, bit 1 = upper half.
+  const Lanes zero{}, sign_x{-1, 1, -1, 1}, sign_y{-1, -1, 1, 1};
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t t = first[i];
+    const ParameterTriangle& p = triangles[t];
+    const double below_x = mx - lesser(lesser(p.u[0], p.u[1]), p.u[2]), above_x = greater(greater(p.u[0], p.u[1]), p.u[2]) - mx;
+    const double below_y = my - lesser(lesser(p.v[0], p.v[1]), p.v[2]), above_y = greater(greater(p.v[0], p.v[1]), p.v[2]) - my;
+    const Lanes reach_x{below_x, above_x, below_x, above_x}, reach_y{below_y, below_y, above_y, above_y};
+    Lanes inside = reach_x < reach_y ? reach_x : reach_y;
+    for (int s = 0; s < 3; ++s) {
+      // How far the quadrant's corner that lies farthest inwards is on the inner side of this side.
+      const int e = s == 2 ? 0 : s + 1;
+      const double a = p.v[s] - p.v[e], b = p.u[e] - p.u[s];
+      const double step_x = a * quarter, step_y = b * quarter;
+      const double farthest = a * (mx - p.u[s]) + b * (my - p.v[s]) + (std::abs(step_x) + std::abs(step_y));
+      const Lanes reach = farthest + sign_x * step_x + sign_y * step_y;
+      inside = inside < reach ? inside : reach;
+    }
+    const LaneMask meets = inside >= zero;
+    for (std::size_t quadrant = 0; quadrant < 4; ++quadrant) {
+      out[quadrant * count + static_cast<std::size_t>(size[quadrant])] = t;
+    }
+    size -= meets;
+    const LaneMask wants = meets & static_cast<std::int64_t>(wanted[t]);
+    level = level > wants ? level : wants;
+  }
+  for (unsigned quadrant = 0; quadrant < 4; ++quadrant) {
+    quarters.size[quadrant] = static_cast<std::size_t>(size[quadrant]);
+    quarters.level[quadrant] = static_cast<int>(level[quadrant]);
+  }
+}
 
 class Builder {
  public:
@@ -105,21 +150,24 @@ class Builder {
   struct Part {
     Node node;
     std::vector<std::uint32_t> triangles;
-    int level = 0;  // the deepest wanted
+    int level = 0;    // the deepest wanted
+    double work = 0;  // see work_of
     Piece piece = {};
 
     Near near() const { return {triangles, level}; }
   };
   using Scratch = std::array<Quarters, kMaxLevel + 1>;
 
-  // Parts of the square that are built independently: enough that threads share the work evenly. Neither number changes a leaf.
-  static constexpr int kMostPartLevels = 12;
+  // Parts of the square that are built independently: enough that threads share the work evenly. None of these numbers changes a
+  // leaf.
+  static constexpr int kGridLevel = 5;
+  static constexpr int kMostRounds = 8;
   static constexpr double kParts = 256;
-  static constexpr double kSmallPart = 4096;
+  static constexpr double kSmallPart = 4096;  // leaves and triangles
 
   /// What it takes to build a part, in leaves and triangles.
-  double work(const Part& part) const {
-    const double side = side_of(part.node.level);
+  double work_of(const Part& part) const {
+    const double side = side_of_level(part.node.level);
     double leaves = 0;
     for (const std::uint32_t t : part.triangles) {
       const double area = std::min(triangles_[t].uv_area(), side * side);
@@ -128,27 +176,51 @@ class Builder {
     return leaves + static_cast<double>(part.triangles.size());
   }
 
+  /// The whole square, or the cells of a grid where all of them are divided anyway.
+  std::vector<Part> first_parts() const {
+    const auto [least, most] = std::minmax_element(wanted_.begin(), wanted_.end());
+    const int level = triangles_.size() < kSmallPart ? 0 : std::min<int>(*least, kGridLevel);
+    std::vector<std::vector<std::uint32_t>> cells = bin_triangles(triangles_, level);
+    std::vector<Part> parts;
+    add_cells({}, level, cells, parts);
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+      for (const std::uint32_t t : parts[i].triangles) parts[i].level = std::max<int>(parts[i].level, wanted_[t]);
+      parts[i].work = work_of(parts[i]);
+    });
+    return parts;
+  }
+
+  static void add_cells(const Node& node, int level, std::vector<std::vector<std::uint32_t>>& cells, std::vector<Part>& parts) {
+    if (node.level < level) {
+      for (unsigned i = 0; i < 4; ++i) add_cells(child_of(node, i), level, cells, parts);
+      return;
+    }
+    const int shift = kMaxLevel - level;
+    std::vector<std::uint32_t>& cell = cells[(std::size_t{node.y} >> shift << level) + (node.x >> shift)];
+    if (!cell.empty()) parts.push_back({node, std::move(cell)});
+  }
+
   std::vector<Part> divide() const {
-    std::vector<Part> parts(1);
-    parts[0].node = {0, 0, 0, 0, 0};
-    parts[0].triangles.resize(triangles_.size());
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t) parts[0].triangles[t] = t;
-    parts[0].level = *std::max_element(wanted_.begin(), wanted_.end());
-    const double enough = std::max(work(parts[0]) / kParts, kSmallPart);
-    for (int level = 0; level < kMostPartLevels; ++level) {
+    std::vector<Part> parts = first_parts();
+    double work = 0;
+    for (const Part& part : parts) work += part.work;
+    const double enough = std::max(work / kParts, kSmallPart);
+    for (int round = 0; round < kMostRounds; ++round) {
       std::vector<std::vector<Part>> children(parts.size());
       tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
         Part& part = parts[i];
-        if (part.level <= part.node.level || work(part) <= enough) {
+        if (part.level <= part.node.level || part.work <= enough) {
           children[i].push_back(std::move(part));
           return;
         }
         Quarters quarters;
-        distribute(part.node, part.near(), quarters);
+        distribute(triangles_.data(), wanted_.data(), part.node, part.triangles.data(), part.triangles.size(), quarters);
         for (unsigned c = 0; c < 4; ++c) {
           const Near near = quarters.near(hilbert_quadrant(part.node.state, c));
           if (near.triangles.empty()) continue;
-          children[i].push_back({child_of(part.node, c), {near.triangles.begin(), near.triangles.end()}, near.level});
+          Part child{child_of(part.node, c), {near.triangles.begin(), near.triangles.end()}, near.level};
+          child.work = work_of(child);
+          children[i].push_back(std::move(child));
         }
       });
       const std::size_t before = parts.size();
@@ -159,40 +231,6 @@ class Builder {
     return parts;
   }
 
-  /// Hands a node's triangles to those of its quadrants that they touch (separating axes: the square's sides, then theirs).
-  void distribute(const Node& node, const Near& near, Quarters& quarters) const {
-    const double half = side_of(node.level + 1);
-    const double mx = node.x + half, my = node.y + half;
-    quarters.reset(near.triangles.size());
-    for (const std::uint32_t t : near.triangles) {
-      const ParameterTriangle& p = triangles_[t];
-      const auto [min_u, max_u] = std::minmax({p.u[0], p.u[1], p.u[2]});
-      const auto [min_v, max_v] = std::minmax({p.v[0], p.v[1], p.v[2]});
-      const bool left = min_u <= mx, right = max_u >= mx, lower = min_v <= my, upper = max_v >= my;
-      const int wanted = wanted_[t];
-      if (left != right && lower != upper) {  // it reaches into the node, so into the one quadrant that its box meets
-        quarters.add((right ? 1u : 0u) | (upper ? 2u : 0u), t, wanted);
-        continue;
-      }
-      // Each side of the triangle leaves a quadrant out when the quadrant's corner farthest inwards is still outside.
-      std::array<bool, 4> meets = {left && lower, right && lower, left && upper, right && upper};
-      for (int i = 0; i < 3; ++i) {
-        const int j = i == 2 ? 0 : i + 1;
-        const double a = p.v[i] - p.v[j], b = p.u[j] - p.u[i];  // grows inwards
-        const double centre = a * (mx - p.u[i]) + b * (my - p.v[i]);
-        const double reach_left = std::max(-a * half, 0.0), reach_right = std::max(a * half, 0.0);
-        const double reach_down = std::max(-b * half, 0.0), reach_up = std::max(b * half, 0.0);
-        meets[0] = meets[0] && centre + reach_left + reach_down >= 0;
-        meets[1] = meets[1] && centre + reach_right + reach_down >= 0;
-        meets[2] = meets[2] && centre + reach_left + reach_up >= 0;
-        meets[3] = meets[3] && centre + reach_right + reach_up >= 0;
-      }
-      for (unsigned quadrant = 0; quadrant < 4; ++quadrant) {
-        if (meets[quadrant]) quarters.add(quadrant, t, wanted);
-      }
-    }
-  }
-
   /// False when there are too many, or nobody wants them any more.
   bool count_leaves(std::size_t n) {
     if (context_.cancelled()) leaf_count_ = max_leaves_ + 1;
@@ -201,8 +239,7 @@ class Builder {
   }
 
   void emit(const Node& node, const Near& near, Piece& piece) {
-    piece.key.push_back(node.index << 2 * (kMaxLevel - node.level));
-    piece.level.push_back(static_cast<std::uint8_t>(node.level));
+    piece.add(node);
     piece.count.push_back(static_cast<std::uint32_t>(near.triangles.size()));
     piece.triangles.insert(piece.triangles.end(), near.triangles.begin(), near.triangles.end());
     constexpr std::size_t kBatch = 1024;
@@ -216,14 +253,17 @@ class Builder {
   void emit_grid(const Node& node, std::uint32_t t, int level, Piece& piece) {
     const std::size_t n = std::size_t{1} << 2 * (level - node.level);
     if (!count_leaves(n)) return;
-    const std::uint64_t first = node.index << 2 * (kMaxLevel - node.level);
-    const std::uint64_t step = std::uint64_t{1} << 2 * (kMaxLevel - level);
-    const std::size_t begin = piece.key.size();
-    piece.key.resize(begin + n);
-    for (std::size_t i = 0; i < n; ++i) piece.key[begin + i] = first + i * step;
-    piece.level.insert(piece.level.end(), n, static_cast<std::uint8_t>(level));
+    add_grid(node, level, piece);
     piece.count.insert(piece.count.end(), n, 1u);
     piece.triangles.insert(piece.triangles.end(), n, t);
+  }
+
+  static void add_grid(const Node& node, int level, Piece& piece) {
+    if (node.level == level) {
+      piece.add(node);
+      return;
+    }
+    for (unsigned i = 0; i < 4; ++i) add_grid(child_of(node, i), level, piece);
   }
 
   void grow(const Node& node, const Near& near, Scratch& scratch, Piece& piece) {
@@ -237,7 +277,7 @@ class Builder {
       return;
     }
     Quarters& quarters = scratch[node.level];
-    distribute(node, near, quarters);
+    distribute(triangles_.data(), wanted_.data(), node, near.triangles.data(), near.triangles.size(), quarters);
     for (unsigned i = 0; i < 4; ++i) {
       const Near inside = quarters.near(hilbert_quadrant(node.state, i));
       if (!inside.triangles.empty()) grow(child_of(node, i), inside, scratch, piece);
@@ -257,12 +297,16 @@ class Builder {
     QuadtreeLeaves leaves;
     leaves.key.resize(leaf_begin.back());
     leaves.level.resize(leaf_begin.back());
+    leaves.x.resize(leaf_begin.back());
+    leaves.y.resize(leaf_begin.back());
     leaves.triangle_begin.resize(leaf_begin.back() + 1);
     leaves.triangles.resize(triangle_begin.back());
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
       const Piece piece = std::move(parts[i].piece);
       std::copy(piece.key.begin(), piece.key.end(), leaves.key.begin() + leaf_begin[i]);
       std::copy(piece.level.begin(), piece.level.end(), leaves.level.begin() + leaf_begin[i]);
+      std::copy(piece.x.begin(), piece.x.end(), leaves.x.begin() + leaf_begin[i]);
+      std::copy(piece.y.begin(), piece.y.end(), leaves.y.begin() + leaf_begin[i]);
       std::copy(piece.triangles.begin(), piece.triangles.end(), leaves.triangles.begin() + triangle_begin[i]);
       auto offset = static_cast<std::uint32_t>(triangle_begin[i]);
       for (std::size_t l = 0; l < piece.count.size(); ++l) {
@@ -285,7 +329,7 @@ class Builder {
 
 Quad leaf_quad(std::uint64_t key, std::uint8_t level) {
   const HilbertCell cell = hilbert_cell(key >> 2 * (kMaxLevel - level), level);
-  const double side = side_of(level);
+  const double side = side_of_level(level);
   return {Vec2d(cell.x * side, cell.y * side), side};
 }
 

@@ -4,78 +4,78 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
-#include <algorithm>
 #include <functional>
-#include <utility>
 
-#include "core/curve/leaf_cursor.h"
+#include "core/branchless.h"
+#include "core/lanes.h"
 
 namespace curvecast {
 namespace {
 
-/// The integral of x over y along the segment from (xa, ya) to (xb, yb), of the part where 0 <= y <= 1, with x clamped to [0, 1].
-/// Negative where the segment goes down. The same segment backwards gives exactly the opposite.
-double clamped_integral(double xa, double ya, double xb, double yb) {
-  double sign = 1;
-  if (ya > yb) {
-    std::swap(xa, xb);
-    std::swap(ya, yb);
-    sign = -1;
-  }
-  if (yb <= 0 || ya >= 1 || ya == yb) return 0;
-  const double height = std::min(yb, 1.0) - std::max(ya, 0.0);
-  if (xa >= 1 && xb >= 1) return sign * height;
-  if (xa <= 0 && xb <= 0) return 0;
-  const double slope = (xb - xa) / (yb - ya);
-  const double x0 = ya < 0 ? xa - slope * ya : xa;
-  const double x1 = yb > 1 ? xb - slope * (yb - 1) : xb;
-  const double low = std::min(x0, x1), high = std::max(x0, x1);
-  if (low >= 1) return sign * height;
-  if (high <= 0) return 0;
-  if (low >= 0 && high <= 1) return sign * height * 0.5 * (low + high);
-  const double left = std::max(low, 0.0), right = std::min(high, 1.0);
-  const double sum = 0.5 * (right - left) * (left + right) + std::max(high - 1, 0.0);
-  return sign * height * sum / (high - low);
+/// The share of a square that a triangle covers, by Green's theorem: the integral of x over y around the triangle, in coordinates
+/// in which the square is [0, 1]^2, with y cut off and x clamped there. All sides at once, without jumps: nobody can predict
+/// where a side passes a square.
+[[gnu::always_inline]] inline double covered_share(const ParameterTriangle& triangle, double x, double y, double scale) {
+  // Lanes are the three sides and one of no length. Relative to the square no digits are lost on small leaves.
+  const Lanes xa = (Lanes{triangle.u[0], triangle.u[1], triangle.u[2], triangle.u[0]} - x) * scale;
+  const Lanes ya = (Lanes{triangle.v[0], triangle.v[1], triangle.v[2], triangle.v[0]} - y) * scale;
+  const Lanes xb = __builtin_shuffle(xa, LaneMask{1, 2, 0, 0});
+  const Lanes yb = __builtin_shuffle(ya, LaneMask{1, 2, 0, 0});
+  const Lanes zero{}, one = zero + 1;
+  const Lanes rise = yb - ya;
+  const Lanes slope = (xb - xa) / (rise != zero ? rise : one);
+  Lanes y0 = ya > zero ? ya : zero;
+  Lanes y1 = yb > zero ? yb : zero;
+  y0 = y0 < one ? y0 : one;
+  y1 = y1 < one ? y1 : one;
+  const Lanes x0 = xa + slope * (y0 - ya), x1 = xb + slope * (y1 - yb);
+  const Lanes low = x0 < x1 ? x0 : x1, high = x0 < x1 ? x1 : x0;
+  // The mean of x along the side: what lies between 0 and 1 as a trapezium, and what lies beyond as 1.
+  Lanes left = low > zero ? low : zero;
+  Lanes right = high > zero ? high : zero;
+  left = left < one ? left : one;
+  right = right < one ? right : one;
+  Lanes beyond = high - (low > one ? low : one);
+  beyond = beyond > zero ? beyond : zero;
+  const Lanes width = high - low;
+  const Lanes mean = width > zero ? (0.5 * (right - left) * (left + right) + beyond) / (width > zero ? width : one) : left;
+  const Lanes share = (y1 - y0) * mean;
+  return share[0] + share[1] + share[2];
 }
 
-/// The share of the square that a triangle covers, by Green's theorem: the boundary integral of x over y. Nothing is clipped, and
-/// neighbours get exactly opposite terms for the side that they share.
-double covered_share(const ParameterTriangle& triangle, const LeafCursor::Square& square, double scale) {
-  double x[3], y[3];
-  for (int i = 0; i < 3; ++i) {
-    x[i] = (triangle.u[i] - square.x) * scale;  // relative to the square: no digits are lost on small leaves
-    y[i] = (triangle.v[i] - square.y) * scale;
+/// Writes the elements of leaves [begin, end), and returns their sum before rounding. `full`: the triangles cover the whole
+/// square.
+CURVECAST_WIDE double write_elements(const ParameterTriangle* triangles, const QuadtreeLeaves& leaves, bool full,
+                                     std::size_t begin, std::size_t end, float* area) {
+  double total = 0;
+  for (std::size_t l = begin; l < end; ++l) {
+    const double x = leaves.x[l] * kCellSide, y = leaves.y[l] * kCellSide;
+    const double side = side_of_level(leaves.level[l]), scale = 1 / side;
+    const std::uint32_t last = leaves.triangle_begin[l + 1] - 1;
+    // Where all of the square is covered, the last of a leaf's triangles has what the others leave.
+    const std::uint32_t measured = full ? last : last + 1;
+    double left = 1;
+    double sum = 0;
+    for (std::uint32_t i = leaves.triangle_begin[l]; i < measured; ++i) {
+      const ParameterTriangle& triangle = triangles[leaves.triangles[i]];
+      const double share = clamped(covered_share(triangle, x, y, scale), 0, left);
+      sum += share * triangle.area_ratio;
+      left -= share;
+    }
+    if (full) sum += left * triangles[leaves.triangles[last]].area_ratio;
+    sum *= side * side;
+    area[l] = static_cast<float>(sum);
+    total += sum;
   }
-  return clamped_integral(x[0], y[0], x[1], y[1]) + clamped_integral(x[1], y[1], x[2], y[2]) +
-         clamped_integral(x[2], y[2], x[0], y[0]);
+  return total;
 }
 
 }  // namespace
 
 double area_elements(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<float> area) {
-  // Where all of the square is covered, the last of a leaf's triangles has what the others leave.
   const bool full = fill_square(triangles);
   const auto write = [&](const tbb::blocked_range<std::size_t>& range, double total) {
-    LeafCursor cursor;
-    for (std::size_t l = range.begin(); l < range.end(); ++l) {
-      const LeafCursor::Square square = cursor(leaves.key[l], leaves.level[l]);
-      const double scale = 1 / square.side;
-      const std::span list = leaves.triangles_of(l);
-      const std::size_t measured = full ? list.size() - 1 : list.size();
-      double left = 1;
-      double sum = 0;
-      for (std::size_t i = 0; i < measured; ++i) {
-        const ParameterTriangle& triangle = triangles[list[i]];
-        const double share = std::clamp(covered_share(triangle, square, scale), 0.0, left);
-        sum += share * triangle.area_ratio;
-        left -= share;
-      }
-      if (full) sum += left * triangles[list.back()].area_ratio;
-      sum *= square.side * square.side;
-      area[l] = static_cast<float>(sum);
-      total += sum;
-    }
-    return total;
+    return total + write_elements(triangles.data(), leaves, full, range.begin(), range.end(), area.data());
   };
   // The same order of additions on any number of threads.
   return tbb::parallel_deterministic_reduce(tbb::blocked_range<std::size_t>(0, leaves.size(), 4096), 0.0, write, std::plus<>());

@@ -15,12 +15,11 @@ namespace {
 constexpr std::size_t kBlock = 256;  // leaves that one task divides
 constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
 
-double side_of(int level) { return 1.0 / static_cast<double>(std::uint64_t{1} << level); }
-
 /// What one task makes: the new leaves of a few old ones, in curve order.
 struct Piece {
   std::vector<std::uint64_t> key;
   std::vector<std::uint8_t> level;
+  std::vector<std::uint32_t> x, y;   // see QuadtreeLeaves
   std::vector<std::uint32_t> count;  // of triangles
   std::vector<std::uint32_t> triangles;
   std::vector<std::uint32_t> children;  // of each old leaf
@@ -58,11 +57,13 @@ class Splitter {
     if (node.level == last) {
       piece.key.push_back(node.key);
       piece.level.push_back(static_cast<std::uint8_t>(last));
+      piece.x.push_back(static_cast<std::uint32_t>(node.quad.corner.x() / kCellSide));
+      piece.y.push_back(static_cast<std::uint32_t>(node.quad.corner.y() / kCellSide));
       piece.count.push_back(static_cast<std::uint32_t>(near.size()));
       piece.triangles.insert(piece.triangles.end(), near.begin(), near.end());
       return;
     }
-    const double half = side_of(node.level + 1);
+    const double half = side_of_level(node.level + 1);
     const std::uint64_t step = std::uint64_t{1} << 2 * (kMaxLevel - node.level - 1);
     for (unsigned i = 0; i < 4; ++i) {
       const unsigned quadrant = hilbert_quadrant(node.state, i);
@@ -116,12 +117,16 @@ absl::StatusOr<NewLeaves> divide_disc(const CurveBase& base, const SurfaceCurve&
   QuadtreeLeaves& leaves = out.leaves;
   leaves.key.resize(count);
   leaves.level.resize(count);
+  leaves.x.resize(count);
+  leaves.y.resize(count);
   leaves.triangle_begin.resize(count + 1);
   leaves.triangles.resize(triangles);
   std::size_t l = 0, t = 0;
   for (Piece& piece : pieces) {
     std::copy(piece.key.begin(), piece.key.end(), leaves.key.begin() + l);
     std::copy(piece.level.begin(), piece.level.end(), leaves.level.begin() + l);
+    std::copy(piece.x.begin(), piece.x.end(), leaves.x.begin() + l);
+    std::copy(piece.y.begin(), piece.y.end(), leaves.y.begin() + l);
     std::copy(piece.triangles.begin(), piece.triangles.end(), leaves.triangles.begin() + t);
     for (const std::uint32_t n : piece.count) {
       leaves.triangle_begin[l++] = static_cast<std::uint32_t>(t);
@@ -181,7 +186,7 @@ void merge(std::span<const Run> runs, const SurfaceCurve& old, const SurfaceCurv
       copy(source.x, out.x), copy(source.y, out.y), copy(source.z, out.z);
       copy(source.nx, out.nx), copy(source.ny, out.ny), copy(source.nz, out.nz);
       copy(source.curvature_min, out.curvature_min), copy(source.curvature_max, out.curvature_max);
-      copy(source.area, out.area);
+      copy(source.direction, out.direction), copy(source.area, out.area);
       copy(source.triangle, out.triangle), copy(source.weight_1, out.weight_1), copy(source.weight_2, out.weight_2);
       copy(source.key, out.key), copy(source.level, out.level);
       if (!out.colour.empty()) copy(source.colour, out.colour);

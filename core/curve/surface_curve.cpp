@@ -9,7 +9,7 @@ void visit_columns(Curve& curve, Visit&& visit) {
   visit(curve.x), visit(curve.y), visit(curve.z);
   visit(curve.nx), visit(curve.ny), visit(curve.nz);
   visit(curve.curvature_min), visit(curve.curvature_max);
-  visit(curve.area);
+  visit(curve.direction), visit(curve.area);
   visit(curve.triangle), visit(curve.weight_1), visit(curve.weight_2);
   visit(curve.key), visit(curve.level);
 }
@@ -23,7 +23,7 @@ void SurfaceCurve::resize(std::size_t n, bool has_colour) {
 }
 
 std::size_t SurfaceCurve::byte_size() const {
-  std::size_t bytes = disc_begin.size() * sizeof(std::uint32_t);
+  std::size_t bytes = disc_begin.size() * sizeof(std::uint32_t) + hierarchy.byte_size();
   const auto add = [&bytes](const auto& column) { bytes += column.size() * sizeof(column[0]); };
   visit_columns(*this, add);
   add(colour);

@@ -3,9 +3,11 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <cmath>
 #include <limits>
+#include <vector>
 
-#include "core/curve/leaf_cursor.h"
+#include "core/curve/tangent_frame.h"
 
 namespace curvecast {
 namespace {
@@ -13,6 +15,7 @@ namespace {
 constexpr std::size_t kGrain = 4096;  // leaves
 
 Vec3d clamped(const Vec3d& weights) {
+  if (weights.minCoeff() >= 0) return weights;
   const Vec3d positive = weights.cwiseMax(0.0);
   return positive / positive.sum();
 }
@@ -28,11 +31,18 @@ Vec3d weights_on_face(const TriangleMesh& mesh, std::uint32_t f, const Vec3d& p)
   return clamped({u, v, 1 - u - v});
 }
 
-/// Whether a triangle of a disc is its whole face, corner by corner, and not a part of it.
-bool is_whole_face(const TriangleMesh& mesh, std::uint32_t f, const DiscMesh& disc, const Triangle& v) {
-  const Triangle& t = mesh.triangles[f];
-  return disc.positions[v[0]] == mesh.positions[t[0]] && disc.positions[v[1]] == mesh.positions[t[1]] &&
-         disc.positions[v[2]] == mesh.positions[t[2]];
+/// For each triangle of a disc whether it is its whole face, corner by corner, and not a part of it.
+std::vector<std::uint8_t> whole_faces(const TriangleMesh& mesh, const DiscMesh& disc) {
+  std::vector<std::uint8_t> is_whole(disc.triangles.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, is_whole.size(), kGrain), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      const Triangle& v = disc.triangles[t];
+      const Triangle& corners = mesh.triangles[disc.face_of[t]];
+      is_whole[t] = disc.positions[v[0]] == mesh.positions[corners[0]] && disc.positions[v[1]] == mesh.positions[corners[1]] &&
+                    disc.positions[v[2]] == mesh.positions[corners[2]];
+    }
+  });
+  return is_whole;
 }
 
 template <typename Values>
@@ -43,20 +53,19 @@ auto mix(const Values& values, const Triangle& corners, const Vec3f& w) {
 Vec3f normal_at(const std::vector<Vec3f>& normals, const Triangle& corners, const Vec3f& w) {
   const Vec3f sum = mix(normals, corners, w);
   const float square = sum.squaredNorm();
-  return square > 0 ? Vec3f(sum / std::sqrt(square)) : normals[corners[0]];
+  return square > 0 ? Vec3f(sum * (1 / std::sqrt(square))) : normals[corners[0]];
 }
 
 }  // namespace
 
 void locate_centres(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<std::uint32_t> under) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
-    LeafCursor cursor;
     for (std::size_t l = range.begin(); l < range.end(); ++l) {
       const std::span candidates = leaves.triangles_of(l);
       under[l] = candidates[0];
       if (candidates.size() == 1) continue;
-      const LeafCursor::Square square = cursor(leaves.key[l], leaves.level[l]);
-      const double u = square.x + 0.5 * square.side, v = square.y + 0.5 * square.side;
+      const double half = 0.5 * side_of_level(leaves.level[l]);
+      const double u = leaves.x[l] * kCellSide + half, v = leaves.y[l] * kCellSide + half;
       double deepest = -std::numeric_limits<double>::infinity();
       for (const std::uint32_t t : candidates) {
         const double depth = triangles[t].weights(u, v).minCoeff();
@@ -73,18 +82,18 @@ void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const
                     const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve) {
   const TriangleMesh& mesh = data.mesh;
   const DiscMesh& disc = chart.disc;
+  const std::vector<std::uint8_t> is_whole = whole_faces(mesh, disc);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
-    LeafCursor cursor;
     for (std::size_t l = range.begin(); l < range.end(); ++l) {
-      const LeafCursor::Square square = cursor(leaves.key[l], leaves.level[l]);
+      const double side = side_of_level(leaves.level[l]);
       const ParameterTriangle& triangle = triangles[under[l]];
-      const Vec3d weights = clamped(triangle.weights(square.x + 0.5 * square.side, square.y + 0.5 * square.side));
+      const Vec3d weights = clamped(triangle.weights(leaves.x[l] * kCellSide + 0.5 * side, leaves.y[l] * kCellSide + 0.5 * side));
       const Triangle& v = disc.triangles[under[l]];
       const Vec3d place =
           weights[0] * disc.positions[v[0]] + weights[1] * disc.positions[v[1]] + weights[2] * disc.positions[v[2]];
       const std::uint32_t face = disc.face_of[under[l]];
       const Triangle& corners = mesh.triangles[face];
-      const Vec3f w = (is_whole_face(mesh, face, disc, v) ? weights : weights_on_face(mesh, face, place)).cast<float>();
+      const Vec3f w = (is_whole[under[l]] ? weights : weights_on_face(mesh, face, place)).cast<float>();
       const Vec3f normal = normal_at(data.geometry.normals, corners, w);
       const Vec3f position = (place - curve.origin).cast<float>();
       const std::size_t i = offset + l;
@@ -96,12 +105,15 @@ void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const
       curve.nz[i] = normal.z();
       curve.curvature_min[i] = mix(data.geometry.curvature_min, corners, w);
       curve.curvature_max[i] = mix(data.geometry.curvature_max, corners, w);
+      const std::vector<Vec3f>& directions = data.geometry.directions_max;
+      const Vec3f axes[3] = {directions[corners[0]], directions[corners[1]], directions[corners[2]]};
+      curve.direction[i] = mix_directions(axes, w, curve.normal(i));  // in the frame of the packed normal
       curve.triangle[i] = face;
       curve.weight_1[i] = w[1];
       curve.weight_2[i] = w[2];
       curve.key[i] = leaves.key[l];
       curve.level[i] = leaves.level[l];
-      if (data.colour != nullptr) curve.colour[i] = data.colour->at(face, w, square.side * square.side * triangle.area_ratio);
+      if (data.colour != nullptr) curve.colour[i] = data.colour->at(face, w, side * side * triangle.area_ratio);
       for (std::size_t s = 0; s < curve.scalars.size(); ++s) {
         curve.scalars[s].values[i] = mix(data.attributes.scalars[s].values, corners, w);
       }

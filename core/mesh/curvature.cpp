@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/mesh/principal_directions.h"
+
 namespace curvecast {
 namespace {
 
@@ -95,7 +97,14 @@ DifferentialGeometry differential_geometry(const TriangleMesh& mesh) {
   }
   fill_borders(mesh, sums.border, geometry.curvature_min);
   fill_borders(mesh, sums.border, geometry.curvature_max);
+  geometry.directions_max = principal_directions(mesh, geometry.normals);
   return geometry;
+}
+
+Vec3f face_normal(const TriangleMesh& mesh, std::uint32_t f) {
+  const Triangle& t = mesh.triangles[f];
+  const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+  return (b - a).cross(c - a).normalized().cast<float>();
 }
 
 }  // namespace curvecast

@@ -75,9 +75,9 @@ inline void expect_valid_curve(const SurfaceCurve& curve) {
 inline ::testing::AssertionResult same_vertex(const SurfaceCurve& a, std::size_t l, const SurfaceCurve& b, std::size_t m) {
   const auto same = [&](const auto& x, const auto& y) { return x[l] == y[m]; };
   bool all = same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z) && same(a.nx, b.nx) && same(a.ny, b.ny) && same(a.nz, b.nz) &&
-             same(a.curvature_min, b.curvature_min) && same(a.curvature_max, b.curvature_max) && same(a.triangle, b.triangle) &&
-             same(a.weight_1, b.weight_1) && same(a.weight_2, b.weight_2) && same(a.key, b.key) && same(a.level, b.level) &&
-             a.colour.empty() == b.colour.empty() && a.scalars.size() == b.scalars.size();
+             same(a.direction, b.direction) && same(a.curvature_min, b.curvature_min) && same(a.curvature_max, b.curvature_max) &&
+             same(a.triangle, b.triangle) && same(a.weight_1, b.weight_1) && same(a.weight_2, b.weight_2) && same(a.key, b.key) &&
+             same(a.level, b.level) && a.colour.empty() == b.colour.empty() && a.scalars.size() == b.scalars.size();
   if (all && !a.colour.empty()) all = same(a.colour, b.colour);
   for (std::size_t s = 0; all && s < a.scalars.size(); ++s) all = same(a.scalars[s].values, b.scalars[s].values);
   if (all) return ::testing::AssertionSuccess();
