@@ -13,13 +13,13 @@ constexpr std::size_t kBlock = 64;
 double block_mass(std::span<const float> density, std::span<const float> area, std::size_t begin, float* largest) {
   const std::size_t end = std::min(begin + kBlock, density.size());
   double sum = 0;
-  float most = *largest;
+  float most = 0;  // the block's own: blocks do not wait for one another
   for (std::size_t l = begin; l < end; ++l) {
     const float mass = density[l] * area[l];
     most = std::max(most, mass);
     sum += static_cast<double>(mass);
   }
-  *largest = most;
+  *largest = std::max(*largest, most);
   return sum;
 }
 
