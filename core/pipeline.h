@@ -19,6 +19,7 @@
 #include "core/mesh/curvature.h"
 #include "core/mesh/mesh_file.h"
 #include "core/mesh/repair.h"
+#include "core/sample/point_set.h"
 
 namespace curvecast {
 
@@ -30,8 +31,6 @@ struct PreprocessOptions {
   AreaElement area_element = AreaElement::kExact;
   std::vector<DensityTerm> density;  // base density for which the curve is made; none = uniform
 };
-
-inline constexpr std::uint64_t kMaxPoints = 4'000'000;
 
 /// What a file holds and what repair made of it.
 struct MeshInfo {
