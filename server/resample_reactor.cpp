@@ -19,13 +19,23 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
 
  private:
   absl::Status begin(Engine& engine, const v1::ResampleRequest& request) {
-    auto session = engine.sessions.find(request.session_id());
-    if (!session.ok()) return session.status();
+    const std::string& id = request.session_id();
+    // What is in memory is held from now on, whoever closes it; what has to be loaded is left to the job.
+    std::shared_ptr<const Session> held;
+    if (!engine.sessions.must_load(id)) {
+      auto session = engine.sessions.find(id);
+      if (!session.ok()) return session.status();
+      held = *std::move(session);
+    }
     auto sample = to_sample(request.sample());
     if (!sample.ok()) return sample.status();
     return engine.views
-        .submit([this, session = *std::move(session), sample = *std::move(sample)] {
-          finish(to_grpc(guarded([&] { return answer(*session, sample); })));
+        .submit([this, &engine, id, held = std::move(held), sample = *std::move(sample)] {
+          finish(to_grpc(guarded([&]() -> absl::Status {
+            if (held != nullptr) return answer(*held, sample);
+            const auto session = engine.sessions.find(id);
+            return session.ok() ? answer(**session, sample) : session.status();
+          })));
         })
         .status();
   }

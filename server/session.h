@@ -1,8 +1,8 @@
 // A session: a mesh's curve, ready to be sampled.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -11,13 +11,18 @@
 
 namespace curvecast::server {
 
+/// Grows whenever preprocessing gives other bytes than before for the same files and options: sessions of other versions are
+/// others.
+inline constexpr int kAlgorithmVersion = 1;
+
 /// Ready and immutable; whoever holds it may go on using it after it has been closed.
 struct Session {
   std::string id;
   std::string mesh_id;
   std::string mesh_name;
+  std::map<std::string, std::string> companions;  // names in the mesh, and the mesh_ids of these files
   PreprocessOptions options;
-  Preprocessed preprocessed;
+  Preprocessed preprocessed;     // without `flattened` when it comes from the cache: see SessionCache::load_surface
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
 
   const SurfaceCurve& curve() const { return *preprocessed.curve; }
@@ -33,7 +38,7 @@ struct SessionInfo {
   std::shared_ptr<const Session> session;  // set when ready
 };
 
-/// The same for the same files, under the same names, and options: 32 hexadecimal digits.
+/// The same for the same files, under the same names, all options and the same version of the algorithm: 32 hexadecimal digits.
 std::string session_id(const MeshFiles& files, const PreprocessOptions& options);
 
 /// The process's peak memory so far, bytes.
