@@ -176,7 +176,13 @@ std::string SessionCache::surface_path(const std::string& id) const {
   return absl::StrCat(folder_, "/", id, ".v", kSurfaceFileVersion, ".surface");
 }
 
-bool SessionCache::holds(const std::string& id) const { return is_session_id(id) && is_file(curve_path(id)); }
+bool SessionCache::holds(const std::string& id) const {
+  if (!is_session_id(id)) return false;
+  const std::lock_guard lock(mutex_);
+  return !is_going(id) && is_file(curve_path(id));
+}
+
+bool SessionCache::is_going(const std::string& id) const { return saving_ == id && unwanted_; }
 
 bool SessionCache::remove_files(const std::string& id) const {
   std::error_code ignored;
@@ -188,9 +194,11 @@ bool SessionCache::remove_files(const std::string& id) const {
 bool SessionCache::remove(const std::string& id) {
   if (!is_session_id(id)) return false;
   const std::lock_guard lock(mutex_);
+  const bool was_gone = is_going(id);
   const bool was_pending = pending_.erase(id) > 0;
   if (saving_ == id) unwanted_ = true;
-  return remove_files(id) || was_pending || saving_ == id;
+  const bool was_there = remove_files(id) || saving_ == id;
+  return was_pending || (was_there && !was_gone);
 }
 
 void SessionCache::discard(const std::string& path, const absl::Status& reason) const {

@@ -59,6 +59,7 @@ class SessionCache {
   SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log);
   std::string curve_path(const std::string& id) const;
   std::string surface_path(const std::string& id) const;
+  bool is_going(const std::string& id) const;
   bool remove_files(const std::string& id) const;
   void discard(const std::string& path, const absl::Status& reason) const;
   void save_next(const std::string& id);
@@ -69,10 +70,10 @@ class SessionCache {
   const std::string folder_;
   const std::uint64_t max_bytes_;
   const std::shared_ptr<spdlog::logger> log_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<std::string, Snapshot> pending_;  // by session, the newest state of each
   std::string saving_;                       // session that is being written
-  bool unwanted_ = false;                    // ... but has been removed meanwhile
+  bool unwanted_ = false;                    // ... but has been removed meanwhile: its files go when they are written
   bool failing_ = false;                     // the last save failed, and the log says so
   JobQueue loading_, saving_queue_;          // last: their jobs use all of the above
 };

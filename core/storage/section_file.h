@@ -48,8 +48,9 @@ Section make_section(std::string name, const Values& values) {
 absl::Status write_section_file(const std::string& path, const FileKind& kind, std::span<const Section> sections);
 
 enum class FileAccess {
-  kMap,   // the sections are the file's own pages, shared with all who map it. A program that shortens the file in place while it
-          // is in use ends this process (SIGBUS); ours never do: they replace and remove files, and what is mapped lives on
+  kMap,   // the sections are the file's own pages, shared with all who map it. Another program that shortens or rewrites the file
+          // in place while it is in use ends this process (SIGBUS) or changes what was checked; ours never do: they replace and
+          // remove files, and what is mapped lives on
   kCopy,  // the sections are in memory of their own
 };
 

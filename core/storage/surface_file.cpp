@@ -292,21 +292,21 @@ absl::Status save_surface(const std::string& path, const FlattenedMesh& surface)
     sections.push_back(make_section(texture_section(i), textures[i]->rgba));
   }
   std::array<std::vector<std::byte>, kChartArrays> joined;
-  std::array<Section, kChartArrays> chart_sections;
   for (const Chart& chart : surface.charts) {
     record.parameterisations.push_back(static_cast<std::uint8_t>(chart.parameterisation));
     std::size_t array = 0;
-    visit_chart(chart, [&](const char* name, const auto& values) {
-      Section section = make_section(name, stored(values));
+    visit_chart(chart, [&](const char* /*name*/, const auto& values) {
+      const auto bytes = std::as_bytes(stored(values));
       record.chart_lengths.push_back(values.size());
-      joined[array].insert(joined[array].end(), section.bytes.begin(), section.bytes.end());
-      chart_sections[array++] = std::move(section);
+      joined[array].insert(joined[array].end(), bytes.begin(), bytes.end());
+      ++array;
     });
   }
-  for (std::size_t array = 0; array < kChartArrays; ++array) {
-    chart_sections[array].bytes = joined[array];
-    sections.push_back(std::move(chart_sections[array]));
-  }
+  std::size_t array = 0;
+  const Chart names;
+  visit_chart(names, [&]<typename T>(const char* name, const std::vector<T>& /*values*/) {
+    sections.push_back({name, sizeof(T), joined[array++]});
+  });
   const std::string record_bytes = to_archive(record);
   sections.push_back(make_section("record", record_bytes));
   return write_section_file(path, kKind, sections);

@@ -69,7 +69,7 @@ class KillTest : public ::testing::Test {
       wanted.id = created.session.session_id();
       wanted.bytes = resample(*stub, wanted.id, raw_view()).bytes();
     }
-    window_ = 1.5 * (Clock::now() - start);  // in which all of them are made and written
+    window_ = 1.5 * std::chrono::duration<double>(Clock::now() - start);  // in which all of them are made and written
   }
 
   std::unique_ptr<cli::Process> serve() const {
@@ -115,11 +115,10 @@ class KillTest : public ::testing::Test {
     std::shuffle(order.begin(), order.end(), random);
     for (const Wanted* wanted : order) {
       if (random() % 3 != 0) continue;
-      {
-        const std::lock_guard lock(mutex_);
-        cached_.erase(wanted->id);
-      }
+      const std::lock_guard lock(mutex_);  // so that watch() notes nothing meanwhile
+      cached_.erase(wanted->id);
       grpc::ClientContext context;
+      set_patience(context);
       v1::CloseSessionRequest request;
       request.set_session_id(wanted->id);
       v1::CloseSessionResponse response;
@@ -148,7 +147,7 @@ class KillTest : public ::testing::Test {
   void watch(Stub& stub, const std::atomic<bool>& over) {
     while (!over) {
       for (const Wanted& wanted : sessions_) {
-        std::unique_lock lock(mutex_);  // so that nothing is closed between question and note
+        const std::lock_guard lock(mutex_);  // so that nothing is closed between question and note
         if (!cached_.contains(wanted.id) && is_cached(stub, wanted.id)) cached_.insert(wanted.id);
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -157,7 +156,7 @@ class KillTest : public ::testing::Test {
 
   testing::TemporaryFolder folder_, cache_;
   std::vector<Wanted> sessions_;
-  Clock::duration window_{};
+  std::chrono::duration<double> window_{};
   std::mutex mutex_;
   std::set<std::string> cached_;  // that a server has reported as such, and nobody has closed since
 };
