@@ -4,7 +4,6 @@
 #include <thread>
 #include <utility>
 
-#include "server/log.h"
 
 namespace curvecast::server {
 namespace {
@@ -18,15 +17,21 @@ int worker_count(int threads) {
 
 }  // namespace
 
-Engine::Engine(const ServerOptions& options)
-    : log(make_logger(options.log, options.verbose)),
+Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache)
+    : log(std::move(logger)),
       threads(options.threads),
       views(worker_count(options.threads), kMaxPendingViews),
       preprocessing(1, kMaxPendingSessions),
+      cache(std::move(session_cache)),
       meshes(options.max_mesh_bytes, options.max_upload_bytes),
-      sessions(preprocessing, preprocess, options.max_sessions, options.threads, log),
+      sessions(preprocessing, preprocess, options.max_sessions, options.threads, log, cache.get()),
       refiner(
-          options.max_curve_vertices, [this](const Session& session) { tell_streams(session); }, log) {}
+          options.max_curve_vertices,
+          [this](const Session& session, bool is_finer) {
+            if (is_finer && cache != nullptr && sessions.info(session.id).ok()) cache->save(session);
+            tell_streams(session);
+          },
+          log) {}
 
 absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport) {
   auto stream = std::make_shared<ClientStream>(

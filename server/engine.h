@@ -15,6 +15,7 @@
 #include "server/point_blocks.h"
 #include "server/refiner.h"
 #include "server/server.h"
+#include "server/session_cache.h"
 #include "server/session_store.h"
 
 namespace curvecast::server {
@@ -22,7 +23,11 @@ namespace curvecast::server {
 /// Thread-safe. Members are public because it is only the place where they meet, in the order in which they need each other.
 class Engine {
  public:
-  explicit Engine(const ServerOptions& options);
+  /// `cache` may be null.
+  Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache);
+
+  /// Whether the session would survive a restart.
+  bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->holds(session_id); }
 
   /// Makes a conversation that stop_streams() reaches; refused with Unavailable after it.
   absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport);
@@ -36,9 +41,10 @@ class Engine {
   void stop_streams(const absl::Status& reason);
 
   const std::shared_ptr<spdlog::logger> log;
-  const int threads;       // of one preprocessing job; 0 = one per core
-  JobQueue views;          // views, point sets, inspection
-  JobQueue preprocessing;  // one at a time: each uses all cores by itself
+  const int threads;                          // of one preprocessing job; 0 = one per core
+  JobQueue views;                             // views, point sets, inspection
+  JobQueue preprocessing;                     // one at a time: each uses all cores by itself
+  const std::unique_ptr<SessionCache> cache;  // null: none
   MeshStore meshes;
   SessionStore sessions;
   Refiner refiner;

@@ -53,15 +53,14 @@ struct Refinement {
   /// What a refinement needs of a surface and the next one needs again.
   struct Surface {
     explicit Surface(std::shared_ptr<const FlattenedMesh> mesh)
-        : flattened(std::move(mesh)), geometry(differential_geometry(flattened->loaded.mesh)) {
+        : flattened(std::move(mesh)) {
       const LoadedMesh& loaded = flattened->loaded;
       if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
-      base.emplace(SurfaceData{loaded.mesh, geometry, loaded.attributes, colour ? &*colour : nullptr}, flattened->charts);
+      base.emplace(SurfaceData{loaded.mesh, flattened->geometry, loaded.attributes, colour ? &*colour : nullptr}, flattened->charts);
     }
     Surface(const Surface&) = delete;
 
     std::shared_ptr<const FlattenedMesh> flattened;
-    DifferentialGeometry geometry;
     std::optional<SurfaceColour> colour;
     std::optional<CurveBase> base;
   };
@@ -131,7 +130,8 @@ void Refiner::run(const std::shared_ptr<Refinement>& task) {
     }
     Stopwatch watch;
     const absl::StatusOr<RefinedCurve> refined = guarded([&] { return refine_once(*task, *session, demands); });
-    if (refined.ok() && refined->curve != nullptr) {
+    const bool is_finer = refined.ok() && refined->curve != nullptr;
+    if (is_finer) {
       session->live->publish(refined->curve);
       log_->info("session {} refined in {:.3f} s: revision {}, {} curve vertices, {} MiB", session->id, watch.lap(),
                  refined->curve->revision, refined->curve->size(), refined->curve->byte_size() >> 20);
@@ -149,7 +149,7 @@ void Refiner::run(const std::shared_ptr<Refinement>& task) {
         session->live->set_refining(false);
       }
     }
-    on_done_(*session);
+    on_done_(*session, is_finer);
   }
 }
 

@@ -21,7 +21,7 @@ namespace curvecast::server {
 class Refiner {
  public:
   /// Called, without locks, by the refiner's thread when a refinement is over, whether it changed the curve or not.
-  using OnDone = std::function<void(const Session& session)>;
+  using OnDone = std::function<void(const Session& session, bool is_finer)>;
 
   /// At most `max_vertices` curve vertices for each session; 0: never refines.
   Refiner(std::uint64_t max_vertices, OnDone on_done, std::shared_ptr<spdlog::logger> log);

@@ -19,14 +19,24 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
 
  private:
   absl::Status begin(Engine& engine, const v1::ResampleRequest& request) {
-    auto session = engine.sessions.find(request.session_id());
-    if (!session.ok()) return session.status();
+    const std::string& id = request.session_id();
+    // What is in memory is held from now on, whoever closes it; what has to be loaded is left to the job.
+    std::shared_ptr<const Session> held;
+    if (!engine.sessions.must_load(id)) {
+      auto session = engine.sessions.find(id);
+      if (!session.ok()) return session.status();
+      held = *std::move(session);
+    }
     auto sample = to_sample(request.sample());
     if (!sample.ok()) return sample.status();
     return engine.views
-        .submit([this, &engine, session = *std::move(session), sample = *std::move(sample)] {
-          const OnShort on_short = engine.refine_for(session, sample, engine.new_source());
-          finish(to_grpc(guarded([&] { return answer(*session, sample, on_short); })));
+        .submit([this, &engine, id, held = std::move(held), sample = *std::move(sample)] {
+          finish(to_grpc(guarded([&]() -> absl::Status {
+            absl::StatusOr<std::shared_ptr<const Session>> session = held;
+            if (held == nullptr) session = engine.sessions.find(id);
+            if (!session.ok()) return session.status();
+            return answer(**session, sample, engine.refine_for(*session, sample, engine.new_source()));
+          })));
         })
         .status();
   }

@@ -94,7 +94,7 @@ absl::Status add_cuts(client::Client& client, const client::UploadedMesh& upload
 absl::StatusOr<Scene> sample_scene(const Flags& flags, const CommonOptions& options, const Size& size, std::stop_token stop) {
   absl::StatusOr<v1::SampleRequest> sample = make_request(flags.sample, options.seed);
   if (!sample.ok()) return sample.status();
-  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
   const std::uint64_t max_points = session_points(flags.sample.points);
@@ -228,6 +228,7 @@ Command add_render(CLI::App& root, CommonOptions& options) {
       {"curvecast render bunny.obj -o bunny.png", "curvecast render points.ply --size 1920x1080 -o points.png",
        "curvecast render igea.ply --what cut -o cut.png",
        "curvecast render igea.ply --style dots -n 20000 --density view --camera fov=20 -o dots.png"});
+  add_cache_flags(app, options);
   const auto flags = std::make_shared<Flags>();
   app->add_option("INPUT", flags->input,
                   "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) or points (.drc, .xyz, .pcd, or a .ply without faces)")

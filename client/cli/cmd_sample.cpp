@@ -65,7 +65,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   v1::ResampleRequest request;
   absl::StatusOr<v1::SampleRequest> wanted = make_request(flags.sample, options.seed);
   if (!wanted.ok()) return wanted.status();
-  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
   absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, session_points(flags.sample.points), options.quiet, stop);
@@ -97,6 +97,7 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
       "Places exactly N points on a mesh, evenly with respect to a density, and writes them with normals and splat radii.",
       {"curvecast sample bunny.obj -n 50000 -o bunny.ply", "curvecast sample igea.ply -n 100000 --density curvature -o igea.drc",
        "curvecast sample igea.ply -n 20000 --density view:s0=0.1 --camera eye=0,0,3 -o view.pcd"});
+  add_cache_flags(app, options);
   const auto flags = std::make_shared<Flags>();
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
   add_sample_flags(app, &flags->sample)->required();

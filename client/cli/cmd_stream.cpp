@@ -144,7 +144,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   const Box3d any_box{Vec3d(-1, -1, -1), Vec3d(1, 1, 1)};
   if (absl::Status status = make_camera_path(flags.path, 1, any_box).status(); !status.ok()) return status;
 
-  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
   absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, session_points(flags.sample.points), options.quiet, stop);
@@ -172,6 +172,7 @@ Command add_stream(CLI::App& root, CommonOptions& options) {
                   "before; delta_bytes_median is over the frames after the first.",
                   {"curvecast stream igea.ply --path orbit --frames 120 -n 50000",
                    "curvecast stream igea.ply --path views.txt --frames 10 -n 20000 -o frames/"});
+  add_cache_flags(app, options);
   const auto flags = std::make_shared<Flags>();
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
   app->add_option("--path", flags->path, kPathHelp)->type_name("orbit|zoom|FILE")->capture_default_str();

@@ -23,7 +23,7 @@ constexpr auto kPatience = std::chrono::seconds(120);  // only a broken refiner 
 class Ends {
  public:
   Refiner::OnDone counter() {
-    return [this](const Session&) {
+    return [this](const Session&, bool) {
       const std::lock_guard lock(mutex_);
       ++count_;
       changed_.notify_all();
