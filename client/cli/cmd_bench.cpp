@@ -167,7 +167,8 @@ constexpr Benchmark kBenchmarks[] = {
      "Seconds of every stage, with one thread and with all cores, beside CGAL's parameteriser on the same discs in the same run.",
      add_preprocess_benchmark},
     {"curve", "MESH", "seconds to lay the curve: quadtree, map, area elements",
-     "Seconds to lay the curve with one thread and with all cores, beside the time that it takes to write its bytes; then once for "
+     "Seconds to lay the curve with one thread and with all cores, beside the time that it takes to write its bytes; then once "
+     "for "
      "many more points, with the memory that it takes.",
      add_curve},
     {"growth", "MESH", "time and memory against the number of faces",
