@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_format.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
@@ -107,30 +108,16 @@ Distortion measure_distortion(const std::vector<Chart>& charts) {
   return summarise_distortion(std::move(shares));
 }
 
-/// Curve vertices that each face wants per squared unit: omega N of them in all, spread as the base density asks.
-absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
-                                                const PreprocessOptions& options) {
-  const double wanted = options.omega * static_cast<double>(options.points);
-  std::vector<double> demand(mesh.face_count(), 1.0);
-  if (!options.density.empty()) {
-    const absl::StatusOr<std::vector<float>> density = density_on_faces(mesh, geometry, options.density);
-    if (!density.ok()) return density.status();
-    std::copy(density->begin(), density->end(), demand.begin());
-  }
-  double mass = 0;
-  for (std::size_t f = 0; f < demand.size(); ++f) mass += demand[f] * triangle_area(mesh, f);
-  if (!(mass > 0 && std::isfinite(mass))) {
-    return absl::FailedPreconditionError("the base density is zero on the whole surface, so there is nowhere to put the curve");
-  }
-  for (double& d : demand) d *= wanted / mass;
-  return demand;
-}
+/// omega N: what the curve is to have of vertices.
+double wanted_vertices(const PreprocessOptions& options) { return options.omega * static_cast<double>(options.points); }
 
-absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& charts, const PreprocessOptions& options,
-                         const ExecutionContext& context, SurfaceCurve& curve, PreprocessReport& report) {
+absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions& options, const ExecutionContext& context,
+                         SurfaceCurve& curve, PreprocessReport& report) {
   Stopwatch watch;
-  const DifferentialGeometry geometry = differential_geometry(loaded.mesh);
-  const absl::StatusOr<std::vector<double>> demand_of_face = face_demand(loaded.mesh, geometry, options);
+  const LoadedMesh& loaded = flattened.loaded;
+  const std::vector<Chart>& charts = flattened.charts;
+  const absl::StatusOr<std::vector<double>> demand_of_face =
+      face_demand(loaded.mesh, flattened.geometry, options.density, wanted_vertices(options));
   if (!demand_of_face.ok()) return demand_of_face.status();
   std::vector<Column<ParameterTriangle>> triangles;
   std::vector<QuadtreeLeaves> leaves;
@@ -160,7 +147,7 @@ absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& cha
   if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
   for (const ScalarAttribute& scalar : loaded.attributes.scalars) curve.scalars.push_back({scalar.name, {}});
   curve.resize(count, colour.has_value());
-  const SurfaceData data{loaded.mesh, geometry, loaded.attributes, colour ? &*colour : nullptr};
+  const SurfaceData data{loaded.mesh, flattened.geometry, loaded.attributes, colour ? &*colour : nullptr};
   std::unique_ptr<IdBuffer> id_buffer;
   if (options.mapper == Mapper::kIdBuffer) {
     absl::StatusOr<std::unique_ptr<IdBuffer>> made = IdBuffer::create();
@@ -202,13 +189,34 @@ absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& cha
   return absl::OkStatus();
 }
 
+/// Keys hold kMaxLevel levels. Has discs divided where the map squeezes together what wants vertices until it would need more.
+void limit_levels(std::span<const double> demand, double area, FlattenOptions& options) {
+  const double highest = area * *std::max_element(demand.begin(), demand.end());  // per uv area, where the map is even
+  const double most = std::ldexp(1.0, 2 * kMaxLevel);
+  options.max_area_ratio = std::clamp(most / highest, 2.0, options.max_area_ratio);
+}
+
 absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds& seconds, const PreprocessOptions& options,
                                            const ExecutionContext& context) {
   Stopwatch watch;
+  FlattenedMesh flattened{std::move(loaded)};
+  const TriangleMesh& mesh = flattened.loaded.mesh;
+  // Beside cutting, which keeps only one thread busy for most of its time.
+  tbb::task_group beside;
+  beside.run([&] { flattened.geometry = differential_geometry(mesh); });
+  FlattenOptions flatten_options{.parameteriser = options.parameteriser};
+  if (!options.density.empty()) {
+    beside.wait();
+    const absl::StatusOr<std::vector<double>> demand =
+        face_demand(mesh, flattened.geometry, options.density, wanted_vertices(options));
+    if (!demand.ok()) return demand.status();
+    limit_levels(*demand, flattened.loaded.info.area, flatten_options);
+  }
   FlattenTimes times;
-  absl::StatusOr<std::vector<Chart>> charts = flatten(loaded.mesh, {.parameteriser = options.parameteriser}, context, times);
+  absl::StatusOr<std::vector<Chart>> charts = flatten(mesh, flatten_options, context, times);
+  beside.wait();
   if (!charts.ok()) return charts.status();
-  FlattenedMesh flattened{std::move(loaded), *std::move(charts), {}};
+  flattened.charts = *std::move(charts);
   PreprocessReport& report = flattened.report;
   report.mesh = flattened.loaded.info;
   report.discs = static_cast<std::uint32_t>(flattened.charts.size());
@@ -234,7 +242,7 @@ absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh>
   curve->box = report.mesh.box;
   curve->origin = choose_origin(report.mesh.box);
   curve->max_points = options.points;
-  const absl::Status built = build_curve(flattened->loaded, flattened->charts, options, context, *curve, report);
+  const absl::Status built = build_curve(*flattened, options, context, *curve, report);
   if (!built.ok()) return built;
   report.curve_vertices = curve->size();
   report.curve_bytes = curve->byte_size();

@@ -24,15 +24,16 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
     auto sample = to_sample(request.sample());
     if (!sample.ok()) return sample.status();
     return engine.views
-        .submit([this, session = *std::move(session), sample = *std::move(sample)] {
-          finish(to_grpc(guarded([&] { return answer(*session, sample); })));
+        .submit([this, &engine, session = *std::move(session), sample = *std::move(sample)] {
+          const OnShort on_short = engine.refine_for(session, sample, engine.new_source());
+          finish(to_grpc(guarded([&] { return answer(*session, sample, on_short); })));
         })
         .status();
   }
 
-  absl::Status answer(const Session& session, const Sample& sample) {
+  absl::Status answer(const Session& session, const Sample& sample, const OnShort& on_short) {
     if (cancelled()) return absl::CancelledError("the client has gone");
-    return make_blocks(session, sample, [this](v1::ResampleResponse block) {
+    return make_blocks(session, sample, on_short, [this](v1::ResampleResponse block) {
       push(std::move(block));
       return !cancelled();
     });

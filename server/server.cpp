@@ -80,6 +80,7 @@ class GrpcServer final : public Server {
         grpc_->Shutdown(std::chrono::system_clock::now() + drain);
         engine_.log->info("stopped");
       }
+      engine_.refiner.stop();
       engine_.views.stop();
       engine_.preprocessing.stop();
     });

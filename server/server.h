@@ -20,8 +20,11 @@ struct ServerOptions {
   std::uint64_t max_upload_bytes = std::uint64_t{2} << 30;  // of one mesh file
   std::uint64_t max_mesh_bytes = std::uint64_t{4} << 30;    // of all mesh files held; the least recently used go first
   std::uint64_t max_sessions = 64;                          // held at once
-  bool log = true;                                          // one line per state change and error, to standard error
-  bool verbose = false;                                     // with log: one line per request too
+  /// Of one session, to which a curve is refined at most where views ask for more than it was made for. Also kept within half of
+  /// the machine's free memory. 0: no refinement.
+  std::uint64_t max_curve_vertices = 20'000'000;
+  bool log = true;       // one line per state change and error, to standard error
+  bool verbose = false;  // with log: one line per request too
 };
 
 /// Thread-safe after start(). Frames of StreamViews are up to 32 MiB: let the client's channel receive that much.

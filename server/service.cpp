@@ -79,7 +79,7 @@ grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* con
 
 grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
                                                 v1::CloseSessionResponse* /*response*/) {
-  return answer(engine_, "CloseSession", context, [&] { return engine_.sessions.close(request->session_id()); });
+  return answer(engine_, "CloseSession", context, [&] { return engine_.close_session(request->session_id()); });
 }
 
 grpc::ServerWriteReactor<v1::ResampleResponse>* Service::Resample(grpc::CallbackServerContext* context,

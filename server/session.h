@@ -1,26 +1,34 @@
 // A session: a mesh's curve, ready to be sampled.
 #pragma once
 
+#include <absl/status/statusor.h>
+
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
 #include "core/pipeline.h"
+#include "server/live_curve.h"
 #include "server/mesh_files.h"
 
 namespace curvecast::server {
 
-/// Ready and immutable; whoever holds it may go on using it after it has been closed.
+/// Ready and immutable but for its curve, which may become finer; whoever holds it may go on using it after it has been closed.
 struct Session {
   std::string id;
   std::string mesh_id;
   std::string mesh_name;
   PreprocessOptions options;
-  Preprocessed preprocessed;
+  Preprocessed preprocessed;  // its curve has gone to `live`
+  std::shared_ptr<LiveCurve> live = std::make_shared<LiveCurve>();
+  /// Where preprocessed.flattened is null: brings what the curve lies on, when it is to be refined. May be empty, or fail.
+  std::function<absl::StatusOr<std::shared_ptr<const FlattenedMesh>>()> load_flattened;
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
 
-  const SurfaceCurve& curve() const { return *preprocessed.curve; }
+  /// The newest revision. One answer takes it once.
+  std::shared_ptr<const SurfaceCurve> curve() const { return live->newest(); }
 };
 
 enum class SessionState { kQueued, kPreprocessing, kReady };

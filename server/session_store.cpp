@@ -206,6 +206,7 @@ void SessionStore::settle(Job& job, absl::StatusOr<Preprocessed> result) {
   session->mesh_name = job.files.mesh->name;
   session->options = job.options;
   session->preprocessed = *std::move(result);
+  session->live->publish(std::move(session->preprocessed.curve));
   session->peak_bytes = peak_memory_bytes();
   Entry& entry = entries_.at(job.id);
   entry.info.state = SessionState::kReady;
@@ -213,7 +214,7 @@ void SessionStore::settle(Job& job, absl::StatusOr<Preprocessed> result) {
   entry.last_used = ++clock_;
   entry.job = nullptr;
   log_->info("session {} ready after {:.3f} s: {} curve vertices, {} MiB", job.id, seconds_since(job.created),
-             session->curve().size(), session->curve().byte_size() >> 20);
+             session->curve()->size(), session->curve()->byte_size() >> 20);
   for (SessionWaiter* waiter : waiters) waiter->on_done(session);
 }
 

@@ -15,6 +15,7 @@
 #include "client/cli/bench/growth.h"
 #include "client/cli/bench/local_mesh.h"
 #include "client/cli/bench/mappers.h"
+#include "client/cli/bench/neighbours_bench.h"
 #include "client/cli/bench/preprocess_bench.h"
 #include "client/cli/commands.h"
 #include "client/cli/progress_bar.h"
@@ -157,6 +158,17 @@ Run add_areas(CLI::App& app) {
   return on_mesh(app, options, bench_areas);
 }
 
+Run add_neighbours(CLI::App& app) {
+  const auto options = std::make_shared<NeighboursBenchOptions>();
+  add_count(app, "--repeat", &options->repeats, 1000, "runs of each, of which the median counts");
+  add_points(app, &options->points, "N for which the curve is made");
+  app.add_option("--samples", options->samples, "points of the sample set, at most N")
+      ->check(point_count_range())
+      ->type_name("S")
+      ->capture_default_str();
+  return on_mesh(app, options, bench_neighbours);
+}
+
 constexpr Benchmark kBenchmarks[] = {
     {"corpus", "DIR", "every mesh of a folder through all of preprocessing, checked",
      "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
@@ -184,6 +196,11 @@ constexpr Benchmark kBenchmarks[] = {
      "Seconds of both area elements, how far their sums miss the surface's area, and the ring discrepancy of jittered samples "
      "drawn with each, beside random ones.",
      add_areas},
+    {"neighbours", "MESH", "nearest neighbours through the curve's order, beside a kd-tree",
+     "Milliseconds to prepare neighbour queries on the curve's vertices and on a sample set and to answer them, beside "
+     "nanoflann's "
+     "kd-tree on the same points in the same run.",
+     add_neighbours},
 };
 
 std::string list_benchmarks() {

@@ -22,7 +22,10 @@ struct Flags {
   std::string sampler = "equalised";
   SampleFlags sample;
   client::DrcOptions drc;
+  bool first_answer = false;
 };
+
+constexpr std::chrono::minutes kPatience{5};  // with the refinement of the curve
 
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -74,7 +77,8 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   *request.mutable_sample()->mutable_camera() = *std::move(camera);
   // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
   request.mutable_sample()->mutable_encoding()->mutable_raw();
-  absl::StatusOr<client::DecodedSample> sample = client.resample(request, stop);
+  absl::StatusOr<client::DecodedSample> sample =
+      flags.first_answer ? client.resample(request, stop) : client.resample_refined(request, kPatience, stop);
   if (!sample.ok()) return sample.status();
   if (stop.stop_requested()) return absl::CancelledError("cancelled");
   if (!flags.output.empty()) {
@@ -105,6 +109,8 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
       ->check(validator([](const std::string& text) { return check_choice("sampler", text, kSamplers); }, ""))
       ->type_name("NAME")
       ->capture_default_str();
+  app->add_flag("--first-answer", flags->first_answer,
+                "take the first point set, even where the curve is too coarse for the density and a finer one is being made");
   app->add_option("--position-bits", flags->drc.position_bits, "of a .drc file, per coordinate")
       ->check(CLI::Range(1, 30))
       ->capture_default_str();

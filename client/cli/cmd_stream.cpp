@@ -33,6 +33,7 @@ struct Flags {
 /// One entry per frame.
 struct Measured {
   std::vector<double> points, added, removed, bytes, server_ms, latency_ms;
+  std::size_t improved = 0;  // frames that followed by themselves when the curve had become finer; in none of the above
 };
 
 /// Nearest rank; 0 of nothing.
@@ -61,10 +62,11 @@ absl::Status prepare_folder(const std::string& folder) {
   return client::check_writable(frame_file(folder, 0));
 }
 
-absl::StatusOr<client::Frame> frame_of(client::ViewStream& stream, std::uint64_t sequence) {
+absl::StatusOr<client::Frame> frame_of(client::ViewStream& stream, std::uint64_t sequence, std::size_t* improved) {
   while (true) {
     absl::StatusOr<client::Frame> frame = stream.next_frame(kFrameTimeout);
     if (!frame.ok() || frame->sequence == sequence) return frame;
+    ++*improved;  // of the view before: its first frame has been taken
   }
 }
 
@@ -76,7 +78,7 @@ absl::StatusOr<Measured> stream_views(const Flags& flags, client::ViewStream& st
     const auto start = std::chrono::steady_clock::now();
     absl::StatusOr<std::uint64_t> sequence = stream.send_view(sample);
     if (!sequence.ok()) return sequence.status();
-    absl::StatusOr<client::Frame> frame = frame_of(stream, *sequence);
+    absl::StatusOr<client::Frame> frame = frame_of(stream, *sequence, &measured.improved);
     if (!frame.ok()) return frame.status();
     if (!frame->error.ok()) {
       return absl::Status(frame->error.code(), absl::StrCat("frame ", i, ": ", frame->error.message()));
@@ -111,9 +113,10 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Meas
         absl::StrFormat("%d frames; medians: %d points, %d added, %d removed\n"
                         "bytes          first frame %d, later frames (median) %d, %.2f per point\n"
                         "server         p50 %.2f ms, p99 %.2f ms\n"
-                        "latency        p50 %.2f ms, p99 %.2f ms\n",
+                        "latency        p50 %.2f ms, p99 %.2f ms\n"
+                        "improved       %d frames came again from a finer curve\n",
                         measured.points.size(), points, added, removed, key_bytes, update_bytes, bytes_per_point, server50,
-                        server99, latency50, latency99));
+                        server99, latency50, latency99, measured.improved));
   }
   Json json = {{"frames", measured.points.size()},
                {"points_median", points},
@@ -123,7 +126,8 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Meas
                {"delta_bytes_median", update_bytes},
                {"bytes_per_point", bytes_per_point},
                {"server_ms", {{"p50", server50}, {"p99", server99}}},
-               {"latency_ms", {{"p50", latency50}, {"p99", latency99}}}};
+               {"latency_ms", {{"p50", latency50}, {"p99", latency99}}},
+               {"improved", measured.improved}};
   if (!flags.output.empty()) json["output"] = flags.output;
   return print_json(json);
 }

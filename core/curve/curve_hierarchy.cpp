@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "core/curve/hilbert.h"
@@ -168,11 +169,11 @@ void combine(std::span<CurveNode> nodes, std::span<Sums> sums, std::size_t i) {
     const Vec3f other = child.cone_axis();
     const double cosine = other.dot(axis) / std::sqrt(other.squaredNorm() * axis.squaredNorm());
     const double between = std::acos(std::clamp(cosine - 1e-7, -1.0, 1.0));
-    angle = std::max(angle, child.has_cone() ? between + std::acos(static_cast<double>(child.cosine)) : M_PI);
+    angle = std::max(angle, child.has_cone() ? between + std::acos(static_cast<double>(child.cosine)) : std::numbers::pi);
   });
-  for (int i = 0; i < 3; ++i) node.center[i] = center[i];
+  for (int d = 0; d < 3; ++d) node.center[d] = center[d];
   node.radius = std::min(radius, 0.5f * (sum.max - sum.min).norm()) * kRoundedUp;
-  set_cosine(static_cast<float>(std::cos(std::min(angle, M_PI))), node);
+  set_cosine(static_cast<float>(std::cos(std::min(angle, std::numbers::pi))), node);
 }
 
 Column<ValueBounds> scalar_bounds(const SurfaceCurve& curve, const CurveHierarchy& hierarchy) {

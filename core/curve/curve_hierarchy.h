@@ -3,10 +3,10 @@
 // pointers.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 
 #include "core/column.h"
 #include "core/curve/curvature_measure.h"
@@ -27,8 +27,8 @@ struct ValueBounds {
     if (value > max) max = value;
   }
   void extend(const ValueBounds& other) {
-    extend(other.min);
-    extend(other.max);
+    if (other.min < min) min = other.min;
+    if (other.max > max) max = other.max;
   }
 };
 
@@ -46,12 +46,12 @@ struct CurveNode {
   Vec3f sphere_center() const { return {center[0], center[1], center[2]}; }
   Vec3f cone_axis() const { return {axis[0], axis[1], axis[2]}; }
   bool has_cone() const { return cosine.code >= 0; }
-  float cone_sine() const { return std::sqrt(1 - cosine * cosine); }
+  float cone_sine() const { return std::sqrt(1 - cosine * cosine); }  // where there is a cone
 };
 static_assert(sizeof(CurveNode) == 64);
 
 /// Depth first, parents before their children: node 0 is the whole curve, its children are the discs, and so on down to
-/// kMaxLeafVertices. `for (i = 0; i < nodes.size(); i = done(nodes[i]) ? nodes[i].skip : i + 1)` visits without a stack.
+/// kMaxLeafVertices. Going to i + 1 enters node i, going to nodes[i].skip passes it by: no stack.
 struct CurveHierarchy {
   static constexpr std::uint32_t kMaxLeafVertices = 64;
 

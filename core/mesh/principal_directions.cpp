@@ -1,10 +1,15 @@
 #include "core/mesh/principal_directions.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <array>
 #include <cmath>
 
 namespace curvecast {
 namespace {
+
+constexpr std::size_t kGrain = 4096;  // faces or vertices
 
 /// xx, yy, zz, xy, yz, zx of a symmetric tensor.
 using Tensor = std::array<double, 6>;
@@ -37,22 +42,25 @@ double apply(const Tensor& t, const Vec3d& u, const Vec3d& v) {
 
 }  // namespace
 
-std::vector<Vec3f> principal_directions(const TriangleMesh& mesh, std::span<const Vec3f> normals) {
-  std::vector<Tensor> tensors(mesh.vertex_count(), Tensor{});
-  for (const Triangle& t : mesh.triangles) {
-    const Tensor tensor = face_tensor(mesh, normals, t);
-    for (const std::uint32_t v : t) {
-      for (std::size_t i = 0; i < tensor.size(); ++i) tensors[v][i] += tensor[i];
-    }
-  }
+std::vector<Vec3f> principal_directions(const TriangleMesh& mesh, const VertexFans& fans, std::span<const Vec3f> normals) {
+  std::vector<Tensor> tensors(mesh.face_count());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tensors.size(), kGrain), [&](const auto& range) {
+    for (std::size_t f = range.begin(); f < range.end(); ++f) tensors[f] = face_tensor(mesh, normals, mesh.triangles[f]);
+  });
   std::vector<Vec3f> directions(mesh.vertex_count());
-  for (std::size_t v = 0; v < directions.size(); ++v) {
-    const Vec3d normal = normals[v].cast<double>();
-    const Vec3d first = normal.unitOrthogonal(), second = normal.cross(first);
-    const double difference = apply(tensors[v], first, first) - apply(tensors[v], second, second);
-    const double angle = 0.5 * std::atan2(2 * apply(tensors[v], first, second), difference);
-    directions[v] = (std::cos(angle) * first + std::sin(angle) * second).cast<float>();
-  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, directions.size(), kGrain), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      Tensor tensor{};
+      fans.visit(v, [&](std::uint32_t h) {
+        for (std::size_t i = 0; i < tensor.size(); ++i) tensor[i] += tensors[h / 3][i];
+      });
+      const Vec3d normal = normals[v].cast<double>();
+      const Vec3d first = normal.unitOrthogonal(), second = normal.cross(first);
+      const double difference = apply(tensor, first, first) - apply(tensor, second, second);
+      const double angle = 0.5 * std::atan2(2 * apply(tensor, first, second), difference);
+      directions[v] = (std::cos(angle) * first + std::sin(angle) * second).cast<float>();
+    }
+  });
   return directions;
 }
 

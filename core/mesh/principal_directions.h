@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "core/mesh/triangle_mesh.h"
+#include "core/mesh/vertex_fans.h"
 
 namespace curvecast {
 
 /// For each vertex the unit tangent, in one of its two senses, along which the signed curvature is largest (positive where the
 /// surface is convex), of the area-weighted mean of its faces' tensors; any tangent where all are equal. `normals`: unit, one for
 /// each vertex.
-std::vector<Vec3f> principal_directions(const TriangleMesh& mesh, std::span<const Vec3f> normals);
+std::vector<Vec3f> principal_directions(const TriangleMesh& mesh, const VertexFans& fans, std::span<const Vec3f> normals);
 
 }  // namespace curvecast

@@ -311,7 +311,7 @@ TEST_F(SessionStoreTest, CloseLeavesTheSessionToThoseWhoHoldIt) {
   const auto held = store_->find(id);
   EXPECT_TRUE(store_->close(id).ok());
   EXPECT_EQ(store_->find(id).status().code(), Code::kNotFound);
-  EXPECT_EQ((*held)->curve().size(), 1u);
+  EXPECT_EQ((*held)->curve()->size(), 1u);
 }
 
 TEST_F(SessionStoreTest, CloseStopsPreprocessing) {

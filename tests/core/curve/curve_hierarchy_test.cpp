@@ -44,7 +44,8 @@ void expect_sound(const SurfaceCurve& curve, const CurveHierarchy& hierarchy) {
     for (std::uint32_t l = node.first; l < node.last; ++l) {
       ASSERT_LE((curve.position(l).cast<double>() - node.sphere_center().cast<double>()).norm(), node.radius) << "node " << i;
       const Vec3d normal = curve.normal(l).cast<double>(), axis = node.cone_axis().cast<double>();
-      if (node.has_cone()) ASSERT_GE(normal.dot(axis) / (normal.norm() * axis.norm()), node.cosine) << "node " << i;
+      const double cosine = normal.dot(axis) / (normal.norm() * axis.norm());
+      ASSERT_TRUE(!node.has_cone() || cosine >= node.cosine) << "node " << i;
       area += static_cast<double>(curve.area[l]);
       for (int kind = 0; kind < kCurvatureKinds; ++kind) {
         const float k = curvature_measure(static_cast<CurvatureKind>(kind), curve.curvature_min[l], curve.curvature_max[l]);
