@@ -4,9 +4,9 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "core/curve/deepest_triangle.h"
 #include "core/curve/tangent_frame.h"
 
 namespace curvecast {
@@ -66,14 +66,7 @@ void locate_centres(std::span<const ParameterTriangle> triangles, const Quadtree
       if (candidates.size() == 1) continue;
       const double half = 0.5 * side_of_level(leaves.level[l]);
       const double u = leaves.x[l] * kCellSide + half, v = leaves.y[l] * kCellSide + half;
-      double deepest = -std::numeric_limits<double>::infinity();
-      for (const std::uint32_t t : candidates) {
-        const double depth = triangles[t].weights(u, v).minCoeff();
-        if (depth <= deepest) continue;
-        deepest = depth;
-        under[l] = t;
-        if (depth > 0) break;
-      }
+      under[l] = deepest_triangle(triangles, candidates, u, v);
     }
   });
 }
