@@ -21,10 +21,11 @@ constexpr std::size_t kMaxDemands = 8;
 // Sessions whose turn has not come. More are refused: they are asked for again with the next view.
 constexpr std::size_t kMaxPending = 1024;
 
-/// Views come first: the calling thread runs where they leave time. (On Linux priorities belong to threads.)
+/// Views come first: next to a busy thread of theirs the calling one gets a tenth of a core. Less, and on a machine with other
+/// work to do a finer curve would never come. (On Linux priorities belong to threads.)
 void lower_priority() {
-  constexpr int kLowest = 19;
-  setpriority(PRIO_PROCESS, 0, kLowest);
+  constexpr int kNice = 10;
+  setpriority(PRIO_PROCESS, 0, kNice);
 }
 
 /// Memory that the machine could give without swapping, bytes; 0 where it does not say.

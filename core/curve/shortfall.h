@@ -15,8 +15,7 @@ namespace curvecast {
 /// The load of a curve vertex is the number of curve vertices that ought to stand in its place: omega times the points that are
 /// expected on it. A curve built for N points has loads up to 1 at its base density, most of them lower, because levels are
 /// whole numbers. A curve counts as too coarse where a load exceeds this: less than one whole level is what omega is there for,
-/// and any view of a surface that is evenly sampled (half of it unseen, four times as many points towards the silhouette) would
-/// otherwise ask for a finer curve.
+/// and a whole surface seen from afar (half of it unseen, most of the points towards the silhouette) is still within it.
 inline constexpr double kShortLoad = 4;
 
 /// What somebody wanted to take from a curve.

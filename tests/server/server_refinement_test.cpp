@@ -1,9 +1,10 @@
 // Curves that become finer while they are used, over TCP.
 #include <gmock/gmock.h>
 
-#include <atomic>
+#include <algorithm>
 #include <chrono>
 #include <map>
+#include <mutex>
 #include <thread>
 
 #include "server_fixture.h"
@@ -114,7 +115,7 @@ TEST_F(ServerRefinement, AStreamGetsABetterFrameByItself) {
     EXPECT_EQ(frames[i].sequence(), 1u);
     EXPECT_FALSE(frames[i].has_error());
     EXPECT_EQ(frames[i].points().count(), kMany);
-    if (i > 0) EXPECT_GE(frames[i].curve_revision(), frames[i - 1].curve_revision());
+    EXPECT_GE(frames[i].curve_revision(), frames[i > 0 ? i - 1 : 0].curve_revision());
   }
   EXPECT_GT(frames.back().curve_revision(), 1u);
   EXPECT_GT(frames.back().statistics().curve_vertices(), first_size_);
@@ -137,7 +138,9 @@ TEST_F(ServerRefinement, WhatTheCurveWasMadeForRefinesNothing) {
   set_patience(context);
   const auto stream = stub_->StreamViews(&context);
   send_open(*stream);
-  send_view(*stream, 1, view_of(kMadeFor));
+  v1::SampleRequest even;
+  even.set_points(kMadeFor);
+  send_view(*stream, 1, even);
   EXPECT_EQ(frames_of(*stream).size(), 1u);
   EXPECT_FALSE(session().refining());
   EXPECT_EQ(session().curve_revision(), 1u);
@@ -200,8 +203,9 @@ TEST_F(ServerRefinement, EveryFrameIsOfOneRevision) {
     const auto stream = stub->StreamViews(&context);
     send_open(*stream);
     std::uint64_t last_revision = 0;
-    for (std::uint64_t i = 1; i <= 12; ++i) {
-      const std::uint64_t points = 700 * i * client_number;
+    // At least until the first finer curve is there; a broken server runs out of patience.
+    for (std::uint64_t i = 1; i <= 12 || last_revision < 2; ++i) {
+      const std::uint64_t points = 700 * std::min<std::uint64_t>(i, 12) * client_number;
       send_view(*stream, i, greedy(points));
       v1::StreamViewsResponse response;
       do {
@@ -211,7 +215,7 @@ TEST_F(ServerRefinement, EveryFrameIsOfOneRevision) {
         send_ack(*stream, frame.sequence());
         EXPECT_GE(frame.curve_revision(), last_revision);
         last_revision = frame.curve_revision();
-        if (frame.sequence() == i) EXPECT_EQ(frame.points().count(), points);
+        EXPECT_TRUE(frame.sequence() < i || frame.points().count() == points);
         const std::lock_guard lock(mutex);
         const auto [known, is_new] = size_of_revision.try_emplace(last_revision, frame.statistics().curve_vertices());
         EXPECT_EQ(known->second, frame.statistics().curve_vertices()) << "revision " << last_revision;
