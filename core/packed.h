@@ -13,8 +13,10 @@ struct Snorm16 {
 
   Snorm16() = default;
   constexpr Snorm16(float value) {
-    const float scaled = std::clamp(value, -1.0f, 1.0f) * 32767.0f;
-    code = static_cast<std::int16_t>(scaled + (scaled < 0 ? -0.5f : 0.5f));
+    // A float this large has steps of one: adding it rounds.
+    constexpr float kRound = 12582912.0f;
+    const float rounded = std::min(std::max(value, -1.0f), 1.0f) * 32767.0f + kRound;
+    code = static_cast<std::int16_t>(std::bit_cast<std::int32_t>(rounded) - std::bit_cast<std::int32_t>(kRound));
   }
   constexpr operator float() const { return static_cast<float>(code) * (1 / 32767.0f); }
 };

@@ -16,6 +16,7 @@
 #include "core/execution_context.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/flatten.h"
+#include "core/mesh/curvature.h"
 #include "core/mesh/mesh_file.h"
 #include "core/mesh/repair.h"
 
@@ -76,7 +77,8 @@ struct LoadedMesh {
 struct FlattenedMesh {
   LoadedMesh loaded;
   std::vector<Chart> charts;
-  PreprocessReport report;  // of the stages so far
+  PreprocessReport report;        // of the stages so far
+  DifferentialGeometry geometry;  // of the loaded mesh
 };
 
 struct Preprocessed {

@@ -6,182 +6,322 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/branchless.h"
+#include "core/curve/triangle_bins.h"
+#include "core/lanes.h"
 
 namespace curvecast {
 namespace {
 
-/// A triangle ready for overlap tests with squares: its box and the lines of its sides, positive inside.
-struct TriangleTest {
-  double min_x, max_x, min_y, max_y;
-  std::array<double, 3> a, b, c;  // side i: a x + b y + c
-
-  TriangleTest(const Vec2d& p, const Vec2d& q, const Vec2d& r)
-      : min_x(std::min({p.x(), q.x(), r.x()})),
-        max_x(std::max({p.x(), q.x(), r.x()})),
-        min_y(std::min({p.y(), q.y(), r.y()})),
-        max_y(std::max({p.y(), q.y(), r.y()})) {
-    const std::array<Vec2d, 3> corner = {p, q, r};
-    for (int i = 0; i < 3; ++i) {
-      const Vec2d& from = corner[i];
-      const Vec2d side = corner[(i + 1) % 3] - from;
-      a[i] = -side.y();
-      b[i] = side.x();
-      c[i] = side.y() * from.x() - side.x() * from.y();
-    }
-  }
-
-  bool touches(double x, double y, double side) const {
-    if (min_x > x + side || max_x < x || min_y > y + side || max_y < y) return false;
-    for (int i = 0; i < 3; ++i) {
-      // The square's corner that lies farthest on the inner side of the line.
-      const double px = a[i] > 0 ? x + side : x;
-      const double py = b[i] > 0 ? y + side : y;
-      if (a[i] * px + b[i] * py + c[i] < 0) return false;
-    }
-    return true;
-  }
-};
-
 struct Node {
-  double x, y;
-  std::uint64_t index;  // Hilbert index at its level
+  std::uint64_t key;   // Hilbert index of its first cell at kMaxLevel, where
+  std::uint32_t x, y;  // its lower left corner is this cell
   int level;
   HilbertState state;
 };
 
-Node child_of(const Node& node, unsigned i) {
-  const double half = std::ldexp(1.0, -node.level - 1);
+inline Node child_of(const Node& node, unsigned i) {
+  const int level = node.level + 1;
   const unsigned quadrant = hilbert_quadrant(node.state, i);
-  return {node.x + (quadrant & 1) * half, node.y + (quadrant >> 1) * half, node.index << 2 | i, node.level + 1,
-          hilbert_child_state(node.state, i)};
+  return {node.key + (std::uint64_t{i} << 2 * (kMaxLevel - level)), node.x + ((quadrant & 1) << (kMaxLevel - level)),
+          node.y + ((quadrant >> 1) << (kMaxLevel - level)), level, hilbert_child_state(node.state, i)};
+}
+
+/// The level at which quads are small enough for a demand per unit of uv area.
+std::uint8_t level_for(double demand) {
+  if (!(demand > 1)) return 0;
+  int exponent = 0;
+  const double mantissa = std::frexp(demand, &exponent);  // in [0.5, 1)
+  const int bits = mantissa == 0.5 ? exponent - 1 : exponent;
+  return static_cast<std::uint8_t>(std::min((bits + 1) / 2, kMaxLevel));
+}
+
+/// Triangles near a node, and the deepest level that one of them wants.
+struct Near {
+  std::span<const std::uint32_t> triangles;
+  int level = 0;
+};
+
+/// A triangle's list of neighbours divides into four, of which any may take all of it.
+struct Quarters {
+  std::vector<std::uint32_t> entries;
+  std::array<std::size_t, 4> size{};
+  std::array<int, 4> level{};
+
+  void reset(std::size_t n) {
+    if (entries.size() <= 4 * n) entries.resize(4 * n + 1);
+    capacity_ = n;
+  }
+  Near near(unsigned quadrant) const { return {{entries.data() + quadrant * capacity_, size[quadrant]}, level[quadrant]}; }
+
+ private:
+  std::size_t capacity_ = 0;
+};
+
+/// Leaves of a part of the curve.
+struct Piece {
+  std::vector<std::uint64_t> key;
+  std::vector<std::uint8_t> level;
+  std::vector<std::uint32_t> x, y;
+  std::vector<std::uint32_t> count;  // of triangles
+  std::vector<std::uint32_t> triangles;
+  std::size_t uncounted = 0;  // leaves that the builder's count does not know of yet
+
+  void add(const Node& leaf) {
+    key.push_back(leaf.key);
+    level.push_back(static_cast<std::uint8_t>(leaf.level));
+    x.push_back(leaf.x);
+    y.push_back(leaf.y);
+  }
+};
+
+/// Hands a node's triangles to those of its quadrants that they touch (separating axes: the square's sides, then theirs).
+CURVECAST_WIDE void distribute(const ParameterTriangle* triangles, const std::uint8_t* wanted, const Node& node,
+                               const std::uint32_t* first, std::size_t count, Quarters& quarters) {
+  const double half = side_of_level(node.level + 1), quarter = 0.5 * half;
+  const double mx = node.x * kCellSide + half, my = node.y * kCellSide + half;
+  quarters.reset(count);
+  std::uint32_t* out = quarters.entries.data();
+  LaneMask size{};
+  LaneMask level{};
+  // Lanes are quadrants: bit 0 = right half, bit 1 = upper half.
+  const Lanes zero{}, sign_x{-1, 1, -1, 1}, sign_y{-1, -1, 1, 1};
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t t = first[i];
+    const ParameterTriangle& p = triangles[t];
+    const double below_x = mx - lesser(lesser(p.u[0], p.u[1]), p.u[2]), above_x = greater(greater(p.u[0], p.u[1]), p.u[2]) - mx;
+    const double below_y = my - lesser(lesser(p.v[0], p.v[1]), p.v[2]), above_y = greater(greater(p.v[0], p.v[1]), p.v[2]) - my;
+    const Lanes reach_x{below_x, above_x, below_x, above_x}, reach_y{below_y, below_y, above_y, above_y};
+    Lanes inside = reach_x < reach_y ? reach_x : reach_y;
+    for (int s = 0; s < 3; ++s) {
+      // How far the quadrant's corner that lies farthest inwards is on the inner side of this side.
+      const int e = s == 2 ? 0 : s + 1;
+      const double a = p.v[s] - p.v[e], b = p.u[e] - p.u[s];
+      const double step_x = a * quarter, step_y = b * quarter;
+      const double farthest = a * (mx - p.u[s]) + b * (my - p.v[s]) + (std::abs(step_x) + std::abs(step_y));
+      const Lanes reach = farthest + sign_x * step_x + sign_y * step_y;
+      inside = inside < reach ? inside : reach;
+    }
+    const LaneMask meets = inside >= zero;
+    for (std::size_t quadrant = 0; quadrant < 4; ++quadrant) {
+      out[quadrant * count + static_cast<std::size_t>(size[quadrant])] = t;
+    }
+    size -= meets;
+    const LaneMask wants = meets & static_cast<std::int64_t>(wanted[t]);
+    level = level > wants ? level : wants;
+  }
+  for (unsigned quadrant = 0; quadrant < 4; ++quadrant) {
+    quarters.size[quadrant] = static_cast<std::size_t>(size[quadrant]);
+    quarters.level[quadrant] = static_cast<int>(level[quadrant]);
+  }
 }
 
 class Builder {
  public:
-  Builder(const Chart& chart, std::span<const double> demand, std::size_t max_leaves, const ExecutionContext& context)
-      : demand_(demand), max_leaves_(max_leaves), context_(context) {
-    tests_.reserve(chart.disc.triangles.size());
-    for (const Triangle& t : chart.disc.triangles) tests_.emplace_back(chart.uv[t[0]], chart.uv[t[1]], chart.uv[t[2]]);
-    cap_ = *std::max_element(demand.begin(), demand.end());
+  Builder(std::span<const ParameterTriangle> triangles, std::span<const double> demand, std::size_t max_leaves,
+          const ExecutionContext& context)
+      : triangles_(triangles), max_leaves_(max_leaves), context_(context), wanted_(triangles.size()) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 4096), [&](const auto& range) {
+      for (std::size_t t = range.begin(); t < range.end(); ++t) wanted_[t] = level_for(demand[t]);
+    });
   }
 
   absl::StatusOr<QuadtreeLeaves> build() {
     for (;;) {
       leaf_count_ = 0;
-      QuadtreeLeaves leaves = build_all();
+      std::vector<Part> parts = divide();
+      tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+        Scratch scratch;
+        grow(parts[i].node, parts[i].near(), scratch, parts[i].piece);
+        parts[i].triangles = {};
+      });
       if (absl::Status status = context_.check(); !status.ok()) return status;
-      if (leaf_count_ <= max_leaves_) return leaves;
-      cap_ /= 4;
+      if (leaf_count_ <= max_leaves_) return join(parts);
+      // One level less for those that want the most.
+      const std::uint8_t cap = static_cast<std::uint8_t>(*std::max_element(wanted_.begin(), wanted_.end()) - 1);
+      for (std::uint8_t& wanted : wanted_) wanted = std::min(wanted, cap);
     }
   }
 
  private:
-  // Levels built before the work is shared out; a part is one node of this level.
-  static constexpr int kSharedLevel = 4;
-  static constexpr std::size_t kSmallChart = 20'000;  // leaves: not worth sharing out
-
   struct Part {
     Node node;
     std::vector<std::uint32_t> triangles;
-    QuadtreeLeaves leaves;
-  };
+    int level = 0;    // the deepest wanted
+    double work = 0;  // see work_of
+    Piece piece = {};
 
-  QuadtreeLeaves build_all() {
-    std::vector<std::uint32_t> all(tests_.size());
-    for (std::uint32_t t = 0; t < all.size(); ++t) all[t] = t;
-    const Node root{0, 0, 0, 0, 0};
-    double wanted = 0;
-    for (const double d : demand_) wanted = std::max(wanted, std::min(d, cap_));
-    QuadtreeLeaves leaves;
-    if (wanted < kSmallChart) {
-      Scratch scratch;
-      grow(root, all, scratch, leaves);
-      leaves.triangle_begin.push_back(static_cast<std::uint32_t>(leaves.triangles.size()));
-      return leaves;
+    Near near() const { return {triangles, level}; }
+  };
+  using Scratch = std::array<Quarters, kMaxLevel + 1>;
+
+  // Parts of the square that are built independently: enough that threads share the work evenly. None of these numbers changes a
+  // leaf.
+  static constexpr int kGridLevel = 5;
+  static constexpr int kMostRounds = 8;
+  static constexpr double kParts = 256;
+  static constexpr double kSmallPart = 4096;  // leaves and triangles
+
+  /// What it takes to build a part, in leaves and triangles.
+  double work_of(const Part& part) const {
+    const double side = side_of_level(part.node.level);
+    double leaves = 0;
+    for (const std::uint32_t t : part.triangles) {
+      const double area = std::min(triangles_[t].uv_area(), side * side);
+      leaves += area * static_cast<double>(std::uint64_t{1} << 2 * wanted_[t]);
     }
+    return leaves + static_cast<double>(part.triangles.size());
+  }
+
+  /// The whole square, or the cells of a grid where all of them are divided anyway.
+  std::vector<Part> first_parts() const {
+    const auto [least, most] = std::minmax_element(wanted_.begin(), wanted_.end());
+    const int level = triangles_.size() < kSmallPart ? 0 : std::min<int>(*least, kGridLevel);
+    std::vector<std::vector<std::uint32_t>> cells = bin_triangles(triangles_, level);
     std::vector<Part> parts;
-    collect_parts(root, std::move(all), parts);
+    add_cells({}, level, cells, parts);
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-      Scratch scratch;
-      grow(parts[i].node, parts[i].triangles, scratch, parts[i].leaves);
+      for (const std::uint32_t t : parts[i].triangles) parts[i].level = std::max<int>(parts[i].level, wanted_[t]);
+      parts[i].work = work_of(parts[i]);
     });
-    for (const Part& part : parts) {
-      const auto offset = static_cast<std::uint32_t>(leaves.triangles.size());
-      leaves.key.insert(leaves.key.end(), part.leaves.key.begin(), part.leaves.key.end());
-      leaves.level.insert(leaves.level.end(), part.leaves.level.begin(), part.leaves.level.end());
-      for (const std::uint32_t begin : part.leaves.triangle_begin) leaves.triangle_begin.push_back(offset + begin);
-      leaves.triangles.insert(leaves.triangles.end(), part.leaves.triangles.begin(), part.leaves.triangles.end());
+    return parts;
+  }
+
+  static void add_cells(const Node& node, int level, std::vector<std::vector<std::uint32_t>>& cells, std::vector<Part>& parts) {
+    if (node.level < level) {
+      for (unsigned i = 0; i < 4; ++i) add_cells(child_of(node, i), level, cells, parts);
+      return;
     }
-    leaves.triangle_begin.push_back(static_cast<std::uint32_t>(leaves.triangles.size()));
+    const int shift = kMaxLevel - level;
+    std::vector<std::uint32_t>& cell = cells[(std::size_t{node.y} >> shift << level) + (node.x >> shift)];
+    if (!cell.empty()) parts.push_back({node, std::move(cell)});
+  }
+
+  std::vector<Part> divide() const {
+    std::vector<Part> parts = first_parts();
+    double work = 0;
+    for (const Part& part : parts) work += part.work;
+    const double enough = std::max(work / kParts, kSmallPart);
+    for (int round = 0; round < kMostRounds; ++round) {
+      std::vector<std::vector<Part>> children(parts.size());
+      tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+        Part& part = parts[i];
+        if (part.level <= part.node.level || part.work <= enough) {
+          children[i].push_back(std::move(part));
+          return;
+        }
+        Quarters quarters;
+        distribute(triangles_.data(), wanted_.data(), part.node, part.triangles.data(), part.triangles.size(), quarters);
+        for (unsigned c = 0; c < 4; ++c) {
+          const Near near = quarters.near(hilbert_quadrant(part.node.state, c));
+          if (near.triangles.empty()) continue;
+          Part child{child_of(part.node, c), {near.triangles.begin(), near.triangles.end()}, near.level};
+          child.work = work_of(child);
+          children[i].push_back(std::move(child));
+        }
+      });
+      const std::size_t before = parts.size();
+      parts.clear();
+      for (std::vector<Part>& list : children) std::move(list.begin(), list.end(), std::back_inserter(parts));
+      if (parts.size() == before) break;
+    }
+    return parts;
+  }
+
+  /// False when there are too many, or nobody wants them any more.
+  bool count_leaves(std::size_t n) {
+    if (context_.cancelled()) leaf_count_ = max_leaves_ + 1;
+    n = std::min(n, max_leaves_ + 1);  // so that the sum cannot overflow
+    return leaf_count_.fetch_add(n, std::memory_order_relaxed) + n <= max_leaves_;
+  }
+
+  void emit(const Node& node, const Near& near, Piece& piece) {
+    piece.add(node);
+    piece.count.push_back(static_cast<std::uint32_t>(near.triangles.size()));
+    piece.triangles.insert(piece.triangles.end(), near.triangles.begin(), near.triangles.end());
+    constexpr std::size_t kBatch = 1024;
+    if (++piece.uncounted == kBatch) {
+      count_leaves(kBatch);
+      piece.uncounted = 0;
+    }
+  }
+
+  /// All leaves below a node that lies within one triangle: nothing to test.
+  void emit_grid(const Node& node, std::uint32_t t, int level, Piece& piece) {
+    const std::size_t n = std::size_t{1} << 2 * (level - node.level);
+    if (!count_leaves(n)) return;
+    add_grid(node, level, piece);
+    piece.count.insert(piece.count.end(), n, 1u);
+    piece.triangles.insert(piece.triangles.end(), n, t);
+  }
+
+  static void add_grid(const Node& node, int level, Piece& piece) {
+    if (node.level == level) {
+      piece.add(node);
+      return;
+    }
+    for (unsigned i = 0; i < 4; ++i) add_grid(child_of(node, i), level, piece);
+  }
+
+  void grow(const Node& node, const Near& near, Scratch& scratch, Piece& piece) {
+    if (leaf_count_.load(std::memory_order_relaxed) > max_leaves_) return;
+    if (near.level <= node.level) {
+      emit(node, near, piece);
+      return;
+    }
+    if (near.triangles.size() == 1) {
+      emit_grid(node, near.triangles[0], near.level, piece);
+      return;
+    }
+    Quarters& quarters = scratch[node.level];
+    distribute(triangles_.data(), wanted_.data(), node, near.triangles.data(), near.triangles.size(), quarters);
+    for (unsigned i = 0; i < 4; ++i) {
+      const Near inside = quarters.near(hilbert_quadrant(node.state, i));
+      if (!inside.triangles.empty()) grow(child_of(node, i), inside, scratch, piece);
+    }
+  }
+
+  static absl::StatusOr<QuadtreeLeaves> join(std::vector<Part>& parts) {
+    std::vector<std::size_t> leaf_begin(parts.size() + 1, 0), triangle_begin(parts.size() + 1, 0);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      leaf_begin[i + 1] = leaf_begin[i] + parts[i].piece.key.size();
+      triangle_begin[i + 1] = triangle_begin[i] + parts[i].piece.triangles.size();
+    }
+    if (triangle_begin.back() > std::numeric_limits<std::uint32_t>::max()) {
+      return absl::ResourceExhaustedError(
+          "the curve's leaves would meet triangles more than 2^32 times: ask for fewer points, or simplify the mesh");
+    }
+    QuadtreeLeaves leaves;
+    leaves.key.resize(leaf_begin.back());
+    leaves.level.resize(leaf_begin.back());
+    leaves.x.resize(leaf_begin.back());
+    leaves.y.resize(leaf_begin.back());
+    leaves.triangle_begin.resize(leaf_begin.back() + 1);
+    leaves.triangles.resize(triangle_begin.back());
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+      const Piece piece = std::move(parts[i].piece);
+      std::copy(piece.key.begin(), piece.key.end(), leaves.key.begin() + leaf_begin[i]);
+      std::copy(piece.level.begin(), piece.level.end(), leaves.level.begin() + leaf_begin[i]);
+      std::copy(piece.x.begin(), piece.x.end(), leaves.x.begin() + leaf_begin[i]);
+      std::copy(piece.y.begin(), piece.y.end(), leaves.y.begin() + leaf_begin[i]);
+      std::copy(piece.triangles.begin(), piece.triangles.end(), leaves.triangles.begin() + triangle_begin[i]);
+      auto offset = static_cast<std::uint32_t>(triangle_begin[i]);
+      for (std::size_t l = 0; l < piece.count.size(); ++l) {
+        leaves.triangle_begin[leaf_begin[i] + l] = offset;
+        offset += piece.count[l];
+      }
+    });
+    leaves.triangle_begin[leaf_begin.back()] = static_cast<std::uint32_t>(triangle_begin.back());
     return leaves;
   }
 
-  bool is_leaf(const Node& node, std::span<const std::uint32_t> triangles) const {
-    if (node.level == kMaxLevel) return true;
-    const double limit = std::ldexp(1.0, 2 * node.level);  // vertices per uv area that one vertex in this quad makes
-    if (cap_ <= limit) return true;
-    return std::all_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) { return demand_[t] <= limit; });
-  }
-
-  void touching(const Node& node, std::span<const std::uint32_t> from, std::vector<std::uint32_t>& to) const {
-    const double side = std::ldexp(1.0, -node.level);
-    to.clear();
-    for (const std::uint32_t t : from) {
-      if (tests_[t].touches(node.x, node.y, side)) to.push_back(t);
-    }
-  }
-
-  void collect_parts(const Node& node, std::vector<std::uint32_t> triangles, std::vector<Part>& parts) const {
-    if (node.level == kSharedLevel || is_leaf(node, triangles)) {
-      parts.push_back({node, std::move(triangles), {}});
-      return;
-    }
-    for (unsigned i = 0; i < 4; ++i) {
-      const Node child = child_of(node, i);
-      std::vector<std::uint32_t> inside;
-      touching(child, triangles, inside);
-      if (!inside.empty()) collect_parts(child, std::move(inside), parts);
-    }
-  }
-
-  using Scratch = std::array<std::vector<std::uint32_t>, kMaxLevel + 1>;
-
-  void emit(const Node& node, std::span<const std::uint32_t> triangles, QuadtreeLeaves& leaves) {
-    leaves.key.push_back(node.index << 2 * (kMaxLevel - node.level));
-    leaves.level.push_back(static_cast<std::uint8_t>(node.level));
-    leaves.triangle_begin.push_back(static_cast<std::uint32_t>(leaves.triangles.size()));
-    leaves.triangles.insert(leaves.triangles.end(), triangles.begin(), triangles.end());
-    constexpr std::size_t kBatch = 4096;
-    if (leaves.size() % kBatch == 0) {
-      leaf_count_.fetch_add(kBatch, std::memory_order_relaxed);
-      if (context_.cancelled()) leaf_count_ = max_leaves_ + 1;
-    }
-  }
-
-  void grow(const Node& node, std::span<const std::uint32_t> triangles, Scratch& scratch, QuadtreeLeaves& leaves) {
-    if (leaf_count_.load(std::memory_order_relaxed) > max_leaves_) return;
-    if (is_leaf(node, triangles)) {
-      emit(node, triangles, leaves);
-      return;
-    }
-    for (unsigned i = 0; i < 4; ++i) {
-      const Node child = child_of(node, i);
-      std::vector<std::uint32_t>& inside = scratch[child.level];
-      if (triangles.size() == 1) {
-        // Nothing else is near: the quad lies in the triangle, and so do its children.
-        inside.assign(triangles.begin(), triangles.end());
-      } else {
-        touching(child, triangles, inside);
-      }
-      if (!inside.empty()) grow(child, inside, scratch, leaves);
-    }
-  }
-
-  std::span<const double> demand_;
+  std::span<const ParameterTriangle> triangles_;
   std::size_t max_leaves_;
   const ExecutionContext& context_;
-  std::vector<TriangleTest> tests_;
-  double cap_;  // demands above count as this
+  std::vector<std::uint8_t> wanted_;  // level that each triangle wants of the leaves that it touches
   std::atomic<std::size_t> leaf_count_ = 0;
 };
 
@@ -189,13 +329,13 @@ class Builder {
 
 Quad leaf_quad(std::uint64_t key, std::uint8_t level) {
   const HilbertCell cell = hilbert_cell(key >> 2 * (kMaxLevel - level), level);
-  const double side = std::ldexp(1.0, -level);
+  const double side = side_of_level(level);
   return {Vec2d(cell.x * side, cell.y * side), side};
 }
 
-absl::StatusOr<QuadtreeLeaves> build_quadtree(const Chart& chart, std::span<const double> demand, std::size_t max_leaves,
-                                              const ExecutionContext& context) {
-  return Builder(chart, demand, max_leaves, context).build();
+absl::StatusOr<QuadtreeLeaves> build_quadtree(std::span<const ParameterTriangle> triangles, std::span<const double> demand,
+                                              std::size_t max_leaves, const ExecutionContext& context) {
+  return Builder(triangles, demand, max_leaves, context).build();
 }
 
 }  // namespace curvecast

@@ -4,24 +4,17 @@
 
 #include <absl/status/statusor.h>
 
+#include <bit>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "core/column.h"
 #include "core/curve/hilbert.h"
+#include "core/curve/parameter_triangle.h"
 #include "core/execution_context.h"
-#include "core/flatten/flatten.h"
+#include "core/vec.h"
 
 namespace curvecast {
-
-struct QuadtreeLeaves {
-  std::vector<std::uint64_t> key;             // L, ascending: Hilbert index of the leaf's first cell at kMaxLevel
-  std::vector<std::uint8_t> level;            // L
-  std::vector<std::uint32_t> triangle_begin;  // L + 1 offsets into `triangles`
-  std::vector<std::uint32_t> triangles;       // triangles of the disc that overlap or touch each leaf; at least one
-
-  std::size_t size() const { return key.size(); }
-};
 
 /// A leaf's square in [0, 1]^2.
 struct Quad {
@@ -30,11 +23,32 @@ struct Quad {
 };
 Quad leaf_quad(std::uint64_t key, std::uint8_t level);
 
+/// Side of the squares of a level, 0 <= level <= kMaxLevel: a power of two.
+[[gnu::always_inline]] inline double side_of_level(int level) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(1023 - level) << 52);
+}
+inline constexpr double kCellSide = 1.0 / (1u << kMaxLevel);
+
+struct QuadtreeLeaves {
+  Column<std::uint64_t> key;             // L, ascending: Hilbert index of the leaf's first cell at kMaxLevel
+  Column<std::uint8_t> level;            // L
+  Column<std::uint32_t> x, y;            // L: lower left corner of the leaf's square, in cells of kMaxLevel
+  Column<std::uint32_t> triangle_begin;  // L + 1 offsets into `triangles`
+  Column<std::uint32_t> triangles;       // triangles of the disc that overlap or touch each leaf; at least one
+
+  std::size_t size() const { return key.size(); }
+  /// The leaf's square in [0, 1]^2: what leaf_quad() says, at once.
+  Quad quad(std::size_t l) const { return {Vec2d(x[l] * kCellSide, y[l] * kCellSide), side_of_level(level[l])}; }
+  std::span<const std::uint32_t> triangles_of(std::size_t l) const {
+    return {triangles.data() + triangle_begin[l], triangle_begin[l + 1] - triangle_begin[l]};
+  }
+};
+
 /// Divides the square until each leaf, as one curve vertex, is enough for every triangle that it overlaps: a triangle t wants
 /// demand[t] curve vertices per unit of uv area. Leaves that meet no triangle are left out. At most `max_leaves` (>= 1024):
 /// where more are wanted the highest demands are lowered until they fit. The same leaves for any number of threads.
-/// Cancelled when the context says so.
-absl::StatusOr<QuadtreeLeaves> build_quadtree(const Chart& chart, std::span<const double> demand, std::size_t max_leaves,
-                                              const ExecutionContext& context = {});
+/// Cancelled when the context says so. ResourceExhausted: the lists of triangles would hold more than 2^32 entries.
+absl::StatusOr<QuadtreeLeaves> build_quadtree(std::span<const ParameterTriangle> triangles, std::span<const double> demand,
+                                              std::size_t max_leaves, const ExecutionContext& context = {});
 
 }  // namespace curvecast

@@ -1,88 +1,99 @@
 #include "core/curve/area_element.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <functional>
 
-#include <array>
+#include "core/branchless.h"
+#include "core/lanes.h"
 
 namespace curvecast {
 namespace {
 
-/// A convex polygon small enough for a triangle clipped by four lines.
-struct Polygon {
-  std::array<Vec2d, 8> corner;
-  int size = 0;
-
-  void add(const Vec2d& p) { corner[size++] = p; }
-
-  double area() const {
-    double twice = 0;
-    for (int i = 2; i < size; ++i) {
-      const Vec2d p = corner[i - 1] - corner[0];
-      const Vec2d q = corner[i] - corner[0];
-      twice += p.x() * q.y() - p.y() * q.x();
-    }
-    return 0.5 * twice;
-  }
-};
-
-/// Keeps the part where sign * (coordinate `axis` - bound) >= 0 (Sutherland and Hodgman).
-Polygon clip(const Polygon& polygon, int axis, double bound, double sign) {
-  Polygon inside;
-  for (int i = 0; i < polygon.size; ++i) {
-    const Vec2d& p = polygon.corner[i];
-    const Vec2d& q = polygon.corner[(i + 1) % polygon.size];
-    const double dp = sign * (p[axis] - bound);
-    const double dq = sign * (q[axis] - bound);
-    if (dp >= 0) inside.add(p);
-    if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) {
-      Vec2d cut = p + (q - p) * (dp / (dp - dq));
-      cut[axis] = bound;
-      inside.add(cut);
-    }
-  }
-  return inside;
+/// The share of a square that a triangle covers, by Green's theorem: the integral of x over y around the triangle, in coordinates
+/// in which the square is [0, 1]^2, with y cut off and x clamped there. All sides at once, without jumps: nobody can predict
+/// where a side passes a square.
+[[gnu::always_inline]] inline double covered_share(const ParameterTriangle& triangle, double x, double y, double scale) {
+  // Lanes are the three sides and one of no length. Relative to the square no digits are lost on small leaves.
+  const Lanes xa = (Lanes{triangle.u[0], triangle.u[1], triangle.u[2], triangle.u[0]} - x) * scale;
+  const Lanes ya = (Lanes{triangle.v[0], triangle.v[1], triangle.v[2], triangle.v[0]} - y) * scale;
+  const Lanes xb = __builtin_shuffle(xa, LaneMask{1, 2, 0, 0});
+  const Lanes yb = __builtin_shuffle(ya, LaneMask{1, 2, 0, 0});
+  const Lanes zero{}, one = zero + 1;
+  const Lanes rise = yb - ya;
+  const Lanes slope = (xb - xa) / (rise != zero ? rise : one);
+  Lanes y0 = ya > zero ? ya : zero;
+  Lanes y1 = yb > zero ? yb : zero;
+  y0 = y0 < one ? y0 : one;
+  y1 = y1 < one ? y1 : one;
+  const Lanes x0 = xa + slope * (y0 - ya), x1 = xb + slope * (y1 - yb);
+  const Lanes low = x0 < x1 ? x0 : x1, high = x0 < x1 ? x1 : x0;
+  // The mean of x along the side: what lies between 0 and 1 as a trapezium, and what lies beyond as 1.
+  Lanes left = low > zero ? low : zero;
+  Lanes right = high > zero ? high : zero;
+  left = left < one ? left : one;
+  right = right < one ? right : one;
+  Lanes beyond = high - (low > one ? low : one);
+  beyond = beyond > zero ? beyond : zero;
+  const Lanes width = high - low;
+  const Lanes mean = width > zero ? (0.5 * (right - left) * (left + right) + beyond) / (width > zero ? width : one) : left;
+  const Lanes share = (y1 - y0) * mean;
+  return share[0] + share[1] + share[2];
 }
 
-double shared_area(const Quad& quad, const Vec2d& p, const Vec2d& q, const Vec2d& r) {
-  // Relative to the quad's corner: no digits are lost on small leaves.
-  Polygon polygon;
-  polygon.add(p - quad.corner);
-  polygon.add(q - quad.corner);
-  polygon.add(r - quad.corner);
-  for (const int axis : {0, 1}) {
-    polygon = clip(clip(polygon, axis, 0, 1), axis, quad.side, -1);
-    if (polygon.size < 3) return 0;
+/// Writes the elements of leaves [begin, end), and returns their sum before rounding. `full`: the triangles cover the whole
+/// square.
+CURVECAST_WIDE double write_elements(const ParameterTriangle* triangles, const QuadtreeLeaves& leaves, bool full,
+                                     std::size_t begin, std::size_t end, float* area) {
+  double total = 0;
+  for (std::size_t l = begin; l < end; ++l) {
+    const double x = leaves.x[l] * kCellSide, y = leaves.y[l] * kCellSide;
+    const double side = side_of_level(leaves.level[l]), scale = 1 / side;
+    const std::uint32_t last = leaves.triangle_begin[l + 1] - 1;
+    // Where all of the square is covered, the last of a leaf's triangles has what the others leave.
+    const std::uint32_t measured = full ? last : last + 1;
+    double left = 1;
+    double sum = 0;
+    for (std::uint32_t i = leaves.triangle_begin[l]; i < measured; ++i) {
+      const ParameterTriangle& triangle = triangles[leaves.triangles[i]];
+      const double share = clamped(covered_share(triangle, x, y, scale), 0, left);
+      sum += share * triangle.area_ratio;
+      left -= share;
+    }
+    if (full) sum += left * triangles[leaves.triangles[last]].area_ratio;
+    sum *= side * side;
+    area[l] = static_cast<float>(sum);
+    total += sum;
   }
-  return polygon.area();
+  return total;
 }
 
 }  // namespace
 
-double area_elements(const Chart& chart, const QuadtreeLeaves& leaves, std::span<float> area) {
+double area_elements(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<float> area) {
+  const bool full = fill_square(triangles);
   const auto write = [&](const tbb::blocked_range<std::size_t>& range, double total) {
-    for (std::size_t l = range.begin(); l < range.end(); ++l) {
-      const Quad quad = leaf_quad(leaves.key[l], leaves.level[l]);
-      const std::uint32_t begin = leaves.triangle_begin[l];
-      const std::uint32_t end = leaves.triangle_begin[l + 1];
-      double sum = 0;
-      if (end - begin == 1) {
-        sum = quad.side * quad.side * chart.area_ratio[leaves.triangles[begin]];
-      } else {
-        for (std::uint32_t i = begin; i < end; ++i) {
-          const Triangle& t = chart.disc.triangles[leaves.triangles[i]];
-          sum += shared_area(quad, chart.uv[t[0]], chart.uv[t[1]], chart.uv[t[2]]) * chart.area_ratio[leaves.triangles[i]];
-        }
-      }
-      area[l] = static_cast<float>(sum);
-      total += sum;
-    }
-    return total;
+    return total + write_elements(triangles.data(), leaves, full, range.begin(), range.end(), area.data());
   };
   // The same order of additions on any number of threads.
   return tbb::parallel_deterministic_reduce(tbb::blocked_range<std::size_t>(0, leaves.size(), 4096), 0.0, write, std::plus<>());
+}
+
+void normalise_areas(double total, std::span<float> area) {
+  const tbb::blocked_range<std::size_t> all(0, area.size(), 65'536);
+  const double sum = tbb::parallel_deterministic_reduce(
+      all, 0.0,
+      [&](const tbb::blocked_range<std::size_t>& range, double partial) {
+        for (std::size_t l = range.begin(); l < range.end(); ++l) partial += static_cast<double>(area[l]);
+        return partial;
+      },
+      std::plus<>());
+  const double factor = total / sum;
+  tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
+    for (std::size_t l = range.begin(); l < range.end(); ++l) area[l] = static_cast<float>(area[l] * factor);
+  });
 }
 
 }  // namespace curvecast

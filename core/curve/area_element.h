@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/curve/adaptive_quadtree.h"
-#include "core/flatten/flatten.h"
+#include "core/curve/parameter_triangle.h"
 
 namespace curvecast {
 
@@ -18,6 +18,9 @@ enum class AreaElement : std::uint8_t {
 /// Writes the surface area under each leaf to `area` (L entries, squared units): the sum over its triangles of the area that they
 /// share in the parameter square, times the triangle's area ratio. Over all leaves they add up to the chart's surface area:
 /// returns their sum before they are rounded to floats.
-double area_elements(const Chart& chart, const QuadtreeLeaves& leaves, std::span<float> area);
+double area_elements(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<float> area);
+
+/// Scales area elements so that they add up to the surface's area in spite of their rounding.
+void normalise_areas(double total, std::span<float> area);
 
 }  // namespace curvecast

@@ -22,6 +22,7 @@ void visit_columns(Curve& curve, Visit&& visit) {
   visit("normal z", curve.nz, ColumnLength::kAll);
   visit("least curvature", curve.curvature_min, ColumnLength::kAll);
   visit("greatest curvature", curve.curvature_max, ColumnLength::kAll);
+  visit("direction", curve.direction, ColumnLength::kAll);
   visit("area", curve.area, ColumnLength::kAll);
   visit("colour", curve.colour, ColumnLength::kAllOrNone);
   visit("triangle", curve.triangle, ColumnLength::kAll);
@@ -29,6 +30,8 @@ void visit_columns(Curve& curve, Visit&& visit) {
   visit("weight 2", curve.weight_2, ColumnLength::kAll);
   visit("key", curve.key, ColumnLength::kAll);
   visit("level", curve.level, ColumnLength::kAll);
+  visit("nodes", curve.hierarchy.nodes, ColumnLength::kFree);
+  visit("node scalars", curve.hierarchy.scalars, ColumnLength::kFree);
 }
 
 }  // namespace curvecast

@@ -1,53 +1,26 @@
 #include "core/curve/surface_map.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <vector>
+
+#include "core/curve/tangent_frame.h"
 
 namespace curvecast {
 namespace {
 
-double cross2(const Vec2d& p, const Vec2d& q) { return p.x() * q.y() - p.y() * q.x(); }
-
-/// Barycentric coordinates of p, each at least 0 where p lies inside.
-Vec3d barycentric(const Vec2d& a, const Vec2d& b, const Vec2d& c, const Vec2d& p) {
-  const double area = cross2(b - a, c - a);
-  const double u = cross2(b - p, c - p) / area;
-  const double v = cross2(c - p, a - p) / area;
-  return {u, v, 1 - u - v};
-}
+constexpr std::size_t kGrain = 4096;  // leaves
 
 Vec3d clamped(const Vec3d& weights) {
+  if (weights.minCoeff() >= 0) return weights;
   const Vec3d positive = weights.cwiseMax(0.0);
   return positive / positive.sum();
 }
 
-/// The triangle that holds p and where in it: of the candidates the one in which p lies deepest, so that rounding on a shared
-/// side does no harm.
-struct Hit {
-  std::uint32_t triangle = 0;
-  Vec3d weights = Vec3d::Zero();
-};
-
-Hit locate(const Chart& chart, std::span<const std::uint32_t> candidates, const Vec2d& p) {
-  Hit best;
-  double deepest = -std::numeric_limits<double>::infinity();
-  for (const std::uint32_t t : candidates) {
-    const Triangle& v = chart.disc.triangles[t];
-    const Vec3d weights = barycentric(chart.uv[v[0]], chart.uv[v[1]], chart.uv[v[2]], p);
-    const double depth = weights.minCoeff();
-    if (depth > deepest) {
-      deepest = depth;
-      best = {t, weights};
-      if (depth > 0) break;
-    }
-  }
-  best.weights = clamped(best.weights);
-  return best;
-}
-
-/// Weights of a point on face f; the disc's triangle may be a part of the face only.
+/// Weights of a point on face f.
 Vec3d weights_on_face(const TriangleMesh& mesh, std::uint32_t f, const Vec3d& p) {
   const Triangle& t = mesh.triangles[f];
   const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
@@ -58,28 +31,70 @@ Vec3d weights_on_face(const TriangleMesh& mesh, std::uint32_t f, const Vec3d& p)
   return clamped({u, v, 1 - u - v});
 }
 
+/// For each triangle of a disc whether it is its whole face, corner by corner, and not a part of it.
+std::vector<std::uint8_t> whole_faces(const TriangleMesh& mesh, const DiscMesh& disc) {
+  std::vector<std::uint8_t> is_whole(disc.triangles.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, is_whole.size(), kGrain), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      const Triangle& v = disc.triangles[t];
+      const Triangle& corners = mesh.triangles[disc.face_of[t]];
+      is_whole[t] = disc.positions[v[0]] == mesh.positions[corners[0]] && disc.positions[v[1]] == mesh.positions[corners[1]] &&
+                    disc.positions[v[2]] == mesh.positions[corners[2]];
+    }
+  });
+  return is_whole;
+}
+
+template <typename Values>
+auto mix(const Values& values, const Triangle& corners, const Vec3f& w) {
+  return w[0] * values[corners[0]] + w[1] * values[corners[1]] + w[2] * values[corners[2]];
+}
+
+Vec3f normal_at(const std::vector<Vec3f>& normals, const Triangle& corners, const Vec3f& w) {
+  const Vec3f sum = mix(normals, corners, w);
+  const float square = sum.squaredNorm();
+  return square > 0 ? Vec3f(sum * (1 / std::sqrt(square))) : normals[corners[0]];
+}
+
 }  // namespace
 
-void map_to_surface(const TriangleMesh& mesh, const DifferentialGeometry& geometry, const Chart& chart,
-                    const QuadtreeLeaves& leaves, std::size_t offset, SurfaceCurve& curve, const SurfaceColour* colour) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 4096), [&](const auto& range) {
+void locate_centres(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<std::uint32_t> under) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
     for (std::size_t l = range.begin(); l < range.end(); ++l) {
-      const Quad quad = leaf_quad(leaves.key[l], leaves.level[l]);
-      const std::span candidates(leaves.triangles.data() + leaves.triangle_begin[l],
-                                 leaves.triangle_begin[l + 1] - leaves.triangle_begin[l]);
-      const Hit hit = locate(chart, candidates, quad.corner + Vec2d::Constant(0.5 * quad.side));
-      const Triangle& v = chart.disc.triangles[hit.triangle];
-      const Vec3d place = hit.weights[0] * chart.disc.positions[v[0]] + hit.weights[1] * chart.disc.positions[v[1]] +
-                          hit.weights[2] * chart.disc.positions[v[2]];
-      const std::uint32_t face = chart.disc.face_of[hit.triangle];
-      const Vec3f w = weights_on_face(mesh, face, place).cast<float>();
-      const Triangle& m = mesh.triangles[face];
-      const Vec3f sum = w[0] * geometry.normals[m[0]] + w[1] * geometry.normals[m[1]] + w[2] * geometry.normals[m[2]];
-      const float length = sum.norm();
-      const Vec3f normal = length > 0 ? Vec3f(sum / length) : geometry.normals[m[0]];
-      const auto mix = [&](const std::vector<float>& values) {
-        return w[0] * values[m[0]] + w[1] * values[m[1]] + w[2] * values[m[2]];
-      };
+      const std::span candidates = leaves.triangles_of(l);
+      under[l] = candidates[0];
+      if (candidates.size() == 1) continue;
+      const double half = 0.5 * side_of_level(leaves.level[l]);
+      const double u = leaves.x[l] * kCellSide + half, v = leaves.y[l] * kCellSide + half;
+      double deepest = -std::numeric_limits<double>::infinity();
+      for (const std::uint32_t t : candidates) {
+        const double depth = triangles[t].weights(u, v).minCoeff();
+        if (depth <= deepest) continue;
+        deepest = depth;
+        under[l] = t;
+        if (depth > 0) break;
+      }
+    }
+  });
+}
+
+void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles,
+                    const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve) {
+  const TriangleMesh& mesh = data.mesh;
+  const DiscMesh& disc = chart.disc;
+  const std::vector<std::uint8_t> is_whole = whole_faces(mesh, disc);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
+    for (std::size_t l = range.begin(); l < range.end(); ++l) {
+      const double side = side_of_level(leaves.level[l]);
+      const ParameterTriangle& triangle = triangles[under[l]];
+      const Vec3d weights = clamped(triangle.weights(leaves.x[l] * kCellSide + 0.5 * side, leaves.y[l] * kCellSide + 0.5 * side));
+      const Triangle& v = disc.triangles[under[l]];
+      const Vec3d place =
+          weights[0] * disc.positions[v[0]] + weights[1] * disc.positions[v[1]] + weights[2] * disc.positions[v[2]];
+      const std::uint32_t face = disc.face_of[under[l]];
+      const Triangle& corners = mesh.triangles[face];
+      const Vec3f w = (is_whole[under[l]] ? weights : weights_on_face(mesh, face, place)).cast<float>();
+      const Vec3f normal = normal_at(data.geometry.normals, corners, w);
       const Vec3f position = (place - curve.origin).cast<float>();
       const std::size_t i = offset + l;
       curve.x[i] = position.x();
@@ -88,14 +103,20 @@ void map_to_surface(const TriangleMesh& mesh, const DifferentialGeometry& geomet
       curve.nx[i] = normal.x();
       curve.ny[i] = normal.y();
       curve.nz[i] = normal.z();
-      curve.curvature_min[i] = mix(geometry.curvature_min);
-      curve.curvature_max[i] = mix(geometry.curvature_max);
-      if (colour != nullptr) curve.colour[i] = colour->at(face, w, quad.side * quad.side * chart.area_ratio[hit.triangle]);
+      curve.curvature_min[i] = mix(data.geometry.curvature_min, corners, w);
+      curve.curvature_max[i] = mix(data.geometry.curvature_max, corners, w);
+      const std::vector<Vec3f>& directions = data.geometry.directions_max;
+      const Vec3f axes[3] = {directions[corners[0]], directions[corners[1]], directions[corners[2]]};
+      curve.direction[i] = mix_directions(axes, w, curve.normal(i));  // in the frame of the packed normal
       curve.triangle[i] = face;
       curve.weight_1[i] = w[1];
       curve.weight_2[i] = w[2];
       curve.key[i] = leaves.key[l];
       curve.level[i] = leaves.level[l];
+      if (data.colour != nullptr) curve.colour[i] = data.colour->at(face, w, side * side * triangle.area_ratio);
+      for (std::size_t s = 0; s < curve.scalars.size(); ++s) {
+        curve.scalars[s].values[i] = mix(data.attributes.scalars[s].values, corners, w);
+      }
     }
   });
 }

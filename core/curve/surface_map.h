@@ -1,28 +1,44 @@
-// Maps the curve's vertices from the parameter square onto the surface (paper, section 3.3), exactly, on the CPU.
+// Maps the curve's vertices from the parameter square onto the surface (paper, section 3.3).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/curve/adaptive_quadtree.h"
+#include "core/curve/parameter_triangle.h"
 #include "core/curve/surface_colour.h"
 #include "core/curve/surface_curve.h"
 #include "core/flatten/flatten.h"
 #include "core/mesh/curvature.h"
+#include "core/mesh/mesh_attributes.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
 
 /// What finds the triangle under a leaf's centre.
 enum class Mapper : std::uint8_t {
-  kExact,     // the quadtree's own lists of triangles
+  kExact,     // the quadtree's own lists of triangles: locate_centres()
   kIdBuffer,  // pictures of the parameter mesh with a colour for each triangle, checked near edges
 };
 
-/// Writes entries [offset, offset + L) of `curve`: position, normal, curvatures and face of every leaf's centre, and its key and
-/// level; where `colour` is not null also the surface's colour, averaged over about the leaf's area. The curve's arrays are large
-/// enough and its origin is set. The triangle under a centre is found among the leaf's own.
-void map_to_surface(const TriangleMesh& mesh, const DifferentialGeometry& geometry, const Chart& chart,
-                    const QuadtreeLeaves& leaves, std::size_t offset, SurfaceCurve& curve, const SurfaceColour* colour = nullptr);
+/// The exact mapper: writes to `under` (L entries) the triangle of the disc that holds each leaf's centre. Of the leaf's own
+/// triangles it is the one in which the centre lies deepest, so that rounding on a shared side does no harm.
+void locate_centres(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<std::uint32_t> under);
+
+/// What is known of the surface; all of it must outlive its use.
+struct SurfaceData {
+  const TriangleMesh& mesh;
+  const DifferentialGeometry& geometry;
+  const MeshAttributes& attributes;  // of the mesh
+  const SurfaceColour* colour = nullptr;
+};
+
+/// Writes entries [offset, offset + L) of `curve`: position, normal, curvatures and their direction, face and barycentric weights
+/// of every leaf's centre, its key and level; where `data.colour` is not null the surface's colour, averaged over about the
+/// leaf's area; and the mesh's scalars, as many as curve.scalars has. `under`: the triangle of the chart's disc under each
+/// centre. The curve's columns are large enough and its origin is set.
+void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles,
+                    const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve);
 
 }  // namespace curvecast

@@ -346,6 +346,7 @@ absl::StatusOr<FlattenedMesh> load_surface(const std::string& path) {
     chart.area_ratio = area_ratios(chart.disc, chart.uv);
   }
   if (status = check_surface(surface); !status.ok()) return senseless(status);
+  surface.geometry = differential_geometry(surface.loaded.mesh);
   return surface;
 }
 

@@ -28,7 +28,7 @@ std::vector<Chart> sample_charts() {
 }
 
 QuadtreeLeaves build(const Chart& chart, const std::vector<double>& demand, std::size_t limit = kNoLimit) {
-  absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(chart, demand, limit);
+  absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(parameter_triangles(chart), demand, limit);
   EXPECT_TRUE(leaves.ok());
   return *std::move(leaves);
 }
@@ -122,8 +122,9 @@ TEST(AdaptiveQuadtree, StaysWithinItsLimit) {
 TEST(AdaptiveQuadtree, StopsWhenCancelled) {
   const std::atomic<bool> cancel = true;
   const Chart chart = std::move(charts_of(make_mesh(testing::sphere(20, 30)))[0]);
-  EXPECT_EQ(build_quadtree(chart, even_demand(chart, 100'000), kNoLimit, {.cancel = &cancel}).status().code(),
-            absl::StatusCode::kCancelled);
+  EXPECT_EQ(
+      build_quadtree(parameter_triangles(chart), even_demand(chart, 100'000), kNoLimit, {.cancel = &cancel}).status().code(),
+      absl::StatusCode::kCancelled);
 }
 
 }  // namespace

@@ -21,10 +21,11 @@ TEST(AreaElement, AddsUpToTheSurface) {
     double sum = 0;
     for (const Chart& chart : charts_of(mesh)) {
       for (const double vertices : {300.0, 30'000.0}) {  // leaves larger and smaller than triangles
-        absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(chart, even_demand(chart, vertices), 1'000'000);
+        absl::StatusOr<QuadtreeLeaves> leaves =
+            build_quadtree(parameter_triangles(chart), even_demand(chart, vertices), 1'000'000);
         ASSERT_TRUE(leaves.ok());
         std::vector<float> area(leaves->size());
-        area_elements(chart, *leaves, area);
+        area_elements(parameter_triangles(chart), *leaves, area);
         sum = 0;
         for (const float a : area) {
           EXPECT_GE(a, 0);
@@ -40,10 +41,10 @@ TEST(AreaElement, MatchesPointCounts) {
   // The share of a fine grid's points in each triangle, leaf by leaf, is the area up to the grid's fineness.
   const TriangleMesh mesh = make_mesh(testing::jittered(testing::sphere(8, 10), 0.05));
   const Chart chart = std::move(charts_of(mesh)[0]);
-  absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(chart, even_demand(chart, 60), 1'000'000);
+  absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(parameter_triangles(chart), even_demand(chart, 60), 1'000'000);
   ASSERT_TRUE(leaves.ok());
   std::vector<float> area(leaves->size());
-  area_elements(chart, *leaves, area);
+  area_elements(parameter_triangles(chart), *leaves, area);
   constexpr int kGrid = 60;
   for (std::size_t l = 0; l < leaves->size(); ++l) {
     const Quad quad = leaf_quad(leaves->key[l], leaves->level[l]);

@@ -42,7 +42,7 @@ TEST(ReferenceCurvatures, CountByArea) {
 
 TEST(ReferenceCurvatures, NoiseOnAFlatSurfaceCountsAsNone) {
   SurfaceCurve curve = ramp();
-  for (float& k : curve.curvature_min) k *= 1e-7f;
+  for (Bfloat16& k : curve.curvature_min) k = 1e-7f * k;
   curve.curvature_max = curve.curvature_min;
   for (const float k : reference_curvatures(curve)) EXPECT_EQ(k, 0);
 }

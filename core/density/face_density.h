@@ -1,0 +1,24 @@
+// A density on a mesh's faces, before there is a curve: what the curve itself is made for (paper, section 3.2).
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <span>
+#include <vector>
+
+#include "core/density/density.h"
+#include "core/mesh/curvature.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace curvecast {
+
+/// The product of the terms at every face's centroid (F entries, relative values). Errors as of evaluate_density().
+absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+                                                    std::span<const DensityTerm> terms);
+
+/// Curve vertices that each face wants per squared unit (F entries): `vertices` in all, spread as the terms ask (none = evenly).
+/// FailedPrecondition: the density is zero everywhere.
+absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+                                                std::span<const DensityTerm> terms, double vertices);
+
+}  // namespace curvecast
