@@ -30,8 +30,8 @@ void visit_columns(Curve& curve, Visit&& visit) {
   visit("weight 2", curve.weight_2, ColumnLength::kAll);
   visit("key", curve.key, ColumnLength::kAll);
   visit("level", curve.level, ColumnLength::kAll);
-  visit("hierarchy", curve.hierarchy.nodes, ColumnLength::kFree);
-  visit("hierarchy of scalars", curve.hierarchy.scalars, ColumnLength::kFree);
+  visit("nodes", curve.hierarchy.nodes, ColumnLength::kFree);
+  visit("node scalars", curve.hierarchy.scalars, ColumnLength::kFree);
 }
 
 }  // namespace curvecast

@@ -12,8 +12,8 @@ namespace curvecast {
 /// Grows when what the files hold changes.
 inline constexpr std::uint32_t kSurfaceFileVersion = 1;
 
-/// Mesh, attributes with their textures, charts, reports. What follows from the rest (area ratios) is left out. Errors as of
-/// write_section_file.
+/// Mesh, attributes with their textures, charts, reports. What follows from the rest (area ratios, curvatures) is left out.
+/// Errors as of write_section_file.
 absl::Status save_surface(const std::string& path, const FlattenedMesh& surface);
 
 /// Errors as of SectionFile::open, and DataLoss where the content makes no sense: every index, length and number that later

@@ -56,6 +56,7 @@ TEST(SurfaceFile, BringsEverythingBack) {
   EXPECT_EQ(loaded->loaded.mesh.positions, surface.loaded.mesh.positions);
   EXPECT_EQ(loaded->loaded.mesh.triangles, surface.loaded.mesh.triangles);
   EXPECT_EQ(loaded->loaded.mesh.twins, surface.loaded.mesh.twins);
+  EXPECT_EQ(loaded->geometry.directions_max, surface.geometry.directions_max);
   const MeshAttributes &a = loaded->loaded.attributes, &b = surface.loaded.attributes;
   EXPECT_EQ(a.colours, b.colours);
   EXPECT_EQ(a.normals, b.normals);
