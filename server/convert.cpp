@@ -5,48 +5,19 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 
+#include "server/checker.h"
+#include "server/convert_density.h"
 #include "server/little_endian.h"
 
 namespace curvecast::server {
 namespace {
 
-constexpr int kMaxTerms = 16;
 constexpr double kMaxOmega = 1000;
 // More than 5 GB of curve: what the two options may ask for together.
 constexpr double kMaxCurveVertices = 1e8;
-
-// The first error of many checks, so that a converter reads like the message that it converts.
-class Checker {
- public:
-  const absl::Status& status() const { return status_; }
-  bool ok() const { return status_.ok(); }
-
-  void fail(const std::string& field, const std::string& problem) {
-    if (status_.ok()) status_ = absl::InvalidArgumentError(absl::StrCat(field, " ", problem));
-  }
-  /// Finite, or an error.
-  double finite(const std::string& field, double value) {
-    if (!std::isfinite(value)) fail(field, "is not finite");
-    return value;
-  }
-  template <class Number>
-  Number in_range(const std::string& field, Number value, Number low, Number high) {
-    if (!(value >= low && value <= high)) {  // written so that a NaN fails
-      fail(field, absl::StrCat("is ", value, "; it must be from ", low, " to ", high));
-    }
-    return value;
-  }
-  Vec3d vector(const std::string& field, const v1::Vec3& v) {
-    return {finite(field + ".x", v.x()), finite(field + ".y", v.y()), finite(field + ".z", v.z())};
-  }
-
- private:
-  absl::Status status_;
-};
 
 // Of the same direction; lengths from the smallest to the largest doubles neither vanish nor overflow.
 Vec3d direction(const Vec3d& v) { return (v / v.cwiseAbs().maxCoeff()).normalized(); }
@@ -70,46 +41,6 @@ Vec3d check_camera(Checker& check, const std::string& field, const v1::Camera& c
     check.fail(field + ".up", "is along the view; choose another direction");
   }
   return eye;
-}
-
-CurvatureTerm to_core(Checker& check, const std::string& field, const v1::CurvatureDensity& in) {
-  CurvatureTerm term;
-  switch (in.kind()) {
-    case v1::CURVATURE_KIND_UNSPECIFIED:
-    case v1::CURVATURE_KIND_GAUSS:
-      term.kind = CurvatureKind::kGauss;
-      break;
-    case v1::CURVATURE_KIND_MEAN:
-      term.kind = CurvatureKind::kMean;
-      break;
-    case v1::CURVATURE_KIND_MAX:
-      term.kind = CurvatureKind::kMax;
-      break;
-    default:
-      check.fail(field + ".kind", absl::StrCat("has the unknown value ", static_cast<int>(in.kind())));
-  }
-  if (in.has_exponent()) {
-    term.exponent = check.finite(field + ".exponent", in.exponent());
-    if (term.exponent < 0) check.fail(field + ".exponent", absl::StrCat("is ", term.exponent, "; it must not be negative"));
-  }
-  if (in.has_floor()) term.floor = check.in_range(field + ".floor", in.floor(), 0.0, 1.0);
-  return term;
-}
-
-ViewTerm to_core(Checker& check, const std::string& field, const v1::ViewDensity& in, const std::optional<Vec3d>& eye) {
-  ViewTerm term;
-  if (!eye) {
-    check.fail(field, "needs sample.camera");
-  } else {
-    term.eye = *eye;
-  }
-  if (in.has_s0()) {
-    term.s0 = check.finite(field + ".s0", in.s0());
-    if (term.s0 <= 0 || term.s0 > kMaxS0) {
-      check.fail(field + ".s0", absl::StrCat("is ", term.s0, "; it must be above 0 and at most ", kMaxS0));
-    }
-  }
-  return term;
 }
 
 std::optional<DracoOptions> to_core(Checker& check, const v1::Encoding& in) {
@@ -137,10 +68,30 @@ Sequence to_core(Checker& check, v1::Sequence in) {
   }
 }
 
-void set(v1::Vec3* out, const Vec3d& in) {
-  out->set_x(in.x());
-  out->set_y(in.y());
-  out->set_z(in.z());
+Mapper to_core(Checker& check, v1::Mapper in) {
+  switch (in) {
+    case v1::MAPPER_UNSPECIFIED:
+    case v1::MAPPER_EXACT:
+      return Mapper::kExact;
+    case v1::MAPPER_ID_BUFFER:
+      return Mapper::kIdBuffer;
+    default:
+      check.fail("options.mapper", absl::StrCat("has the unknown value ", static_cast<int>(in)));
+      return Mapper::kExact;
+  }
+}
+
+AreaElement to_core(Checker& check, v1::AreaElement in) {
+  switch (in) {
+    case v1::AREA_ELEMENT_UNSPECIFIED:
+    case v1::AREA_ELEMENT_EXACT:
+      return AreaElement::kExact;
+    case v1::AREA_ELEMENT_VORONOI:
+      return AreaElement::kVoronoi;
+    default:
+      check.fail("options.area_element", absl::StrCat("has the unknown value ", static_cast<int>(in)));
+      return AreaElement::kExact;
+  }
 }
 
 v1::SessionOptions to_proto(const PreprocessOptions& options) {
@@ -148,6 +99,9 @@ v1::SessionOptions to_proto(const PreprocessOptions& options) {
   out.set_max_points(options.points);
   out.set_omega(options.omega);
   out.set_parameteriser(options.parameteriser == Parameteriser::kCgal ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
+  out.set_mapper(options.mapper == Mapper::kIdBuffer ? v1::MAPPER_ID_BUFFER : v1::MAPPER_EXACT);
+  out.set_area_element(options.area_element == AreaElement::kVoronoi ? v1::AREA_ELEMENT_VORONOI : v1::AREA_ELEMENT_EXACT);
+  for (const DensityTerm& term : options.density) *out.add_density() = server::to_proto(term);
   return out;
 }
 
@@ -211,33 +165,13 @@ absl::StatusOr<Sample> to_sample(const v1::SampleRequest& request) {
   Sample sample;
   sample.options.points = request.points();
   if (request.points() == 0) check.fail("sample.points", "is 0; ask for at least one");
-  std::optional<Vec3d> eye;
+  absl::StatusOr<Vec3d> eye = absl::InvalidArgumentError("needs sample.camera");
   if (request.has_camera()) eye = check_camera(check, "sample.camera", request.camera());
   if (request.has_viewport()) {
     if (request.viewport().width() == 0) check.fail("sample.viewport.width", "is 0");
     if (request.viewport().height() == 0) check.fail("sample.viewport.height", "is 0");
   }
-  if (request.density_size() > kMaxTerms) {
-    check.fail("sample.density", absl::StrCat("has ", request.density_size(), " terms; at most ", kMaxTerms, " are taken"));
-  }
-  for (int i = 0; check.ok() && i < request.density_size(); ++i) {
-    const std::string field = absl::StrCat("sample.density[", i, "]");
-    const v1::DensityTerm& term = request.density(i);
-    switch (term.term_case()) {
-      case v1::DensityTerm::kUniform:
-        sample.options.density.emplace_back(UniformTerm{});
-        break;
-      case v1::DensityTerm::kCurvature:
-        sample.options.density.emplace_back(to_core(check, field + ".curvature", term.curvature()));
-        break;
-      case v1::DensityTerm::kView:
-        sample.options.density.emplace_back(to_core(check, field + ".view", term.view(), eye));
-        break;
-      case v1::DensityTerm::TERM_NOT_SET:
-        check.fail(field, "holds no term that this server knows");
-        break;
-    }
-  }
+  sample.options.density = to_density(check, "sample.density", request.density(), eye);
   sample.options.sequence = to_core(check, request.sequence());
   sample.options.seed = request.seed();
   sample.draco = to_core(check, request.encoding());
@@ -255,6 +189,11 @@ absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions
   const auto parameteriser = to_parameteriser("options.parameteriser", options.parameteriser());
   if (!parameteriser.ok()) return parameteriser.status();
   out.parameteriser = *parameteriser;
+  out.mapper = to_core(check, options.mapper());
+  out.area_element = to_core(check, options.area_element());
+  out.density =
+      to_density(check, "options.density", options.density(),
+                 absl::InvalidArgumentError("depends on the view; a base density takes uniform and curvature terms only"));
   if (const double vertices = static_cast<double>(out.points) * out.omega; vertices > kMaxCurveVertices) {
     check.fail("options.max_points",
                absl::StrFormat("times omega makes %.0f curve vertices; at most %.0f are made", vertices, kMaxCurveVertices));
@@ -273,6 +212,14 @@ absl::StatusOr<Parameteriser> to_parameteriser(const std::string& field, v1::Par
     default:
       return absl::InvalidArgumentError(absl::StrCat(field, " has the unknown value ", static_cast<int>(parameteriser)));
   }
+}
+
+v1::Vec3 to_proto(const Vec3d& v) {
+  v1::Vec3 out;
+  out.set_x(v.x());
+  out.set_y(v.y());
+  out.set_z(v.z());
+  return out;
 }
 
 v1::Distortion to_proto(const Distortion& distortion) {
@@ -299,8 +246,8 @@ v1::MeshInfo to_proto(const MeshInfo& info, const std::string& name) {
   out.set_genus(info.genus);
   out.set_boundary_loops(info.boundary_loops);
   out.set_area(info.area);
-  set(out.mutable_box_min(), info.box.min);
-  set(out.mutable_box_max(), info.box.max);
+  *out.mutable_box_min() = to_proto(info.box.min);
+  *out.mutable_box_max() = to_proto(info.box.max);
   v1::Repairs& repairs = *out.mutable_repairs();
   repairs.set_triangulated_polygons(info.repairs.triangulated_polygons);
   repairs.set_degenerate_faces(info.repairs.degenerate_faces);
@@ -346,7 +293,7 @@ absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begi
                                         const std::optional<DracoOptions>& draco) {
   v1::PointBlock block;
   block.set_count(static_cast<std::uint32_t>(count));
-  set(block.mutable_origin(), points.origin);
+  *block.mutable_origin() = to_proto(points.origin);
   if (!draco) {
     v1::RawPoints& raw = *block.mutable_raw();
     raw.set_positions(little_endian(points.positions, begin, count));

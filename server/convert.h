@@ -24,6 +24,7 @@ absl::StatusOr<Sample> to_sample(const v1::SampleRequest& request);
 absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions& options);
 absl::StatusOr<Parameteriser> to_parameteriser(const std::string& field, v1::Parameteriser parameteriser);
 
+v1::Vec3 to_proto(const Vec3d& v);
 v1::MeshInfo to_proto(const MeshInfo& info, const std::string& name);
 v1::Distortion to_proto(const Distortion& distortion);
 v1::Session to_proto(const SessionInfo& info);

@@ -98,6 +98,11 @@ grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* con
   return answer(engine_, "CloseSession", context, [&] { return engine_.close_session(request->session_id()); });
 }
 
+grpc::ServerWriteReactor<v1::GetCurveResponse>* Service::GetCurve(grpc::CallbackServerContext* context,
+                                                                  const v1::GetCurveRequest* request) {
+  return get_curve(engine_, *context, *request);
+}
+
 grpc::ServerWriteReactor<v1::ResampleResponse>* Service::Resample(grpc::CallbackServerContext* context,
                                                                   const v1::ResampleRequest* request) {
   return resample(engine_, *context, *request);

@@ -207,6 +207,14 @@ absl::Status Client::close_session(const std::string& session_id, std::stop_toke
   return connection_->close_session(request, stop);
 }
 
+absl::StatusOr<Curve> Client::get_curve(const std::string& session_id, std::stop_token stop) {
+  v1::GetCurveRequest request;
+  request.set_session_id(session_id);
+  absl::StatusOr<std::vector<v1::GetCurveResponse>> responses = connection_->get_curve(request, std::move(stop));
+  if (!responses.ok()) return responses.status();
+  return decode_curve(*responses);
+}
+
 absl::StatusOr<EncodedSample> Client::resample_encoded(const v1::ResampleRequest& request, std::stop_token stop) {
   absl::StatusOr<std::vector<v1::ResampleResponse>> responses = connection_->resample(request, stop);
   if (!responses.ok()) return responses.status();

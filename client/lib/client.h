@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "client/lib/connection.h"
+#include "client/lib/curve.h"
 #include "client/lib/file_bytes.h"
 #include "client/lib/parameter_mesh.h"
 #include "client/lib/points.h"
@@ -84,6 +85,9 @@ class Client {
   absl::StatusOr<v1::Session> get_session(const std::string& session_id, std::stop_token stop = {});
   absl::StatusOr<std::vector<v1::Session>> list_sessions(std::stop_token stop = {});
   absl::Status close_session(const std::string& session_id, std::stop_token stop = {});
+
+  /// The curve of a ready session, checked: see decode_curve.
+  absl::StatusOr<Curve> get_curve(const std::string& session_id, std::stop_token stop = {});
 
   absl::StatusOr<DecodedSample> resample(const v1::ResampleRequest& request, std::stop_token stop = {});
   /// The best that the session can give: while the answer says that the curve is being refined for it, waits for that, at most

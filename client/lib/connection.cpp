@@ -21,9 +21,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::size_t kChunkBytes = 512 << 10;                            // of an upload; the API allows 1 MiB
-constexpr int kMaxMessageBytes = 64 << 20;                                // received; servers send frames of up to 32 MiB
-constexpr std::uint64_t kMaxParameterMeshBytes = std::uint64_t{8} << 30;  // about 80 million triangles
+constexpr std::size_t kChunkBytes = 512 << 10;                     // of an upload; the API allows 1 MiB
+constexpr int kMaxMessageBytes = 64 << 20;                         // received; servers send frames of up to 32 MiB
+constexpr std::uint64_t kMaxAnswerBytes = std::uint64_t{8} << 30;  // of a parameter mesh: about 80 million triangles
 constexpr int kKeepaliveMs = 20'000;         // between pings during a call; servers allow one every 5 seconds
 constexpr int kKeepaliveTimeoutMs = 10'000;  // until a silent server counts as lost
 
@@ -120,6 +120,28 @@ class GrpcViewCall : public ViewCall {
   bool finished_ = false;
 };
 
+/// All messages of an answer. A server that sends on and on must not fill this machine's memory.
+template <typename Response>
+absl::StatusOr<std::vector<Response>> read_all(grpc::ClientReader<Response>& reader, Call& call, const char* what) {
+  std::vector<Response> responses;
+  Response response;
+  std::uint64_t bytes = 0;
+  while (reader.Read(&response)) {
+    bytes += response.ByteSizeLong() + sizeof response;
+    if (bytes > kMaxAnswerBytes) {
+      call.context()->TryCancel();
+      while (reader.Read(&response)) {
+      }
+      reader.Finish();
+      return absl::ResourceExhaustedError(absl::StrCat("the server sent ", what, " of more than ", kMaxAnswerBytes, " bytes"));
+    }
+    responses.push_back(std::move(response));
+    response.Clear();
+  }
+  if (absl::Status status = to_absl(reader.Finish()); !status.ok()) return status;
+  return responses;
+}
+
 class GrpcConnection : public Connection {
  public:
   GrpcConnection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options)
@@ -148,25 +170,7 @@ class GrpcConnection : public Connection {
                                                                                std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> {
       Call call(stop, std::nullopt);
-      const auto reader = stub_->GetParameterMesh(call.context(), request);
-      std::vector<v1::GetParameterMeshResponse> responses;
-      v1::GetParameterMeshResponse response;
-      std::uint64_t bytes = 0;
-      while (reader->Read(&response)) {
-        bytes += response.ByteSizeLong() + sizeof response;
-        if (bytes > kMaxParameterMeshBytes) {
-          call.context()->TryCancel();
-          while (reader->Read(&response)) {
-          }
-          reader->Finish();
-          return absl::ResourceExhaustedError(
-              absl::StrCat("the server sent a parameter mesh of more than ", kMaxParameterMeshBytes, " bytes"));
-        }
-        responses.push_back(std::move(response));
-        response.Clear();
-      }
-      if (absl::Status status = to_absl(reader->Finish()); !status.ok()) return status;
-      return responses;
+      return read_all<v1::GetParameterMeshResponse>(*stub_->GetParameterMesh(call.context(), request), call, "a parameter mesh");
     });
   }
 
@@ -225,6 +229,13 @@ class GrpcConnection : public Connection {
       }
       if (absl::Status status = to_absl(reader->Finish()); !status.ok()) return status;
       return responses;
+    });
+  }
+
+  absl::StatusOr<std::vector<v1::GetCurveResponse>> get_curve(const v1::GetCurveRequest& request, std::stop_token stop) override {
+    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetCurveResponse>> {
+      Call call(stop, options_.long_timeout);
+      return read_all<v1::GetCurveResponse>(*stub_->GetCurve(call.context(), request), call, "a curve");
     });
   }
 

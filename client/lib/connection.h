@@ -72,6 +72,9 @@ class Connection {
   /// All messages of the answer, in order.
   virtual absl::StatusOr<std::vector<v1::ResampleResponse>> resample(const v1::ResampleRequest& request,
                                                                      std::stop_token stop) = 0;
+  /// All messages of the answer, in order.
+  virtual absl::StatusOr<std::vector<v1::GetCurveResponse>> get_curve(const v1::GetCurveRequest& request,
+                                                                      std::stop_token stop) = 0;
   virtual std::unique_ptr<ViewCall> stream_views(std::stop_token stop) = 0;
 };
 

@@ -3,29 +3,18 @@
 #include <absl/strings/str_cat.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
-#include <string>
+
+#include "client/lib/append_values.h"
 
 namespace curvecast::client {
 namespace {
 
-/// Appends what the bytes hold; false when they end within an element.
-template <typename T>
-bool append(const std::string& bytes, std::vector<T>& values) {
-  static_assert(std::endian::native == std::endian::little);
-  if (bytes.size() % sizeof(T) != 0) return false;
-  const std::size_t before = values.size();
-  values.resize(before + bytes.size() / sizeof(T));
-  if (!bytes.empty()) std::memcpy(values.data() + before, bytes.data(), bytes.size());
-  return true;
-}
-
 bool append_chunk(const v1::ParameterDiscChunk& chunk, ParameterDisc& disc) {
-  return append(chunk.positions(), disc.positions) && append(chunk.uv(), disc.uv) && append(chunk.triangles(), disc.triangles) &&
-         append(chunk.faces(), disc.faces) && append(chunk.area_ratios(), disc.area_ratios) &&
-         append(chunk.border(), disc.border) && append(chunk.border_cuts(), disc.border_cuts);
+  return append_values(chunk.positions(), disc.positions) && append_values(chunk.uv(), disc.uv) &&
+         append_values(chunk.triangles(), disc.triangles) && append_values(chunk.faces(), disc.faces) &&
+         append_values(chunk.area_ratios(), disc.area_ratios) && append_values(chunk.border(), disc.border) &&
+         append_values(chunk.border_cuts(), disc.border_cuts);
 }
 
 bool is_sound(const ParameterDisc& disc, std::uint64_t faces) {

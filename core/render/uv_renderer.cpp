@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "core/render/stroke_text.h"
+#include "core/render/tile_grid.h"
 
 namespace curvecast {
 namespace {
 
 constexpr std::uint32_t kEmpty = std::numeric_limits<std::uint32_t>::max();
-constexpr Rgb8 kInk = {38, 42, 52};
 
 /// Brewer's diverging scale from blue to red.
 constexpr std::array<Rgb8, 11> kColours = {{{5, 48, 97},
@@ -185,7 +185,7 @@ class Tile {
         if (t == kEmpty) continue;
         const Colour colour = colour_at(field_.shares[t].log_ratio / decades);
         const auto dark = static_cast<float>(ink(t, Vec2d(sx + 0.5, sy + 0.5)));
-        for (std::size_t c = 0; c < 3; ++c) sum[c] += (1 - dark) * colour[c] + dark * static_cast<float>(kInk[c]);
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += (1 - dark) * colour[c] + dark * static_cast<float>(kTileInk[c]);
         ++count;
       }
     }
@@ -212,8 +212,8 @@ void draw_legend(double decades, int middle, int top, int length, int height, Im
   const std::array<std::string, 3> labels = {"1/" + factor, "1", factor};
   for (int i = 0; i < 3; ++i) {
     const double x = left + 0.5 * length * i;
-    draw_line(image, {x, top + bar + 1.0}, {x, top + 1.3 * bar}, 1, kInk);
-    draw_text(image, labels[static_cast<std::size_t>(i)], {x, top + 0.95 * height}, 0.36 * height, kInk);
+    draw_line(image, {x, top + bar + 1.0}, {x, top + 1.3 * bar}, 1, kTileInk);
+    draw_text(image, labels[static_cast<std::size_t>(i)], {x, top + 0.95 * height}, 0.36 * height, kTileInk);
   }
 }
 
@@ -227,38 +227,21 @@ absl::StatusOr<UvPicture> render_uv(std::span<const UvDisc> discs, const UvRende
   if (fields.size() > static_cast<std::size_t>(options.max_tiles)) fields.resize(options.max_tiles);
 
   const int width = options.width, height = options.height;
-  const int gap = std::max(4, std::min(width, height) / 40), legend = std::max(16, std::min(width, height) / 22);
+  const int legend = std::max(16, std::min(width, height) / 22);
   const auto count = static_cast<int>(fields.size());
-  int columns = 1, side = 0;
-  for (int n = 1; n <= count; ++n) {
-    const int rows = (count + n - 1) / n;
-    const int fits = std::min((width - gap) / n, (height - 2 * gap - legend) / rows) - gap;
-    if (fits > side) {
-      side = fits;
-      columns = n;
-    }
-  }
-  if (side < 1) {
+  const TileGrid grid = lay_out_tiles(width, height, count, legend);
+  if (grid.side < 1) {
     return absl::InvalidArgumentError(absl::StrFormat("%d x %d pixels are too few for %d squares", width, height, count));
   }
-  const int rows = (count + columns - 1) / columns;
-  const int left = (width - columns * (side + gap) + gap) / 2;
-  const int top = (height - rows * (side + gap) - gap - legend) / 2 + gap;
-
-  UvPicture picture{{width, height, std::vector<std::uint8_t>(4 * std::size_t(width) * height, 255)}, 1, count};
-  for (std::size_t i = 0; i < picture.image.rgba.size(); ++i) {
-    if (i % 4 < 3) picture.image.rgba[i] = options.background[i % 4];
-  }
+  UvPicture picture{blank_image(width, height, options.background), 1, count};
   const double decades = choose_decades(fields);
   picture.scale = std::pow(10, decades);
   for (int i = 0; i < count; ++i) {
-    const int x = left + i % columns * (side + gap), y = top + i / columns * (side + gap);
-    Tile(fields[static_cast<std::size_t>(i)], side, options.supersample).paint(decades, x, y, picture.image);
-    const std::array<Vec2d, 4> corner = {{Vec2d(x, y), Vec2d(x + side, y), Vec2d(x + side, y + side), Vec2d(x, y + side)}};
-    for (std::size_t k = 0; k < 4; ++k) draw_line(picture.image, corner[k], corner[(k + 1) % 4], 1.2, kInk, 0.8);
+    Tile(fields[static_cast<std::size_t>(i)], grid.side, options.supersample).paint(decades, grid.x(i), grid.y(i), picture.image);
+    draw_tile_frame(picture.image, grid, i);
   }
-  draw_legend(decades, width / 2, top + rows * (side + gap), std::min(width - 6 * gap, std::max(side / 2, width / 3)), legend,
-              picture.image);
+  draw_legend(decades, width / 2, grid.bottom() + grid.gap, std::min(width - 6 * grid.gap, std::max(grid.side / 2, width / 3)),
+              legend, picture.image);
   return picture;
 }
 

@@ -173,6 +173,62 @@ TEST(ToPreprocessOptions, ChecksAndFillsIn) {
   EXPECT_THAT(to_preprocess_options(options).status().message(), HasSubstr("options.parameteriser has the unknown value 7"));
 }
 
+TEST(ToPreprocessOptions, TakesMapperAreaElementAndBaseDensity) {
+  v1::SessionOptions options;
+  auto converted = to_preprocess_options(options);
+  ASSERT_TRUE(converted.ok());
+  EXPECT_EQ(converted->mapper, Mapper::kExact);
+  EXPECT_EQ(converted->area_element, AreaElement::kExact);
+  EXPECT_TRUE(converted->density.empty());
+  options.set_mapper(v1::MAPPER_ID_BUFFER);
+  options.set_area_element(v1::AREA_ELEMENT_VORONOI);
+  options.add_density()->mutable_uniform();
+  v1::CurvatureDensity& curvature = *options.add_density()->mutable_curvature();
+  curvature.set_kind(v1::CURVATURE_KIND_MEAN);
+  curvature.set_exponent(0.5);
+  converted = to_preprocess_options(options);
+  ASSERT_TRUE(converted.ok()) << converted.status();
+  EXPECT_EQ(converted->mapper, Mapper::kIdBuffer);
+  EXPECT_EQ(converted->area_element, AreaElement::kVoronoi);
+  ASSERT_EQ(converted->density.size(), 2u);
+  EXPECT_TRUE(std::holds_alternative<UniformTerm>(converted->density[0]));
+  EXPECT_EQ(std::get<CurvatureTerm>(converted->density[1]).kind, CurvatureKind::kMean);
+  EXPECT_EQ(std::get<CurvatureTerm>(converted->density[1]).exponent, 0.5);
+  EXPECT_EQ(std::get<CurvatureTerm>(converted->density[1]).floor, 0.05);
+  // And back, with the defaults filled in.
+  const v1::SessionOptions back = to_proto(SessionInfo{"id", "mesh", *converted, SessionState::kQueued, nullptr}).options();
+  EXPECT_EQ(back.mapper(), v1::MAPPER_ID_BUFFER);
+  EXPECT_EQ(back.area_element(), v1::AREA_ELEMENT_VORONOI);
+  ASSERT_EQ(back.density_size(), 2);
+  EXPECT_TRUE(back.density(0).has_uniform());
+  EXPECT_EQ(back.density(1).curvature().kind(), v1::CURVATURE_KIND_MEAN);
+  EXPECT_EQ(back.density(1).curvature().exponent(), 0.5);
+  EXPECT_EQ(back.density(1).curvature().floor(), 0.05);
+  EXPECT_EQ(to_preprocess_options(back)->density.size(), 2u);
+}
+
+TEST(ToPreprocessOptions, NamesTheFieldAtFault) {
+  const auto expect_refusal = [](const char* message, const std::function<void(v1::SessionOptions&)>& spoil) {
+    v1::SessionOptions options;
+    spoil(options);
+    const auto converted = to_preprocess_options(options);
+    EXPECT_EQ(converted.status().code(), Code::kInvalidArgument) << message;
+    EXPECT_THAT(converted.status().message(), HasSubstr(message));
+  };
+  expect_refusal("options.mapper has the unknown value 5", [](auto& o) { o.set_mapper(static_cast<v1::Mapper>(5)); });
+  expect_refusal("options.area_element has the unknown value -1",
+                 [](auto& o) { o.set_area_element(static_cast<v1::AreaElement>(-1)); });
+  expect_refusal("options.density[1].view depends on the view", [](auto& o) {
+    o.add_density()->mutable_uniform();
+    o.add_density()->mutable_view();
+  });
+  expect_refusal("options.density[0] holds no term", [](auto& o) { o.add_density(); });
+  expect_refusal("options.density[0].curvature.floor is 2", [](auto& o) { o.add_density()->mutable_curvature()->set_floor(2); });
+  expect_refusal("options.density has 17 terms", [](auto& o) {
+    while (o.density_size() < 17) o.add_density()->mutable_uniform();
+  });
+}
+
 TEST(ToProto, RawBlocksHoldTheFloatsThemselves) {
   PointSet points;
   points.origin = {1, 2, 3};
