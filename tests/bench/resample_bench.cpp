@@ -35,12 +35,13 @@ void count_vertices(benchmark::State& state) {
 void read_arrays(benchmark::State& state) {
   for (auto _ : state) {
     float sum[8] = {};
-    for (const std::vector<float>* values : {&curve->x, &curve->y, &curve->z, &curve->nx, &curve->ny, &curve->nz, &curve->area}) {
-      const float* data = values->data();
-      for (std::size_t i = 0; i + 8 <= values->size(); i += 8) {
-        for (int k = 0; k < 8; ++k) sum[k] += data[i + k];
+    const auto read = [&sum](const auto& column) {
+      for (std::size_t i = 0; i + 8 <= column.size(); i += 8) {
+        for (int k = 0; k < 8; ++k) sum[k] += column[i + k];
       }
-    }
+    };
+    for (const Column<float>* column : {&curve->x, &curve->y, &curve->z, &curve->area}) read(*column);
+    for (const Column<Snorm16>* column : {&curve->nx, &curve->ny, &curve->nz}) read(*column);
     benchmark::DoNotOptimize(sum);
   }
   count_vertices(state);
