@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_format.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +10,10 @@
 
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/area_element.h"
+#include "core/curve/id_buffer.h"
 #include "core/curve/surface_colour.h"
 #include "core/curve/surface_map.h"
+#include "core/curve/voronoi_area.h"
 #include "core/density/face_density.h"
 #include "core/mesh/curvature.h"
 #include "core/mesh/mesh_io.h"
@@ -105,30 +108,16 @@ Distortion measure_distortion(const std::vector<Chart>& charts) {
   return summarise_distortion(std::move(shares));
 }
 
-/// Curve vertices that each face wants per squared unit: omega N of them in all, spread as the base density asks.
-absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
-                                                const PreprocessOptions& options) {
-  const double wanted = options.omega * static_cast<double>(options.points);
-  std::vector<double> demand(mesh.face_count(), 1.0);
-  if (!options.density.empty()) {
-    const absl::StatusOr<std::vector<float>> density = density_on_faces(mesh, geometry, options.density);
-    if (!density.ok()) return density.status();
-    std::copy(density->begin(), density->end(), demand.begin());
-  }
-  double mass = 0;
-  for (std::size_t f = 0; f < demand.size(); ++f) mass += demand[f] * triangle_area(mesh, f);
-  if (!(mass > 0 && std::isfinite(mass))) {
-    return absl::FailedPreconditionError("the base density is zero on the whole surface, so there is nowhere to put the curve");
-  }
-  for (double& d : demand) d *= wanted / mass;
-  return demand;
-}
+/// omega N: what the curve is to have of vertices.
+double wanted_vertices(const PreprocessOptions& options) { return options.omega * static_cast<double>(options.points); }
 
-absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& charts, const PreprocessOptions& options,
-                         const ExecutionContext& context, SurfaceCurve& curve, PreprocessReport& report) {
+absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions& options, const ExecutionContext& context,
+                         SurfaceCurve& curve, PreprocessReport& report) {
   Stopwatch watch;
-  const DifferentialGeometry geometry = differential_geometry(loaded.mesh);
-  const absl::StatusOr<std::vector<double>> demand_of_face = face_demand(loaded.mesh, geometry, options);
+  const LoadedMesh& loaded = flattened.loaded;
+  const std::vector<Chart>& charts = flattened.charts;
+  const absl::StatusOr<std::vector<double>> demand_of_face =
+      face_demand(loaded.mesh, flattened.geometry, options.density, wanted_vertices(options));
   if (!demand_of_face.ok()) return demand_of_face.status();
   std::vector<Column<ParameterTriangle>> triangles;
   std::vector<QuadtreeLeaves> leaves;
@@ -158,12 +147,23 @@ absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& cha
   if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
   for (const ScalarAttribute& scalar : loaded.attributes.scalars) curve.scalars.push_back({scalar.name, {}});
   curve.resize(count, colour.has_value());
-  const SurfaceData data{loaded.mesh, geometry, loaded.attributes, colour ? &*colour : nullptr};
+  const SurfaceData data{loaded.mesh, flattened.geometry, loaded.attributes, colour ? &*colour : nullptr};
+  std::unique_ptr<IdBuffer> id_buffer;
+  if (options.mapper == Mapper::kIdBuffer) {
+    absl::StatusOr<std::unique_ptr<IdBuffer>> made = IdBuffer::create();
+    if (!made.ok()) return made.status();
+    id_buffer = *std::move(made);
+  }
+  std::vector<Column<std::uint32_t>> under(charts.size());
   for (std::size_t d = 0; d < charts.size(); ++d) {
-    Column<std::uint32_t> under;
-    under.resize(leaves[d].size());
-    locate_centres(triangles[d], leaves[d], under);
-    map_to_surface(data, charts[d], triangles[d], leaves[d], under, curve.disc_begin[d], curve);
+    under[d].resize(leaves[d].size());
+    if (id_buffer != nullptr) {
+      absl::Status status = id_buffer->locate(charts[d], triangles[d], leaves[d], under[d], context);
+      if (!status.ok()) return status;
+    } else {
+      locate_centres(triangles[d], leaves[d], under[d]);
+    }
+    map_to_surface(data, charts[d], triangles[d], leaves[d], under[d], curve.disc_begin[d], curve);
   }
   report.max_level = *std::max_element(curve.level.begin(), curve.level.end());
   report.seconds.map = watch.lap();
@@ -172,23 +172,51 @@ absl::Status build_curve(const LoadedMesh& loaded, const std::vector<Chart>& cha
   context.progress("area", 0);
   double sum = 0;
   for (std::size_t d = 0; d < charts.size(); ++d) {
-    sum += area_elements(triangles[d], leaves[d], std::span(curve.area).subspan(curve.disc_begin[d], leaves[d].size()));
+    const auto of_disc = [&](Column<float>& column) { return std::span(column).subspan(curve.disc_begin[d], leaves[d].size()); };
+    if (options.area_element == AreaElement::kVoronoi) {
+      const LeafVertices vertices{of_disc(curve.x), of_disc(curve.y), of_disc(curve.z), under[d], curve.origin};
+      sum += voronoi_areas(charts[d], triangles[d], leaves[d], vertices, of_disc(curve.area));
+    } else {
+      sum += area_elements(triangles[d], leaves[d], of_disc(curve.area));
+    }
   }
   report.area_error = std::abs(sum / curve.total_area - 1);
   normalise_areas(curve.total_area, curve.area);
   curve.reference_curvature = reference_curvatures(curve);
+  curve.hierarchy = build_hierarchy(curve);
   context.progress("area", 1);
   report.seconds.area = watch.lap();
   return absl::OkStatus();
 }
 
+/// Keys hold kMaxLevel levels. Has discs divided where the map squeezes together what wants vertices until it would need more.
+void limit_levels(std::span<const double> demand, double area, FlattenOptions& options) {
+  const double highest = area * *std::max_element(demand.begin(), demand.end());  // per uv area, where the map is even
+  const double most = std::ldexp(1.0, 2 * kMaxLevel);
+  options.max_area_ratio = std::clamp(most / highest, 2.0, options.max_area_ratio);
+}
+
 absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds& seconds, const PreprocessOptions& options,
                                            const ExecutionContext& context) {
   Stopwatch watch;
+  FlattenedMesh flattened{std::move(loaded)};
+  const TriangleMesh& mesh = flattened.loaded.mesh;
+  // Beside cutting, which keeps only one thread busy for most of its time.
+  tbb::task_group beside;
+  beside.run([&] { flattened.geometry = differential_geometry(mesh); });
+  FlattenOptions flatten_options{.parameteriser = options.parameteriser};
+  if (!options.density.empty()) {
+    beside.wait();
+    const absl::StatusOr<std::vector<double>> demand =
+        face_demand(mesh, flattened.geometry, options.density, wanted_vertices(options));
+    if (!demand.ok()) return demand.status();
+    limit_levels(*demand, flattened.loaded.info.area, flatten_options);
+  }
   FlattenTimes times;
-  absl::StatusOr<std::vector<Chart>> charts = flatten(loaded.mesh, {.parameteriser = options.parameteriser}, context, times);
+  absl::StatusOr<std::vector<Chart>> charts = flatten(mesh, flatten_options, context, times);
+  beside.wait();
   if (!charts.ok()) return charts.status();
-  FlattenedMesh flattened{std::move(loaded), *std::move(charts), {}};
+  flattened.charts = *std::move(charts);
   PreprocessReport& report = flattened.report;
   report.mesh = flattened.loaded.info;
   report.discs = static_cast<std::uint32_t>(flattened.charts.size());
@@ -214,7 +242,7 @@ absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh>
   curve->box = report.mesh.box;
   curve->origin = choose_origin(report.mesh.box);
   curve->max_points = options.points;
-  const absl::Status built = build_curve(flattened->loaded, flattened->charts, options, context, *curve, report);
+  const absl::Status built = build_curve(*flattened, options, context, *curve, report);
   if (!built.ok()) return built;
   report.curve_vertices = curve->size();
   report.curve_bytes = curve->byte_size();

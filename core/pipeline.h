@@ -16,8 +16,10 @@
 #include "core/execution_context.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/flatten.h"
+#include "core/mesh/curvature.h"
 #include "core/mesh/mesh_file.h"
 #include "core/mesh/repair.h"
+#include "core/sample/point_set.h"
 
 namespace curvecast {
 
@@ -29,8 +31,6 @@ struct PreprocessOptions {
   AreaElement area_element = AreaElement::kExact;
   std::vector<DensityTerm> density;  // base density for which the curve is made; none = uniform
 };
-
-inline constexpr std::uint64_t kMaxPoints = 4'000'000;
 
 /// What a file holds and what repair made of it.
 struct MeshInfo {
@@ -76,7 +76,8 @@ struct LoadedMesh {
 struct FlattenedMesh {
   LoadedMesh loaded;
   std::vector<Chart> charts;
-  PreprocessReport report;  // of the stages so far
+  PreprocessReport report;        // of the stages so far
+  DifferentialGeometry geometry;  // of the loaded mesh
 };
 
 struct Preprocessed {

@@ -10,6 +10,8 @@ namespace curvecast::server {
 namespace {
 
 constexpr std::size_t kMaxUnacknowledged = 2;
+// A density that varies within a leaf may find its parts too coarse again; after so many rounds the curve is as good as it gets.
+constexpr int kMaxImprovements = 8;
 
 }  // namespace
 
@@ -47,6 +49,13 @@ void ClientStream::sent(bool ok) {
   advance();
 }
 
+void ClientStream::refined(const Session& session) {
+  const std::lock_guard lock(mutex_);
+  if (session_.get() != &session) return;
+  refined_ = true;
+  advance();
+}
+
 void ClientStream::stop(const absl::Status& reason) {
   const std::lock_guard lock(mutex_);
   if (!ending_) ending_ = reason;
@@ -74,6 +83,7 @@ void ClientStream::view(const v1::ViewUpdate& update) {
   }
   last_view_ = update.sequence();
   pending_ = View{update.sequence(), to_sample(update.sample())};
+  coarse_.reset();
 }
 
 void ClientStream::acknowledge(std::uint64_t sequence) {
@@ -82,7 +92,8 @@ void ClientStream::acknowledge(std::uint64_t sequence) {
     ending_ = absl::InvalidArgumentError(absl::StrCat("ack.sequence is ", sequence, ", which no frame sent so far has reached"));
     return;
   }
-  while (!unacknowledged_.empty() && unacknowledged_.front() <= sequence) unacknowledged_.pop_front();
+  // A number may have been sent twice: a frame that is still to be sent is not meant.
+  while (unacknowledged_.size() > outbox_.size() && unacknowledged_.front() <= sequence) unacknowledged_.pop_front();
 }
 
 void ClientStream::start(View next) {
@@ -90,19 +101,34 @@ void ClientStream::start(View next) {
     queue_frame(next.sequence, next.sample.status());
     return;
   }
-  const absl::Status accepted =
-      hooks_.submit([self = shared_from_this(), session = session_, sequence = next.sequence, sample = *std::move(next.sample)] {
-        auto frame = guarded([&] { return self->hooks_.answer(*session, sample); });
-        const std::lock_guard lock(self->mutex_);
-        self->computing_ = false;
-        self->queue_frame(sequence, std::move(frame));
-        self->advance();
-      });
+  refined_ = false;
+  const absl::Status accepted = hooks_.submit([self = shared_from_this(), session = session_, view = next] {
+    const bool may_refine = view.improvements < kMaxImprovements;
+    auto frame = guarded([&] { return self->hooks_.answer(session, *view.sample, may_refine); });
+    const std::lock_guard lock(self->mutex_);
+    self->computing_ = false;
+    self->settle(view, std::move(frame));
+    self->advance();
+  });
   if (accepted.ok()) {
     computing_ = true;
-  } else {
+  } else if (next.improvements == 0) {
     queue_frame(next.sequence, accepted);
   }
+}
+
+void ClientStream::settle(View view, absl::StatusOr<v1::PointFrame> frame) {
+  const bool is_again = view.improvements > 0;
+  const bool is_coarse = frame.ok() && frame->statistics().refining();
+  const std::uint64_t revision = frame.ok() ? frame->curve_revision() : 0;
+  // The client has points for this view: only better ones are news, or that there will be none.
+  const bool is_news = !is_again || (frame.ok() && (revision > coarse_revision_ || !is_coarse));
+  if (is_again && view.sequence != last_view_) return;  // overtaken meanwhile
+  if (is_coarse && view.sequence == last_view_) {
+    coarse_revision_ = revision;
+    coarse_ = view;
+  }
+  if (is_news) queue_frame(view.sequence, std::move(frame));
 }
 
 void ClientStream::queue_frame(std::uint64_t sequence, absl::StatusOr<v1::PointFrame> frame) {
@@ -123,9 +149,16 @@ void ClientStream::advance() {
   if (!ending_ && pending_ && !computing_ && (unacknowledged_.size() < kMaxUnacknowledged || half_closed_)) {
     start(*std::exchange(pending_, std::nullopt));
   }
+  if (!ending_ && !half_closed_ && coarse_ && refined_ && !pending_ && !computing_ &&
+      unacknowledged_.size() < kMaxUnacknowledged) {
+    View again = *std::exchange(coarse_, std::nullopt);
+    ++again.improvements;
+    start(std::move(again));
+  }
   if (!ending_ && half_closed_ && !computing_ && outbox_.empty() && !sending_) ending_ = absl::OkStatus();
   if (ending_) {
     pending_.reset();
+    coarse_.reset();
     outbox_.clear();
     if (sending_) return;
     ended_ = true;

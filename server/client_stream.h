@@ -31,8 +31,9 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   struct Hooks {
     /// The session to open. Called with the lock held.
     std::function<absl::StatusOr<std::shared_ptr<const Session>>(const std::string& session_id)> find;
-    /// Answers a view, without the lock, on a worker.
-    std::function<absl::StatusOr<v1::PointFrame>(const Session&, const Sample&)> answer;
+    /// Answers a view, without the lock, on a worker. A frame whose statistics say that the curve is being refined is a promise
+    /// that refined() follows, after the curve was taken.
+    std::function<absl::StatusOr<v1::PointFrame>(const std::shared_ptr<const Session>&, const Sample&, bool may_refine)> answer;
     /// Has a worker run the job later, never within the call. An error refuses the view.
     std::function<absl::Status(std::function<void()> job)> submit;
   };
@@ -44,6 +45,9 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   void half_close();
   /// The message has left, or never will.
   void sent(bool ok);
+  /// A refinement of a session's curve is over: if it is this stream's session and the newest view found the curve too coarse,
+  /// that view is answered again, with the same number. Its frames count like others.
+  void refined(const Session& session);
   /// Ends the stream as soon as no message is being sent; later and waiting views are dropped.
   void stop(const absl::Status& reason);
 
@@ -51,12 +55,14 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   struct View {
     std::uint64_t sequence = 0;
     absl::StatusOr<Sample> sample;  // converted on arrival, so that what waits is small
+    int improvements = 0;           // how often it was answered again
   };
 
   void open(const v1::OpenView& request);
   void view(const v1::ViewUpdate& update);
   void acknowledge(std::uint64_t sequence);
   void start(View next);
+  void settle(View view, absl::StatusOr<v1::PointFrame> frame);
   void queue_frame(std::uint64_t sequence, absl::StatusOr<v1::PointFrame> frame);
   void advance();
 
@@ -66,9 +72,12 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   std::shared_ptr<const Session> session_;
   std::optional<View> pending_;
   bool computing_ = false;
+  std::optional<View> coarse_;                  // answered, but from a curve that is being refined; newer views replace it
+  std::uint64_t coarse_revision_ = 0;           // of the curve that it was answered from
+  bool refined_ = false;                        // since the newest answer was begun
   std::deque<v1::StreamViewsResponse> outbox_;  // waits for the transport
   bool sending_ = false;
-  std::deque<std::uint64_t> unacknowledged_;  // frames computed, ascending
+  std::deque<std::uint64_t> unacknowledged_;  // frames computed, never descending; the last outbox_.size() have not been sent
   std::optional<std::uint64_t> last_view_;    // numbers of the newest view received
   std::optional<std::uint64_t> last_sent_;    // and of the newest frame given to the transport
   bool half_closed_ = false;

@@ -4,6 +4,7 @@
 #include <absl/strings/str_format.h>
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -267,8 +268,14 @@ v1::Session to_proto(const Session& session) {
   out.set_mesh_id(session.mesh_id);
   out.set_state(v1::SESSION_STATE_READY);
   *out.mutable_options() = to_proto(session.options);
-  *out.mutable_report() = to_proto(session.preprocessed.report, session.mesh_name, session.peak_bytes);
-  out.set_curve_revision(session.curve().revision);
+  const std::shared_ptr<const SurfaceCurve> curve = session.curve();
+  PreprocessReport report = session.preprocessed.report;
+  report.curve_vertices = curve->size();
+  report.curve_bytes = curve->byte_size();
+  if (curve->revision > 1 && curve->size() > 0) report.max_level = *std::max_element(curve->level.begin(), curve->level.end());
+  *out.mutable_report() = to_proto(report, session.mesh_name, session.peak_bytes);
+  out.set_curve_revision(curve->revision);
+  out.set_refining(session.live->refining());
   return out;
 }
 

@@ -41,6 +41,7 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
     if (session.ok()) {
       v1::CreateSessionResponse response;
       *response.mutable_session() = to_proto(**session);
+      response.mutable_session()->set_cached(engine_.is_cached((*session)->id));
       push(std::move(response));
     }
     finish(to_grpc(session.status()));

@@ -20,7 +20,7 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
     const absl::Status begun = guarded([&] {
       const auto session = engine.sessions.find(request.session_id());
       if (!session.ok()) return session.status();
-      curve_ = (*session)->preprocessed.curve;
+      curve_ = (*session)->curve();
       *message_.mutable_info() = to_curve_info(*curve_);
       return absl::OkStatus();
     });

@@ -4,8 +4,6 @@
 #include <thread>
 #include <utility>
 
-#include "server/log.h"
-#include "server/point_blocks.h"
 
 namespace curvecast::server {
 namespace {
@@ -19,19 +17,31 @@ int worker_count(int threads) {
 
 }  // namespace
 
-Engine::Engine(const ServerOptions& options)
-    : log(make_logger(options.log, options.verbose)),
+Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache)
+    : log(std::move(logger)),
       threads(options.threads),
       views(worker_count(options.threads), kMaxPendingViews),
       preprocessing(1, kMaxPendingSessions),
+      cache(std::move(session_cache)),
       meshes(options.max_mesh_bytes, options.max_upload_bytes),
-      sessions(preprocessing, preprocess, options.max_sessions, options.threads, log) {}
+      sessions(preprocessing, preprocess, options.max_sessions, options.threads, log, cache.get()),
+      refiner(
+          options.max_curve_vertices,
+          [this](const Session& session, bool is_finer) {
+            if (is_finer && cache != nullptr && sessions.info(session.id).ok()) cache->save(session);
+            tell_streams(session);
+          },
+          log) {}
 
 absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport) {
   auto stream = std::make_shared<ClientStream>(
       transport, ClientStream::Hooks{
                      .find = [this](const std::string& id) { return sessions.find(id); },
-                     .answer = [](const Session& session, const Sample& sample) { return make_frame(session, sample); },
+                     .answer =
+                         [this, source = new_source()](const std::shared_ptr<const Session>& session, const Sample& sample,
+                                                       bool may_refine) {
+                           return make_frame(*session, sample, may_refine ? refine_for(session, sample, source) : OnShort());
+                         },
                      .submit = [this](std::function<void()> job) { return views.submit(std::move(job)).status(); },
                  });
   const std::lock_guard lock(mutex_);
@@ -42,6 +52,28 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
   }
   streams_.push_back(stream);
   return stream;
+}
+
+OnShort Engine::refine_for(std::shared_ptr<const Session> session, const Sample& sample, std::uint64_t source) {
+  return [this, session = std::move(session), source, demand = CurveDemand{sample.options.points, sample.options.density}](
+             const SurfaceCurve& curve) { return refiner.request(session, curve, source, demand); };
+}
+
+absl::Status Engine::close_session(const std::string& id) {
+  const absl::StatusOr<SessionInfo> info = sessions.info(id);
+  if (info.ok() && info->session != nullptr) refiner.forget(*info->session);
+  return sessions.close(id);
+}
+
+void Engine::tell_streams(const Session& session) {
+  std::vector<std::weak_ptr<ClientStream>> streams;
+  {
+    const std::lock_guard lock(mutex_);
+    streams = streams_;
+  }
+  for (const auto& weak : streams) {
+    if (const auto stream = weak.lock()) stream->refined(session);
+  }
 }
 
 void Engine::stop_streams(const absl::Status& reason) {

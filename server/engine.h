@@ -12,7 +12,10 @@
 #include "server/client_stream.h"
 #include "server/job_queue.h"
 #include "server/mesh_store.h"
+#include "server/point_blocks.h"
+#include "server/refiner.h"
 #include "server/server.h"
+#include "server/session_cache.h"
 #include "server/session_store.h"
 
 namespace curvecast::server {
@@ -20,21 +23,36 @@ namespace curvecast::server {
 /// Thread-safe. Members are public because it is only the place where they meet, in the order in which they need each other.
 class Engine {
  public:
-  explicit Engine(const ServerOptions& options);
+  /// `cache` may be null.
+  Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache);
+
+  /// Whether the session would survive a restart.
+  bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->holds(session_id); }
 
   /// Makes a conversation that stop_streams() reaches; refused with Unavailable after it.
   absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport);
+  /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined.
+  OnShort refine_for(std::shared_ptr<const Session> session, const Sample& sample, std::uint64_t source);
+  /// A number for a conversation or a call.
+  std::uint64_t new_source() { return ++sources_; }
+  /// SessionStore::close(), and no more refinement.
+  absl::Status close_session(const std::string& id);
   /// Ends all conversations and refuses new ones.
   void stop_streams(const absl::Status& reason);
 
   const std::shared_ptr<spdlog::logger> log;
-  const int threads;       // of one preprocessing job; 0 = one per core
-  JobQueue views;          // views, point sets, inspection
-  JobQueue preprocessing;  // one at a time: each uses all cores by itself
+  const int threads;                          // of one preprocessing job; 0 = one per core
+  JobQueue views;                             // views, point sets, inspection
+  JobQueue preprocessing;                     // one at a time: each uses all cores by itself
+  const std::unique_ptr<SessionCache> cache;  // null: none
   MeshStore meshes;
   SessionStore sessions;
+  Refiner refiner;
 
  private:
+  void tell_streams(const Session& session);
+
+  std::atomic<std::uint64_t> sources_ = 0;
   std::mutex mutex_;
   std::vector<std::weak_ptr<ClientStream>> streams_;
   std::size_t sweep_at_ = 64;  // number of streams at which those that have gone are forgotten

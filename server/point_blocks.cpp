@@ -6,6 +6,8 @@
 #include <chrono>
 #include <utility>
 
+#include "core/curve/shortfall.h"
+
 namespace curvecast::server {
 namespace {
 
@@ -13,26 +15,29 @@ constexpr std::size_t kRawPointBytes = 2 * sizeof(Vec3f) + sizeof(float);
 constexpr std::size_t kRawColourBytes = 3;
 
 struct Sampled {
+  std::shared_ptr<const SurfaceCurve> curve;  // one revision for all of an answer
   PointSet points;
   v1::FrameStatistics statistics;
 };
 
-absl::StatusOr<Sampled> sample_curve(const Session& session, const Sample& sample) {
-  ResampleTimes times;
-  absl::StatusOr<PointSet> points = resample(session.curve(), sample.options, &times);
+absl::StatusOr<Sampled> sample_curve(const Session& session, const Sample& sample, const OnShort& on_short) {
+  ResampleReport report;
+  std::shared_ptr<const SurfaceCurve> curve = session.curve();
+  absl::StatusOr<PointSet> points = resample(*curve, sample.options, &report);
   if (!points.ok()) return points.status();
-  Sampled out{*std::move(points), {}};
-  out.statistics.set_density_seconds(times.density);
-  out.statistics.set_equalise_seconds(times.equalise);
-  out.statistics.set_curve_vertices(session.curve().size());
+  Sampled out{std::move(curve), *std::move(points), {}};
+  out.statistics.set_density_seconds(report.density_seconds);
+  out.statistics.set_equalise_seconds(report.equalise_seconds);
+  out.statistics.set_curve_vertices(out.curve->size());
+  const bool is_short = session.options.omega * report.most_on_vertex > kShortLoad;
+  out.statistics.set_refining(is_short && on_short && on_short(*out.curve));
   return out;
 }
 
 // Adds the time that it takes to the statistics.
-absl::StatusOr<v1::PointBlock> encode(Sampled& sampled, std::size_t begin, std::size_t count, const Session& session,
-                                      const Sample& sample) {
+absl::StatusOr<v1::PointBlock> encode(Sampled& sampled, std::size_t begin, std::size_t count, const Sample& sample) {
   const auto start = std::chrono::steady_clock::now();
-  absl::StatusOr<v1::PointBlock> block = to_proto(sampled.points, begin, count, session.curve(), sample.draco);
+  absl::StatusOr<v1::PointBlock> block = to_proto(sampled.points, begin, count, *sampled.curve, sample.draco);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   sampled.statistics.set_encode_seconds(sampled.statistics.encode_seconds() + seconds);
   return block;
@@ -45,13 +50,14 @@ absl::Status too_large(std::size_t bytes) {
 
 }  // namespace
 
-absl::Status make_blocks(const Session& session, const Sample& sample, const std::function<bool(v1::ResampleResponse)>& emit) {
-  absl::StatusOr<Sampled> sampled = sample_curve(session, sample);
+absl::Status make_blocks(const Session& session, const Sample& sample, const OnShort& on_short,
+                         const std::function<bool(v1::ResampleResponse)>& emit) {
+  absl::StatusOr<Sampled> sampled = sample_curve(session, sample, on_short);
   if (!sampled.ok()) return sampled.status();
   const std::size_t total = sampled->points.size();
   for (std::size_t begin = 0; begin < total; begin += kBlockPoints) {
     const std::size_t count = std::min(kBlockPoints, total - begin);
-    absl::StatusOr<v1::PointBlock> block = encode(*sampled, begin, count, session, sample);
+    absl::StatusOr<v1::PointBlock> block = encode(*sampled, begin, count, sample);
     if (!block.ok()) return block.status();
     v1::ResampleResponse response;
     *response.mutable_points() = *std::move(block);
@@ -61,16 +67,16 @@ absl::Status make_blocks(const Session& session, const Sample& sample, const std
   return absl::OkStatus();
 }
 
-absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample) {
+absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample, const OnShort& on_short) {
   const std::size_t asked = sample.options.points;
-  const std::size_t raw_bytes = kRawPointBytes + (session.curve().colour.empty() ? 0 : kRawColourBytes);
-  if (!sample.draco && asked <= session.options.points && asked > kMaxFrameBytes / raw_bytes) return too_large(asked * raw_bytes);
-  absl::StatusOr<Sampled> sampled = sample_curve(session, sample);
+  const std::size_t raw_bytes = kRawPointBytes + (session.curve()->colour.empty() ? 0 : kRawColourBytes);
+  if (!sample.draco && asked <= kMaxPoints && asked > kMaxFrameBytes / raw_bytes) return too_large(asked * raw_bytes);
+  absl::StatusOr<Sampled> sampled = sample_curve(session, sample, on_short);
   if (!sampled.ok()) return sampled.status();
-  absl::StatusOr<v1::PointBlock> block = encode(*sampled, 0, sampled->points.size(), session, sample);
+  absl::StatusOr<v1::PointBlock> block = encode(*sampled, 0, sampled->points.size(), sample);
   if (!block.ok()) return block.status();
   v1::PointFrame frame;
-  frame.set_curve_revision(session.curve().revision);
+  frame.set_curve_revision(sampled->curve->revision);
   frame.set_kind(v1::FRAME_KIND_KEY);
   *frame.mutable_points() = *std::move(block);
   *frame.mutable_statistics() = std::move(sampled->statistics);

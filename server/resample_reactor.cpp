@@ -19,20 +19,31 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
 
  private:
   absl::Status begin(Engine& engine, const v1::ResampleRequest& request) {
-    auto session = engine.sessions.find(request.session_id());
-    if (!session.ok()) return session.status();
+    const std::string& id = request.session_id();
+    // What is in memory is held from now on, whoever closes it; what has to be loaded is left to the job.
+    std::shared_ptr<const Session> held;
+    if (!engine.sessions.must_load(id)) {
+      auto session = engine.sessions.find(id);
+      if (!session.ok()) return session.status();
+      held = *std::move(session);
+    }
     auto sample = to_sample(request.sample());
     if (!sample.ok()) return sample.status();
     return engine.views
-        .submit([this, session = *std::move(session), sample = *std::move(sample)] {
-          finish(to_grpc(guarded([&] { return answer(*session, sample); })));
+        .submit([this, &engine, id, held = std::move(held), sample = *std::move(sample)] {
+          finish(to_grpc(guarded([&]() -> absl::Status {
+            absl::StatusOr<std::shared_ptr<const Session>> session = held;
+            if (held == nullptr) session = engine.sessions.find(id);
+            if (!session.ok()) return session.status();
+            return answer(**session, sample, engine.refine_for(*session, sample, engine.new_source()));
+          })));
         })
         .status();
   }
 
-  absl::Status answer(const Session& session, const Sample& sample) {
+  absl::Status answer(const Session& session, const Sample& sample, const OnShort& on_short) {
     if (cancelled()) return absl::CancelledError("the client has gone");
-    return make_blocks(session, sample, [this](v1::ResampleResponse block) {
+    return make_blocks(session, sample, on_short, [this](v1::ResampleResponse block) {
       push(std::move(block));
       return !cancelled();
     });

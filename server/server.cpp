@@ -12,6 +12,7 @@
 
 #include "server/engine.h"
 #include "server/guarded.h"
+#include "server/log.h"
 #include "server/service.h"
 
 namespace curvecast::server {
@@ -35,7 +36,8 @@ absl::Status check_address(const std::string& address) {
 
 class GrpcServer final : public Server {
  public:
-  explicit GrpcServer(const ServerOptions& options) : engine_(options), service_(engine_) {}
+  GrpcServer(const ServerOptions& options, std::shared_ptr<spdlog::logger> log, std::unique_ptr<SessionCache> cache)
+      : engine_(options, std::move(log), std::move(cache)), service_(engine_) {}
   ~GrpcServer() override { shutdown(std::chrono::milliseconds(0)); }
 
   absl::Status listen(const std::string& address) {
@@ -80,8 +82,10 @@ class GrpcServer final : public Server {
         grpc_->Shutdown(std::chrono::system_clock::now() + drain);
         engine_.log->info("stopped");
       }
+      engine_.refiner.stop();
       engine_.views.stop();
       engine_.preprocessing.stop();
+      if (engine_.cache != nullptr) engine_.cache->stop();
     });
   }
 
@@ -103,7 +107,14 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     if (absl::Status status = check_address(options.listen); !status.ok()) return status;
   }
   return guarded([&]() -> absl::StatusOr<std::unique_ptr<Server>> {
-    auto server = std::make_unique<GrpcServer>(options);
+    std::shared_ptr<spdlog::logger> log = make_logger(options.log, options.verbose);
+    std::unique_ptr<SessionCache> cache;
+    if (!options.cache.empty()) {
+      absl::StatusOr<std::unique_ptr<SessionCache>> opened = SessionCache::open(options.cache, options.cache_bytes, log);
+      if (!opened.ok()) return opened.status();
+      cache = *std::move(opened);
+    }
+    auto server = std::make_unique<GrpcServer>(options, std::move(log), std::move(cache));
     if (absl::Status status = server->listen(options.listen); !status.ok()) return status;
     return server;
   });

@@ -20,14 +20,20 @@ struct ServerOptions {
   std::uint64_t max_upload_bytes = std::uint64_t{2} << 30;  // of one mesh file
   std::uint64_t max_mesh_bytes = std::uint64_t{4} << 30;    // of all mesh files held; the least recently used go first
   std::uint64_t max_sessions = 64;                          // held at once
-  bool log = true;                                          // one line per state change and error, to standard error
-  bool verbose = false;                                     // with log: one line per request too
+  /// Of one session, to which a curve is refined at most where views ask for more than it was made for. Also kept within half of
+  /// the machine's free memory. 0: no refinement.
+  std::uint64_t max_curve_vertices = 20'000'000;
+  std::string cache = {};                               // folder where sessions survive a restart; made if missing; empty = none
+  std::uint64_t cache_bytes = std::uint64_t{10} << 30;  // of all files there; the least recently used sessions go first
+  bool log = true;                                      // one line per state change and error, to standard error
+  bool verbose = false;                                 // with log: one line per request too
 };
 
 /// Thread-safe after start(). Frames of StreamViews are up to 32 MiB: let the client's channel receive that much.
 class Server {
  public:
-  /// Listens, or fails with Unavailable (address in use) or InvalidArgument (malformed address, negative threads).
+  /// Listens, or fails with Unavailable (address in use), InvalidArgument (malformed address, negative threads) or
+  /// FailedPrecondition (the cache's folder cannot be used).
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options);
   virtual ~Server() = default;  // shuts down at once where shutdown() was not called
 
@@ -36,7 +42,7 @@ class Server {
   /// A channel that reaches this server without a socket.
   virtual std::shared_ptr<grpc::Channel> in_process_channel() = 0;
   /// Health says NOT_SERVING, streams of views end with UNAVAILABLE, other running calls get `drain` to end, then are
-  /// cancelled; preprocessing stops. Idempotent.
+  /// cancelled; preprocessing stops; sessions on their way to the cache get there. Idempotent.
   virtual void shutdown(std::chrono::milliseconds drain) = 0;
 };
 

@@ -5,6 +5,7 @@
 #include "server/guarded.h"
 #include "server/reactors.h"
 #include "server/request_log.h"
+#include "server/unary_job.h"
 
 namespace curvecast::server {
 namespace {
@@ -21,6 +22,11 @@ grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::Callb
 }
 
 }  // namespace
+
+v1::Session Service::with_cached(v1::Session session) const {
+  session.set_cached(engine_.is_cached(session.session_id()));
+  return session;
+}
 
 grpc::ServerReadReactor<v1::UploadMeshRequest>* Service::UploadMesh(grpc::CallbackServerContext* context,
                                                                     v1::UploadMeshResponse* response) {
@@ -62,9 +68,19 @@ grpc::ServerWriteReactor<v1::CreateSessionResponse>* Service::CreateSession(grpc
 
 grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* context, const v1::GetSessionRequest* request,
                                               v1::GetSessionResponse* response) {
+  const std::string& id = request->session_id();
+  if (engine_.sessions.must_load(id)) {
+    return new UnaryJob(engine_, "GetSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+      return [this, id, response](const ExecutionContext& /*job*/) {
+        const auto session = engine_.sessions.find(id);
+        if (session.ok()) *response->mutable_session() = with_cached(to_proto(**session));
+        return session.status();
+      };
+    });
+  }
   return answer(engine_, "GetSession", context, [&] {
-    const auto info = engine_.sessions.info(request->session_id());
-    if (info.ok()) *response->mutable_session() = to_proto(*info);
+    const auto info = engine_.sessions.info(id);
+    if (info.ok()) *response->mutable_session() = with_cached(to_proto(*info));
     return info.status();
   });
 }
@@ -72,14 +88,14 @@ grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* conte
 grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* context, const v1::ListSessionsRequest* /*request*/,
                                                 v1::ListSessionsResponse* response) {
   return answer(engine_, "ListSessions", context, [&] {
-    for (const SessionInfo& info : engine_.sessions.list()) *response->add_sessions() = to_proto(info);
+    for (const SessionInfo& info : engine_.sessions.list()) *response->add_sessions() = with_cached(to_proto(info));
     return absl::OkStatus();
   });
 }
 
 grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
                                                 v1::CloseSessionResponse* /*response*/) {
-  return answer(engine_, "CloseSession", context, [&] { return engine_.sessions.close(request->session_id()); });
+  return answer(engine_, "CloseSession", context, [&] { return engine_.close_session(request->session_id()); });
 }
 
 grpc::ServerWriteReactor<v1::GetCurveResponse>* Service::GetCurve(grpc::CallbackServerContext* context,

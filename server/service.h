@@ -37,6 +37,9 @@ class Service final : public v1::CurvecastService::CallbackService {
       grpc::CallbackServerContext* context) override;
 
  private:
+  /// Says whether it is in the cache.
+  v1::Session with_cached(v1::Session session) const;
+
   Engine& engine_;
 };
 

@@ -3,14 +3,16 @@
 #include <absl/strings/str_format.h>
 #include <sys/resource.h>
 
+#include "core/storage/pipeline_archive.h"
 #include "server/hash.h"
 
 namespace curvecast::server {
 
 std::string session_id(const MeshFiles& files, const PreprocessOptions& options) {
   Hasher hasher;
-  hasher.update(absl::StrFormat("%s\n%d\n%a\n%d\n", files.mesh->id, options.points, options.omega,
-                                static_cast<int>(options.parameteriser)));
+  const std::string all_options = to_archive(options);
+  hasher.update(absl::StrFormat("%d\n%s\n%d\n", kAlgorithmVersion, files.mesh->id, all_options.size()));
+  hasher.update(all_options);
   for (const auto& [name, file] : files.companions) {
     hasher.update(absl::StrFormat("%d %s\n%s\n", name.size(), name, file->id));
   }

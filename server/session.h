@@ -1,26 +1,39 @@
 // A session: a mesh's curve, ready to be sampled.
 #pragma once
 
-#include <chrono>
+#include <absl/status/statusor.h>
+
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
 #include "core/pipeline.h"
+#include "server/live_curve.h"
 #include "server/mesh_files.h"
 
 namespace curvecast::server {
 
-/// Ready and immutable; whoever holds it may go on using it after it has been closed.
+/// Grows whenever preprocessing gives other bytes than before for the same files and options: sessions of other versions are
+/// others.
+inline constexpr int kAlgorithmVersion = 1;
+
+/// Ready and immutable but for its curve, which may become finer; whoever holds it may go on using it after it has been closed.
 struct Session {
   std::string id;
   std::string mesh_id;
   std::string mesh_name;
+  std::map<std::string, std::string> companions;  // names in the mesh, and the mesh_ids of these files
   PreprocessOptions options;
-  Preprocessed preprocessed;
+  Preprocessed preprocessed;  // its curve has gone to `live`; without `flattened` when it comes from the cache
+  std::shared_ptr<LiveCurve> live = std::make_shared<LiveCurve>();
+  /// Where preprocessed.flattened is null: brings what the curve lies on, when it is to be refined. May be empty, or fail.
+  std::function<absl::StatusOr<std::shared_ptr<const FlattenedMesh>>()> load_flattened;
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
 
-  const SurfaceCurve& curve() const { return *preprocessed.curve; }
+  /// The newest revision. One answer takes it once.
+  std::shared_ptr<const SurfaceCurve> curve() const { return live->newest(); }
 };
 
 enum class SessionState { kQueued, kPreprocessing, kReady };
@@ -33,7 +46,7 @@ struct SessionInfo {
   std::shared_ptr<const Session> session;  // set when ready
 };
 
-/// The same for the same files, under the same names, and options: 32 hexadecimal digits.
+/// The same for the same files, under the same names, all options and the same version of the algorithm: 32 hexadecimal digits.
 std::string session_id(const MeshFiles& files, const PreprocessOptions& options);
 
 /// The process's peak memory so far, bytes.

@@ -34,6 +34,7 @@ struct SessionStore::Job {
   MeshFiles files;
   Clock::time_point created = Clock::now();
   std::atomic<bool> cancel = false;
+  bool loads = false;  // from the cache; where that fails, it is made after all. Changes only between runs
   // What follows is guarded by the store's lock.
   std::uint64_t ticket = 0;
   std::vector<SessionWaiter*> waiters;
@@ -43,8 +44,13 @@ struct SessionStore::Job {
 };
 
 SessionStore::SessionStore(JobQueue& queue, Preprocess preprocess, std::size_t max_sessions, int threads,
-                           std::shared_ptr<spdlog::logger> log)
-    : queue_(queue), preprocess_(std::move(preprocess)), max_sessions_(max_sessions), threads_(threads), log_(std::move(log)) {}
+                           std::shared_ptr<spdlog::logger> log, SessionCache* cache)
+    : queue_(queue),
+      preprocess_(std::move(preprocess)),
+      max_sessions_(max_sessions),
+      threads_(threads),
+      log_(std::move(log)),
+      cache_(cache) {}
 
 SessionStore::~SessionStore() {
   std::unique_lock lock(mutex_);
@@ -75,10 +81,9 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
   job->mesh_id = files.mesh->id;
   job->options = options;
   job->files = std::move(files);
-  const auto ticket = queue_.submit([this, job] { run(job); });
-  if (!ticket.ok()) return ticket.status();
+  job->loads = cache_ != nullptr && cache_->holds(id);
+  if (absl::Status status = submit(job); !status.ok()) return status;
   ++jobs_;
-  job->ticket = *ticket;
   job->waiters.push_back(waiter);
   entries_[id] = {.info = {id, job->mesh_id, options, SessionState::kQueued, nullptr}, .job = job, .last_used = ++clock_};
   log_->info("session {} created: mesh {} \"{}\", {} points, omega {}", id, job->mesh_id, printable(job->files.mesh->name),
@@ -102,6 +107,10 @@ bool SessionStore::leave(const std::string& id, SessionWaiter* waiter) {
 }
 
 absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find(const std::string& id) {
+  return must_load(id) ? load(id) : find_here(id);
+}
+
+absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_here(const std::string& id) {
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(id);
   if (found == entries_.end()) return not_found(id);
@@ -111,6 +120,29 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find(const std::str
         absl::StrCat("session ", id, " is still being preprocessed; join it with CreateSession and wait until it is ready"));
   }
   return found->second.info.session;
+}
+
+bool SessionStore::must_load(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  return !entries_.contains(id) && cache_ != nullptr && cache_->holds(id);
+}
+
+absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::string& id) {
+  const std::lock_guard one_at_a_time(load_mutex_);
+  if (!must_load(id)) return find_here(id);  // somebody else was faster
+  const Clock::time_point start = Clock::now();
+  absl::StatusOr<std::shared_ptr<const Session>> loaded = cache_->load(id);
+  if (!loaded.ok()) return not_found(id);
+  std::shared_ptr<const Session> evicted;  // outlives the lock, as in join()
+  const std::lock_guard lock(mutex_);
+  // A job for it that has begun meanwhile goes on: it will give the same.
+  if (entries_.contains(id)) return *loaded;
+  if (absl::Status status = make_room(&evicted); !status.ok()) return status;
+  const Session& session = **loaded;
+  entries_[id] = {
+      .info = {id, session.mesh_id, session.options, SessionState::kReady, *loaded}, .job = nullptr, .last_used = ++clock_};
+  log_->info("session {} loaded from the cache in {:.3f} s", id, seconds_since(start));
+  return *loaded;
 }
 
 absl::StatusOr<SessionInfo> SessionStore::info(const std::string& id) {
@@ -131,10 +163,13 @@ std::vector<SessionInfo> SessionStore::list() {
 absl::Status SessionStore::close(const std::string& id) {
   Entry closed;  // outlives the lock, as in join()
   const std::lock_guard lock(mutex_);
+  const bool was_cached = cache_ != nullptr && cache_->remove(id);
   const auto found = entries_.find(id);
-  if (found == entries_.end()) return not_found(id);
-  closed = std::move(found->second);
-  entries_.erase(found);
+  if (found == entries_.end() && !was_cached) return not_found(id);
+  if (found != entries_.end()) {
+    closed = std::move(found->second);
+    entries_.erase(found);
+  }
   log_->info("session {} closed", id);
   if (closed.job != nullptr) {
     const absl::Status reason = absl::AbortedError(absl::StrCat("session ", id, " was closed before it was ready"));
@@ -164,11 +199,49 @@ absl::Status SessionStore::make_room(std::shared_ptr<const Session>* evicted) {
 
 void SessionStore::abandon(Job& job) {
   job.cancel = true;
-  if (queue_.withdraw(job.ticket)) --jobs_;
+  if ((job.loads ? cache_->loading() : queue_).withdraw(job.ticket)) --jobs_;
+}
+
+absl::Status SessionStore::submit(const std::shared_ptr<Job>& job) {
+  const absl::StatusOr<std::uint64_t> ticket =
+      job->loads ? cache_->loading().submit([this, job] { run_load(job); }) : queue_.submit([this, job] { run(job); });
+  if (ticket.ok()) job->ticket = *ticket;
+  return ticket.status();
+}
+
+void SessionStore::run_load(const std::shared_ptr<Job>& job) {
+  report(*job, "load", 0);
+  absl::StatusOr<std::shared_ptr<const Session>> loaded = absl::CancelledError("cancelled");
+  if (!job->cancel) loaded = cache_->load(job->id);
+  const std::lock_guard lock(mutex_);
+  if (!job->cancel && !loaded.ok()) {
+    broadcast(*job, "load", 1);
+    broadcast(*job, "queued", 0);
+    job->loads = false;
+    const absl::Status submitted = submit(job);
+    if (submitted.ok()) return;
+    loaded = submitted;
+  }
+  if (!job->cancel) settle(*job, std::move(loaded));
+  --jobs_;
+  idle_.notify_all();
+}
+
+std::shared_ptr<const Session> SessionStore::make_session(const Job& job, Preprocessed preprocessed) {
+  auto session = std::make_shared<Session>();
+  session->id = job.id;
+  session->mesh_id = job.mesh_id;
+  session->mesh_name = job.files.mesh->name;
+  for (const auto& [name, file] : job.files.companions) session->companions[name] = file->id;
+  session->options = job.options;
+  session->preprocessed = std::move(preprocessed);
+  session->live->publish(std::move(session->preprocessed.curve));
+  session->peak_bytes = peak_memory_bytes();
+  return session;
 }
 
 void SessionStore::run(const std::shared_ptr<Job>& job) {
-  absl::StatusOr<Preprocessed> result = absl::CancelledError("cancelled");
+  absl::StatusOr<std::shared_ptr<const Session>> result = absl::CancelledError("cancelled");
   bool wanted = false;
   {
     const std::lock_guard lock(mutex_);
@@ -183,15 +256,23 @@ void SessionStore::run(const std::shared_ptr<Job>& job) {
     context.on_progress = [&](std::string_view stage, double fraction) { report(*job, stage, fraction); };
     context.cancel = &job->cancel;
     context.threads = threads_;
-    result = guarded([&] { return preprocess_(job->files.file(), job->options, context); });
+    absl::StatusOr<Preprocessed> made = guarded([&] { return preprocess_(job->files.file(), job->options, context); });
+    if (made.ok()) {
+      result = make_session(*job, *std::move(made));
+    } else {
+      result = made.status();
+    }
   }
   const std::lock_guard lock(mutex_);
-  if (!job->cancel) settle(*job, std::move(result));
+  if (!job->cancel) {
+    if (result.ok() && cache_ != nullptr) cache_->save(**result);
+    settle(*job, std::move(result));
+  }
   --jobs_;
   idle_.notify_all();
 }
 
-void SessionStore::settle(Job& job, absl::StatusOr<Preprocessed> result) {
+void SessionStore::settle(Job& job, absl::StatusOr<std::shared_ptr<const Session>> result) {
   if (result.ok() && job.fraction < 1) broadcast(job, std::string(job.stage), 1);
   const auto waiters = std::exchange(job.waiters, {});
   if (!result.ok()) {
@@ -200,20 +281,15 @@ void SessionStore::settle(Job& job, absl::StatusOr<Preprocessed> result) {
     for (SessionWaiter* waiter : waiters) waiter->on_done(result.status());
     return;
   }
-  auto session = std::make_shared<Session>();
-  session->id = job.id;
-  session->mesh_id = job.mesh_id;
-  session->mesh_name = job.files.mesh->name;
-  session->options = job.options;
-  session->preprocessed = *std::move(result);
-  session->peak_bytes = peak_memory_bytes();
+  const std::shared_ptr<const Session> session = *std::move(result);
   Entry& entry = entries_.at(job.id);
   entry.info.state = SessionState::kReady;
   entry.info.session = session;
   entry.last_used = ++clock_;
   entry.job = nullptr;
-  log_->info("session {} ready after {:.3f} s: {} curve vertices, {} MiB", job.id, seconds_since(job.created),
-             session->curve().size(), session->curve().byte_size() >> 20);
+  const std::shared_ptr<const SurfaceCurve> curve = session->curve();
+  log_->info("session {} {} after {:.3f} s: {} curve vertices, {} MiB", job.id, job.loads ? "loaded from the cache" : "ready",
+             seconds_since(job.created), curve->size(), curve->byte_size() >> 20);
   for (SessionWaiter* waiter : waiters) waiter->on_done(session);
 }
 

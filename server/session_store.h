@@ -17,6 +17,7 @@
 #include "server/job_queue.h"
 #include "server/mesh_files.h"
 #include "server/session.h"
+#include "server/session_cache.h"
 
 namespace spdlog {
 class logger;
@@ -41,9 +42,10 @@ class SessionStore {
   using Preprocess =
       std::function<absl::StatusOr<Preprocessed>(const MeshFile&, const PreprocessOptions&, const ExecutionContext&)>;
 
-  /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core).
-  SessionStore(JobQueue& queue, Preprocess preprocess, std::size_t max_sessions, int threads,
-               std::shared_ptr<spdlog::logger> log);
+  /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core). With a cache, which must
+  /// outlive the store too, sessions are saved when they become ready, and loaded instead of made.
+  SessionStore(JobQueue& queue, Preprocess preprocess, std::size_t max_sessions, int threads, std::shared_ptr<spdlog::logger> log,
+               SessionCache* cache = nullptr);
   ~SessionStore();  // cancels all preprocessing and waits until it has stopped; nobody may wait for a session any more
 
   /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called, if
@@ -53,11 +55,15 @@ class SessionStore {
   /// Stops waiting; the last one to leave cancels the job, and the session vanishes. False when on_done has been called.
   bool leave(const std::string& id, SessionWaiter* waiter);
 
-  /// A ready session. NotFound, or FailedPrecondition while it is being made.
+  /// A ready session, loaded if it is only in the cache: see must_load(). NotFound, or FailedPrecondition while it is being made;
+  /// ResourceExhausted as of join().
   absl::StatusOr<std::shared_ptr<const Session>> find(const std::string& id);
+  /// Whether find() would read a file, which may take its time: for callers who must not wait.
+  bool must_load(const std::string& id);
+  /// Of sessions in memory only.
   absl::StatusOr<SessionInfo> info(const std::string& id);
   std::vector<SessionInfo> list();  // by id
-  /// Forgets a session; those who wait for it get Aborted. NotFound.
+  /// Forgets a session, in memory and cache; those who wait for it get Aborted. NotFound when it is in neither.
   absl::Status close(const std::string& id);
 
  private:
@@ -70,8 +76,13 @@ class SessionStore {
   using Entries = std::map<std::string, Entry>;
 
   absl::Status make_room(std::shared_ptr<const Session>* evicted);
+  absl::StatusOr<std::shared_ptr<const Session>> find_here(const std::string& id);
+  absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id);
+  absl::Status submit(const std::shared_ptr<Job>& job);
   void run(const std::shared_ptr<Job>& job);
-  void settle(Job& job, absl::StatusOr<Preprocessed> result);
+  void run_load(const std::shared_ptr<Job>& job);
+  static std::shared_ptr<const Session> make_session(const Job& job, Preprocessed preprocessed);
+  void settle(Job& job, absl::StatusOr<std::shared_ptr<const Session>> result);
   void report(Job& job, std::string_view stage, double fraction);
   void broadcast(Job& job, std::string_view stage, double fraction);
   void abandon(Job& job);
@@ -81,6 +92,8 @@ class SessionStore {
   const std::size_t max_sessions_;
   const int threads_;
   const std::shared_ptr<spdlog::logger> log_;
+  SessionCache* const cache_;  // may be null
+  std::mutex load_mutex_;      // find() loads one at a time, so that nothing is loaded twice; taken before mutex_
   std::mutex mutex_;
   std::condition_variable idle_;
   std::size_t jobs_ = 0;  // accepted by the queue and not yet over or withdrawn

@@ -1,8 +1,11 @@
 // StreamViews: carries a ClientStream over gRPC.
 #include <mutex>
+#include <optional>
+#include <utility>
 
 #include "server/client_stream.h"
 #include "server/grpc_status.h"
+#include "server/guarded.h"
 #include "server/reactors.h"
 #include "server/request_log.h"
 
@@ -12,7 +15,8 @@ namespace {
 class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>,
                                  public ClientStream::Transport {
  public:
-  StreamViewsReactor(Engine& engine, const grpc::CallbackServerContext& context) : log_(*engine.log, "StreamViews", context) {
+  StreamViewsReactor(Engine& engine, const grpc::CallbackServerContext& context)
+      : engine_(engine), log_(*engine.log, "StreamViews", context) {
     auto stream = engine.make_stream(this);
     if (stream.ok()) {
       stream_ = *std::move(stream);
@@ -31,17 +35,56 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   void end(const absl::Status& status) override {
     {
       const std::lock_guard lock(mutex_);
-      ended_ = true;
+      ended_ = status;
+      if (loading_) return;  // whoever loads finishes: until then, the reactor stays
     }
+    finish(status);
+  }
+
+  void finish(const absl::Status& status) {
     log_.finish(to_grpc(status));
     Finish(to_grpc(status));
   }
 
   void OnReadDone(bool ok) override {
     if (!ok) return stream_->half_close();
+    if (request_.has_open() && load_first()) return;
     stream_->receive(request_);
     read_next();
   }
+
+  /// Has a session that is only in the cache loaded before the stream hears of it, by a thread that may wait for the disk. False
+  /// when there is no need for it.
+  bool load_first() {
+    if (!engine_.sessions.must_load(request_.open().session_id())) return false;
+    {
+      const std::lock_guard lock(mutex_);
+      if (ended_) return false;
+      loading_ = true;
+    }
+    const auto submitted = engine_.cache->loading().submit([this] {
+      const auto held = guarded([this] { return engine_.sessions.find(request_.open().session_id()); });
+      stream_->receive(request_);  // finds it in memory, or an error
+      loaded();
+    });
+    if (!submitted.ok()) {
+      stream_->stop(submitted.status());
+      loaded();
+    }
+    return true;
+  }
+
+  void loaded() {
+    std::optional<absl::Status> ended;
+    {
+      const std::lock_guard lock(mutex_);
+      loading_ = false;
+      ended = ended_;
+      if (!ended) StartRead(&request_);
+    }
+    if (ended) finish(*ended);
+  }
+
   void OnWriteDone(bool ok) override { stream_->sent(ok); }
   void OnCancel() override {
     if (stream_ != nullptr) stream_->stop(absl::CancelledError("the client has gone"));
@@ -54,12 +97,14 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
     if (!ended_) StartRead(&request_);
   }
 
+  Engine& engine_;
   RequestLog log_;
   std::shared_ptr<ClientStream> stream_;
   v1::StreamViewsRequest request_;
   v1::StreamViewsResponse response_;
   std::mutex mutex_;
-  bool ended_ = false;
+  std::optional<absl::Status> ended_;  // no operation may start any more
+  bool loading_ = false;
 };
 
 }  // namespace

@@ -1,12 +1,21 @@
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
 #include <atomic>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <utility>
 
+#include "client/cli/bench/areas.h"
 #include "client/cli/bench/corpus.h"
 #include "client/cli/bench/corpus_table.h"
+#include "client/cli/bench/curve_bench.h"
 #include "client/cli/bench/growth.h"
 #include "client/cli/bench/local_mesh.h"
+#include "client/cli/bench/mappers.h"
+#include "client/cli/bench/neighbours_bench.h"
 #include "client/cli/bench/preprocess_bench.h"
 #include "client/cli/commands.h"
 #include "client/cli/progress_bar.h"
@@ -15,39 +24,49 @@
 namespace curvecast::cli {
 namespace {
 
-constexpr char kList[] =
-    "corpus DIR        every mesh of a folder through all of preprocessing, checked\n"
-    "preprocess MESH   seconds of each stage, beside CGAL's parameteriser\n"
-    "growth MESH       time and memory against the number of faces\n";
+/// What a benchmark does once its flags are parsed.
+using Run = std::function<absl::Status(const CommonOptions& common, ExecutionContext context)>;
 
-struct Flags {
-  bool list = false;
-  std::string folder, out, preprocess_mesh, growth_mesh;
-  CorpusOptions corpus;
-  PreprocessBenchOptions preprocess;
-  GrowthOptions growth;
-  CLI::App *corpus_app = nullptr, *preprocess_app = nullptr, *growth_app = nullptr;
+struct Benchmark {
+  const char* name;
+  const char* operand;
+  const char* summary;        // a line of --list
+  const char* description;    // of its --help
+  Run (*add)(CLI::App& app);  // adds what it takes
 };
 
-absl::Status print_report(const BenchReport& report, const CommonOptions& options) {
-  return options.json ? print_json(bench_json(report)) : print_text(bench_text(report));
+absl::Status print_report(const BenchReport& report, const CommonOptions& common) {
+  return common.json ? print_json(bench_json(report)) : print_text(bench_text(report));
 }
 
-absl::Status run_corpus_bench(const Flags& flags, const CommonOptions& options, ExecutionContext context) {
+CLI::Option* add_points(CLI::App& app, std::uint64_t* points, const std::string& description) {
+  return app.add_option("-n,--points", *points, description)->check(point_count_range())->type_name("N")->capture_default_str();
+}
+
+CLI::Option* add_count(CLI::App& app, const std::string& name, int* count, int most, const std::string& description) {
+  const std::string letter(1, static_cast<char>(name[2] - 'a' + 'A'));
+  return app.add_option(name, *count, description)->check(CLI::Range(1, most))->type_name(letter)->capture_default_str();
+}
+
+struct CorpusFlags {
+  std::string folder, out;
+  CorpusOptions corpus;
+};
+
+absl::Status run_corpus_bench(const CorpusFlags& flags, const CommonOptions& common, const ExecutionContext& context) {
   if (!flags.out.empty()) {
     if (absl::Status status = client::check_writable(flags.out); !status.ok()) return status;
   }
   std::size_t done = 0;
   const auto on_entry = [&](const CorpusEntry& entry) {
     ++done;
-    if (options.quiet) return;
+    if (common.quiet) return;
     constexpr const char* kWords[] = {"passed", "FAILED", "REFUSED", "nothing to sample"};
     std::fprintf(stderr, "%4zu %s: %s in %.2f s %s\n", done, entry.name.c_str(), kWords[static_cast<int>(entry.verdict)],
                  entry.seconds, entry.message.c_str());
   };
   CorpusOptions corpus = flags.corpus;
-  corpus.seed = options.seed;
-  context.on_progress = nullptr;
+  corpus.seed = common.seed;
   const absl::StatusOr<std::vector<CorpusEntry>> entries = run_corpus(flags.folder, corpus, context, on_entry);
   if (!entries.ok()) return entries.status();
   if (!flags.out.empty()) {
@@ -55,7 +74,7 @@ absl::Status run_corpus_bench(const Flags& flags, const CommonOptions& options, 
     const std::string table = csv ? corpus_csv(*entries) : corpus_markdown(*entries);
     if (absl::Status status = client::write_bytes(flags.out, table); !status.ok()) return status;
   }
-  const absl::Status printed = options.json        ? print_json(corpus_json(*entries))
+  const absl::Status printed = common.json         ? print_json(corpus_json(*entries))
                                : flags.out.empty() ? print_text(corpus_markdown(*entries))
                                                    : print_text(bench_text(summarise_corpus(*entries)));
   if (!printed.ok()) return printed;
@@ -63,104 +82,173 @@ absl::Status run_corpus_bench(const Flags& flags, const CommonOptions& options, 
   return absl::OkStatus();
 }
 
-/// Reads the mesh and hands it to `measure`.
-template <typename Measure>
-absl::Status run_on_mesh(const std::string& path, const CommonOptions& options, ExecutionContext context, Measure&& measure) {
-  absl::StatusOr<LocalMesh> mesh = LocalMesh::read(path);
-  if (!mesh.ok()) return mesh.status();
-  const std::string name = std::filesystem::path(path).filename().string();
-  ProgressBar bar(progress_style(options.quiet), name);
-  context.on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
-  const absl::StatusOr<BenchReport> report = measure(mesh->file(name), context);
-  bar.finish();
-  return report.ok() ? print_report(*report, options) : report.status();
-}
-
-absl::Status run(const Flags& flags, const CommonOptions& options, const std::stop_token& stop) {
-  if (!options.server.empty()) {
-    return absl::InvalidArgumentError("bench measures the work in this process: it takes no --server");
-  }
-  if (flags.list) return print_text(kList);
-  std::atomic<bool> cancel = false;
-  const std::stop_callback on_stop(stop, [&] { cancel = true; });
-  ExecutionContext context;
-  context.cancel = &cancel;
-  context.threads = options.threads;
-  if (flags.corpus_app->parsed()) return run_corpus_bench(flags, options, context);
-  if (flags.preprocess_app->parsed()) {
-    return run_on_mesh(flags.preprocess_mesh, options, context, [&](const MeshFile& file, const ExecutionContext& inner) {
-      return bench_preprocess(file, flags.preprocess, inner);
-    });
-  }
-  return run_on_mesh(flags.growth_mesh, options, context, [&](const MeshFile& file, const ExecutionContext& inner) {
-    return bench_growth(file, flags.growth, inner);
-  });
-}
-
-/// A benchmark; the common options may stand after its own.
-CLI::App* add_benchmark(CLI::App* bench, const std::string& name, const std::string& description) {
-  return bench->add_subcommand(name, description)->fallthrough();
-}
-
-CLI::Option* add_points(CLI::App* app, std::uint64_t* points, const std::string& description) {
-  return app->add_option("-n,--points", *points, description)->check(point_count_range())->type_name("N")->capture_default_str();
-}
-
-}  // namespace
-
-Command add_bench(CLI::App& root, CommonOptions& options) {
-  CLI::App* app = add_command(root, options, "bench",
-                              "Measures the work of a server in this process: preprocessing stage by stage, beside CGAL's "
-                              "parameteriser; a whole folder of meshes, checked; growth with the number of faces.",
-                              {"curvecast bench --list", "curvecast bench preprocess igea.ply --repeat 5",
-                               "curvecast bench corpus meshes --out corpus.md", "curvecast bench growth igea.ply --json"});
-  const auto flags = std::make_shared<Flags>();
-  app->add_flag("--list", flags->list, "the benchmarks there are");
-
-  flags->corpus_app = add_benchmark(
-      app, "corpus",
-      "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
-      "Ends with "
-      "status "
-      "0 only if every file that holds a triangle with an area came through: no flipped triangle, the whole area (1e-9), every "
-      "sample on its face. What fails does not stop the others.");
-  flags->corpus_app->add_option("DIR", flags->folder, "the folder")->required();
-  flags->corpus_app->add_option("--out", flags->out, "a line for each file: .md or .csv")
+Run add_corpus(CLI::App& app) {
+  const auto flags = std::make_shared<CorpusFlags>();
+  app.add_option("DIR", flags->folder, "the folder")->required();
+  app.add_option("--out", flags->out, "a line for each file: .md or .csv")
       ->check(validator(
           [](const std::string& path) {
             return check_ending(path, {".md", ".csv"});
           },
           ""))
       ->type_name("FILE");
-  add_points(flags->corpus_app, &flags->corpus.points, "points of the sample, and N of the curve");
+  add_points(app, &flags->corpus.points, "points of the sample, and N of the curve");
+  return
+      [flags](const CommonOptions& common, const ExecutionContext& context) { return run_corpus_bench(*flags, common, context); };
+}
 
-  flags->preprocess_app = add_benchmark(app, "preprocess",
-                                        "Seconds of every stage, with one thread and with all cores, beside CGAL's parameteriser "
-                                        "on the same discs in the same run.");
-  flags->preprocess_app->add_option("MESH", flags->preprocess_mesh, "a .ply, .obj, .off, .stl, .gltf or .glb file")->required();
-  flags->preprocess_app->add_option("--repeat", flags->preprocess.repeats, "runs of ours, of which the median counts")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("R")
-      ->capture_default_str();
-  add_points(flags->preprocess_app, &flags->preprocess.points, "N for which the curve is made");
+template <typename Options>
+using Measure = absl::StatusOr<BenchReport> (*)(const MeshFile& file, const Options& options, const ExecutionContext& context);
 
-  flags->growth_app =
-      add_benchmark(app, "growth",
-                    "Seconds and peak memory for a mesh and its subdivisions, each with four times the faces, and "
-                    "the exponent with which the seconds grow.");
-  flags->growth_app->add_option("MESH", flags->growth_mesh, "a .ply, .obj, .off, .stl, .gltf or .glb file")->required();
-  flags->growth_app->add_option("--levels", flags->growth.levels, "subdivisions")
-      ->check(CLI::Range(1, 6))
-      ->type_name("L")
+/// A benchmark of one mesh: adds MESH; reads it and hands it to `measure`.
+template <typename Options>
+Run on_mesh(CLI::App& app, std::shared_ptr<Options> options, Measure<Options> measure) {
+  const auto path = std::make_shared<std::string>();
+  app.add_option("MESH", *path, kMeshHelp)->required();
+  return [path, options, measure](const CommonOptions& common, ExecutionContext context) {
+    absl::StatusOr<LocalMesh> mesh = LocalMesh::read(*path);
+    if (!mesh.ok()) return mesh.status();
+    const std::string name = std::filesystem::path(*path).filename().string();
+    ProgressBar bar(progress_style(common.quiet), name);
+    context.on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
+    if constexpr (requires { options->seed; }) options->seed = common.seed;
+    const absl::StatusOr<BenchReport> report = measure(mesh->file(name), *options, context);
+    bar.finish();
+    return report.ok() ? print_report(*report, common) : report.status();
+  };
+}
+
+Run add_preprocess_benchmark(CLI::App& app) {
+  const auto options = std::make_shared<PreprocessBenchOptions>();
+  add_count(app, "--repeat", &options->repeats, 1000, "runs of ours, of which the median counts");
+  add_points(app, &options->points, "N for which the curve is made");
+  return on_mesh(app, options, bench_preprocess);
+}
+
+Run add_curve(CLI::App& app) {
+  const auto options = std::make_shared<CurveBenchOptions>();
+  add_count(app, "--repeat", &options->repeats, 1000, "runs of which the median counts");
+  add_points(app, &options->points, "N for which the curve is made");
+  app.add_option("--large", options->large_points, "N of one large run; 0 = none")
+      ->check(CLI::Range(std::uint64_t{0}, kMaxPoints))
+      ->type_name("N")
       ->capture_default_str();
-  add_points(flags->growth_app, &flags->growth.points, "N for which the curve is made");
+  return on_mesh(app, options, bench_curve);
+}
+
+Run add_growth(CLI::App& app) {
+  const auto options = std::make_shared<GrowthOptions>();
+  add_count(app, "--levels", &options->levels, 6, "subdivisions");
+  add_points(app, &options->points, "N for which the curve is made");
+  return on_mesh(app, options, bench_growth);
+}
+
+Run add_mappers(CLI::App& app) {
+  const auto options = std::make_shared<MappersBenchOptions>();
+  add_count(app, "--repeat", &options->repeats, 1000, "runs of each, of which the median counts");
+  add_points(app, &options->points, "N for which the curve is made");
+  return on_mesh(app, options, bench_mappers);
+}
+
+Run add_areas(CLI::App& app) {
+  const auto options = std::make_shared<AreasBenchOptions>();
+  add_count(app, "--runs", &options->runs, 1000, "sets of samples of each size");
+  add_count(app, "--regions", &options->regions, 100'000, "seeds of the regions that discrepancy is measured over");
+  add_points(app, &options->points, "N for which the curve is made");
+  return on_mesh(app, options, bench_areas);
+}
+
+Run add_neighbours(CLI::App& app) {
+  const auto options = std::make_shared<NeighboursBenchOptions>();
+  add_count(app, "--repeat", &options->repeats, 1000, "runs of each, of which the median counts");
+  add_points(app, &options->points, "N for which the curve is made");
+  app.add_option("--samples", options->samples, "points of the sample set, at most N")
+      ->check(point_count_range())
+      ->type_name("S")
+      ->capture_default_str();
+  return on_mesh(app, options, bench_neighbours);
+}
+
+constexpr Benchmark kBenchmarks[] = {
+    {"corpus", "DIR", "every mesh of a folder through all of preprocessing, checked",
+     "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
+     "Ends with status 0 only if every file that holds a triangle with an area came through: no flipped triangle, the whole area "
+     "(1e-9), every sample on its face. What fails does not stop the others.",
+     add_corpus},
+    {"preprocess", "MESH", "seconds of each stage, beside CGAL's parameteriser",
+     "Seconds of every stage, with one thread and with all cores, beside CGAL's parameteriser on the same discs in the same run.",
+     add_preprocess_benchmark},
+    {"curve", "MESH", "seconds to lay the curve: quadtree, map, area elements",
+     "Seconds to lay the curve with one thread and with all cores, beside the time that it takes to write its bytes; then once "
+     "for "
+     "many more points, with the memory that it takes.",
+     add_curve},
+    {"growth", "MESH", "time and memory against the number of faces",
+     "Seconds and peak memory for a mesh and its subdivisions, each with four times the faces, and the exponent with which the "
+     "seconds grow.",
+     add_growth},
+    {"mappers", "MESH", "the exact mapper beside the one that draws the parameter mesh",
+     "Seconds of the exact mapper and of the ID buffer on the same leaves, and the shares of centres for which they differ and "
+     "for "
+     "which the picture alone would not do.",
+     add_mappers},
+    {"areas", "MESH", "exact area elements beside Voronoi areas",
+     "Seconds of both area elements, how far their sums miss the surface's area, and the ring discrepancy of jittered samples "
+     "drawn with each, beside random ones.",
+     add_areas},
+    {"neighbours", "MESH", "nearest neighbours through the curve's order, beside a kd-tree",
+     "Milliseconds to prepare neighbour queries on the curve's vertices and on a sample set and to answer them, beside "
+     "nanoflann's "
+     "kd-tree on the same points in the same run.",
+     add_neighbours},
+};
+
+std::string list_benchmarks() {
+  std::string list;
+  for (const Benchmark& benchmark : kBenchmarks) {
+    absl::StrAppendFormat(&list, "%-18s%s\n", absl::StrCat(benchmark.name, " ", benchmark.operand), benchmark.summary);
+  }
+  return list;
+}
+
+absl::Status run(bool list, const Run& chosen, const CommonOptions& common, const std::stop_token& stop) {
+  if (!common.server.empty()) {
+    return absl::InvalidArgumentError("bench measures the work in this process: it takes no --server");
+  }
+  if (list) return print_text(list_benchmarks());
+  std::atomic<bool> cancel = false;
+  const std::stop_callback on_stop(stop, [&] { cancel = true; });
+  ExecutionContext context;
+  context.cancel = &cancel;
+  context.threads = common.threads;
+  return chosen(common, context);
+}
+
+}  // namespace
+
+Command add_bench(CLI::App& root, CommonOptions& options) {
+  CLI::App* app = add_command(
+      root, options, "bench",
+      "Measures the work of a server in this process: preprocessing stage by stage, beside CGAL's "
+      "parameteriser; a whole folder of meshes, checked; growth with the number of faces; the alternatives to mapper and "
+      "area element.",
+      {"curvecast bench --list", "curvecast bench preprocess igea.ply --repeat 5",
+       "curvecast bench corpus meshes --out corpus.md", "curvecast bench growth igea.ply --json"});
+  const auto list = std::make_shared<bool>(false);
+  app->add_flag("--list", *list, "the benchmarks there are");
+  const auto chosen = std::make_shared<Run>();
+  for (const Benchmark& benchmark : kBenchmarks) {
+    // The common options may stand after its own.
+    CLI::App* const own = app->add_subcommand(benchmark.name, benchmark.description)->fallthrough();
+    own->parse_complete_callback([chosen, run_it = benchmark.add(*own)] { *chosen = run_it; });
+  }
   app->require_subcommand(0, 1);
-  app->final_callback([flags, app] {
-    if (!flags->list && app->get_subcommands().empty()) {
+  app->final_callback([list, app] {
+    if (!*list && app->get_subcommands().empty()) {
       throw CLI::ValidationError("bench", "name a benchmark; --list tells which there are");
     }
   });
-  return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
+  return {app, [list, chosen](const CommonOptions& common, std::stop_token stop) { return run(*list, *chosen, common, stop); }};
 }
 
 }  // namespace curvecast::cli

@@ -81,7 +81,7 @@ absl::Status run_uv(const RenderFlags& flags, const CommonOptions& options, cons
 absl::Status run_curve(const RenderFlags& flags, const CommonOptions& options, const Size& size, std::stop_token stop) {
   const absl::StatusOr<v1::SessionOptions> session_options = curve_session_options(flags);
   if (!session_options.ok()) return session_options.status();
-  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
   const absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.input, *session_options, options.quiet, stop);
@@ -159,6 +159,7 @@ Command add_render(CLI::App& root, CommonOptions& options) {
        "curvecast render igea.ply --what curve --base-density curvature -o curve.png",
        "curvecast render igea.ply --what surface-curve -n 4000 -o surface-curve.png",
        "curvecast render igea.ply --style dots -n 20000 --density view --camera fov=20 -o dots.png"});
+  add_cache_flags(app, options);
   const auto flags = std::make_shared<RenderFlags>();
   app->add_option("INPUT", flags->input,
                   "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) or points (.drc, .xyz, .pcd, or a .ply without faces)")

@@ -24,7 +24,10 @@ struct Flags {
   SampleFlags sample;
   SessionFlags session;
   client::DrcOptions drc;
+  bool first_answer = false;
 };
+
+constexpr std::chrono::minutes kPatience{5};  // with the refinement of the curve
 
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -67,7 +70,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   const absl::StatusOr<v1::SessionOptions> session_options =
       make_session_options(flags.session, session_points(flags.sample.points));
   if (!session_options.ok()) return session_options.status();
-  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
   absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, *session_options, options.quiet, stop);
@@ -79,7 +82,8 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   *request.mutable_sample()->mutable_camera() = *std::move(camera);
   // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
   request.mutable_sample()->mutable_encoding()->mutable_raw();
-  absl::StatusOr<client::DecodedSample> sample = client.resample(request, stop);
+  absl::StatusOr<client::DecodedSample> sample =
+      flags.first_answer ? client.resample(request, stop) : client.resample_refined(request, kPatience, stop);
   if (!sample.ok()) return sample.status();
   if (stop.stop_requested()) return absl::CancelledError("cancelled");
   if (!flags.output.empty()) {
@@ -98,6 +102,7 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
       "Places exactly N points on a mesh, evenly with respect to a density, and writes them with normals and splat radii.",
       {"curvecast sample bunny.obj -n 50000 -o bunny.ply", "curvecast sample igea.ply -n 100000 --density curvature -o igea.drc",
        "curvecast sample igea.ply -n 20000 --density view:s0=0.1 --camera eye=0,0,3 -o view.pcd"});
+  add_cache_flags(app, options);
   const auto flags = std::make_shared<Flags>();
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
   add_sample_flags(app, &flags->sample)->required();
@@ -112,6 +117,8 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
       ->check(validator([](const std::string& text) { return check_choice("sampler", text, kSamplers); }, ""))
       ->type_name("NAME")
       ->capture_default_str();
+  app->add_flag("--first-answer", flags->first_answer,
+                "take the first point set, even where the curve is too coarse for the density and a finer one is being made");
   app->add_option("--position-bits", flags->drc.position_bits, "of a .drc file, per coordinate")
       ->check(CLI::Range(1, 30))
       ->capture_default_str();

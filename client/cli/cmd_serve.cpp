@@ -16,6 +16,8 @@ struct Flags {
   std::string listen = "127.0.0.1:50051";
   std::vector<std::string> meshes;
   SessionFlags session;
+  std::string cache;
+  std::uint64_t cache_bytes = server::ServerOptions().cache_bytes;
 };
 
 /// `listen` with the port that was really taken.
@@ -61,6 +63,8 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   server_options.listen = flags.listen;
   server_options.threads = options.threads;
   server_options.log = !options.quiet;
+  server_options.cache = flags.cache;
+  server_options.cache_bytes = flags.cache_bytes;
   absl::StatusOr<std::unique_ptr<server::Server>> server = server::Server::start(server_options);
   if (!server.ok()) return server.status();
   const std::string address = address_of(flags.listen, (*server)->port());
@@ -79,9 +83,18 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       add_command(root, options, "serve",
                   "Keeps meshes prepared for any number of clients (gRPC, without encryption). Prints its address when it is "
                   "ready and a line per opened mesh. SIGTERM or Ctrl-C: running calls get 5 seconds to end; status 0.",
-                  {"curvecast serve --open bunny.obj --open igea.ply", "curvecast serve --listen 0.0.0.0:50051"});
+                  {"curvecast serve --open bunny.obj --open igea.ply",
+                   "curvecast serve --listen 0.0.0.0:50051 --cache /var/cache/curvecast --cache-size 50GB"});
   const auto flags = std::make_shared<Flags>();
   app->add_option("--listen", flags->listen, "host:port; port 0 takes any free one")->type_name("ADDRESS")->capture_default_str();
+  app->add_option("--cache", flags->cache,
+                  "folder where sessions survive a restart; made if missing; several servers may share one; without it, none")
+      ->type_name("DIR");
+  app->add_option("--cache-size", flags->cache_bytes,
+                  "bytes that it may take (10GB, 500MB; powers of 1024); the least recently used sessions go first")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("BYTES")
+      ->capture_default_str();
   app->add_option("--open", flags->meshes,
                   "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) to prepare at once, for 65,536 points; repeat for more")
       ->type_name("MESH")

@@ -35,6 +35,7 @@ struct Flags {
 /// One entry per frame.
 struct Measured {
   std::vector<double> points, added, removed, bytes, server_ms, latency_ms;
+  std::size_t improved = 0;  // frames that followed by themselves when the curve had become finer; in none of the above
 };
 
 /// Nearest rank; 0 of nothing.
@@ -63,10 +64,11 @@ absl::Status prepare_folder(const std::string& folder) {
   return client::check_writable(frame_file(folder, 0));
 }
 
-absl::StatusOr<client::Frame> frame_of(client::ViewStream& stream, std::uint64_t sequence) {
+absl::StatusOr<client::Frame> frame_of(client::ViewStream& stream, std::uint64_t sequence, std::size_t* improved) {
   while (true) {
     absl::StatusOr<client::Frame> frame = stream.next_frame(kFrameTimeout);
     if (!frame.ok() || frame->sequence == sequence) return frame;
+    ++*improved;  // of the view before: its first frame has been taken
   }
 }
 
@@ -78,7 +80,7 @@ absl::StatusOr<Measured> stream_views(const Flags& flags, client::ViewStream& st
     const auto start = std::chrono::steady_clock::now();
     absl::StatusOr<std::uint64_t> sequence = stream.send_view(sample);
     if (!sequence.ok()) return sequence.status();
-    absl::StatusOr<client::Frame> frame = frame_of(stream, *sequence);
+    absl::StatusOr<client::Frame> frame = frame_of(stream, *sequence, &measured.improved);
     if (!frame.ok()) return frame.status();
     if (!frame->error.ok()) {
       return absl::Status(frame->error.code(), absl::StrCat("frame ", i, ": ", frame->error.message()));
@@ -113,9 +115,10 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Meas
         absl::StrFormat("%d frames; medians: %d points, %d added, %d removed\n"
                         "bytes          first frame %d, later frames (median) %d, %.2f per point\n"
                         "server         p50 %.2f ms, p99 %.2f ms\n"
-                        "latency        p50 %.2f ms, p99 %.2f ms\n",
+                        "latency        p50 %.2f ms, p99 %.2f ms\n"
+                        "improved       %d frames came again from a finer curve\n",
                         measured.points.size(), points, added, removed, key_bytes, update_bytes, bytes_per_point, server50,
-                        server99, latency50, latency99));
+                        server99, latency50, latency99, measured.improved));
   }
   Json json = {{"frames", measured.points.size()},
                {"points_median", points},
@@ -125,7 +128,8 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Meas
                {"delta_bytes_median", update_bytes},
                {"bytes_per_point", bytes_per_point},
                {"server_ms", {{"p50", server50}, {"p99", server99}}},
-               {"latency_ms", {{"p50", latency50}, {"p99", latency99}}}};
+               {"latency_ms", {{"p50", latency50}, {"p99", latency99}}},
+               {"improved", measured.improved}};
   if (!flags.output.empty()) json["output"] = flags.output;
   return print_json(json);
 }
@@ -145,7 +149,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   const Box3d any_box{Vec3d(-1, -1, -1), Vec3d(1, 1, 1)};
   if (absl::Status status = make_camera_path(flags.path, 1, any_box).status(); !status.ok()) return status;
 
-  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
   absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, *session_options, options.quiet, stop);
@@ -173,6 +177,7 @@ Command add_stream(CLI::App& root, CommonOptions& options) {
                   "before; delta_bytes_median is over the frames after the first.",
                   {"curvecast stream igea.ply --path orbit --frames 120 -n 50000",
                    "curvecast stream igea.ply --path views.txt --frames 10 -n 20000 -o frames/"});
+  add_cache_flags(app, options);
   const auto flags = std::make_shared<Flags>();
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
   app->add_option("--path", flags->path, kPathHelp)->type_name("orbit|zoom|FILE")->capture_default_str();

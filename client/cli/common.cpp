@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <utility>
 
@@ -18,6 +19,14 @@ namespace {
 
 constexpr std::uint64_t kDefaultSessionPoints = 65'536;
 constexpr int kMaxThreads = 1024;
+
+/// Empty when the environment names none.
+std::string default_cache() {
+  const char* const cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && cache[0] == '/') return absl::StrCat(cache, "/curvecast");  // relative ones count as not set, says XDG
+  const char* const home = std::getenv("HOME");
+  return home != nullptr && home[0] == '/' ? absl::StrCat(home, "/.cache/curvecast") : "";
+}
 
 }  // namespace
 
@@ -43,6 +52,15 @@ CLI::App* add_command(CLI::App& root, CommonOptions& options, const std::string&
   return command;
 }
 
+void add_cache_flags(CLI::App* command, CommonOptions& options) {
+  const std::string group = "Common";
+  CLI::Option* cache = command->add_option("--cache", options.cache,
+                                           "folder where prepared meshes are kept for later commands; default: "
+                                           "$XDG_CACHE_HOME/curvecast or ~/.cache/curvecast");
+  cache->type_name("DIR")->excludes(command->get_option("--server"))->group(group);
+  command->add_flag("--no-cache", options.no_cache, "neither use nor fill that folder")->excludes(cache)->group(group);
+}
+
 CLI::Validator validator(std::function<absl::Status(const std::string& value)> check, const std::string& type_name) {
   return CLI::Validator(
       [check = std::move(check)](std::string& value) {
@@ -63,14 +81,22 @@ absl::Status check_ending(const std::string& path, const std::vector<std::string
 Host::Host(std::unique_ptr<server::Server> server, std::shared_ptr<client::Connection> connection)
     : server_(std::move(server)), client_(std::move(connection)) {}
 
-absl::StatusOr<std::unique_ptr<Host>> Host::open(const CommonOptions& options) {
+absl::StatusOr<std::unique_ptr<Host>> Host::open(const CommonOptions& options, SessionCaching caching) {
   if (!options.server.empty()) {
     return std::unique_ptr<Host>(new Host(nullptr, client::make_connection(client::tcp_channel(options.server))));
   }
   server::ServerOptions server_options;
   server_options.threads = options.threads;
   server_options.log = options.verbose;
+  if (caching == SessionCaching::kKeep && !options.no_cache) {
+    server_options.cache = options.cache.empty() ? default_cache() : options.cache;
+  }
   absl::StatusOr<std::unique_ptr<server::Server>> server = server::Server::start(server_options);
+  if (absl::IsFailedPrecondition(server.status()) && options.cache.empty() && !server_options.cache.empty()) {
+    if (!options.quiet) std::fprintf(stderr, "note: nothing is cached: %s\n", std::string(server.status().message()).c_str());
+    server_options.cache.clear();
+    server = server::Server::start(server_options);
+  }
   if (!server.ok()) return server.status();
   std::shared_ptr<client::Connection> connection = client::make_connection((*server)->in_process_channel());
   return std::unique_ptr<Host>(new Host(*std::move(server), std::move(connection)));

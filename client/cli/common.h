@@ -25,7 +25,9 @@ inline constexpr char kMeshHelp[] = "a .ply, .obj, .off, .stl, .gltf or .glb fil
 struct CommonOptions {
   std::string server;  // "host:port"; empty = a server within this process
   std::uint64_t seed = 0;
-  int threads = 0;  // of the server within this process; 0 = one per core
+  int threads = 0;    // of the server within this process; 0 = one per core
+  std::string cache;  // folder of the server within this process; empty = the user's own, see add_cache_flags
+  bool no_cache = false;
   bool json = false, quiet = false, verbose = false;
 };
 
@@ -39,6 +41,9 @@ struct Command {
 CLI::App* add_command(CLI::App& root, CommonOptions& options, const std::string& name, const std::string& description,
                       const std::vector<std::string>& examples);
 
+/// Adds --cache and --no-cache, for commands that make sessions (Host with SessionCaching::kKeep).
+void add_cache_flags(CLI::App* command, CommonOptions& options);
+
 /// Makes CLI11 refuse a value with the message of `check`'s status.
 CLI::Validator validator(std::function<absl::Status(const std::string& value)> check, const std::string& type_name);
 
@@ -48,10 +53,15 @@ CLI::Validator point_count_range();
 /// OK when the ending of `path` is one of `endings` (lower case, with the dot).
 absl::Status check_ending(const std::string& path, const std::vector<std::string>& endings);
 
+/// Whether a server within this process keeps its sessions in a folder, for commands to come: the one given, or
+/// $XDG_CACHE_HOME/curvecast, or ~/.cache/curvecast.
+enum class SessionCaching { kNone, kKeep };
+
 /// A client of --server or, without it, of a server that lives and ends with this object: one code path for both.
 class Host {
  public:
-  static absl::StatusOr<std::unique_ptr<Host>> open(const CommonOptions& options);
+  /// Where the user's own cache cannot be used, it goes without and says so; a folder that was asked for is an error.
+  static absl::StatusOr<std::unique_ptr<Host>> open(const CommonOptions& options, SessionCaching caching = SessionCaching::kNone);
   client::Client& client() { return client_; }
 
  private:

@@ -156,7 +156,7 @@ absl::StatusOr<Scene> make_scene(const RenderFlags& flags, const CommonOptions& 
   const std::uint64_t points = session_points(has_own_points ? flags.sample.points : 0);
   const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, points);
   if (!session_options.ok()) return session_options.status();
-  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   const Maker maker{flags, options, size, (*host)->client(), stop};
   absl::StatusOr<OpenedMesh> opened = open_mesh(maker.client, flags.input, *session_options, options.quiet, stop);

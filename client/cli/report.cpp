@@ -88,6 +88,7 @@ Json preprocess_json(const v1::Session& session) {
           {"seconds", seconds},
           {"curve_bytes", report.curve_bytes()},
           {"peak_bytes", report.peak_bytes()},
+          {"cached", session.cached()},
           {"session_id", session.session_id()},
           {"mesh_id", session.mesh_id()}};
 }

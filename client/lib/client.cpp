@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <set>
+#include <thread>
 #include <utility>
 
 #include "client/lib/companion_files.h"
@@ -236,6 +237,25 @@ absl::StatusOr<DecodedSample> Client::resample(const v1::ResampleRequest& reques
   absl::StatusOr<EncodedSample> sample = resample_encoded(request, stop);
   if (!sample.ok()) return sample.status();
   return decode_sample(*sample);
+}
+
+absl::StatusOr<DecodedSample> Client::resample_refined(const v1::ResampleRequest& request, std::chrono::milliseconds patience,
+                                                       std::stop_token stop) {
+  constexpr int kRounds = 4;  // a density may find the finer curve too coarse again
+  constexpr std::chrono::milliseconds kPoll{20};
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  absl::StatusOr<DecodedSample> sample = resample(request, stop);
+  for (int round = 0; round < kRounds && sample.ok() && sample->statistics.refining(); ++round) {
+    while (true) {
+      absl::StatusOr<v1::Session> session = get_session(request.session_id(), stop);
+      if (!session.ok()) return session.status();
+      if (!session->refining()) break;
+      if (std::chrono::steady_clock::now() >= deadline) return sample;
+      std::this_thread::sleep_for(kPoll);
+    }
+    sample = resample(request, stop);
+  }
+  return sample;
 }
 
 }  // namespace curvecast::client

@@ -3,6 +3,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -89,6 +90,10 @@ class Client {
   absl::StatusOr<Curve> get_curve(const std::string& session_id, std::stop_token stop = {});
 
   absl::StatusOr<DecodedSample> resample(const v1::ResampleRequest& request, std::stop_token stop = {});
+  /// The best that the session can give: while the answer says that the curve is being refined for it, waits for that, at most
+  /// `patience` in all, and asks again. What it has then counts.
+  absl::StatusOr<DecodedSample> resample_refined(const v1::ResampleRequest& request, std::chrono::milliseconds patience,
+                                                 std::stop_token stop = {});
   absl::StatusOr<EncodedSample> resample_encoded(const v1::ResampleRequest& request, std::stop_token stop = {});
 
   const std::shared_ptr<Connection>& connection() const { return connection_; }

@@ -16,7 +16,7 @@
 namespace curvecast::client {
 
 struct Frame {
-  std::uint64_t sequence = 0;  // of the view that it answers
+  std::uint64_t sequence = 0;  // of the view that it answers; the same again when an improved frame follows by itself
   std::uint64_t curve_revision = 0;
   Points points;  // replaces the frame before it; empty when `error` is set
   v1::FrameStatistics statistics;

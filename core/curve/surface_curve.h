@@ -9,6 +9,7 @@
 #include "core/colour.h"
 #include "core/column.h"
 #include "core/curve/curvature_measure.h"
+#include "core/curve/curve_hierarchy.h"
 #include "core/packed.h"
 #include "core/vec.h"
 
@@ -27,6 +28,7 @@ struct SurfaceCurve {
   Column<float> x, y, z;         // position on the surface, in the file's units
   Column<Snorm16> nx, ny, nz;    // unit normal, smooth
   Column<Bfloat16> curvature_min, curvature_max;  // principal curvatures, 1/unit
+  Column<std::uint16_t> direction;                // of curvature_max: principal_direction_max() reads it
   Column<float> area;                             // area element A_l, squared units; sums to total_area
   Column<Rgba8> colour;                           // of the surface; empty when the mesh has none
   Column<std::uint32_t> triangle;                 // face of the repaired mesh on which the vertex lies
@@ -36,6 +38,7 @@ struct SurfaceCurve {
   std::vector<ScalarColumn> scalars;              // of the mesh's scalar attributes
   std::vector<std::uint32_t> disc_begin;          // D + 1 offsets: disc d owns [disc_begin[d], disc_begin[d + 1])
 
+  CurveHierarchy hierarchy;                                  // over all of it
   std::array<float, kCurvatureKinds> reference_curvature{};  // see reference_curvatures
   double total_area = 0;                                     // of the repaired mesh, squared units
   Box3d box;                                                 // of the repaired mesh, absolute coordinates

@@ -4,8 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
+
+#include "core/curve/deepest_triangle.h"
+#include "core/curve/tangent_frame.h"
 
 namespace curvecast {
 namespace {
@@ -64,14 +66,7 @@ void locate_centres(std::span<const ParameterTriangle> triangles, const Quadtree
       if (candidates.size() == 1) continue;
       const double half = 0.5 * side_of_level(leaves.level[l]);
       const double u = leaves.x[l] * kCellSide + half, v = leaves.y[l] * kCellSide + half;
-      double deepest = -std::numeric_limits<double>::infinity();
-      for (const std::uint32_t t : candidates) {
-        const double depth = triangles[t].weights(u, v).minCoeff();
-        if (depth <= deepest) continue;
-        deepest = depth;
-        under[l] = t;
-        if (depth > 0) break;
-      }
+      under[l] = deepest_triangle(triangles, candidates, u, v);
     }
   });
 }
@@ -103,6 +98,9 @@ void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const
       curve.nz[i] = normal.z();
       curve.curvature_min[i] = mix(data.geometry.curvature_min, corners, w);
       curve.curvature_max[i] = mix(data.geometry.curvature_max, corners, w);
+      const std::vector<Vec3f>& directions = data.geometry.directions_max;
+      const Vec3f axes[3] = {directions[corners[0]], directions[corners[1]], directions[corners[2]]};
+      curve.direction[i] = mix_directions(axes, w, curve.normal(i));  // in the frame of the packed normal
       curve.triangle[i] = face;
       curve.weight_1[i] = w[1];
       curve.weight_2[i] = w[2];

@@ -34,10 +34,10 @@ struct SurfaceData {
   const SurfaceColour* colour = nullptr;
 };
 
-/// Writes entries [offset, offset + L) of `curve`: position, normal, curvatures, face and barycentric weights of every leaf's
-/// centre, its key and level; where `data.colour` is not null the surface's colour, averaged over about the leaf's area; and the
-/// mesh's scalars, as many as curve.scalars has. `under`: the triangle of the chart's disc under each centre. The curve's columns
-/// are large enough and its origin is set.
+/// Writes entries [offset, offset + L) of `curve`: position, normal, curvatures and their direction, face and barycentric weights
+/// of every leaf's centre, its key and level; where `data.colour` is not null the surface's colour, averaged over about the
+/// leaf's area; and the mesh's scalars, as many as curve.scalars has. `under`: the triangle of the chart's disc under each
+/// centre. The curve's columns are large enough and its origin is set.
 void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles,
                     const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve);
 

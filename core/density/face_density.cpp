@@ -1,5 +1,8 @@
 #include "core/density/face_density.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace curvecast {
 
 absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
@@ -31,6 +34,23 @@ absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, co
   std::vector<float> density(faces.size());
   if (absl::Status status = evaluate_density(faces, terms, density); !status.ok()) return status;
   return density;
+}
+
+absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+                                                std::span<const DensityTerm> terms, double vertices) {
+  std::vector<double> demand(mesh.face_count(), 1.0);
+  if (!terms.empty()) {
+    const absl::StatusOr<std::vector<float>> density = density_on_faces(mesh, geometry, terms);
+    if (!density.ok()) return density.status();
+    std::copy(density->begin(), density->end(), demand.begin());
+  }
+  double mass = 0;
+  for (std::size_t f = 0; f < demand.size(); ++f) mass += demand[f] * triangle_area(mesh, f);
+  if (!(mass > 0 && std::isfinite(mass))) {
+    return absl::FailedPreconditionError("the base density is zero on the whole surface, so there is nowhere to put the curve");
+  }
+  for (double& d : demand) d *= vertices / mass;
+  return demand;
 }
 
 }  // namespace curvecast

@@ -16,4 +16,9 @@ namespace curvecast {
 absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
                                                     std::span<const DensityTerm> terms);
 
+/// Curve vertices that each face wants per squared unit (F entries): `vertices` in all, spread as the terms ask (none = evenly).
+/// FailedPrecondition: the density is zero everywhere.
+absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+                                                std::span<const DensityTerm> terms, double vertices);
+
 }  // namespace curvecast

@@ -1,10 +1,20 @@
 #include "core/mesh/curvature.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include "core/mesh/principal_directions.h"
+#include "core/mesh/vertex_fans.h"
 
 namespace curvecast {
 namespace {
+
+constexpr std::size_t kGrain = 4096;  // faces or vertices
 
 struct Corner {
   double angle, cotangent;
@@ -13,7 +23,7 @@ struct Corner {
 Corner corner_at(const Vec3d& apex, const Vec3d& p, const Vec3d& q) {
   const Vec3d u = p - apex;
   const Vec3d v = q - apex;
-  const double sine = u.cross(v).norm();
+  const double sine = std::sqrt(u.cross(v).squaredNorm());
   const double cosine = u.dot(v);
   // Slivers would let one cotangent outweigh the whole neighbourhood.
   constexpr double kLargestCotangent = 1e3;
@@ -21,81 +31,95 @@ Corner corner_at(const Vec3d& apex, const Vec3d& p, const Vec3d& q) {
   return {std::atan2(sine, cosine), cotangent};
 }
 
-struct Accumulators {
-  std::vector<Vec3d> normal, laplacian;
-  std::vector<double> angle, mixed_area;
-  std::vector<bool> border;
-
-  explicit Accumulators(std::size_t n)
-      : normal(n, Vec3d::Zero()), laplacian(n, Vec3d::Zero()), angle(n, 0.0), mixed_area(n, 0.0), border(n, false) {}
-};
-
-void add_face(const TriangleMesh& mesh, std::size_t f, Accumulators& sums) {
-  const Triangle& t = mesh.triangles[f];
-  const std::array<Vec3d, 3> p = {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
-  const Vec3d cross = (p[1] - p[0]).cross(p[2] - p[0]);
-  const double area = 0.5 * cross.norm();
-  const Vec3d unit = cross / (2 * area);
-  std::array<Corner, 3> corner;
-  bool obtuse = false;
-  for (int i = 0; i < 3; ++i) {
-    corner[i] = corner_at(p[i], p[(i + 1) % 3], p[(i + 2) % 3]);
-    obtuse |= corner[i].cotangent < 0;
-  }
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3;
-    const int k = (i + 2) % 3;
-    sums.normal[t[i]] += corner[i].angle * unit;
-    sums.angle[t[i]] += corner[i].angle;
-    sums.laplacian[t[i]] += corner[k].cotangent * (p[i] - p[j]) + corner[j].cotangent * (p[i] - p[k]);
-    sums.mixed_area[t[i]] +=
-        obtuse ? area / (corner[i].cotangent < 0 ? 2 : 4)
-               : (corner[k].cotangent * (p[i] - p[j]).squaredNorm() + corner[j].cotangent * (p[i] - p[k]).squaredNorm()) / 8;
-    if (mesh.twins[3 * f + i] == kNone) sums.border[t[i]] = sums.border[t[j]] = true;
-  }
+std::vector<std::array<Corner, 3>> all_corners(const TriangleMesh& mesh) {
+  std::vector<std::array<Corner, 3>> corners(mesh.face_count());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, corners.size(), kGrain), [&](const auto& range) {
+    for (std::size_t f = range.begin(); f < range.end(); ++f) {
+      const Triangle& t = mesh.triangles[f];
+      for (int i = 0; i < 3; ++i) {
+        corners[f][i] = corner_at(mesh.positions[t[i]], mesh.positions[t[(i + 1) % 3]], mesh.positions[t[(i + 2) % 3]]);
+      }
+    }
+  });
+  return corners;
 }
 
+/// What the faces around a vertex add up to.
+struct Sums {
+  Vec3d normal = Vec3d::Zero(), laplacian = Vec3d::Zero();
+  double angle = 0, mixed_area = 0;
+
+  /// The face's corner i is at the vertex.
+  void add(const TriangleMesh& mesh, std::uint32_t f, int i, const std::array<Corner, 3>& corner) {
+    const Triangle& t = mesh.triangles[f];
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const Vec3d to_j = mesh.positions[t[i]] - mesh.positions[t[j]], to_k = mesh.positions[t[i]] - mesh.positions[t[k]];
+    const Vec3d cross = to_j.cross(to_k);
+    const double twice_area = std::sqrt(cross.squaredNorm());
+    normal += corner[i].angle / twice_area * cross;
+    angle += corner[i].angle;
+    laplacian += corner[k].cotangent * to_j + corner[j].cotangent * to_k;
+    const bool obtuse = corner[0].cotangent < 0 || corner[1].cotangent < 0 || corner[2].cotangent < 0;
+    mixed_area += obtuse ? twice_area / (corner[i].cotangent < 0 ? 4 : 8)
+                         : (corner[k].cotangent * to_j.squaredNorm() + corner[j].cotangent * to_k.squaredNorm()) / 8;
+  }
+};
+
 /// Border vertices take the mean over their inner neighbours, or zero where they have none.
-void fill_borders(const TriangleMesh& mesh, const std::vector<bool>& border, std::vector<float>& values) {
-  std::vector<double> sum(values.size(), 0.0);
-  std::vector<int> count(values.size(), 0);
-  for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
-    for (const auto& [v, w] : {std::pair(mesh.from(h), mesh.to(h)), std::pair(mesh.to(h), mesh.from(h))}) {
-      if (!border[v] || border[w]) continue;
-      sum[v] += values[w];
-      ++count[v];
+void fill_borders(const TriangleMesh& mesh, const VertexFans& fans, std::vector<float>& values) {
+  // From the values of inner vertices only, so the order does not matter.
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), kGrain), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      if (!fans.on_border(v)) continue;
+      double sum = 0;
+      int count = 0;
+      const auto add = [&](std::uint32_t w) {
+        if (fans.on_border(w)) return;
+        sum += values[w];
+        ++count;
+      };
+      fans.visit(v, [&](std::uint32_t h) { add(mesh.to(h)); });
+      values[v] = count > 0 ? static_cast<float>(sum / count) : 0.0f;
     }
-  }
-  for (std::size_t v = 0; v < values.size(); ++v) {
-    if (border[v]) values[v] = count[v] > 0 ? static_cast<float>(sum[v] / count[v]) : 0.0f;
-  }
+  });
 }
 
 }  // namespace
 
 DifferentialGeometry differential_geometry(const TriangleMesh& mesh) {
   const std::size_t n = mesh.vertex_count();
-  Accumulators sums(n);
-  for (std::size_t f = 0; f < mesh.face_count(); ++f) add_face(mesh, f, sums);
+  const std::vector<std::array<Corner, 3>> corners = all_corners(mesh);
+  const VertexFans fans(mesh);
   DifferentialGeometry geometry;
   geometry.normals.resize(n);
   geometry.curvature_min.resize(n);
   geometry.curvature_max.resize(n);
-  for (std::size_t v = 0; v < n; ++v) {
-    const double length = sums.normal[v].norm();
-    const Vec3d normal = length > 0 ? Vec3d(sums.normal[v] / length) : Vec3d::UnitZ();
-    geometry.normals[v] = normal.cast<float>();
-    if (sums.border[v] || !(sums.mixed_area[v] > 0)) continue;
-    const double gauss = (2 * std::numbers::pi - sums.angle[v]) / sums.mixed_area[v];
-    // The Laplacian is twice the mean curvature normal; half its length, signed, is the mean curvature.
-    const double mean = std::copysign(sums.laplacian[v].norm() / (4 * sums.mixed_area[v]), sums.laplacian[v].dot(normal));
-    const double spread = std::sqrt(std::max(mean * mean - gauss, 0.0));
-    geometry.curvature_min[v] = static_cast<float>(mean - spread);
-    geometry.curvature_max[v] = static_cast<float>(mean + spread);
-  }
-  fill_borders(mesh, sums.border, geometry.curvature_min);
-  fill_borders(mesh, sums.border, geometry.curvature_max);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      Sums sums;
+      fans.visit(v, [&](std::uint32_t h) { sums.add(mesh, h / 3, static_cast<int>(h % 3), corners[h / 3]); });
+      const double length = sums.normal.norm();
+      const Vec3d normal = length > 0 ? Vec3d(sums.normal / length) : Vec3d::UnitZ();
+      geometry.normals[v] = normal.cast<float>();
+      if (fans.on_border(v) || !(sums.mixed_area > 0)) continue;
+      const double gauss = (2 * std::numbers::pi - sums.angle) / sums.mixed_area;
+      // The Laplacian is twice the mean curvature normal; half its length, signed, is the mean curvature.
+      const double mean = std::copysign(sums.laplacian.norm() / (4 * sums.mixed_area), sums.laplacian.dot(normal));
+      const double spread = std::sqrt(std::max(mean * mean - gauss, 0.0));
+      geometry.curvature_min[v] = static_cast<float>(mean - spread);
+      geometry.curvature_max[v] = static_cast<float>(mean + spread);
+    }
+  });
+  fill_borders(mesh, fans, geometry.curvature_min);
+  fill_borders(mesh, fans, geometry.curvature_max);
+  geometry.directions_max = principal_directions(mesh, fans, geometry.normals);
   return geometry;
+}
+
+Vec3f face_normal(const TriangleMesh& mesh, std::uint32_t f) {
+  const Triangle& t = mesh.triangles[f];
+  const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+  return (b - a).cross(c - a).normalized().cast<float>();
 }
 
 }  // namespace curvecast

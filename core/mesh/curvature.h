@@ -9,12 +9,16 @@
 namespace curvecast {
 
 struct DifferentialGeometry {
-  std::vector<Vec3f> normals;        // V, unit length, angle-weighted mean of the faces'
-  std::vector<float> curvature_min;  // V, smaller principal curvature, 1/unit; positive where the surface is convex
-  std::vector<float> curvature_max;  // V, larger principal curvature, 1/unit
+  std::vector<Vec3f> normals;         // V, unit length, angle-weighted mean of the faces'
+  std::vector<float> curvature_min;   // V, smaller principal curvature, 1/unit; positive where the surface is convex
+  std::vector<float> curvature_max;   // V, larger principal curvature, 1/unit
+  std::vector<Vec3f> directions_max;  // V, see principal_directions
 };
 
 /// Border vertices have no curvature of their own and take the mean of their inner neighbours'.
 DifferentialGeometry differential_geometry(const TriangleMesh& mesh);
+
+/// Unit normal of a face.
+Vec3f face_normal(const TriangleMesh& mesh, std::uint32_t f);
 
 }  // namespace curvecast

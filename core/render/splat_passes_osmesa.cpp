@@ -1,28 +1,18 @@
 #include <absl/functional/function_ref.h>
 #include <absl/status/status.h>
-#include <absl/strings/str_cat.h>
-#include <absl/strings/str_format.h>
 
 #include <cmath>
 #include <cstddef>
 #include <initializer_list>
 #include <memory>
-#include <string>
 
+#include "core/render/gl_context_osmesa.h"
 #include "core/render/splat_scene.h"
 #include "core/render/splat_shaders.h"
 
 // libOSMesa exports the whole of GL 3.3: no table of function pointers to fill at run time.
 #define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
-
-#if defined(__SANITIZE_ADDRESS__)
-// OSMesa 22.3 forgets to free the record of every context's buffer, 160 bytes.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa.so\n"; }
-#elif defined(__SANITIZE_THREAD__)
-// llvmpipe's threads count references with atomic operations that the sanitiser doesn't see.
-extern "C" const char* __tsan_default_suppressions() { return "race:libOSMesa.so\n"; }
-#endif
 
 namespace curvecast {
 namespace {
@@ -38,80 +28,6 @@ constexpr float kBlendDepthFacing = 2.5F;  // without normals: discs that face t
 float least_kernel() {
   const float t = 1 - kHidingExtent * kHidingExtent / (kBlendExtent * kBlendExtent);
   return 0.999F * t * t * t;
-}
-
-struct ContextDeleter {
-  void operator()(osmesa_context* context) const {
-    OSMesaMakeCurrent(nullptr, nullptr, 0, 0, 0);
-    OSMesaDestroyContext(context);  // with all its textures, buffers and programs
-  }
-};
-
-// A context of its own, current on this thread, with a token buffer: everything is drawn into textures.
-class Context {
- public:
-  static absl::StatusOr<std::unique_ptr<Context>> create() {
-    constexpr int kAttributes[] = {OSMESA_FORMAT,
-                                   OSMESA_RGBA,
-                                   OSMESA_DEPTH_BITS,
-                                   0,
-                                   OSMESA_PROFILE,
-                                   OSMESA_CORE_PROFILE,
-                                   OSMESA_CONTEXT_MAJOR_VERSION,
-                                   3,
-                                   OSMESA_CONTEXT_MINOR_VERSION,
-                                   3,
-                                   0};
-    auto result = std::make_unique<Context>();
-    result->context_.reset(OSMesaCreateContextAttribs(kAttributes, nullptr));
-    if (result->context_ == nullptr) return absl::InternalError("OSMesa gives no OpenGL 3.3 core context");
-    if (!OSMesaMakeCurrent(result->context_.get(), result->buffer_, GL_UNSIGNED_BYTE, 1, 1)) {
-      return absl::InternalError("OSMesa cannot make its context current");
-    }
-    return result;
-  }
-
- private:
-  std::uint8_t buffer_[4] = {};
-  std::unique_ptr<osmesa_context, ContextDeleter> context_;
-};
-
-absl::Status check_gl(const char* what) {
-  const GLenum error = glGetError();
-  if (error == GL_NO_ERROR) return absl::OkStatus();
-  if (error == GL_OUT_OF_MEMORY) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("OSMesa has not enough memory for ", what, "; ask for fewer pixels or splats"));
-  }
-  return absl::InternalError(absl::StrFormat("OSMesa reports error 0x%04x from %s", error, what));
-}
-
-absl::Status compile(GLuint program, GLenum kind, std::initializer_list<const char*> sources) {
-  const GLuint shader = glCreateShader(kind);
-  glShaderSource(shader, static_cast<GLsizei>(sources.size()), sources.begin(), nullptr);
-  glCompileShader(shader);
-  glAttachShader(program, shader);
-  glDeleteShader(shader);  // lives on with the program
-  GLint is_compiled = 0;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &is_compiled);
-  if (is_compiled) return absl::OkStatus();
-  std::string log(4096, '\0');
-  GLsizei length = 0;
-  glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
-  log.resize(static_cast<std::size_t>(length));
-  return absl::InternalError(absl::StrCat("OSMesa cannot compile a shader: ", log));
-}
-
-absl::StatusOr<GLuint> link(const char* vertex, std::initializer_list<const char*> fragment) {
-  const GLuint program = glCreateProgram();
-  if (absl::Status status = compile(program, GL_VERTEX_SHADER, {vertex}); !status.ok()) return status;
-  if (absl::Status status = compile(program, GL_FRAGMENT_SHADER, fragment); !status.ok()) return status;
-  glLinkProgram(program);
-  GLint is_linked = 0;
-  glGetProgramiv(program, GL_LINK_STATUS, &is_linked);
-  if (!is_linked) return absl::InternalError("OSMesa cannot link a shader program");
-  glUseProgram(program);
-  return program;
 }
 
 GLuint make_texture(GLenum internal_format, int width, int height) {
@@ -269,7 +185,7 @@ class Passes {
   // Over the shaded picture.
   absl::Status dot() {
     if (scene_.dots.empty()) return absl::OkStatus();
-    const absl::StatusOr<GLuint> program = link(kDotVertexShader, {kDotFragmentShader});
+    const absl::StatusOr<GLuint> program = link_gl_program(kDotVertexShader, {kDotFragmentShader});
     if (!program.ok()) return program.status();
     absl::Status status =
         upload(scene_.dots, {{3, GL_FLOAT, offsetof(DotVertex, center)}, {4, GL_UNSIGNED_BYTE, offsetof(DotVertex, color)}}, 0);
@@ -298,7 +214,7 @@ class Passes {
 
  private:
   absl::Status draw_discs(std::initializer_list<const char*> fragment_shader, float extent, float back_shift) const {
-    const absl::StatusOr<GLuint> program = link(kSplatVertexShader, fragment_shader);
+    const absl::StatusOr<GLuint> program = link_gl_program(kSplatVertexShader, fragment_shader);
     if (!program.ok()) return program.status();
     set(*program, "projection", projection_);
     set(*program, "back_shift", back_shift);
@@ -319,7 +235,7 @@ class Passes {
       GLuint output, const char* shader, std::initializer_list<Input> inputs,
       absl::FunctionRef<void(GLuint)> set_more = [](GLuint) {}) const {
     if (const absl::StatusOr<GLuint> target = make_target({output}, 0); !target.ok()) return target.status();
-    const absl::StatusOr<GLuint> linked = link(kScreenVertexShader, {kSurfaceFunctions, shader});
+    const absl::StatusOr<GLuint> linked = link_gl_program(kScreenVertexShader, {kSurfaceFunctions, shader});
     if (!linked.ok()) return linked.status();
     const GLuint program = *linked;
     bind_texture(program, "normals", 0, normals_);
@@ -351,7 +267,7 @@ class Passes {
 }  // namespace
 
 absl::StatusOr<Image> draw_splats(const SplatScene& scene) {
-  const absl::StatusOr<std::unique_ptr<Context>> context = Context::create();
+  const absl::StatusOr<std::unique_ptr<GlContext>> context = GlContext::create();
   if (!context.ok()) return context.status();
   Passes passes(scene);
   if (absl::Status status = passes.splat(); !status.ok()) return status;

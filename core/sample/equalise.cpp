@@ -10,22 +10,30 @@ namespace {
 // Vertices summed at once: sums of blocks are found without waiting for one another, and most steps skip a block.
 constexpr std::size_t kBlock = 64;
 
-double block_mass(std::span<const float> density, std::span<const float> area, std::size_t begin) {
+double block_mass(std::span<const float> density, std::span<const float> area, std::size_t begin, float* largest) {
   const std::size_t end = std::min(begin + kBlock, density.size());
   double sum = 0;
-  for (std::size_t l = begin; l < end; ++l) sum += static_cast<double>(density[l] * area[l]);
+  float most = 0;  // the block's own: blocks do not wait for one another
+  for (std::size_t l = begin; l < end; ++l) {
+    const float mass = density[l] * area[l];
+    most = std::max(most, mass);
+    sum += static_cast<double>(mass);
+  }
+  *largest = std::max(*largest, most);
   return sum;
 }
 
 }  // namespace
 
-double equalise(std::span<const float> density, std::span<const float> area, std::span<const double> q,
-                std::span<std::uint32_t> vertices) {
+Mass equalise(std::span<const float> density, std::span<const float> area, std::span<const double> q,
+              std::span<std::uint32_t> vertices) {
   const std::size_t blocks = (density.size() + kBlock - 1) / kBlock;
   std::vector<double> before(blocks + 1, 0.0);  // cumulative, at the blocks' beginnings
-  for (std::size_t b = 0; b < blocks; ++b) before[b + 1] = before[b] + block_mass(density, area, b * kBlock);
+  Mass whole;
+  for (std::size_t b = 0; b < blocks; ++b) before[b + 1] = before[b] + block_mass(density, area, b * kBlock, &whole.largest);
   const double total = before[blocks];
-  if (!(total > 0) || !std::isfinite(total)) return total;
+  whole.total = total;
+  if (!(total > 0) || !std::isfinite(total)) return whole;
   std::uint32_t last = 0;  // with density
   std::size_t i = 0;
   for (std::size_t b = 0; b < blocks && i < q.size(); ++b) {
@@ -44,7 +52,7 @@ double equalise(std::span<const float> density, std::span<const float> area, std
     while (i < q.size() && q[i] * total < before[b + 1]) vertices[i++] = last;
   }
   while (i < q.size()) vertices[i++] = last;
-  return total;
+  return whole;
 }
 
 }  // namespace curvecast

@@ -1,12 +1,16 @@
 // Samples of a surface, in curve order.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/colour.h"
 #include "core/vec.h"
 
 namespace curvecast {
+
+/// The largest N.
+inline constexpr std::uint64_t kMaxPoints = 4'000'000;
 
 struct PointSet {
   Vec3d origin = Vec3d::Zero();         // positions are relative to it

@@ -38,27 +38,29 @@ PointSet gather(const SurfaceCurve& curve, std::span<const float> density, doubl
 
 }  // namespace
 
-absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptions& options, ResampleTimes* times) {
+absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptions& options, ResampleReport* report) {
   if (options.points == 0) return absl::InvalidArgumentError("the number of points is 0; ask for at least 1");
-  if (options.points > curve.max_points) {
-    return absl::OutOfRangeError(absl::StrFormat(
-        "%d points asked for, but the session was preprocessed for at most %d: create one with a larger max_points",
-        options.points, curve.max_points));
+  if (options.points > kMaxPoints) {
+    return absl::OutOfRangeError(absl::StrFormat("%d points asked for; at most %d are made", options.points, kMaxPoints));
   }
   Stopwatch watch;
   std::vector<float> density(curve.size());
   if (absl::Status status = evaluate_density(curve, options.density, density); !status.ok()) return status;
-  if (times != nullptr) times->density = watch.lap();
+  if (report != nullptr) report->density_seconds = watch.lap();
   std::vector<double> q(options.points);
   fill_sequence(options.sequence, options.seed, q);
   std::vector<std::uint32_t> vertices(options.points);
-  const double mass = equalise(density, curve.area, q, vertices);
-  if (!(mass > 0) || !std::isfinite(mass)) {
+  const Mass mass = equalise(density, curve.area, q, vertices);
+  if (!(mass.total > 0) || !std::isfinite(mass.total)) {
     return absl::FailedPreconditionError(
         "the density is zero on the whole surface (does anything face the camera?), so there is nowhere to put points");
   }
-  PointSet points = gather(curve, density, mass / static_cast<double>(options.points), std::move(vertices));
-  if (times != nullptr) times->equalise = watch.lap();
+  const double mass_per_point = mass.total / static_cast<double>(options.points);
+  PointSet points = gather(curve, density, mass_per_point, std::move(vertices));
+  if (report != nullptr) {
+    report->equalise_seconds = watch.lap();
+    report->most_on_vertex = static_cast<double>(mass.largest) / mass_per_point;
+  }
   return points;
 }
 

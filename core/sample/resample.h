@@ -14,20 +14,22 @@
 namespace curvecast {
 
 struct ResampleOptions {
-  std::uint64_t points = 50'000;     // N, 1 .. curve.max_points
+  std::uint64_t points = 50'000;     // N, 1 .. kMaxPoints
   std::vector<DensityTerm> density;  // multiplied; none = uniform
   Sequence sequence = Sequence::kJittered;
   std::uint64_t seed = 0;
 };
 
-struct ResampleTimes {  // seconds
-  double density = 0;
-  double equalise = 0;  // cumulative density, inversion and gathering
+struct ResampleReport {
+  double density_seconds = 0;
+  double equalise_seconds = 0;  // cumulative density, inversion and gathering
+  double most_on_vertex = 0;    // points that are expected on the curve vertex with the most; see kShortLoad
 };
 
-/// Exactly options.points points on the surface, low-discrepancy with respect to the density.
-/// InvalidArgument: N = 0, a bad density term. OutOfRange: N > curve.max_points. FailedPrecondition: the density is zero
-/// everywhere (nothing faces the eye). `times` may be null.
-absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptions& options, ResampleTimes* times = nullptr);
+/// Exactly options.points points on the surface, low-discrepancy with respect to the density. It is the best that the curve can
+/// give: where it is too coarse for them, points coincide.
+/// InvalidArgument: N = 0, a bad density term. OutOfRange: N > kMaxPoints. FailedPrecondition: the density is zero everywhere
+/// (nothing faces the eye). `report` may be null.
+absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptions& options, ResampleReport* report = nullptr);
 
 }  // namespace curvecast

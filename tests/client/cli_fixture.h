@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -28,6 +29,7 @@ class CliTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     std::filesystem::create_directories(folder());
+    ASSERT_EQ(::setenv("XDG_CACHE_HOME", temporary("cache").c_str(), 1), 0);
     sphere_ = write_sphere("sphere.off", 12);
   }
   static void TearDownTestSuite() { std::filesystem::remove_all(folder()); }

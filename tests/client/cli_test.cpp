@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <numbers>
 
@@ -60,6 +61,53 @@ TEST_F(CliTest, PreprocessReportsItsStages) {
   EXPECT_THAT(text.out, HasSubstr("parameterise"));
   EXPECT_THAT(text.err, HasSubstr("curve")) << "plain lines where there is no terminal";
   EXPECT_THAT(run({"preprocess", sphere_, "-n", "5000", "--quiet"}).err, IsEmpty());
+}
+
+TEST_F(CliTest, ASecondRunTakesTheSessionFromTheCache) {
+  const std::string cache = temporary("cache_of_two_runs");
+  const std::vector<std::string> command = {"preprocess", sphere_, "-n", "3000", "--cache", cache};
+  const json first = run_json(command), second = run_json(command);
+  EXPECT_EQ(first.value("cached", true), false);
+  EXPECT_EQ(second.value("cached", false), true);
+  EXPECT_EQ(first["seconds"], second["seconds"]) << "those of the run that made it";
+  EXPECT_EQ(first["session_id"], second["session_id"]);
+  const Finished third = run(command);
+  EXPECT_THAT(third.err, HasSubstr("load"));
+  EXPECT_THAT(third.err, HasSubstr("taken from the cache"));
+  const std::vector<std::string> sample = {"sample", sphere_, "-n", "2000", "-o"};
+  std::string bytes;
+  for (const std::vector<std::string>& flags :
+       std::vector<std::vector<std::string>>{{"--no-cache"}, {"--cache", cache}, {"--cache", cache}}) {
+    std::vector<std::string> words = sample;
+    words.push_back(temporary("of_cache.ply"));
+    words.insert(words.end(), flags.begin(), flags.end());
+    ASSERT_EQ(run(words).status, 0);
+    if (bytes.empty()) bytes = bytes_of(temporary("of_cache.ply"));
+    EXPECT_EQ(bytes_of(temporary("of_cache.ply")), bytes);
+  }
+}
+
+TEST_F(CliTest, TheUsersCacheIsUsedUnlessToldNot) {
+  const std::string cache = temporary("cache/curvecast");
+  std::filesystem::remove_all(cache);
+  EXPECT_EQ(run({"preprocess", sphere_, "-n", "777", "--no-cache"}).status, 0);
+  EXPECT_EQ(run({"info", sphere_}).status, 0);
+  EXPECT_FALSE(std::filesystem::exists(cache));
+  EXPECT_EQ(run({"preprocess", sphere_, "-n", "777"}).status, 0);
+  EXPECT_FALSE(std::filesystem::is_empty(cache));
+  EXPECT_EQ(std::filesystem::status(cache).permissions(), std::filesystem::perms::owner_all);
+}
+
+TEST_F(CliTest, OnlyAFolderThatWasAskedForMustBeUsable) {
+  const std::string file = temporary("no_folder");
+  std::ofstream(file) << "a file";
+  expect_failure({"preprocess", sphere_, "-n", "777", "--cache", file}, 3, "cache folder");
+  expect_failure({"serve", "--listen", "127.0.0.1:0", "--cache", file, "--quiet"}, 3, "cache folder");
+  ASSERT_EQ(::setenv("XDG_CACHE_HOME", file.c_str(), 1), 0);
+  const Finished without = run({"preprocess", sphere_, "-n", "777"});
+  ASSERT_EQ(::setenv("XDG_CACHE_HOME", temporary("cache").c_str(), 1), 0);
+  EXPECT_EQ(without.status, 0);
+  EXPECT_THAT(without.err, HasSubstr("nothing is cached"));
 }
 
 TEST_F(CliTest, SampleWritesExactlyNPointsOnTheSphere) {

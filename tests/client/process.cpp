@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -31,6 +32,7 @@ std::string new_path(const std::string& kind) {
 }  // namespace
 
 Process::Process(const std::vector<std::string>& arguments) : out_path_(new_path(".out")), err_path_(new_path(".err")) {
+  EXPECT_NE(std::getenv("XDG_CACHE_HOME"), nullptr) << "tests leave the user's own cache alone: set another one";
   std::vector<std::string> words = {CURVECAST_COMMAND};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;

@@ -83,17 +83,25 @@ class Conversation : public ClientStream::Transport {
   std::vector<v1::PointFrame> frames_;
   std::optional<absl::Status> ended_;
   bool sending_ = false, slow_ = false, busy_ = false;
+  std::shared_ptr<const Session> session_ = std::make_shared<const Session>();
+  std::uint64_t revision_ = 1;
+  bool short_ = false;               // the curve is too coarse for every view
+  std::function<void()> on_answer_;  // while a view is being answered
   std::shared_ptr<ClientStream> stream_ = std::make_shared<ClientStream>(
       this, ClientStream::Hooks{
-                .find = [](const std::string& id) -> absl::StatusOr<std::shared_ptr<const Session>> {
+                .find = [this](const std::string& id) -> absl::StatusOr<std::shared_ptr<const Session>> {
                   if (id != "known") return absl::NotFoundError("no such session");
-                  return std::make_shared<const Session>();
+                  return session_;
                 },
-                .answer = [](const Session&, const Sample& sample) -> absl::StatusOr<v1::PointFrame> {
+                .answer = [this](const std::shared_ptr<const Session>&, const Sample& sample,
+                                 bool may_refine) -> absl::StatusOr<v1::PointFrame> {
                   if (sample.options.points == 99) return absl::OutOfRangeError("99 is too many");
                   if (sample.options.points == 98) throw std::runtime_error("98");
                   v1::PointFrame frame;
                   frame.mutable_points()->set_count(static_cast<std::uint32_t>(sample.options.points));
+                  frame.set_curve_revision(revision_);
+                  frame.mutable_statistics()->set_refining(short_ && may_refine);
+                  if (on_answer_) on_answer_();
                   return frame;
                 },
                 .submit = [this](std::function<void()> job) -> absl::Status {
@@ -279,6 +287,138 @@ TEST_F(ClientStreamTest, HalfCloseBeforeOpenIsAnError) {
   EXPECT_EQ(ended_->code(), Code::kInvalidArgument);
 }
 
+class StreamRefinement : public ClientStreamTest {
+ protected:
+  void SetUp() override {
+    short_ = true;
+    receive(open_request("known"));
+    receive(view_request(1));
+    run_all();
+    ASSERT_EQ(frames_.size(), 1u);
+    EXPECT_TRUE(frames_[0].statistics().refining());
+  }
+  void publish() {
+    ++revision_;
+    stream_->refined(*session_);
+    deliver();
+  }
+};
+
+TEST_F(StreamRefinement, AnswersTheSameViewAgain) {
+  short_ = false;
+  publish();
+  run_all();
+  ASSERT_THAT(sequences(), ElementsAre(1, 1));
+  EXPECT_EQ(frames_[1].curve_revision(), 2u);
+  EXPECT_FALSE(frames_[1].statistics().refining());
+  publish();  // for somebody else
+  EXPECT_TRUE(jobs_.empty());
+}
+
+TEST_F(StreamRefinement, OtherSessionsAreNoNews) {
+  stream_->refined(Session());
+  EXPECT_TRUE(jobs_.empty());
+}
+
+TEST_F(StreamRefinement, ANewerViewTakesItsPlace) {
+  receive(view_request(2));
+  short_ = false;
+  publish();
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1, 2));
+}
+
+TEST_F(StreamRefinement, AViewThatComesMeanwhileTakesItsPlace) {
+  publish();
+  ASSERT_EQ(jobs_.size(), 1u);
+  receive(view_request(2));
+  short_ = false;
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1, 2));
+}
+
+TEST_F(StreamRefinement, MayEndWhileAViewIsAnswered) {
+  receive(ack_request(1));
+  on_answer_ = [this] {
+    on_answer_ = nullptr;
+    stream_->refined(*session_);
+  };
+  receive(view_request(2));
+  run_job();
+  EXPECT_THAT(sequences(), ElementsAre(1, 2));
+  ASSERT_EQ(jobs_.size(), 1u);  // again
+  short_ = false;
+  revision_ = 2;
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1, 2, 2));
+}
+
+TEST_F(StreamRefinement, FramesOfOneViewCountOneByOne) {
+  publish();
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1, 1));
+  publish();
+  EXPECT_TRUE(jobs_.empty()) << "two are unacknowledged";
+  receive(ack_request(1));
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1, 1, 1));
+}
+
+TEST_F(StreamRefinement, AnAcknowledgementMeansWhatWasSent) {
+  receive(ack_request(1));
+  slow_ = true;
+  receive(view_request(2));
+  run_all();  // on its way
+  publish();
+  run_all();  // waits behind it
+  EXPECT_THAT(sequences(), ElementsAre(1, 2));
+  receive(ack_request(2));  // the first of the two
+  publish();
+  run_all();
+  publish();
+  EXPECT_TRUE(jobs_.empty()) << "two are unacknowledged";
+  slow_ = false;
+  deliver();
+  EXPECT_THAT(sequences(), ElementsAre(1, 2, 2, 2));
+}
+
+TEST_F(StreamRefinement, NothingNewIsNotSent) {
+  stream_->refined(*session_);  // the curve as it was
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1));
+  short_ = false;  // and now the word that there will be none
+  stream_->refined(*session_);
+  run_all();
+  ASSERT_THAT(sequences(), ElementsAre(1, 1));
+  EXPECT_FALSE(frames_[1].statistics().refining());
+}
+
+TEST_F(StreamRefinement, ComesToAnEnd) {
+  for (int i = 0; i < 100; ++i) {
+    publish();
+    run_all();
+    receive(ack_request(1));
+  }
+  EXPECT_LT(frames_.size(), 20u);
+  EXPECT_FALSE(frames_.back().statistics().refining());
+}
+
+TEST_F(StreamRefinement, IsNotWaitedForAfterTheClientsEnd) {
+  stream_->half_close();
+  deliver();
+  ASSERT_TRUE(ended_);
+  EXPECT_TRUE(ended_->ok());
+  publish();
+  EXPECT_TRUE(jobs_.empty());
+}
+
+TEST_F(StreamRefinement, ABusyServerLeavesTheFrameThatThereIs) {
+  busy_ = true;
+  publish();
+  EXPECT_THAT(sequences(), ElementsAre(1));
+  EXPECT_FALSE(ended_);
+}
+
 // A transport with a thread of its own, workers, a client that floods, and a stop out of the blue.
 class ThreadedTransport final : public ClientStream::Transport {
  public:
@@ -322,13 +462,14 @@ TEST(ClientStreamThreads, SurvivesAnyInterleaving) {
     ThreadedTransport transport;
     JobQueue queue(2, 100);
     auto stream = std::make_shared<ClientStream>(
-        &transport, ClientStream::Hooks{
-                        .find = [](const std::string&) -> absl::StatusOr<std::shared_ptr<const Session>> {
-                          return std::make_shared<const Session>();
-                        },
-                        .answer = [](const Session&, const Sample&) { return absl::StatusOr<v1::PointFrame>(v1::PointFrame()); },
-                        .submit = [&](std::function<void()> job) { return queue.submit(std::move(job)).status(); },
-                    });
+        &transport,
+        ClientStream::Hooks{
+            .find = [](const std::string&) -> absl::StatusOr<std::shared_ptr<const Session>> {
+              return std::make_shared<const Session>();
+            },
+            .answer = [](const auto&, const Sample&, bool) { return absl::StatusOr<v1::PointFrame>(v1::PointFrame()); },
+            .submit = [&](std::function<void()> job) { return queue.submit(std::move(job)).status(); },
+        });
     stream->receive(open_request("any"));
     std::thread sender([&] { transport.deliver(*stream); });
     std::thread client([&] {

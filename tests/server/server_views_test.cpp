@@ -116,7 +116,7 @@ TEST_F(ServerViews, ARefusedViewDoesNotEndTheStream) {
   const auto stream = stub_->StreamViews(&context);
   send_open(*stream, session_id_);
   v1::StreamViewsResponse response;
-  const std::pair<std::uint64_t, grpc::StatusCode> refused[] = {{0, grpc::INVALID_ARGUMENT}, {5001, grpc::OUT_OF_RANGE}};
+  const std::pair<std::uint64_t, grpc::StatusCode> refused[] = {{0, grpc::INVALID_ARGUMENT}, {4'000'001, grpc::OUT_OF_RANGE}};
   std::uint64_t sequence = 0;
   for (const auto& [points, code] : refused) {
     send_view(*stream, ++sequence, points);

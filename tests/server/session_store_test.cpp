@@ -170,6 +170,19 @@ TEST_F(SessionStoreTest, OtherOptionsAreAnotherSession) {
   EXPECT_EQ(runs(), 3);
 }
 
+TEST_F(SessionStoreTest, EveryOptionMakesAnotherSession) {
+  const std::set<std::string> ids = {session_id(mesh("m"), {}),
+                                     session_id(mesh("m"), {.points = 7}),
+                                     session_id(mesh("m"), {.omega = 7}),
+                                     session_id(mesh("m"), {.parameteriser = Parameteriser::kCgal}),
+                                     session_id(mesh("m"), {.mapper = Mapper::kIdBuffer}),
+                                     session_id(mesh("m"), {.area_element = AreaElement::kVoronoi}),
+                                     session_id(mesh("m"), {.density = {UniformTerm{}}}),
+                                     session_id(mesh("m"), {.density = {CurvatureTerm{}}}),
+                                     session_id(mesh("m"), {.density = {CurvatureTerm{.floor = 0.5}}})};
+  EXPECT_EQ(ids.size(), 9u);
+}
+
 TEST_F(SessionStoreTest, OtherCompanionsAreAnotherSession) {
   const std::set<std::string> ids = {session_id(mesh("m"), {}), session_id(mesh_with("t.png", "a"), {}),
                                      session_id(mesh_with("t.png", "b"), {}), session_id(mesh_with("u.png", "a"), {}),
@@ -311,7 +324,7 @@ TEST_F(SessionStoreTest, CloseLeavesTheSessionToThoseWhoHoldIt) {
   const auto held = store_->find(id);
   EXPECT_TRUE(store_->close(id).ok());
   EXPECT_EQ(store_->find(id).status().code(), Code::kNotFound);
-  EXPECT_EQ((*held)->curve().size(), 1u);
+  EXPECT_EQ((*held)->curve()->size(), 1u);
 }
 
 TEST_F(SessionStoreTest, CloseStopsPreprocessing) {

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/cli/bench/median.h"
 #include "client/cli/bench/stages.h"
 #include "core/flatten/parameterise_cgal.h"
 
@@ -21,22 +22,6 @@ struct Reference {
 
 constexpr std::array<Reference, 2> kReferences = {
     {{"CGAL (incomplete LU)", CgalPreconditioner::kIncompleteLu}, {"CGAL (diagonal)", CgalPreconditioner::kDiagonal}}};
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-StageSeconds medians(const std::vector<StageSeconds>& runs) {
-  StageSeconds result;
-  for (const Stage& stage : kStages) {
-    std::vector<double> values;
-    for (const StageSeconds& run : runs) values.push_back(run.*stage.seconds);
-    result.*stage.seconds = median(std::move(values));
-  }
-  return result;
-}
 
 /// CGAL on every disc. Discs that it refuses are counted and cost nothing.
 struct CgalRun {

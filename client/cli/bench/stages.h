@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "core/pipeline.h"
 
@@ -20,5 +21,8 @@ inline constexpr std::array<Stage, 8> kStages = {{{"read", &StageSeconds::read},
                                                   {"map", &StageSeconds::map},
                                                   {"area", &StageSeconds::area},
                                                   {"total", &StageSeconds::total}}};
+
+/// Of each stage by itself; of an even number of runs the upper one. At least one run.
+StageSeconds medians(const std::vector<StageSeconds>& runs);
 
 }  // namespace curvecast::cli

@@ -2,10 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
+#include "client/cli/bench/areas.h"
 #include "client/cli/bench/bench_report.h"
 #include "client/cli/bench/growth.h"
+#include "client/cli/bench/mappers.h"
+#include "client/cli/bench/neighbours_bench.h"
 #include "client/cli/bench/peak_memory.h"
 #include "client/cli/bench/preprocess_bench.h"
 #include "tests/support/shapes.h"
@@ -62,6 +66,23 @@ TEST(Growth, MeasuresEverySize) {
   EXPECT_EQ(bench_growth({"torus.off", off}, {.levels = 7}, {}).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
+TEST(NeighboursBench, AgreesWithTheKdTree) {
+  const std::string off = curvecast::testing::to_off(curvecast::testing::torus(24, 12));
+  const auto report = bench_neighbours({"torus.off", off}, {.repeats = 1, .points = 1000, .samples = 300}, {});
+  ASSERT_TRUE(report.ok()) << report.status();
+  for (const std::string set : {"curve", "samples"}) {
+    for (const char* name : {": build", ": build + 8 nearest of all", ": 16 nearest of places", ": within a radius"}) {
+      const BenchResult* result = find(*report, set + name);
+      ASSERT_NE(result, nullptr) << name;
+      EXPECT_GT(result->value, 0);
+      EXPECT_GT(result->reference.value_or(0), 0);
+    }
+    ASSERT_NE(find(*report, set + ": answers that differ"), nullptr);
+    EXPECT_EQ(find(*report, set + ": answers that differ")->value, 0);
+  }
+  EXPECT_FALSE(bench_neighbours({"torus.off", off}, {.points = 100, .samples = 300}, {}).ok());
+}
+
 TEST(PeakMemory, SeesWhatWasHeldForAMoment) {
   if (!reset_peak_memory()) GTEST_SKIP() << "this system does not let a process reset its peak memory";
   const std::uint64_t before = peak_memory();
@@ -70,6 +91,29 @@ TEST(PeakMemory, SeesWhatWasHeldForAMoment) {
   EXPECT_GE(peak_memory(), before + kBytes / 2);
   ASSERT_TRUE(reset_peak_memory());
   EXPECT_LT(peak_memory(), before + kBytes / 2);
+}
+
+TEST(MappersBench, ComparesTheMappers) {
+  const std::string off = curvecast::testing::to_off(curvecast::testing::jittered(curvecast::testing::torus(24, 12), 0.02));
+  const auto report = bench_mappers({"torus.off", off}, {.repeats = 2, .points = 1000}, {});
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_GT(find(*report, "exact")->value, 0);
+  EXPECT_GT(find(*report, "ID buffer")->reference.value_or(0), 0);
+  EXPECT_GT(find(*report, "ID buffer: sections")->value, 0);
+  EXPECT_LT(find(*report, "centres with different triangles")->value, 1);
+  EXPECT_FALSE(bench_mappers({"bad.off", {}}, {}, {}).ok());
+}
+
+TEST(AreasBench, ComparesTheAreaElements) {
+  const std::string off = curvecast::testing::to_off(curvecast::testing::torus(60, 30));
+  const auto report = bench_areas({"torus.off", off}, {.runs = 3, .regions = 50, .points = 2000}, {});
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_LT(std::abs(find(*report, "exact: error of the sum")->value), 1e-4);
+  EXPECT_LT(std::abs(find(*report, "Voronoi: error of the sum")->value), 1);
+  EXPECT_NEAR(find(*report, "random samples: RMS gradient")->value, -0.5, 0.1);
+  for (const char* name : {"exact: RMS gradient", "Voronoi: RMS gradient"}) EXPECT_LT(find(*report, name)->value, -0.6) << name;
+  EXPECT_GT(find(*report, "random samples: RMS, all N")->value, 1.5);
+  EXPECT_FALSE(bench_areas({"bad.off", {}}, {}, {}).ok());
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ std::vector<double> sequence_of(std::size_t n, std::uint64_t seed = 1) {
 
 std::vector<std::uint32_t> equalised(const Curve& curve, const std::vector<double>& q) {
   std::vector<std::uint32_t> vertices(q.size(), kUntouched);
-  EXPECT_GT(equalise(curve.density, curve.area, q, vertices), 0);
+  EXPECT_GT(equalise(curve.density, curve.area, q, vertices).total, 0);
   return vertices;
 }
 
@@ -79,7 +79,7 @@ TEST(Equalise, IsExactWhereSumsAre) {
           expected.push_back(static_cast<std::uint32_t>(first - cumulative.begin()));
         }
         std::vector<std::uint32_t> vertices(points, kUntouched);
-        ASSERT_EQ(equalise(curve.density, curve.area, q, vertices), sum);
+        ASSERT_EQ(equalise(curve.density, curve.area, q, vertices).total, sum);
         ASSERT_EQ(vertices, expected) << n << " vertices, " << points << " points, seed " << seed;
         expect_sound(curve, vertices);
       }
@@ -202,20 +202,32 @@ TEST(Equalise, LeavesVerticesAloneWithoutAMass) {
   std::vector<std::uint32_t> vertices(10, kUntouched);
   const std::vector<double> q = sequence_of(10);
   const std::vector<float> zeros(500, 0.0f), ones(500, 1.0f);
-  EXPECT_EQ(equalise(zeros, ones, q, vertices), 0);
-  EXPECT_EQ(equalise(ones, zeros, q, vertices), 0);
-  EXPECT_EQ(equalise({}, {}, q, vertices), 0);
+  EXPECT_EQ(equalise(zeros, ones, q, vertices).total, 0);
+  EXPECT_EQ(equalise(ones, zeros, q, vertices).total, 0);
+  EXPECT_EQ(equalise({}, {}, q, vertices).total, 0);
   std::vector<float> wild = ones;
   wild[123] = std::numeric_limits<float>::infinity();
-  EXPECT_FALSE(std::isfinite(equalise(wild, ones, q, vertices)));
+  EXPECT_FALSE(std::isfinite(equalise(wild, ones, q, vertices).total));
   wild[123] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_FALSE(std::isfinite(equalise(wild, ones, q, vertices)));
+  EXPECT_FALSE(std::isfinite(equalise(wild, ones, q, vertices).total));
   EXPECT_EQ(vertices, std::vector<std::uint32_t>(10, kUntouched));
 }
 
 TEST(Equalise, OfNoPointsOnlySums) {
   const std::vector<float> ones(130, 1.0f), twos(130, 2.0f);
-  EXPECT_EQ(equalise(ones, twos, {}, {}), 260);
+  EXPECT_EQ(equalise(ones, twos, {}, {}).total, 260);
+}
+
+TEST(Equalise, FindsTheLargestMass) {
+  std::vector<float> density(1000), area(1000);
+  float largest = 0;
+  for (std::size_t l = 0; l < density.size(); ++l) {
+    density[l] = static_cast<float>(random_unit(1, l));
+    area[l] = static_cast<float>(random_unit(2, l));
+    largest = std::max(largest, density[l] * area[l]);
+  }
+  EXPECT_EQ(equalise(density, area, {}, {}).largest, largest);
+  EXPECT_EQ(equalise({}, {}, {}, {}).largest, 0);
 }
 
 }  // namespace

@@ -1,0 +1,92 @@
+#include "client/cli/bench/curve_bench.h"
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "client/cli/bench/peak_memory.h"
+#include "client/cli/bench/stages.h"
+#include "core/stopwatch.h"
+
+namespace curvecast::cli {
+namespace {
+
+/// Seconds that so many threads take to write so many bytes to memory that nobody has touched yet.
+double seconds_to_write(std::uint64_t bytes, int threads) {
+  Stopwatch watch;
+  const std::unique_ptr<char[]> memory(new char[bytes]);
+  std::vector<std::jthread> writers;
+  const std::uint64_t share = bytes / static_cast<std::uint64_t>(threads);
+  for (int i = 0; i < threads; ++i) {
+    writers.emplace_back([&, i] { std::memset(memory.get() + static_cast<std::uint64_t>(i) * share, i + 1, share); });
+  }
+  writers.clear();
+  return watch.lap();
+}
+
+/// The stages that lay the curve, one run or the median of several.
+void add_stages(const std::string& name, const StageSeconds& seconds, double bound, BenchReport& report) {
+  report.results.push_back({name + ": curve", seconds.curve, "s"});
+  report.results.push_back({name + ": map", seconds.map, "s"});
+  report.results.push_back({name + ": area", seconds.area, "s"});
+  report.results.push_back({name + ": curve + map + area", seconds.curve + seconds.map + seconds.area, "s", bound});
+}
+
+}  // namespace
+
+absl::StatusOr<BenchReport> bench_curve(const MeshFile& file, const CurveBenchOptions& options, const ExecutionContext& context) {
+  BenchReport report{"curve", {}};
+  PreprocessOptions preprocess_options{.points = options.points};
+  absl::StatusOr<FlattenedMesh> made = flatten_mesh(file, preprocess_options, context);
+  if (!made.ok()) return made.status();
+  const auto flattened = std::make_shared<const FlattenedMesh>(*std::move(made));
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<int> thread_counts = {1};
+  if (cores > 1) thread_counts.push_back(cores);
+  for (const int threads : thread_counts) {
+    ExecutionContext run_context = context;
+    run_context.threads = threads;
+    std::vector<StageSeconds> runs;
+    PreprocessReport last;
+    for (int i = 0; i < options.repeats; ++i) {
+      const absl::StatusOr<Preprocessed> done = lay_curve(flattened, preprocess_options, run_context);
+      if (!done.ok()) return done.status();
+      last = done->report;
+      runs.push_back(last.seconds);
+    }
+    if (threads == 1) {
+      report.results.push_back({"curve vertices", static_cast<double>(last.curve_vertices), "vertices",
+                                preprocess_options.omega * static_cast<double>(options.points)});
+      report.results.push_back(
+          {"curve", static_cast<double>(last.curve_bytes) / static_cast<double>(last.curve_vertices), "B/vertex"});
+    }
+    add_stages(threads == 1 ? "1 thread" : absl::StrCat(threads, " threads"), medians(runs),
+               seconds_to_write(last.curve_bytes, threads), report);
+  }
+  report.notes = {
+      absl::StrFormat("%s for %d points, omega %g, median of %d; the vertices' reference is what omega asks for, the sums' is "
+                      "the time to write the curve's bytes to fresh memory.",
+                      file.name, options.points, preprocess_options.omega, options.repeats)};
+  if (options.large_points == 0) return report;
+  const bool counts_memory = reset_peak_memory();
+  preprocess_options.points = options.large_points;
+  ExecutionContext run_context = context;
+  run_context.threads = cores;
+  const absl::StatusOr<Preprocessed> large = lay_curve(flattened, preprocess_options, run_context);
+  if (!large.ok()) return large.status();
+  report.results.push_back({"large: curve vertices", static_cast<double>(large->report.curve_vertices), "vertices",
+                            preprocess_options.omega * static_cast<double>(options.large_points)});
+  add_stages("large", large->report.seconds, seconds_to_write(large->report.curve_bytes, cores), report);
+  if (counts_memory) report.results.push_back({"large: peak memory", static_cast<double>(peak_memory()) / 1e9, "GB"});
+  report.notes.push_back(absl::StrFormat("large: for %d points, one run with all cores; memory is all that the process holds.",
+                                         options.large_points));
+  return report;
+}
+
+}  // namespace curvecast::cli

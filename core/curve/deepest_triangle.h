@@ -1,0 +1,28 @@
+// Which of a few triangles holds a place in the parameter square.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "core/curve/parameter_triangle.h"
+
+namespace curvecast {
+
+/// The first candidate that holds the place, or else the one in which it lies deepest, so that rounding on a shared side does no
+/// harm. Precondition: there is a candidate.
+inline std::uint32_t deepest_triangle(std::span<const ParameterTriangle> triangles, std::span<const std::uint32_t> candidates,
+                                      double u, double v) {
+  std::uint32_t best = candidates[0];
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (const std::uint32_t t : candidates) {
+    const double depth = triangles[t].weights(u, v).minCoeff();
+    if (depth <= deepest) continue;
+    deepest = depth;
+    best = t;
+    if (depth > 0) break;
+  }
+  return best;
+}
+
+}  // namespace curvecast

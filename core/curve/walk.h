@@ -1,0 +1,41 @@
+// Finds triangles of a chart by walking across its edges, so that nobody has to keep lists of them.
+// Source: Devillers, Pion, Teillaud, "Walking in a triangulation" (2002).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/curve/adaptive_quadtree.h"
+#include "core/curve/parameter_triangle.h"
+
+namespace curvecast {
+
+/// The triangles of a chart in the square, and their neighbours.
+struct ParameterMesh {
+  std::span<const ParameterTriangle> triangles;
+  std::span<const std::uint32_t> twins;  // of its disc, see TriangleMesh
+};
+
+/// The triangle that holds a point of the square, by a walk from `start`: a few steps where that is near. A point on an edge,
+/// within rounding, goes to one of its triangles, always the same from the same start.
+std::uint32_t find_triangle(const ParameterMesh& mesh, const Vec2d& p, std::uint32_t start);
+
+/// Lists the triangles that touch quads. One for each thread: it keeps a mark for every triangle.
+class TouchingTriangles {
+ public:
+  explicit TouchingTriangles(const ParameterMesh& mesh) : mesh_(mesh), marked_(mesh.triangles.size(), false) {}
+
+  /// Writes all triangles that overlap or touch the quad, ascending; `start` is any triangle, the nearer the faster.
+  void find(const Quad& quad, std::uint32_t start, std::vector<std::uint32_t>& found);
+
+ private:
+  ParameterMesh mesh_;
+  std::vector<bool> marked_;  // all false between two calls
+  std::vector<std::uint32_t> seen_;
+};
+
+/// Whether a triangle and a quad share a point (separating axes).
+bool touches(const ParameterTriangle& triangle, const Quad& quad);
+
+}  // namespace curvecast

@@ -1,0 +1,40 @@
+// The faces around each vertex of a manifold mesh, found through its halfedges.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/mesh/triangle_mesh.h"
+
+namespace curvecast {
+
+/// Must not outlive its mesh. Precondition: the faces around a vertex form one fan, as repair() leaves them.
+class VertexFans {
+ public:
+  explicit VertexFans(const TriangleMesh& mesh) : mesh_(mesh), first_(mesh.vertex_count(), kNone) {
+    // On a border the fan has an end to start from: the halfedge that leaves along it.
+    for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
+      std::uint32_t& first = first_[mesh.from(h)];
+      if (first == kNone || mesh.twins[h] == kNone) first = h;
+    }
+  }
+
+  bool on_border(std::size_t v) const { return first_[v] == kNone || mesh_.twins[first_[v]] == kNone; }
+
+  /// Calls `visit` with the halfedges that leave v, counter-clockwise: one for each face of its fan.
+  template <typename Visit>
+  void visit(std::size_t v, Visit&& visit) const {
+    std::uint32_t h = first_[v];
+    while (h != kNone) {
+      visit(h);
+      h = mesh_.twins[previous_halfedge(h)];
+      if (h == first_[v]) break;
+    }
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  std::vector<std::uint32_t> first_;
+};
+
+}  // namespace curvecast

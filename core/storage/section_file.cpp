@@ -1,0 +1,259 @@
+#include "core/storage/section_file.h"
+
+#include <absl/cleanup/cleanup.h>
+#include <absl/strings/str_cat.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <set>
+#include <vector>
+
+#include "core/storage/atomic_file.h"
+
+namespace curvecast {
+namespace {
+
+constexpr char kMagic[8] = {'\x89', 'C', 'V', 'C', '\r', '\n', '\x1a', '\n'};  // as PNG's: what damages line ends shows at once
+constexpr std::uint32_t kFormatVersion = 1;
+constexpr std::size_t kAlignment = 64;
+constexpr std::size_t kMaxName = 31;
+constexpr std::uint64_t kMaxSections = 4096;
+constexpr std::uint64_t kMaxFileSize = std::uint64_t{64} << 30;
+constexpr std::uint32_t kMaxElementSize = 4096;
+
+struct Header {
+  char magic[8];
+  std::uint32_t format_version;
+  std::uint32_t kind_version;
+  char kind[8];
+  std::uint64_t file_size;
+  std::uint64_t sections;
+  std::uint64_t reserved[2];
+  std::uint64_t checksum;
+};
+static_assert(sizeof(Header) == kAlignment);
+
+std::uint64_t aligned(std::uint64_t offset) { return (offset + kAlignment - 1) / kAlignment * kAlignment; }
+
+std::uint64_t hash(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+/// Of header and table, one after the other in memory; the header's own checksum counts as zero.
+std::uint64_t header_hash(std::span<const std::byte> bytes) {
+  Header header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  header.checksum = 0;
+  const std::uint64_t seed = XXH3_64bits(&header, sizeof header);
+  return XXH3_64bits_withSeed(bytes.data() + sizeof header, bytes.size() - sizeof header, seed);
+}
+
+/// A name as in a message, whatever is in it.
+std::string word(const char* text, std::size_t size) {
+  std::string out(text, strnlen(text, size));
+  std::replace_if(
+      out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return out;
+}
+
+}  // namespace
+
+struct SectionFile::Entry {
+  char name[kMaxName + 1];  // padded with zeros
+  std::uint64_t count;
+  std::uint64_t offset;
+  std::uint64_t checksum;
+  std::uint32_t element_size;
+  std::uint32_t reserved;
+};
+
+absl::Status write_section_file(const std::string& path, const FileKind& kind, std::span<const Section> sections) {
+  struct Entry {
+    char name[kMaxName + 1] = {};
+    std::uint64_t count = 0, offset = 0, checksum = 0;
+    std::uint32_t element_size = 0, reserved = 0;
+  };
+  static_assert(sizeof(Entry) == kAlignment);
+  assert(sections.size() <= kMaxSections);
+  std::vector<std::byte> head(sizeof(Header) + sections.size() * sizeof(Entry));
+  std::uint64_t end = head.size();
+  // On one thread: the disk is the slower part, and the cores are for those who wait.
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const Section& section = sections[i];
+    assert(!section.name.empty() && section.name.size() <= kMaxName && section.bytes.size() % section.element_size == 0);
+    Entry entry;
+    section.name.copy(entry.name, kMaxName);
+    entry.count = section.bytes.size() / section.element_size;
+    entry.offset = aligned(end);
+    entry.checksum = hash(section.bytes);
+    entry.element_size = section.element_size;
+    end = entry.offset + section.bytes.size();
+    std::memcpy(head.data() + sizeof(Header) + i * sizeof entry, &entry, sizeof entry);
+  }
+  Header header = {};
+  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  header.format_version = kFormatVersion;
+  header.kind_version = kind.version;
+  std::memcpy(header.kind, kind.name, sizeof kind.name);
+  header.file_size = end;
+  header.sections = sections.size();
+  std::memcpy(head.data(), &header, sizeof header);
+  header.checksum = header_hash(head);
+  std::memcpy(head.data(), &header, sizeof header);
+
+  absl::StatusOr<AtomicFile> file = AtomicFile::create(path);
+  if (!file.ok()) return file.status();
+  if (absl::Status status = file->resize(end); !status.ok()) return status;
+  if (absl::Status status = file->write_at(0, head); !status.ok()) return status;
+  std::uint64_t offset = head.size();
+  for (const Section& section : sections) {
+    offset = aligned(offset);
+    if (absl::Status status = file->write_at(offset, section.bytes); !status.ok()) return status;
+    offset += section.bytes.size();
+  }
+  return file->commit();
+}
+
+SectionFile::~SectionFile() {
+  if (data_ == nullptr) return;
+  if (mapped_) {
+    ::munmap(data_, size_);
+  } else {
+    ::operator delete (data_, std::align_val_t{kAlignment});
+  }
+}
+
+absl::StatusOr<std::shared_ptr<const SectionFile>> SectionFile::open(const std::string& path, const FileKind& kind,
+                                                                     FileAccess access) {
+  // Without O_NONBLOCK a pipe would keep us waiting for somebody to write.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (descriptor < 0) return absl::ErrnoToStatus(errno, absl::StrCat(path, ": cannot open"));
+  const absl::Cleanup close = [descriptor] { ::close(descriptor); };
+  std::shared_ptr<SectionFile> file(new SectionFile(path));
+  if (absl::Status status = file->read(descriptor, kind, access); !status.ok()) return status;
+  return file;
+}
+
+absl::Status SectionFile::read(int descriptor, const FileKind& kind, FileAccess access) {
+  struct stat status = {};
+  if (::fstat(descriptor, &status) != 0) return absl::ErrnoToStatus(errno, absl::StrCat(path_, ": cannot read"));
+  if (!S_ISREG(status.st_mode)) return absl::InvalidArgumentError(absl::StrCat(path_, ": not a file"));
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  if (size < sizeof(Header)) return damaged(absl::StrCat("it has only ", size, " bytes"));
+  if (size > kMaxFileSize) return damaged(absl::StrCat("it has ", size, " bytes, more than any such file"));
+  if (access == FileAccess::kMap) {
+    void* data = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor, 0);
+    if (data == MAP_FAILED) return absl::ErrnoToStatus(errno, absl::StrCat(path_, ": cannot map"));
+    data_ = static_cast<std::byte*>(data);
+    size_ = size;
+    mapped_ = true;
+  } else {
+    data_ = static_cast<std::byte*>(::operator new (size, std::align_val_t{kAlignment}, std::nothrow));
+    if (data_ == nullptr) return absl::ResourceExhaustedError(absl::StrCat(path_, ": no memory for ", size, " bytes"));
+    while (size_ < size) {
+      const ssize_t got = ::pread(descriptor, data_ + size_, size - size_, static_cast<off_t>(size_));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) return absl::ErrnoToStatus(errno, absl::StrCat(path_, ": cannot read"));
+      if (got == 0) return damaged("it became shorter while it was read");
+      size_ += static_cast<std::uint64_t>(got);
+    }
+  }
+  if (absl::Status checked = check_header(kind); !checked.ok()) return checked;
+  // Reading ahead is worth it only once the file is known for one of ours.
+  if (mapped_) ::madvise(data_, size_, MADV_POPULATE_READ);
+  if (absl::Status checked = check_table(); !checked.ok()) return checked;
+  return check_sections();
+}
+
+absl::Status SectionFile::damaged(const std::string& what) const {
+  return absl::DataLossError(absl::StrCat(path_, ": damaged: ", what));
+}
+
+std::span<const SectionFile::Entry> SectionFile::table() const {
+  const auto* header = reinterpret_cast<const Header*>(data_);
+  return {reinterpret_cast<const Entry*>(data_ + sizeof(Header)), header->sections};
+}
+
+absl::Status SectionFile::check_header(const FileKind& kind) const {
+  Header header;
+  std::memcpy(&header, data_, sizeof header);
+  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) return damaged("it is no file of this program");
+  if (header.format_version != kFormatVersion) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(path_, ": its format has version ", header.format_version, "; this program reads version ", kFormatVersion));
+  }
+  if (std::memcmp(header.kind, kind.name, sizeof kind.name) != 0 || header.kind_version != kind.version) {
+    return absl::FailedPreconditionError(absl::StrCat(path_, ": it holds ", word(header.kind, sizeof header.kind), " version ",
+                                                      header.kind_version, ", not ", word(kind.name, sizeof kind.name),
+                                                      " version ", kind.version));
+  }
+  if (header.file_size != size_) return damaged(absl::StrCat("it has ", size_, " of ", header.file_size, " bytes"));
+  static_assert(sizeof(Entry) == kAlignment);
+  if (header.sections > kMaxSections || sizeof(Header) + header.sections * sizeof(Entry) > size_) {
+    return damaged(absl::StrCat("it claims to have ", header.sections, " sections"));
+  }
+  if (header_hash({data_, sizeof(Header) + header.sections * sizeof(Entry)}) != header.checksum) {
+    return damaged("its header has a wrong checksum");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SectionFile::check_table() const {
+  const auto is_zero = [](std::byte byte) { return byte == std::byte{0}; };
+  std::uint64_t end = sizeof(Header) + table().size_bytes();
+  std::set<std::string_view> names;
+  for (const Entry& entry : table()) {
+    const std::size_t length = strnlen(entry.name, sizeof entry.name);
+    if (length == 0 || length > kMaxName || !names.insert({entry.name, length}).second) {
+      return damaged("a section has no name, or another's");
+    }
+    const auto about = [&](const char* what) {
+      return damaged(absl::StrCat("section ", word(entry.name, sizeof entry.name), " ", what));
+    };
+    if (entry.element_size < 1 || entry.element_size > kMaxElementSize) return about("has elements of an absurd size");
+    if (entry.offset != aligned(end) || entry.offset > size_) return about("does not begin where the one before it ends");
+    if (entry.count > (size_ - entry.offset) / entry.element_size) return about("reaches beyond the end of the file");
+    if (!std::all_of(data_ + end, data_ + entry.offset, is_zero)) return about("has something else than zeros before it");
+    end = entry.offset + entry.count * entry.element_size;
+  }
+  return end == size_ ? absl::OkStatus() : damaged("it goes on after its last section");
+}
+
+absl::Status SectionFile::check_sections() const {
+  const std::span<const Entry> entries = table();
+  std::atomic<std::size_t> wrong = entries.size();
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, entries.size(), 1),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          const Entry& entry = entries[i];
+          if (hash({data_ + entry.offset, entry.count * entry.element_size}) != entry.checksum) wrong = i;
+        }
+      },
+      tbb::simple_partitioner());
+  if (wrong == entries.size()) return absl::OkStatus();
+  return damaged(absl::StrCat("section ", word(entries[wrong].name, kMaxName), " has a wrong checksum"));
+}
+
+absl::StatusOr<std::span<const std::byte>> SectionFile::find(std::string_view name, std::size_t element_size) const {
+  for (const Entry& entry : table()) {
+    if (name != std::string_view(entry.name, strnlen(entry.name, kMaxName))) continue;
+    if (entry.element_size != element_size) {
+      return damaged(absl::StrCat("section ", std::string(name), " has elements of ", entry.element_size, " bytes instead of ",
+                                  element_size));
+    }
+    return std::span<const std::byte>(data_ + entry.offset, entry.count * entry.element_size);
+  }
+  return damaged("it has no section " + std::string(name));
+}
+
+}  // namespace curvecast

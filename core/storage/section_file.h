@@ -1,0 +1,98 @@
+// A container of arrays that can be used where they lie in a mapped file. Little-endian, like everything in memory here.
+//
+//   64 bytes           magic, format version, kind and its version, size of the file, number of sections, checksum
+//   64 bytes each      table: name, element size, count, offset, checksum
+//   the sections       in the table's order, each at the next multiple of 64 bytes; zeros between them
+//
+// Checksums are XXH3-64: each section's of its own bytes, the header's of itself (with zero for it) and the table. So every bit
+// of the file is checked.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace curvecast {
+
+static_assert(std::endian::native == std::endian::little, "section files are used as they lie in memory");
+
+/// What a file holds, and the version of that: another one is refused.
+struct FileKind {
+  char name[8];  // padded with zeros
+  std::uint32_t version;
+};
+
+/// An array to be written.
+struct Section {
+  std::string name;  // 1 to 31 bytes, unique in the file
+  std::uint32_t element_size = 1;
+  std::span<const std::byte> bytes;
+};
+
+template <typename Values>
+Section make_section(std::string name, const Values& values) {
+  using T = std::remove_cvref_t<decltype(*values.data())>;
+  static_assert(std::is_trivially_copyable_v<T>);
+  return {std::move(name), sizeof(T), std::as_bytes(std::span<const T>(values.data(), values.size()))};
+}
+
+/// Writes by way of AtomicFile; errors are its errors.
+absl::Status write_section_file(const std::string& path, const FileKind& kind, std::span<const Section> sections);
+
+enum class FileAccess {
+  kMap,   // the sections are the file's own pages, shared with all who map it. Another program that shortens or rewrites the file
+          // in place while it is in use ends this process (SIGBUS) or changes what was checked; ours never do: they replace and
+          // remove files, and what is mapped lives on
+  kCopy,  // the sections are in memory of their own
+};
+
+/// An open file, checked. Immutable.
+class SectionFile {
+ public:
+  /// Nothing of the file is believed before it is checked. NotFound; PermissionDenied; InvalidArgument: not a regular file;
+  /// FailedPrecondition: of another kind or version; DataLoss: damaged, with what is wrong. Never waits for a pipe or device.
+  static absl::StatusOr<std::shared_ptr<const SectionFile>> open(const std::string& path, const FileKind& kind,
+                                                                 FileAccess access = FileAccess::kMap);
+  ~SectionFile();
+  SectionFile(const SectionFile&) = delete;
+  SectionFile& operator=(const SectionFile&) = delete;
+
+  /// Valid as long as this. DataLoss when there is no such section of elements of that size.
+  template <typename T>
+  absl::StatusOr<std::span<const T>> section(std::string_view name) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const absl::StatusOr<std::span<const std::byte>> bytes = find(name, sizeof(T));
+    if (!bytes.ok()) return bytes.status();
+    return std::span<const T>(reinterpret_cast<const T*>(bytes->data()), bytes->size() / sizeof(T));
+  }
+
+  const std::string& path() const { return path_; }
+  std::uint64_t size() const { return size_; }  // bytes of the file
+
+ private:
+  struct Entry;
+
+  explicit SectionFile(std::string path) : path_(std::move(path)) {}
+  absl::Status read(int descriptor, const FileKind& kind, FileAccess access);
+  absl::Status check_header(const FileKind& kind) const;
+  absl::Status check_table() const;
+  absl::Status check_sections() const;
+  absl::Status damaged(const std::string& what) const;
+  std::span<const Entry> table() const;
+  absl::StatusOr<std::span<const std::byte>> find(std::string_view name, std::size_t element_size) const;
+
+  const std::string path_;
+  std::byte* data_ = nullptr;
+  std::uint64_t size_ = 0;
+  bool mapped_ = false;
+};
+
+}  // namespace curvecast

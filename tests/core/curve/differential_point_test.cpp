@@ -1,0 +1,60 @@
+#include "core/curve/differential_point.h"
+
+#include <gtest/gtest.h>
+
+#include "core/pipeline.h"
+#include "tests/support/analytic_directions.h"
+
+namespace curvecast {
+namespace {
+
+using namespace curvecast::testing;
+
+std::shared_ptr<const SurfaceCurve> curve_on(const PolygonSoup& soup) {
+  const absl::StatusOr<Preprocessed> result = preprocess({"shape.off", to_off(soup)}, {.points = 500});
+  EXPECT_TRUE(result.ok()) << result.status();
+  return result->curve;
+}
+
+void expect_directions(const PolygonSoup& soup, const AnalyticDirection& truth, double tolerance) {
+  const std::shared_ptr<const SurfaceCurve> curve = curve_on(soup);
+  std::size_t checked = 0;
+  for (std::size_t l = 0; l < curve->size(); ++l) {
+    const Vec3f direction = principal_direction_max(*curve, l);
+    EXPECT_NEAR(direction.norm(), 1, 1e-5);
+    EXPECT_NEAR(direction.dot(curve->normal(l)), 0, 1e-4);
+    const std::optional<Vec3d> wanted = truth(curve->position(l).cast<double>());
+    if (!wanted) continue;
+    ++checked;
+    EXPECT_LT(axis_angle(direction.cast<double>(), *wanted), tolerance) << "curve vertex " << l;
+  }
+  EXPECT_GT(checked, curve->size() / 4);
+}
+
+// The curve lies on flat faces, whose points are not quite where the surface has its directions: a little more leeway.
+TEST(DifferentialPoint, DirectionsFollowKnownSurfaces) {
+  expect_directions(open_cylinder(20, 60), around_the_axis, 0.05);
+  expect_directions(torus(80, 40), around_the_tube, 0.1);
+  expect_directions(ellipsoid(4), on_the_ellipsoid, 0.15);
+  expect_directions(saddle(40), on_the_saddle, 0.05);
+}
+
+TEST(DifferentialPoint, CurvaturesAreThoseOfASphere) {
+  const std::shared_ptr<const SurfaceCurve> curve = curve_on(icosphere(4, 2));
+  for (std::size_t l = 0; l < curve->size(); ++l) {
+    EXPECT_NEAR(gaussian_curvature(*curve, l), 0.25, 0.02);
+    EXPECT_NEAR(mean_curvature(*curve, l), 0.5, 0.02);
+  }
+}
+
+TEST(DifferentialPoint, CurvaturesHaveTheirSigns) {
+  SurfaceCurve curve;
+  curve.resize(1);
+  curve.curvature_min[0] = -3;
+  curve.curvature_max[0] = 1;
+  EXPECT_EQ(gaussian_curvature(curve, 0), -3);
+  EXPECT_EQ(mean_curvature(curve, 0), -1);
+}
+
+}  // namespace
+}  // namespace curvecast
