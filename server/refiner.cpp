@@ -53,11 +53,11 @@ struct Refinement {
   };
   /// What a refinement needs of a surface and the next one needs again.
   struct Surface {
-    explicit Surface(std::shared_ptr<const FlattenedMesh> mesh)
-        : flattened(std::move(mesh)) {
+    explicit Surface(std::shared_ptr<const FlattenedMesh> mesh) : flattened(std::move(mesh)) {
       const LoadedMesh& loaded = flattened->loaded;
       if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
-      base.emplace(SurfaceData{loaded.mesh, flattened->geometry, loaded.attributes, colour ? &*colour : nullptr}, flattened->charts);
+      base.emplace(SurfaceData{loaded.mesh, flattened->geometry, loaded.attributes, colour ? &*colour : nullptr},
+                   flattened->charts);
     }
     Surface(const Surface&) = delete;
 

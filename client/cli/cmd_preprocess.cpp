@@ -6,6 +6,7 @@
 #include "client/cli/choice.h"
 #include "client/cli/commands.h"
 #include "client/cli/report.h"
+#include "client/cli/session_flags.h"
 
 namespace curvecast::cli {
 namespace {
@@ -15,18 +16,17 @@ constexpr std::array<std::string_view, 2> kParameterisers = {"own", "cgal"};
 struct Flags {
   std::string mesh;
   std::uint64_t points = 65'536;
-  double omega = 10;
   std::string parameteriser = "own";
+  SessionFlags session{.omega = 10};
 };
 
 absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_token stop) {
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
-  v1::SessionOptions session_options;
-  session_options.set_max_points(flags.points);
-  session_options.set_omega(flags.omega);
-  session_options.set_parameteriser(flags.parameteriser == "cgal" ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
-  absl::StatusOr<OpenedMesh> opened = open_mesh((*host)->client(), flags.mesh, session_options, options.quiet, stop);
+  absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, flags.points);
+  if (!session_options.ok()) return session_options.status();
+  session_options->set_parameteriser(flags.parameteriser == "cgal" ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
+  absl::StatusOr<OpenedMesh> opened = open_mesh((*host)->client(), flags.mesh, *session_options, options.quiet, stop);
   if (!opened.ok()) return opened.status();
   if (opened->session.cached() && !options.quiet) {
     std::fprintf(stderr, "note: taken from the cache: the seconds are those of the run that made it\n");
@@ -43,7 +43,8 @@ Command add_preprocess(CLI::App& root, CommonOptions& options) {
                   "stage took and how good it is. The result is kept in a cache (--cache) for all commands; what is taken from "
                   "there comes with the seconds of the run that made it. With --server, the session stays there, ready for all "
                   "clients.",
-                  {"curvecast preprocess bunny.obj", "curvecast preprocess -n 1000000 --omega 10 --json igea.ply"});
+                  {"curvecast preprocess bunny.obj", "curvecast preprocess -n 1000000 --omega 10 --json igea.ply",
+                   "curvecast preprocess --base-density curvature igea.ply"});
   add_cache_flags(app, options);
   const auto flags = std::make_shared<Flags>();
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
@@ -51,15 +52,14 @@ Command add_preprocess(CLI::App& root, CommonOptions& options) {
       ->check(point_count_range())
       ->type_name("N")
       ->capture_default_str();
-  app->add_option("--omega", flags->omega, "curve vertices per point, 1 to 1,000")
-      ->check(CLI::Range(1.0, 1000.0))
-      ->type_name("W")
-      ->capture_default_str();
+  add_omega_flag(app, &flags->session)->capture_default_str();
   app->add_option("--parameteriser", flags->parameteriser,
                   "own, or cgal: CGAL's mean value parameteriser, for comparison; slower, more distortion")
       ->check(validator([](const std::string& text) { return check_choice("parameteriser", text, kParameterisers); }, ""))
       ->type_name("NAME")
       ->capture_default_str();
+  add_session_flags(app, &flags->session);
+  add_base_density_flag(app, &flags->session);
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
 }
 

@@ -10,6 +10,7 @@
 #include "client/cli/points_io.h"
 #include "client/cli/report.h"
 #include "client/cli/sample_flags.h"
+#include "client/cli/session_flags.h"
 #include "client/lib/file_bytes.h"
 
 namespace curvecast::cli {
@@ -21,6 +22,7 @@ struct Flags {
   std::string mesh, output;
   std::string sampler = "equalised";
   SampleFlags sample;
+  SessionFlags session;
   client::DrcOptions drc;
   bool first_answer = false;
 };
@@ -65,10 +67,13 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   v1::ResampleRequest request;
   absl::StatusOr<v1::SampleRequest> wanted = make_request(flags.sample, options.seed);
   if (!wanted.ok()) return wanted.status();
+  const absl::StatusOr<v1::SessionOptions> session_options =
+      make_session_options(flags.session, session_points(flags.sample.points));
+  if (!session_options.ok()) return session_options.status();
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
-  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, session_points(flags.sample.points), options.quiet, stop);
+  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, *session_options, options.quiet, stop);
   if (!opened.ok()) return opened.status();
   absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box_of(opened->session.report().mesh()), 1);
   if (!camera.ok()) return camera.status();
@@ -102,6 +107,8 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
   add_sample_flags(app, &flags->sample)->required();
   add_camera_flag(app, &flags->sample);
+  add_session_flags(app, &flags->session);
+  add_base_density_flag(app, &flags->session);
   app->add_option("-o,--output", flags->output,
                   "the points' file: .ply, .xyz, .pcd (lossless) or .drc (Draco); without it, only statistics")
       ->check(validator(check_points_ending, ""))

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "client/cli/commands.h"
+#include "client/cli/session_flags.h"
 
 namespace curvecast::cli {
 namespace {
@@ -14,6 +15,7 @@ constexpr std::chrono::seconds kDrain{5};  // that running calls get to end
 struct Flags {
   std::string listen = "127.0.0.1:50051";
   std::vector<std::string> meshes;
+  SessionFlags session;
   std::string cache;
   std::uint64_t cache_bytes = server::ServerOptions().cache_bytes;
 };
@@ -40,9 +42,11 @@ absl::Status announce(const CommonOptions& options, const std::string& line) {
 absl::Status open_meshes(const Flags& flags, const CommonOptions& options, server::Server& server, const std::string& address,
                          const std::stop_token& stop) {
   client::Client client(client::make_connection(server.in_process_channel()));
+  const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, session_points(0));
+  if (!session_options.ok()) return session_options.status();
   Json sessions = Json::array();
   for (const std::string& path : flags.meshes) {
-    absl::StatusOr<OpenedMesh> opened = open_mesh(client, path, session_points(0), options.quiet, stop);
+    absl::StatusOr<OpenedMesh> opened = open_mesh(client, path, *session_options, options.quiet, stop);
     if (!opened.ok()) return opened.status();
     sessions.push_back({{"mesh", path}, {"session_id", opened->session.session_id()}});
     if (absl::Status status = announce(options, absl::StrCat("session ", opened->session.session_id(), " ", path));
@@ -95,6 +99,7 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
                   "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) to prepare at once, for 65,536 points; repeat for more")
       ->type_name("MESH")
       ->allow_extra_args(false);
+  add_session_flags(app, &flags->session);
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
 }
 

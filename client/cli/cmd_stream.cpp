@@ -15,6 +15,7 @@
 #include "client/cli/progress_bar.h"
 #include "client/cli/report.h"
 #include "client/cli/sample_flags.h"
+#include "client/cli/session_flags.h"
 #include "client/lib/file_bytes.h"
 #include "client/lib/view_stream.h"
 
@@ -28,6 +29,7 @@ struct Flags {
   std::string mesh, path = "orbit", output;
   std::size_t frames = 60;
   SampleFlags sample;
+  SessionFlags session;
 };
 
 /// One entry per frame.
@@ -140,6 +142,9 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   if (sample_flags.density.empty()) sample_flags.density = {"view"};
   absl::StatusOr<v1::SampleRequest> sample = make_request(sample_flags, options.seed);
   if (!sample.ok()) return sample.status();
+  const absl::StatusOr<v1::SessionOptions> session_options =
+      make_session_options(flags.session, session_points(flags.sample.points));
+  if (!session_options.ok()) return session_options.status();
   // A broken path file is found out before the long work.
   const Box3d any_box{Vec3d(-1, -1, -1), Vec3d(1, 1, 1)};
   if (absl::Status status = make_camera_path(flags.path, 1, any_box).status(); !status.ok()) return status;
@@ -147,7 +152,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
-  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, session_points(flags.sample.points), options.quiet, stop);
+  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, *session_options, options.quiet, stop);
   if (!opened.ok()) return opened.status();
   absl::StatusOr<std::vector<v1::Camera>> cameras =
       make_camera_path(flags.path, flags.frames, box_of(opened->session.report().mesh()));
@@ -182,6 +187,7 @@ Command add_stream(CLI::App& root, CommonOptions& options) {
       ->capture_default_str();
   add_sample_flags(app, &flags->sample)->capture_default_str();
   app->get_option("--density")->description(std::string(kDensityHelp) + "; default: view");
+  add_session_flags(app, &flags->session);
   app->add_option("-o,--output", flags->output, "a folder for frame_0000.ply, frame_0001.ply, ...; made if missing")
       ->type_name("DIR");
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};

@@ -115,13 +115,6 @@ absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& 
   return OpenedMesh{*std::move(mesh), *std::move(session), seconds};
 }
 
-absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, std::uint64_t max_points, bool quiet,
-                                     std::stop_token stop) {
-  v1::SessionOptions session_options;
-  session_options.set_max_points(max_points);
-  return open_mesh(client, path, session_options, quiet, std::move(stop));
-}
-
 std::uint64_t session_points(std::uint64_t points) { return std::max(points, kDefaultSessionPoints); }
 
 absl::Status print_text(const std::string& text) {

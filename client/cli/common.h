@@ -80,9 +80,6 @@ struct OpenedMesh {
 /// Uploads a mesh with what it refers to, and waits for its session, with progress.
 absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, const v1::SessionOptions& session_options,
                                      bool quiet, std::stop_token stop);
-/// The same with the API's default options but for max_points.
-absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, std::uint64_t max_points, bool quiet,
-                                     std::stop_token stop);
 
 /// N that a session is made for, when N points are wanted: at least the API's default, so that most commands share one session.
 std::uint64_t session_points(std::uint64_t points);

@@ -1,18 +1,21 @@
 #include "client/cli/parameter_picture.h"
 
+#include <absl/strings/str_format.h>
+
 #include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <numeric>
+#include <vector>
+
+#include "core/render/curve_renderer.h"
 
 namespace curvecast::cli {
 namespace {
 
-constexpr double kDotsPerPixel = 2;
-// Of the distance between two dots, in diagonals of the mesh: a close-up must not take all memory.
-constexpr double kSmallestStep = 2e-5;
-
-bool comes_first(const Vec3d& a, const Vec3d& b) {
-  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+std::vector<Vec2d> uv_of(const client::ParameterDisc& disc) {
+  std::vector<Vec2d> places;
+  places.reserve(disc.uv.size());
+  for (const auto& [u, v] : disc.uv) places.emplace_back(u, v);
+  return places;
 }
 
 }  // namespace
@@ -22,9 +25,7 @@ absl::StatusOr<UvPicture> draw_uv(const client::ParameterMesh& mesh, int width, 
   std::vector<UvDisc> discs;
   uv.reserve(mesh.discs.size());
   for (const client::ParameterDisc& disc : mesh.discs) {
-    std::vector<Vec2d>& places = uv.emplace_back();
-    for (const auto& [u, v] : disc.uv) places.emplace_back(u, v);
-    discs.push_back({places, disc.triangles, disc.area_ratios});
+    discs.push_back({uv.emplace_back(uv_of(disc)), disc.triangles, disc.area_ratios});
   }
   UvRenderOptions options;
   options.width = width;
@@ -32,32 +33,45 @@ absl::StatusOr<UvPicture> draw_uv(const client::ParameterMesh& mesh, int width, 
   return render_uv(discs, options);
 }
 
-LineDots trace_cuts(const client::ParameterMesh& mesh, const RenderCamera& camera, int height, const Vec3d& origin) {
-  Box3d box;
-  for (const client::ParameterDisc& disc : mesh.discs) {
-    for (const auto& p : disc.positions) box.extend(Vec3d(p.data()));
+absl::StatusOr<CurvePicture> draw_curve(const client::Curve& curve, const client::ParameterMesh* mesh, int width, int height) {
+  if (mesh != nullptr && mesh->discs.size() != curve.discs.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("the parameter mesh has %d discs, the curve %d", mesh->discs.size(), curve.discs.size()));
   }
-  const double smallest = kSmallestStep * box.diagonal();
-  const double pixel_at_one = 2 * std::tan(camera.vertical_fov_degrees * std::numbers::pi / 360) / height;
-  LineDots dots;
-  for (const client::ParameterDisc& disc : mesh.discs) {
-    for (std::size_t i = 0; i < disc.border.size(); ++i) {
-      const Vec3d a(disc.positions[disc.border[i]].data());
-      const Vec3d b(disc.positions[disc.border[(i + 1) % disc.border.size()]].data());
-      const bool is_cut = disc.border_cuts[i] != 0;
-      if (is_cut && comes_first(b, a)) continue;  // the other side draws it
-      const double length = (b - a).norm();
-      for (double along = 0; along <= length;) {
-        const Vec3d p = length > 0 ? Vec3d(a + (b - a) * (along / length)) : a;
-        dots.positions.push_back((p - origin).cast<float>());
-        dots.colors.push_back(is_cut ? kCutColor : kBorderColor);
-        const double step = std::max(pixel_at_one * (p - camera.eye).norm() / kDotsPerPixel, smallest);
-        if (!(step > 0)) break;
-        along += step;
-      }
+  std::vector<double> surface(curve.discs.size());
+  for (std::size_t d = 0; d < surface.size(); ++d) {
+    surface[d] = std::accumulate(curve.discs[d].areas.begin(), curve.discs[d].areas.end(), 0.0);
+  }
+  std::vector<std::size_t> order(curve.discs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return surface[a] > surface[b]; });
+  order.resize(std::min(order.size(), static_cast<std::size_t>(UvRenderOptions().max_tiles)));
+
+  struct Columns {
+    std::vector<Vec2d> points, uv;
+    std::vector<double> sides;
+  };
+  std::vector<Columns> columns(order.size());
+  std::vector<CurvePath> paths;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const client::CurveDisc& disc = curve.discs[order[i]];
+    Columns& own = columns[i];
+    for (std::size_t l = 0; l < disc.size(); ++l) {
+      own.points.emplace_back(disc.centre(l)[0], disc.centre(l)[1]);
+      own.sides.push_back(disc.side(l));
     }
+    CurvePath& path = paths.emplace_back(CurvePath{own.points, own.sides, {}, {}});
+    if (mesh == nullptr) continue;
+    own.uv = uv_of(mesh->discs[order[i]]);
+    path.uv = own.uv;
+    path.triangles = mesh->discs[order[i]].triangles;
   }
-  return dots;
+  CurveRenderOptions options;
+  options.width = width;
+  options.height = height;
+  absl::StatusOr<Image> image = render_curves(paths, options);
+  if (!image.ok()) return image.status();
+  return CurvePicture{*std::move(image), static_cast<int>(paths.size())};
 }
 
 }  // namespace curvecast::cli

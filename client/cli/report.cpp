@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "client/cli/camera_option.h"
+#include "client/cli/session_flags.h"
 
 namespace curvecast::cli {
 namespace {
@@ -81,6 +82,8 @@ Json preprocess_json(const v1::Session& session) {
             {"extra_levels_mean", report.distortion().extra_levels_mean()},
             {"extra_levels_max", report.distortion().extra_levels_max()}}},
           {"parameteriser", session.options().parameteriser() == v1::PARAMETERISER_CGAL ? "cgal" : "own"},
+          {"mapper", mapper_name(session.options().mapper())},
+          {"area_element", area_name(session.options().area_element())},
           {"fallback_discs", report.fallback_discs()},
           {"seconds", seconds},
           {"curve_bytes", report.curve_bytes()},
@@ -111,7 +114,10 @@ std::string mesh_text(const v1::MeshInfo& mesh) {
 std::string preprocess_text(const v1::Session& session) {
   const v1::PreprocessReport& report = session.report();
   std::string text = mesh_text(report.mesh());
-  for (const auto& [name, value] : stages(report.seconds())) absl::StrAppendFormat(&text, "%-14s %.3f s\n", name, value);
+  const double total = report.seconds().total();
+  for (const auto& [name, value] : stages(report.seconds())) {
+    absl::StrAppendFormat(&text, "%-14s %.3f s %5.1f %%\n", name, value, total > 0 ? 100 * value / total : 0);
+  }
   absl::StrAppendFormat(&text, "curve          %d vertices, discs %d, deepest level %d, %.1f MB, for %d points\n",
                         report.curve_vertices(), report.discs(), report.max_level(),
                         1e-6 * static_cast<double>(report.curve_bytes()), session.options().max_points());

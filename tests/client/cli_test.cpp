@@ -1,102 +1,21 @@
 // Runs the real command on a generated sphere.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <numbers>
-#include <sstream>
-#include <string>
-#include <vector>
 
-#include "client/cli/points_io.h"
-#include "client/lib/file_bytes.h"
-#include "tests/client/process.h"
+#include "tests/client/cli_fixture.h"
 
 namespace curvecast::cli {
 namespace {
 
-using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
-
-/// CTest runs each test as a process of its own, many at once: each has a folder to itself.
-std::string folder() { return ::testing::TempDir() + "/curvecast_cli_test_" + std::to_string(getpid()); }
-std::string temporary(const std::string& name) { return folder() + "/" + name; }
-
-/// A sphere of `rings` x 2 `rings` quads with its poles, as an OFF file.
-std::string write_sphere(const std::string& name, int rings) {
-  const int columns = 2 * rings;
-  std::ostringstream vertices, faces;
-  int face_count = 0;
-  const auto index = [&](int ring, int column) { return 1 + (ring - 1) * columns + column % columns; };
-  const int last = 1 + (rings - 1) * columns;
-  vertices << "0 0 1\n";
-  for (int ring = 1; ring < rings; ++ring) {
-    const double theta = std::numbers::pi * ring / rings;
-    for (int column = 0; column < columns; ++column) {
-      const double phi = 2 * std::numbers::pi * column / columns;
-      vertices << std::sin(theta) * std::cos(phi) << ' ' << std::sin(theta) * std::sin(phi) << ' ' << std::cos(theta) << '\n';
-    }
-  }
-  vertices << "0 0 -1\n";
-  for (int column = 0; column < columns; ++column) {
-    faces << "3 0 " << index(1, column) << ' ' << index(1, column + 1) << '\n';
-    faces << "3 " << last << ' ' << index(rings - 1, column + 1) << ' ' << index(rings - 1, column) << '\n';
-    face_count += 2;
-    for (int ring = 1; ring + 1 < rings; ++ring) {
-      faces << "4 " << index(ring, column) << ' ' << index(ring + 1, column) << ' ' << index(ring + 1, column + 1) << ' '
-            << index(ring, column + 1) << '\n';
-      ++face_count;
-    }
-  }
-  const std::string path = temporary(name);
-  std::ofstream(path) << "OFF\n" << last + 1 << ' ' << face_count << " 0\n" << vertices.str() << faces.str();
-  return path;
-}
-
-class CliTest : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    std::filesystem::create_directories(folder());
-    ASSERT_EQ(::setenv("XDG_CACHE_HOME", temporary("cache").c_str(), 1), 0);
-    sphere_ = write_sphere("sphere.off", 12);
-  }
-  static void TearDownTestSuite() { std::filesystem::remove_all(folder()); }
-
-  /// Runs to success and parses standard output.
-  static json run_json(std::vector<std::string> arguments) {
-    arguments.emplace_back("--json");
-    const Finished finished = run(arguments);
-    EXPECT_EQ(finished.status, 0) << finished.err;
-    return json::parse(finished.out, nullptr, false);
-  }
-  static void expect_failure(const std::vector<std::string>& arguments, int status, const std::string& message) {
-    const Finished finished = run(arguments);
-    EXPECT_EQ(finished.status, status) << ::testing::PrintToString(arguments) << finished.err;
-    EXPECT_THAT(finished.err, HasSubstr("curvecast: "));
-    EXPECT_THAT(finished.err, HasSubstr(message));
-    EXPECT_THAT(finished.out, IsEmpty());
-  }
-  static std::string bytes_of(const std::string& path) {
-    const auto bytes = client::read_bytes(path, 1 << 30);
-    EXPECT_TRUE(bytes.ok()) << bytes.status();
-    return bytes.value_or("");
-  }
-  static void expect_keys(const json& object, const std::vector<std::string>& keys) {
-    for (const std::string& key : keys) EXPECT_TRUE(object.contains(key)) << key << " is missing in " << object.dump();
-  }
-
-  static inline std::string sphere_;
-};
 
 TEST_F(CliTest, HelpTellsAboutEveryCommand) {
   const Finished help = run({"--help"});
@@ -259,50 +178,26 @@ TEST_F(CliTest, StreamMeasuresAPath) {
   EXPECT_EQ(run_json({"stream", sphere_, "--path", "zoom", "--frames", "1", "-n", "100"})["removed_median"], 0);
 }
 
-TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
-  const std::string png = temporary("picture.png");
-  const auto check = [&](const std::vector<std::string>& arguments) {
-    std::filesystem::remove(png);
-    std::vector<std::string> all = {"render", "-o", png, "--size", "64x48"};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    const json report = run_json(all);
-    EXPECT_EQ(report["width"], 64);
-    const std::string bytes = bytes_of(png);
-    ASSERT_GT(bytes.size(), 24U);
-    EXPECT_EQ(bytes.substr(1, 3), "PNG");
-    EXPECT_EQ(bytes.substr(16, 8), std::string("\0\0\0\x40\0\0\0\x30", 8));
-  };
-  check({sphere_, "-n", "5000"});
-  check({sphere_, "-n", "500", "--style", "dots", "--density", "view", "--camera", "fov=20"});
-  EXPECT_EQ(run_json({"render", sphere_, "--what", "uv", "-o", png, "--size", "64x64"})["drawn"], 1);
-  EXPECT_EQ(bytes_of(png).substr(1, 3), "PNG");
-  check({sphere_, "--what", "cut", "-n", "5000"});
-  for (const std::string ending : {"ply", "xyz", "pcd", "drc"}) {
-    const std::string path = temporary("render." + ending);
-    run_json({"sample", sphere_, "-n", "2000", "-o", path});
-    check({path});
-    expect_failure({"render", path, "--what", "cut", "-o", png}, 3, "needs a mesh");
-  }
-}
-
-TEST_F(CliTest, RenderDrawsThePointsColoursUnlessToldNot) {
-  const std::string ply = temporary("plain.ply"), coloured = temporary("coloured.ply");
-  run_json({"sample", sphere_, "-n", "2000", "-o", ply});
-  auto points = load_points(ply);
-  ASSERT_TRUE(points.ok()) << points.status();
-  points->colours.assign(points->size(), {0, 0, 255});
-  ASSERT_TRUE(save_points(coloured, *points, {}).ok());
-  const auto picture = [&](std::vector<std::string> arguments) {
-    const std::string png = temporary("colours.png");
-    for (const char* argument : {"-o", png.c_str(), "--size", "64x48"}) arguments.emplace_back(argument);
-    run_json(arguments);
-    return bytes_of(png);
-  };
-  for (const char* style : {"surface", "dots"}) {
-    const std::string plain = picture({"render", ply, "--style", style});
-    EXPECT_NE(picture({"render", coloured, "--style", style}), plain);
-    EXPECT_EQ(picture({"render", coloured, "--style", style, "--no-colour"}), plain);
-  }
+TEST_F(CliTest, SessionsAreMadeAsAskedFor) {
+  const json plain = run_json({"preprocess", sphere_, "-n", "500"});
+  EXPECT_EQ(plain["mapper"], "exact");
+  EXPECT_EQ(plain["area_element"], "exact");
+  const json other = run_json({"preprocess", sphere_, "-n", "500", "--mapper", "id-buffer", "--area", "voronoi"});
+  EXPECT_EQ(other["mapper"], "id-buffer");
+  EXPECT_EQ(other["area_element"], "voronoi");
+  const json even = run_json({"preprocess", sphere_, "-n", "500", "--base-density", "uniform"});
+  EXPECT_EQ(even["curve_vertices"], plain["curve_vertices"]);
+  // A long box: half of its corners are corners, the others lie half way between.
+  const std::string box = temporary("box.off");
+  std::ofstream(box) << "OFF\n12 10 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 5\n1 0 5\n1 1 5\n0 1 5\n0 0 10\n1 0 10\n1 1 10\n0 1 10\n"
+                        "4 3 2 1 0\n4 8 9 10 11\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n"
+                        "4 4 5 9 8\n4 5 6 10 9\n4 6 7 11 10\n4 7 4 8 11\n";
+  EXPECT_NE(run_json({"preprocess", box, "-n", "5000", "--base-density", "curvature"})["curve_vertices"],
+            run_json({"preprocess", box, "-n", "5000"})["curve_vertices"]);
+  EXPECT_EQ(run_json({"sample", sphere_, "-n", "500", "--base-density", "curvature:kind=max", "--area", "voronoi"})["points"],
+            500);
+  EXPECT_EQ(run_json({"stream", sphere_, "--frames", "1", "-n", "100", "--mapper", "id-buffer"})["frames"], 1);
+  EXPECT_THAT(run({"preprocess", sphere_, "-n", "500"}).out, HasSubstr("100.0 %"));
 }
 
 TEST_F(CliTest, WhatAMeshRefersToIsTakenFromItsFolder) {
@@ -362,8 +257,13 @@ TEST_F(CliTest, WrongUsageIsStatus2) {
   expect_failure({"preprocess", sphere_, "--omega", "0.5"}, 2, "omega");
   expect_failure({"render", sphere_, "-o", "x.jpg"}, 2, ".png");
   expect_failure({"render", sphere_, "-o", "x.png", "--size", "0x10"}, 2, "WIDTHxHEIGHT");
-  expect_failure({"render", sphere_, "-o", "x.png", "--what", "hair"}, 2, "there are: surface, uv, cut");
+  expect_failure({"render", sphere_, "-o", "x.png", "--what", "hair"}, 2,
+                 "there are: surface, samples, mesh, cut, uv, curve, surface-curve");
   expect_failure({"preprocess", sphere_, "--parameteriser", "magic"}, 2, "there are: own, cgal");
+  expect_failure({"preprocess", sphere_, "--mapper", "magic"}, 2, "there are: exact, id-buffer");
+  expect_failure({"sample", sphere_, "-n", "10", "--area", "magic"}, 2, "there are: exact, voronoi");
+  expect_failure({"sample", sphere_, "-n", "10", "--base-density", "view"}, 2, "cannot depend on the view");
+  expect_failure({"preprocess", sphere_, "--base-density", "curvature:floor=2"}, 2, "from 0 to 1");
   expect_failure({"stream", sphere_, "--frames", "0"}, 2, "frames");
   expect_failure({"info", sphere_, "--quiet", "--verbose"}, 2, "");
 }

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 namespace curvecast::cli {
 namespace {
 
@@ -21,44 +19,56 @@ client::ParameterMesh strip() {
   return mesh;
 }
 
-constexpr int kHeight = 100;
-const RenderCamera kCamera{.eye = {100.5, 0.5, 3}, .target = {100.5, 0.5, 0}};
-
-TEST(ParameterPicture, DotsLieOnTheLinesWithoutGaps) {
-  const Vec3d origin(100, 0, 0);
-  const LineDots dots = trace_cuts(strip(), kCamera, kHeight, origin);
-  ASSERT_EQ(dots.positions.size(), dots.colors.size());
-  for (std::size_t i = 0; i < dots.positions.size(); ++i) {
-    const Vec3f& p = dots.positions[i];
-    const bool on_cut = p.y() == 0 || p.y() == 1, on_border = p.x() == 0 || p.x() == 1;
-    EXPECT_TRUE(on_cut || on_border);
-    if (!on_border) {
-      EXPECT_EQ(dots.colors[i], kCutColor);
-    }
-    if (!on_cut) {
-      EXPECT_EQ(dots.colors[i], kBorderColor);
-    }
-    const double pixel = 2 * std::tan(15 * 3.14159265 / 180) * 3.2 / kHeight;
-    if (i > 0 && dots.colors[i] == dots.colors[i - 1] && (p - dots.positions[i - 1]).norm() < 0.5f) {
-      EXPECT_LT((p - dots.positions[i - 1]).norm(), pixel);
-    }
-  }
-  // The side from x = 1 to 0 runs against the other one and is left out: it is drawn from the other side of the cut.
-  EXPECT_TRUE(std::none_of(dots.positions.begin(), dots.positions.end(),
-                           [](const Vec3f& p) { return p.y() == 1 && p.x() > 0.1f && p.x() < 0.9f; }));
-}
-
-TEST(ParameterPicture, LinesWithoutLengthAreDots) {
-  client::ParameterMesh mesh = strip();
-  for (auto& p : mesh.discs[0].positions) p = {1, 1, 1};
-  EXPECT_EQ(trace_cuts(mesh, kCamera, kHeight, Vec3d::Zero()).positions.size(), 4u);
-}
-
 TEST(ParameterPicture, DrawsTheDiscs) {
   const auto picture = draw_uv(strip(), 120, 130);
   ASSERT_TRUE(picture.ok()) << picture.status();
   EXPECT_EQ(picture->image.height, 130);
   EXPECT_FALSE(draw_uv({}, 120, 130).ok());
+}
+
+/// A disc of four quads, `scale` times as large as the unit square.
+client::CurveDisc four_quads(float scale) {
+  client::CurveDisc disc;
+  disc.positions = {{0, 0, 0}, {0, scale, 0}, {scale, scale, 0}, {scale, 0, 0}};
+  disc.normals.assign(4, {0, 0, 32767});
+  disc.areas.assign(4, scale * scale / 4);
+  disc.cells = {{0, 0}, {0, 1u << 29}, {1u << 29, 1u << 29}, {1u << 29, 0}};
+  disc.levels.assign(4, 1);
+  return disc;
+}
+
+/// The number of pixels that are not white, from column `from` to `to`.
+int ink(const Image& image, int from, int to) {
+  int sum = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = from; x < to; ++x) sum += image.rgba[4 * (static_cast<std::size_t>(y) * image.width + x) + 1] != 255;
+  }
+  return sum;
+}
+
+TEST(ParameterPicture, DrawsCurvesTheLargestDiscFirst) {
+  client::Curve curve;
+  curve.discs = {four_quads(1), four_quads(3)};
+  curve.discs[1].positions.resize(1);  // not what is drawn
+  curve.discs[1].cells.resize(1);
+  curve.discs[1].levels = {0};
+  const auto picture = draw_curve(curve, nullptr, 200, 100);
+  ASSERT_TRUE(picture.ok()) << picture.status();
+  EXPECT_EQ(picture->tiles, 2);
+  // The larger surface has one vertex: a frame, and no line in it.
+  EXPECT_GT(ink(picture->image, 100, 200), ink(picture->image, 0, 100) + 50);
+}
+
+TEST(ParameterPicture, DrawsAMeshBehindItsCurve) {
+  client::Curve curve;
+  curve.discs = {four_quads(1)};
+  const client::ParameterMesh mesh = strip();
+  const auto alone = draw_curve(curve, nullptr, 128, 128), both = draw_curve(curve, &mesh, 128, 128);
+  ASSERT_TRUE(alone.ok() && both.ok());
+  EXPECT_GT(ink(both->image, 0, 128), ink(alone->image, 0, 128) + 50);
+  curve.discs.push_back(four_quads(1));
+  EXPECT_FALSE(draw_curve(curve, &mesh, 128, 128).ok());
+  EXPECT_FALSE(draw_curve({}, nullptr, 128, 128).ok());
 }
 
 }  // namespace

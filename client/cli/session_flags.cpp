@@ -1,0 +1,73 @@
+#include "client/cli/session_flags.h"
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "client/cli/choice.h"
+#include "client/cli/common.h"
+#include "client/cli/density_term.h"
+
+namespace curvecast::cli {
+namespace {
+
+constexpr std::array<std::string_view, 2> kMappers = {"exact", "id-buffer"};
+constexpr std::array<std::string_view, 2> kAreas = {"exact", "voronoi"};
+
+absl::Status check_base_term(const std::string& text) {
+  const absl::StatusOr<v1::DensityTerm> term = parse_density_term(text);
+  if (!term.ok()) return term.status();
+  if (!term->has_view()) return absl::OkStatus();
+  return absl::InvalidArgumentError("a base density cannot depend on the view; there are: uniform, curvature");
+}
+
+}  // namespace
+
+void add_session_flags(CLI::App* command, SessionFlags* flags) {
+  command
+      ->add_option("--mapper", flags->mapper,
+                   "what finds the triangle under each curve vertex: exact, or id-buffer (pictures of the parameter mesh)")
+      ->check(validator([](const std::string& text) { return check_choice("mapper", text, kMappers); }, ""))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--area", flags->area, "what counts as the surface around a curve vertex: exact, or voronoi (the paper's)")
+      ->check(validator([](const std::string& text) { return check_choice("area element", text, kAreas); }, ""))
+      ->type_name("NAME")
+      ->capture_default_str();
+}
+
+void add_base_density_flag(CLI::App* command, SessionFlags* flags) {
+  command
+      ->add_option("--base-density", flags->base_density,
+                   "a factor of the density for which the curve is made; repeat to multiply: uniform, curvature[:...] as in "
+                   "--density; default: uniform")
+      ->check(validator(check_base_term, ""))
+      ->type_name("TERM")
+      ->allow_extra_args(false);
+}
+
+CLI::Option* add_omega_flag(CLI::App* command, SessionFlags* flags) {
+  return command->add_option("--omega", flags->omega, "curve vertices per point, 1 to 1,000")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->type_name("W");
+}
+
+absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flags, std::uint64_t points) {
+  v1::SessionOptions options;
+  options.set_max_points(points);
+  options.set_omega(flags.omega);
+  options.set_mapper(flags.mapper == "id-buffer" ? v1::MAPPER_ID_BUFFER : v1::MAPPER_EXACT);
+  options.set_area_element(flags.area == "voronoi" ? v1::AREA_ELEMENT_VORONOI : v1::AREA_ELEMENT_EXACT);
+  for (const std::string& text : flags.base_density) {
+    absl::StatusOr<v1::DensityTerm> term = parse_density_term(text);
+    if (!term.ok()) return term.status();
+    *options.add_density() = *std::move(term);
+  }
+  return options;
+}
+
+std::string mapper_name(v1::Mapper mapper) { return mapper == v1::MAPPER_ID_BUFFER ? "id-buffer" : "exact"; }
+
+std::string area_name(v1::AreaElement area) { return area == v1::AREA_ELEMENT_VORONOI ? "voronoi" : "exact"; }
+
+}  // namespace curvecast::cli

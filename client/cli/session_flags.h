@@ -1,0 +1,34 @@
+// The flags that say how a mesh is prepared, shared by all commands that make sessions.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "curvecast/v1/curvecast.pb.h"
+
+namespace curvecast::cli {
+
+struct SessionFlags {
+  std::string mapper = "exact", area = "exact";
+  std::vector<std::string> base_density;
+  double omega = 0;  // 0: the API's default
+};
+
+/// --mapper and --area; values of all flags are checked while parsing.
+void add_session_flags(CLI::App* command, SessionFlags* flags);
+/// --base-density.
+void add_base_density_flag(CLI::App* command, SessionFlags* flags);
+/// --omega.
+CLI::Option* add_omega_flag(CLI::App* command, SessionFlags* flags);
+
+/// `points`: N for which the curve is made. The flags have been checked.
+absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flags, std::uint64_t points);
+
+std::string mapper_name(v1::Mapper mapper);
+std::string area_name(v1::AreaElement area);
+
+}  // namespace curvecast::cli

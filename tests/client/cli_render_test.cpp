@@ -1,0 +1,81 @@
+// Runs the real command's `render` on a generated sphere.
+#include <set>
+
+#include "tests/client/cli_fixture.h"
+
+namespace curvecast::cli {
+namespace {
+
+TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
+  const std::string png = temporary("picture.png");
+  const auto check = [&](const std::vector<std::string>& arguments) {
+    std::filesystem::remove(png);
+    std::vector<std::string> all = {"render", "-o", png, "--size", "64x48"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const json report = run_json(all);
+    EXPECT_EQ(report["width"], 64);
+    const std::string bytes = bytes_of(png);
+    ASSERT_GT(bytes.size(), 24U);
+    EXPECT_EQ(bytes.substr(1, 3), "PNG");
+    EXPECT_EQ(bytes.substr(16, 8), std::string("\0\0\0\x40\0\0\0\x30", 8));
+  };
+  check({sphere_, "-n", "5000"});
+  check({sphere_, "-n", "500", "--style", "dots", "--density", "view", "--camera", "fov=20"});
+  EXPECT_EQ(run_json({"render", sphere_, "--what", "uv", "-o", png, "--size", "64x64"})["drawn"], 1);
+  EXPECT_EQ(bytes_of(png).substr(1, 3), "PNG");
+  check({sphere_, "--what", "cut", "-n", "5000"});
+  for (const std::string ending : {"ply", "xyz", "pcd", "drc"}) {
+    const std::string path = temporary("render." + ending);
+    run_json({"sample", sphere_, "-n", "2000", "-o", path});
+    check({path});
+    expect_failure({"render", path, "--what", "cut", "-o", png}, 3, "needs a mesh");
+  }
+}
+
+TEST_F(CliTest, RenderDrawsTheStagesOfPreprocessing) {
+  const std::string png = temporary("stage.png");
+  std::set<std::string> pictures;
+  const auto draw = [&](std::vector<std::string> arguments) {
+    for (const char* argument : {"-o", png.c_str(), "--size", "160x120"}) arguments.emplace_back(argument);
+    arguments.insert(arguments.begin(), {"render", sphere_, "--what"});
+    const json report = run_json(arguments);
+    EXPECT_EQ(report["width"], 160);
+    EXPECT_TRUE(pictures.insert(bytes_of(png)).second) << ::testing::PrintToString(arguments);
+    return report;
+  };
+  EXPECT_EQ(draw({"samples"})["points"], 1500);
+  EXPECT_EQ(draw({"samples", "-n", "200"})["points"], 200);
+  EXPECT_EQ(draw({"mesh"})["faces"], 2 * 24 + 2 * 10 * 24);
+  const json curve = draw({"curve"});
+  EXPECT_GT(curve["curve_vertices"], 1000);
+  EXPECT_LT(curve["curve_vertices"], 12'000);
+  EXPECT_EQ(curve["discs"], 1);
+  EXPECT_EQ(draw({"surface-curve"})["curve_vertices"], curve["curve_vertices"]);
+  draw({"curve", "--with-mesh"});
+  EXPECT_GT(draw({"curve", "--omega", "10"})["curve_vertices"], curve["curve_vertices"]);
+  EXPECT_LT(draw({"curve", "-n", "100"})["curve_vertices"], curve["curve_vertices"]);
+  draw({"surface-curve", "-n", "100"});
+}
+
+TEST_F(CliTest, RenderDrawsThePointsColoursUnlessToldNot) {
+  const std::string ply = temporary("plain.ply"), coloured = temporary("coloured.ply");
+  run_json({"sample", sphere_, "-n", "2000", "-o", ply});
+  auto points = load_points(ply);
+  ASSERT_TRUE(points.ok()) << points.status();
+  points->colours.assign(points->size(), {0, 0, 255});
+  ASSERT_TRUE(save_points(coloured, *points, {}).ok());
+  const auto picture = [&](std::vector<std::string> arguments) {
+    const std::string png = temporary("colours.png");
+    for (const char* argument : {"-o", png.c_str(), "--size", "64x48"}) arguments.emplace_back(argument);
+    run_json(arguments);
+    return bytes_of(png);
+  };
+  for (const char* style : {"surface", "dots"}) {
+    const std::string plain = picture({"render", ply, "--style", style});
+    EXPECT_NE(picture({"render", coloured, "--style", style}), plain);
+    EXPECT_EQ(picture({"render", coloured, "--style", style, "--no-colour"}), plain);
+  }
+}
+
+}  // namespace
+}  // namespace curvecast::cli
