@@ -6,12 +6,15 @@
 #include <cstddef>
 #include <initializer_list>
 #include <memory>
-#include <new>
 #include <span>
 #include <type_traits>
 #include <utility>
 
 namespace curvecast {
+
+/// Uninitialised memory, aligned to a cache line at least; null for no bytes. Much of it comes in large pages where the system
+/// has any: columns are touched from end to end, and small pages would cost more than filling them.
+std::shared_ptr<const void> allocate_pages(std::size_t bytes);
 
 template <typename T>
 class Column {
@@ -45,10 +48,8 @@ class Column {
 
   /// n uninitialised entries; what it held before is lost.
   void resize(std::size_t n) {
-    constexpr std::align_val_t kCacheLine{64};
-    void* memory = n > 0 ? ::operator new(n * sizeof(T), kCacheLine) : nullptr;
-    memory_ = std::shared_ptr<const void>(memory, [](const void* p) { ::operator delete(const_cast<void*>(p), kCacheLine); });
-    data_ = static_cast<T*>(memory);
+    memory_ = allocate_pages(n * sizeof(T));
+    data_ = static_cast<T*>(const_cast<void*>(memory_.get()));
     size_ = n;
   }
   void assign(std::size_t n, const T& value) {

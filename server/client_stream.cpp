@@ -51,7 +51,7 @@ void ClientStream::sent(bool ok) {
 
 void ClientStream::refined(const Session& session) {
   const std::lock_guard lock(mutex_);
-  if (session_.get() != &session) return;
+  if (session_ == nullptr || session_->live != session.live) return;
   refined_ = true;
   advance();
 }

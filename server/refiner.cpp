@@ -69,7 +69,7 @@ struct Refinement {
   std::unique_ptr<Surface> surface;  // of the thread that refines
   std::atomic<bool> cancel = false;
   // What follows is guarded by the refiner's lock.
-  std::shared_ptr<const Session> held;  // while something runs or waits
+  std::shared_ptr<const Session> held;  // a copy, so that the session may be evicted, while something runs or waits
   std::vector<Source> waiting;          // oldest first
   bool at_limit = false;                // no finer curve will be made
 };
@@ -90,7 +90,7 @@ bool Refiner::request(const std::shared_ptr<const Session>& session, const Surfa
   if (task->at_limit) return false;
   if (task->held == nullptr) {
     if (!queue_.submit([this, task] { run(task); }).ok()) return false;
-    task->held = session;
+    task->held = std::make_shared<const Session>(*session);
     session->live->set_refining(true);
   }
   std::erase_if(task->waiting, [source](const Refinement::Source& other) { return other.id == source; });

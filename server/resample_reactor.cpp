@@ -30,10 +30,11 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
     auto sample = to_sample(request.sample());
     if (!sample.ok()) return sample.status();
     return engine.views
-        .submit([this, &engine, id, held = std::move(held), sample = *std::move(sample)] {
+        .submit([this, &engine, id, held = std::move(held), sample = *std::move(sample)]() mutable {
           finish(to_grpc(guarded([&]() -> absl::Status {
-            absl::StatusOr<std::shared_ptr<const Session>> session = held;
-            if (held == nullptr) session = engine.sessions.find(id);
+            // Lets go of the session before the client hears that it is done.
+            absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
+            if (*session == nullptr) session = engine.sessions.find(id);
             if (!session.ok()) return session.status();
             return answer(**session, sample, engine.refine_for(*session, sample, engine.new_source()));
           })));

@@ -63,18 +63,18 @@ struct Quarters {
 
 /// Leaves of a part of the curve.
 struct Piece {
-  std::vector<std::uint64_t> key;
-  std::vector<std::uint8_t> level;
-  std::vector<std::uint32_t> x, y;
-  std::vector<std::uint32_t> count;  // of triangles
+  struct Leaf {
+    std::uint64_t key;
+    std::uint32_t x, y;
+    std::uint32_t triangles;  // how many
+    std::uint8_t level;
+  };
+  std::vector<Leaf> leaves;
   std::vector<std::uint32_t> triangles;
   std::size_t uncounted = 0;  // leaves that the builder's count does not know of yet
 
-  void add(const Node& leaf) {
-    key.push_back(leaf.key);
-    level.push_back(static_cast<std::uint8_t>(leaf.level));
-    x.push_back(leaf.x);
-    y.push_back(leaf.y);
+  void add(const Node& leaf, std::size_t count) {
+    leaves.push_back({leaf.key, leaf.x, leaf.y, static_cast<std::uint32_t>(count), static_cast<std::uint8_t>(leaf.level)});
   }
 };
 
@@ -239,9 +239,8 @@ class Builder {
   }
 
   void emit(const Node& node, const Near& near, Piece& piece) {
-    piece.add(node);
-    piece.count.push_back(static_cast<std::uint32_t>(near.triangles.size()));
-    piece.triangles.insert(piece.triangles.end(), near.triangles.begin(), near.triangles.end());
+    piece.add(node, near.triangles.size());
+    for (const std::uint32_t t : near.triangles) piece.triangles.push_back(t);  // a few: not worth a call
     constexpr std::size_t kBatch = 1024;
     if (++piece.uncounted == kBatch) {
       count_leaves(kBatch);
@@ -254,13 +253,12 @@ class Builder {
     const std::size_t n = std::size_t{1} << 2 * (level - node.level);
     if (!count_leaves(n)) return;
     add_grid(node, level, piece);
-    piece.count.insert(piece.count.end(), n, 1u);
     piece.triangles.insert(piece.triangles.end(), n, t);
   }
 
   static void add_grid(const Node& node, int level, Piece& piece) {
     if (node.level == level) {
-      piece.add(node);
+      piece.add(node, 1);
       return;
     }
     for (unsigned i = 0; i < 4; ++i) add_grid(child_of(node, i), level, piece);
@@ -287,7 +285,7 @@ class Builder {
   static absl::StatusOr<QuadtreeLeaves> join(std::vector<Part>& parts) {
     std::vector<std::size_t> leaf_begin(parts.size() + 1, 0), triangle_begin(parts.size() + 1, 0);
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      leaf_begin[i + 1] = leaf_begin[i] + parts[i].piece.key.size();
+      leaf_begin[i + 1] = leaf_begin[i] + parts[i].piece.leaves.size();
       triangle_begin[i + 1] = triangle_begin[i] + parts[i].piece.triangles.size();
     }
     if (triangle_begin.back() > std::numeric_limits<std::uint32_t>::max()) {
@@ -303,15 +301,17 @@ class Builder {
     leaves.triangles.resize(triangle_begin.back());
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
       const Piece piece = std::move(parts[i].piece);
-      std::copy(piece.key.begin(), piece.key.end(), leaves.key.begin() + leaf_begin[i]);
-      std::copy(piece.level.begin(), piece.level.end(), leaves.level.begin() + leaf_begin[i]);
-      std::copy(piece.x.begin(), piece.x.end(), leaves.x.begin() + leaf_begin[i]);
-      std::copy(piece.y.begin(), piece.y.end(), leaves.y.begin() + leaf_begin[i]);
       std::copy(piece.triangles.begin(), piece.triangles.end(), leaves.triangles.begin() + triangle_begin[i]);
       auto offset = static_cast<std::uint32_t>(triangle_begin[i]);
-      for (std::size_t l = 0; l < piece.count.size(); ++l) {
-        leaves.triangle_begin[leaf_begin[i] + l] = offset;
-        offset += piece.count[l];
+      std::size_t l = leaf_begin[i];
+      for (const Piece::Leaf& leaf : piece.leaves) {
+        leaves.key[l] = leaf.key;
+        leaves.level[l] = leaf.level;
+        leaves.x[l] = leaf.x;
+        leaves.y[l] = leaf.y;
+        leaves.triangle_begin[l] = offset;
+        offset += leaf.triangles;
+        ++l;
       }
     });
     leaves.triangle_begin[leaf_begin.back()] = static_cast<std::uint32_t>(triangle_begin.back());

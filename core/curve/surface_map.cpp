@@ -3,11 +3,13 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "core/curve/deepest_triangle.h"
 #include "core/curve/tangent_frame.h"
+#include "core/lanes.h"
 
 namespace curvecast {
 namespace {
@@ -45,15 +47,58 @@ std::vector<std::uint8_t> whole_faces(const TriangleMesh& mesh, const DiscMesh& 
   return is_whole;
 }
 
-template <typename Values>
-auto mix(const Values& values, const Triangle& corners, const Vec3f& w) {
-  return w[0] * values[corners[0]] + w[1] * values[corners[1]] + w[2] * values[corners[2]];
-}
+constexpr std::size_t kBatch = 64;  // leaves whose mixtures are packed in one go
 
-Vec3f normal_at(const std::vector<Vec3f>& normals, const Triangle& corners, const Vec3f& w) {
-  const Vec3f sum = mix(normals, corners, w);
-  const float square = sum.squaredNorm();
-  return square > 0 ? Vec3f(sum * (1 / std::sqrt(square))) : normals[corners[0]];
+/// Mixed records of a batch, lane by lane: [which number][leaf].
+struct Mixtures {
+  alignas(64) float normal[3][kBatch];
+  alignas(64) float curvature_min[kBatch], curvature_max[kBatch];
+  alignas(64) float axis[6][kBatch];
+
+  void set(std::size_t i, const VertexRecord& a, const VertexRecord& b, const VertexRecord& c, const Vec3f& w) {
+    const float w0 = w[0], w1 = w[1], w2 = w[2];
+    for (int k = 0; k < 3; ++k) normal[k][i] = w0 * a.normal[k] + w1 * b.normal[k] + w2 * c.normal[k];
+    curvature_min[i] = w0 * a.curvature_min + w1 * b.curvature_min + w2 * c.curvature_min;
+    curvature_max[i] = w0 * a.curvature_max + w1 * b.curvature_max + w2 * c.curvature_max;
+    for (int k = 0; k < 6; ++k) axis[k][i] = w0 * a.axis[k] + w1 * b.axis[k] + w2 * c.axis[k];
+    // Normals that cancel out: any one will do.
+    const float square = normal[0][i] * normal[0][i] + normal[1][i] * normal[1][i] + normal[2][i] * normal[2][i];
+    if (!(square > 0)) {
+      for (int k = 0; k < 3; ++k) normal[k][i] = a.normal[k];
+    }
+  }
+};
+
+/// Where a batch goes.
+struct PackedTarget {
+  Snorm16 *nx, *ny, *nz;
+  Bfloat16 *curvature_min, *curvature_max;
+  std::uint16_t* direction;
+};
+
+CURVECAST_WIDE void pack(const Mixtures& mixed, std::size_t count, const PackedTarget& out) {
+  alignas(64) float x[kBatch], y[kBatch], z[kBatch];
+  for (std::size_t i = 0; i < count; ++i) {
+    const float nx = mixed.normal[0][i], ny = mixed.normal[1][i], nz = mixed.normal[2][i];
+    const float scale = 1 / std::sqrt(nx * nx + ny * ny + nz * nz);
+    x[i] = nx * scale;
+    y[i] = ny * scale;
+    z[i] = nz * scale;
+  }
+  for (std::size_t i = 0; i < count; ++i) out.nx[i] = x[i];
+  for (std::size_t i = 0; i < count; ++i) out.ny[i] = y[i];
+  for (std::size_t i = 0; i < count; ++i) out.nz[i] = z[i];
+  // The direction's frame is that of the normal as it is read again.
+  for (std::size_t i = 0; i < count; ++i) x[i] = out.nx[i];
+  for (std::size_t i = 0; i < count; ++i) y[i] = out.ny[i];
+  for (std::size_t i = 0; i < count; ++i) z[i] = out.nz[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    out.direction[i] =
+        pack_axes({mixed.axis[0][i], mixed.axis[1][i], mixed.axis[2][i], mixed.axis[3][i], mixed.axis[4][i], mixed.axis[5][i]},
+                  x[i], y[i], z[i]);
+  }
+  for (std::size_t i = 0; i < count; ++i) out.curvature_min[i] = mixed.curvature_min[i];
+  for (std::size_t i = 0; i < count; ++i) out.curvature_max[i] = mixed.curvature_max[i];
 }
 
 }  // namespace
@@ -76,40 +121,40 @@ void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const
   const TriangleMesh& mesh = data.mesh;
   const DiscMesh& disc = chart.disc;
   const std::vector<std::uint8_t> is_whole = whole_faces(mesh, disc);
+  const auto map_leaf = [&](std::size_t l, std::size_t slot, Mixtures& mixed) {
+    const double side = side_of_level(leaves.level[l]);
+    const ParameterTriangle& triangle = triangles[under[l]];
+    const Vec3d weights = clamped(triangle.weights(leaves.x[l] * kCellSide + 0.5 * side, leaves.y[l] * kCellSide + 0.5 * side));
+    const Triangle& v = disc.triangles[under[l]];
+    const Vec3d place = weights[0] * disc.positions[v[0]] + weights[1] * disc.positions[v[1]] + weights[2] * disc.positions[v[2]];
+    const std::uint32_t face = disc.face_of[under[l]];
+    const Triangle& corners = mesh.triangles[face];
+    const Vec3f w = (is_whole[under[l]] ? weights : weights_on_face(mesh, face, place)).cast<float>();
+    mixed.set(slot, data.records[corners[0]], data.records[corners[1]], data.records[corners[2]], w);
+    const Vec3f position = (place - curve.origin).cast<float>();
+    const std::size_t i = offset + l;
+    curve.x[i] = position.x();
+    curve.y[i] = position.y();
+    curve.z[i] = position.z();
+    curve.triangle[i] = face;
+    curve.weight_1[i] = w[1];
+    curve.weight_2[i] = w[2];
+    curve.key[i] = leaves.key[l];
+    curve.level[i] = leaves.level[l];
+    if (data.colour != nullptr) curve.colour[i] = data.colour->at(face, w, side * side * triangle.area_ratio);
+    for (std::size_t s = 0; s < curve.scalars.size(); ++s) {
+      const std::vector<float>& values = data.attributes.scalars[s].values;
+      curve.scalars[s].values[i] = w[0] * values[corners[0]] + w[1] * values[corners[1]] + w[2] * values[corners[2]];
+    }
+  };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
-    for (std::size_t l = range.begin(); l < range.end(); ++l) {
-      const double side = side_of_level(leaves.level[l]);
-      const ParameterTriangle& triangle = triangles[under[l]];
-      const Vec3d weights = clamped(triangle.weights(leaves.x[l] * kCellSide + 0.5 * side, leaves.y[l] * kCellSide + 0.5 * side));
-      const Triangle& v = disc.triangles[under[l]];
-      const Vec3d place =
-          weights[0] * disc.positions[v[0]] + weights[1] * disc.positions[v[1]] + weights[2] * disc.positions[v[2]];
-      const std::uint32_t face = disc.face_of[under[l]];
-      const Triangle& corners = mesh.triangles[face];
-      const Vec3f w = (is_whole[under[l]] ? weights : weights_on_face(mesh, face, place)).cast<float>();
-      const Vec3f normal = normal_at(data.geometry.normals, corners, w);
-      const Vec3f position = (place - curve.origin).cast<float>();
-      const std::size_t i = offset + l;
-      curve.x[i] = position.x();
-      curve.y[i] = position.y();
-      curve.z[i] = position.z();
-      curve.nx[i] = normal.x();
-      curve.ny[i] = normal.y();
-      curve.nz[i] = normal.z();
-      curve.curvature_min[i] = mix(data.geometry.curvature_min, corners, w);
-      curve.curvature_max[i] = mix(data.geometry.curvature_max, corners, w);
-      const std::vector<Vec3f>& directions = data.geometry.directions_max;
-      const Vec3f axes[3] = {directions[corners[0]], directions[corners[1]], directions[corners[2]]};
-      curve.direction[i] = mix_directions(axes, w, curve.normal(i));  // in the frame of the packed normal
-      curve.triangle[i] = face;
-      curve.weight_1[i] = w[1];
-      curve.weight_2[i] = w[2];
-      curve.key[i] = leaves.key[l];
-      curve.level[i] = leaves.level[l];
-      if (data.colour != nullptr) curve.colour[i] = data.colour->at(face, w, side * side * triangle.area_ratio);
-      for (std::size_t s = 0; s < curve.scalars.size(); ++s) {
-        curve.scalars[s].values[i] = mix(data.attributes.scalars[s].values, corners, w);
-      }
+    Mixtures mixed;
+    for (std::size_t begin = range.begin(); begin < range.end(); begin += kBatch) {
+      const std::size_t count = std::min(kBatch, range.end() - begin), at = offset + begin;
+      for (std::size_t slot = 0; slot < count; ++slot) map_leaf(begin + slot, slot, mixed);
+      pack(mixed, count,
+           {&curve.nx[at], &curve.ny[at], &curve.nz[at], &curve.curvature_min[at], &curve.curvature_max[at],
+            &curve.direction[at]});
     }
   });
 }

@@ -9,6 +9,7 @@
 #include "core/curve/parameter_triangle.h"
 #include "core/curve/surface_colour.h"
 #include "core/curve/surface_curve.h"
+#include "core/curve/vertex_record.h"
 #include "core/flatten/flatten.h"
 #include "core/mesh/curvature.h"
 #include "core/mesh/mesh_attributes.h"
@@ -26,12 +27,16 @@ enum class Mapper : std::uint8_t {
 /// triangles it is the one in which the centre lies deepest, so that rounding on a shared side does no harm.
 void locate_centres(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<std::uint32_t> under);
 
-/// What is known of the surface; all of it must outlive its use.
+/// What is known of the surface; all that it is made of must outlive it.
 struct SurfaceData {
+  SurfaceData(const TriangleMesh& of_mesh, const DifferentialGeometry& geometry, const MeshAttributes& of_attributes,
+              const SurfaceColour* of_colour = nullptr)
+      : mesh(of_mesh), attributes(of_attributes), colour(of_colour), records(vertex_records(geometry)) {}
+
   const TriangleMesh& mesh;
-  const DifferentialGeometry& geometry;
   const MeshAttributes& attributes;  // of the mesh
-  const SurfaceColour* colour = nullptr;
+  const SurfaceColour* colour;       // may be null
+  Column<VertexRecord> records;
 };
 
 /// Writes entries [offset, offset + L) of `curve`: position, normal, curvatures and their direction, face and barycentric weights

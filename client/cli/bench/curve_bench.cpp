@@ -80,10 +80,11 @@ absl::StatusOr<BenchReport> bench_curve(const MeshFile& file, const CurveBenchOp
   run_context.threads = cores;
   const absl::StatusOr<Preprocessed> large = lay_curve(flattened, preprocess_options, run_context);
   if (!large.ok()) return large.status();
+  const double peak_gb = static_cast<double>(peak_memory()) / 1e9;
   report.results.push_back({"large: curve vertices", static_cast<double>(large->report.curve_vertices), "vertices",
                             preprocess_options.omega * static_cast<double>(options.large_points)});
   add_stages("large", large->report.seconds, seconds_to_write(large->report.curve_bytes, cores), report);
-  if (counts_memory) report.results.push_back({"large: peak memory", static_cast<double>(peak_memory()) / 1e9, "GB"});
+  if (counts_memory) report.results.push_back({"large: peak memory", peak_gb, "GB"});
   report.notes.push_back(absl::StrFormat("large: for %d points, one run with all cores; memory is all that the process holds.",
                                          options.large_points));
   return report;

@@ -80,7 +80,7 @@ TEST(NeighboursBench, AgreesWithTheKdTree) {
     ASSERT_NE(find(*report, set + ": answers that differ"), nullptr);
     EXPECT_EQ(find(*report, set + ": answers that differ")->value, 0);
   }
-  EXPECT_FALSE(bench_neighbours({"torus.off", off}, {.points = 100, .samples = 300}, {}).ok());
+  EXPECT_FALSE(bench_neighbours({"torus.off", off}, {.points = 100, .samples = 0}, {}).ok());
 }
 
 TEST(PeakMemory, SeesWhatWasHeldForAMoment) {

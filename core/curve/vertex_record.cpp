@@ -1,0 +1,24 @@
+#include "core/curve/vertex_record.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace curvecast {
+
+Column<VertexRecord> vertex_records(const DifferentialGeometry& geometry) {
+  Column<VertexRecord> records;
+  records.resize(geometry.normals.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, records.size(), 4096), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      const Vec3f& n = geometry.normals[v];
+      records[v] = {{n.x(), n.y(), n.z()},
+                    geometry.curvature_min[v],
+                    geometry.curvature_max[v],
+                    axis_tensor(geometry.directions_max[v]),
+                    0};
+    }
+  });
+  return records;
+}
+
+}  // namespace curvecast
