@@ -69,6 +69,31 @@ struct Mixtures {
   }
 };
 
+/// The triangle of a disc that the last leaf lay in, and often the next one does: all that is mixed there.
+struct Corners {
+  std::uint32_t triangle = kNone, face = kNone;
+  bool is_whole_face = false;
+  double x[3] = {}, y[3] = {}, z[3] = {};
+  const VertexRecord* record[3] = {};  // of the face's corners
+
+  void enter(const SurfaceData& data, const DiscMesh& disc, const std::vector<std::uint8_t>& is_whole, std::uint32_t t) {
+    triangle = t;
+    face = disc.face_of[t];
+    is_whole_face = is_whole[t] != 0;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3d& corner = disc.positions[disc.triangles[t][i]];
+      x[i] = corner.x();
+      y[i] = corner.y();
+      z[i] = corner.z();
+      record[i] = &data.records[data.mesh.triangles[face][i]];
+    }
+  }
+  Vec3d place(const Vec3d& w) const {
+    return {w[0] * x[0] + w[1] * x[1] + w[2] * x[2], w[0] * y[0] + w[1] * y[1] + w[2] * y[2],
+            w[0] * z[0] + w[1] * z[1] + w[2] * z[2]};
+  }
+};
+
 /// Where a batch goes.
 struct PackedTarget {
   Snorm16 *nx, *ny, *nz;
@@ -121,37 +146,36 @@ void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const
   const TriangleMesh& mesh = data.mesh;
   const DiscMesh& disc = chart.disc;
   const std::vector<std::uint8_t> is_whole = whole_faces(mesh, disc);
-  const auto map_leaf = [&](std::size_t l, std::size_t slot, Mixtures& mixed) {
+  const auto map_leaf = [&](std::size_t l, std::size_t slot, Corners& corners, Mixtures& mixed) {
+    if (under[l] != corners.triangle) corners.enter(data, disc, is_whole, under[l]);
     const double side = side_of_level(leaves.level[l]);
     const ParameterTriangle& triangle = triangles[under[l]];
     const Vec3d weights = clamped(triangle.weights(leaves.x[l] * kCellSide + 0.5 * side, leaves.y[l] * kCellSide + 0.5 * side));
-    const Triangle& v = disc.triangles[under[l]];
-    const Vec3d place = weights[0] * disc.positions[v[0]] + weights[1] * disc.positions[v[1]] + weights[2] * disc.positions[v[2]];
-    const std::uint32_t face = disc.face_of[under[l]];
-    const Triangle& corners = mesh.triangles[face];
-    const Vec3f w = (is_whole[under[l]] ? weights : weights_on_face(mesh, face, place)).cast<float>();
-    mixed.set(slot, data.records[corners[0]], data.records[corners[1]], data.records[corners[2]], w);
-    const Vec3f position = (place - curve.origin).cast<float>();
+    const Vec3d place = corners.place(weights);
+    const Vec3f w = (corners.is_whole_face ? weights : weights_on_face(mesh, corners.face, place)).cast<float>();
+    mixed.set(slot, *corners.record[0], *corners.record[1], *corners.record[2], w);
     const std::size_t i = offset + l;
-    curve.x[i] = position.x();
-    curve.y[i] = position.y();
-    curve.z[i] = position.z();
-    curve.triangle[i] = face;
+    curve.x[i] = static_cast<float>(place.x() - curve.origin.x());
+    curve.y[i] = static_cast<float>(place.y() - curve.origin.y());
+    curve.z[i] = static_cast<float>(place.z() - curve.origin.z());
+    curve.triangle[i] = corners.face;
     curve.weight_1[i] = w[1];
     curve.weight_2[i] = w[2];
     curve.key[i] = leaves.key[l];
     curve.level[i] = leaves.level[l];
-    if (data.colour != nullptr) curve.colour[i] = data.colour->at(face, w, side * side * triangle.area_ratio);
+    if (data.colour != nullptr) curve.colour[i] = data.colour->at(corners.face, w, side * side * triangle.area_ratio);
+    const Triangle& v = mesh.triangles[corners.face];
     for (std::size_t s = 0; s < curve.scalars.size(); ++s) {
       const std::vector<float>& values = data.attributes.scalars[s].values;
-      curve.scalars[s].values[i] = w[0] * values[corners[0]] + w[1] * values[corners[1]] + w[2] * values[corners[2]];
+      curve.scalars[s].values[i] = w[0] * values[v[0]] + w[1] * values[v[1]] + w[2] * values[v[2]];
     }
   };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
     Mixtures mixed;
+    Corners corners;
     for (std::size_t begin = range.begin(); begin < range.end(); begin += kBatch) {
       const std::size_t count = std::min(kBatch, range.end() - begin), at = offset + begin;
-      for (std::size_t slot = 0; slot < count; ++slot) map_leaf(begin + slot, slot, mixed);
+      for (std::size_t slot = 0; slot < count; ++slot) map_leaf(begin + slot, slot, corners, mixed);
       pack(mixed, count,
            {&curve.nx[at], &curve.ny[at], &curve.nz[at], &curve.curvature_min[at], &curve.curvature_max[at],
             &curve.direction[at]});
