@@ -230,8 +230,8 @@ Command add_bench(CLI::App& root, CommonOptions& options) {
   CLI::App* app = add_command(
       root, options, "bench",
       "Measures the work of a server in this process: preprocessing stage by stage, beside CGAL's "
-      "parameteriser; a whole folder of meshes, checked; growth with the number of faces; the alternatives to mapper and "
-      "area element.",
+      "parameteriser; a whole folder of meshes, checked; growth with the number of faces; the curve, the alternatives to "
+      "its mapper and area elements, neighbours on it.",
       {"curvecast bench --list", "curvecast bench preprocess igea.ply --repeat 5",
        "curvecast bench corpus meshes --out corpus.md", "curvecast bench growth igea.ply --json"});
   const auto list = std::make_shared<bool>(false);

@@ -49,60 +49,7 @@ struct Nearest {
   }
 };
 
-/// 10 bits of each coordinate, interleaved.
-std::uint32_t morton_code(const Vec3f& unit) {
-  std::uint32_t code = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto cell = static_cast<std::uint32_t>(std::clamp(unit[axis], 0.0f, 1.0f) * 1023.0f);
-    for (int bit = 0; bit < 10; ++bit) code |= (cell >> bit & 1) << (3 * bit + axis);
-  }
-  return code;
-}
-
-struct Piece {
-  std::uint32_t begin, size;
-  std::size_t first_leaf = 0;
-};
-
-Vec3f point_at(const PointView& points, std::size_t i) {
-  return {points.x[i * points.stride], points.y[i * points.stride], points.z[i * points.stride]};
-}
-
-/// Pieces come in any order; the tree's upper levels want neighbours side by side.
-void order_in_space(const PointView& points, std::vector<Piece>& pieces) {
-  std::vector<Vec3f> place;
-  Vec3f min = Vec3f::Constant(kFarthest), max = Vec3f::Constant(-kFarthest);
-  for (const Piece& piece : pieces) {
-    const Vec3f& p = place.emplace_back(point_at(points, piece.begin + piece.size / 2));
-    if (!p.allFinite()) continue;
-    min = min.cwiseMin(p);
-    max = max.cwiseMax(p);
-  }
-  const float extent = (max - min).maxCoeff();
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
-  for (std::uint32_t i = 0; i < pieces.size(); ++i) {
-    const bool placed = place[i].allFinite() && extent > 0 && extent < kFarthest;
-    order.emplace_back(placed ? morton_code((place[i] - min) / extent) : 0, i);
-  }
-  std::sort(order.begin(), order.end());
-  std::vector<Piece> sorted;
-  sorted.reserve(pieces.size());
-  for (const auto& [code, i] : order) sorted.push_back(pieces[i]);
-  pieces = std::move(sorted);
-}
-
 }  // namespace
-
-PointView view_of(std::span<const float> x, std::span<const float> y, std::span<const float> z) {
-  return {x.data(), y.data(), z.data(), x.size(), 1};
-}
-
-PointView view_of(std::span<const Vec3f> points) {
-  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-  if (points.empty()) return {};
-  const float* first = points.front().data();
-  return {first, first + 1, first + 2, points.size(), 3};
-}
 
 NeighbourTree::NeighbourTree(const PointView& points, std::span<const std::uint32_t> piece_begin) : size_(points.size) {
   if (size_ == 0) return;
@@ -111,7 +58,7 @@ NeighbourTree::NeighbourTree(const PointView& points, std::span<const std::uint3
 }
 
 void NeighbourTree::fill_leaves(const PointView& points, std::span<const std::uint32_t> piece_begin) {
-  std::vector<Piece> pieces;
+  std::vector<PointPiece> pieces;
   if (piece_begin.empty()) pieces.push_back({0, static_cast<std::uint32_t>(size_)});
   for (std::size_t i = 1; i < piece_begin.size(); ++i) {
     const std::uint32_t begin = piece_begin[i - 1];
@@ -119,7 +66,7 @@ void NeighbourTree::fill_leaves(const PointView& points, std::span<const std::ui
   }
   if (pieces.size() > kFanOut) order_in_space(points, pieces);
   std::size_t leaf_count = 0;
-  for (Piece& piece : pieces) {
+  for (PointPiece& piece : pieces) {
     piece.first_leaf = leaf_count;
     leaf_count += (piece.size + kLeafSize - 1) / kLeafSize;
   }
@@ -128,7 +75,7 @@ void NeighbourTree::fill_leaves(const PointView& points, std::span<const std::ui
   count_.resize(leaf_count);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaf_count, 256), [&](const auto& range) {
     auto piece = std::upper_bound(pieces.begin(), pieces.end(), range.begin(),
-                                  [](std::size_t leaf, const Piece& p) { return leaf < p.first_leaf; }) -
+                                  [](std::size_t leaf, const PointPiece& p) { return leaf < p.first_leaf; }) -
                  1;
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       if (piece + 1 != pieces.end() && (piece + 1)->first_leaf == i) ++piece;

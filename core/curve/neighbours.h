@@ -10,18 +10,10 @@
 #include <vector>
 
 #include "core/column.h"
+#include "core/curve/point_pieces.h"
 #include "core/vec.h"
 
 namespace curvecast {
-
-/// Points where they lie: coordinates of point i are x[i * stride], y[i * stride], z[i * stride].
-struct PointView {
-  const float *x = nullptr, *y = nullptr, *z = nullptr;
-  std::size_t size = 0;
-  std::size_t stride = 1;
-};
-PointView view_of(std::span<const float> x, std::span<const float> y, std::span<const float> z);
-PointView view_of(std::span<const Vec3f> points);
 
 /// A point and the square of its distance, rounded as floats are at each step.
 struct Neighbour {
