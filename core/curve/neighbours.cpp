@@ -149,21 +149,28 @@ class NeighbourSearch {
   explicit NeighbourSearch(const NeighbourTree& tree) : tree_(tree) {}
 
   void nearest(const Vec3f& query, Nearest& list) {
+    // The nearest boxes first: boxes of runs of a curve overlap, so the first leaf seldom has it all, but the limit falls
+    // quickly.
     const Reach reach(query, query);
-    // A leaf close by, and those beside it on the curve until there are k points, bring the limit down before the search.
-    const std::uint32_t middle = descend(reach);
-    const auto leaf_count = static_cast<std::uint32_t>(tree_.leaves_.size());
-    std::uint32_t begin = middle, end = middle;
-    for (std::size_t seen = 0; seen < list.k && (begin > 0 || end < leaf_count);) {
-      const std::uint32_t leaf = end < leaf_count && (begin == 0 || end - middle <= middle - begin) ? end++ : --begin;
-      scan(tree_.leaves_[leaf], tree_.first_[leaf], query, list);
-      seen += tree_.count_[leaf];
+    std::array<Candidate, kStack> stack;
+    std::size_t top = 0;
+    stack[top++] = {0, root()};
+    alignas(16) float square[kFanOut];
+    while (top > 0) {
+      const Candidate next = stack[--top];
+      if (next.square > list.limit) continue;
+      if (level_of(next.node) == 0) {
+        const std::uint32_t leaf = index_of(next.node);
+        scan(tree_.leaves_[leaf], tree_.first_[leaf], query, list);
+        continue;
+      }
+      const std::size_t begin = top;
+      for_each_bit(near_boxes(boxes_of(next.node), reach, list.limit, square), [&](unsigned c) {
+        std::size_t at = top++;
+        for (; at > begin && stack[at - 1].square < square[c]; --at) stack[at] = stack[at - 1];
+        stack[at] = {square[c], child_of(next.node, c)};
+      });
     }
-    walk(
-        query, query, [&] { return list.limit; },
-        [&](std::uint32_t leaf) {
-          if (leaf < begin || leaf >= end) scan(tree_.leaves_[leaf], tree_.first_[leaf], query, list);
-        });
   }
 
   void within(const Vec3f& query, float limit, std::vector<Neighbour>& found) {
@@ -226,6 +233,11 @@ class NeighbourSearch {
   static constexpr int kIndexBits = 28;
   static constexpr std::size_t kStack = 11 * kFanOut;
 
+  struct Candidate {
+    float square;  // of its box's distance
+    std::uint32_t node;
+  };
+
   static std::uint32_t level_of(std::uint32_t node) { return node >> kIndexBits; }
   static std::uint32_t index_of(std::uint32_t node) { return node & ((1u << kIndexBits) - 1); }
   static std::uint32_t child_of(std::uint32_t node, unsigned c) {
@@ -278,22 +290,6 @@ class NeighbourSearch {
       bits |= less_or_equal(squares, Float4::all(limit)) << i;
     }
     return bits;
-  }
-
-  /// A leaf near what the reach is about: from the root always on to the nearest box.
-  std::uint32_t descend(const Reach& reach) const {
-    std::uint32_t node = root();
-    alignas(16) float square[kFanOut];
-    while (level_of(node) > 0) {
-      near_boxes(boxes_of(node), reach, kFarthest, square);
-      const Float4 low = Float4::load(square), high = Float4::load(square + 4);
-      alignas(16) float least[4];
-      min(low, high).store(least);
-      const Float4 smallest = Float4::all(std::min(std::min(least[0], least[1]), std::min(least[2], least[3])));
-      node = child_of(node,
-                      static_cast<unsigned>(std::countr_zero(less_or_equal(low, smallest) | less_or_equal(high, smallest) << 4)));
-    }
-    return index_of(node);
   }
 
   static void scan(const Leaf& leaf, std::uint32_t first, const Vec3f& query, Nearest& list) {
