@@ -6,21 +6,12 @@
 #include <cmath>
 #include <utility>
 
+#include "core/curve/walk.h"
+
 namespace curvecast {
 namespace {
 
 constexpr std::size_t kBlock = 16'384;  // triangles that are sorted in one go
-
-/// Whether the triangle's sides leave some of the square over: with overlapping boxes, whether the two meet.
-bool sides_meet(const ParameterTriangle& p, double x, double y, double side) {
-  for (int i = 0; i < 3; ++i) {
-    const int j = i == 2 ? 0 : i + 1;
-    const double a = p.v[i] - p.v[j], b = p.u[j] - p.u[i];  // grows inwards
-    const double farthest_x = a > 0 ? x + side : x, farthest_y = b > 0 ? y + side : y;
-    if (a * (farthest_x - p.u[i]) + b * (farthest_y - p.v[i]) < 0) return false;
-  }
-  return true;
-}
 
 /// Calls `visit` with every cell that the triangle meets.
 template <typename Visit>
@@ -33,7 +24,7 @@ void visit_cells(const ParameterTriangle& p, int level, Visit&& visit) {
   const bool alone = x0 == x1 && y0 == y1;
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {
-      if (alone || sides_meet(p, x / cells, y / cells, 1 / cells)) visit((static_cast<std::size_t>(y) << level) + x);
+      if (alone || touches(p, {Vec2d(x / cells, y / cells), 1 / cells})) visit((static_cast<std::size_t>(y) << level) + x);
     }
   }
 }

@@ -7,23 +7,10 @@
 #include <set>
 
 #include "core/render/curve_renderer.h"
+#include "tests/client/strip_mesh.h"
 
 namespace curvecast::cli {
 namespace {
-
-/// A square of two triangles whose lower side is glued to its upper one, at z = 0 and far from the origin.
-client::ParameterMesh strip() {
-  client::ParameterMesh mesh;
-  client::ParameterDisc& disc = mesh.discs.emplace_back();
-  disc.positions = {{100, 0, 0}, {101, 0, 0}, {101, 1, 0}, {100, 1, 0}};
-  disc.uv = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  disc.triangles = {{0, 1, 2}, {0, 2, 3}};
-  disc.faces = {0, 1};
-  disc.area_ratios = {1, 1};
-  disc.border = {0, 1, 2, 3};
-  disc.border_cuts = {1, 0, 1, 0};
-  return mesh;
-}
 
 constexpr int kHeight = 100;
 const RenderCamera kCamera{.eye = {100.5, 0.5, 3}, .target = {100.5, 0.5, 0}};
