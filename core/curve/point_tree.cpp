@@ -24,6 +24,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 float larger(float a, float b) { return a > b ? a : b; }
 float smaller(float a, float b) { return a < b ? a : b; }
 
+/// A point on its way to a leaf, of the size of a vector register.
 struct alignas(16) Entry {
   float p[3];
   std::uint32_t index;
@@ -74,6 +75,7 @@ void halve(std::span<Entry> entries, std::size_t first, int axis) {
   }
 }
 
+/// Any axis where not all are finite. The fourth lane, the indices, means nothing.
 int widest_axis(std::span<const Entry> entries) {
   Float4 least = Float4::load(entries[0].p), most = least;
   for (const Entry& e : entries) {
