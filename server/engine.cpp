@@ -27,7 +27,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       refiner(
           options.max_curve_vertices,
           [this](const Session& session, bool is_finer) {
-            if (is_finer && cache != nullptr && sessions.info(session.id).ok()) cache->save(session);
+            if (is_finer) sessions.save(session);
             tell_streams(session);
           },
           log) {}

@@ -160,6 +160,14 @@ std::vector<SessionInfo> SessionStore::list() {
   return out;
 }
 
+void SessionStore::save(const Session& session) {
+  const std::lock_guard lock(mutex_);  // close() comes wholly before or after
+  const auto found = entries_.find(session.id);
+  if (found == entries_.end() || found->second.info.session == nullptr || found->second.info.session->live != session.live)
+    return;
+  if (cache_ != nullptr) cache_->save(session);
+}
+
 absl::Status SessionStore::close(const std::string& id) {
   Entry closed;  // outlives the lock, as in join()
   const std::lock_guard lock(mutex_);

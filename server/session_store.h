@@ -63,6 +63,8 @@ class SessionStore {
   /// Of sessions in memory only.
   absl::StatusOr<SessionInfo> info(const std::string& id);
   std::vector<SessionInfo> list();  // by id
+  /// Saves a session whose curve has become finer; not one that has been closed or evicted, not even if it has been made anew.
+  void save(const Session& session);
   /// Forgets a session, in memory and cache; those who wait for it get Aborted. NotFound when it is in neither.
   absl::Status close(const std::string& id);
 

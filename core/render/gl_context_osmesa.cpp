@@ -9,14 +9,6 @@
 #define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
 
-#if defined(__SANITIZE_ADDRESS__)
-// OSMesa 22.3 forgets to free the record of every context's buffer, 160 bytes.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa.so\n"; }
-#elif defined(__SANITIZE_THREAD__)
-// llvmpipe's threads count references with atomic operations that the sanitiser doesn't see.
-extern "C" const char* __tsan_default_suppressions() { return "race:libOSMesa.so\n"; }
-#endif
-
 namespace curvecast {
 namespace {
 

@@ -7,14 +7,6 @@
 #include <map>
 #include <utility>
 
-// The system's gRPC is not instrumented, so ThreadSanitizer does not see how it hands a call from thread to thread. The threads
-// of our own have tests without gRPC (client_stream, session_store, job_queue), where nothing is suppressed. What a constructor
-// writes is safe likewise: gRPC lets no call in before it has ended.
-extern "C" const char* __tsan_default_suppressions() {
-  return "race:libgrpc\nrace:libgpr\nrace:libabsl\nrace:libprotobuf\nrace:grpc::\nrace:SessionStore::SessionStore\ndeadlock:"
-         "libgrpc\n";
-}
-
 namespace curvecast::server {
 
 std::string sphere_off(int levels) {
