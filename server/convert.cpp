@@ -62,6 +62,10 @@ Sequence to_core(Checker& check, v1::Sequence in) {
       return Sequence::kJittered;
     case v1::SEQUENCE_REGULAR:
       return Sequence::kRegular;
+    case v1::SEQUENCE_VAN_DER_CORPUT:
+      return Sequence::kVanDerCorput;
+    case v1::SEQUENCE_GOLDEN_RATIO:
+      return Sequence::kGoldenRatio;
     default:
       check.fail("sample.sequence", absl::StrCat("has the unknown value ", static_cast<int>(in)));
       return Sequence::kJittered;

@@ -1,6 +1,8 @@
 #include "client/cli/sample_flags.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string_view>
 #include <utility>
 
@@ -11,7 +13,9 @@
 namespace curvecast::cli {
 namespace {
 
-constexpr std::array<std::string_view, 2> kSequences = {"jittered", "regular"};
+constexpr std::array<std::string_view, 4> kSequences = {"jittered", "regular", "vandercorput", "golden"};
+constexpr std::array<v1::Sequence, kSequences.size()> kSequenceValues = {v1::SEQUENCE_JITTERED, v1::SEQUENCE_REGULAR,
+                                                                         v1::SEQUENCE_VAN_DER_CORPUT, v1::SEQUENCE_GOLDEN_RATIO};
 
 }  // namespace
 
@@ -24,8 +28,10 @@ CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
       ->type_name("TERM")
       ->allow_extra_args(false);
   command
-      ->add_option("--sequence", flags->sequence,
-                   "placement along the curve: jittered (low discrepancy without a pattern) or regular")
+      ->add_option(
+          "--sequence", flags->sequence,
+          "placement along the curve: jittered (low discrepancy without a pattern), regular, or endless sequences, of which "
+          "more points add to fewer: vandercorput or golden")
       ->check(validator([](const std::string& text) { return check_choice("sequence", text, kSequences); }, ""))
       ->type_name("NAME")
       ->capture_default_str();
@@ -42,7 +48,8 @@ absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::ui
   v1::SampleRequest request;
   request.set_points(flags.points);
   request.set_seed(seed);
-  request.set_sequence(flags.sequence == "regular" ? v1::SEQUENCE_REGULAR : v1::SEQUENCE_JITTERED);
+  const auto choice = std::find(kSequences.begin(), kSequences.end(), flags.sequence) - kSequences.begin();
+  request.set_sequence(kSequenceValues[static_cast<std::size_t>(choice)]);
   for (const std::string& text : flags.density) {
     absl::StatusOr<v1::DensityTerm> term = parse_density_term(text);
     if (!term.ok()) return term.status();

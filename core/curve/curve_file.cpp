@@ -224,6 +224,7 @@ absl::StatusOr<CurveFile> load_curve(const std::string& path, FileAccess access)
   if (absl::Status checked = check_curve(*curve); !checked.ok()) {
     return absl::DataLossError(absl::StrCat(path, ": its curve makes no sense: ", checked.message()));
   }
+  curve->blocks = build_blocks(*curve);
   return CurveFile{std::move(curve), std::string(note->begin(), note->end())};
 }
 

@@ -67,7 +67,7 @@ absl::StatusOr<RefinedCurve> refine_here(const CurveBase& base, const SurfaceCur
   if (!any(missing.levels)) return out;
   const auto finish = [&](SurfaceCurve finer) {
     finer.revision = curve.revision + 1;
-    finer.hierarchy = build_hierarchy(finer);
+    finer.finish();
     if (missing.divisor == 1) finer.max_points = std::max(finer.max_points, options.max_points);
     out.curve = std::make_shared<SurfaceCurve>(std::move(finer));
     return out;

@@ -12,8 +12,13 @@ void SurfaceCurve::resize(std::size_t n, bool has_colour) {
   for (ScalarColumn& scalar : scalars) scalar.values.resize(n);
 }
 
+void SurfaceCurve::finish() {
+  hierarchy = build_hierarchy(*this);
+  blocks = build_blocks(*this);
+}
+
 std::size_t SurfaceCurve::byte_size() const {
-  std::size_t bytes = disc_begin.size() * sizeof(std::uint32_t);
+  std::size_t bytes = disc_begin.size() * sizeof(std::uint32_t) + blocks.byte_size();
   const auto add = [&bytes](const auto& column) { bytes += column.size() * sizeof(column[0]); };
   visit_columns(*this, [&](const char* /*name*/, const auto& column, ColumnLength /*length*/) { add(column); });
   for (const ScalarColumn& scalar : scalars) add(scalar.values);

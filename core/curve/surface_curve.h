@@ -9,6 +9,7 @@
 #include "core/colour.h"
 #include "core/column.h"
 #include "core/curve/curvature_measure.h"
+#include "core/curve/curve_blocks.h"
 #include "core/curve/curve_hierarchy.h"
 #include "core/packed.h"
 #include "core/vec.h"
@@ -39,6 +40,7 @@ struct SurfaceCurve {
   std::vector<std::uint32_t> disc_begin;          // D + 1 offsets: disc d owns [disc_begin[d], disc_begin[d + 1])
 
   CurveHierarchy hierarchy;                                  // over all of it
+  CurveBlocks blocks;                                        // of all of it
   std::array<float, kCurvatureKinds> reference_curvature{};  // see reference_curvatures
   double total_area = 0;                                     // of the repaired mesh, squared units
   Box3d box;                                                 // of the repaired mesh, absolute coordinates
@@ -50,6 +52,8 @@ struct SurfaceCurve {
   Vec3f normal(std::size_t l) const { return {nx[l], ny[l], nz[l]}; }
   /// Gives every per-vertex column n entries, uninitialised; `colour` too if asked for. `scalars` as they are.
   void resize(std::size_t n, bool has_colour = false);
+  /// Makes the hierarchy and the blocks of all the rest. Runs on all threads of the arena.
+  void finish();
   /// Bytes held by the columns.
   std::size_t byte_size() const;
 };

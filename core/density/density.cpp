@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/density/view_factor.h"
+
 namespace curvecast {
 namespace {
 
@@ -28,7 +30,9 @@ absl::Status check(const ViewTerm& term) {
   return absl::OkStatus();
 }
 
-void multiply(const SurfaceCurve&, const UniformTerm&, std::span<float>) {}
+// Those of a camera are ViewFactor's.
+template <typename Term>
+void multiply(const SurfaceCurve&, const Term&, std::span<float>) {}
 
 void multiply(const SurfaceCurve& curve, const CurvatureTerm& term, std::span<float> density) {
   const float reference = curve.reference_curvature[static_cast<std::size_t>(term.kind)];
@@ -43,39 +47,30 @@ void multiply(const SurfaceCurve& curve, const CurvatureTerm& term, std::span<fl
   }
 }
 
-void multiply(const SurfaceCurve& curve, const ViewTerm& term, std::span<float> density) {
-  // In units of the diagonal, and no farther out than where rays are parallel: squares fit a float at every size.
-  constexpr double kFar = 1e6;
-  const double diagonal = curve.box.diagonal();
-  const Vec3d center = curve.box.center();
-  Vec3d from_center = term.eye / diagonal - center / diagonal;
-  if (const double reach = from_center.cwiseAbs().maxCoeff(); reach > kFar) {
-    from_center = (term.eye - center) / (term.eye - center).cwiseAbs().maxCoeff() * kFar;
-  }
-  const Vec3f eye = (from_center + (center - curve.origin) / diagonal).cast<float>();
-  const float ex = eye.x(), ey = eye.y(), ez = eye.z();
-  const auto scale = static_cast<float>(1 / diagonal);
-  const auto s0 = static_cast<float>(term.s0);
-  const float *x = curve.x.data(), *y = curve.y.data(), *z = curve.z.data();
-  const Snorm16 *nx = curve.nx.data(), *ny = curve.ny.data(), *nz = curve.nz.data();
-  float* out = density.data();
-  for (std::size_t l = 0; l < density.size(); ++l) {
-    const float dx = ex - scale * x[l], dy = ey - scale * y[l], dz = ez - scale * z[l];
-    const float square = std::max(dx * dx + dy * dy + dz * dz, 1e-37f);
-    const float facing = dx * nx[l] + dy * ny[l] + dz * nz[l];
-    const float cosine = std::min(facing / std::sqrt(square), 1.0f);
-    out[l] *= facing > 0 ? (1 - cosine) + s0 : 0.0f;
-  }
-}
-
 }  // namespace
 
-absl::Status evaluate_density(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density) {
+absl::Status check_density(std::span<const DensityTerm> terms) {
   for (const DensityTerm& term : terms) {
     if (absl::Status status = std::visit([](const auto& t) { return check(t); }, term); !status.ok()) return status;
   }
+  return absl::OkStatus();
+}
+
+bool has_fixed_terms(std::span<const DensityTerm> terms) {
+  return std::any_of(terms.begin(), terms.end(), [](const DensityTerm& t) { return std::holds_alternative<CurvatureTerm>(t); });
+}
+
+void evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density) {
   std::fill(density.begin(), density.end(), 1.0f);
   for (const DensityTerm& term : terms) std::visit([&](const auto& t) { multiply(curve, t, density); }, term);
+}
+
+absl::Status evaluate_density(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density) {
+  if (absl::Status status = check_density(terms); !status.ok()) return status;
+  evaluate_fixed_terms(curve, terms, density);
+  ViewFactor(curve, terms)
+      .multiply(curve.x.data(), curve.y.data(), curve.z.data(), curve.nx.data(), curve.ny.data(), curve.nz.data(), density.size(),
+                density.data());
   return absl::OkStatus();
 }
 

@@ -31,8 +31,17 @@ struct ViewTerm {
 
 using DensityTerm = std::variant<UniformTerm, CurvatureTerm, ViewTerm>;
 
+/// InvalidArgument names the term and field that is out of range or not finite.
+absl::Status check_density(std::span<const DensityTerm> terms);
+
+/// Whether any term differs over the surface and is the same for all cameras.
+bool has_fixed_terms(std::span<const DensityTerm> terms);
+
+/// Writes the product of those at every curve vertex (L entries). Precondition: check_density() finds nothing.
+void evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density);
+
 /// Writes the product of the terms at every curve vertex to `density` (L entries, relative values: only ratios matter).
-/// No terms mean uniform. InvalidArgument names the term and field that is out of range or not finite.
+/// No terms mean uniform. Errors as of check_density().
 absl::Status evaluate_density(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density);
 
 }  // namespace curvecast

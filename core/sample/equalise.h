@@ -4,19 +4,15 @@
 #include <cstdint>
 #include <span>
 
+#include "core/curve/curve_blocks.h"
+#include "core/sample/view_mass.h"
+
 namespace curvecast {
 
-/// Of density times area over the curve.
-struct Mass {
-  double total = 0;
-  float largest = 0;  // on one vertex; the share of the points that it gets tells whether the curve is fine enough
-};
-
-/// For each q_i (ascending, in [0, 1)) the first curve vertex at which the cumulative sum of density[l] * area[l] exceeds
-/// q_i times the whole sum; written to `vertices` (as many as q), ascending. Vertices without density are never chosen.
-/// Where the whole sum is not positive and finite `vertices` is left alone. Preconditions: density and area are equally long and
-/// not negative.
-Mass equalise(std::span<const float> density, std::span<const float> area, std::span<const double> q,
-              std::span<std::uint32_t> vertices);
+/// For each q_i (ascending, in [0, 1)) the curve vertex on which the cumulative mass exceeds q_i times the whole; written to
+/// `vertices` (as many as q), ascending. Within a block the mass lies where its codes say, to a 32,767th. Vertices without mass
+/// are never chosen. Where the whole mass is not positive and finite `vertices` is left alone. `fixed`: that which the mass was
+/// made from.
+void equalise(const ViewMass& mass, const BlockMass& fixed, std::span<const double> q, std::span<std::uint32_t> vertices);
 
 }  // namespace curvecast

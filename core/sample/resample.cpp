@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/density/view_factor.h"
 #include "core/sample/equalise.h"
+#include "core/sample/view_mass.h"
 #include "core/stopwatch.h"
 
 namespace curvecast {
@@ -15,22 +17,47 @@ namespace {
 // to no holes (the coverage radius of such sets is 1.45 at its worst, under 1 nearly everywhere).
 constexpr double kSplatRadius = 1.25;
 
-PointSet gather(const SurfaceCurve& curve, std::span<const float> density, double mass_per_point,
+/// The points lie far apart in memory, and the processor looks ahead only so far.
+constexpr std::size_t kAhead = 24;
+void prefetch(const SurfaceCurve& curve, std::uint32_t l) {
+  for (const Column<float>* column : {&curve.x, &curve.y, &curve.z}) __builtin_prefetch(column->data() + l);
+  for (const Column<Snorm16>* column : {&curve.nx, &curve.ny, &curve.nz}) __builtin_prefetch(column->data() + l);
+}
+
+/// `density`: the fixed part; empty for 1.
+PointSet gather(const SurfaceCurve& curve, std::span<const float> density, const ViewFactor& view, double mass_per_point,
                 std::vector<std::uint32_t> vertices) {
+  const std::size_t n = vertices.size();
   PointSet points;
   points.origin = curve.origin;
-  points.positions.reserve(vertices.size());
-  points.normals.reserve(vertices.size());
-  points.radii.reserve(vertices.size());
-  const double largest = curve.box.diagonal();
-  for (const std::uint32_t l : vertices) {
-    points.positions.emplace_back(curve.x[l], curve.y[l], curve.z[l]);
-    points.normals.emplace_back(curve.nx[l], curve.ny[l], curve.nz[l]);
-    points.radii.push_back(static_cast<float>(std::min(kSplatRadius * std::sqrt(mass_per_point / density[l]), largest)));
+  points.positions.resize(n);
+  points.normals.resize(n);
+  points.radii.resize(n);
+  const auto largest = static_cast<float>(curve.box.diagonal());
+  const auto scale = static_cast<float>(kSplatRadius * std::sqrt(mass_per_point));
+  // The view's factor is that of the vertex itself, not of its block.
+  constexpr std::size_t kChunk = 256;
+  float x[kChunk], y[kChunk], z[kChunk], factor[kChunk];
+  Snorm16 nx[kChunk], ny[kChunk], nz[kChunk];
+  for (std::size_t begin = 0; begin < n; begin += kChunk) {
+    const std::size_t count = std::min(kChunk, n - begin);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (begin + i + kAhead < n) prefetch(curve, vertices[begin + i + kAhead]);
+      const std::uint32_t l = vertices[begin + i];
+      x[i] = curve.x[l], y[i] = curve.y[l], z[i] = curve.z[l];
+      nx[i] = curve.nx[l], ny[i] = curve.ny[l], nz[i] = curve.nz[l];
+      factor[i] = density.empty() ? 1 : density[l];
+    }
+    view.multiply(x, y, z, nx, ny, nz, count, factor);
+    for (std::size_t i = 0; i < count; ++i) {
+      points.positions[begin + i] = {x[i], y[i], z[i]};
+      points.normals[begin + i] = {nx[i], ny[i], nz[i]};
+      points.radii[begin + i] = std::min(scale / std::sqrt(factor[i]), largest);
+    }
   }
   if (!curve.colour.empty()) {
-    points.colours.reserve(vertices.size());
-    for (const std::uint32_t l : vertices) points.colours.push_back(curve.colour[l]);
+    points.colours.resize(n);
+    for (std::size_t i = 0; i < n; ++i) points.colours[i] = curve.colour[vertices[i]];
   }
   points.vertices = std::move(vertices);
   return points;
@@ -43,20 +70,30 @@ absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptio
   if (options.points > kMaxPoints) {
     return absl::OutOfRangeError(absl::StrFormat("%d points asked for; at most %d are made", options.points, kMaxPoints));
   }
+  if (absl::Status status = check_density(options.density); !status.ok()) return status;
   Stopwatch watch;
-  std::vector<float> density(curve.size());
-  if (absl::Status status = evaluate_density(curve, options.density, density); !status.ok()) return status;
+  std::vector<float> density;
+  BlockMass own;
+  if (has_fixed_terms(options.density)) {
+    density.resize(curve.size());
+    evaluate_fixed_terms(curve, options.density, density);
+    own = block_mass(density, curve.area);
+  }
+  const BlockMass& fixed = density.empty() ? curve.blocks.area : own;
+  const ViewFactor view(curve, options.density);
+  ViewMass mass;
+  view_mass(curve, density, fixed, view, options.points, mass);
   if (report != nullptr) report->density_seconds = watch.lap();
-  std::vector<double> q(options.points);
-  fill_sequence(options.sequence, options.seed, q);
-  std::vector<std::uint32_t> vertices(options.points);
-  const Mass mass = equalise(density, curve.area, q, vertices);
   if (!(mass.total > 0) || !std::isfinite(mass.total)) {
     return absl::FailedPreconditionError(
         "the density is zero on the whole surface (does anything face the camera?), so there is nowhere to put points");
   }
+  std::vector<double> q(options.points);
+  fill_sequence(options.sequence, options.seed, q);
+  std::vector<std::uint32_t> vertices(options.points);
+  equalise(mass, fixed, q, vertices);
   const double mass_per_point = mass.total / static_cast<double>(options.points);
-  PointSet points = gather(curve, density, mass_per_point, std::move(vertices));
+  PointSet points = gather(curve, density, view, mass_per_point, std::move(vertices));
   if (report != nullptr) {
     report->equalise_seconds = watch.lap();
     report->most_on_vertex = static_cast<double>(mass.largest) / mass_per_point;

@@ -11,6 +11,7 @@
 #include "core/pipeline.h"
 #include "core/sample/equalise.h"
 #include "core/sample/resample.h"
+#include "core/sample/view_mass.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {
@@ -54,15 +55,40 @@ void density(benchmark::State& state) {
   count_vertices(state);
 }
 
-void equalise_view(benchmark::State& state) {
-  std::vector<float> values(curve->size());
+void view_blocks(benchmark::State& state) {
   const ResampleOptions options = view_options();
-  if (!evaluate_density(*curve, options.density, values).ok()) return;
+  ViewMass mass;
+  for (auto _ : state) {
+    view_mass(*curve, {}, curve->blocks.area, ViewFactor(*curve, options.density), kPoints, mass);
+    benchmark::DoNotOptimize(mass.total);
+  }
+  state.counters["close"] = static_cast<double>(mass.own_codes.size()) / static_cast<double>(mass.sum.size());
+}
+
+void equalise_view(benchmark::State& state) {
+  const ResampleOptions options = view_options();
+  ViewMass mass;
+  view_mass(*curve, {}, curve->blocks.area, ViewFactor(*curve, options.density), kPoints, mass);
   std::vector<double> q(kPoints);
   fill_sequence(Sequence::kJittered, 1, q);
   std::vector<std::uint32_t> vertices(kPoints);
-  for (auto _ : state) benchmark::DoNotOptimize(equalise(values, curve->area, q, vertices));
-  count_vertices(state);
+  for (auto _ : state) {
+    equalise(mass, curve->blocks.area, q, vertices);
+    benchmark::DoNotOptimize(vertices.data());
+  }
+}
+
+void sequence(benchmark::State& state) {
+  std::vector<double> q(kPoints);
+  for (auto _ : state) {
+    fill_sequence(static_cast<Sequence>(state.range(0)), 1, q);
+    benchmark::DoNotOptimize(q.data());
+  }
+}
+
+void resample_evenly(benchmark::State& state) {
+  const ResampleOptions options{.points = 65'536};
+  for (auto _ : state) benchmark::DoNotOptimize(resample(*curve, options)->size());
 }
 
 void resample_view(benchmark::State& state) {
@@ -82,6 +108,9 @@ void encode(benchmark::State& state) {
 
 BENCHMARK(read_arrays)->Unit(benchmark::kMillisecond);
 BENCHMARK(density)->Unit(benchmark::kMillisecond);
+BENCHMARK(view_blocks)->Unit(benchmark::kMillisecond);
+BENCHMARK(sequence)->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
+BENCHMARK(resample_evenly)->Unit(benchmark::kMillisecond);
 BENCHMARK(equalise_view)->Unit(benchmark::kMillisecond);
 BENCHMARK(resample_view)->Unit(benchmark::kMillisecond);
 BENCHMARK(encode)->Unit(benchmark::kMillisecond);

@@ -131,7 +131,9 @@ TEST_F(CliTest, SampleWritesExactlyNPointsOnTheSphere) {
 }
 
 TEST_F(CliTest, SampleWithoutOutputOnlyMeasures) {
-  EXPECT_EQ(run_json({"sample", sphere_, "-n", "1", "--sequence", "regular"})["sequence"], "regular");
+  for (const char* sequence : {"regular", "vandercorput", "golden"}) {
+    EXPECT_EQ(run_json({"sample", sphere_, "-n", "1", "--sequence", sequence})["sequence"], sequence);
+  }
 }
 
 TEST_F(CliTest, TheSameSeedGivesTheSameBytes) {
@@ -252,7 +254,8 @@ TEST_F(CliTest, WrongUsageIsStatus2) {
   expect_failure({"sample", sphere_, "-n", "10", "-o", "x.obj"}, 2, ".ply, .xyz, .pcd, .drc");
   expect_failure({"sample", sphere_, "-n", "10", "--density", "frustum"}, 2, "there are: uniform, curvature, view");
   expect_failure({"sample", sphere_, "-n", "10", "--sampler", "progressive"}, 2, "there are: equalised");
-  expect_failure({"sample", sphere_, "-n", "10", "--sequence", "golden"}, 2, "there are: jittered, regular");
+  expect_failure({"sample", sphere_, "-n", "10", "--sequence", "halton"}, 2,
+                 "there are: jittered, regular, vandercorput, golden");
   expect_failure({"sample", sphere_, "-n", "10", "--camera", "eye=1"}, 2, "eye takes 3 numbers");
   expect_failure({"preprocess", sphere_, "--omega", "0.5"}, 2, "omega");
   expect_failure({"render", sphere_, "-o", "x.jpg"}, 2, ".png");

@@ -67,6 +67,10 @@ TEST(ToSample, TakesWhatIsSet) {
   auto sample = to_sample(request);
   ASSERT_TRUE(sample.ok()) << sample.status();
   EXPECT_EQ(sample->options.sequence, Sequence::kRegular);
+  request.set_sequence(v1::SEQUENCE_VAN_DER_CORPUT);
+  EXPECT_EQ(to_sample(request)->options.sequence, Sequence::kVanDerCorput);
+  request.set_sequence(v1::SEQUENCE_GOLDEN_RATIO);
+  EXPECT_EQ(to_sample(request)->options.sequence, Sequence::kGoldenRatio);
   EXPECT_EQ(std::get<CurvatureTerm>(sample->options.density[1]).kind, CurvatureKind::kMax);
   EXPECT_EQ(std::get<CurvatureTerm>(sample->options.density[1]).exponent, 0);
   EXPECT_EQ(std::get<CurvatureTerm>(sample->options.density[1]).floor, 0);

@@ -74,7 +74,10 @@ std::vector<std::uint32_t> draw(Kind kind, std::size_t n, std::uint64_t seed, co
     std::sort(q.begin(), q.end());
   }
   std::vector<std::uint32_t> samples(n);
-  equalise(density, elements.area[kind == kVoronoi ? kVoronoi : kExact], q, samples);
+  const BlockMass fixed = block_mass(density, elements.area[kind == kVoronoi ? kVoronoi : kExact]);
+  ViewMass mass;
+  fixed_mass(fixed, mass);
+  equalise(mass, fixed, q, samples);
   for (std::uint32_t& sample : samples) sample = curve.triangle[sample];
   return samples;
 }

@@ -56,7 +56,7 @@ const SurfaceCurve& some_curve() {
     curve->scalars[0].name = "quality";
     curve->scalars[1].values[7] = std::numeric_limits<float>::quiet_NaN();
     curve->revision = 3;
-    curve->hierarchy = build_hierarchy(*curve);
+    curve->finish();
     result->curve = std::move(curve);
     return *std::move(result);
   }();
