@@ -3,8 +3,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "core/measure/area_in_ball.h"
 #include "core/measure/kd_order.h"
@@ -20,53 +22,75 @@ struct Sphere {
 };
 
 /// Holds them all, with a little room for rounding.
-Sphere sphere_about(std::span<const Vec3d> points) {
+Sphere sphere_about(std::span<const Sphere> spheres) {
   Box3d box;
-  for (const Vec3d& p : points) box.extend(p);
-  double square = 0;
-  for (const Vec3d& p : points) square = std::max(square, (p - box.center()).squaredNorm());
-  return {box.center(), std::sqrt(square) + 1e-14 * (box.min.cwiseAbs() + box.max.cwiseAbs()).sum()};
+  for (const auto& [middle, radius] : spheres) {
+    box.extend(middle - Vec3d::Constant(radius));
+    box.extend(middle + Vec3d::Constant(radius));
+  }
+  Sphere all{box.center(), 0};
+  for (const auto& [middle, radius] : spheres) all.radius = std::max(all.radius, (middle - all.middle).norm() + radius);
+  all.radius += 1e-14 * (box.min.cwiseAbs() + box.max.cwiseAbs()).sum();
+  return all;
 }
 
-/// For every ball about the centre: whole(run, k) where it holds the sphere of a run, part(run, k) where it cuts it.
-template <typename Whole, typename Part>
-void visit_runs(const std::vector<Sphere>& runs, const Vec3d& centre, std::span<const double> radii, Whole&& whole, Part&& part) {
-  for (std::size_t run = 0; run < runs.size(); ++run) {
-    const double distance = (runs[run].middle - centre).norm();
-    for (std::size_t k = 0; k < radii.size(); ++k) {
-      if (radii[k] < distance - runs[run].radius) continue;
-      if (radii[k] > distance + runs[run].radius) {
-        whole(run, k);
-      } else {
-        part(run, k);
+/// Spheres about runs of things, about eight neighbouring ones of those, and so on.
+class SphereTree {
+ public:
+  explicit SphereTree(std::vector<Sphere> of_runs) : levels_{std::move(of_runs)} {
+    while (levels_.back().size() > 1) {
+      std::vector<Sphere> next;
+      std::span<const Sphere> below = levels_.back();
+      for (; !below.empty(); below = below.subspan(std::min(kFanOut, below.size()))) {
+        next.push_back(sphere_about(below.first(std::min(kFanOut, below.size()))));
       }
+      levels_.push_back(std::move(next));
     }
   }
-}
 
-/// Points in runs of neighbours, so that a ball takes or leaves most of them a run at once.
+  /// For balls about the centre, radii ascending: whole(k, begin, end) where ball k holds runs [begin, end) altogether, part(k,
+  /// run) where it cuts one or nearly so.
+  template <typename Whole, typename Part>
+  void visit(const Vec3d& centre, std::span<const double> radii, Whole&& whole, Part&& part) const {
+    visit(levels_.size() - 1, 0, centre, radii, 0, radii.size(), whole, part);
+  }
+
+ private:
+  static constexpr std::size_t kFanOut = 8;
+
+  template <typename Whole, typename Part>
+  void visit(std::size_t level, std::size_t node, const Vec3d& centre, std::span<const double> radii, std::size_t first,
+             std::size_t last, Whole& whole, Part& part) const {
+    const Sphere& sphere = levels_[level][node];
+    const double distance = (sphere.middle - centre).norm();
+    while (first < last && radii[first] < distance - sphere.radius) ++first;
+    for (; first < last && radii[last - 1] > distance + sphere.radius; --last) {
+      const std::size_t begin = node << (3 * level);
+      whole(last - 1, begin, std::min(begin + (std::size_t{1} << (3 * level)), levels_[0].size()));
+    }
+    if (first == last) return;
+    if (level == 0) {
+      for (std::size_t k = first; k < last; ++k) part(k, node);
+      return;
+    }
+    for (std::size_t c = node * kFanOut; c < std::min((node + 1) * kFanOut, levels_[level - 1].size()); ++c) {
+      visit(level - 1, c, centre, radii, first, last, whole, part);
+    }
+  }
+
+  std::vector<std::vector<Sphere>> levels_;
+};
+
 class PointRuns {
  public:
-  explicit PointRuns(std::span<const Vec3d> points) : runs_(points.size(), kRun) {
-    const std::vector<std::uint32_t> order = kd_order(points, kRun);
-    std::vector<Vec3d> own;
-    for (std::size_t run = 0; run < runs_.count; ++run) {
-      own.clear();
-      for (std::size_t i = runs_.begin(run); i < runs_.end(run); ++i) {
-        const Vec3d& p = own.emplace_back(points[order[i]]);
-        x_.push_back(p.x());
-        y_.push_back(p.y());
-        z_.push_back(p.z());
-      }
-      spheres_.push_back(sphere_about(own));
-    }
-  }
+  explicit PointRuns(std::span<const Vec3d> points) : runs_(points.size(), kRun), tree_(fill(points)) {}
 
   /// Adds what each ball holds to `inside`.
   void count(const Vec3d& centre, std::span<const double> radii, std::span<std::size_t> inside) const {
-    visit_runs(
-        spheres_, centre, radii, [&](std::size_t run, std::size_t k) { inside[k] += runs_.end(run) - runs_.begin(run); },
-        [&](std::size_t run, std::size_t k) {
+    tree_.visit(
+        centre, radii,
+        [&](std::size_t k, std::size_t begin, std::size_t end) { inside[k] += runs_.begin(end) - runs_.begin(begin); },
+        [&](std::size_t k, std::size_t run) {
           const double square = radii[k] * radii[k];
           std::size_t count = 0;
           for (std::size_t i = runs_.begin(run), end = runs_.end(run); i < end; ++i) {
@@ -78,50 +102,44 @@ class PointRuns {
   }
 
  private:
-  static constexpr std::size_t kRun = 64;
-  Runs runs_;
-  std::vector<double> x_, y_, z_;
-  std::vector<Sphere> spheres_;  // of the runs
-};
+  static constexpr std::size_t kRun = 32;
 
-/// Triangles in runs of neighbours, with the measure that is to be counted.
-class FaceRuns {
- public:
-  FaceRuns(const TriangleMesh& mesh, std::span<const double> density) : runs_(mesh.face_count(), kRun) {
-    std::vector<Vec3d> middles(mesh.face_count());
-    for (std::size_t f = 0; f < middles.size(); ++f) {
-      const Triangle& t = mesh.triangles[f];
-      middles[f] = (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3;
-    }
-    const std::vector<std::uint32_t> order = kd_order(middles, kRun);
-    std::vector<Vec3d> own;
+  std::vector<Sphere> fill(std::span<const Vec3d> points) {
+    const std::vector<std::uint32_t> order = kd_order(points, kRun);
+    std::vector<Sphere> spheres, own;
     for (std::size_t run = 0; run < runs_.count; ++run) {
       own.clear();
-      double mass = 0;
       for (std::size_t i = runs_.begin(run); i < runs_.end(run); ++i) {
-        const Triangle& t = mesh.triangles[order[i]];
-        for (const std::uint32_t v : t) own.push_back(mesh.positions[v]);
-        const double area = triangle_area(mesh, order[i]);
-        Face& face = faces_.emplace_back();
-        face.around = sphere_about(std::span(own).last(3));
-        std::copy_n(own.end() - 3, 3, face.corners);
-        face.density = density.empty() ? 1 : density[order[i]];
-        face.mass = face.density * area;
-        mass += face.mass;
+        const Vec3d& p = points[order[i]];
+        own.push_back({p, 0});
+        x_.push_back(p.x());
+        y_.push_back(p.y());
+        z_.push_back(p.z());
       }
-      spheres_.push_back(sphere_about(own));
-      masses_.push_back(mass);
-      total_ += mass;
+      spheres.push_back(sphere_about(own));
     }
+    return spheres;
   }
 
-  double total() const { return total_; }
+  Runs runs_;
+  std::vector<double> x_, y_, z_;
+  SphereTree tree_;
+};
+
+/// Triangles, with the measure that is to be counted.
+class FaceRuns {
+ public:
+  FaceRuns(const TriangleMesh& mesh, std::span<const double> density)
+      : runs_(mesh.face_count(), kRun), tree_(fill(mesh, density)) {}
+
+  double total() const { return mass_up_to_.back(); }
 
   /// Adds what each ball holds to `inside`.
   void measure(const Vec3d& centre, std::span<const double> radii, std::span<double> inside) const {
-    visit_runs(
-        spheres_, centre, radii, [&](std::size_t run, std::size_t k) { inside[k] += masses_[run]; },
-        [&](std::size_t run, std::size_t k) {
+    tree_.visit(
+        centre, radii,
+        [&](std::size_t k, std::size_t begin, std::size_t end) { inside[k] += mass_up_to_[end] - mass_up_to_[begin]; },
+        [&](std::size_t k, std::size_t run) {
           for (std::size_t i = runs_.begin(run), end = runs_.end(run); i < end; ++i) {
             const Face& face = faces_[i];
             const double distance = (face.around.middle - centre).norm();
@@ -134,18 +152,44 @@ class FaceRuns {
   }
 
  private:
-  static constexpr std::size_t kRun = 16;
+  static constexpr std::size_t kRun = 8;
   struct Face {
     Sphere around;
     Vec3d corners[3];
     double density, mass;
   };
 
+  std::vector<Sphere> fill(const TriangleMesh& mesh, std::span<const double> density) {
+    std::vector<Vec3d> middles(mesh.face_count());
+    for (std::size_t f = 0; f < middles.size(); ++f) {
+      const Triangle& t = mesh.triangles[f];
+      middles[f] = (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3;
+    }
+    const std::vector<std::uint32_t> order = kd_order(middles, kRun);
+    std::vector<Sphere> spheres, own;
+    for (std::size_t run = 0; run < runs_.count; ++run) {
+      own.clear();
+      double mass = 0;
+      for (std::size_t i = runs_.begin(run); i < runs_.end(run); ++i) {
+        Face& face = faces_.emplace_back();
+        for (int c = 0; c < 3; ++c) face.corners[c] = mesh.positions[mesh.triangles[order[i]][c]];
+        const auto& [p, q, r] = face.corners;
+        face.around = sphere_about(std::array<Sphere, 3>{{{p, 0}, {q, 0}, {r, 0}}});
+        face.density = density.empty() ? 1 : density[order[i]];
+        face.mass = face.density * triangle_area(mesh, order[i]);
+        mass += face.mass;
+        own.push_back(face.around);
+      }
+      mass_up_to_.push_back(mass_up_to_.back() + mass);
+      spheres.push_back(sphere_about(own));
+    }
+    return spheres;
+  }
+
   Runs runs_;
   std::vector<Face> faces_;
-  std::vector<Sphere> spheres_;  // of the runs
-  std::vector<double> masses_;   // of the runs
-  double total_ = 0;
+  std::vector<double> mass_up_to_ = {0};  // of all runs before each, and of all
+  SphereTree tree_;
 };
 
 }  // namespace
