@@ -31,7 +31,7 @@ std::array<Corners, 2> halves(const Corners& t) {
 
 }  // namespace
 
-double coverage_radius(const TriangleMesh& mesh, const PointTree& points) {
+double coverage_radius(const TriangleMesh& mesh, const PointTree& points, const ExecutionContext& context) {
   // Batches come from the end of what is left: deep first, so that there is never much of it, and in an order of their own, so
   // that threads don't matter.
   constexpr std::size_t kBatch = 16'384;
@@ -41,6 +41,7 @@ double coverage_radius(const TriangleMesh& mesh, const PointTree& points) {
   std::vector<double> distance, reach;  // of the middle of each in the batch: to the nearest point, to the farthest corner
   double largest = 0;
   for (std::size_t next_face = 0; next_face < mesh.face_count() || !left.empty();) {
+    if (context.cancelled()) break;
     const std::size_t taken = std::min(kBatch, left.size());
     batch.assign(left.end() - static_cast<std::ptrdiff_t>(taken), left.end());
     left.resize(left.size() - taken);

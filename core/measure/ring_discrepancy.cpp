@@ -80,7 +80,7 @@ class Grower {
 }  // namespace
 
 std::vector<Discrepancy> ring_discrepancy(const TriangleMesh& mesh, std::span<const std::vector<std::uint32_t>> sets,
-                                          const RingDiscrepancyOptions& options) {
+                                          const RingDiscrepancyOptions& options, const ExecutionContext& context) {
   const std::size_t set_count = sets.size();
   const std::size_t faces = mesh.face_count();
   const auto regions = static_cast<std::size_t>(options.regions);
@@ -100,6 +100,7 @@ std::vector<Discrepancy> ring_discrepancy(const TriangleMesh& mesh, std::span<co
   std::vector<DiscrepancySum> found(regions * set_count);
   tbb::enumerable_thread_specific<Grower> growers([&] { return Grower(mesh, faces_of); });
   tbb::parallel_for(std::size_t{0}, regions, [&](std::size_t region) {
+    if (context.cancelled()) return;
     DiscrepancySum* const own = &found[region * set_count];
     std::vector<std::uint32_t> inside(set_count);
     double inside_mass = 0;

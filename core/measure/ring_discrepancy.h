@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/execution_context.h"
 #include "core/measure/discrepancy.h"
 #include "core/mesh/triangle_mesh.h"
 
@@ -21,8 +22,9 @@ struct RingDiscrepancyOptions {
 /// Around a seed triangle the first ring is all triangles that share a corner with it, and so on until the seed's component is
 /// whole: the region after each ring, the seed alone as well, is a subset. The maximum is over all subsets; in the RMS every seed
 /// counts alike, and so does each of its rings, as if their number were chosen at random. Fastest when all sets are given at
-/// once. The same for any number of threads. Preconditions: the mesh has a triangle and an area, no set is empty.
+/// once. The same for any number of threads;
+/// without meaning once cancelled. Preconditions: the mesh has a triangle and an area, no set is empty.
 std::vector<Discrepancy> ring_discrepancy(const TriangleMesh& mesh, std::span<const std::vector<std::uint32_t>> sets,
-                                          const RingDiscrepancyOptions& options = {});
+                                          const RingDiscrepancyOptions& options = {}, const ExecutionContext& context = {});
 
 }  // namespace curvecast
