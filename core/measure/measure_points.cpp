@@ -24,19 +24,28 @@ absl::Status check_count(const char* name, int count) {
   return absl::InvalidArgumentError(absl::StrFormat("%s = %d; it must lie in 1 .. %d", name, count, kMaxRegions));
 }
 
-absl::Status check(std::span<const std::vector<Vec3d>> sets, const MeasureOptions& options) {
+absl::Status check_set(const std::vector<Vec3d>& points, std::size_t set, const Box3d& box) {
+  if (points.size() < 2) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("set %d has too few points, %d; at least 2 can be measured", set, points.size()));
+  }
+  const double reach = kMaxReach * box.diagonal();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite()) return absl::InvalidArgumentError(absl::StrFormat("point %d of set %d is not finite", i, set));
+    if ((points[i] - box.center()).cwiseAbs().maxCoeff() <= reach) continue;
+    return absl::InvalidArgumentError(
+        absl::StrFormat("point %d of set %d is farther from the mesh than %g times its size; were they made for the same mesh?",
+                        i, set, kMaxReach));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check(const Box3d& box, std::span<const std::vector<Vec3d>> sets, const MeasureOptions& options) {
   if (absl::Status status = check_count("ring_seeds", options.ring_seeds); !status.ok()) return status;
   if (absl::Status status = check_count("ball_centres", options.ball_centres); !status.ok()) return status;
   if (sets.empty()) return absl::InvalidArgumentError("there is no set of points to measure");
   for (std::size_t s = 0; s < sets.size(); ++s) {
-    if (sets[s].size() < 2) {
-      return absl::InvalidArgumentError(
-          absl::StrFormat("set %d has too few points, %d; at least 2 can be measured", s, sets[s].size()));
-    }
-    const auto bad = std::find_if(sets[s].begin(), sets[s].end(), [](const Vec3d& p) { return !p.allFinite(); });
-    if (bad != sets[s].end()) {
-      return absl::InvalidArgumentError(absl::StrFormat("point %d of set %d is not finite", bad - sets[s].begin(), s));
-    }
+    if (absl::Status status = check_set(sets[s], s, box); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
@@ -97,7 +106,7 @@ std::optional<MeasureGradients> gradients_of(const std::vector<PointMeasures>& s
 
 absl::StatusOr<MeasureReport> measure_here(const TriangleMesh& mesh, std::span<const std::vector<Vec3d>> sets,
                                            const MeasureOptions& options, const ExecutionContext& context) {
-  if (absl::Status status = check(sets, options); !status.ok()) return status;
+  if (absl::Status status = check(bounding_box(mesh), sets, options); !status.ok()) return status;
   const absl::StatusOr<std::vector<double>> density = density_of(mesh, options.density);
   if (!density.ok()) return density.status();
   context.progress("balls", 0);

@@ -23,6 +23,8 @@ struct MeasureOptions {
   std::vector<DensityTerm> density;  // that the points are to have, taken at the faces' centroids; none = uniform
 };
 inline constexpr int kMaxRegions = 100'000;
+/// In diagonals of the mesh's box: whatever lies farther out is not meant.
+inline constexpr double kMaxReach = 1e6;
 
 struct PointMeasures {
   std::uint64_t points = 0;
@@ -44,8 +46,8 @@ struct MeasureReport {
 
 /// Measures sets of points, in absolute coordinates, that may come from anywhere: in any order, and on the surface or near it.
 /// Their spacing is that of even sets also where there is a density. The same for any number of threads. InvalidArgument: no set,
-/// or one of less than two points or with one that is not finite; options out of range; a bad term. FailedPrecondition: the
-/// density is zero everywhere. Cancelled. Precondition: the mesh has an area.
+/// or one of less than two points or with one that is not finite or farther than kMaxReach from the mesh; options out of range; a
+/// bad term. FailedPrecondition: the density is zero everywhere. Cancelled. Precondition: the mesh has an area.
 absl::StatusOr<MeasureReport> measure_points(const TriangleMesh& mesh, std::span<const std::vector<Vec3d>> sets,
                                              const MeasureOptions& options, const ExecutionContext& context = {});
 

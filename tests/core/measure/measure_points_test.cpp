@@ -116,6 +116,8 @@ TEST(MeasurePoints, RefusesWhatCannotBeMeasured) {
   refused({}, {}, Code::kInvalidArgument, "no set");
   refused({good[0], {Vec3d(1, 0, 0)}}, {}, Code::kInvalidArgument, "set 1 has too few points, 1");
   refused(bad, {}, Code::kInvalidArgument, "point 3 of set 1 is not finite");
+  bad[1][3] = Vec3d(0, 1e8, 0);
+  refused(bad, {}, Code::kInvalidArgument, "point 3 of set 1 is farther");
   refused(good, {.ring_seeds = 0}, Code::kInvalidArgument, "ring_seeds = 0");
   refused(good, {.ball_centres = kMaxRegions + 1}, Code::kInvalidArgument, "ball_centres");
   refused(good, {.density = {CurvatureTerm{.floor = 2}}}, Code::kInvalidArgument, "floor");
