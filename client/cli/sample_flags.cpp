@@ -15,14 +15,18 @@ constexpr std::array<std::string_view, 2> kSequences = {"jittered", "regular"};
 
 }  // namespace
 
+void add_density_flag(CLI::App* command, SampleFlags* flags, const std::string& help) {
+  command->add_option("--density", flags->density, help)
+      ->check(validator([](const std::string& text) { return parse_density_term(text).status(); }, ""))
+      ->type_name("TERM")
+      ->allow_extra_args(false);
+}
+
 CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
   CLI::Option* count = command->add_option("-n,--points", flags->points, "number of points N, 1 to 4,000,000")
                            ->check(point_count_range())
                            ->type_name("N");
-  command->add_option("--density", flags->density, kDensityHelp)
-      ->check(validator([](const std::string& text) { return parse_density_term(text).status(); }, ""))
-      ->type_name("TERM")
-      ->allow_extra_args(false);
+  add_density_flag(command, flags, kDensityHelp);
   command
       ->add_option("--sequence", flags->sequence,
                    "placement along the curve: jittered (low discrepancy without a pattern) or regular")
@@ -43,11 +47,7 @@ absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::ui
   request.set_points(flags.points);
   request.set_seed(seed);
   request.set_sequence(flags.sequence == "regular" ? v1::SEQUENCE_REGULAR : v1::SEQUENCE_JITTERED);
-  for (const std::string& text : flags.density) {
-    absl::StatusOr<v1::DensityTerm> term = parse_density_term(text);
-    if (!term.ok()) return term.status();
-    *request.add_density() = *std::move(term);
-  }
+  if (absl::Status status = add_density_terms(flags.density, request.mutable_density()); !status.ok()) return status;
   return request;
 }
 

@@ -194,7 +194,8 @@ class FaceRuns {
 
 }  // namespace
 
-BallDiscrepancy::BallDiscrepancy(const TriangleMesh& mesh, const BallOptions& options, std::span<const double> face_density)
+BallDiscrepancy::BallDiscrepancy(const TriangleMesh& mesh, const BallOptions& options, std::span<const double> face_density,
+                                 const ExecutionContext& context)
     : radii_(static_cast<std::size_t>(options.radii)) {
   centres_ = random_surface_points(mesh, static_cast<std::size_t>(options.centres), options.seed).positions;
   radius_.resize(centres_.size() * radii_);
@@ -202,6 +203,7 @@ BallDiscrepancy::BallDiscrepancy(const TriangleMesh& mesh, const BallOptions& op
   const FaceRuns faces(mesh, face_density);
   const std::uint64_t radius_seed = mix_bits(options.seed);
   tbb::parallel_for(std::size_t{0}, centres_.size(), [&](std::size_t c) {
+    if (context.cancelled()) return;
     double reach = 0;
     for (const Vec3d& p : mesh.positions) reach = std::max(reach, (p - centres_[c]).squaredNorm());
     reach = std::sqrt(reach);

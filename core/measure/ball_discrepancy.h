@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/execution_context.h"
 #include "core/measure/discrepancy.h"
 #include "core/mesh/triangle_mesh.h"
 
@@ -25,8 +26,9 @@ struct BallOptions {
 class BallDiscrepancy {
  public:
   /// `face_density`: what points of each face (F values, >= 0) are to be to those of others; empty = uniform.
-  /// Preconditions: the mesh has an area, and the density is not zero everywhere.
-  explicit BallDiscrepancy(const TriangleMesh& mesh, const BallOptions& options = {}, std::span<const double> face_density = {});
+  /// Preconditions: the mesh has an area, and the density is not zero everywhere. Without meaning once cancelled.
+  explicit BallDiscrepancy(const TriangleMesh& mesh, const BallOptions& options = {}, std::span<const double> face_density = {},
+                           const ExecutionContext& context = {});
 
   /// Absolute coordinates in the mesh's units, all finite. Precondition: there is a point.
   Discrepancy of(std::span<const Vec3d> points) const;

@@ -110,7 +110,7 @@ absl::StatusOr<MeasureReport> measure_here(const TriangleMesh& mesh, std::span<c
   const absl::StatusOr<std::vector<double>> density = density_of(mesh, options.density);
   if (!density.ok()) return density.status();
   context.progress("balls", 0);
-  const BallDiscrepancy balls(mesh, {.centres = options.ball_centres, .seed = options.seed}, *density);
+  const BallDiscrepancy balls(mesh, {.centres = options.ball_centres, .seed = options.seed}, *density, context);
   const TriangleTree triangles(mesh);
   const double area = surface_area(mesh);
   MeasureReport report;
