@@ -27,6 +27,11 @@ inline Float4 max(Float4 a, Float4 b) { return {_mm_max_ps(a.v, b.v)}; }
 inline Float4 min(Float4 a, Float4 b) { return {_mm_min_ps(a.v, b.v)}; }
 /// Bit i: a[i] <= b[i].
 inline unsigned less_or_equal(Float4 a, Float4 b) { return static_cast<unsigned>(_mm_movemask_ps(_mm_cmple_ps(a.v, b.v))); }
+/// The least of the four, four times.
+inline Float4 least(Float4 a) {
+  a = min(a, {_mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(1, 0, 3, 2))});
+  return min(a, {_mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(2, 3, 0, 1))});
+}
 
 #else
 
@@ -64,6 +69,11 @@ inline unsigned less_or_equal(const Float4& a, const Float4& b) {
   unsigned bits = 0;
   for (int i = 0; i < 4; ++i) bits |= static_cast<unsigned>(a.v[i] <= b.v[i]) << i;
   return bits;
+}
+inline Float4 least(const Float4& a) {
+  float result = a.v[0];
+  for (int i = 1; i < 4; ++i) result = a.v[i] < result ? a.v[i] : result;
+  return Float4::all(result);
 }
 
 #endif

@@ -1,6 +1,5 @@
-// Nearest neighbours and points within a radius, in space, among points in curve order (curve vertices, samples). Points that
-// follow one another on a Hilbert curve lie close together, so runs of them are the leaves of a tree of boxes as they are: it is
-// built in one pass, without sorting. Boxes lie in space, so queries cross cuts and discs by themselves.
+// Nearest neighbours and points within a radius, in space, among points (curve vertices, samples). Space is what counts, so
+// queries cross the cuts of a curve's discs by themselves.
 #pragma once
 
 #include <cstddef>
@@ -9,15 +8,15 @@
 #include <span>
 #include <vector>
 
-#include "core/column.h"
-#include "core/curve/point_pieces.h"
+#include "core/curve/point_tree.h"
+#include "core/curve/point_view.h"
 #include "core/vec.h"
 
 namespace curvecast {
 
 /// A point and the square of its distance, rounded as floats are at each step.
 struct Neighbour {
-  static constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t kNobody = PointTree::kNobody;
 
   std::uint32_t index = kNobody;
   float square = std::numeric_limits<float>::infinity();
@@ -31,12 +30,10 @@ struct Neighbour {
 class NeighbourTree {
  public:
   NeighbourTree() = default;
-  /// Copies the points, at most 2^32 - 1. `piece_begin`: where runs of points begin that may lie far from those before them,
-  /// ascending and ending with the number of points (SurfaceCurve::disc_begin); empty for a single run. Any order of points gives
-  /// right answers; quick ones want neighbours near one another. Built by all threads of the arena.
-  explicit NeighbourTree(const PointView& points, std::span<const std::uint32_t> piece_begin = {});
+  /// Copies the points, at most 2^32 - 1, in any order. Built by all threads of the arena.
+  explicit NeighbourTree(const PointView& points) : tree_(points) {}
 
-  std::size_t size() const { return size_; }
+  std::size_t size() const { return tree_.size; }
 
   /// The found.size() points nearest to the query, nearest first; returns how many there are, size() at most. The rest of `found`
   /// becomes nobody. Meant for up to a hundred or so.
@@ -50,29 +47,10 @@ class NeighbourTree {
   void all_nearest(std::size_t k, std::span<Neighbour> found) const;
 
   /// Bytes held.
-  std::size_t byte_size() const;
+  std::size_t byte_size() const { return tree_.byte_size(); }
 
  private:
-  friend class NeighbourSearch;
-  static constexpr std::size_t kLeafSize = 16;
-  static constexpr std::size_t kFanOut = 8;
-
-  struct alignas(64) Leaf {
-    float p[3][kLeafSize];  // coordinates; infinite behind the last point
-  };
-  struct alignas(64) Boxes {
-    float min[3][kFanOut], max[3][kFanOut];  // min > max behind the last child
-  };
-
-  void fill_leaves(const PointView& points, std::span<const std::uint32_t> piece_begin);
-  void stack_boxes();
-
-  std::size_t size_ = 0;
-  Column<Leaf> leaves_;
-  Column<std::uint32_t> first_;             // of each leaf's points
-  Column<std::uint8_t> count_;              // of each leaf's points
-  Column<Boxes> boxes_;                     // of eight leaves each, then of eight of those, and so on up to the root
-  std::vector<std::uint32_t> level_begin_;  // offsets into boxes_
+  PointTree tree_;
 };
 
 }  // namespace curvecast

@@ -16,13 +16,19 @@ struct alignas(64) ParameterTriangle {
   double area_ratio;     // surface area over uv area
 
   double uv_area() const { return 0.5 / inverse_area2; }
-  /// Barycentric coordinates of a point; each positive inside.
+  /// Barycentric coordinates of a point, or of several in lanes; each positive inside.
+  template <typename Number>
+  [[gnu::always_inline]] void weights(const Number& pu, const Number& pv, Number (&w)[3]) const {
+    const Number u0 = u[0] - pu, u1 = u[1] - pu, u2 = u[2] - pu;
+    const Number v0 = v[0] - pv, v1 = v[1] - pv, v2 = v[2] - pv;
+    w[0] = (u1 * v2 - v1 * u2) * inverse_area2;
+    w[1] = (u2 * v0 - v2 * u0) * inverse_area2;
+    w[2] = 1 - w[0] - w[1];
+  }
   Vec3d weights(double pu, double pv) const {
-    const double u0 = u[0] - pu, u1 = u[1] - pu, u2 = u[2] - pu;
-    const double v0 = v[0] - pv, v1 = v[1] - pv, v2 = v[2] - pv;
-    const double w0 = (u1 * v2 - v1 * u2) * inverse_area2;
-    const double w1 = (u2 * v0 - v2 * u0) * inverse_area2;
-    return {w0, w1, 1 - w0 - w1};
+    double w[3];
+    weights(pu, pv, w);
+    return {w[0], w[1], w[2]};
   }
 };
 

@@ -47,68 +47,110 @@ std::vector<std::uint8_t> whole_faces(const TriangleMesh& mesh, const DiscMesh& 
   return is_whole;
 }
 
-constexpr std::size_t kBatch = 64;  // leaves whose mixtures are packed in one go
+constexpr std::size_t kRoom = LeafBatch::kSize + LeafBatch::kSlack;
 
-/// Mixed records of a batch, lane by lane: [which number][leaf].
-struct Mixtures {
-  alignas(64) float normal[3][kBatch];
-  alignas(64) float curvature_min[kBatch], curvature_max[kBatch];
-  alignas(64) float axis[6][kBatch];
-
-  void set(std::size_t i, const VertexRecord& a, const VertexRecord& b, const VertexRecord& c, const Vec3f& w) {
-    const float w0 = w[0], w1 = w[1], w2 = w[2];
-    for (int k = 0; k < 3; ++k) normal[k][i] = w0 * a.normal[k] + w1 * b.normal[k] + w2 * c.normal[k];
-    curvature_min[i] = w0 * a.curvature_min + w1 * b.curvature_min + w2 * c.curvature_min;
-    curvature_max[i] = w0 * a.curvature_max + w1 * b.curvature_max + w2 * c.curvature_max;
-    for (int k = 0; k < 6; ++k) axis[k][i] = w0 * a.axis[k] + w1 * b.axis[k] + w2 * c.axis[k];
-    // Normals that cancel out: any one will do.
-    const float square = normal[0][i] * normal[0][i] + normal[1][i] * normal[1][i] + normal[2][i] * normal[2][i];
-    if (!(square > 0)) {
-      for (int k = 0; k < 3; ++k) normal[k][i] = a.normal[k];
-    }
-  }
+/// A batch on the surface, number by number.
+struct MappedBatch {
+  alignas(64) double place[3][kRoom];
+  alignas(64) float weights[3][kRoom];  // in the face
+  alignas(64) float mixed[VertexRecord::kSize][kRoom];
+  std::uint32_t face[LeafBatch::kSize];
 };
 
-/// The triangle of a disc that the last leaf lay in, and often the next one does: all that is mixed there.
+/// A triangle of a disc: all that is mixed there.
 struct Corners {
-  std::uint32_t triangle = kNone, face = kNone;
-  bool is_whole_face = false;
-  double x[3] = {}, y[3] = {}, z[3] = {};
-  const VertexRecord* record[3] = {};  // of the face's corners
+  std::uint32_t face;
+  const Vec3d* place[3];
+  const VertexRecord* record[3];  // of the face's corners
 
-  void enter(const SurfaceData& data, const DiscMesh& disc, const std::vector<std::uint8_t>& is_whole, std::uint32_t t) {
-    triangle = t;
-    face = disc.face_of[t];
-    is_whole_face = is_whole[t] != 0;
+  Corners(const SurfaceData& data, const DiscMesh& disc, std::uint32_t t) : face(disc.face_of[t]) {
     for (int i = 0; i < 3; ++i) {
-      const Vec3d& corner = disc.positions[disc.triangles[t][i]];
-      x[i] = corner.x();
-      y[i] = corner.y();
-      z[i] = corner.z();
+      place[i] = &disc.positions[disc.triangles[t][i]];
       record[i] = &data.records[data.mesh.triangles[face][i]];
     }
   }
-  Vec3d place(const Vec3d& w) const {
-    return {w[0] * x[0] + w[1] * x[1] + w[2] * x[2], w[0] * y[0] + w[1] * y[1] + w[2] * y[2],
-            w[0] * z[0] + w[1] * z[1] + w[2] * z[2]};
-  }
 };
+
+// Leaves of one triangle are done several at a time. What is written beyond the last of them, the next triangle's overwrite.
+
+/// Places and weights of the leaves [begin, end) of a triangle.
+[[gnu::always_inline]] inline void place_leaves(const ParameterTriangle& t, const Corners& corners, const LeafBatch& batch,
+                                                std::size_t begin, std::size_t end, MappedBatch& out) {
+  const Vec3d &a = *corners.place[0], &b = *corners.place[1], &c = *corners.place[2];
+  const Lanes zero{};
+  for (std::size_t i = begin; i < end; i += 4) {
+    Lanes u, v;
+    load_lanes(u, batch.u + i);
+    load_lanes(v, batch.v + i);
+    Lanes w[3];
+    t.weights(u, v, w);
+    // A centre on an edge may lie beyond it by rounding.
+    for (Lanes& weight : w) weight = weight > zero ? weight : zero;
+    const Lanes scale = 1 / (w[0] + w[1] + w[2]);
+    for (int k = 0; k < 3; ++k) {
+      w[k] *= scale;
+      store_lanes(__builtin_convertvector(w[k], FloatLanes), out.weights[k] + i);
+    }
+    for (int k = 0; k < 3; ++k) store_lanes(w[0] * a[k] + w[1] * b[k] + w[2] * c[k], out.place[k] + i);
+  }
+}
+
+/// What the weights make of the corners' records.
+[[gnu::always_inline]] inline void mix_records(const Corners& corners, std::size_t begin, std::size_t end, MappedBatch& out) {
+  const float *a = corners.record[0]->values, *b = corners.record[1]->values, *c = corners.record[2]->values;
+  for (std::size_t i = begin; i < end; i += 4) {
+    FloatLanes w0, w1, w2;
+    load_lanes(w0, out.weights[0] + i);
+    load_lanes(w1, out.weights[1] + i);
+    load_lanes(w2, out.weights[2] + i);
+    for (int k = 0; k < VertexRecord::kSize; ++k) store_lanes(w0 * a[k] + w1 * b[k] + w2 * c[k], out.mixed[k] + i);
+  }
+}
+
+/// Weights of the leaves [begin, end) in a face of which their triangle is a part.
+void weigh_in_face(const TriangleMesh& mesh, std::uint32_t face, std::size_t begin, std::size_t end, MappedBatch& out) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const Vec3d w = weights_on_face(mesh, face, {out.place[0][i], out.place[1][i], out.place[2][i]});
+    for (int k = 0; k < 3; ++k) out.weights[k][i] = static_cast<float>(w[k]);
+  }
+}
+
+CURVECAST_WIDE void map_batch(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
+                              const std::uint8_t* is_whole, const LeafBatch& batch, MappedBatch& out) {
+  for (std::size_t begin = 0, end; begin < batch.count; begin = end) {
+    const std::uint32_t t = batch.under[begin];
+    const Corners corners(data, disc, t);
+    for (end = begin; end < batch.count && batch.under[end] == t; ++end) out.face[end] = corners.face;
+    place_leaves(triangles[t], corners, batch, begin, end, out);
+    if (is_whole[t] == 0) weigh_in_face(data.mesh, corners.face, begin, end, out);
+    mix_records(corners, begin, end, out);
+  }
+}
 
 /// Where a batch goes.
 struct PackedTarget {
+  float* place[3];
   Snorm16 *nx, *ny, *nz;
   Bfloat16 *curvature_min, *curvature_max;
   std::uint16_t* direction;
+  std::uint32_t* face;
+  Unorm16 *weight_1, *weight_2;
 };
 
-CURVECAST_WIDE void pack(const Mixtures& mixed, std::size_t count, const PackedTarget& out) {
-  alignas(64) float x[kBatch], y[kBatch], z[kBatch];
+CURVECAST_WIDE void pack(const MappedBatch& batch, std::size_t count, const Vec3d& origin, const PackedTarget& out) {
+  for (int k = 0; k < 3; ++k) {
+    const double from = origin[k];
+    for (std::size_t i = 0; i < count; ++i) out.place[k][i] = static_cast<float>(batch.place[k][i] - from);
+  }
+  alignas(64) float x[LeafBatch::kSize], y[LeafBatch::kSize], z[LeafBatch::kSize];
   for (std::size_t i = 0; i < count; ++i) {
-    const float nx = mixed.normal[0][i], ny = mixed.normal[1][i], nz = mixed.normal[2][i];
-    const float scale = 1 / std::sqrt(nx * nx + ny * ny + nz * nz);
+    const float nx = batch.mixed[0][i], ny = batch.mixed[1][i], nz = batch.mixed[2][i];
+    const float square = nx * nx + ny * ny + nz * nz;
+    const bool any = square > 0;  // where normals cancel out, any one will do
+    const float scale = 1 / std::sqrt(any ? square : 1.0f);
     x[i] = nx * scale;
     y[i] = ny * scale;
-    z[i] = nz * scale;
+    z[i] = any ? nz * scale : 1.0f;
   }
   for (std::size_t i = 0; i < count; ++i) out.nx[i] = x[i];
   for (std::size_t i = 0; i < count; ++i) out.ny[i] = y[i];
@@ -117,13 +159,15 @@ CURVECAST_WIDE void pack(const Mixtures& mixed, std::size_t count, const PackedT
   for (std::size_t i = 0; i < count; ++i) x[i] = out.nx[i];
   for (std::size_t i = 0; i < count; ++i) y[i] = out.ny[i];
   for (std::size_t i = 0; i < count; ++i) z[i] = out.nz[i];
+  const auto* axis = batch.mixed + VertexRecord::kAxis;
   for (std::size_t i = 0; i < count; ++i) {
-    out.direction[i] =
-        pack_axes({mixed.axis[0][i], mixed.axis[1][i], mixed.axis[2][i], mixed.axis[3][i], mixed.axis[4][i], mixed.axis[5][i]},
-                  x[i], y[i], z[i]);
+    out.direction[i] = pack_axes({axis[0][i], axis[1][i], axis[2][i], axis[3][i], axis[4][i], axis[5][i]}, x[i], y[i], z[i]);
   }
-  for (std::size_t i = 0; i < count; ++i) out.curvature_min[i] = mixed.curvature_min[i];
-  for (std::size_t i = 0; i < count; ++i) out.curvature_max[i] = mixed.curvature_max[i];
+  for (std::size_t i = 0; i < count; ++i) out.curvature_min[i] = batch.mixed[VertexRecord::kCurvatureMin][i];
+  for (std::size_t i = 0; i < count; ++i) out.curvature_max[i] = batch.mixed[VertexRecord::kCurvatureMax][i];
+  for (std::size_t i = 0; i < count; ++i) out.weight_1[i] = batch.weights[1][i];
+  for (std::size_t i = 0; i < count; ++i) out.weight_2[i] = batch.weights[2][i];
+  std::copy_n(batch.face, count, out.face);
 }
 
 }  // namespace
@@ -141,44 +185,56 @@ void locate_centres(std::span<const ParameterTriangle> triangles, const Quadtree
   });
 }
 
+SurfaceMapper::SurfaceMapper(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles)
+    : data_(data), disc_(chart.disc), triangles_(triangles), is_whole_(whole_faces(data.mesh, chart.disc)) {}
+
+void SurfaceMapper::map(const LeafBatch& batch, std::size_t at, SurfaceCurve& curve) const {
+  MappedBatch mapped;
+  map_batch(data_, disc_, triangles_.data(), is_whole_.data(), batch, mapped);
+  pack(mapped, batch.count, curve.origin,
+       {{&curve.x[at], &curve.y[at], &curve.z[at]},
+        &curve.nx[at],
+        &curve.ny[at],
+        &curve.nz[at],
+        &curve.curvature_min[at],
+        &curve.curvature_max[at],
+        &curve.direction[at],
+        &curve.triangle[at],
+        &curve.weight_1[at],
+        &curve.weight_2[at]});
+  if (data_.colour == nullptr && curve.scalars.empty()) return;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    const Vec3f w(mapped.weights[0][i], mapped.weights[1][i], mapped.weights[2][i]);
+    if (data_.colour != nullptr) {
+      const double side = side_of_level(curve.level[at + i]);
+      const double area = side * side * triangles_[batch.under[i]].area_ratio;
+      curve.colour[at + i] = data_.colour->at(mapped.face[i], w, area);
+    }
+    const Triangle& v = data_.mesh.triangles[mapped.face[i]];
+    for (std::size_t s = 0; s < curve.scalars.size(); ++s) {
+      const std::vector<float>& values = data_.attributes.scalars[s].values;
+      curve.scalars[s].values[at + i] = w[0] * values[v[0]] + w[1] * values[v[1]] + w[2] * values[v[2]];
+    }
+  }
+}
+
 void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles,
                     const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve) {
-  const TriangleMesh& mesh = data.mesh;
-  const DiscMesh& disc = chart.disc;
-  const std::vector<std::uint8_t> is_whole = whole_faces(mesh, disc);
-  const auto map_leaf = [&](std::size_t l, std::size_t slot, Corners& corners, Mixtures& mixed) {
-    if (under[l] != corners.triangle) corners.enter(data, disc, is_whole, under[l]);
-    const double side = side_of_level(leaves.level[l]);
-    const ParameterTriangle& triangle = triangles[under[l]];
-    const Vec3d weights = clamped(triangle.weights(leaves.x[l] * kCellSide + 0.5 * side, leaves.y[l] * kCellSide + 0.5 * side));
-    const Vec3d place = corners.place(weights);
-    const Vec3f w = (corners.is_whole_face ? weights : weights_on_face(mesh, corners.face, place)).cast<float>();
-    mixed.set(slot, *corners.record[0], *corners.record[1], *corners.record[2], w);
-    const std::size_t i = offset + l;
-    curve.x[i] = static_cast<float>(place.x() - curve.origin.x());
-    curve.y[i] = static_cast<float>(place.y() - curve.origin.y());
-    curve.z[i] = static_cast<float>(place.z() - curve.origin.z());
-    curve.triangle[i] = corners.face;
-    curve.weight_1[i] = w[1];
-    curve.weight_2[i] = w[2];
-    curve.key[i] = leaves.key[l];
-    curve.level[i] = leaves.level[l];
-    if (data.colour != nullptr) curve.colour[i] = data.colour->at(corners.face, w, side * side * triangle.area_ratio);
-    const Triangle& v = mesh.triangles[corners.face];
-    for (std::size_t s = 0; s < curve.scalars.size(); ++s) {
-      const std::vector<float>& values = data.attributes.scalars[s].values;
-      curve.scalars[s].values[i] = w[0] * values[v[0]] + w[1] * values[v[1]] + w[2] * values[v[2]];
-    }
-  };
+  const SurfaceMapper mapper(data, chart, triangles);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
-    Mixtures mixed;
-    Corners corners;
-    for (std::size_t begin = range.begin(); begin < range.end(); begin += kBatch) {
-      const std::size_t count = std::min(kBatch, range.end() - begin), at = offset + begin;
-      for (std::size_t slot = 0; slot < count; ++slot) map_leaf(begin + slot, slot, corners, mixed);
-      pack(mixed, count,
-           {&curve.nx[at], &curve.ny[at], &curve.nz[at], &curve.curvature_min[at], &curve.curvature_max[at],
-            &curve.direction[at]});
+    LeafBatch batch;
+    for (std::size_t begin = range.begin(); begin < range.end(); begin += batch.count) {
+      batch.count = std::min(LeafBatch::kSize, range.end() - begin);
+      for (std::size_t i = 0; i < batch.count; ++i) {
+        const std::size_t l = begin + i;
+        const double half = 0.5 * side_of_level(leaves.level[l]);
+        batch.u[i] = leaves.x[l] * kCellSide + half;
+        batch.v[i] = leaves.y[l] * kCellSide + half;
+      }
+      std::copy_n(under.data() + begin, batch.count, batch.under);
+      std::copy_n(leaves.key.data() + begin, batch.count, curve.key.data() + offset + begin);
+      std::copy_n(leaves.level.data() + begin, batch.count, curve.level.data() + offset + begin);
+      mapper.map(batch, offset + begin, curve);
     }
   });
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/parameter_triangle.h"
@@ -39,10 +40,35 @@ struct SurfaceData {
   Column<VertexRecord> records;
 };
 
-/// Writes entries [offset, offset + L) of `curve`: position, normal, curvatures and their direction, face and barycentric weights
-/// of every leaf's centre, its key and level; where `data.colour` is not null the surface's colour, averaged over about the
-/// leaf's area; and the mesh's scalars, as many as curve.scalars has. `under`: the triangle of the chart's disc under each
-/// centre. The curve's columns are large enough and its origin is set.
+/// Some leaves of one disc that follow one another on the curve, to be mapped in one go.
+struct LeafBatch {
+  static constexpr std::size_t kSize = 64;
+  static constexpr std::size_t kSlack = 3;  // read beyond the last, and of no effect
+
+  std::size_t count = 0;
+  alignas(64) double u[kSize + kSlack] = {}, v[kSize + kSlack] = {};  // centres
+  std::uint32_t under[kSize];                                         // the triangle of the disc under each centre
+};
+
+/// Maps leaves of one disc; all that it is made of must outlive it.
+class SurfaceMapper {
+ public:
+  SurfaceMapper(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles);
+
+  /// Writes entries [at, at + batch.count) of the curve: position, normal, curvatures and their direction, face and barycentric
+  /// weights of every centre; where the data has any, the surface's colour, averaged over about the leaf's area; and the mesh's
+  /// scalars, as many as curve.scalars has. The curve's columns are large enough, its levels and its origin are set.
+  void map(const LeafBatch& batch, std::size_t at, SurfaceCurve& curve) const;
+
+ private:
+  const SurfaceData& data_;
+  const DiscMesh& disc_;
+  std::span<const ParameterTriangle> triangles_;
+  std::vector<std::uint8_t> is_whole_;  // for each triangle whether it is its whole face, corner by corner, and not a part of it
+};
+
+/// Maps all leaves of a disc to entries [offset, offset + L) of the curve, with their keys and levels. `under`: the triangle
+/// under each centre.
 void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles,
                     const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve);
 

@@ -11,10 +11,9 @@ Column<VertexRecord> vertex_records(const DifferentialGeometry& geometry) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, records.size(), 4096), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       const Vec3f& n = geometry.normals[v];
-      records[v] = {{n.x(), n.y(), n.z()},
-                    geometry.curvature_min[v],
-                    geometry.curvature_max[v],
-                    axis_tensor(geometry.directions_max[v]),
+      const AxisTensor axis = axis_tensor(geometry.directions_max[v]);
+      records[v] = {{n.x(), n.y(), n.z(), geometry.curvature_min[v], geometry.curvature_max[v], axis[0], axis[1], axis[2],
+                     axis[3], axis[4], axis[5]},
                     0};
     }
   });

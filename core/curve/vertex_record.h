@@ -7,10 +7,11 @@
 
 namespace curvecast {
 
+/// A normal, the curvatures, and the axis of the direction of curvature_max as a tensor (AxisTensor).
 struct alignas(16) VertexRecord {
-  float normal[3];
-  float curvature_min, curvature_max;
-  AxisTensor axis;  // of the direction of curvature_max
+  static constexpr int kNormal = 0, kCurvatureMin = 3, kCurvatureMax = 4, kAxis = 5, kSize = 11;  // where they begin
+
+  float values[kSize];
   float unused;
 };
 static_assert(sizeof(VertexRecord) == 12 * sizeof(float));

@@ -1,13 +1,16 @@
 #include "core/curve/walk.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
+
+#include "core/lanes.h"
 
 namespace curvecast {
 namespace {
 
 // A walk that has not arrived after this many steps goes in circles, or started far away on a fine mesh.
-constexpr int kMaxSteps = 2000;
+constexpr unsigned kMaxSteps = 2000;
 
 /// The triangle in which p lies deepest.
 std::uint32_t search_all(const ParameterMesh& mesh, const Vec2d& p) {
@@ -23,23 +26,65 @@ std::uint32_t search_all(const ParameterMesh& mesh, const Vec2d& p) {
   return best;
 }
 
+/// The next triangle on the way to a point that has these weights in t, or kNone where that lies beyond the square's border, by
+/// rounding. The first side to be tried changes from step to step: a fixed choice can go in circles.
+[[gnu::always_inline]] inline std::uint32_t triangle_across(const ParameterMesh& mesh, std::uint32_t t, const Vec3d& weights,
+                                                            unsigned step) {
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const std::uint32_t side = (step + k) % 3;
+    if (!(weights[(side + 2) % 3] < 0)) continue;  // that of the corner opposite the side
+    const std::uint32_t twin = mesh.twins[3 * t + side];
+    if (twin != kNone) return twin / 3;
+  }
+  return kNone;
+}
+
 }  // namespace
 
 std::uint32_t find_triangle(const ParameterMesh& mesh, const Vec2d& p, std::uint32_t start) {
   std::uint32_t t = start;
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (unsigned step = 0; step < kMaxSteps; ++step) {
     const Vec3d weights = mesh.triangles[t].weights(p.x(), p.y());
     if (weights.minCoeff() >= 0) return t;
-    // The first side to be tried changes from step to step: a fixed choice can go in circles.
-    std::uint32_t across = kNone;
-    for (std::uint32_t k = 0; k < 3 && across == kNone; ++k) {
-      const std::uint32_t side = (static_cast<std::uint32_t>(step) + k) % 3;
-      if (weights[(side + 2) % 3] < 0) across = mesh.twins[3 * t + side];  // the weight of the corner opposite the side
-    }
-    if (across == kNone) return t;  // beyond the square's border, by rounding
-    t = across / 3;
+    const std::uint32_t across = triangle_across(mesh, t, weights, step);
+    if (across == kNone) return t;
+    t = across;
   }
   return search_all(mesh, p);
+}
+
+CURVECAST_WIDE void find_four_triangles(const ParameterMesh& mesh, const double* u, const double* v, std::uint32_t start,
+                                        std::uint32_t* found) {
+  Lanes pu, pv;
+  load_lanes(pu, u);
+  load_lanes(pv, v);
+  const Lanes zero{};
+  unsigned left = 0b1111;  // points not found yet
+  std::uint32_t t = start;
+  for (unsigned step = 0; step < kMaxSteps; ++step) {
+    const ParameterTriangle& triangle = mesh.triangles[t];
+    Lanes w[3];
+    triangle.weights(pu, pv, w);
+    const LaneMask is_inside = (w[0] >= zero) & (w[1] >= zero) & (w[2] >= zero);
+    const auto bit = [&](int i) { return static_cast<unsigned>(is_inside[i]) & 1u << i; };
+    const unsigned inside = left & (bit(0) | bit(1) | bit(2) | bit(3));
+    for (unsigned bits = inside; bits != 0; bits &= bits - 1) found[std::countr_zero(bits)] = t;
+    left &= ~inside;
+    if (left == 0) return;
+    // On towards the first of the others.
+    const auto next = static_cast<unsigned>(std::countr_zero(left));
+    const std::uint32_t across = triangle_across(mesh, t, {w[0][next], w[1][next], w[2][next]}, step);
+    if (across == kNone) {
+      found[next] = t;
+      left &= left - 1;
+    } else {
+      t = across;
+    }
+  }
+  for (; left != 0; left &= left - 1) {
+    const int i = std::countr_zero(left);
+    found[i] = search_all(mesh, {u[i], v[i]});
+  }
 }
 
 bool touches(const ParameterTriangle& p, const Quad& quad) {

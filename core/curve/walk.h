@@ -21,6 +21,10 @@ struct ParameterMesh {
 /// within rounding, goes to one of its triangles, always the same from the same start.
 std::uint32_t find_triangle(const ParameterMesh& mesh, const Vec2d& p, std::uint32_t start);
 
+/// The same for four points that lie near one another, all of which each triangle on the way is tried for: u, v and `found` have
+/// four entries. A point on an edge may go to the other of its triangles than by itself.
+void find_four_triangles(const ParameterMesh& mesh, const double* u, const double* v, std::uint32_t start, std::uint32_t* found);
+
 /// Lists the triangles that touch quads. One for each thread: it keeps a mark for every triangle.
 class TouchingTriangles {
  public:

@@ -18,7 +18,8 @@ struct CurveBenchOptions {
 };
 
 /// Cases: curve, map, area and their sum with one thread and with all cores, each sum beside the time that it takes as many
-/// threads to write as many bytes as the curve has to fresh memory: no curve can be laid faster. Then one run for `large_points`,
+/// threads to write as many bytes as the curve has to fresh memory: no curve can be laid faster. Then the time to
+/// divide every leaf once, with all cores, beside that of the whole first build; and one run for `large_points`,
 /// with its memory. Errors as of preprocess(). The context's number of threads is ignored.
 absl::StatusOr<BenchReport> bench_curve(const MeshFile& file, const CurveBenchOptions& options, const ExecutionContext& context);
 

@@ -73,9 +73,8 @@ Times compare(int repeats, Ours&& ours, Theirs&& theirs) {
 /// One set of points, in one report.
 class SetBench {
  public:
-  SetBench(std::string name, const PointView& points, std::span<const std::uint32_t> pieces, float spacing, int repeats,
-           BenchReport& report)
-      : name_(std::move(name)), points_(points), at_(to_vectors(points)), pieces_(pieces), repeats_(repeats), report_(report) {
+  SetBench(std::string name, const PointView& points, float spacing, int repeats, BenchReport& report)
+      : name_(std::move(name)), points_(points), at_(to_vectors(points)), repeats_(repeats), report_(report) {
     places_ = at_;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -96,7 +95,7 @@ class SetBench {
     if (cores > 1) {
       tbb::task_arena(cores).execute([&] {
         build_ = compare(
-            repeats_, [&] { tree_ = NeighbourTree(points_, pieces_); }, [] {});
+            repeats_, [&] { tree_ = NeighbourTree(points_); }, [] {});
         build_.theirs = kd_tree_build_;
         for (const std::size_t k : kNeighbours) all_nearest(k, absl::StrCat(", ", cores, " threads"));
       });
@@ -111,7 +110,7 @@ class SetBench {
 
   void build() {
     build_ = compare(
-        repeats_, [&] { tree_ = NeighbourTree(points_, pieces_); },
+        repeats_, [&] { tree_ = NeighbourTree(points_); },
         [&] {
           kd_tree_.emplace(3, cloud_);
           kd_tree_->buildIndex();
@@ -160,6 +159,7 @@ class SetBench {
       if (i % k < points_.size) different_ += found[i].square != squares[i];
     }
     add(absl::StrFormat("%d nearest of places one by one", k), times);
+    add(absl::StrFormat("build + %d nearest of places", k), {build_.ours + times.ours, build_.theirs + times.theirs});
   }
 
   void within_radius() {
@@ -195,7 +195,6 @@ class SetBench {
   std::string name_;
   PointView points_;
   std::vector<Vec3f> at_, places_;  // the points, and places about a point's distance from them
-  std::span<const std::uint32_t> pieces_;
   float radius_ = 0;
   int repeats_;
   BenchReport& report_;
@@ -219,9 +218,9 @@ absl::StatusOr<BenchReport> bench_neighbours(const MeshFile& file, const Neighbo
   BenchReport report{"neighbours", {}};
   const auto spacing = [&](std::size_t n) { return static_cast<float>(std::sqrt(curve.total_area / static_cast<double>(n))); };
   context.progress("curve vertices", 0);
-  SetBench("curve", view_of(curve.x, curve.y, curve.z), curve.disc_begin, spacing(curve.size()), options.repeats, report).run();
+  SetBench("curve", view_of(curve.x, curve.y, curve.z), spacing(curve.size()), options.repeats, report).run();
   context.progress("samples", 0.5);
-  SetBench("samples", view_of(samples->positions), {}, spacing(samples->size()), options.repeats, report).run();
+  SetBench("samples", view_of(samples->positions), spacing(samples->size()), options.repeats, report).run();
   context.progress("samples", 1);
   report.notes = {
       absl::StrFormat(

@@ -36,6 +36,34 @@ TEST(Walk, ArrivesFromAnywhere) {
   }
 }
 
+TEST(Walk, FourAtATimeArriveToo) {
+  for (const Chart& chart : sample_charts()) {
+    const Column<ParameterTriangle> triangles = parameter_triangles(chart);
+    const ParameterMesh mesh{triangles, chart.disc.twins};
+    const auto count = static_cast<double>(triangles.size());
+    for (std::uint64_t i = 0; i < 2000; ++i) {
+      // All over the square, or close together as siblings are; now and then one of them on a corner of the mesh.
+      const double reach = i % 2 == 0 ? 1 : 0.01;
+      double u[4], v[4];
+      for (std::uint64_t k = 0; k < 4; ++k) {
+        u[k] = std::min(random_unit(1, i) + reach * random_unit(4 + k, i), 1.0);
+        v[k] = std::min(random_unit(2, i) + reach * random_unit(8 + k, i), 1.0);
+      }
+      const auto start = static_cast<std::uint32_t>(random_unit(3, i) * count);
+      if (i % 10 == 0) {
+        u[i % 4] = triangles[start].u[i % 3];
+        v[i % 4] = triangles[start].v[i % 3];
+      }
+      std::uint32_t found[4];
+      find_four_triangles(mesh, u, v, start, found);
+      for (int k = 0; k < 4; ++k) {
+        // In units of the triangle's own size.
+        EXPECT_GE(triangles[found[k]].weights(u[k], v[k]).minCoeff(), -1e-6) << u[k] << " " << v[k] << " from " << start;
+      }
+    }
+  }
+}
+
 TEST(Walk, CornersSidesAndBordersGoToOneOfTheirTriangles) {
   for (const Chart& chart : sample_charts()) {
     const Column<ParameterTriangle> triangles = parameter_triangles(chart);

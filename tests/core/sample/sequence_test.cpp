@@ -79,9 +79,71 @@ TEST(Sequence, RegularIsExactAndKnowsNoSeed) {
   }
 }
 
+/// The sequences that go on without end, by their definition, before they are moved.
+double member(Sequence sequence, std::uint64_t i) {
+  if (sequence == Sequence::kGoldenRatio) {
+    const long double turns = i * ((std::sqrt(5.0L) - 1) / 2);
+    return static_cast<double>(turns - std::floor(turns));
+  }
+  double value = 0, digit = 0.5;
+  for (; i > 0; i >>= 1, digit /= 2) value += static_cast<double>(i & 1) * digit;
+  return value;
+}
+
+constexpr Sequence kEndless[] = {Sequence::kVanDerCorput, Sequence::kGoldenRatio};
+
+TEST(Sequence, EndlessOnesHaveTheirFirstMembersInOrder) {
+  for (const Sequence sequence : kEndless) {
+    for (const std::size_t n : {1u, 2u, 3u, 4u, 5u, 7u, 8u, 13u, 100u, 1024u, 1025u, 75'025u, 300'000u}) {
+      for (const std::uint64_t seed : {0u, 1u, 2u}) {
+        const std::vector<double> q = sequence_of(sequence, seed, n);
+        ASSERT_TRUE(std::is_sorted(q.begin(), q.end()));
+        ASSERT_GE(q.front(), 0);
+        ASSERT_LT(q.back(), 1);
+        // Which seeds move by how much is theirs: the first member lies at 0 before.
+        const double shift = sequence_of(sequence, seed, 1)[0];
+        std::vector<double> expected;
+        for (std::size_t i = 0; i < n; ++i) {
+          const double moved = member(sequence, i) + shift;
+          expected.push_back(moved < 1 ? moved : moved - 1);
+        }
+        std::sort(expected.begin(), expected.end());
+        for (std::size_t i = 0; i < n; ++i) ASSERT_NEAR(q[i], expected[i], 1e-9) << i << " of " << n;
+      }
+    }
+  }
+}
+
+TEST(Sequence, EndlessOnesOnlyGrow) {
+  for (const Sequence sequence : kEndless) {
+    std::vector<double> fewer;
+    for (const std::size_t n : {1u, 2u, 10u, 1000u, 1500u, 20'000u}) {
+      const std::vector<double> more = sequence_of(sequence, 3, n);
+      EXPECT_TRUE(std::includes(more.begin(), more.end(), fewer.begin(), fewer.end())) << n;
+      fewer = more;
+    }
+  }
+}
+
+TEST(Sequence, EndlessOnesAreSpreadEvenlyAtEveryLength) {
+  // The star discrepancy times N grows like the logarithm: log2(N) / 3 + 1 for van der Corput's (Niederreiter, theorem 3.6).
+  for (const Sequence sequence : kEndless) {
+    for (const std::size_t n : {10u, 100u, 777u, 10'000u, 123'456u}) {
+      const std::vector<double> q = sequence_of(sequence, 9, n);
+      double most = 0;
+      for (std::size_t i = 0; i < n; ++i) {
+        most = std::max(most, std::abs(q[i] * static_cast<double>(n) - static_cast<double>(i)));
+      }
+      // Moved round, a stretch has two ends: twice as much.
+      EXPECT_LT(most, 2 * (std::log2(static_cast<double>(n)) / 3 + 1)) << n;
+    }
+  }
+}
+
 TEST(Sequence, OfNothingIsNothing) {
-  fill_sequence(Sequence::kJittered, 0, {});
-  fill_sequence(Sequence::kRegular, 0, {});
+  for (const Sequence sequence : {Sequence::kJittered, Sequence::kRegular, Sequence::kVanDerCorput, Sequence::kGoldenRatio}) {
+    fill_sequence(sequence, 0, {});
+  }
 }
 
 }  // namespace
