@@ -31,7 +31,7 @@ std::array<Corners, 2> halves(const Corners& t) {
 
 }  // namespace
 
-double coverage_radius(const TriangleMesh& mesh, const PointTree& points, const ExecutionContext& context) {
+double coverage_radius(const TriangleMesh& mesh, const PointCloud& points, const ExecutionContext& context) {
   // Batches come from the end of what is left: deep first, so that there is never much of it, and in an order of their own, so
   // that threads don't matter.
   constexpr std::size_t kBatch = 16'384;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/execution_context.h"
-#include "core/measure/point_tree.h"
+#include "core/measure/point_cloud.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
@@ -15,6 +15,6 @@ inline constexpr double kCoverageTolerance = 0.005;
 /// so that a triangle whose middle is near enough to a point for its size cannot hold the largest one, and all others are halved
 /// until none is left. The result is the distance of a place that there is, and at most kCoverageTolerance below the largest. The
 /// same for any number of threads; too small once cancelled. Preconditions: there is a point; the mesh has an area.
-double coverage_radius(const TriangleMesh& mesh, const PointTree& points, const ExecutionContext& context = {});
+double coverage_radius(const TriangleMesh& mesh, const PointCloud& points, const ExecutionContext& context = {});
 
 }  // namespace curvecast

@@ -69,7 +69,7 @@ PointMeasures measure_set(const TriangleMesh& mesh, const TriangleTree& triangle
     measures.surface_max = std::max(measures.surface_max, distance);
     measures.surface_mean += distance / static_cast<double>(points.size());
   }
-  const PointTree tree(points, bounding_box(mesh));
+  const PointCloud tree(points, bounding_box(mesh));
   measures.spacing = neighbour_distances(area, tree);
   measures.spacing_on_side = neighbour_distances_on_side(area, tree, normals);
   measures.coverage = coverage_radius(mesh, tree, context) / packing_radius(area, points.size());

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/measure/point_tree.h"
+#include "core/measure/point_cloud.h"
 
 namespace curvecast {
 
@@ -22,13 +22,13 @@ struct NeighbourDistances {
 };
 
 /// Among all points. Preconditions: at least two points; area > 0.
-NeighbourDistances neighbour_distances(double area, const PointTree& points);
+NeighbourDistances neighbour_distances(double area, const PointCloud& points);
 
 /// The same, but two points are neighbours only where the surface faces the same way, so that where it is thinner than the points
 /// are apart, those on the other side don't count: normals that differ by 120 degrees at most. (Sides of a sheet differ by 180; a
 /// sharp crease, over which points are neighbours all the same, rarely by more than 120.) `normals`: of the surface at each
-/// point, in the points' own order, not the tree's. Points without such a neighbour among the 64 nearest are left out. All 0 when
+/// point. Points without such a neighbour among the 64 nearest are left out. All 0 when
 /// every point is. Preconditions as above.
-NeighbourDistances neighbour_distances_on_side(double area, const PointTree& points, std::span<const Vec3f> normals);
+NeighbourDistances neighbour_distances_on_side(double area, const PointCloud& points, std::span<const Vec3f> normals);
 
 }  // namespace curvecast

@@ -15,7 +15,7 @@ namespace curvecast {
 namespace {
 
 double coverage(const TriangleMesh& mesh, const std::vector<Vec3d>& points) {
-  return coverage_radius(mesh, PointTree(points, bounding_box(mesh)));
+  return coverage_radius(mesh, PointCloud(points, bounding_box(mesh)));
 }
 
 TEST(Coverage, OfTheHexagonalLattice) {

@@ -34,7 +34,7 @@ TEST(Spacing, OfTheHexagonalLatticeIsOne) {
   for (const double distance : {1e-9, 1.0, 1e9}) {
     // Far out as well.
     const std::vector<Vec3d> points = hexagonal(40, distance, 1000 * distance * Vec3d(1, 1, 1));
-    const NeighbourDistances found = neighbour_distances(hexagonal_area(40, distance), PointTree(points, box_of(points)));
+    const NeighbourDistances found = neighbour_distances(hexagonal_area(40, distance), PointCloud(points, box_of(points)));
     EXPECT_NEAR(found.min, 1, 1e-4);
     EXPECT_NEAR(found.mean, 1, 1e-4);
     EXPECT_NEAR(found.max, 1, 1e-4);
@@ -48,9 +48,9 @@ TEST(Spacing, OfTheSquareLatticeAndOfRandomPoints) {
     random.emplace_back(100 * random_unit(1, 2 * i), 100 * random_unit(1, 2 * i + 1), 0);
   }
   const double unit = 2 * packing_radius(10'000, 10'000);
-  EXPECT_NEAR(neighbour_distances(10'000, PointTree(lattice, box_of(lattice))).min, 1 / unit, 1e-4);
+  EXPECT_NEAR(neighbour_distances(10'000, PointCloud(lattice, box_of(lattice))).min, 1 / unit, 1e-4);
   // The mean distance to the nearest of random points is half that of the square lattice (Clark and Evans, 1954).
-  const NeighbourDistances found = neighbour_distances(10'000, PointTree(random, box_of(random)));
+  const NeighbourDistances found = neighbour_distances(10'000, PointCloud(random, box_of(random)));
   EXPECT_NEAR(found.mean, 0.5 / unit, 0.02);
   EXPECT_LT(found.min, 0.05);
   EXPECT_GT(found.max, 1);
@@ -59,7 +59,7 @@ TEST(Spacing, OfTheSquareLatticeAndOfRandomPoints) {
 TEST(Spacing, PointsAtOnePlaceHaveNone) {
   std::vector<Vec3d> points = hexagonal(10, 1);
   points.push_back(points[17]);
-  EXPECT_EQ(neighbour_distances(1, PointTree(points, box_of(points))).min, 0);
+  EXPECT_EQ(neighbour_distances(1, PointCloud(points, box_of(points))).min, 0);
 }
 
 TEST(Spacing, OnOneSideDoesNotSeeTheOther) {
@@ -68,7 +68,7 @@ TEST(Spacing, OnOneSideDoesNotSeeTheOther) {
   std::vector<Vec3f> normals(points.size(), Vec3f(0, 0, 1));
   for (const Vec3d& p : hexagonal(20, 1, {0, 0, -0.1})) points.push_back(p);
   normals.resize(points.size(), Vec3f(0, 0, -1));
-  const PointTree tree(points, box_of(points));
+  const PointCloud tree(points, box_of(points));
   const double area = 2 * hexagonal_area(20, 1);
   EXPECT_NEAR(neighbour_distances(area, tree).min, 0.1, 1e-4);
   EXPECT_NEAR(neighbour_distances_on_side(area, tree, normals).min, 1, 1e-4);
@@ -85,12 +85,12 @@ TEST(Spacing, OnOneSideLooksPastManyOnTheOther) {
     points.emplace_back(0.01 * i, 0, -0.1);
     normals.emplace_back(0, 0, -1);
   }
-  const PointTree tree(points, box_of(points));
+  const PointCloud tree(points, box_of(points));
   const double unit = 2 * packing_radius(1, points.size());
   EXPECT_NEAR(neighbour_distances_on_side(1, tree, normals).max, 1 / unit, 1e-4);
   // Nobody on its side.
   const std::vector<Vec3f> apart = {{0, 0, 1}, {0, 0, -1}};
-  const PointTree pair({points.data(), 2}, box_of(points));
+  const PointCloud pair({points.data(), 2}, box_of(points));
   EXPECT_EQ(neighbour_distances_on_side(1, pair, apart).max, 0);
 }
 
@@ -104,7 +104,7 @@ TEST(Spacing, IsTheSameForAnyNumberOfThreads) {
   NeighbourDistances found[2];
   for (int run = 0; run < 2; ++run) {
     tbb::task_arena(run == 0 ? 1 : 4).execute([&] {
-      found[run] = neighbour_distances_on_side(1, PointTree(points, box_of(points)), normals);
+      found[run] = neighbour_distances_on_side(1, PointCloud(points, box_of(points)), normals);
     });
   }
   EXPECT_EQ(found[0].min, found[1].min);

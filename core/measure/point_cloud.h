@@ -1,8 +1,7 @@
-// Points of any origin and order, made ready to be searched among.
+// Points of any origin, made ready to be searched among.
 #pragma once
 
 #include <cmath>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -10,12 +9,12 @@
 
 namespace curvecast {
 
-struct PointTree {
+struct PointCloud {
   /// Absolute coordinates, all finite. `frame`: the box of their surface, which becomes as large as 1, so that floats will do for
   /// a surface of any size, anywhere. It is not empty.
-  PointTree(std::span<const Vec3d> points, const Box3d& frame);
+  PointCloud(std::span<const Vec3d> points, const Box3d& frame);
 
-  std::size_t size() const { return order.size(); }
+  std::size_t size() const { return positions.size(); }
   /// As the tree's points are.
   Vec3f local(const Vec3d& p) const { return ((p - origin) / unit).cast<float>(); }
   /// In the points' own units.
@@ -23,9 +22,8 @@ struct PointTree {
 
   Vec3d origin;
   double unit;
-  std::vector<std::uint32_t> order;  // point of each of the tree's
-  std::vector<Vec3f> positions;      // the tree's
-  NeighbourTree tree;
+  std::vector<Vec3f> positions;  // local
+  NeighbourTree tree;            // of them
 };
 
 }  // namespace curvecast
