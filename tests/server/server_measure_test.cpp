@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/sample/random.h"
+#include "core/vec.h"
 #include "server_fixture.h"
 
 namespace curvecast::server {
