@@ -259,9 +259,13 @@ auto with_threads(const ExecutionContext& context, Function&& function) {
 
 }  // namespace
 
-absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context) {
+absl::StatusOr<LoadedMesh> load_mesh(const MeshFile& file, const ExecutionContext& context) {
   StageSeconds seconds;
-  absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds);
+  return load(file, context, seconds);
+}
+
+absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context) {
+  absl::StatusOr<LoadedMesh> loaded = load_mesh(file, context);
   if (!loaded.ok()) return loaded.status();
   return loaded->info;
 }

@@ -87,6 +87,7 @@ struct Preprocessed {
 };
 
 /// Reads and repairs only.
+absl::StatusOr<LoadedMesh> load_mesh(const MeshFile& file, const ExecutionContext& context = {});
 absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context = {});
 
 /// The first half: reads, repairs, cuts, parameterises. Errors as of preprocess().

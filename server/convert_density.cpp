@@ -1,6 +1,7 @@
 #include "server/convert_density.h"
 
 #include <absl/strings/str_cat.h>
+#include <Eigen/Geometry>
 
 #include <type_traits>
 #include <variant>
@@ -9,6 +10,9 @@ namespace curvecast::server {
 namespace {
 
 constexpr int kMaxTerms = 16;
+
+// Of the same direction; lengths from the smallest to the largest doubles neither vanish nor overflow.
+Vec3d direction(const Vec3d& v) { return (v / v.cwiseAbs().maxCoeff()).normalized(); }
 
 CurvatureTerm to_core(Checker& check, const std::string& field, const v1::CurvatureDensity& in) {
   CurvatureTerm term;
@@ -51,6 +55,26 @@ ViewTerm to_core(Checker& check, const std::string& field, const v1::ViewDensity
 }
 
 }  // namespace
+
+Vec3d check_camera(Checker& check, const std::string& field, const v1::Camera& camera) {
+  const Vec3d eye = check.vector(field + ".eye", camera.eye());
+  const Vec3d target = check.vector(field + ".target", camera.target());
+  const Vec3d up = camera.has_up() ? check.vector(field + ".up", camera.up()) : Vec3d::UnitY();
+  const double fov = camera.vertical_fov_degrees();
+  if (!(fov == 0 || (fov > 0 && fov < 180))) {
+    check.fail(field + ".vertical_fov_degrees", absl::StrCat("is ", fov, "; it must lie between 0 and 180, or be 0 for 45"));
+  }
+  if (!check.ok()) return eye;
+  const Vec3d view = 0.5 * target - 0.5 * eye;
+  if (view.isZero(0)) {
+    check.fail(field, "looks nowhere: eye and target are the same point");
+  } else if (up.isZero(0)) {
+    check.fail(field + ".up", "has no length");
+  } else if (direction(view).cross(direction(up)).norm() < 1e-9) {
+    check.fail(field + ".up", "is along the view; choose another direction");
+  }
+  return eye;
+}
 
 std::vector<DensityTerm> to_density(Checker& check, const std::string& field, const DensityTerms& terms,
                                     const absl::StatusOr<Vec3d>& eye) {

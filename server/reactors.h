@@ -25,6 +25,9 @@ grpc::ServerWriteReactor<v1::CreateSessionResponse>* create_session(Engine& engi
 grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* get_parameter_mesh(Engine& engine, grpc::CallbackServerContext& context,
                                                                            const v1::GetParameterMeshRequest& request);
 
+grpc::ServerWriteReactor<v1::MeasureResponse>* measure(Engine& engine, grpc::CallbackServerContext& context,
+                                                       const v1::MeasureRequest& request);
+
 grpc::ServerWriteReactor<v1::GetCurveResponse>* get_curve(Engine& engine, grpc::CallbackServerContext& context,
                                                           const v1::GetCurveRequest& request);
 

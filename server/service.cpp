@@ -98,6 +98,11 @@ grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* con
   return answer(engine_, "CloseSession", context, [&] { return engine_.close_session(request->session_id()); });
 }
 
+grpc::ServerWriteReactor<v1::MeasureResponse>* Service::Measure(grpc::CallbackServerContext* context,
+                                                                const v1::MeasureRequest* request) {
+  return measure(engine_, *context, *request);
+}
+
 grpc::ServerWriteReactor<v1::GetCurveResponse>* Service::GetCurve(grpc::CallbackServerContext* context,
                                                                   const v1::GetCurveRequest* request) {
   return get_curve(engine_, *context, *request);

@@ -29,6 +29,8 @@ class Service final : public v1::CurvecastService::CallbackService {
                                          v1::ListSessionsResponse* response) override;
   grpc::ServerUnaryReactor* CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
                                          v1::CloseSessionResponse* response) override;
+  grpc::ServerWriteReactor<v1::MeasureResponse>* Measure(grpc::CallbackServerContext* context,
+                                                         const v1::MeasureRequest* request) override;
   grpc::ServerWriteReactor<v1::GetCurveResponse>* GetCurve(grpc::CallbackServerContext* context,
                                                            const v1::GetCurveRequest* request) override;
   grpc::ServerWriteReactor<v1::ResampleResponse>* Resample(grpc::CallbackServerContext* context,

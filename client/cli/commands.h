@@ -10,6 +10,7 @@ Command add_info(CLI::App& root, CommonOptions& options);
 Command add_preprocess(CLI::App& root, CommonOptions& options);
 Command add_sample(CLI::App& root, CommonOptions& options);
 Command add_stream(CLI::App& root, CommonOptions& options);
+Command add_measure(CLI::App& root, CommonOptions& options);
 Command add_render(CLI::App& root, CommonOptions& options);
 Command add_bench(CLI::App& root, CommonOptions& options);
 

@@ -111,4 +111,14 @@ absl::StatusOr<v1::DensityTerm> parse_density_term(std::string_view text) {
   return term;
 }
 
+absl::Status add_density_terms(const std::vector<std::string>& texts,
+                               google::protobuf::RepeatedPtrField<v1::DensityTerm>* terms) {
+  for (const std::string& text : texts) {
+    absl::StatusOr<v1::DensityTerm> term = parse_density_term(text);
+    if (!term.ok()) return term.status();
+    *terms->Add() = *std::move(term);
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace curvecast::cli

@@ -3,7 +3,9 @@
 
 #include <absl/status/statusor.h>
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "curvecast/v1/curvecast.pb.h"
 
@@ -15,5 +17,8 @@ inline constexpr char kDensityHelp[] =
 /// uniform, curvature[:kind=gauss|mean|max,exponent=1,floor=0.05] or view[:s0=0.1]. Values are checked against the ranges of the
 /// API. InvalidArgument names the term, the key and what is allowed.
 absl::StatusOr<v1::DensityTerm> parse_density_term(std::string_view text);
+
+/// Appends what the texts say to a message's terms.
+absl::Status add_density_terms(const std::vector<std::string>& texts, google::protobuf::RepeatedPtrField<v1::DensityTerm>* terms);
 
 }  // namespace curvecast::cli

@@ -27,8 +27,8 @@ int run(int argc, char** argv) {
   app.footer("curvecast COMMAND --help tells all about a command.");
   CommonOptions options;
   const std::vector<Command> commands = {add_serve(app, options),  add_info(app, options),   add_preprocess(app, options),
-                                         add_sample(app, options), add_stream(app, options), add_render(app, options),
-                                         add_bench(app, options)};
+                                         add_sample(app, options), add_stream(app, options), add_measure(app, options),
+                                         add_render(app, options), add_bench(app, options)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -19,14 +19,18 @@ constexpr std::array<v1::Sequence, kSequences.size()> kSequenceValues = {v1::SEQ
 
 }  // namespace
 
+void add_density_flag(CLI::App* command, SampleFlags* flags, const std::string& help) {
+  command->add_option("--density", flags->density, help)
+      ->check(validator([](const std::string& text) { return parse_density_term(text).status(); }, ""))
+      ->type_name("TERM")
+      ->allow_extra_args(false);
+}
+
 CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
   CLI::Option* count = command->add_option("-n,--points", flags->points, "number of points N, 1 to 4,000,000")
                            ->check(point_count_range())
                            ->type_name("N");
-  command->add_option("--density", flags->density, kDensityHelp)
-      ->check(validator([](const std::string& text) { return parse_density_term(text).status(); }, ""))
-      ->type_name("TERM")
-      ->allow_extra_args(false);
+  add_density_flag(command, flags, kDensityHelp);
   command
       ->add_option(
           "--sequence", flags->sequence,
@@ -50,11 +54,7 @@ absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::ui
   request.set_seed(seed);
   const auto choice = std::find(kSequences.begin(), kSequences.end(), flags.sequence) - kSequences.begin();
   request.set_sequence(kSequenceValues[static_cast<std::size_t>(choice)]);
-  for (const std::string& text : flags.density) {
-    absl::StatusOr<v1::DensityTerm> term = parse_density_term(text);
-    if (!term.ok()) return term.status();
-    *request.add_density() = *std::move(term);
-  }
+  if (absl::Status status = add_density_terms(flags.density, request.mutable_density()); !status.ok()) return status;
   return request;
 }
 

@@ -22,6 +22,8 @@ struct SampleFlags {
 
 /// -n, --density and --sequence; values are checked while parsing. Returns the option -n.
 CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags);
+/// --density alone.
+void add_density_flag(CLI::App* command, SampleFlags* flags, const std::string& help);
 /// --camera.
 void add_camera_flag(CLI::App* command, SampleFlags* flags);
 

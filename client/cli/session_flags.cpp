@@ -58,11 +58,7 @@ absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flag
   options.set_omega(flags.omega);
   options.set_mapper(flags.mapper == "id-buffer" ? v1::MAPPER_ID_BUFFER : v1::MAPPER_EXACT);
   options.set_area_element(flags.area == "voronoi" ? v1::AREA_ELEMENT_VORONOI : v1::AREA_ELEMENT_EXACT);
-  for (const std::string& text : flags.base_density) {
-    absl::StatusOr<v1::DensityTerm> term = parse_density_term(text);
-    if (!term.ok()) return term.status();
-    *options.add_density() = *std::move(term);
-  }
+  if (absl::Status status = add_density_terms(flags.base_density, options.mutable_density()); !status.ok()) return status;
   return options;
 }
 

@@ -5,6 +5,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <filesystem>
 #include <set>
@@ -51,6 +52,12 @@ google::protobuf::Map<std::string, std::string> to_proto(const std::map<std::str
 
 void add_refused(const UploadedMesh& mesh, v1::MeshInfo* info) {
   for (const std::string& reason : mesh.refused) info->add_warnings(reason + ".");
+}
+
+/// What to do with the progress that a server tells.
+OnProgress forward(const StageProgress& on_progress) {
+  if (!on_progress) return {};
+  return [&](const v1::Progress& progress) { on_progress(progress.stage(), progress.fraction()); };
 }
 
 }  // namespace
@@ -179,10 +186,7 @@ absl::StatusOr<v1::Session> Client::create_session(const UploadedMesh& mesh, con
   request.set_mesh_id(mesh.mesh_id);
   *request.mutable_companions() = to_proto(mesh.companions);
   *request.mutable_options() = options;
-  const OnProgress forward = [&](const v1::Progress& progress) {
-    if (on_progress) on_progress(progress.stage(), progress.fraction());
-  };
-  absl::StatusOr<v1::Session> session = connection_->create_session(request, forward, stop);
+  absl::StatusOr<v1::Session> session = connection_->create_session(request, forward(on_progress), stop);
   if (session.ok()) add_refused(mesh, session->mutable_report()->mutable_mesh());
   return session;
 }
@@ -256,6 +260,31 @@ absl::StatusOr<DecodedSample> Client::resample_refined(const v1::ResampleRequest
     sample = resample(request, stop);
   }
   return sample;
+}
+
+absl::StatusOr<v1::Measures> Client::measure(const UploadedMesh& mesh, std::span<const Points> sets, v1::MeasureRequest request,
+                                             const StageProgress& on_progress, std::stop_token stop) {
+  static_assert(std::endian::native == std::endian::little);
+  request.set_mesh_id(mesh.mesh_id);
+  *request.mutable_companions() = to_proto(mesh.companions);
+  for (const Points& set : sets) {
+    const std::span<const char> bytes(reinterpret_cast<const char*>(set.positions.data()),
+                                      set.positions.size() * sizeof set.positions[0]);
+    absl::StatusOr<std::string> id = upload_mesh("points", bytes, on_progress, stop);
+    if (!id.ok()) return id.status();
+    v1::UploadedPoints& points = *request.add_sets();
+    points.set_points_id(*std::move(id));
+    points.mutable_origin()->set_x(set.origin[0]);
+    points.mutable_origin()->set_y(set.origin[1]);
+    points.mutable_origin()->set_z(set.origin[2]);
+  }
+  absl::StatusOr<v1::Measures> measures = connection_->measure(request, forward(on_progress), stop);
+  if (!measures.ok()) return measures;
+  if (measures->sets_size() != request.sets_size()) {
+    return absl::DataLossError(
+        absl::StrCat("asked for the measures of ", request.sets_size(), " sets, but the server sent ", measures->sets_size()));
+  }
+  return measures;
 }
 
 }  // namespace curvecast::client

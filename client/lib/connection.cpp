@@ -142,6 +142,17 @@ absl::StatusOr<std::vector<Response>> read_all(grpc::ClientReader<Response>& rea
   return responses;
 }
 
+/// Hands every message that tells of progress to `on_progress`, and all messages to `take`.
+template <typename Response, typename Take>
+absl::Status read_progress(grpc::ClientReader<Response>& reader, const OnProgress& on_progress, const Take& take) {
+  Response response;
+  while (reader.Read(&response)) {
+    if (response.has_progress() && on_progress) on_progress(response.progress());
+    take(response);
+  }
+  return to_absl(reader.Finish());
+}
+
 class GrpcConnection : public Connection {
  public:
   GrpcConnection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options)
@@ -178,14 +189,13 @@ class GrpcConnection : public Connection {
                                              std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<v1::Session> {
       Call call(stop, std::nullopt);
-      const auto reader = stub_->CreateSession(call.context(), request);
       std::optional<v1::Session> session;
-      v1::CreateSessionResponse response;
-      while (reader->Read(&response)) {
-        if (response.has_session()) session = std::move(*response.mutable_session());
-        if (response.has_progress() && on_progress) on_progress(response.progress());
-      }
-      if (absl::Status status = to_absl(reader->Finish()); !status.ok()) return status;
+      const absl::Status status = read_progress<v1::CreateSessionResponse>(*stub_->CreateSession(call.context(), request),
+                                                                           on_progress, [&](auto& response) {
+                                                                             if (response.has_session())
+                                                                               session = std::move(*response.mutable_session());
+                                                                           });
+      if (!status.ok()) return status;
       if (!session) return absl::DataLossError("the server ended CreateSession without a session");
       return *std::move(session);
     });
@@ -236,6 +246,21 @@ class GrpcConnection : public Connection {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetCurveResponse>> {
       Call call(stop, options_.long_timeout);
       return read_all<v1::GetCurveResponse>(*stub_->GetCurve(call.context(), request), call, "a curve");
+    });
+  }
+
+  absl::StatusOr<v1::Measures> measure(const v1::MeasureRequest& request, const OnProgress& on_progress,
+                                       std::stop_token stop) override {
+    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<v1::Measures> {
+      Call call(stop, std::nullopt);
+      std::optional<v1::Measures> measures;
+      const absl::Status status =
+          read_progress<v1::MeasureResponse>(*stub_->Measure(call.context(), request), on_progress, [&](auto& response) {
+            if (response.has_measures()) measures = std::move(*response.mutable_measures());
+          });
+      if (!status.ok()) return status;
+      if (!measures) return absl::DataLossError("the server ended Measure without measures");
+      return *std::move(measures);
     });
   }
 

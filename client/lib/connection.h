@@ -75,6 +75,8 @@ class Connection {
   /// All messages of the answer, in order.
   virtual absl::StatusOr<std::vector<v1::GetCurveResponse>> get_curve(const v1::GetCurveRequest& request,
                                                                       std::stop_token stop) = 0;
+  virtual absl::StatusOr<v1::Measures> measure(const v1::MeasureRequest& request, const OnProgress& on_progress,
+                                               std::stop_token stop) = 0;
   virtual std::unique_ptr<ViewCall> stream_views(std::stop_token stop) = 0;
 };
 

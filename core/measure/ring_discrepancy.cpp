@@ -5,7 +5,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 #include "core/sample/random.h"
@@ -81,7 +80,7 @@ class Grower {
 }  // namespace
 
 std::vector<Discrepancy> ring_discrepancy(const TriangleMesh& mesh, std::span<const std::vector<std::uint32_t>> sets,
-                                          const RingDiscrepancyOptions& options) {
+                                          const RingDiscrepancyOptions& options, const ExecutionContext& context) {
   const std::size_t set_count = sets.size();
   const std::size_t faces = mesh.face_count();
   const auto regions = static_cast<std::size_t>(options.regions);
@@ -90,61 +89,41 @@ std::vector<Discrepancy> ring_discrepancy(const TriangleMesh& mesh, std::span<co
   for (std::size_t s = 0; s < set_count; ++s) {
     for (const std::uint32_t f : sets[s]) ++counts[f * set_count + s];
   }
-  std::vector<double> area(faces);
+  std::vector<double> mass(faces);
   double total = 0;
-  for (std::size_t f = 0; f < faces; ++f) total += area[f] = triangle_area(mesh, f);
+  for (std::size_t f = 0; f < faces; ++f) {
+    mass[f] = triangle_area(mesh, f) * (options.face_density.empty() ? 1 : options.face_density[f]);
+    total += mass[f];
+  }
 
   const VertexFaces faces_of(mesh);
-  std::vector<Discrepancy> found(regions * set_count);  // here `rms` is the mean square
+  std::vector<DiscrepancySum> found(regions * set_count);
   tbb::enumerable_thread_specific<Grower> growers([&] { return Grower(mesh, faces_of); });
   tbb::parallel_for(std::size_t{0}, regions, [&](std::size_t region) {
-    Discrepancy* const own = &found[region * set_count];
+    if (context.cancelled()) return;
+    DiscrepancySum* const own = &found[region * set_count];
     std::vector<std::uint32_t> inside(set_count);
-    double inside_area = 0;
-    int rings = 0;
+    double inside_mass = 0;
     const auto add = [&](std::uint32_t f) {
-      inside_area += area[f];
+      inside_mass += mass[f];
       const std::uint32_t* const row = &counts[f * set_count];
       for (std::size_t s = 0; s < set_count; ++s) inside[s] += row[s];
     };
     const auto end_ring = [&] {
-      ++rings;
+      const double share = std::min(inside_mass / total, 1.0);
       for (std::size_t s = 0; s < set_count; ++s) {
-        const double share = static_cast<double>(inside[s]) / static_cast<double>(sets[s].size());
-        const double difference = std::abs(share - inside_area / total);
-        own[s].max = std::max(own[s].max, difference);
-        own[s].rms += difference * difference;
+        own[s].add(static_cast<double>(inside[s]) / static_cast<double>(sets[s].size()), share);
       }
     };
     const auto seed = static_cast<std::uint32_t>(random_unit(options.seed, region) * static_cast<double>(faces));
     growers.local().grow(seed, add, end_ring);
-    for (std::size_t s = 0; s < set_count; ++s) own[s].rms /= rings;
   });
 
-  std::vector<Discrepancy> result(set_count);
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    Discrepancy& set = result[i % set_count];
-    set.max = std::max(set.max, found[i].max);
-    set.rms += found[i].rms;
-  }
-  for (Discrepancy& set : result) set.rms = std::sqrt(set.rms / static_cast<double>(regions));
+  std::vector<DiscrepancySum> sums(set_count);
+  for (std::size_t i = 0; i < found.size(); ++i) sums[i % set_count].add_mean(found[i]);
+  std::vector<Discrepancy> result;
+  for (std::size_t s = 0; s < set_count; ++s) result.push_back(sums[s].result(static_cast<double>(sets[s].size())));
   return result;
-}
-
-double log_log_gradient(std::span<const double> x, std::span<const double> y) {
-  const auto n = static_cast<double>(x.size());
-  double mean_x = 0, mean_y = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    mean_x += std::log(x[i]) / n;
-    mean_y += std::log(y[i]) / n;
-  }
-  double covariance = 0, variance = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double dx = std::log(x[i]) - mean_x;
-    covariance += dx * (std::log(y[i]) - mean_y);
-    variance += dx * dx;
-  }
-  return covariance / variance;
 }
 
 }  // namespace curvecast

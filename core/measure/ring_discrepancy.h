@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/execution_context.h"
+#include "core/measure/discrepancy.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
@@ -12,21 +14,17 @@ namespace curvecast {
 struct RingDiscrepancyOptions {
   int regions = 256;       // seed triangles, chosen at random, >= 1
   std::uint64_t seed = 0;  // of the choice
+  /// What samples of each face (F values, >= 0, not all of them zero) are to be to those of others; empty = uniform.
+  std::span<const double> face_density;
 };
 
-struct Discrepancy {
-  double max = 0, rms = 0;  // of |share of the samples - share of the area|, as fractions of the whole
-};
-
-/// For each set of samples, given as their faces, its discrepancy over all regions. Around a seed triangle the first ring is all
-/// triangles that share a corner with it, and so on until the seed's component is whole: the region after each ring, the seed
-/// alone as well, is a subset. The maximum is over all subsets; in the RMS every seed counts alike, and so does each of its
-/// rings, as if their number were chosen at random. Fastest when all sets are given at once. The same for any number of threads.
-/// Preconditions: the mesh has a triangle and an area, no set is empty.
+/// For each set of samples, given as their faces (TriangleTree finds those of any points), its discrepancy over all regions.
+/// Around a seed triangle the first ring is all triangles that share a corner with it, and so on until the seed's component is
+/// whole: the region after each ring, the seed alone as well, is a subset. The maximum is over all subsets; in the RMS every seed
+/// counts alike, and so does each of its rings, as if their number were chosen at random. Fastest when all sets are given at
+/// once. The same for any number of threads;
+/// without meaning once cancelled. Preconditions: the mesh has a triangle and an area, no set is empty.
 std::vector<Discrepancy> ring_discrepancy(const TriangleMesh& mesh, std::span<const std::vector<std::uint32_t>> sets,
-                                          const RingDiscrepancyOptions& options = {});
-
-/// The least squares fit of p in y ~ x^p. Preconditions: as many x as y, all positive, two different x.
-double log_log_gradient(std::span<const double> x, std::span<const double> y);
+                                          const RingDiscrepancyOptions& options = {}, const ExecutionContext& context = {});
 
 }  // namespace curvecast

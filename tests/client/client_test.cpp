@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -181,6 +182,44 @@ TEST_F(ReferenceTest, AServerThatNeverEndsIsLeft) {
 TEST_F(ReferenceTest, PassesErrorsOn) {
   ON_CALL(*connection_, list_mesh_references).WillByDefault(Return(absl::InvalidArgumentError("broken")));
   EXPECT_TRUE(absl::IsInvalidArgument(upload("a.obj").status()));
+}
+
+TEST_F(ClientTest, SendsPointsThatAreToBeMeasuredOnce) {
+  Points points;
+  points.origin = {1, 2, 3};
+  points.positions = {{1, 0, 0}, {0, 1, 0.5}};
+  std::string received;
+  EXPECT_CALL(*connection_, get_mesh)
+      .WillOnce(Return(absl::NotFoundError("no such mesh")))
+      .WillRepeatedly(Return(v1::GetMeshResponse()));
+  EXPECT_CALL(*connection_, upload_mesh).WillOnce(receive(&received));
+  v1::MeasureRequest sent;
+  v1::Measures answer;
+  answer.add_sets();
+  answer.add_sets();
+  EXPECT_CALL(*connection_, measure).WillRepeatedly([&](const v1::MeasureRequest& request, const OnProgress& on_progress, auto) {
+    sent = request;
+    v1::Progress progress;
+    progress.set_stage("rings");
+    on_progress(progress);
+    return answer;
+  });
+  std::vector<std::string> stages;
+  const StageProgress on_progress = [&](std::string_view stage, double) { stages.emplace_back(stage); };
+  v1::MeasureRequest request;
+  request.set_seed(7);
+  const std::vector<Points> sets = {points, points};
+  ASSERT_TRUE(client_.measure(UploadedMesh("m"), sets, request, on_progress).ok());
+  EXPECT_THAT(stages, ElementsAre("upload", "rings"));
+  ASSERT_EQ(received.size(), 24u);
+  EXPECT_EQ(std::memcmp(received.data(), points.positions.data(), 24), 0);
+  EXPECT_EQ(sent.mesh_id(), "m");
+  EXPECT_EQ(sent.seed(), 7u);
+  ASSERT_EQ(sent.sets_size(), 2);
+  EXPECT_EQ(sent.sets(1).points_id(), mesh_id_of(received));
+  EXPECT_EQ(sent.sets(1).origin().z(), 3);
+  answer.clear_sets();
+  EXPECT_TRUE(absl::IsDataLoss(client_.measure(UploadedMesh("m"), sets, request, on_progress).status()));
 }
 
 TEST_F(ClientTest, SaysWhichFileCannotBeRead) {

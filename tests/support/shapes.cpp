@@ -56,6 +56,23 @@ PolygonSoup disc(int rings, int sectors) {
   return soup;
 }
 
+PolygonSoup square(int cells) {
+  std::vector<Vec3d> positions;
+  std::vector<std::vector<std::uint32_t>> triangles;
+  const auto side = static_cast<std::uint32_t>(cells);
+  for (int y = 0; y <= cells; ++y) {
+    for (int x = 0; x <= cells; ++x) positions.push_back(Vec3d(x, y, 0) / cells);
+  }
+  for (std::uint32_t y = 0; y < side; ++y) {
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const std::uint32_t v = y * (side + 1) + x;
+      triangles.push_back({v, v + 1, v + side + 2});
+      triangles.push_back({v, v + side + 2, v + side + 1});
+    }
+  }
+  return soup_of(std::move(positions), triangles);
+}
+
 PolygonSoup sphere(int rings, int sectors, double radius) {
   PolygonSoup soup;
   for (int r = 1; r < rings; ++r) {

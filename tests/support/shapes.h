@@ -12,6 +12,7 @@
 namespace curvecast::testing {
 
 PolygonSoup disc(int rings, int sectors);                              // flat, one border loop
+PolygonSoup square(int cells);                                         // flat, side 1; two triangles for each of cells^2
 PolygonSoup sphere(int rings, int sectors, double radius = 1);         // closed, genus 0
 PolygonSoup torus(int rings, int sectors, double tube = 0.3);          // closed, genus 1; ring radius 1
 PolygonSoup open_cylinder(int rings, int sectors, double height = 2);  // two border loops; radius 1

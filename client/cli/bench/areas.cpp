@@ -12,6 +12,7 @@
 #include "client/cli/bench/disc_leaves.h"
 #include "core/curve/surface_map.h"
 #include "core/curve/voronoi_area.h"
+#include "core/measure/gradient.h"
 #include "core/measure/ring_discrepancy.h"
 #include "core/sample/equalise.h"
 #include "core/sample/random.h"

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/measure/gradient.h"
 #include "core/sample/random.h"
 #include "tests/support/shapes.h"
 
@@ -16,21 +17,7 @@ using Sets = std::vector<std::vector<std::uint32_t>>;
 
 constexpr int kGrid = 200;  // cells along a side of the square, two triangles each
 
-TriangleMesh square() {
-  std::vector<Vec3d> positions;
-  std::vector<std::vector<std::uint32_t>> triangles;
-  for (int y = 0; y <= kGrid; ++y) {
-    for (int x = 0; x <= kGrid; ++x) positions.emplace_back(x, y, 0);
-  }
-  for (std::uint32_t y = 0; y < kGrid; ++y) {
-    for (std::uint32_t x = 0; x < kGrid; ++x) {
-      const std::uint32_t v = y * (kGrid + 1) + x;
-      triangles.push_back({v, v + 1, v + kGrid + 2});
-      triangles.push_back({v, v + kGrid + 2, v + kGrid + 1});
-    }
-  }
-  return curvecast::testing::make_mesh(curvecast::testing::soup_of(std::move(positions), triangles));
-}
+TriangleMesh square() { return curvecast::testing::make_mesh(curvecast::testing::square(kGrid)); }
 
 /// Face of the square, whose side is 1, at a place.
 std::uint32_t face_at(double x, double y) {
@@ -119,9 +106,31 @@ TEST(RingDiscrepancy, IsTheSameForAnyNumberOfThreadsAndFollowsItsSeed) {
   }
 }
 
-TEST(LogLogGradient, FindsThePower) {
-  const std::vector<double> x = {1, 2, 5, 100}, y = {3, 3 * std::pow(2, -0.75), 3 * std::pow(5, -0.75), 3 * std::pow(100, -0.75)};
-  EXPECT_NEAR(log_log_gradient(x, y), -0.75, 1e-12);
+TEST(RingDiscrepancy, RelativeToRandomIsOneForRandomSamples) {
+  Sets sets;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) sets.push_back(random_set(500 + 100 * seed, seed));
+  double mean_square = 0;
+  for (const Discrepancy& found : ring_discrepancy(square(), sets, {.regions = 50})) {
+    mean_square += found.rms_relative * found.rms_relative / static_cast<double>(sets.size());
+  }
+  EXPECT_NEAR(mean_square, 1, 0.2);
+}
+
+TEST(RingDiscrepancy, WeighsFacesWithTheirDensity) {
+  // A third of the density on one side, and samples to match.
+  std::vector<double> density(2 * kGrid * kGrid);
+  for (std::size_t f = 0; f < density.size(); ++f) density[f] = f / 2 % kGrid < kGrid / 2 ? 1 : 3;
+  std::vector<std::uint32_t> set;
+  std::uint64_t counter = 0;
+  for (const std::uint32_t f : random_set(20'000, 5)) {
+    if (density[f] == 3 || random_unit(6, counter++) < 1.0 / 3) set.push_back(f);
+  }
+  const TriangleMesh mesh = square();
+  const Discrepancy fitting = ring_discrepancy(mesh, Sets{set}, {.regions = 100, .face_density = density})[0];
+  const Discrepancy even = ring_discrepancy(mesh, Sets{set}, {.regions = 100})[0];
+  EXPECT_LT(fitting.rms_relative, 1.8);
+  EXPECT_GT(even.rms, 8 * fitting.rms);
+  EXPECT_GT(even.max, 0.15);  // half of the square has a quarter of the samples
 }
 
 }  // namespace
