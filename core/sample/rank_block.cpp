@@ -16,12 +16,15 @@ namespace curvecast {
 namespace {
 
 constexpr std::size_t kPlaces = 64;        // that are tried for each point
-constexpr std::uint64_t kGroupStrata = 4;  // that take turns as one: which of them is next is chosen freely
+constexpr std::uint64_t kGroupStrata = 4;  // among which one lets others go first where it has no room
 constexpr float kReach = 1.1f;             // in lattice distances: no point is felt beyond
-// Once all points of a block are there, those with a relative radius under kGood look for a better place, kSweeps times, then
-// those under kPoor for one for themselves and a neighbour within kAround.
-constexpr float kGood = 0.64f, kPoor = 0.54f, kAround = 0.8f;
-constexpr int kSweeps = 3, kPairSweeps = 2;
+// Relative radius: with this much a stratum takes its turn; this much, or most of what it could have, will do for a point, which
+// then lies as near the middle of its stratum as it can.
+constexpr float kRoom = 0.55f, kEnough = 0.64f, kMost = 0.85f;
+// Once all points of a block are there, each moves so again, kCentralSweeps times; then those below kEnough go where they have
+// most, kSweeps times, and those below kPoor look for places for themselves and a neighbour within kAround at once.
+constexpr float kPoor = 0.54f, kAround = 0.8f;
+constexpr int kCentralSweeps = 2, kSweeps = 1, kPairSweeps = 3;
 constexpr float kFar = std::numeric_limits<float>::max();
 constexpr float kSameSide = -0.5f;  // normals that differ by more than 120 degrees are on the two sides of something thin
 
@@ -32,6 +35,7 @@ float lattice_distance(double area, double n) { return static_cast<float>(std::s
 struct Places {
   float x[kPlaces], y[kPlaces], z[kPlaces];
   float nx[kPlaces], ny[kPlaces], nz[kPlaces];
+  float away[kPlaces];    // square distance from the center
   float before[kPlaces];  // square distance of the nearest point of a lower rank
   float after[kPlaces];   // of points of higher ranks: the least square distance times the number of points then
 };
@@ -81,6 +85,21 @@ CURVECAST_WIDE Best best_place(const float* before, const float* after, float n)
   Best best{most, 0};
   while (value[best.place] != most) ++best.place;
   return best;
+}
+
+/// Of the places where that is large enough, the one nearest to the center.
+CURVECAST_WIDE std::size_t central_place(const Places& places, const float* after, float n, float enough) {
+  float away[kPlaces];
+  float least = kFar;
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    const float b = places.before[k] * n;
+    const float value = b < after[k] ? b : after[k];
+    away[k] = value >= enough ? places.away[k] : kFar;
+    least = away[k] < least ? away[k] : least;
+  }
+  std::size_t place = 0;
+  while (away[place] != least) ++place;
+  return place;
 }
 
 /// Points in columns, to be searched from end to end.
@@ -173,7 +192,8 @@ class BlockFiller {
     child.normal = normals.normalized();
     float square = 0, cosine = 1;
     for (std::size_t k = 0; k < kPlaces; ++k) {
-      square = std::max(square, (Vec3f(places.x[k], places.y[k], places.z[k]) - child.center).squaredNorm());
+      places.away[k] = (Vec3f(places.x[k], places.y[k], places.z[k]) - child.center).squaredNorm();
+      square = std::max(square, places.away[k]);
       cosine = std::min(cosine, Vec3f(places.nx[k], places.ny[k], places.nz[k]).dot(child.normal));
     }
     child.radius = std::sqrt(square);
@@ -227,17 +247,22 @@ class BlockFiller {
     for (std::uint64_t round = 0; round < 3 * group; ++round) {
       for (const auto& [turn, g] : turns) {
         const std::uint64_t rank = n_ + round * all_groups + turn;
+        const auto count = static_cast<float>(rank + 1);
         Best best;
         std::size_t chosen = 0;
-        for (std::size_t c = 4 * g * group; c < 4 * (g + 1) * group; ++c) {
-          if (children_[c].full || held[c / 4] > 1 + round / group) continue;
-          const Best here = best_place(places_[c].before, places_[c].after, static_cast<float>(rank + 1));
-          if (here.value > best.value) best = here, chosen = c;
+        for (std::uint64_t i = 0; i < group && best.value < kRoom * kRoom * unit(); ++i) {
+          const std::uint64_t s = g * group + reversed_bits((round + i) % group, std::bit_width(group) - 1);
+          if (held[s] > 1 + round / group) continue;
+          for (std::size_t c = 4 * s; c < 4 * s + 4; ++c) {
+            if (children_[c].full) continue;
+            const Best here = best_place(places_[c].before, places_[c].after, count);
+            if (here.value > best.value) best = here, chosen = c;
+          }
         }
-        put(chosen, best.place, static_cast<std::uint32_t>(rank));
+        put(chosen, central_place(places_[chosen], places_[chosen].after, count, enough(best)), static_cast<std::uint32_t>(rank));
         children_[chosen].full = true;
         ++held[chosen / 4];
-        take(points_[chosen], kReach * lattice_distance(area_, static_cast<double>(rank + 1)), true);
+        take(points_[chosen], kReach * lattice_distance(area_, static_cast<double>(count)), true);
       }
     }
   }
@@ -251,10 +276,15 @@ class BlockFiller {
       if (points_[c].rank >= n_) by_rank.emplace_back(points_[c].rank, c);
     }
     std::sort(by_rank.begin(), by_rank.end());
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (int sweep = 0; sweep < kCentralSweeps + kSweeps; ++sweep) {
       for (std::size_t i = 0; i < by_rank.size(); ++i) {
         const std::size_t c = (sweep % 2 ? by_rank[i] : by_rank[by_rank.size() - 1 - i]).second;
-        if (spacing_of(c) < kGood) move(c, farthest_place(c, kNobody));
+        if (sweep < kCentralSweeps) {
+          const Best best = farthest_place(c, kNobody);
+          move(c, central_place(places_[c], places_[c].before, 1, enough(best)));
+        } else if (spacing_of(c) < kEnough) {
+          move(c, farthest_place(c, kNobody).place);
+        }
       }
     }
     for (int sweep = 0; sweep < kPairSweeps; ++sweep) {
@@ -273,18 +303,20 @@ class BlockFiller {
       if (j >= points_.size() || points_[j].rank < n_) continue;
       const RankedPoint before_there = points_[j];
       const Best here = farthest_place(c, j);
-      move(c, here);
+      move(c, here.place);
       const Best there = farthest_place(j, kNobody);
-      move(j, there);
+      move(j, there.place);
       const float value = std::min(spacing_of(c), spacing_of(j));
       if (value > most.value) most = {value, here.place}, best_neighbour = j, best_place_there = there.place;
       points_[j] = before_there;
       points_[c] = before;
     }
     if (best_neighbour == kNobody) return;
-    move(c, most);
-    move(best_neighbour, {0, best_place_there});
+    move(c, most.place);
+    move(best_neighbour, best_place_there);
   }
+
+  float enough(const Best& best) const { return std::min(kEnough * kEnough * unit(), kMost * best.value); }
 
   static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
 
@@ -344,7 +376,7 @@ class BlockFiller {
     return best_place(least, least, 1);
   }
 
-  void move(std::size_t c, const Best& to) { put(c, to.place, points_[c].rank); }
+  void move(std::size_t c, std::size_t place) { put(c, place, points_[c].rank); }
 
   RankBlock block_;
   std::uint64_t size_, n_;  // strata of the block and of the level
