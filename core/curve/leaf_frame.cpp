@@ -90,7 +90,7 @@ const LeafFrames::Quad& LeafFrames::quad(std::size_t l) {
     y = y << 1 | quadrant >> 1;
     state = hilbert_child_state(state, i);
   }
-  const double size = std::ldexp(1.0, -level);
+  const double size = 1 / static_cast<double>(std::uint64_t{1} << level);
   quads_[slot] = {(x + 0.5) * size, (y + 0.5) * size, size, state};
   return quads_[slot];
 }

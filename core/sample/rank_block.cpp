@@ -20,7 +20,7 @@ constexpr std::uint64_t kGroupStrata = 4;  // among which one lets others go fir
 constexpr float kReach = 1.1f;             // in lattice distances: no point is felt beyond
 // Relative radius: with this much a stratum takes its turn; this much, or most of what it could have, will do for a point, which
 // then lies as near the middle of its stratum as it can.
-constexpr float kRoom = 0.55f, kEnough = 0.64f, kMost = 0.85f;
+constexpr float kRoom = 0.5f, kEnough = 0.64f, kMost = 0.85f;
 // Once all points of a block are there, each moves so again, kCentralSweeps times; then those below kEnough go where they have
 // most, kSweeps times, and those below kPoor look for places for themselves and a neighbour within kAround at once.
 constexpr float kPoor = 0.54f, kAround = 0.8f;

@@ -1,7 +1,6 @@
-// The points that come next in some neighbouring strata: places and ranks of 3 more points for each, so that every prefix of the
-// ranks is spread evenly and no two points of a prefix come near. What DESIGN calls low discrepancy comes from the strata, blue
-// noise from the choice of the places. Compare Eldar et al., "The farthest point strategy for progressive image sampling"
-// (1997), which has no strata.
+// The points that come next in some neighbouring strata: places and ranks of 3 more for each, so that every prefix of the ranks
+// is spread evenly and no two points of it come near. Evenness comes from the strata and their turns, distance from the choice of
+// the places. Compare Eldar et al., "The farthest point strategy for progressive image sampling" (1997), which has no strata.
 #pragma once
 
 #include <cstdint>
