@@ -7,19 +7,12 @@
 #include <utility>
 
 #include "core/sample/random.h"
+#include "core/sample/reversed_bits.h"
 
 namespace curvecast {
 namespace {
 
 constexpr double kBelowOne = 1 - 0x1p-53;
-
-constexpr std::uint32_t reversed(std::uint32_t bits) {
-  bits = (bits & 0x55555555u) << 1 | (bits >> 1 & 0x55555555u);
-  bits = (bits & 0x33333333u) << 2 | (bits >> 2 & 0x33333333u);
-  bits = (bits & 0x0f0f0f0fu) << 4 | (bits >> 4 & 0x0f0f0f0fu);
-  bits = (bits & 0x00ff00ffu) << 8 | (bits >> 8 & 0x00ff00ffu);
-  return bits << 16 | bits >> 16;
-}
 
 /// The first numbers of the sequence, ascending: those multiples of the finest step whose mirror image is one of the first.
 void fill_van_der_corput(std::span<double> q) {
@@ -28,7 +21,7 @@ void fill_van_der_corput(std::span<double> q) {
   std::size_t i = 0;
   for (std::uint32_t j = 0; i < q.size(); ++j) {
     q[i] = j * step;
-    i += (reversed(j) >> 1 >> (31 - bits)) < q.size() ? 1 : 0;  // in two steps, because bits may be 0
+    i += reversed_bits(j, bits) < q.size() ? 1 : 0;
   }
 }
 

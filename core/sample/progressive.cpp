@@ -1,0 +1,195 @@
+#include "core/sample/progressive.h"
+
+#include <absl/strings/str_format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/sample/random.h"
+
+namespace curvecast {
+namespace {
+
+constexpr char kStage[] = "ranks";
+
+using Blocks = std::vector<std::uint64_t>;
+
+RankedPoint first_point(const CurveStrata& strata, std::uint64_t seed) {
+  const std::uint64_t coordinate = mix_bits(seed);
+  const SurfaceCurve& curve = strata.curve();
+  const std::uint32_t l = strata.vertex_at(curve_coordinate(coordinate));
+  return {coordinate, {curve.x[l], curve.y[l], curve.z[l]}, {curve.nx[l], curve.ny[l], curve.nz[l]}, l, 0};
+}
+
+/// Makes a block's points. base_of(i) are the points of lower ranks of block i of the same level, filled(i) all points of one
+/// that comes before.
+template <typename BaseOf, typename Filled>
+void make_block(const CurveStrata& strata, const BlockOrder& order, const RankBlock& block, const Blocks& near_blocks,
+                std::uint64_t seed, BaseOf&& base_of, Filled&& filled, std::span<RankedPoint> points) {
+  const Eigen::AlignedBox3f box = order.box(block);
+  const float reach = rank_reach(strata.total_area(), block.level);
+  std::vector<RankedPoint> near;
+  for (const std::uint64_t i : near_blocks) {
+    if (i == block.index) continue;
+    const bool is_filled = BlockOrder::precedes(block.level, i, block.index);
+    for (const RankedPoint& p : is_filled ? filled(i) : base_of(i)) {
+      const Vec3f position(p.position[0], p.position[1], p.position[2]);
+      if (box.squaredExteriorDistance(position) <= reach * reach) near.push_back(p);
+    }
+  }
+  fill_rank_block(strata, block, base_of(block.index), near, seed, points);
+}
+
+/// The blocks of a level in waves: each has to wait for blocks of earlier waves only.
+std::vector<Blocks> waves_of(int level, std::span<const Blocks> near) {
+  Blocks sorted(near.size());
+  for (std::size_t i = 0; i < near.size(); ++i) sorted[i] = i;
+  std::sort(sorted.begin(), sorted.end(), [&](std::uint64_t a, std::uint64_t b) { return BlockOrder::precedes(level, a, b); });
+  std::vector<std::size_t> wave(near.size(), 0);
+  std::vector<Blocks> waves;
+  for (const std::uint64_t i : sorted) {
+    for (const std::uint64_t other : near[i]) {
+      if (BlockOrder::precedes(level, other, i)) wave[i] = std::max(wave[i], wave[other] + 1);
+    }
+    if (wave[i] == waves.size()) waves.emplace_back();
+    waves[wave[i]].push_back(i);
+  }
+  return waves;
+}
+
+/// Makes blocks as they are needed, and those that they need.
+class DeepBlocks {
+ public:
+  DeepBlocks(const CurveStrata& strata, const BlockOrder& order, const ProgressiveOptions& options,
+             std::span<const RankedPoint> points)
+      : strata_(strata), order_(order), options_(options), points_(points) {}
+
+  std::span<const RankedPoint> filled(int level, std::uint64_t index) {
+    const auto [at, is_new] = filled_.try_emplace({level, index});
+    std::vector<RankedPoint>& points = at->second;
+    if (is_new) {
+      const RankBlock block{level, index};
+      points.resize(4 * block.size());
+      make_block(
+          strata_, order_, block, near(level, index), options_.seed, [&](std::uint64_t i) { return base(level, i); },
+          [&](std::uint64_t i) { return filled(level, i); }, points);
+    }
+    return points;
+  }
+
+ private:
+  using Key = std::pair<int, std::uint64_t>;
+
+  std::span<const RankedPoint> base(int level, std::uint64_t index) {
+    const std::size_t size = RankBlock{level, index}.size();
+    if (level == options_.level) return points_.subspan(index * size, size);
+    return filled(level - 1, index / 4).subspan(BlockOrder::blocks(level) > 1 ? index % 4 * size : 0, size);
+  }
+
+  const Blocks& near(int level, std::uint64_t index) {
+    const auto [at, is_new] = near_.try_emplace({level, index});
+    if (is_new) {
+      const bool is_whole = BlockOrder::blocks(level) == 1;
+      at->second = order_.near({level, index}, is_whole ? Blocks{0} : near(level - 1, index / 4));
+    }
+    return at->second;
+  }
+
+  const CurveStrata& strata_;
+  const BlockOrder& order_;
+  const ProgressiveOptions& options_;
+  std::span<const RankedPoint> points_;
+  std::map<Key, std::vector<RankedPoint>> filled_;
+  std::map<Key, Blocks> near_;
+};
+
+absl::Status check_area(const SurfaceCurve& curve) {
+  double area = 0;
+  for (const float a : curve.area) {
+    if (!(a >= 0)) return absl::InvalidArgumentError("the curve has an area element that is negative or not a number");
+    area += static_cast<double>(a);
+  }
+  if (!(area > 0 && std::isfinite(area))) return absl::InvalidArgumentError("the curve has no area on which to place points");
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<ProgressiveRanks> ProgressiveRanks::make(std::shared_ptr<const SurfaceCurve> curve,
+                                                        const ProgressiveOptions& options, const ExecutionContext& context) {
+  if (options.level < 0 || options.level > kMaxLevelAtOnce) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("ranks down to level %d asked for; 0 to %d can be made at once", options.level, kMaxLevelAtOnce));
+  }
+  if (absl::Status status = check_area(*curve); !status.ok()) return status;
+  ProgressiveRanks ranks;
+  ranks.curve_ = std::move(curve);
+  ranks.options_ = options;
+  ranks.strata_ = std::make_unique<CurveStrata>(*ranks.curve_);
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  if (absl::Status status = arena.execute([&] { return ranks.fill(context); }); !status.ok()) return status;
+  return ranks;
+}
+
+absl::Status ProgressiveRanks::fill(const ExecutionContext& context) {
+  order_ = std::make_unique<BlockOrder>(*strata_, options_.level);
+  points_ = {first_point(*strata_, options_.seed)};
+  std::vector<Blocks> near;
+  for (int level = 0; level < options_.level; ++level) {
+    const std::size_t size = RankBlock{level, 0}.size();
+    std::vector<Blocks> finer(BlockOrder::blocks(level));
+    tbb::parallel_for(std::size_t{0}, finer.size(), [&](std::size_t i) {
+      finer[i] = order_->near({level, i}, finer.size() > 1 ? near[i / 4] : Blocks{0});
+    });
+    near = std::move(finer);
+    std::vector<RankedPoint> next(4 * points_.size());
+    const auto base_of = [&](std::uint64_t i) { return std::span<const RankedPoint>(points_).subspan(i * size, size); };
+    const auto filled = [&](std::uint64_t i) { return std::span(next).subspan(4 * i * size, 4 * size); };
+    for (const Blocks& wave : waves_of(level, near)) {
+      if (absl::Status status = context.check(); !status.ok()) return status;
+      tbb::parallel_for(std::size_t{0}, wave.size(), [&](std::size_t k) {
+        const std::uint64_t i = wave[k];
+        make_block(*strata_, *order_, {level, i}, near[i], options_.seed, base_of, filled, filled(i));
+      });
+    }
+    points_ = std::move(next);
+    context.progress(kStage, std::ldexp(1.0, 2 * (level + 1 - options_.level)));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<RankedPoint>> ProgressiveRanks::deepen(int level, std::uint64_t first, std::uint64_t last,
+                                                                  const ExecutionContext& context) const {
+  if (level < options_.level || level > kMaxRankLevel) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("points of level %d asked for; there are those of %d to %d", level, options_.level, kMaxRankLevel));
+  }
+  if (first > last || last > points_.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("points of strata %d to %d asked for; there are %d strata", first, last, points_.size()));
+  }
+  const std::uint64_t begin = first << 2 * (level - options_.level), end = last << 2 * (level - options_.level);
+  if (end - begin > kMaxDeepened) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%d points asked for; at most %d are made in one go", end - begin, kMaxDeepened));
+  }
+  if (level == options_.level) return std::vector<RankedPoint>(points_.begin() + begin, points_.begin() + end);
+  std::vector<RankedPoint> points;
+  points.reserve(end - begin);
+  DeepBlocks blocks(*strata_, *order_, options_, points_);
+  const std::uint64_t size = 4 * RankBlock{level - 1, 0}.size();
+  for (std::uint64_t i = begin; i < end;) {
+    if (absl::Status status = context.check(); !status.ok()) return status;
+    const std::uint64_t block = i / size, next = std::min(end, (block + 1) * size);
+    const std::span<const RankedPoint> filled = blocks.filled(level - 1, block).subspan(i - block * size, next - i);
+    points.insert(points.end(), filled.begin(), filled.end());
+    i = next;
+  }
+  return points;
+}
+
+}  // namespace curvecast

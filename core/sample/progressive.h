@@ -1,0 +1,62 @@
+// The progressive sampler's candidates: points with fixed ranks, of which a view shows those that its density affords. Raising
+// the density only adds points, lowering it only removes some; nothing else moves.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/curve/surface_curve.h"
+#include "core/execution_context.h"
+#include "core/sample/block_order.h"
+#include "core/sample/curve_strata.h"
+#include "core/sample/rank_block.h"
+
+namespace curvecast {
+
+/// Ranks have 32 bits.
+inline constexpr int kMaxRankLevel = 15;
+inline constexpr int kMaxLevelAtOnce = 11;
+/// Points that deepen() makes at most.
+inline constexpr std::uint64_t kMaxDeepened = 4'000'000;
+
+struct ProgressiveOptions {
+  int level = 9;           // 4^level points are made at once, 0 .. kMaxLevelAtOnce
+  std::uint64_t seed = 0;  // of their places
+};
+
+/// Points on the whole curve, made at once down to a level and in parts of it as deep as one likes. For every l the points of the
+/// 4^l lowest ranks have one in each stratum of level l. The same for any number of threads. Immutable: any number of threads may
+/// ask.
+class ProgressiveRanks {
+ public:
+  /// InvalidArgument: the level is out of range, the curve has no area. Cancelled.
+  static absl::StatusOr<ProgressiveRanks> make(std::shared_ptr<const SurfaceCurve> curve, const ProgressiveOptions& options,
+                                               const ExecutionContext& context = {});
+
+  const SurfaceCurve& curve() const { return *curve_; }
+  int level() const { return options_.level; }
+  /// 4^level() points in curve order: the i-th lies in stratum i of that level.
+  std::span<const RankedPoint> points() const { return points_; }
+
+  /// The same points of a deeper level, but only those of the strata [first, last) of level(): for each of them 4^(level -
+  /// level()) in curve order. They are what making all at once down to that level would give. InvalidArgument: a level not in
+  /// level() .. kMaxRankLevel, strata that there are not, more than kMaxDeepened points. Cancelled.
+  absl::StatusOr<std::vector<RankedPoint>> deepen(int level, std::uint64_t first, std::uint64_t last,
+                                                  const ExecutionContext& context = {}) const;
+
+ private:
+  ProgressiveRanks() = default;
+  absl::Status fill(const ExecutionContext& context);
+
+  std::shared_ptr<const SurfaceCurve> curve_;
+  ProgressiveOptions options_;
+  std::unique_ptr<const CurveStrata> strata_;
+  std::unique_ptr<const BlockOrder> order_;
+  std::vector<RankedPoint> points_;
+};
+
+}  // namespace curvecast
