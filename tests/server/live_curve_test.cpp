@@ -29,6 +29,7 @@ std::shared_ptr<const SurfaceCurve> strip(std::size_t n, std::uint64_t revision)
   curve->total_area = 1;
   curve->box = {Vec3d(0, 0, 0), Vec3d(1, 0, 1000)};
   curve->revision = revision;
+  curve->blocks = build_blocks(*curve);
   return curve;
 }
 
@@ -62,7 +63,7 @@ TEST(LiveCurve, ReadersKeepTheRevisionThatTheyTook) {
       live.set_refining(false);
       std::this_thread::yield();
     }
-    while (reads < 2 * kReaders) std::this_thread::yield();
+    while (reads < 2 * kReaders && !::testing::Test::HasFailure()) std::this_thread::yield();
     done = true;
   }
   EXPECT_EQ(live.newest()->revision, kRevisions);
