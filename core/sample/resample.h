@@ -23,7 +23,7 @@ struct ResampleOptions {
 struct ResampleReport {
   double density_seconds = 0;
   double equalise_seconds = 0;  // cumulative density, inversion and gathering
-  double most_on_vertex = 0;    // points that are expected on the curve vertex with the most; see kShortLoad
+  double most_on_vertex = 0;    // points that are expected at least on the curve vertex with the most; see kShortLoad
 };
 
 /// Exactly options.points points on the surface, low-discrepancy with respect to the density. It is the best that the curve can

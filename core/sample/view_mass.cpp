@@ -11,6 +11,9 @@ namespace {
 // Where a mass that varies along a block is spread by area instead, a quarter of its variation is misplaced at most: by no more
 // than a quarter of a point here.
 constexpr float kMovedPoints = 1;
+// The whole mass is not exact, and those who compare one vertex with it must not find too much on it: what is refined in vain
+// would be refined for ever.
+constexpr float kSurely = 0.98f;
 constexpr std::size_t kChunk = 512;  // blocks whose factors are found in one go: they stay in the nearest cache
 
 /// The masses of a block's vertices, one by one.
@@ -23,13 +26,14 @@ MassOfBlock look_closely(const SurfaceCurve& curve, std::span<const float> densi
   return sum_block(mass, n);
 }
 
-/// Turns n blocks' factors into their masses, and their relative changes into masses. Returns the largest mass on a vertex.
+/// Turns n blocks' factors into their masses, and their relative changes into masses. Returns what the largest mass on a vertex
+/// is at least.
 CURVECAST_WIDE float weigh(const float* __restrict fixed_sum, const float* __restrict fixed_largest, std::size_t n,
                            float* __restrict factor, float* __restrict change) {
   std::int32_t largest = 0;  // the bits of floats from 0 up ascend with them, and whole numbers compare in any order
   for (std::size_t i = 0; i < n; ++i) {
-    const auto at_most = std::bit_cast<std::int32_t>(factor[i] * fixed_largest[i]);
-    largest = at_most > largest ? at_most : largest;
+    const auto at_least = std::bit_cast<std::int32_t>(change[i] < 1 ? factor[i] * fixed_largest[i] * (1 - change[i]) : 0.0f);
+    largest = at_least > largest ? at_least : largest;
     factor[i] *= fixed_sum[i];
     change[i] = factor[i] > 0 ? factor[i] * change[i] : 0.0f;  // without mass nothing moves, however near the outline
   }
@@ -83,6 +87,7 @@ void view_mass(const SurfaceCurve& curve, std::span<const float> density, const 
     out.codes[b] = static_cast<std::uint32_t>(out.own_codes.size());
     out.own_codes.push_back(block.codes);
   }
+  out.largest *= kSurely;
 }
 
 }  // namespace curvecast

@@ -16,7 +16,7 @@ struct ViewMass {
   static constexpr std::uint32_t kShared = std::numeric_limits<std::uint32_t>::max();
 
   double total = 0;                  // sum of all
-  float largest = 0;                 // on one vertex, as far as blocks tell
+  float largest = 0;                 // on one vertex there is at least as much
   std::vector<float> sum;            // B
   std::vector<std::uint32_t> codes;  // B: which of own_codes a block has, or kShared: those of the fixed mass
   std::vector<MassCodes> own_codes;  // of the blocks that were looked at closely
