@@ -52,9 +52,11 @@ class Column {
     data_ = static_cast<T*>(const_cast<void*>(memory_.get()));
     size_ = n;
   }
+  /// n times the value, which may be one of its own entries.
   void assign(std::size_t n, const T& value) {
+    const T filler = value;
     resize(n);
-    std::fill_n(data_, n, value);
+    std::fill_n(data_, n, filler);
   }
   void swap(Column& other) noexcept {
     std::swap(data_, other.data_);

@@ -201,7 +201,12 @@ TEST_F(CurveFileTest, RefusesAbsurdContentWithGoodChecksums) {
       {"a node without vertices", [](auto& c) { c.hierarchy.nodes[2].last = c.hierarchy.nodes[2].first; }},
       {"a node beyond the curve", [](auto& c) { c.hierarchy.nodes[c.hierarchy.nodes.size() - 1].last = 1'000'000'000; }},
       {"an absurd first vertex", [](auto& c) { c.hierarchy.nodes[2].first = 1'000'000'000; }},
-      {"a large leaf", [](auto& c) { c.hierarchy.nodes.assign(1, c.hierarchy.nodes[0]), c.hierarchy.nodes[0].skip = 1; }},
+      {"a large leaf",
+       [](auto& c) {
+         c.hierarchy.nodes.assign(1, c.hierarchy.nodes[0]);
+         c.hierarchy.nodes[0].skip = 1;
+         c.hierarchy.scalars.assign(c.scalars.size(), {});
+       }},
       {"NaN node", [](auto& c) { c.hierarchy.nodes[2].radius = kNan; }},
       {"NaN bounds", [](auto& c) { c.hierarchy.nodes[2].curvature[1].min = kNan; }},
       {"few scalar bounds", [](auto& c) { c.hierarchy.scalars.resize(3); }},
