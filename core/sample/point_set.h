@@ -18,6 +18,7 @@ struct PointSet {
   std::vector<Vec3f> normals;           // N, unit length
   std::vector<float> radii;             // N, splat radius from the local density, in the file's units: neighbouring discs overlap
   std::vector<std::uint32_t> vertices;  // N, curve vertex of each point, ascending
+  std::vector<std::uint32_t> ranks;     // N, distinct, of ranked points; else empty
   std::vector<Rgba8> colours;           // N, or empty when the mesh has none
 
   std::size_t size() const { return positions.size(); }

@@ -168,23 +168,23 @@ absl::StatusOr<std::vector<RankedPoint>> ProgressiveRanks::deepen(int level, std
     return absl::InvalidArgumentError(
         absl::StrFormat("points of level %d asked for; there are those of %d to %d", level, options_.level, kMaxRankLevel));
   }
-  if (first > last || last > points_.size()) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("points of strata %d to %d asked for; there are %d strata", first, last, points_.size()));
+  if (first > last || last > std::uint64_t{1} << 2 * level) {
+    return absl::InvalidArgumentError(absl::StrFormat("points of strata %d to %d of level %d asked for; there are %d", first,
+                                                      last, level, std::uint64_t{1} << 2 * level));
   }
-  const std::uint64_t begin = first << 2 * (level - options_.level), end = last << 2 * (level - options_.level);
-  if (end - begin > kMaxDeepened) {
+  if (last - first > kMaxDeepened) {
     return absl::InvalidArgumentError(
-        absl::StrFormat("%d points asked for; at most %d are made in one go", end - begin, kMaxDeepened));
+        absl::StrFormat("%d points asked for; at most %d are made in one go", last - first, kMaxDeepened));
   }
-  if (level == options_.level) return std::vector<RankedPoint>(points_.begin() + begin, points_.begin() + end);
+  const auto at = [&](std::uint64_t i) { return points_.begin() + static_cast<std::ptrdiff_t>(i); };
+  if (level == options_.level) return std::vector<RankedPoint>(at(first), at(last));
   std::vector<RankedPoint> points;
-  points.reserve(end - begin);
+  points.reserve(last - first);
   DeepBlocks blocks(*strata_, *order_, options_, points_);
   const std::uint64_t size = 4 * RankBlock{level - 1, 0}.size();
-  for (std::uint64_t i = begin; i < end;) {
+  for (std::uint64_t i = first; i < last;) {
     if (absl::Status status = context.check(); !status.ok()) return status;
-    const std::uint64_t block = i / size, next = std::min(end, (block + 1) * size);
+    const std::uint64_t block = i / size, next = std::min(last, (block + 1) * size);
     const std::span<const RankedPoint> filled = blocks.filled(level - 1, block).subspan(i - block * size, next - i);
     points.insert(points.end(), filled.begin(), filled.end());
     i = next;

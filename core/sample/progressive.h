@@ -42,9 +42,9 @@ class ProgressiveRanks {
   /// 4^level() points in curve order: the i-th lies in stratum i of that level.
   std::span<const RankedPoint> points() const { return points_; }
 
-  /// The same points of a deeper level, but only those of the strata [first, last) of level(): for each of them 4^(level -
-  /// level()) in curve order. They are what making all at once down to that level would give. InvalidArgument: a level not in
-  /// level() .. kMaxRankLevel, strata that there are not, more than kMaxDeepened points. Cancelled.
+  /// Of a deeper level the points of the strata [first, last) of that level, one in each, in curve order. They are what making
+  /// all at once down to that level would give. InvalidArgument: a level not in level() .. kMaxRankLevel, strata that there are
+  /// not, more than kMaxDeepened points. Cancelled.
   absl::StatusOr<std::vector<RankedPoint>> deepen(int level, std::uint64_t first, std::uint64_t last,
                                                   const ExecutionContext& context = {}) const;
 

@@ -7,15 +7,12 @@
 
 #include "core/density/view_factor.h"
 #include "core/sample/equalise.h"
+#include "core/sample/splat_radius.h"
 #include "core/sample/view_mass.h"
 #include "core/stopwatch.h"
 
 namespace curvecast {
 namespace {
-
-// Splat radius over the square root of the area that a point stands for. Discs of this size around jittered points leave next
-// to no holes (the coverage radius of such sets is 1.45 at its worst, under 1 nearly everywhere).
-constexpr double kSplatRadius = 1.25;
 
 /// The points lie far apart in memory, and the processor looks ahead only so far.
 constexpr std::size_t kAhead = 24;
@@ -33,8 +30,7 @@ PointSet gather(const SurfaceCurve& curve, std::span<const float> density, const
   points.positions.resize(n);
   points.normals.resize(n);
   points.radii.resize(n);
-  const auto largest = static_cast<float>(curve.box.diagonal());
-  const auto scale = static_cast<float>(kSplatRadius * std::sqrt(mass_per_point));
+  const SplatRadius radius(curve, mass_per_point);
   // The view's factor is that of the vertex itself, not of its block.
   constexpr std::size_t kChunk = 256;
   float x[kChunk], y[kChunk], z[kChunk], factor[kChunk];
@@ -52,7 +48,7 @@ PointSet gather(const SurfaceCurve& curve, std::span<const float> density, const
     for (std::size_t i = 0; i < count; ++i) {
       points.positions[begin + i] = {x[i], y[i], z[i]};
       points.normals[begin + i] = {nx[i], ny[i], nz[i]};
-      points.radii[begin + i] = std::min(scale / std::sqrt(factor[i]), largest);
+      points.radii[begin + i] = radius(factor[i]);
     }
   }
   if (!curve.colour.empty()) {

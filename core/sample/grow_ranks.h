@@ -1,0 +1,50 @@
+// Makes ranked candidates where views need them: first those of the lowest ranks everywhere, then more in single places.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/execution_context.h"
+#include "core/sample/progressive.h"
+#include "core/sample/rank_tree.h"
+#include "core/sample/stratum_bounds.h"
+
+namespace curvecast {
+
+/// The first revision of a curve and all candidates on it. They stay where they are when the curve is refined later. Not for
+/// several threads at once; the trees that it gives are for anyone.
+class RankGrower {
+ public:
+  /// With the 4^level lowest ranks, level kChunkLevels to kMaxLevelAtOnce. Errors as of ProgressiveRanks::make().
+  static absl::StatusOr<std::unique_ptr<RankGrower>> make(std::shared_ptr<const SurfaceCurve> curve,
+                                                          const ProgressiveOptions& options,
+                                                          const ExecutionContext& context = {});
+
+  const SurfaceCurve& curve() const { return *curve_; }
+  /// What there is by now.
+  std::shared_ptr<const RankTree> tree() const { return tree_; }
+
+  /// Makes what is lacking, and with it what that continues; nothing deeper than tree()->deepest(), where a curve vertex has a
+  /// few dozen points to itself. ResourceExhausted: the tree would have more than `max_points`. Cancelled.
+  absl::Status grow(std::span<const ChunkId> lacking, std::uint64_t max_points, const ExecutionContext& context = {});
+
+ private:
+  RankGrower(std::shared_ptr<const SurfaceCurve> curve, const ProgressiveOptions& options);
+  absl::Status make_whole(int level, const ExecutionContext& context);
+  absl::Status make_range(int level, std::uint64_t first, std::uint64_t last, std::vector<RankTree::Chunk>& out,
+                          const ExecutionContext& context) const;
+
+  const std::shared_ptr<const SurfaceCurve> curve_;
+  const std::uint64_t seed_;
+  const CurveStrata strata_;
+  const StratumBounds bounds_;
+  std::optional<ProgressiveRanks> ranks_;
+  std::shared_ptr<const RankTree> tree_;
+};
+
+}  // namespace curvecast
