@@ -33,7 +33,7 @@ class ViewFactor {
   void of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* __restrict factor,
                  float* __restrict change) const;
 
-  /// Pixels per squared unit of the file that a factor of 1 stands for, where the screen term is the only camera term.
+  /// Pixels per squared unit of the file that a screen term of 1 stands for.
   double pixels() const { return pixels_; }
 
  private:
