@@ -117,7 +117,7 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
   const LoadedMesh& loaded = flattened.loaded;
   const std::vector<Chart>& charts = flattened.charts;
   const absl::StatusOr<std::vector<double>> demand_of_face =
-      face_demand(loaded.mesh, flattened.geometry, options.density, wanted_vertices(options));
+      face_demand(loaded.mesh, flattened.geometry, loaded.attributes.scalars, options.density, wanted_vertices(options));
   if (!demand_of_face.ok()) return demand_of_face.status();
   std::vector<Column<ParameterTriangle>> triangles;
   std::vector<QuadtreeLeaves> leaves;
@@ -208,7 +208,7 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   if (!options.density.empty()) {
     beside.wait();
     const absl::StatusOr<std::vector<double>> demand =
-        face_demand(mesh, flattened.geometry, options.density, wanted_vertices(options));
+        face_demand(mesh, flattened.geometry, flattened.loaded.attributes.scalars, options.density, wanted_vertices(options));
     if (!demand.ok()) return demand.status();
     limit_levels(*demand, flattened.loaded.info.area, flatten_options);
   }

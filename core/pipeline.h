@@ -29,7 +29,7 @@ struct PreprocessOptions {
   Parameteriser parameteriser = Parameteriser::kOwn;
   Mapper mapper = Mapper::kExact;
   AreaElement area_element = AreaElement::kExact;
-  std::vector<DensityTerm> density;  // base density for which the curve is made; none = uniform
+  std::vector<DensityTerm> density;  // base density for which the curve is made, without camera terms; none = uniform
 };
 
 /// What a file holds and what repair made of it.

@@ -17,6 +17,8 @@ namespace {
 constexpr double kMaxOmega = 1000;
 // More than 5 GB of curve: what the two options may ask for together.
 constexpr double kMaxCurveVertices = 1e8;
+constexpr double kMaxPixelError = 10'000;
+constexpr std::uint64_t kLeastBytes = 1024;  // enough for a point, however it is encoded
 
 std::optional<DracoOptions> to_core(Checker& check, const v1::Encoding& in) {
   if (in.has_raw()) return std::nullopt;
@@ -120,6 +122,29 @@ v1::SessionState to_proto(SessionState state) {
   return v1::SESSION_STATE_UNSPECIFIED;
 }
 
+void read_budget(Checker& check, const v1::SampleRequest& request, Sample& sample) {
+  switch (request.budget_case()) {
+    case v1::SampleRequest::kPixelError:
+      sample.pixel_error = request.pixel_error();
+      if (!(sample.pixel_error > 0 && sample.pixel_error <= kMaxPixelError)) {
+        check.fail("sample.pixel_error",
+                   absl::StrCat("is ", sample.pixel_error, "; it must be above 0 and at most ", kMaxPixelError));
+      }
+      if (request.cameras().empty()) check.fail("sample.pixel_error", "needs a camera in sample.cameras");
+      break;
+    case v1::SampleRequest::kMaxBytes:
+      sample.max_bytes = request.max_bytes();
+      if (sample.max_bytes < kLeastBytes) {
+        check.fail("sample.max_bytes", absl::StrCat("is ", sample.max_bytes, "; it must be at least ", kLeastBytes));
+      }
+      break;
+    case v1::SampleRequest::kPoints:
+    case v1::SampleRequest::BUDGET_NOT_SET:
+      sample.options.points = request.points();
+      if (request.points() == 0) check.fail("sample.points", "is 0; ask for at least one");
+  }
+}
+
 std::string rgb_bytes(const std::vector<Rgba8>& colours, std::size_t begin, std::size_t count) {
   std::string bytes;
   bytes.reserve(3 * count);
@@ -142,15 +167,14 @@ PointSet slice(const PointSet& points, std::size_t begin, std::size_t count) {
 absl::StatusOr<Sample> to_sample(const v1::SampleRequest& request) {
   Checker check;
   Sample sample;
-  sample.options.points = request.points();
-  if (request.points() == 0) check.fail("sample.points", "is 0; ask for at least one");
-  absl::StatusOr<Vec3d> eye = absl::InvalidArgumentError("needs sample.camera");
-  if (request.has_camera()) eye = check_camera(check, "sample.camera", request.camera());
+  read_budget(check, request, sample);
   if (request.has_viewport()) {
     if (request.viewport().width() == 0) check.fail("sample.viewport.width", "is 0");
     if (request.viewport().height() == 0) check.fail("sample.viewport.height", "is 0");
   }
-  sample.options.density = to_density(check, "sample.density", request.density(), eye);
+  sample.options.density =
+      to_density(check, "sample.density", request.density(),
+                 to_cameras(check, "sample.cameras", request.cameras(), request.viewport()), "needs a camera in sample.cameras");
   sample.options.sequence = to_core(check, request.sequence());
   sample.options.seed = request.seed();
   sample.draco = to_core(check, request.encoding());
@@ -170,9 +194,7 @@ absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions
   out.parameteriser = *parameteriser;
   out.mapper = to_core(check, options.mapper());
   out.area_element = to_core(check, options.area_element());
-  out.density =
-      to_density(check, "options.density", options.density(),
-                 absl::InvalidArgumentError("depends on the view; a base density takes uniform and curvature terms only"));
+  out.density = to_density(check, "options.density", options.density(), {}, "depends on a camera; a base density cannot").terms;
   if (const double vertices = static_cast<double>(out.points) * out.omega; vertices > kMaxCurveVertices) {
     check.fail("options.max_points",
                absl::StrFormat("times omega makes %.0f curve vertices; at most %.0f are made", vertices, kMaxCurveVertices));

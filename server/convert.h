@@ -15,7 +15,9 @@ namespace curvecast::server {
 
 /// What a client asked for in a SampleRequest, checked as far as that goes without the session.
 struct Sample {
-  ResampleOptions options;
+  ResampleOptions options;            // `points` as asked for; not used with one of the other budgets
+  double pixel_error = 0;             // above 0: instead of a number of points
+  std::uint64_t max_bytes = 0;        // above 0: instead of a number of points
   std::optional<DracoOptions> draco;  // bits only; the lattice is the session's. Not set: raw floats
 };
 

@@ -1,8 +1,6 @@
 // Densities between core and proto.
 #pragma once
 
-#include <absl/status/statusor.h>
-
 #include <string>
 #include <vector>
 
@@ -13,16 +11,17 @@
 namespace curvecast::server {
 
 using DensityTerms = google::protobuf::RepeatedPtrField<v1::DensityTerm>;
+using Cameras = google::protobuf::RepeatedPtrField<v1::Camera>;
 
-/// The eye of a camera that looks somewhere; what is wrong goes to `check`.
-Vec3d check_camera(Checker& check, const std::string& field, const v1::Camera& camera);
+/// The cameras of `field`, with pictures of the viewport's size. What is wrong goes to `check`.
+std::vector<Camera> to_cameras(Checker& check, const std::string& field, const Cameras& cameras,
+                               const v1::Viewport& viewport = {});
 
-/// The terms of `field`, with the defaults filled in. View terms look from `eye`; where there is none, its status says why they
-/// are an error. What is wrong goes to `check`.
-std::vector<DensityTerm> to_density(Checker& check, const std::string& field, const DensityTerms& terms,
-                                    const absl::StatusOr<Vec3d>& eye);
+/// The terms of `field`, with the defaults filled in. Where there are no cameras, those that look from one are an error that says
+/// `why`. What is wrong goes to `check`.
+Density to_density(Checker& check, const std::string& field, const DensityTerms& terms, std::vector<Camera> cameras,
+                   const std::string& why);
 
-/// The eye of a view term is lost: it is the camera's.
 v1::DensityTerm to_proto(const DensityTerm& term);
 
 }  // namespace curvecast::server

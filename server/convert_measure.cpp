@@ -36,9 +36,8 @@ absl::StatusOr<MeasureOptions> to_measure_options(const v1::MeasureRequest& requ
   count("ring_seeds", request.ring_seeds(), &options.ring_seeds);
   count("ball_centres", request.ball_centres(), &options.ball_centres);
   options.seed = request.seed();
-  absl::StatusOr<Vec3d> eye = absl::InvalidArgumentError("needs a camera, which the request does not have");
-  if (request.has_camera()) eye = check_camera(check, "camera", request.camera());
-  options.density = to_density(check, "density", request.density(), eye);
+  options.density = to_density(check, "density", request.density(), to_cameras(check, "cameras", request.cameras()),
+                               "needs a camera, which the request does not have");
   if (!check.ok()) return check.status();
   return options;
 }

@@ -54,8 +54,10 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
 }
 
 OnShort Engine::refine_for(std::shared_ptr<const Session> session, const Sample& sample, std::uint64_t source) {
-  return [this, session = std::move(session), source, demand = CurveDemand{sample.options.points, sample.options.density}](
-             const SurfaceCurve& curve) { return refiner.request(session, curve, source, demand); };
+  return [this, session = std::move(session), source, density = sample.options.density](const SurfaceCurve& curve,
+                                                                                        std::uint64_t points) {
+    return refiner.request(session, curve, source, {points, density});
+  };
 }
 
 absl::Status Engine::close_session(const std::string& id) {

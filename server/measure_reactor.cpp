@@ -63,7 +63,9 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
     if (!sets.ok()) return sets.status();
     const auto mesh = load_mesh(work.mesh.file(), context);
     if (!mesh.ok()) return mesh.status();
-    const auto report = measure_points(mesh->mesh, *sets, work.options, context);
+    MeasureOptions options = work.options;
+    options.scalars = mesh->attributes.scalars;
+    const auto report = measure_points(mesh->mesh, *sets, options, context);
     if (!report.ok()) return report.status();
     v1::MeasureResponse response;
     *response.mutable_measures() = to_proto(*report, mesh->info.box.diagonal());

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/curve/shortfall.h"
+#include "core/sample/point_budget.h"
 
 namespace curvecast::server {
 namespace {
@@ -14,24 +17,40 @@ namespace {
 constexpr std::size_t kRawPointBytes = 2 * sizeof(Vec3f) + sizeof(float);
 constexpr std::size_t kRawColourBytes = 3;
 
+// Encoding within a number of bytes: the first guess is off by what the view and the mesh make of a point, the second hardly.
+constexpr int kMaxRounds = 4;
+constexpr double kAim = 0.96, kGoodEnough = 0.9;  // of the budget
+
 struct Sampled {
   std::shared_ptr<const SurfaceCurve> curve;  // one revision for all of an answer
   PointSet points;
+  bool is_short = false;
   v1::FrameStatistics statistics;
 };
 
-absl::StatusOr<Sampled> sample_curve(const Session& session, const Sample& sample, const OnShort& on_short) {
+/// N for the budgets that do not depend on how points are packed.
+absl::StatusOr<std::uint64_t> points_for(const SurfaceCurve& curve, const Sample& sample) {
+  if (sample.pixel_error > 0) return points_for_pixel_error(curve, sample.options.density, sample.pixel_error);
+  if (absl::Status status = check_density(sample.options.density); !status.ok()) return status;
+  return scaled_points(sample.options.density, curve.box, sample.options.points);
+}
+
+absl::StatusOr<Sampled> sample_curve(const Session& session, std::shared_ptr<const SurfaceCurve> curve, const Sample& sample,
+                                     std::uint64_t count) {
   ResampleReport report;
-  std::shared_ptr<const SurfaceCurve> curve = session.curve();
-  absl::StatusOr<PointSet> points = resample(*curve, sample.options, &report);
+  ResampleOptions options = sample.options;
+  options.points = count;
+  absl::StatusOr<PointSet> points = resample(*curve, options, &report);
   if (!points.ok()) return points.status();
-  Sampled out{std::move(curve), *std::move(points), {}};
+  Sampled out{std::move(curve), *std::move(points), session.options.omega * report.most_on_vertex > kShortLoad, {}};
   out.statistics.set_density_seconds(report.density_seconds);
   out.statistics.set_equalise_seconds(report.equalise_seconds);
   out.statistics.set_curve_vertices(out.curve->size());
-  const bool is_short = session.options.omega * report.most_on_vertex > kShortLoad;
-  out.statistics.set_refining(is_short && on_short && on_short(*out.curve));
   return out;
+}
+
+void ask_for_finer(Sampled& sampled, const OnShort& on_short) {
+  sampled.statistics.set_refining(sampled.is_short && on_short && on_short(*sampled.curve, sampled.points.size()));
 }
 
 // Adds the time that it takes to the statistics.
@@ -43,44 +62,135 @@ absl::StatusOr<v1::PointBlock> encode(Sampled& sampled, std::size_t begin, std::
   return block;
 }
 
+std::size_t raw_point_bytes(const SurfaceCurve& curve) { return kRawPointBytes + (curve.colour.empty() ? 0 : kRawColourBytes); }
+
+std::size_t data_bytes(const v1::PointBlock& block) {
+  const v1::RawPoints& raw = block.raw();
+  return block.draco().data().size() + raw.positions().size() + raw.normals().size() + raw.radii().size() + raw.colours().size();
+}
+
+/// What a point takes, roughly; neighbours differ little, so that about half of a position's bits are left.
+double expected_point_bytes(const SurfaceCurve& curve, const Sample& sample) {
+  if (!sample.draco) return static_cast<double>(raw_point_bytes(curve));
+  return (1.4 * sample.draco->position_bits + sample.draco->normal_bits + 6) / 8 + (curve.colour.empty() ? 0 : kRawColourBytes);
+}
+
+struct Packed {
+  Sampled sampled;
+  std::vector<v1::PointBlock> blocks;
+  std::size_t bytes = 0;
+};
+
+absl::StatusOr<Packed> pack(Sampled sampled, const Sample& sample, std::size_t block_points) {
+  Packed out{std::move(sampled), {}, 0};
+  const std::size_t total = out.sampled.points.size();
+  for (std::size_t begin = 0; begin < total; begin += block_points) {
+    absl::StatusOr<v1::PointBlock> block = encode(out.sampled, begin, std::min(block_points, total - begin), sample);
+    if (!block.ok()) return block.status();
+    out.bytes += data_bytes(*block);
+    out.blocks.push_back(*std::move(block));
+  }
+  return out;
+}
+
+/// As many points as `limit` bytes hold, in blocks of `block_points`.
+absl::StatusOr<Packed> pack_within(const Session& session, const Sample& sample, std::size_t block_points, double limit) {
+  const std::shared_ptr<const SurfaceCurve> curve = session.curve();
+  const auto whole = [](double points) {
+    return static_cast<std::uint64_t>(std::clamp(points, 1.0, static_cast<double>(kMaxPoints)));
+  };
+  std::optional<Packed> best;
+  std::uint64_t count = whole((sample.draco ? kAim : 1) * limit / expected_point_bytes(*curve, sample));
+  for (int round = 1;; ++round) {
+    absl::StatusOr<Sampled> sampled = sample_curve(session, curve, sample, count);
+    if (!sampled.ok()) return sampled.status();
+    absl::StatusOr<Packed> packed = pack(*std::move(sampled), sample, block_points);
+    if (!packed.ok()) return packed.status();
+    const auto bytes = static_cast<double>(packed->bytes);
+    const bool fits = bytes <= limit;
+    if (fits && (!best || packed->bytes > best->bytes)) best = *std::move(packed);
+    const bool is_done = fits && (bytes >= kGoodEnough * limit || count == kMaxPoints || !sample.draco);
+    if (best && (is_done || round >= kMaxRounds)) return *std::move(best);
+    if (!fits && count == 1) return absl::ResourceExhaustedError("sample.max_bytes does not hold a single point");
+    const std::uint64_t next = whole(kAim * static_cast<double>(count) * limit / bytes);
+    count = fits ? std::max(next, count + 1) : round < kMaxRounds ? std::min(next, count - 1) : count / 2;
+  }
+}
+
 absl::Status too_large(std::size_t bytes) {
   return absl::ResourceExhaustedError(absl::StrCat("the frame would have ", bytes, " bytes; at most ", kMaxFrameBytes,
                                                    " are sent: ask for fewer points or fewer bits, or use Resample"));
+}
+
+/// All points in one block.
+absl::StatusOr<Packed> pack_frame(const Session& session, const Sample& sample) {
+  if (sample.max_bytes > 0) {
+    const std::uint64_t limit = std::min<std::uint64_t>(sample.max_bytes, kMaxFrameBytes);
+    return pack_within(session, sample, kMaxPoints, static_cast<double>(limit));
+  }
+  std::shared_ptr<const SurfaceCurve> curve = session.curve();
+  const absl::StatusOr<std::uint64_t> count = points_for(*curve, sample);
+  if (!count.ok()) return count.status();
+  const std::size_t raw_bytes = raw_point_bytes(*curve);
+  if (!sample.draco && *count <= kMaxPoints && *count > kMaxFrameBytes / raw_bytes) return too_large(*count * raw_bytes);
+  absl::StatusOr<Sampled> sampled = sample_curve(session, std::move(curve), sample, *count);
+  if (!sampled.ok()) return sampled.status();
+  absl::StatusOr<Packed> packed = pack(*std::move(sampled), sample, kMaxPoints);
+  if (packed.ok() && packed->bytes > kMaxFrameBytes) return too_large(packed->bytes);
+  return packed;
+}
+
+/// Hands over the next block; the last one with the statistics.
+absl::Status emit_block(v1::PointBlock block, const v1::FrameStatistics* statistics,
+                        const std::function<bool(v1::ResampleResponse)>& emit) {
+  v1::ResampleResponse response;
+  *response.mutable_points() = std::move(block);
+  if (statistics != nullptr) *response.mutable_statistics() = *statistics;
+  return emit(std::move(response)) ? absl::OkStatus() : absl::CancelledError("the client has gone");
 }
 
 }  // namespace
 
 absl::Status make_blocks(const Session& session, const Sample& sample, const OnShort& on_short,
                          const std::function<bool(v1::ResampleResponse)>& emit) {
-  absl::StatusOr<Sampled> sampled = sample_curve(session, sample, on_short);
+  if (sample.max_bytes > 0) {
+    absl::StatusOr<Packed> packed = pack_within(session, sample, kBlockPoints, static_cast<double>(sample.max_bytes));
+    if (!packed.ok()) return packed.status();
+    ask_for_finer(packed->sampled, on_short);
+    for (v1::PointBlock& block : packed->blocks) {
+      const bool is_last = &block == &packed->blocks.back();
+      const absl::Status status = emit_block(std::move(block), is_last ? &packed->sampled.statistics : nullptr, emit);
+      if (!status.ok()) return status;
+    }
+    return absl::OkStatus();
+  }
+  std::shared_ptr<const SurfaceCurve> curve = session.curve();
+  const absl::StatusOr<std::uint64_t> wanted = points_for(*curve, sample);
+  if (!wanted.ok()) return wanted.status();
+  absl::StatusOr<Sampled> sampled = sample_curve(session, std::move(curve), sample, *wanted);
   if (!sampled.ok()) return sampled.status();
+  ask_for_finer(*sampled, on_short);
   const std::size_t total = sampled->points.size();
   for (std::size_t begin = 0; begin < total; begin += kBlockPoints) {
     const std::size_t count = std::min(kBlockPoints, total - begin);
     absl::StatusOr<v1::PointBlock> block = encode(*sampled, begin, count, sample);
     if (!block.ok()) return block.status();
-    v1::ResampleResponse response;
-    *response.mutable_points() = *std::move(block);
-    if (begin + count == total) *response.mutable_statistics() = sampled->statistics;
-    if (!emit(std::move(response))) return absl::CancelledError("the client has gone");
+    const bool is_last = begin + count == total;
+    const absl::Status status = emit_block(*std::move(block), is_last ? &sampled->statistics : nullptr, emit);
+    if (!status.ok()) return status;
   }
   return absl::OkStatus();
 }
 
 absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample, const OnShort& on_short) {
-  const std::size_t asked = sample.options.points;
-  const std::size_t raw_bytes = kRawPointBytes + (session.curve()->colour.empty() ? 0 : kRawColourBytes);
-  if (!sample.draco && asked <= kMaxPoints && asked > kMaxFrameBytes / raw_bytes) return too_large(asked * raw_bytes);
-  absl::StatusOr<Sampled> sampled = sample_curve(session, sample, on_short);
-  if (!sampled.ok()) return sampled.status();
-  absl::StatusOr<v1::PointBlock> block = encode(*sampled, 0, sampled->points.size(), sample);
-  if (!block.ok()) return block.status();
+  absl::StatusOr<Packed> packed = pack_frame(session, sample);
+  if (!packed.ok()) return packed.status();
+  ask_for_finer(packed->sampled, on_short);
   v1::PointFrame frame;
-  frame.set_curve_revision(sampled->curve->revision);
+  frame.set_curve_revision(packed->sampled.curve->revision);
   frame.set_kind(v1::FRAME_KIND_KEY);
-  *frame.mutable_points() = *std::move(block);
-  *frame.mutable_statistics() = std::move(sampled->statistics);
-  if (frame.points().draco().data().size() > kMaxFrameBytes) return too_large(frame.points().draco().data().size());
+  *frame.mutable_points() = std::move(packed->blocks.front());
+  *frame.mutable_statistics() = std::move(packed->sampled.statistics);
   return frame;
 }
 

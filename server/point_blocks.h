@@ -12,11 +12,12 @@ namespace curvecast::server {
 inline constexpr std::size_t kBlockPoints = std::size_t{1} << 16;  // of a ResampleResponse: under 2 MiB even as raw floats
 inline constexpr std::size_t kMaxFrameBytes = std::size_t{32} << 20;
 
-/// Told that the session's curve, of this revision, was too coarse for a sample: whether a finer one is being made.
-using OnShort = std::function<bool(const SurfaceCurve& curve)>;
+/// Told that the session's curve, of this revision, was too coarse for so many points: whether a finer one is being made.
+using OnShort = std::function<bool(const SurfaceCurve& curve, std::uint64_t points)>;
 
-/// All points as blocks of kBlockPoints, in order, each handed to `emit` as soon as it is packed; the last one carries the
-/// statistics. Stops with Cancelled when `emit` returns false. Errors as of curvecast::resample. `on_short` may be empty.
+/// All points as blocks of kBlockPoints, in order, each handed to `emit` as soon as it is packed, or, within a budget of bytes,
+/// once all are; the last one carries the statistics. Stops with Cancelled when `emit` returns false. Errors as of
+/// curvecast::resample, and ResourceExhausted where a single point is too much. `on_short` may be empty.
 absl::Status make_blocks(const Session& session, const Sample& sample, const OnShort& on_short,
                          const std::function<bool(v1::ResampleResponse)>& emit);
 

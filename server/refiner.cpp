@@ -170,7 +170,7 @@ absl::StatusOr<RefinedCurve> Refiner::refine_once(Refinement& task, const Sessio
   const std::shared_ptr<const SurfaceCurve> curve = session.curve();
   RefineOptions options{.omega = session.options.omega, .max_vertices = affordable_vertices(*curve)};
   for (const CurveDemand& demand : demands) {
-    if (is_uniform(session.options.density) && is_uniform(demand.density)) {
+    if (is_uniform(session.options.density) && is_uniform(demand.density.terms)) {
       options.max_points = std::max(options.max_points, demand.points);
     }
   }

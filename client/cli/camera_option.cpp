@@ -41,7 +41,8 @@ absl::StatusOr<std::vector<Part>> split_parts(const std::string& text) {
       return absl::InvalidArgumentError(absl::StrCat("camera: '", token, "' is not a number"));
     }
     if (parts.empty()) {
-      return absl::InvalidArgumentError(absl::StrCat("camera: '", text, "' does not begin with eye=, target=, up= or fov="));
+      return absl::InvalidArgumentError(
+          absl::StrCat("camera: '", text, "' does not begin with eye=, target=, up=, fov= or ortho="));
     }
     parts.back().values.push_back(value);
   }
@@ -65,7 +66,13 @@ absl::Status set_part(const Part& part, CameraOption* option) {
   if (part.key == "target") return set_once(part, 3, &option->target, vector);
   if (part.key == "up") return set_once(part, 3, &option->up, vector);
   if (part.key == "fov") return set_once(part, 1, &option->fov_degrees, part.values[0]);
-  return absl::InvalidArgumentError(absl::StrCat("camera: there is no '", part.key, "'; there are: eye, target, up, fov"));
+  if (part.key == "ortho") {
+    if (part.values.size() == 1 && !(part.values[0] > 0)) {
+      return absl::InvalidArgumentError(absl::StrCat("camera: ortho is ", part.values[0], "; it must be above 0"));
+    }
+    return set_once(part, 1, &option->height, part.values[0]);
+  }
+  return absl::InvalidArgumentError(absl::StrCat("camera: there is no '", part.key, "'; there are: eye, target, up, fov, ortho"));
 }
 
 v1::Vec3 to_proto(const Vec3d& v) {
@@ -100,6 +107,9 @@ absl::Status check_camera(const v1::Camera& camera) {
   if (!(fov > 0 && fov < 180)) {
     return absl::InvalidArgumentError(absl::StrCat("camera: fov is ", fov, " degrees; it must lie between 0 and 180"));
   }
+  if (const double height = camera.orthographic_height(); !(height >= 0 && std::isfinite(height))) {
+    return absl::InvalidArgumentError(absl::StrCat("camera: ortho is ", height, "; it must be above 0"));
+  }
   return absl::OkStatus();
 }
 
@@ -131,6 +141,7 @@ absl::StatusOr<v1::Camera> resolve_camera(const CameraOption& option, const Box3
   Vec3d up = option.up.value_or(Vec3d(0, 1, 0));
   if (!option.up && is_along(up, target - eye)) up = Vec3d(0, 0, 1);
   v1::Camera camera = make_camera(eye, target, up, fov);
+  camera.set_orthographic_height(option.height.value_or(0));
   if (absl::Status status = check_camera(camera); !status.ok()) return status;
   return camera;
 }

@@ -12,13 +12,16 @@
 namespace curvecast::cli {
 
 inline constexpr char kCameraHelp[] =
-    "eye=x,y,z,target=x,y,z,up=x,y,z,fov=degrees, each of them optional; default: a three-quarter view of the whole mesh";
+    "eye=x,y,z,target=x,y,z,up=x,y,z,fov=degrees,ortho=height, each of them optional (ortho: a parallel projection, whose "
+    "picture "
+    "is so high, in the mesh's units); default: a three-quarter view of the whole mesh";
 inline constexpr double kDefaultFovDegrees = 30;  // vertical
 
 /// What the user said; the rest follows from the box of what is looked at.
 struct CameraOption {
   std::optional<Vec3d> eye, target, up;
   std::optional<double> fov_degrees;  // vertical
+  std::optional<double> height;       // of an orthographic picture, in the mesh's units
 };
 
 /// Comma-separated, as in kCameraHelp. InvalidArgument names the part at fault.
@@ -28,7 +31,8 @@ absl::StatusOr<CameraOption> parse_camera(std::string_view text);
 /// height). Up: (0, 1, 0), or another axis when that is along the view. InvalidArgument as for check_camera().
 absl::StatusOr<v1::Camera> resolve_camera(const CameraOption& option, const Box3d& box, double aspect);
 
-/// InvalidArgument unless all is finite, eye and target differ, up is not along the view, and 0 < fov < 180.
+/// InvalidArgument unless all is finite, eye and target differ, up is not along the view, 0 < fov < 180, and no
+/// orthographic height is negative.
 absl::Status check_camera(const v1::Camera& camera);
 
 Vec3d to_vec(const v1::Vec3& v);

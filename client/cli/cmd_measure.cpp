@@ -117,13 +117,12 @@ absl::StatusOr<v1::MeasureRequest> make_measure_request(const Flags& flags, cons
   request.set_ring_seeds(flags.ring_seeds);
   request.set_ball_centres(flags.ball_centres);
   if (absl::Status status = add_density_terms(flags.sample.density, request.mutable_density()); !status.ok()) return status;
-  const auto is_view = [](const v1::DensityTerm& term) { return term.has_view(); };
-  if (std::none_of(request.density().begin(), request.density().end(), is_view)) return request;
+  if (std::none_of(request.density().begin(), request.density().end(), is_camera_term)) return request;
   const absl::StatusOr<v1::MeshInfo> info = client.inspect(mesh, stop);
   if (!info.ok()) return info.status();
-  absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box_of(*info), 1);
-  if (!camera.ok()) return camera.status();
-  *request.mutable_camera() = *std::move(camera);
+  const absl::StatusOr<std::vector<v1::Camera>> cameras = cameras_of(flags.sample, box_of(*info), 1);
+  if (!cameras.ok()) return cameras.status();
+  *request.mutable_cameras() = {cameras->begin(), cameras->end()};
   return request;
 }
 
@@ -183,7 +182,7 @@ Command add_measure(CLI::App& root, CommonOptions& options) {
       ->type_name("FILE");
   add_density_flag(app, &flags->sample,
                    "the density that the points are to have, and are compared with; as of sample; default: uniform");
-  add_camera_flag(app, &flags->sample);
+  add_camera_flag(app, &flags->sample, true);
   const auto add_count = [&](const char* name, std::uint32_t* count, const char* help) {
     app->add_option(name, *count, help)->check(CLI::Range(1u, 100'000u))->type_name("COUNT")->capture_default_str();
   };

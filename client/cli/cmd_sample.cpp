@@ -75,13 +75,18 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   client::Client& client = (*host)->client();
   absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, *session_options, options.quiet, stop);
   if (!opened.ok()) return opened.status();
-  absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box_of(opened->session.report().mesh()), 1);
-  if (!camera.ok()) return camera.status();
+  const absl::StatusOr<std::vector<v1::Camera>> cameras = cameras_of(flags.sample, box_of(opened->session.report().mesh()), 1);
+  if (!cameras.ok()) return cameras.status();
   request.set_session_id(opened->session.session_id());
   *request.mutable_sample() = *std::move(wanted);
-  *request.mutable_sample()->mutable_camera() = *std::move(camera);
-  // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
-  request.mutable_sample()->mutable_encoding()->mutable_raw();
+  *request.mutable_sample()->mutable_cameras() = {cameras->begin(), cameras->end()};
+  if (flags.sample.max_bytes == 0) {
+    // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
+    request.mutable_sample()->mutable_encoding()->mutable_raw();
+  } else {
+    request.mutable_sample()->mutable_encoding()->mutable_draco()->set_position_bits(flags.drc.position_bits);
+    request.mutable_sample()->mutable_encoding()->mutable_draco()->set_normal_bits(flags.drc.normal_bits);
+  }
   absl::StatusOr<client::DecodedSample> sample =
       flags.first_answer ? client.resample(request, stop) : client.resample_refined(request, kPatience, stop);
   if (!sample.ok()) return sample.status();
@@ -99,14 +104,18 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
 Command add_sample(CLI::App& root, CommonOptions& options) {
   CLI::App* app = add_command(
       root, options, "sample",
-      "Places exactly N points on a mesh, evenly with respect to a density, and writes them with normals and splat radii.",
+      "Places points on a mesh, exactly N or as many as a budget allows, evenly with respect to a density, and writes them with "
+      "normals and splat radii.",
       {"curvecast sample bunny.obj -n 50000 -o bunny.ply", "curvecast sample igea.ply -n 100000 --density curvature -o igea.drc",
-       "curvecast sample igea.ply -n 20000 --density view:s0=0.1 --camera eye=0,0,3 -o view.pcd"});
+       "curvecast sample igea.ply -n 20000 --density view:s0=0.1 --camera eye=0,0,3 -o view.pcd",
+       "curvecast sample igea.ply --pixel-error 3 --density screen --density frustum --camera fov=20 -o screen.ply",
+       "curvecast sample igea.ply -n 20000 --density 'expression:1 + 9 * (z > 0)' --density brush:0,0,1,0.2,4 -o painted.ply"});
   add_cache_flags(app, options);
   const auto flags = std::make_shared<Flags>();
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
-  add_sample_flags(app, &flags->sample)->required();
-  add_camera_flag(app, &flags->sample);
+  CLI::Option* count = add_sample_flags(app, &flags->sample);
+  add_budget_flags(app, &flags->sample, count);
+  add_camera_flag(app, &flags->sample, true);
   add_session_flags(app, &flags->session);
   add_base_density_flag(app, &flags->session);
   app->add_option("-o,--output", flags->output,

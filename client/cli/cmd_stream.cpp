@@ -76,7 +76,8 @@ absl::StatusOr<Measured> stream_views(const Flags& flags, client::ViewStream& st
                                       const std::vector<v1::Camera>& cameras, ProgressBar& bar) {
   Measured measured;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    *sample.mutable_camera() = cameras[i];
+    sample.clear_cameras();
+    *sample.add_cameras() = cameras[i];
     const auto start = std::chrono::steady_clock::now();
     absl::StatusOr<std::uint64_t> sequence = stream.send_view(sample);
     if (!sequence.ok()) return sequence.status();

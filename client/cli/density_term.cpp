@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -17,7 +18,8 @@
 namespace curvecast::cli {
 namespace {
 
-constexpr std::array<std::string_view, 3> kTerms = {"uniform", "curvature", "view"};
+constexpr std::array<std::string_view, 9> kTerms = {"uniform", "curvature", "attribute", "brush",   "expression",
+                                                    "view",    "screen",    "frustum",   "distance"};
 constexpr std::array<std::string_view, 3> kKinds = {"gauss", "mean", "max"};
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
@@ -85,15 +87,107 @@ absl::Status set_view(const Settings& settings, v1::ViewDensity* view) {
   return absl::OkStatus();
 }
 
+absl::StatusOr<double> parse_number(const std::string& term, const std::string& key, const std::string& text,
+                                    bool may_be_negative) {
+  const double min = may_be_negative ? std::numeric_limits<double>::lowest() : 0;
+  return parse_number(term, {key, text}, min, std::numeric_limits<double>::max(),
+                      may_be_negative ? "that is finite" : "that is not negative");
+}
+
+absl::Status set_brush(const std::string& text, v1::BrushDensity* brush) {
+  constexpr std::array<const char*, 6> kKeys = {"x", "y", "z", "radius", "factor", "falloff"};
+  const std::vector<std::string> parts = absl::StrSplit(text, ',');
+  if (parts.size() != 5 && parts.size() != 6) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("brush: '", text, "' has ", parts.size(), " numbers; it takes x,y,z,radius,factor[,falloff]"));
+  }
+  std::array<double, 6> values{};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const absl::StatusOr<double> value = parse_number("brush", kKeys[i], parts[i], i < 3);
+    if (!value.ok()) return value.status();
+    values[i] = *value;
+  }
+  if (!(values[3] > 0)) return absl::InvalidArgumentError("brush: radius=0: must be a number above 0");
+  if (values[4] > 1e6)
+    return absl::InvalidArgumentError(absl::StrCat("brush: factor=", values[4], ": must be from 0 to 1,000,000"));
+  if (values[5] > 1) return absl::InvalidArgumentError(absl::StrCat("brush: falloff=", values[5], ": must be from 0 to 1"));
+  brush->mutable_centre()->set_x(values[0]);
+  brush->mutable_centre()->set_y(values[1]);
+  brush->mutable_centre()->set_z(values[2]);
+  brush->set_radius(values[3]);
+  brush->set_factor(values[4]);
+  if (parts.size() == 6) brush->set_falloff(values[5]);
+  return absl::OkStatus();
+}
+
+/// "near,far", "near=1,far=2,global" or a mixture: numbers without a key come in this order.
+absl::Status set_distance(const std::string& text, v1::DistanceDensity* distance) {
+  std::set<std::string> seen;
+  for (const std::string& part : std::vector<std::string>(absl::StrSplit(text, ','))) {
+    std::string key = part, value;
+    if (const std::size_t equals = part.find('='); equals != std::string::npos) {
+      key = part.substr(0, equals);
+      value = part.substr(equals + 1);
+    } else if (part != "global") {
+      key = seen.contains("near") ? "far" : "near";
+      value = part;
+    }
+    if (!seen.insert(key).second) return absl::InvalidArgumentError(absl::StrCat("distance: ", key, " is given twice"));
+    if (key == "global" && value.empty()) {
+      distance->set_global(true);
+      continue;
+    }
+    if (key != "near" && key != "far") return unknown_key("distance", key, "there are: near, far, global");
+    const absl::StatusOr<double> number = parse_number("distance", key, value, false);
+    if (!number.ok()) return number.status();
+    key == "near" ? distance->set_near(*number) : distance->set_far(*number);
+  }
+  if (distance->far() != 0 && distance->far() < distance->near()) {
+    return absl::InvalidArgumentError(absl::StrCat("distance: far=", distance->far(), " is less than near=", distance->near()));
+  }
+  return absl::OkStatus();
+}
+
+/// Those whose text is not made of settings. What is none of them stays empty.
+absl::StatusOr<v1::DensityTerm> parse_free_term(const std::string& name, const std::optional<std::string>& text) {
+  v1::DensityTerm term;
+  if (name != "attribute" && name != "expression" && name != "brush" && name != "distance") return term;
+  if (name == "distance" && !text) {
+    term.mutable_distance();
+    return term;
+  }
+  if (!text || text->empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(name, ": say more after a colon, as in ",
+                                                   name == "attribute"    ? "attribute:quality"
+                                                   : name == "expression" ? "'expression:1 + abs(mean)'"
+                                                   : name == "brush"      ? "brush:0,0,1,0.2,4"
+                                                                          : "distance:1,10"));
+  }
+  absl::Status status;
+  if (name == "attribute") {
+    term.mutable_attribute()->set_name(*text);
+  } else if (name == "expression") {
+    term.mutable_expression()->set_text(*text);
+  } else {
+    status = name == "brush" ? set_brush(*text, term.mutable_brush()) : set_distance(*text, term.mutable_distance());
+  }
+  if (!status.ok()) return status;
+  return term;
+}
+
 }  // namespace
 
 absl::StatusOr<v1::DensityTerm> parse_density_term(std::string_view text) {
   const std::size_t colon = text.find(':');
   const std::string name(text.substr(0, colon));
   if (absl::Status status = check_choice("density term", name, kTerms); !status.ok()) return status;
+  const std::optional<std::string> after =
+      colon == std::string_view::npos ? std::nullopt : std::optional<std::string>(text.substr(colon + 1));
+  absl::StatusOr<v1::DensityTerm> free = parse_free_term(name, after);
+  if (!free.ok() || free->term_case() != v1::DensityTerm::TERM_NOT_SET) return free;
   Settings settings;
-  if (colon != std::string_view::npos) {
-    absl::StatusOr<Settings> parsed = parse_settings(name, std::string(text.substr(colon + 1)));
+  if (after) {
+    absl::StatusOr<Settings> parsed = parse_settings(name, *after);
     if (!parsed.ok()) return parsed.status();
     settings = *std::move(parsed);
   }
@@ -104,11 +198,17 @@ absl::StatusOr<v1::DensityTerm> parse_density_term(std::string_view text) {
   } else if (name == "view") {
     status = set_view(settings, term.mutable_view());
   } else {
-    term.mutable_uniform();
+    if (name == "screen") term.mutable_screen();
+    if (name == "frustum") term.mutable_frustum();
+    if (name == "uniform") term.mutable_uniform();
     if (!settings.empty()) status = unknown_key(name, settings[0].first, "it takes no settings");
   }
   if (!status.ok()) return status;
   return term;
+}
+
+bool is_camera_term(const v1::DensityTerm& term) {
+  return term.has_view() || term.has_distance() || term.has_frustum() || term.has_screen();
 }
 
 absl::Status add_density_terms(const std::vector<std::string>& texts,

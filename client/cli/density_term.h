@@ -12,11 +12,18 @@
 namespace curvecast::cli {
 
 inline constexpr char kDensityHelp[] =
-    "a factor of the density; repeat to multiply: uniform, curvature[:kind=gauss|mean|max,exponent=1,floor=0.05], view[:s0=0.1]";
+    "a factor of the density; repeat to multiply: uniform, curvature[:kind=gauss|mean|max,exponent=1,floor=0.05], attribute:NAME "
+    "(a number that the mesh has for each vertex), brush:x,y,z,radius,factor[,falloff=0.5], expression:FORMULA (of x, y, z, nx, "
+    "ny, nz, gauss, mean, k1, k2 and attributes, as in 'expression:(z > 0) + 0.1'); and of the cameras: view[:s0=0.1] "
+    "(silhouette), screen (even spacing in pixels), frustum (nothing outside the picture), distance[:near,far] or "
+    "distance[:near=..,far=..,global] (level of detail; global: fewer points instead of another density)";
 
-/// uniform, curvature[:kind=gauss|mean|max,exponent=1,floor=0.05] or view[:s0=0.1]. Values are checked against the ranges of the
-/// API. InvalidArgument names the term, the key and what is allowed.
+/// One of kDensityHelp. Values are checked against the ranges of the API. InvalidArgument names the term, the key and what is
+/// allowed.
 absl::StatusOr<v1::DensityTerm> parse_density_term(std::string_view text);
+
+/// Whether a term looks from a camera.
+bool is_camera_term(const v1::DensityTerm& term);
 
 /// Appends what the texts say to a message's terms.
 absl::Status add_density_terms(const std::vector<std::string>& texts, google::protobuf::RepeatedPtrField<v1::DensityTerm>* terms);

@@ -36,6 +36,16 @@ float diameter(const Size& size, double across) {
   return static_cast<float>(std::clamp(std::max(size.width, size.height) / across, 1.0, 64.0));
 }
 
+/// A picture's own camera.
+absl::StatusOr<v1::Camera> camera_of(const SampleFlags& flags, const Box3d& box, const Size& size) {
+  const absl::StatusOr<std::vector<v1::Camera>> cameras = cameras_of(flags, box, size.aspect());
+  if (!cameras.ok()) return cameras.status();
+  if (cameras->front().orthographic_height() > 0) {
+    return absl::InvalidArgumentError("camera: pictures are made by perspective cameras only; leave ortho= out");
+  }
+  return cameras->front();
+}
+
 /// One call's worth of what the makers of scenes need.
 struct Maker {
   const RenderFlags& flags;
@@ -70,7 +80,9 @@ struct Maker {
   absl::Status add_samples(const OpenedMesh& opened, Scene& scene) const {
     absl::StatusOr<v1::SampleRequest> sample = make_request(flags.sample, options.seed);
     if (!sample.ok()) return sample.status();
-    *sample->mutable_camera() = scene.camera;
+    *sample->add_cameras() = scene.camera;
+    sample->mutable_viewport()->set_width(static_cast<std::uint32_t>(size.width));
+    sample->mutable_viewport()->set_height(static_cast<std::uint32_t>(size.height));
     absl::StatusOr<client::Points> wanted = resample(opened, *std::move(sample));
     if (!wanted.ok()) return wanted.status();
     scene.count = wanted->size();
@@ -145,7 +157,7 @@ absl::StatusOr<Scene> load_scene(const RenderFlags& flags, const Size& size) {
   Box3d box;
   const Vec3d origin(scene.cloud.origin.data());
   for (const auto& [x, y, z] : scene.cloud.positions) box.extend(origin + Vec3d(x, y, z));
-  absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box, size.aspect());
+  absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box, size);
   if (!camera.ok()) return camera.status();
   scene.camera = *std::move(camera);
   return scene;
@@ -162,7 +174,7 @@ absl::StatusOr<Scene> make_scene(const RenderFlags& flags, const CommonOptions& 
   absl::StatusOr<OpenedMesh> opened = open_mesh(maker.client, flags.input, *session_options, options.quiet, stop);
   if (!opened.ok()) return opened.status();
   const Box3d box = box_of(opened->session.report().mesh());
-  absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box, size.aspect());
+  absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box, size);
   if (!camera.ok()) return camera.status();
   Scene scene;
   scene.camera = *std::move(camera);

@@ -1,8 +1,11 @@
 #include "client/cli/sample_flags.h"
 
+#include <absl/strings/str_cat.h>
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -13,6 +16,7 @@
 namespace curvecast::cli {
 namespace {
 
+constexpr int kMostCameras = 16;
 constexpr std::array<std::string_view, 4> kSequences = {"jittered", "regular", "vandercorput", "golden"};
 constexpr std::array<v1::Sequence, kSequences.size()> kSequenceValues = {v1::SEQUENCE_JITTERED, v1::SEQUENCE_REGULAR,
                                                                          v1::SEQUENCE_VAN_DER_CORPUT, v1::SEQUENCE_GOLDEN_RATIO};
@@ -42,15 +46,47 @@ CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
   return count;
 }
 
-void add_camera_flag(CLI::App* command, SampleFlags* flags) {
-  command->add_option("--camera", flags->camera, kCameraHelp)
-      ->check(validator([](const std::string& text) { return parse_camera(text).status(); }, ""))
-      ->type_name("CAMERA");
+void add_budget_flags(CLI::App* command, SampleFlags* flags, CLI::Option* count) {
+  CLI::Option* error =
+      command
+          ->add_option("--pixel-error", flags->pixel_error,
+                       "instead of -n: as few points as leave none standing for more than so many pixels squared "
+                       "of a picture that is 1,024 pixels high")
+          ->check(CLI::Range(1e-3, 1e4))
+          ->type_name("PIXELS");
+  CLI::Option* bytes =
+      command
+          ->add_option("--max-bytes", flags->max_bytes,
+                       "instead of -n: as many points as take so many bytes on their way, with Draco; 1,024 at least")
+          ->check(CLI::Range(std::uint64_t{1024}, std::numeric_limits<std::uint64_t>::max()))
+          ->type_name("BYTES");
+  count->excludes(error)->excludes(bytes);
+  error->excludes(bytes);
+  command->parse_complete_callback([=] {
+    if (!*count && !*error && !*bytes) throw CLI::RequiredError("-n, --pixel-error or --max-bytes");
+  });
+}
+
+void add_camera_flag(CLI::App* command, SampleFlags* flags, bool several) {
+  CLI::Option* option =
+      command
+          ->add_option("--camera", flags->cameras,
+                       absl::StrCat(kCameraHelp, several ? "; repeat for points that serve several cameras, at most 16" : ""))
+          ->check(validator([](const std::string& text) { return parse_camera(text).status(); }, ""))
+          ->type_name("CAMERA")
+          ->allow_extra_args(false);
+  option->expected(1, several ? kMostCameras : 1);
 }
 
 absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::uint64_t seed) {
   v1::SampleRequest request;
-  request.set_points(flags.points);
+  if (flags.pixel_error > 0) {
+    request.set_pixel_error(flags.pixel_error);
+  } else if (flags.max_bytes > 0) {
+    request.set_max_bytes(flags.max_bytes);
+  } else {
+    request.set_points(flags.points);
+  }
   request.set_seed(seed);
   const auto choice = std::find(kSequences.begin(), kSequences.end(), flags.sequence) - kSequences.begin();
   request.set_sequence(kSequenceValues[static_cast<std::size_t>(choice)]);
@@ -58,14 +94,21 @@ absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::ui
   return request;
 }
 
-absl::StatusOr<v1::Camera> camera_of(const SampleFlags& flags, const Box3d& box, double aspect) {
-  CameraOption option;
-  if (!flags.camera.empty()) {
-    absl::StatusOr<CameraOption> parsed = parse_camera(flags.camera);
+absl::StatusOr<std::vector<v1::Camera>> cameras_of(const SampleFlags& flags, const Box3d& box, double aspect) {
+  std::vector<CameraOption> options;
+  for (const std::string& text : flags.cameras) {
+    absl::StatusOr<CameraOption> parsed = parse_camera(text);
     if (!parsed.ok()) return parsed.status();
-    option = *parsed;
+    options.push_back(*parsed);
   }
-  return resolve_camera(option, box, aspect);
+  if (options.empty()) options.emplace_back();
+  std::vector<v1::Camera> cameras;
+  for (const CameraOption& option : options) {
+    absl::StatusOr<v1::Camera> camera = resolve_camera(option, box, aspect);
+    if (!camera.ok()) return camera.status();
+    cameras.push_back(*std::move(camera));
+  }
+  return cameras;
 }
 
 }  // namespace curvecast::cli

@@ -15,22 +15,26 @@ namespace curvecast::cli {
 
 struct SampleFlags {
   std::uint64_t points = 65'536;
+  double pixel_error = 0;       // above 0: instead of points
+  std::uint64_t max_bytes = 0;  // above 0: instead of points
   std::vector<std::string> density;
   std::string sequence = "jittered";
-  std::string camera;
+  std::vector<std::string> cameras;
 };
 
 /// -n, --density and --sequence; values are checked while parsing. Returns the option -n.
 CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags);
 /// --density alone.
 void add_density_flag(CLI::App* command, SampleFlags* flags, const std::string& help);
-/// --camera.
-void add_camera_flag(CLI::App* command, SampleFlags* flags);
+/// --pixel-error and --max-bytes, which exclude -n and one another; one of the three is needed.
+void add_budget_flags(CLI::App* command, SampleFlags* flags, CLI::Option* count);
+/// --camera; with `several` it may be repeated.
+void add_camera_flag(CLI::App* command, SampleFlags* flags, bool several);
 
 /// All but camera, viewport and encoding. The flags have been checked.
 absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::uint64_t seed);
 
-/// The camera of the flags, for a box.
-absl::StatusOr<v1::Camera> camera_of(const SampleFlags& flags, const Box3d& box, double aspect);
+/// The cameras of the flags, for a box; one at least.
+absl::StatusOr<std::vector<v1::Camera>> cameras_of(const SampleFlags& flags, const Box3d& box, double aspect);
 
 }  // namespace curvecast::cli

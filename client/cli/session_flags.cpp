@@ -17,8 +17,9 @@ constexpr std::array<std::string_view, 2> kAreas = {"exact", "voronoi"};
 absl::Status check_base_term(const std::string& text) {
   const absl::StatusOr<v1::DensityTerm> term = parse_density_term(text);
   if (!term.ok()) return term.status();
-  if (!term->has_view()) return absl::OkStatus();
-  return absl::InvalidArgumentError("a base density cannot depend on the view; there are: uniform, curvature");
+  if (!is_camera_term(*term)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "a base density cannot depend on a camera; there are: uniform, curvature, attribute, brush, expression");
 }
 
 }  // namespace
@@ -39,8 +40,8 @@ void add_session_flags(CLI::App* command, SessionFlags* flags) {
 void add_base_density_flag(CLI::App* command, SessionFlags* flags) {
   command
       ->add_option("--base-density", flags->base_density,
-                   "a factor of the density for which the curve is made; repeat to multiply: uniform, curvature[:...] as in "
-                   "--density; default: uniform")
+                   "a factor of the density for which the curve is made; repeat to multiply: uniform, curvature[:...], "
+                   "attribute:NAME, brush:..., expression:... as in --density; default: uniform")
       ->check(validator(check_base_term, ""))
       ->type_name("TERM")
       ->allow_extra_args(false);

@@ -21,7 +21,7 @@ inline constexpr double kShortLoad = 4;
 /// What somebody wanted to take from a curve.
 struct CurveDemand {
   std::uint64_t points = 0;
-  std::vector<DensityTerm> density;
+  Density density;
 };
 
 /// Raises each load[l] (L entries) to that of the demand. Errors as of evaluate_density; a density that is zero everywhere asks

@@ -1,10 +1,13 @@
 #include "core/density/density.h"
 
+#include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/density/expression.h"
+#include "core/density/fixed_terms.h"
 #include "core/density/view_factor.h"
 
 namespace curvecast {
@@ -23,54 +26,92 @@ absl::Status check(const CurvatureTerm& term) {
 }
 
 absl::Status check(const ViewTerm& term) {
-  if (!term.eye.allFinite()) return absl::InvalidArgumentError("view density: the eye's coordinates are not finite");
   if (!(term.s0 > 0 && term.s0 <= kMaxS0)) {
     return absl::InvalidArgumentError(absl::StrFormat("view density: s0 = %g; it must lie in (0, %g]", term.s0, kMaxS0));
   }
   return absl::OkStatus();
 }
 
-// Those of a camera are ViewFactor's.
-template <typename Term>
-void multiply(const SurfaceCurve&, const Term&, std::span<float>) {}
-
-void multiply(const SurfaceCurve& curve, const CurvatureTerm& term, std::span<float> density) {
-  const float reference = curve.reference_curvature[static_cast<std::size_t>(term.kind)];
-  if (!(reference > 0)) return;
-  const float scale = 1 / reference;
-  const auto floor = static_cast<float>(term.floor);
-  const auto exponent = static_cast<float>(term.exponent);
-  for (std::size_t l = 0; l < density.size(); ++l) {
-    const float k = curvature_measure(term.kind, curve.curvature_min[l], curve.curvature_max[l]);
-    const float value = floor + (1 - floor) * std::min(scale * k, 1.0f);
-    density[l] *= exponent == 1 ? value : std::pow(value, exponent);
+absl::Status check(const DistanceTerm& term) {
+  if (!(term.near >= 0 && std::isfinite(term.near))) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("distance density: near = %g; it must be 0 or more, and finite", term.near));
   }
-}
-
-}  // namespace
-
-absl::Status check_density(std::span<const DensityTerm> terms) {
-  for (const DensityTerm& term : terms) {
-    if (absl::Status status = std::visit([](const auto& t) { return check(t); }, term); !status.ok()) return status;
+  if (!(term.far > 0 && term.far >= term.near)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("distance density: far = %g; it must be above 0 and not less than near, %g", term.far, term.near));
   }
   return absl::OkStatus();
 }
 
-bool has_fixed_terms(std::span<const DensityTerm> terms) {
-  return std::any_of(terms.begin(), terms.end(), [](const DensityTerm& t) { return std::holds_alternative<CurvatureTerm>(t); });
+absl::Status check(const FrustumTerm&) { return absl::OkStatus(); }
+absl::Status check(const ScreenTerm&) { return absl::OkStatus(); }
+
+absl::Status check(const AttributeTerm& term) {
+  return term.name.empty() ? absl::InvalidArgumentError("attribute density: the name is empty") : absl::OkStatus();
 }
 
-void evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density) {
+absl::Status check(const BrushTerm& term) {
+  if (!term.centre.allFinite()) return absl::InvalidArgumentError("brush density: the centre's coordinates are not finite");
+  if (!(term.radius > 0 && std::isfinite(term.radius))) {
+    return absl::InvalidArgumentError(absl::StrFormat("brush density: radius = %g; it must be above 0, and finite", term.radius));
+  }
+  if (!(term.factor >= 0 && term.factor <= kMaxBrushFactor)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("brush density: factor = %g; it must lie in [0, %g]", term.factor, kMaxBrushFactor));
+  }
+  if (!(term.falloff >= 0 && term.falloff <= 1)) {
+    return absl::InvalidArgumentError(absl::StrFormat("brush density: falloff = %g; it must lie in [0, 1]", term.falloff));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check(const ExpressionTerm& term) { return check_expression(term.text); }
+
+bool is_fixed(const DensityTerm& term) { return !is_camera_term(term) && !std::holds_alternative<UniformTerm>(term); }
+
+}  // namespace
+
+bool is_camera_term(const DensityTerm& term) {
+  return std::holds_alternative<ViewTerm>(term) || std::holds_alternative<DistanceTerm>(term) ||
+         std::holds_alternative<FrustumTerm>(term) || std::holds_alternative<ScreenTerm>(term);
+}
+
+absl::Status check_density(const Density& density) {
+  for (const DensityTerm& term : density.terms) {
+    if (absl::Status status = std::visit([](const auto& t) { return check(t); }, term); !status.ok()) return status;
+  }
+  if (density.cameras.size() > kMaxCameras) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the density has ", density.cameras.size(), " cameras; at most ", kMaxCameras, " are taken"));
+  }
+  for (std::size_t i = 0; i < density.cameras.size(); ++i) {
+    if (const absl::Status status = check_camera(density.cameras[i]); !status.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat("camera ", i, " of the density: ", status.message()));
+    }
+  }
+  if (density.cameras.empty() && std::any_of(density.terms.begin(), density.terms.end(), is_camera_term)) {
+    return absl::InvalidArgumentError("view, distance, frustum and screen densities need a camera");
+  }
+  return absl::OkStatus();
+}
+
+bool has_fixed_terms(std::span<const DensityTerm> terms) { return std::any_of(terms.begin(), terms.end(), is_fixed); }
+
+absl::Status evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density) {
   std::fill(density.begin(), density.end(), 1.0f);
-  for (const DensityTerm& term : terms) std::visit([&](const auto& t) { multiply(curve, t, density); }, term);
+  for (const DensityTerm& term : terms) {
+    if (absl::Status status = multiply_fixed_term(curve, term, density); !status.ok()) return status;
+  }
+  return absl::OkStatus();
 }
 
-absl::Status evaluate_density(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density) {
-  if (absl::Status status = check_density(terms); !status.ok()) return status;
-  evaluate_fixed_terms(curve, terms, density);
-  ViewFactor(curve, terms)
-      .multiply(curve.x.data(), curve.y.data(), curve.z.data(), curve.nx.data(), curve.ny.data(), curve.nz.data(), density.size(),
-                density.data());
+absl::Status evaluate_density(const SurfaceCurve& curve, const Density& density, std::span<float> values) {
+  if (absl::Status status = check_density(density); !status.ok()) return status;
+  if (absl::Status status = evaluate_fixed_terms(curve, density.terms, values); !status.ok()) return status;
+  ViewFactor(curve, density)
+      .multiply(curve.x.data(), curve.y.data(), curve.z.data(), curve.nx.data(), curve.ny.data(), curve.nz.data(), values.size(),
+                values.data());
   return absl::OkStatus();
 }
 

@@ -3,10 +3,16 @@
 
 #include <absl/status/status.h>
 
+#include <initializer_list>
+#include <limits>
 #include <span>
+#include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "core/curve/surface_curve.h"
+#include "core/density/camera.h"
 #include "core/vec.h"
 
 namespace curvecast {
@@ -23,25 +29,77 @@ struct CurvatureTerm {
 
 inline constexpr double kMaxS0 = 1e6;
 
-/// Silhouette enhancement: with c the cosine between normal and direction to the eye, 1 - c + s0 where c > 0, else 0.
+/// Silhouette enhancement: with c the cosine between normal and direction to the camera, 1 - c + s0 where c > 0, else 0.
 struct ViewTerm {
-  Vec3d eye = Vec3d::Zero();  // absolute coordinates, in the file's units
-  double s0 = 0.1;            // in (0, kMaxS0]: density of what faces the eye squarely
+  double s0 = 0.1;  // in (0, kMaxS0]: density of what faces the camera squarely
 };
 
-using DensityTerm = std::variant<UniformTerm, CurvatureTerm, ViewTerm>;
+/// Level of detail by the distance d to the eye: (near / clamp(d, near, far))^2. 1 for an orthographic camera.
+struct DistanceTerm {
+  double near = 0;                                       // in the file's units; 0 = as near as the mesh's box comes to the eye,
+                                                         // but at least a thousandth of its diagonal
+  double far = std::numeric_limits<double>::infinity();  // at least `near`
+  bool global = false;  // not the density but the number of points falls, by d of the box's centre: see scaled_points()
+};
 
-/// InvalidArgument names the term and field that is out of range or not finite.
-absl::Status check_density(std::span<const DensityTerm> terms);
+/// 1 in the camera's picture, else 0. A perspective camera sees nothing nearer than kNearPlane.
+struct FrustumTerm {};
+inline constexpr double kNearPlane = 1e-4;  // diagonals of the box before the eye
+
+/// Even spacing on the screen: pixels' area per area of the surface, 0 for what faces away or lies behind the eye. What is seen
+/// at a slant counts as if the cosine were kLeastSlant at least.
+struct ScreenTerm {};
+inline constexpr double kLeastSlant = 0.05;
+
+/// The mesh's named number at each vertex, in any unit; negative ones and NaN count as 0.
+struct AttributeTerm {
+  std::string name;  // one of the curve's scalars
+};
+
+inline constexpr double kMaxBrushFactor = 1e6;
+
+/// `factor` within (1 - falloff) radius of the centre, then smoothly 1 from the radius on.
+struct BrushTerm {
+  Vec3d centre = Vec3d::Zero();  // absolute coordinates, in the file's units
+  double radius = 1;             // above 0, in the file's units
+  double factor = 0;             // in [0, kMaxBrushFactor]; 0 erases
+  double falloff = 0.5;          // in [0, 1]; 0 = a hard edge
+};
+
+/// A formula's value; negative ones and NaN count as 0, infinite ones are an error. See Expression.
+struct ExpressionTerm {
+  std::string text;
+};
+
+using DensityTerm = std::variant<UniformTerm, CurvatureTerm, ViewTerm, DistanceTerm, FrustumTerm, ScreenTerm, AttributeTerm,
+                                 BrushTerm, ExpressionTerm>;
+
+/// The fixed terms are multiplied, and so are those of a camera (view, distance, frustum, screen) for each camera: the density is
+/// the fixed product times the largest of the cameras'. No terms mean uniform.
+struct Density {
+  Density() = default;
+  Density(std::initializer_list<DensityTerm> some) : terms(some) {}
+  Density(std::vector<DensityTerm> some, std::vector<Camera> from = {}) : terms(std::move(some)), cameras(std::move(from)) {}
+
+  std::vector<DensityTerm> terms;
+  std::vector<Camera> cameras;  // at most kMaxCameras; at least one where there is a camera term
+};
+
+/// Whether a term looks from a camera.
+bool is_camera_term(const DensityTerm& term);
+
+/// InvalidArgument names the term, or the camera, and the field that is out of range or not finite.
+absl::Status check_density(const Density& density);
 
 /// Whether any term differs over the surface and is the same for all cameras.
 bool has_fixed_terms(std::span<const DensityTerm> terms);
 
-/// Writes the product of those at every curve vertex (L entries). Precondition: check_density() finds nothing.
-void evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density);
+/// Writes the product of those at every curve vertex (L entries, relative values). InvalidArgument: the curve has no such
+/// attribute, an expression is wrong or infinite somewhere. Precondition: check_density() finds nothing.
+absl::Status evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density);
 
-/// Writes the product of the terms at every curve vertex to `density` (L entries, relative values: only ratios matter).
-/// No terms mean uniform. Errors as of check_density().
-absl::Status evaluate_density(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density);
+/// Writes the whole density at every curve vertex to `values` (L entries, relative values: only ratios matter). Errors as of
+/// check_density() and evaluate_fixed_terms().
+absl::Status evaluate_density(const SurfaceCurve& curve, const Density& density, std::span<float> values);
 
 }  // namespace curvecast

@@ -6,7 +6,7 @@
 namespace curvecast {
 
 absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
-                                                    std::span<const DensityTerm> terms) {
+                                                    std::span<const ScalarAttribute> scalars, const Density& density) {
   // A curve with one vertex for each face: the terms need not know the difference.
   SurfaceCurve faces;
   faces.resize(mesh.face_count());
@@ -31,23 +31,33 @@ absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, co
     faces.total_area += area;
   }
   faces.reference_curvature = reference_curvatures(faces);
-  std::vector<float> density(faces.size());
-  if (absl::Status status = evaluate_density(faces, terms, density); !status.ok()) return status;
-  return density;
+  for (const ScalarAttribute& scalar : scalars) {
+    ScalarColumn& column = faces.scalars.emplace_back();
+    column.name = scalar.name;
+    column.values.resize(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      const Triangle& t = mesh.triangles[f];
+      column.values[f] = (scalar.values[t[0]] + scalar.values[t[1]] + scalar.values[t[2]]) / 3;
+    }
+  }
+  std::vector<float> values(faces.size());
+  if (absl::Status status = evaluate_density(faces, density, values); !status.ok()) return status;
+  return values;
 }
 
 absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
-                                                std::span<const DensityTerm> terms, double vertices) {
+                                                std::span<const ScalarAttribute> scalars, const Density& density,
+                                                double vertices) {
   std::vector<double> demand(mesh.face_count(), 1.0);
-  if (!terms.empty()) {
-    const absl::StatusOr<std::vector<float>> density = density_on_faces(mesh, geometry, terms);
-    if (!density.ok()) return density.status();
-    std::copy(density->begin(), density->end(), demand.begin());
+  if (!density.terms.empty()) {
+    const absl::StatusOr<std::vector<float>> values = density_on_faces(mesh, geometry, scalars, density);
+    if (!values.ok()) return values.status();
+    std::copy(values->begin(), values->end(), demand.begin());
   }
   double mass = 0;
   for (std::size_t f = 0; f < demand.size(); ++f) mass += demand[f] * triangle_area(mesh, f);
   if (!(mass > 0 && std::isfinite(mass))) {
-    return absl::FailedPreconditionError("the base density is zero on the whole surface, so there is nowhere to put the curve");
+    return absl::FailedPreconditionError("the density is zero on the whole surface");
   }
   for (double& d : demand) d *= vertices / mass;
   return demand;

@@ -8,17 +8,20 @@
 
 #include "core/density/density.h"
 #include "core/mesh/curvature.h"
+#include "core/mesh/mesh_attributes.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
 
-/// The product of the terms at every face's centroid (F entries, relative values). Errors as of evaluate_density().
+/// The density at every face's centroid (F entries, relative values). `scalars`: the mesh's named numbers, for the terms that
+/// use them. Errors as of evaluate_density().
 absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
-                                                    std::span<const DensityTerm> terms);
+                                                    std::span<const ScalarAttribute> scalars, const Density& density);
 
-/// Curve vertices that each face wants per squared unit (F entries): `vertices` in all, spread as the terms ask (none = evenly).
-/// FailedPrecondition: the density is zero everywhere.
+/// Curve vertices that each face wants per squared unit (F entries): `vertices` in all, spread as the density asks. Errors as
+/// of density_on_faces(); FailedPrecondition: the density is zero everywhere.
 absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
-                                                std::span<const DensityTerm> terms, double vertices);
+                                                std::span<const ScalarAttribute> scalars, const Density& density,
+                                                double vertices);
 
 }  // namespace curvecast

@@ -1,69 +1,98 @@
 #include "core/density/view_factor.h"
 
-#include <cmath>
-#include <limits>
-#include <variant>
+#include <algorithm>
 
 #include "core/lanes.h"
 
 namespace curvecast {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kLeastSquare = 1e-37f;
+constexpr std::size_t kChunk = 256;  // of several cameras: what lies between them stays in the nearest cache
+
+BlockPlaces places_of(const CurveBlocks& blocks, std::size_t begin) {
+  return {&blocks.x[begin],  &blocks.y[begin],  &blocks.z[begin],  &blocks.radius[begin],
+          &blocks.nx[begin], &blocks.ny[begin], &blocks.nz[begin], &blocks.spread[begin]};
+}
+
+/// Takes one more camera into what is most, at most and at least among them.
+CURVECAST_WIDE void take_larger(const float* __restrict factor, const float* __restrict change, std::size_t n,
+                                float* __restrict middle, float* __restrict high, float* __restrict low) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const float above = factor[i] > 0 ? factor[i] * (1 + change[i]) : 0.0f;
+    const float below = factor[i] > 0 && change[i] < 1 ? factor[i] * (1 - change[i]) : 0.0f;
+    middle[i] = factor[i] > middle[i] ? factor[i] : middle[i];
+    high[i] = above > high[i] ? above : high[i];
+    low[i] = below > low[i] ? below : low[i];
+  }
+}
 
 }  // namespace
 
-ViewFactor::ViewFactor(const SurfaceCurve& curve, std::span<const DensityTerm> terms) {
-  // In units of the diagonal, and no farther out than where rays are parallel: squares fit a float at every size.
-  constexpr double kFar = 1e6;
-  const double diagonal = curve.box.diagonal();
-  const Vec3d center = curve.box.center();
-  for (const DensityTerm& any : terms) {
-    const auto* const term = std::get_if<ViewTerm>(&any);
-    if (term == nullptr) continue;
-    Vec3d from_center = term->eye / diagonal - center / diagonal;
-    if (const double reach = from_center.cwiseAbs().maxCoeff(); reach > kFar) {
-      from_center = (term->eye - center) / (term->eye - center).cwiseAbs().maxCoeff() * kFar;
-    }
-    const Vec3f eye = (from_center + (center - curve.origin) / diagonal).cast<float>();
-    eyes_.push_back({eye.x(), eye.y(), eye.z(), static_cast<float>(1 / diagonal), static_cast<float>(term->s0)});
-  }
-}
-
-CURVECAST_WIDE void ViewFactor::multiply(const float* x, const float* y, const float* z, const Snorm16* nx, const Snorm16* ny,
-                                         const Snorm16* nz, std::size_t n, float* factor) const {
-  for (const Eye& eye : eyes_) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const float dx = eye.x - eye.scale * x[i], dy = eye.y - eye.scale * y[i], dz = eye.z - eye.scale * z[i];
-      const float square = dx * dx + dy * dy + dz * dz;
-      const float facing = dx * nx[i] + dy * ny[i] + dz * nz[i];
-      const float cosine = facing / std::sqrt(square > kLeastSquare ? square : kLeastSquare);
-      factor[i] *= facing > 0 ? (1 - (cosine < 1 ? cosine : 1.0f)) + eye.s0 : 0.0f;
+ViewFactor::ViewFactor(const SurfaceCurve& curve, const Density& density) {
+  if (std::none_of(density.terms.begin(), density.terms.end(), is_camera_term)) return;
+  std::vector<CameraFrame> frames;
+  for (const Camera& camera : density.cameras) frames.emplace_back(camera, curve.origin, curve.box);
+  const ScreenWeights weights = screen_weights(density.cameras, frames);
+  pixels_ = weights.pixels;
+  for (std::size_t c = 0; c < frames.size(); ++c) {
+    std::vector<Factor>& factors = cameras_.emplace_back();
+    for (const DensityTerm& term : density.terms) {
+      if (const auto* view = std::get_if<ViewTerm>(&term)) factors.emplace_back(SilhouetteFactor(frames[c], *view));
+      if (const auto* distance = std::get_if<DistanceTerm>(&term)) factors.emplace_back(DistanceFactor(frames[c], *distance));
+      if (std::holds_alternative<FrustumTerm>(term)) factors.emplace_back(FrustumFactor(frames[c]));
+      if (std::holds_alternative<ScreenTerm>(term)) factors.emplace_back(ScreenFactor(frames[c], weights.of_camera[c]));
     }
   }
 }
 
-CURVECAST_WIDE void ViewFactor::of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* __restrict factor,
-                                          float* __restrict change) const {
-  const std::size_t n = end - begin;
-  const float *x = &blocks.x[begin], *y = &blocks.y[begin], *z = &blocks.z[begin], *radius = &blocks.radius[begin];
-  const float *nx = &blocks.nx[begin], *ny = &blocks.ny[begin], *nz = &blocks.nz[begin], *spread = &blocks.spread[begin];
-  for (std::size_t i = 0; i < n; ++i) factor[i] = 1;
-  for (std::size_t i = 0; i < n; ++i) change[i] = 0;
-  for (const Eye& eye : eyes_) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const float dx = eye.x - eye.scale * x[i], dy = eye.y - eye.scale * y[i], dz = eye.z - eye.scale * z[i];
-      const float square = dx * dx + dy * dy + dz * dz;
-      const float inverse = 1 / std::sqrt(square > kLeastSquare ? square : kLeastSquare);
-      const float cosine = (dx * nx[i] + dy * ny[i] + dz * nz[i]) * inverse;
-      // Directions to the eye differ by an angle whose sine is at most this; up to 0.5 the angle is at most 1.05 times as much.
-      const float sine = eye.scale * radius[i] * inverse;
-      const float most = spread[i] + (sine < 0.5f ? 1.05f * sine : 2.0f);  // difference of the cosine
-      const float value = 1 - (cosine < 1 ? cosine : 1.0f) + eye.s0;
-      const bool is_seen = cosine > most, is_hidden = cosine < -most;
-      factor[i] *= is_hidden ? 0.0f : is_seen ? value : 1 + eye.s0;
-      change[i] += is_hidden ? 0.0f : is_seen ? most / value : kInfinity;
+void ViewFactor::multiply(const float* x, const float* y, const float* z, const Snorm16* nx, const Snorm16* ny, const Snorm16* nz,
+                          std::size_t n, float* factor) const {
+  const auto multiply_all = [](const std::vector<Factor>& factors, const Places& places, std::size_t count, float* out) {
+    for (const Factor& one : factors) std::visit([&](const auto& f) { f.multiply(places, count, out); }, one);
+  };
+  if (is_one()) return;
+  if (cameras_.size() == 1) return multiply_all(cameras_[0], {x, y, z, nx, ny, nz}, n, factor);
+  float largest[kChunk], of_camera[kChunk];
+  for (std::size_t begin = 0; begin < n; begin += kChunk) {
+    const std::size_t count = std::min(kChunk, n - begin);
+    const Places places = {x + begin, y + begin, z + begin, nx + begin, ny + begin, nz + begin};
+    std::fill_n(largest, count, 0.0f);
+    for (const std::vector<Factor>& factors : cameras_) {
+      std::fill_n(of_camera, count, 1.0f);
+      multiply_all(factors, places, count, of_camera);
+      for (std::size_t i = 0; i < count; ++i) largest[i] = of_camera[i] > largest[i] ? of_camera[i] : largest[i];
+    }
+    for (std::size_t i = 0; i < count; ++i) factor[begin + i] *= largest[i];
+  }
+}
+
+void ViewFactor::of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* __restrict factor,
+                           float* __restrict change) const {
+  const auto of_camera = [&](const std::vector<Factor>& factors, std::size_t first, std::size_t count, float* value,
+                             float* most) {
+    std::fill_n(value, count, 1.0f);
+    std::fill_n(most, count, 0.0f);
+    for (const Factor& one : factors) {
+      std::visit([&](const auto& f) { f.multiply_blocks(places_of(blocks, first), count, value, most); }, one);
+    }
+  };
+  if (cameras_.size() == 1) return of_camera(cameras_[0], begin, end - begin, factor, change);
+  if (is_one()) {
+    std::fill_n(factor, end - begin, 1.0f);
+    std::fill_n(change, end - begin, 0.0f);
+    return;
+  }
+  float value[kChunk], most[kChunk], high[kChunk], low[kChunk];
+  for (std::size_t first = begin; first < end; first += kChunk, factor += kChunk, change += kChunk) {
+    const std::size_t count = std::min(kChunk, end - first);
+    for (float* const all : {factor, high, low}) std::fill_n(all, count, 0.0f);
+    for (const std::vector<Factor>& factors : cameras_) {
+      of_camera(factors, first, count, value, most);
+      take_larger(value, most, count, factor, high, low);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const float rise = high[i] - factor[i], fall = factor[i] - low[i];
+      change[i] = factor[i] > 0 ? (rise > fall ? rise : fall) / factor[i] : 0.0f;
     }
   }
 }

@@ -51,9 +51,9 @@ absl::Status check(const Box3d& box, std::span<const std::vector<Vec3d>> sets, c
 }
 
 /// Of each face; empty = uniform.
-absl::StatusOr<std::vector<double>> density_of(const TriangleMesh& mesh, const std::vector<DensityTerm>& terms) {
-  if (terms.empty()) return std::vector<double>{};
-  return face_demand(mesh, differential_geometry(mesh), terms, 1);
+absl::StatusOr<std::vector<double>> density_of(const TriangleMesh& mesh, const MeasureOptions& options) {
+  if (options.density.terms.empty()) return std::vector<double>{};
+  return face_demand(mesh, differential_geometry(mesh), options.scalars, options.density, 1);
 }
 
 /// All but what depends on regions.
@@ -107,7 +107,7 @@ std::optional<MeasureGradients> gradients_of(const std::vector<PointMeasures>& s
 absl::StatusOr<MeasureReport> measure_here(const TriangleMesh& mesh, std::span<const std::vector<Vec3d>> sets,
                                            const MeasureOptions& options, const ExecutionContext& context) {
   if (absl::Status status = check(bounding_box(mesh), sets, options); !status.ok()) return status;
-  const absl::StatusOr<std::vector<double>> density = density_of(mesh, options.density);
+  const absl::StatusOr<std::vector<double>> density = density_of(mesh, options);
   if (!density.ok()) return density.status();
   context.progress("balls", 0);
   const BallDiscrepancy balls(mesh, {.centres = options.ball_centres, .seed = options.seed}, *density, context);

@@ -12,15 +12,17 @@
 #include "core/execution_context.h"
 #include "core/measure/discrepancy.h"
 #include "core/measure/spacing.h"
+#include "core/mesh/mesh_attributes.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
 
 struct MeasureOptions {
-  int ring_seeds = 256;              // of the ring discrepancy, 1 .. kMaxRegions
-  int ball_centres = 1024;           // of the ball discrepancy, four balls about each, 1 .. kMaxRegions
-  std::uint64_t seed = 0;            // of both choices
-  std::vector<DensityTerm> density;  // that the points are to have, taken at the faces' centroids; none = uniform
+  int ring_seeds = 256;                      // of the ring discrepancy, 1 .. kMaxRegions
+  int ball_centres = 1024;                   // of the ball discrepancy, four balls about each, 1 .. kMaxRegions
+  std::uint64_t seed = 0;                    // of both choices
+  Density density;                           // that the points are to have, taken at the faces' centroids; none = uniform
+  std::span<const ScalarAttribute> scalars;  // of the mesh, for a density that uses them
 };
 inline constexpr int kMaxRegions = 100'000;
 /// In diagonals of the mesh's box: whatever lies farther out is not meant.

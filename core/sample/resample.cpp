@@ -70,9 +70,9 @@ absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptio
   Stopwatch watch;
   std::vector<float> density;
   BlockMass own;
-  if (has_fixed_terms(options.density)) {
+  if (has_fixed_terms(options.density.terms)) {
     density.resize(curve.size());
-    evaluate_fixed_terms(curve, options.density, density);
+    if (absl::Status status = evaluate_fixed_terms(curve, options.density.terms, density); !status.ok()) return status;
     own = block_mass(density, curve.area);
   }
   const BlockMass& fixed = density.empty() ? curve.blocks.area : own;

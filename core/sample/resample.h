@@ -14,8 +14,8 @@
 namespace curvecast {
 
 struct ResampleOptions {
-  std::uint64_t points = 50'000;     // N, 1 .. kMaxPoints
-  std::vector<DensityTerm> density;  // multiplied; none = uniform
+  std::uint64_t points = 50'000;  // N, 1 .. kMaxPoints
+  Density density;                // none = uniform
   Sequence sequence = Sequence::kJittered;
   std::uint64_t seed = 0;
 };

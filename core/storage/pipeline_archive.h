@@ -59,8 +59,38 @@ void archive(Archive& fields, T& term) {
 
 template <typename Archive, ConstOr<ViewTerm> T>
 void archive(Archive& fields, T& term) {
-  auto& [eye, s0] = term;
-  fields(eye, s0);
+  auto& [s0] = term;
+  fields(s0);
+}
+
+template <typename Archive, ConstOr<DistanceTerm> T>
+void archive(Archive& fields, T& term) {
+  auto& [near, far, global] = term;
+  fields(near, far, global);
+}
+
+template <typename Archive, ConstOr<FrustumTerm> T>
+void archive(Archive& /*fields*/, T& /*term*/) {}
+
+template <typename Archive, ConstOr<ScreenTerm> T>
+void archive(Archive& /*fields*/, T& /*term*/) {}
+
+template <typename Archive, ConstOr<AttributeTerm> T>
+void archive(Archive& fields, T& term) {
+  auto& [name] = term;
+  fields(name);
+}
+
+template <typename Archive, ConstOr<BrushTerm> T>
+void archive(Archive& fields, T& term) {
+  auto& [centre, radius, factor, falloff] = term;
+  fields(centre, radius, factor, falloff);
+}
+
+template <typename Archive, ConstOr<ExpressionTerm> T>
+void archive(Archive& fields, T& term) {
+  auto& [text] = term;
+  fields(text);
 }
 
 template <std::size_t kind = 0>

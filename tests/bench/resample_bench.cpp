@@ -13,6 +13,7 @@
 #include "core/sample/resample.h"
 #include "core/sample/view_mass.h"
 #include "tests/support/shapes.h"
+#include "tests/support/views.h"
 
 namespace curvecast {
 namespace {
@@ -24,7 +25,7 @@ std::shared_ptr<const SurfaceCurve> curve;
 ResampleOptions view_options() {
   ResampleOptions options;
   options.points = kPoints;
-  options.density = {ViewTerm{.eye = curve->box.center() + Vec3d(0.3, 0.5, 2) * curve->box.diagonal()}};
+  options.density = seen_from(curve->box.center() + Vec3d(0.3, 0.5, 2) * curve->box.diagonal());
   return options;
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/sample/resample.h"
 #include "tests/core/curve/refined.h"
+#include "tests/support/views.h"
 
 namespace curvecast {
 namespace {
@@ -47,7 +48,7 @@ void expect_enough_in_a_few_rounds(const Refinable& shape, const CurveDemand& de
 TEST(Refine, MakesTheCurveFineEnough) {
   for (const auto& shape : refinable_shapes()) {
     expect_enough_in_a_few_rounds(*shape, {.points = 3000});
-    expect_enough_in_a_few_rounds(*shape, {.points = 4000, .density = {ViewTerm{.eye = Vec3d(0.3, 0.4, 5)}}});
+    expect_enough_in_a_few_rounds(*shape, {.points = 4000, .density = seen_from(Vec3d(0.3, 0.4, 5))});
     expect_enough_in_a_few_rounds(*shape, {.points = 1000, .density = {CurvatureTerm{.exponent = 4, .floor = 0.01}}});
   }
 }
@@ -76,7 +77,7 @@ TEST(Refine, ALocalDemandLeavesTheRestAlone) {
     in_cap += curve.z[l] > 0.98f;
   }
   // And by a view that comes very near: what is far off or turned away stays as it was.
-  const CurveDemand near{.points = 20'000, .density = {ViewTerm{.eye = Vec3d(0, 0, 1.02), .s0 = 0.01}}};
+  const CurveDemand near{.points = 20'000, .density = seen_from(Vec3d(0, 0, 1.02), {ViewTerm{.s0 = 0.01}})};
   const RefinedCurve finer = refined(*shape, curve, {near});
   ASSERT_NE(finer.curve, nullptr);
   expect_valid_curve(*finer.curve);
@@ -92,8 +93,8 @@ TEST(Refine, ALocalDemandLeavesTheRestAlone) {
 
 TEST(Refine, SeveralDemandsAreMetAtOnce) {
   const auto shape = refinable(icosphere(3));
-  const CurveDemand left{.points = 8000, .density = {ViewTerm{.eye = Vec3d(-4, 0, 0)}}};
-  const CurveDemand right{.points = 8000, .density = {ViewTerm{.eye = Vec3d(4, 0, 0)}}};
+  const CurveDemand left{.points = 8000, .density = seen_from(Vec3d(-4, 0, 0))};
+  const CurveDemand right{.points = 8000, .density = seen_from(Vec3d(4, 0, 0))};
   const RefinedCurve both = refined(*shape, shape->curve(), {left, right});
   const RefinedCurve one = refined(*shape, shape->curve(), {left});
   ASSERT_TRUE(both.curve != nullptr && one.curve != nullptr);
@@ -105,7 +106,7 @@ TEST(Refine, SeveralDemandsAreMetAtOnce) {
 TEST(Refine, GivesTheBestThatTheLimitAllows) {
   const auto shape = refinable(icosphere(3));
   const SurfaceCurve& curve = shape->curve();
-  const CurveDemand demand{.points = 1'000'000, .density = {ViewTerm{.eye = Vec3d(0, 0, 4)}}};
+  const CurveDemand demand{.points = 1'000'000, .density = seen_from(Vec3d(0, 0, 4))};
   const RefinedCurve finer = refined(*shape, curve, {demand}, {.max_vertices = 60'000, .max_points = 1'000'000});
   ASSERT_NE(finer.curve, nullptr);
   EXPECT_GT(finer.divisor, 1);
@@ -129,7 +130,7 @@ TEST(Refine, DoesNothingWhereNothingIsMissing) {
 TEST(Refine, TheNumberOfThreadsChangesNothing) {
   const auto shape = refinable(torus(60, 30), 2000);
   for (const CurveDemand& demand :
-       {CurveDemand{.points = 32'000}, CurveDemand{.points = 20'000, .density = {ViewTerm{.eye = Vec3d(0, 0, 3)}}}}) {
+       {CurveDemand{.points = 32'000}, CurveDemand{.points = 20'000, .density = seen_from(Vec3d(0, 0, 3))}}) {
     const RefinedCurve one = refined(*shape, shape->curve(), {demand}, {}, {.threads = 1});
     const RefinedCurve two = refined(*shape, shape->curve(), {demand}, {}, {.threads = 3});
     ASSERT_TRUE(one.curve != nullptr && two.curve != nullptr);
@@ -176,7 +177,7 @@ TEST_P(RefineRealMesh, MakesTheCurveFineEnough) {
   ASSERT_NE(shape, nullptr);
   expect_enough_in_a_few_rounds(*shape, {.points = 80'000});
   const Vec3d eye = shape->curve().box.center() + Vec3d(0.3, 0.4, 2) * shape->curve().box.diagonal();
-  expect_enough_in_a_few_rounds(*shape, {.points = 60'000, .density = {ViewTerm{.eye = eye}, CurvatureTerm{}}});
+  expect_enough_in_a_few_rounds(*shape, {.points = 60'000, .density = seen_from(eye, {ViewTerm{}, CurvatureTerm{}})});
 }
 
 INSTANTIATE_TEST_SUITE_P(Shared, RefineRealMesh,

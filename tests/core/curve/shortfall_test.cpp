@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "tests/core/curve/refined.h"
+#include "tests/support/views.h"
 
 namespace curvecast {
 namespace {
@@ -32,7 +33,7 @@ TEST(Shortfall, ACurveIsFineEnoughForWhatItWasMadeFor) {
 
 TEST(Shortfall, AViewOfAnEvenCurveDoesNotCountAsShort) {
   const auto ball = refinable(icosphere(4));
-  const CurveDemand view{.points = ball->curve().max_points, .density = {ViewTerm{.eye = Vec3d(0, 0, 10)}}};
+  const CurveDemand view{.points = ball->curve().max_points, .density = seen_from(Vec3d(0, 0, 10))};
   const std::vector<float> load = load_of(ball->curve(), view);
   EXPECT_LT(*std::max_element(load.begin(), load.end()), kShortLoad);
 }
@@ -40,7 +41,7 @@ TEST(Shortfall, AViewOfAnEvenCurveDoesNotCountAsShort) {
 TEST(Shortfall, LoadsAreOmegaTimesTheExpectedPoints) {
   const auto ball = refinable(icosphere(3));
   const SurfaceCurve& curve = ball->curve();
-  const CurveDemand demand{.points = 12'345, .density = {ViewTerm{.eye = Vec3d(0, 3, 0)}}};
+  const CurveDemand demand{.points = 12'345, .density = seen_from(Vec3d(0, 3, 0))};
   const std::vector<float> load = load_of(curve, demand, 7);
   double sum = 0;
   for (const float x : load) sum += static_cast<double>(x);
@@ -79,7 +80,7 @@ TEST(Shortfall, KeysEndAtTheirLastLevel) {
 TEST(Shortfall, StaysWithinTheLimitAndUsesIt) {
   const auto ball = refinable(icosphere(3));
   const SurfaceCurve& curve = ball->curve();
-  std::vector<float> load = load_of(curve, {.points = 3'000'000, .density = {ViewTerm{.eye = Vec3d(0, 0, 4)}}});
+  std::vector<float> load = load_of(curve, {.points = 3'000'000, .density = seen_from(Vec3d(0, 0, 4))});
   load[7] = std::numeric_limits<float>::infinity();
   for (const std::uint64_t limit :
        {std::uint64_t{0}, std::uint64_t{curve.size()}, std::uint64_t{100'000}, std::uint64_t{1'000'000}}) {
@@ -98,7 +99,7 @@ TEST(Shortfall, StaysWithinTheLimitAndUsesIt) {
 
 TEST(Shortfall, NothingFacingTheEyeAsksForNothing) {
   const auto ball = refinable(icosphere(3));
-  const CurveDemand inside{.points = 1000, .density = {ViewTerm{.eye = Vec3d(0, 0.1, 0)}}};
+  const CurveDemand inside{.points = 1000, .density = seen_from(Vec3d(0, 0.1, 0))};
   for (const float x : load_of(ball->curve(), inside)) ASSERT_EQ(x, 0);
 }
 

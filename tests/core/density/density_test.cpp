@@ -12,46 +12,21 @@
 #include <vector>
 
 #include "core/sample/random.h"
+#include "tests/core/density/sphere_curve.h"
+#include "tests/support/views.h"
 
 namespace curvecast {
 namespace {
 
 using ::testing::Each;
 using ::testing::HasSubstr;
+using testing::seen_from;
+using testing::sphere_curve;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A sphere of `n` curve vertices of equal area, with curvatures that have nothing to do with it: random, with flat places.
-SurfaceCurve sphere_curve(std::size_t n = 5000, double radius = 1, const Vec3d& origin = Vec3d::Zero()) {
-  SurfaceCurve curve;
-  curve.resize(n);
-  curve.disc_begin = {0, static_cast<std::uint32_t>(n)};
-  curve.origin = origin;
-  for (std::size_t l = 0; l < n; ++l) {
-    const double z = 1 - (2 * static_cast<double>(l) + 1) / static_cast<double>(n);
-    const double a = std::numbers::pi * (3 - std::sqrt(5.0)) * static_cast<double>(l);
-    const Vec3d normal(std::sqrt(1 - z * z) * std::cos(a), std::sqrt(1 - z * z) * std::sin(a), z);
-    curve.x[l] = static_cast<float>(radius * normal.x());
-    curve.y[l] = static_cast<float>(radius * normal.y());
-    curve.z[l] = static_cast<float>(radius * normal.z());
-    curve.nx[l] = static_cast<float>(normal.x());
-    curve.ny[l] = static_cast<float>(normal.y());
-    curve.nz[l] = static_cast<float>(normal.z());
-    curve.area[l] = static_cast<float>(4 * std::numbers::pi * radius * radius / static_cast<double>(n));
-    const double strong = l % 7 == 0 ? 0 : std::exp(4 * random_unit(3, l));
-    curve.curvature_min[l] = static_cast<float>((random_unit(4, l) - 0.5) * strong / radius);
-    curve.curvature_max[l] = static_cast<float>(strong / radius);
-  }
-  curve.total_area = 4 * std::numbers::pi * radius * radius;
-  curve.box.extend(origin + Vec3d::Constant(radius));
-  curve.box.extend(origin - Vec3d::Constant(radius));
-  curve.max_points = n;
-  curve.reference_curvature = reference_curvatures(curve);
-  return curve;
-}
-
-std::vector<float> density_of(const SurfaceCurve& curve, const std::vector<DensityTerm>& terms) {
+std::vector<float> density_of(const SurfaceCurve& curve, const Density& terms) {
   std::vector<float> density(curve.size(), -1.0f);
   const absl::Status status = evaluate_density(curve, terms, density);
   EXPECT_TRUE(status.ok()) << status;
@@ -62,7 +37,7 @@ void expect_refused(const DensityTerm& term, const std::string& name, const std:
   const SurfaceCurve curve = sphere_curve(10);
   std::vector<float> density(curve.size());
   // A good term before it does not hide it.
-  const absl::Status status = evaluate_density(curve, std::vector<DensityTerm>{UniformTerm{}, term}, density);
+  const absl::Status status = evaluate_density(curve, seen_from(Vec3d::Zero(), {UniformTerm{}, term}), density);
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(status.message()), HasSubstr(name));
   EXPECT_THAT(std::string(status.message()), HasSubstr(field));
@@ -70,7 +45,7 @@ void expect_refused(const DensityTerm& term, const std::string& name, const std:
 
 /// Checks the view term against the definition, in double precision, for an eye at `eye`.
 void expect_view(const SurfaceCurve& curve, const Vec3d& eye, double s0) {
-  const std::vector<float> density = density_of(curve, {ViewTerm{.eye = eye, .s0 = s0}});
+  const std::vector<float> density = density_of(curve, seen_from(eye, {ViewTerm{.s0 = s0}}));
   std::size_t front = 0;
   for (std::size_t l = 0; l < curve.size(); ++l) {
     const Vec3d place = curve.origin + Vec3d(curve.x[l], curve.y[l], curve.z[l]);
@@ -121,13 +96,13 @@ TEST(Density, OfAViewTakesTheEyeInAbsoluteCoordinates) {
   const Vec3d origin(1e7, -3e7, 2e7);
   const SurfaceCurve curve = sphere_curve(5000, 1, origin);
   expect_view(curve, origin + Vec3d(2, 1, 0), 0.1);
-  const std::vector<float> there = density_of(curve, {ViewTerm{.eye = origin + Vec3d(2, 1, 0)}});
-  EXPECT_EQ(there, density_of(sphere_curve(), {ViewTerm{.eye = Vec3d(2, 1, 0)}}));
+  const std::vector<float> there = density_of(curve, seen_from(origin + Vec3d(2, 1, 0)));
+  EXPECT_EQ(there, density_of(sphere_curve(), seen_from(Vec3d(2, 1, 0))));
 }
 
 TEST(Density, OfAViewRisesTowardsTheSilhouette) {
   for (const double s0 : {0.05, 0.1, 0.5}) {
-    const std::vector<float> density = density_of(sphere_curve(200'000), {ViewTerm{.eye = Vec3d(0, 0, 1000), .s0 = s0}});
+    const std::vector<float> density = density_of(sphere_curve(200'000), seen_from(Vec3d(0, 0, 1000), {ViewTerm{.s0 = s0}}));
     float smallest = 1e30f, largest = 0;
     for (const float d : density) {
       if (d > 0) smallest = std::min(smallest, d);
@@ -137,9 +112,7 @@ TEST(Density, OfAViewRisesTowardsTheSilhouette) {
   }
 }
 
-TEST(Density, OfAViewFromInsideIsZero) {
-  EXPECT_THAT(density_of(sphere_curve(), {ViewTerm{.eye = Vec3d(0.2, -0.1, 0.3)}}), Each(0.0f));
-}
+TEST(Density, OfAViewFromInsideIsZero) { EXPECT_THAT(density_of(sphere_curve(), seen_from(Vec3d(0.2, -0.1, 0.3))), Each(0.0f)); }
 
 TEST(Density, OfAViewIsPositiveOnAllThatFacesTheEye) {
   // A plane seen squarely from afar: 1 - c vanishes, s0 alone is left.
@@ -150,7 +123,7 @@ TEST(Density, OfAViewIsPositiveOnAllThatFacesTheEye) {
     curve.nz[l] = 1;
   }
   for (const double s0 : {1e-3, 1e-6, 1e-9}) {
-    const std::vector<float> density = density_of(curve, {ViewTerm{.eye = Vec3d(0, 0, 1e30), .s0 = s0}});
+    const std::vector<float> density = density_of(curve, seen_from(Vec3d(0, 0, 1e30), {ViewTerm{.s0 = s0}}));
     for (const float d : density) ASSERT_NEAR(d / s0, 1, 0.01) << s0;
   }
 }
@@ -158,7 +131,7 @@ TEST(Density, OfAViewIsPositiveOnAllThatFacesTheEye) {
 TEST(Density, OfAViewAtAPointOfTheSurfaceIsFinite) {
   const SurfaceCurve curve = sphere_curve(100);
   for (std::size_t l = 0; l < curve.size(); ++l) {
-    const std::vector<float> density = density_of(curve, {ViewTerm{.eye = Vec3d(curve.x[l], curve.y[l], curve.z[l])}});
+    const std::vector<float> density = density_of(curve, seen_from(Vec3d(curve.x[l], curve.y[l], curve.z[l])));
     for (const float d : density) ASSERT_TRUE(std::isfinite(d) && d >= 0);
   }
 }
@@ -211,16 +184,16 @@ TEST(Density, OfCurvatureIsUniformWithExponentZeroOrOnFlatSurfaces) {
 
 TEST(Density, OfSeveralTermsIsTheirProduct) {
   const SurfaceCurve curve = sphere_curve();
-  const std::vector<DensityTerm> terms = {CurvatureTerm{.kind = CurvatureKind::kMax, .exponent = 0.7},
-                                          ViewTerm{.eye = Vec3d(1, 2, 3)}, UniformTerm{}, CurvatureTerm{.floor = 0.2}};
+  const std::vector<DensityTerm> terms = {CurvatureTerm{.kind = CurvatureKind::kMax, .exponent = 0.7}, ViewTerm{}, UniformTerm{},
+                                          CurvatureTerm{.floor = 0.2}};
   std::vector<double> product(curve.size(), 1.0);
   for (const DensityTerm& term : terms) {
-    const std::vector<float> one = density_of(curve, {term});
+    const std::vector<float> one = density_of(curve, seen_from(Vec3d(1, 2, 3), {term}));
     for (std::size_t l = 0; l < curve.size(); ++l) product[l] *= one[l];
   }
   std::vector<DensityTerm> reversed(terms.rbegin(), terms.rend());
   for (const auto& order : {terms, reversed}) {
-    const std::vector<float> density = density_of(curve, order);
+    const std::vector<float> density = density_of(curve, seen_from(Vec3d(1, 2, 3), order));
     for (std::size_t l = 0; l < curve.size(); ++l) ASSERT_NEAR(density[l], product[l], 1e-6 * product[l]) << "vertex " << l;
   }
 }
@@ -229,14 +202,41 @@ TEST(Density, RefusesBadValuesByName) {
   for (const double bad : {-1.0, kNaN, kInfinity}) expect_refused(CurvatureTerm{.exponent = bad}, "curvature", "exponent");
   for (const double bad : {-0.01, 1.01, kNaN, kInfinity}) expect_refused(CurvatureTerm{.floor = bad}, "curvature", "floor");
   for (const double bad : {0.0, -0.1, kNaN, kInfinity}) expect_refused(ViewTerm{.s0 = bad}, "view", "s0");
-  for (const double bad : {kNaN, kInfinity, -kInfinity}) expect_refused(ViewTerm{.eye = Vec3d(0, bad, 0)}, "view", "eye");
+  for (const double bad : {-1.0, kNaN, kInfinity}) expect_refused(DistanceTerm{.near = bad}, "distance", "near");
+  for (const double bad : {0.0, 1.0, kNaN, -kInfinity}) expect_refused(DistanceTerm{.near = 2, .far = bad}, "distance", "far");
+  for (const double bad : {0.0, -1.0, kNaN, kInfinity}) expect_refused(BrushTerm{.radius = bad}, "brush", "radius");
+  for (const double bad : {-1.0, 1e7, kNaN, kInfinity}) expect_refused(BrushTerm{.factor = bad}, "brush", "factor");
+  for (const double bad : {-0.1, 1.1, kNaN, kInfinity}) expect_refused(BrushTerm{.falloff = bad}, "brush", "falloff");
+  for (const double bad : {kNaN, kInfinity}) expect_refused(BrushTerm{.centre = Vec3d(0, bad, 0)}, "brush", "centre");
+  expect_refused(AttributeTerm{}, "attribute", "name is empty");
+  expect_refused(ExpressionTerm{"1 +"}, "expression", "1 +");
+}
+
+TEST(Density, NeedsGoodCamerasForTheirTerms) {
+  const SurfaceCurve curve = sphere_curve(10);
+  std::vector<float> values(curve.size());
+  for (const DensityTerm& term : std::vector<DensityTerm>{ViewTerm{}, DistanceTerm{}, FrustumTerm{}, ScreenTerm{}}) {
+    EXPECT_TRUE(is_camera_term(term));
+    const absl::Status status = evaluate_density(curve, {term}, values);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(status.message()), HasSubstr("camera"));
+    EXPECT_FALSE(has_fixed_terms(std::vector<DensityTerm>{term, UniformTerm{}}));
+  }
+  EXPECT_TRUE(has_fixed_terms(std::vector<DensityTerm>{BrushTerm{}}));
+  Density density = seen_from(Vec3d(0, 0, 3));
+  density.cameras.resize(kMaxCameras, density.cameras[0]);
+  EXPECT_TRUE(evaluate_density(curve, density, values).ok());
+  density.cameras[3].fov = 0;
+  EXPECT_THAT(std::string(evaluate_density(curve, density, values).message()), HasSubstr("camera 3 of the density: fov"));
+  density.cameras.resize(kMaxCameras + 1, density.cameras[0]);
+  EXPECT_THAT(std::string(evaluate_density(curve, density, values).message()), HasSubstr("17 cameras; at most 16"));
 }
 
 TEST(Density, IsFiniteForHugeValuesOrRefusesThem) {
   const SurfaceCurve curve = sphere_curve(500);
   std::vector<float> density(curve.size());
   for (const double huge : {1e30, 1e39, 1e300}) {
-    const std::vector<DensityTerm> view = {ViewTerm{.eye = Vec3d(0, 0, 3), .s0 = huge}};
+    const Density view = seen_from(Vec3d(0, 0, 3), {ViewTerm{.s0 = huge}});
     if (const absl::Status status = evaluate_density(curve, view, density); status.ok()) {
       for (const float d : density) ASSERT_TRUE(std::isfinite(d)) << huge;
     } else {

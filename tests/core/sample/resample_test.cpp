@@ -13,6 +13,7 @@
 
 #include "core/pipeline.h"
 #include "tests/support/shapes.h"
+#include "tests/support/views.h"
 
 namespace curvecast {
 namespace {
@@ -111,7 +112,7 @@ TEST(Resample, FollowsTheSeed) {
     all.append(reinterpret_cast<const char*>(p.normals.data()), p.size() * sizeof(Vec3f));
     return all.append(reinterpret_cast<const char*>(p.radii.data()), p.size() * sizeof(float));
   };
-  const std::vector<DensityTerm> density = {ViewTerm{.eye = Vec3d(3, 0, 0)}, CurvatureTerm{}};
+  const Density density = seen_from(Vec3d(3, 0, 0), {ViewTerm{}, CurvatureTerm{}});
   const PointSet points = points_of(ball(), {.points = 1000, .density = density, .seed = 3});
   EXPECT_EQ(bytes(points), bytes(points_of(ball(), {.points = 1000, .density = density, .seed = 3})));
   EXPECT_NE(points.vertices, points_of(ball(), {.points = 1000, .density = density, .seed = 4}).vertices);
@@ -146,7 +147,7 @@ TEST(Resample, SpreadsUniformPointsEvenly) {
 
 TEST(Resample, PutsNothingOnBackFaces) {
   const Vec3d eye(0, 0, 3);
-  const PointSet points = points_of(ball(), {.points = 1500, .density = {ViewTerm{.eye = eye}}});
+  const PointSet points = points_of(ball(), {.points = 1500, .density = seen_from(eye)});
   expect_on_surface(ball(), points, 1500, 2e-6);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3d place = points.positions[i].cast<double>();
@@ -155,7 +156,7 @@ TEST(Resample, PutsNothingOnBackFaces) {
 }
 
 TEST(Resample, MakesRadiiForTheLocalDensity) {
-  const std::vector<DensityTerm> terms = {ViewTerm{.eye = Vec3d(0, 0, 4), .s0 = 0.2}};
+  const Density terms = seen_from(Vec3d(0, 0, 4), {ViewTerm{.s0 = 0.2}});
   const PointSet points = points_of(ball(), {.points = 2000, .density = terms});
   std::vector<float> density(ball().curve->size());
   ASSERT_TRUE(evaluate_density(*ball().curve, terms, density).ok());
@@ -192,7 +193,7 @@ TEST(Resample, KeepsItsPrecisionFarOut) {
   const PointSet points = points_of(surface, {.points = 2000});
   EXPECT_LT((points.origin - far).norm(), 10);
   expect_on_surface(surface, points, 2000, 1e-6);
-  const PointSet seen = points_of(surface, {.points = 500, .density = {ViewTerm{.eye = far + Vec3d(0, 0, 5)}}});
+  const PointSet seen = points_of(surface, {.points = 500, .density = seen_from(far + Vec3d(0, 0, 5))});
   for (const Vec3f& p : seen.positions) EXPECT_GT((seen.origin + p.cast<double>() - far).z(), 0.1);
 }
 
@@ -230,7 +231,7 @@ TEST(Resample, GivesTheBestThatACoarseCurveCan) {
 }
 
 TEST(Resample, SaysWhenNothingFacesTheEye) {
-  const absl::StatusOr<PointSet> inside = resample(*ball().curve, {.points = 10, .density = {ViewTerm{.eye = Vec3d(0, 0.1, 0)}}});
+  const absl::StatusOr<PointSet> inside = resample(*ball().curve, {.points = 10, .density = seen_from(Vec3d(0, 0.1, 0))});
   EXPECT_EQ(inside.status().code(), absl::StatusCode::kFailedPrecondition);
 }
 

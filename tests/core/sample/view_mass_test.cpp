@@ -7,6 +7,7 @@
 
 #include "core/pipeline.h"
 #include "tests/support/shapes.h"
+#include "tests/support/views.h"
 
 namespace curvecast {
 namespace {
@@ -21,7 +22,7 @@ std::shared_ptr<const SurfaceCurve> curve_of(const PolygonSoup& soup, std::uint6
 }
 
 /// Mass of every vertex, one by one.
-std::vector<float> masses(const SurfaceCurve& curve, const std::vector<DensityTerm>& terms) {
+std::vector<float> masses(const SurfaceCurve& curve, const Density& terms) {
   std::vector<float> mass(curve.size());
   EXPECT_TRUE(evaluate_density(curve, terms, mass).ok());
   for (std::size_t l = 0; l < mass.size(); ++l) mass[l] *= curve.area[l];
@@ -34,7 +35,7 @@ TEST(ViewMass, IsThatOfTheVertices) {
   for (const PolygonSoup& soup : {icosphere(5), torus(60, 30), perforated_slab(5, 3)}) {
     const auto curve = curve_of(soup, 20'000);
     for (const Vec3d& eye : kEyes) {
-      const std::vector<DensityTerm> terms = {ViewTerm{.eye = eye}};
+      const Density terms = seen_from(eye);
       const std::vector<float> exact = masses(*curve, terms);
       double total = 0;
       for (const float m : exact) total += static_cast<double>(m);
@@ -64,9 +65,9 @@ TEST(ViewMass, IsThatOfTheVertices) {
 
 TEST(ViewMass, OfManyPointsIsExact) {
   const auto curve = curve_of(icosphere(4), 2000);
-  const std::vector<DensityTerm> terms = {ViewTerm{.eye = Vec3d(0.3, 2, 2)}, CurvatureTerm{}};
+  const Density terms = seen_from(Vec3d(0.3, 2, 2), {ViewTerm{}, CurvatureTerm{}});
   std::vector<float> fixed(curve->size());
-  evaluate_fixed_terms(*curve, terms, fixed);
+  ASSERT_TRUE(evaluate_fixed_terms(*curve, terms.terms, fixed).ok());
   const BlockMass fixed_mass = block_mass(fixed, curve->area);
   ViewMass mass;
   view_mass(*curve, fixed, fixed_mass, ViewFactor(*curve, terms), 1'000'000'000, mass);
@@ -85,7 +86,7 @@ TEST(ViewMass, OfManyPointsIsExact) {
 
 TEST(ViewMass, IsZeroOnWhatFacesAway) {
   const auto curve = curve_of(icosphere(5), 20'000);
-  const std::vector<DensityTerm> terms = {ViewTerm{.eye = Vec3d(0, 0, 4)}};
+  const Density terms = seen_from(Vec3d(0, 0, 4));
   ViewMass mass;
   view_mass(*curve, {}, curve->blocks.area, ViewFactor(*curve, terms), 100, mass);
   for (std::size_t b = 0; b < mass.sum.size(); ++b) {
@@ -96,14 +97,13 @@ TEST(ViewMass, IsZeroOnWhatFacesAway) {
     EXPECT_EQ(mass.sum[b] > 0, any) << "block " << b;
   }
   // From within nothing faces the eye.
-  view_mass(*curve, {}, curve->blocks.area, ViewFactor(*curve, std::vector<DensityTerm>{ViewTerm{.eye = Vec3d::Zero()}}), 100,
-            mass);
+  view_mass(*curve, {}, curve->blocks.area, ViewFactor(*curve, seen_from(Vec3d::Zero())), 100, mass);
   EXPECT_EQ(mass.total, 0);
 }
 
 TEST(ViewMass, TakesFewVerticesForAFewPoints) {
   const auto curve = curve_of(icosphere(6), 100'000);
-  const std::vector<DensityTerm> terms = {ViewTerm{.eye = Vec3d(0, 0, 4)}};
+  const Density terms = seen_from(Vec3d(0, 0, 4));
   ViewMass mass;
   view_mass(*curve, {}, curve->blocks.area, ViewFactor(*curve, terms), 5000, mass);
   // Only those about the outline, and where the view changes fast beside it.

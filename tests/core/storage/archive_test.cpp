@@ -13,7 +13,9 @@ PreprocessOptions some_options() {
           .parameteriser = Parameteriser::kCgal,
           .mapper = Mapper::kIdBuffer,
           .area_element = AreaElement::kVoronoi,
-          .density = {UniformTerm{}, CurvatureTerm{CurvatureKind::kMean, 2, 0.25}, ViewTerm{{1, 2, 3}, 0.5}}};
+          .density = {UniformTerm{}, CurvatureTerm{CurvatureKind::kMean, 2, 0.25}, ViewTerm{0.5}, DistanceTerm{1, 2, true},
+                      FrustumTerm{}, ScreenTerm{}, AttributeTerm{"quality"}, BrushTerm{{1, 2, 3}, 4, 5, 0.25},
+                      ExpressionTerm{"1 + x"}}};
 }
 
 PreprocessReport some_report() {
@@ -35,9 +37,10 @@ TEST(Archive, BringsOptionsBack) {
   EXPECT_EQ(to_archive(back), bytes);
   EXPECT_EQ(back.points, 12'345u);
   EXPECT_EQ(back.mapper, Mapper::kIdBuffer);
-  ASSERT_EQ(back.density.size(), 3u);
+  ASSERT_EQ(back.density.size(), 9u);
   EXPECT_EQ(std::get<CurvatureTerm>(back.density[1]).floor, 0.25);
-  EXPECT_EQ(std::get<ViewTerm>(back.density[2]).eye, Vec3d(1, 2, 3));
+  EXPECT_EQ(std::get<AttributeTerm>(back.density[6]).name, "quality");
+  EXPECT_EQ(std::get<BrushTerm>(back.density[7]).centre, Vec3d(1, 2, 3));
 }
 
 TEST(Archive, BringsReportsBack) {
@@ -63,6 +66,10 @@ TEST(Archive, EveryOptionCounts) {
   EXPECT_TRUE(differs([](auto& o) { o.area_element = AreaElement::kExact; }));
   EXPECT_TRUE(differs([](auto& o) { o.density.pop_back(); }));
   EXPECT_TRUE(differs([](auto& o) { std::get<ViewTerm>(o.density[2]).s0 = 0.75; }));
+  EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).global = false; }));
+  EXPECT_TRUE(differs([](auto& o) { std::get<AttributeTerm>(o.density[6]).name = "other"; }));
+  EXPECT_TRUE(differs([](auto& o) { std::get<BrushTerm>(o.density[7]).falloff = 0.75; }));
+  EXPECT_TRUE(differs([](auto& o) { std::get<ExpressionTerm>(o.density[8]).text = "1 + y"; }));
 }
 
 TEST(Archive, RefusesWhatIsCutOrTooLong) {

@@ -1,0 +1,38 @@
+// A camera that a density looks through.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <cstddef>
+#include <numbers>
+
+#include "core/vec.h"
+
+namespace curvecast {
+
+struct Camera {
+  Vec3d eye = Vec3d::Zero();          // absolute coordinates, in the file's units
+  Vec3d target = Vec3d(0, 0, -1);     // what lies in the picture's middle
+  Vec3d up = Vec3d::UnitY();          // of any length
+  double fov = std::numbers::pi / 4;  // vertical, radians; not used by an orthographic camera
+  double height = 0;                  // of an orthographic picture, in the file's units; 0 = perspective
+  double aspect = 1;                  // width over height
+  double pixels = 1024;               // height of the picture
+
+  bool is_orthographic() const { return height > 0; }
+};
+
+/// Largest number of cameras of a density.
+inline constexpr std::size_t kMaxCameras = 16;
+
+/// InvalidArgument names the field that is at fault: not finite, eye and target the same, up along the view, fov outside (0, pi),
+/// a negative height, or aspect or pixels not above 0.
+absl::Status check_camera(const Camera& camera);
+
+/// Unit vectors. Precondition: check_camera() finds nothing.
+struct CameraAxes {
+  Vec3d right, up, forward;
+};
+CameraAxes axes_of(const Camera& camera);
+
+}  // namespace curvecast

@@ -1,0 +1,26 @@
+// Level of detail by distance (paper, section 4.3).
+#pragma once
+
+#include "core/density/camera_frame.h"
+#include "core/density/density.h"
+
+namespace curvecast {
+
+/// The local kind; 1 for an orthographic camera and for a global term.
+class DistanceFactor {
+ public:
+  DistanceFactor(const CameraFrame& frame, const DistanceTerm& term);
+
+  // See ViewFactor.
+  void multiply(const Places& places, std::size_t n, float* factor) const;
+  void multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor, float* __restrict change) const;
+
+ private:
+  float x_, y_, z_, slope_, blur_, near_, far_;
+};
+
+/// By how much global terms lower the number of points: the largest of the cameras', in (0, 1]; 1 without any.
+/// Precondition: check_density() finds nothing.
+double point_scale(const Density& density, const Box3d& box);
+
+}  // namespace curvecast

@@ -1,0 +1,105 @@
+#include "core/density/screen_factor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/density/density.h"
+#include "core/lanes.h"
+
+namespace curvecast {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kLeastCosine = static_cast<float>(kLeastSlant);
+constexpr float kNear = static_cast<float>(kNearPlane);
+constexpr float kSlack = 1e-5f;
+
+[[gnu::always_inline]] inline float at(const AffineForm& form, float x, float y, float z) {
+  return form.x * x + form.y * y + form.z * z + form.offset;
+}
+[[gnu::always_inline]] inline float lesser(float a, float b) { return a < b ? a : b; }
+[[gnu::always_inline]] inline float greater(float a, float b) { return a > b ? a : b; }
+
+/// Pixels per area: of what is seen with this cosine, at this distance from the eye and depth along the view.
+[[gnu::always_inline]] inline float covered(float weight, float cosine, float distance, float depth) {
+  const float z = greater(depth, kNear);
+  return lesser(weight * greater(lesser(cosine, 1.0f), kLeastCosine) * distance / (z * z * z), kMostOnScreen);
+}
+
+/// Pixels per length of the file, of what is seen squarely at a depth of 1 in the frame.
+double pixels_per_length(const Camera& camera, const CameraFrame& frame) {
+  if (frame.is_orthographic) return camera.pixels / camera.height;
+  return 0.5 * camera.pixels / std::tan(0.5 * camera.fov) / frame.unit;
+}
+
+}  // namespace
+
+ScreenWeights screen_weights(std::span<const Camera> cameras, std::span<const CameraFrame> frames) {
+  double largest = 0;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const double nearest = frames[i].is_orthographic ? 1 : std::max(kNearPlane, frames[i].box_distance);
+    largest = std::max(largest, pixels_per_length(cameras[i], frames[i]) / nearest);
+  }
+  ScreenWeights out{{}, largest * largest};
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const double ratio = pixels_per_length(cameras[i], frames[i]) / largest;
+    out.of_camera.push_back(static_cast<float>(ratio * ratio));
+  }
+  return out;
+}
+
+ScreenFactor::ScreenFactor(const CameraFrame& frame, float weight)
+    : x_(frame.x),
+      y_(frame.y),
+      z_(frame.z),
+      slope_(frame.slope),
+      blur_(frame.is_orthographic ? 0 : frame.blur),
+      depth_(frame.depth),
+      depth_reach_(frame.depth_reach),
+      depth_blur_(frame.is_orthographic ? 0 : frame.blur),
+      weight_(weight) {}
+
+CURVECAST_WIDE void ScreenFactor::multiply(const Places& places, std::size_t n, float* factor) const {
+  const float *x = places.x, *y = places.y, *z = places.z;
+  const Snorm16 *nx = places.nx, *ny = places.ny, *nz = places.nz;
+  const float ex = x_, ey = y_, ez = z_, slope = slope_, weight = weight_;
+  const AffineForm form = depth_;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float dx = ex - slope * x[i], dy = ey - slope * y[i], dz = ez - slope * z[i];
+    const float square = dx * dx + dy * dy + dz * dz;
+    const float facing = dx * nx[i] + dy * ny[i] + dz * nz[i];
+    const float distance = std::sqrt(square > kLeastSquare ? square : kLeastSquare);
+    const float depth = at(form, x[i], y[i], z[i]);
+    const float value = covered(weight, facing / distance, distance, depth);
+    factor[i] *= lesser(facing, depth) > 0 ? value : 0.0f;
+  }
+}
+
+CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor,
+                                                  float* __restrict change) const {
+  const float *x = blocks.x, *y = blocks.y, *z = blocks.z, *radius = blocks.radius;
+  const float *nx = blocks.nx, *ny = blocks.ny, *nz = blocks.nz, *spread = blocks.spread;
+  const float ex = x_, ey = y_, ez = z_, slope = slope_, weight = weight_;
+  const float blur = blur_, depth_reach = depth_reach_, depth_blur = depth_blur_;
+  const AffineForm form = depth_;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float dx = ex - slope * x[i], dy = ey - slope * y[i], dz = ez - slope * z[i];
+    const float square = dx * dx + dy * dy + dz * dz;
+    const float distance = std::sqrt(square > kLeastSquare ? square : kLeastSquare), inverse = 1 / distance;
+    const float cosine = (dx * nx[i] + dy * ny[i] + dz * nz[i]) * inverse;
+    const float reach = slope * radius[i] + blur;
+    const float sine = reach * inverse;  // as in SilhouetteFactor
+    const float most = spread[i] + (sine < 0.5f ? 1.05f * sine : 2.0f) + kCosineBlur;
+    const float depth = at(form, x[i], y[i], z[i]), deep = depth_reach * radius[i] + depth_blur;
+    const float value = covered(weight, cosine, distance, depth);
+    const float high = covered(weight, cosine + most, distance + reach, depth - deep);
+    const float low = covered(weight, cosine - most, greater(distance - reach, 0.0f), depth + deep);
+    const bool is_hidden = cosine < -most || depth<-deep, is_seen = cosine> most && depth > deep;
+    const float rise = high / value, fall = 2 - low / value;
+    factor[i] *= is_hidden ? 0.0f : value;
+    change[i] = (1 + change[i]) * (is_hidden ? 1.0f : is_seen ? greater(rise, fall) + kSlack : kInfinity) - 1;
+  }
+}
+
+}  // namespace curvecast

@@ -1,0 +1,35 @@
+// Even spacing on the screen: how many pixels a piece of the surface covers.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/density/camera_frame.h"
+
+namespace curvecast {
+
+class ScreenFactor {
+ public:
+  /// `weight`: of screen_weights().
+  ScreenFactor(const CameraFrame& frame, float weight);
+
+  // See ViewFactor.
+  void multiply(const Places& places, std::size_t n, float* factor) const;
+  void multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor, float* __restrict change) const;
+
+ private:
+  float x_, y_, z_, slope_, blur_;
+  AffineForm depth_;
+  float depth_reach_, depth_blur_, weight_;
+};
+
+struct ScreenWeights {
+  std::vector<float> of_camera;  // one each, for cameras' factors to compare
+  double pixels = 0;             // that a factor of 1 stands for, per squared unit of the file
+};
+
+/// The factor is about 1 where the surface is nearest to the camera that shows it largest, and never above kMostOnScreen.
+ScreenWeights screen_weights(std::span<const Camera> cameras, std::span<const CameraFrame> frames);
+inline constexpr float kMostOnScreen = 1e6f;
+
+}  // namespace curvecast

@@ -1,0 +1,23 @@
+// How many points a view is worth.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+
+#include "core/curve/surface_curve.h"
+#include "core/density/density.h"
+
+namespace curvecast {
+
+/// The smallest N, 1 .. kMaxPoints, for which no point stands for more than `pixels` x `pixels` of any camera's picture: M max(a
+/// / density) / pixels^2, with M the density's mass and a the pixels' area per area of the surface (what is seen at a slant
+/// counts as in ScreenTerm). Where the density is zero there are no points and nothing counts; what would take more than
+/// kMaxPoints takes these. InvalidArgument: a bad density, no camera, `pixels` not above 0; FailedPrecondition: the density is
+/// zero everywhere.
+absl::StatusOr<std::uint64_t> points_for_pixel_error(const SurfaceCurve& curve, const Density& density, double pixels);
+
+/// What global distance terms leave of `points`; at least 1. Precondition: check_density() finds nothing.
+std::uint64_t scaled_points(const Density& density, const Box3d& box, std::uint64_t points);
+
+}  // namespace curvecast
