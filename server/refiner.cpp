@@ -2,7 +2,6 @@
 
 #include <absl/strings/str_cat.h>
 #include <spdlog/logger.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
@@ -12,6 +11,7 @@
 
 #include "core/stopwatch.h"
 #include "server/guarded.h"
+#include "server/low_priority.h"
 
 namespace curvecast::server {
 namespace {
@@ -20,13 +20,6 @@ namespace {
 constexpr std::size_t kMaxDemands = 8;
 // Sessions whose turn has not come. More are refused: they are asked for again with the next view.
 constexpr std::size_t kMaxPending = 1024;
-
-/// Views come first: next to a busy thread of theirs the calling one gets a tenth of a core. Less, and on a machine with other
-/// work to do a finer curve would never come. (On Linux priorities belong to threads.)
-void lower_priority() {
-  constexpr int kNice = 10;
-  setpriority(PRIO_PROCESS, 0, kNice);
-}
 
 /// Memory that the machine could give without swapping, bytes; 0 where it does not say.
 std::uint64_t available_memory() {

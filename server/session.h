@@ -11,6 +11,7 @@
 
 #include "core/pipeline.h"
 #include "server/live_curve.h"
+#include "server/live_ranks.h"
 #include "server/mesh_files.h"
 
 namespace curvecast::server {
@@ -19,7 +20,7 @@ namespace curvecast::server {
 /// others.
 inline constexpr int kAlgorithmVersion = 1;
 
-/// Ready and immutable but for its curve, which may become finer; whoever holds it may go on using it after it has been closed.
+/// Ready and immutable but for its curve, which may become finer, and its ranked candidates; whoever holds it may go on using it after it has been closed.
 struct Session {
   std::string id;
   std::string mesh_id;
@@ -28,6 +29,7 @@ struct Session {
   PreprocessOptions options;
   Preprocessed preprocessed;  // its curve has gone to `live`; without `flattened` when it comes from the cache
   std::shared_ptr<LiveCurve> live = std::make_shared<LiveCurve>();
+  std::shared_ptr<LiveRanks> ranks = std::make_shared<LiveRanks>();  // made when they are first asked for
   /// Where preprocessed.flattened is null: brings what the curve lies on, when it is to be refined. May be empty, or fail.
   std::function<absl::StatusOr<std::shared_ptr<const FlattenedMesh>>()> load_flattened;
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready

@@ -1,17 +1,25 @@
 #include "core/density/view_factor.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/lanes.h"
 
 namespace curvecast {
 namespace {
 
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t kChunk = 256;  // of several cameras: what lies between them stays in the nearest cache
 
 BlockPlaces places_of(const CurveBlocks& blocks, std::size_t begin) {
   return {&blocks.x[begin],  &blocks.y[begin],  &blocks.z[begin],  &blocks.radius[begin],
           &blocks.nx[begin], &blocks.ny[begin], &blocks.nz[begin], &blocks.spread[begin]};
+}
+
+/// Takes one more factor into what they are at most. Where its change has no bound, a factor is itself the most.
+CURVECAST_WIDE void take_most(const float* __restrict factor, const float* __restrict change, std::size_t n,
+                              float* __restrict most) {
+  for (std::size_t i = 0; i < n; ++i) most[i] *= change[i] < kInfinity ? factor[i] * (1 + change[i]) : factor[i];
 }
 
 /// Takes one more camera into what is most, at most and at least among them.
@@ -93,6 +101,28 @@ void ViewFactor::of_blocks(const CurveBlocks& blocks, std::size_t begin, std::si
     for (std::size_t i = 0; i < count; ++i) {
       const float rise = high[i] - factor[i], fall = factor[i] - low[i];
       change[i] = factor[i] > 0 ? (rise > fall ? rise : fall) / factor[i] : 0.0f;
+    }
+  }
+}
+
+void ViewFactor::most_of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* most) const {
+  if (is_one()) {
+    std::fill_n(most, end - begin, 1.0f);
+    return;
+  }
+  float value[kChunk], change[kChunk], of_camera[kChunk];
+  for (std::size_t first = begin; first < end; first += kChunk, most += kChunk) {
+    const std::size_t count = std::min(kChunk, end - first);
+    std::fill_n(most, count, 0.0f);
+    for (const std::vector<Factor>& factors : cameras_) {
+      std::fill_n(of_camera, count, 1.0f);
+      for (const Factor& one : factors) {
+        std::fill_n(value, count, 1.0f);
+        std::fill_n(change, count, 0.0f);
+        std::visit([&](const auto& f) { f.multiply_blocks(places_of(blocks, first), count, value, change); }, one);
+        take_most(value, change, count, of_camera);
+      }
+      for (std::size_t i = 0; i < count; ++i) most[i] = std::max(most[i], of_camera[i]);
     }
   }
 }

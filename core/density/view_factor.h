@@ -33,6 +33,9 @@ class ViewFactor {
   void of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* __restrict factor,
                  float* __restrict change) const;
 
+  /// Writes to `most` what the factor is at most on a vertex of the blocks [begin, end), but for rounding.
+  void most_of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* most) const;
+
   /// Pixels per squared unit of the file that a screen term of 1 stands for.
   double pixels() const { return pixels_; }
 

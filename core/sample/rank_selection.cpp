@@ -132,14 +132,8 @@ bool RankSelector::visit(const View& view, float scale) {
     if (visit_[c] == Visit::kNever) each_child([](std::size_t) { return Visit::kNever; });
     if (visit_[c] != Visit::kNow) continue;
     const RankChunk& chunk = *chunks[c];
-    float most[kChunkRuns], change[kChunkRuns];
-    if (view.factor.is_one()) {
-      std::fill_n(most, kChunkRuns, 1.0f);
-    } else {
-      view.factor.of_blocks(chunk.bounds, 0, kChunkRuns, most, change);
-      // Where the change has no bound, the factor is one.
-      for (std::size_t r = 0; r < kChunkRuns; ++r) most[r] *= std::isfinite(change[r]) ? 1 + change[r] : 1;
-    }
+    float most[kChunkRuns];
+    view.factor.most_of_blocks(chunk.bounds, 0, kChunkRuns, most);
     for (std::size_t r = 0; r < kChunkRuns && !view.density.most.empty(); ++r) {
       const auto blocks = view.density.most.subspan(chunk.first_vertex[r] / kBlockSize,
                                                     chunk.last_vertex[r] / kBlockSize - chunk.first_vertex[r] / kBlockSize + 1);

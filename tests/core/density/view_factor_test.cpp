@@ -59,6 +59,8 @@ double expect_bounds(const SurfaceCurve& curve, const Density& density) {
   const std::size_t blocks = curve.blocks.size();
   std::vector<float> factor(blocks), change(blocks), of_vertex(curve.size(), 1.0f);
   view.of_blocks(curve.blocks, 0, blocks, factor.data(), change.data());
+  std::vector<float> highest(blocks);
+  view.most_of_blocks(curve.blocks, 0, blocks, highest.data());
   view.multiply(curve.x.data(), curve.y.data(), curve.z.data(), curve.nx.data(), curve.ny.data(), curve.nz.data(), curve.size(),
                 of_vertex.data());
   double known = 0;
@@ -66,6 +68,7 @@ double expect_bounds(const SurfaceCurve& curve, const Density& density) {
     EXPECT_TRUE(std::isfinite(factor[b]) && factor[b] >= 0) << "block " << b;
     EXPECT_FALSE(std::isnan(change[b])) << "block " << b;
     for (std::size_t l = b * kBlockSize; l < std::min((b + 1) * kBlockSize, curve.size()); ++l) {
+      EXPECT_LE(of_vertex[l], 1.0001f * highest[b]) << "block " << b << ", vertex " << l;
       if (factor[b] == 0) {
         EXPECT_EQ(of_vertex[l], 0) << "block " << b << ", vertex " << l;
       } else if (std::isfinite(change[b])) {
