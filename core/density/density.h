@@ -11,7 +11,9 @@
 
 namespace curvecast {
 
-struct UniformTerm {};
+struct UniformTerm {
+  bool operator==(const UniformTerm&) const = default;
+};
 
 /// (floor + (1 - floor) min(|k| / k_ref, 1))^exponent, where k_ref is the curve's reference_curvature: only a twentieth of
 /// the area is curved more. 1 everywhere on a flat surface.
@@ -19,6 +21,8 @@ struct CurvatureTerm {
   CurvatureKind kind = CurvatureKind::kGauss;
   double exponent = 1;  // >= 0
   double floor = 0.05;  // in [0, 1], relative to k_ref: flat regions keep this density
+
+  bool operator==(const CurvatureTerm&) const = default;
 };
 
 inline constexpr double kMaxS0 = 1e6;
@@ -27,6 +31,8 @@ inline constexpr double kMaxS0 = 1e6;
 struct ViewTerm {
   Vec3d eye = Vec3d::Zero();  // absolute coordinates, in the file's units
   double s0 = 0.1;            // in (0, kMaxS0]: density of what faces the eye squarely
+
+  bool operator==(const ViewTerm&) const = default;
 };
 
 using DensityTerm = std::variant<UniformTerm, CurvatureTerm, ViewTerm>;

@@ -24,11 +24,11 @@ void prefetch(const SurfaceCurve& curve, std::uint32_t l) {
   for (const Column<Snorm16>* column : {&curve.nx, &curve.ny, &curve.nz}) __builtin_prefetch(column->data() + l);
 }
 
-/// `density`: the fixed part; empty for 1.
-PointSet gather(const SurfaceCurve& curve, std::span<const float> density, const ViewFactor& view, double mass_per_point,
-                std::vector<std::uint32_t> vertices) {
+/// The data of points.vertices. `density`: the fixed part; empty for 1.
+void gather(const SurfaceCurve& curve, std::span<const float> density, const ViewFactor& view, double mass_per_point,
+            PointSet& points) {
+  const std::vector<std::uint32_t>& vertices = points.vertices;
   const std::size_t n = vertices.size();
-  PointSet points;
   points.origin = curve.origin;
   points.positions.resize(n);
   points.normals.resize(n);
@@ -55,50 +55,57 @@ PointSet gather(const SurfaceCurve& curve, std::span<const float> density, const
       points.radii[begin + i] = std::min(scale / std::sqrt(factor[i]), largest);
     }
   }
-  if (!curve.colour.empty()) {
-    points.colours.resize(n);
-    for (std::size_t i = 0; i < n; ++i) points.colours[i] = curve.colour[vertices[i]];
+  points.colours.resize(curve.colour.empty() ? 0 : n);
+  for (std::size_t i = 0; i < points.colours.size(); ++i) points.colours[i] = curve.colour[vertices[i]];
+}
+
+absl::Status check(const ResampleOptions& options) {
+  if (options.points == 0) return absl::InvalidArgumentError("the number of points is 0; ask for at least 1");
+  if (options.points > kMaxPoints) {
+    return absl::OutOfRangeError(absl::StrFormat("%d points asked for; at most %d are made", options.points, kMaxPoints));
   }
-  points.vertices = std::move(vertices);
-  return points;
+  return check_density(options.density);
 }
 
 }  // namespace
 
 absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptions& options, ResampleReport* report) {
-  if (options.points == 0) return absl::InvalidArgumentError("the number of points is 0; ask for at least 1");
-  if (options.points > kMaxPoints) {
-    return absl::OutOfRangeError(absl::StrFormat("%d points asked for; at most %d are made", options.points, kMaxPoints));
-  }
-  if (absl::Status status = check_density(options.density); !status.ok()) return status;
+  if (absl::Status status = check(options); !status.ok()) return status;
   Stopwatch watch;
-  std::vector<float> density;
-  BlockMass own;
-  if (has_fixed_terms(options.density)) {
-    density.resize(curve.size());
-    evaluate_fixed_terms(curve, options.density, density);
-    own = block_mass(density, curve.area);
-  }
-  const BlockMass& fixed = density.empty() ? curve.blocks.area : own;
+  const absl::StatusOr<std::shared_ptr<const FixedDensity>> fixed = make_fixed_density(curve, options.density);
+  if (!fixed.ok()) return fixed.status();
+  const double fixed_seconds = watch.lap();
+  ResampleWorkspace workspace;
+  if (absl::Status status = resample(curve, fixed->get(), options, workspace, report); !status.ok()) return status;
+  if (report != nullptr) report->density_seconds += fixed_seconds;
+  return std::move(workspace.points);
+}
+
+absl::Status resample(const SurfaceCurve& curve, const FixedDensity* fixed, const ResampleOptions& options,
+                      ResampleWorkspace& workspace, ResampleReport* report) {
+  if (absl::Status status = check(options); !status.ok()) return status;
+  Stopwatch watch;
+  const std::span<const float> density = fixed == nullptr ? std::span<const float>() : fixed->density;
+  const BlockMass& fixed_mass = fixed == nullptr ? curve.blocks.area : fixed->mass;
   const ViewFactor view(curve, options.density);
-  ViewMass mass;
-  view_mass(curve, density, fixed, view, options.points, mass);
+  ViewMass& mass = workspace.mass;
+  view_mass(curve, density, fixed_mass, view, options.points, mass);
   if (report != nullptr) report->density_seconds = watch.lap();
   if (!(mass.total > 0) || !std::isfinite(mass.total)) {
     return absl::FailedPreconditionError(
         "the density is zero on the whole surface (does anything face the camera?), so there is nowhere to put points");
   }
-  std::vector<double> q(options.points);
-  fill_sequence(options.sequence, options.seed, q);
-  std::vector<std::uint32_t> vertices(options.points);
-  equalise(mass, fixed, q, vertices);
+  workspace.sequence.resize(options.points);
+  fill_sequence(options.sequence, options.seed, workspace.sequence);
+  workspace.points.vertices.resize(options.points);
+  equalise(mass, fixed_mass, workspace.sequence, workspace.points.vertices, workspace.equalise);
   const double mass_per_point = mass.total / static_cast<double>(options.points);
-  PointSet points = gather(curve, density, view, mass_per_point, std::move(vertices));
+  gather(curve, density, view, mass_per_point, workspace.points);
   if (report != nullptr) {
     report->equalise_seconds = watch.lap();
     report->most_on_vertex = static_cast<double>(mass.largest) / mass_per_point;
   }
-  return points;
+  return absl::OkStatus();
 }
 
 }  // namespace curvecast

@@ -8,7 +8,9 @@
 
 #include "core/curve/surface_curve.h"
 #include "core/density/density.h"
+#include "core/density/fixed_density.h"
 #include "core/sample/point_set.h"
+#include "core/sample/resample_workspace.h"
 #include "core/sample/sequence.h"
 
 namespace curvecast {
@@ -31,5 +33,10 @@ struct ResampleReport {
 /// InvalidArgument: N = 0, a bad density term. OutOfRange: N > kMaxPoints. FailedPrecondition: the density is zero everywhere
 /// (nothing faces the eye). `report` may be null.
 absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptions& options, ResampleReport* report = nullptr);
+
+/// The same, for one frame after the other: the points are workspace.points, and lost where it fails. `fixed` is what
+/// make_fixed_density() makes of the curve and options.density; who keeps it pays for it once.
+absl::Status resample(const SurfaceCurve& curve, const FixedDensity* fixed, const ResampleOptions& options,
+                      ResampleWorkspace& workspace, ResampleReport* report = nullptr);
 
 }  // namespace curvecast

@@ -43,12 +43,11 @@ CURVECAST_WIDE float weigh(const float* __restrict fixed_sum, const float* __res
 }  // namespace
 
 void fixed_mass(const BlockMass& fixed, ViewMass& out) {
-  out.sum.assign(fixed.sum.begin(), fixed.sum.end());
-  out.codes.assign(fixed.sum.size(), ViewMass::kShared);
+  out.sum.clear();
+  out.codes.clear();
   out.own_codes.clear();
-  out.total = 0;
-  for (const float sum : fixed.sum) out.total += static_cast<double>(sum);
-  out.largest = fixed.sum.empty() ? 0 : *std::max_element(fixed.largest.begin(), fixed.largest.end());
+  out.total = fixed.total;
+  out.largest = fixed.most;
 }
 
 void view_mass(const SurfaceCurve& curve, std::span<const float> density, const BlockMass& fixed, const ViewFactor& view,
