@@ -39,7 +39,8 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                      .answer =
                          [this, source = new_source()](const std::shared_ptr<const Session>& session, const Sample& sample,
                                                        bool may_refine) {
-                           return make_frame(*session, sample, may_refine ? refine_for(session, sample, source) : OnShort());
+                           return make_frame(*session, sample, view_cache,
+                                             may_refine ? refine_for(session, sample, source) : OnShort());
                          },
                      .submit = [this](std::function<void()> job) { return views.submit(std::move(job)).status(); },
                  });

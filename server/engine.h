@@ -42,6 +42,7 @@ class Engine {
 
   const std::shared_ptr<spdlog::logger> log;
   const int threads;                          // of one preprocessing job; 0 = one per core
+  ViewCache view_cache;                       // of the jobs in `views`
   JobQueue views;                             // views, point sets, inspection
   JobQueue preprocessing;                     // one at a time: each uses all cores by itself
   const std::unique_ptr<SessionCache> cache;  // null: none

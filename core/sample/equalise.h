@@ -10,10 +10,9 @@
 
 namespace curvecast {
 
-/// Memory that equalise() uses again. What it holds is equalise()'s own affair.
+/// Memory that equalise() uses again; what it holds is equalise()'s own affair.
 struct EqualiseScratch {
-  std::vector<double> before;       // B: mass before each block
-  std::vector<std::uint32_t> block;  // N + 1: of each point
+  std::vector<std::uint32_t> block;  // at most N + 1
 };
 
 /// For each q_i (ascending, in [0, 1)) the curve vertex on which the cumulative mass exceeds q_i times the whole; written to

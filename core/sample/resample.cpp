@@ -18,14 +18,44 @@ namespace {
 constexpr double kSplatRadius = 1.25;
 
 /// The points lie far apart in memory, and the processor looks ahead only so far.
-constexpr std::size_t kAhead = 24;
+constexpr std::size_t kAhead = 16;
 void prefetch(const SurfaceCurve& curve, std::uint32_t l) {
   for (const Column<float>* column : {&curve.x, &curve.y, &curve.z}) __builtin_prefetch(column->data() + l);
   for (const Column<Snorm16>* column : {&curve.nx, &curve.ny, &curve.nz}) __builtin_prefetch(column->data() + l);
 }
 
-/// The data of points.vertices. `density`: the fixed part; empty for 1.
-void gather(const SurfaceCurve& curve, std::span<const float> density, const ViewFactor& view, double mass_per_point,
+constexpr std::size_t kChunk = 128;  // points whose data stay in the nearest cache
+
+/// Positions and normals of points [begin, end).
+void gather_places(const SurfaceCurve& curve, std::size_t begin, std::size_t end, PointSet& points) {
+  const std::uint32_t* const vertices = points.vertices.data();
+  const std::size_t n = points.vertices.size();
+  for (std::size_t i = begin; i < end; ++i) {
+    prefetch(curve, vertices[std::min(i + kAhead, n - 1)]);
+    const std::uint32_t l = vertices[i];
+    points.positions[i] = curve.position(l);
+    points.normals[i] = curve.normal(l);
+  }
+}
+
+/// The density on the vertices of n <= kChunk points, but for a constant. The view's factor is that of the vertex itself, not of
+/// its block. `fixed`: the fixed part; empty for 1.
+void gather_density(const SurfaceCurve& curve, std::span<const float> fixed, const ViewFactor& view,
+                    const std::uint32_t* vertices, std::size_t n, float* density) {
+  for (std::size_t i = 0; i < n; ++i) density[i] = fixed.empty() ? 1 : fixed[vertices[i]];
+  if (view.is_one()) return;
+  float x[kChunk], y[kChunk], z[kChunk];
+  Snorm16 nx[kChunk], ny[kChunk], nz[kChunk];
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t l = vertices[i];
+    x[i] = curve.x[l], y[i] = curve.y[l], z[i] = curve.z[l];
+    nx[i] = curve.nx[l], ny[i] = curve.ny[l], nz[i] = curve.nz[l];
+  }
+  view.multiply(x, y, z, nx, ny, nz, n, density);
+}
+
+/// The data of points.vertices.
+void gather(const SurfaceCurve& curve, std::span<const float> fixed, const ViewFactor& view, double mass_per_point,
             PointSet& points) {
   const std::vector<std::uint32_t>& vertices = points.vertices;
   const std::size_t n = vertices.size();
@@ -35,25 +65,12 @@ void gather(const SurfaceCurve& curve, std::span<const float> density, const Vie
   points.radii.resize(n);
   const auto largest = static_cast<float>(curve.box.diagonal());
   const auto scale = static_cast<float>(kSplatRadius * std::sqrt(mass_per_point));
-  // The view's factor is that of the vertex itself, not of its block.
-  constexpr std::size_t kChunk = 256;
-  float x[kChunk], y[kChunk], z[kChunk], factor[kChunk];
-  Snorm16 nx[kChunk], ny[kChunk], nz[kChunk];
+  float density[kChunk];
   for (std::size_t begin = 0; begin < n; begin += kChunk) {
     const std::size_t count = std::min(kChunk, n - begin);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (begin + i + kAhead < n) prefetch(curve, vertices[begin + i + kAhead]);
-      const std::uint32_t l = vertices[begin + i];
-      x[i] = curve.x[l], y[i] = curve.y[l], z[i] = curve.z[l];
-      nx[i] = curve.nx[l], ny[i] = curve.ny[l], nz[i] = curve.nz[l];
-      factor[i] = density.empty() ? 1 : density[l];
-    }
-    view.multiply(x, y, z, nx, ny, nz, count, factor);
-    for (std::size_t i = 0; i < count; ++i) {
-      points.positions[begin + i] = {x[i], y[i], z[i]};
-      points.normals[begin + i] = {nx[i], ny[i], nz[i]};
-      points.radii[begin + i] = std::min(scale / std::sqrt(factor[i]), largest);
-    }
+    gather_places(curve, begin, begin + count, points);
+    gather_density(curve, fixed, view, &vertices[begin], count, density);
+    for (std::size_t i = 0; i < count; ++i) points.radii[begin + i] = std::min(scale / std::sqrt(density[i]), largest);
   }
   points.colours.resize(curve.colour.empty() ? 0 : n);
   for (std::size_t i = 0; i < points.colours.size(); ++i) points.colours[i] = curve.colour[vertices[i]];
@@ -100,9 +117,11 @@ absl::Status resample(const SurfaceCurve& curve, const FixedDensity* fixed, cons
   workspace.points.vertices.resize(options.points);
   equalise(mass, fixed_mass, workspace.sequence, workspace.points.vertices, workspace.equalise);
   const double mass_per_point = mass.total / static_cast<double>(options.points);
+  const double invert_seconds = watch.lap();
   gather(curve, density, view, mass_per_point, workspace.points);
   if (report != nullptr) {
-    report->equalise_seconds = watch.lap();
+    report->gather_seconds = watch.lap();
+    report->equalise_seconds = invert_seconds + report->gather_seconds;
     report->most_on_vertex = static_cast<double>(mass.largest) / mass_per_point;
   }
   return absl::OkStatus();

@@ -1,6 +1,7 @@
 // Memory for one view after the other: nothing is allocated for a frame that needs no more than those before.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/sample/equalise.h"
@@ -17,6 +18,9 @@ struct ResampleWorkspace {
   std::vector<double> sequence;
   ViewMass mass;
   EqualiseScratch equalise;
+
+  /// Held, whether in use or not.
+  std::size_t byte_size() const;
 };
 
 }  // namespace curvecast
