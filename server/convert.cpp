@@ -4,8 +4,10 @@
 #include <absl/strings/str_format.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/checker.h"
 #include "server/convert_density.h"
@@ -46,6 +48,19 @@ Sequence to_core(Checker& check, v1::Sequence in) {
     default:
       check.fail("sample.sequence", absl::StrCat("has the unknown value ", static_cast<int>(in)));
       return Sequence::kJittered;
+  }
+}
+
+Sampler to_core(Checker& check, v1::Sampler in) {
+  switch (in) {
+    case v1::SAMPLER_UNSPECIFIED:
+    case v1::SAMPLER_EQUALISED:
+      return Sampler::kEqualised;
+    case v1::SAMPLER_PROGRESSIVE:
+      return Sampler::kProgressive;
+    default:
+      check.fail("sample.sampler", absl::StrCat("has the unknown value ", static_cast<int>(in)));
+      return Sampler::kEqualised;
   }
 }
 
@@ -158,8 +173,11 @@ PointSet slice(const PointSet& points, std::size_t begin, std::size_t count) {
   const auto part = [&](const auto& values) {
     return std::remove_cvref_t<decltype(values)>(values.begin() + begin, values.begin() + begin + count);
   };
-  return {points.origin,      part(points.positions), part(points.normals),
-          part(points.radii), part(points.vertices),  points.colours.empty() ? points.colours : part(points.colours)};
+  return {.origin = points.origin,
+          .positions = part(points.positions),
+          .normals = part(points.normals),
+          .radii = part(points.radii),
+          .colours = points.colours.empty() ? points.colours : part(points.colours)};
 }
 
 }  // namespace
@@ -175,6 +193,18 @@ absl::StatusOr<Sample> to_sample(const v1::SampleRequest& request) {
   sample.options.density =
       to_density(check, "sample.density", request.density(),
                  to_cameras(check, "sample.cameras", request.cameras(), request.viewport()), "needs a camera in sample.cameras");
+  sample.sampler = to_core(check, request.sampler());
+  for (const int attribute : request.attributes()) {
+    sample.attributes.curvatures |= attribute == v1::POINT_ATTRIBUTE_CURVATURES;
+    sample.attributes.rank |= attribute == v1::POINT_ATTRIBUTE_RANK;
+    sample.attributes.surface |= attribute == v1::POINT_ATTRIBUTE_SURFACE;
+    if (attribute == v1::POINT_ATTRIBUTE_UNSPECIFIED || !v1::PointAttribute_IsValid(attribute)) {
+      check.fail("sample.attributes", absl::StrCat("holds the unknown value ", attribute));
+    }
+  }
+  if (sample.attributes.rank && sample.sampler != Sampler::kProgressive) {
+    check.fail("sample.attributes", "asks for ranks; only the progressive sampler has them");
+  }
   sample.options.sequence = to_core(check, request.sequence());
   sample.options.seed = request.seed();
   sample.draco = to_core(check, request.encoding());
@@ -287,6 +317,27 @@ v1::Session to_proto(const SessionInfo& info) {
   out.set_mesh_id(info.mesh_id);
   out.set_state(to_proto(info.state));
   *out.mutable_options() = to_proto(info.options);
+  return out;
+}
+
+v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
+                             const PointAttributes& wanted) {
+  const auto column = [&](const auto& value_of) {
+    std::vector<decltype(value_of(std::uint32_t{}))> values(count);
+    for (std::size_t i = 0; i < count; ++i) values[i] = value_of(points.vertices[begin + i]);
+    return little_endian(values, 0, count);
+  };
+  v1::PointAttributes out;
+  if (wanted.curvatures) {
+    out.set_curvatures(column([&](std::uint32_t l) {
+      return std::array<float, 2>{curve.curvature_min[l], curve.curvature_max[l]};
+    }));
+  }
+  if (wanted.rank) out.set_ranks(little_endian(points.ranks, begin, count));
+  if (wanted.surface) {
+    out.set_faces(column([&](std::uint32_t l) { return curve.triangle[l]; }));
+    out.set_barycentric(column([&](std::uint32_t l) { return std::array<float, 2>{curve.weight_1[l], curve.weight_2[l]}; }));
+  }
   return out;
 }
 

@@ -13,8 +13,20 @@
 
 namespace curvecast::server {
 
+/// Which sampler places the points: see resample() and sample_ranked().
+enum class Sampler { kEqualised, kProgressive };
+
+/// More of each point.
+struct PointAttributes {
+  bool curvatures = false;
+  bool rank = false;
+  bool surface = false;
+};
+
 /// What a client asked for in a SampleRequest, checked as far as that goes without the session.
 struct Sample {
+  Sampler sampler = Sampler::kEqualised;
+  PointAttributes attributes;
   ResampleOptions options;            // `points` as asked for; not used with one of the other budgets
   double pixel_error = 0;             // above 0: instead of a number of points
   std::uint64_t max_bytes = 0;        // above 0: instead of a number of points
@@ -32,9 +44,14 @@ v1::Distortion to_proto(const Distortion& distortion);
 v1::Session to_proto(const SessionInfo& info);
 v1::Session to_proto(const Session& session);
 
-/// Points [begin, begin + count) as one block; `curve` is the one that they were sampled from.
+/// Points [begin, begin + count) as one block; `curve` is the one that they were sampled from. The attributes are left to the other
+/// function.
 absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
                                         const std::optional<DracoOptions>& draco);
+
+/// The attributes asked for, of the same points.
+v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
+                             const PointAttributes& wanted);
 
 v1::FrameError to_proto(const absl::Status& status);
 

@@ -30,7 +30,8 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
             if (is_finer) sessions.save(session);
             tell_streams(session);
           },
-          log) {}
+          log),
+      rank_jobs([this](const Session& session) { tell_streams(session); }, log) {}
 
 absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport) {
   auto stream = std::make_shared<ClientStream>(
@@ -39,7 +40,8 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                      .answer =
                          [this, source = new_source()](const std::shared_ptr<const Session>& session, const Sample& sample,
                                                        bool may_refine) {
-                           return make_frame(*session, sample, may_refine ? refine_for(session, sample, source) : OnShort());
+                           return make_frame(*session, sample, view_cache,
+                                             may_refine ? improve_for(session, sample, source) : OnShort());
                          },
                      .submit = [this](std::function<void()> job) { return views.submit(std::move(job)).status(); },
                  });
@@ -53,11 +55,12 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
   return stream;
 }
 
-OnShort Engine::refine_for(std::shared_ptr<const Session> session, const Sample& sample, std::uint64_t source) {
-  return [this, session = std::move(session), source, density = sample.options.density](const SurfaceCurve& curve,
-                                                                                        std::uint64_t points) {
-    return refiner.request(session, curve, source, {points, density});
-  };
+OnShort Engine::improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source) {
+  return {.finer_curve =
+              [this, session, source, density = sample.options.density](const SurfaceCurve& curve, std::uint64_t points) {
+                return refiner.request(session, curve, source, {points, density});
+              },
+          .more_ranks = [this, session](std::span<const ChunkId> lacking) { return rank_jobs.request(session, lacking); }};
 }
 
 absl::Status Engine::close_session(const std::string& id) {

@@ -13,6 +13,7 @@
 #include "server/job_queue.h"
 #include "server/mesh_store.h"
 #include "server/point_blocks.h"
+#include "server/rank_jobs.h"
 #include "server/refiner.h"
 #include "server/server.h"
 #include "server/session_cache.h"
@@ -31,8 +32,9 @@ class Engine {
 
   /// Makes a conversation that stop_streams() reaches; refused with Unavailable after it.
   absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport);
-  /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined.
-  OnShort refine_for(std::shared_ptr<const Session> session, const Sample& sample, std::uint64_t source);
+  /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined, and more ranked candidates
+  /// made.
+  OnShort improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
   /// A number for a conversation or a call.
   std::uint64_t new_source() { return ++sources_; }
   /// SessionStore::close(), and no more refinement.
@@ -42,12 +44,14 @@ class Engine {
 
   const std::shared_ptr<spdlog::logger> log;
   const int threads;                          // of one preprocessing job; 0 = one per core
+  ViewCache view_cache;                       // of the jobs in `views`
   JobQueue views;                             // views, point sets, inspection
   JobQueue preprocessing;                     // one at a time: each uses all cores by itself
   const std::unique_ptr<SessionCache> cache;  // null: none
   MeshStore meshes;
   SessionStore sessions;
   Refiner refiner;
+  RankJobs rank_jobs;
 
  private:
   void tell_streams(const Session& session);

@@ -3,13 +3,11 @@
 #include <absl/strings/str_cat.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "core/curve/shortfall.h"
-#include "core/sample/point_budget.h"
+#include "core/stopwatch.h"
 
 namespace curvecast::server {
 namespace {
@@ -21,44 +19,21 @@ constexpr std::size_t kRawColourBytes = 3;
 constexpr int kMaxRounds = 4;
 constexpr double kAim = 0.96, kGoodEnough = 0.9;  // of the budget
 
-struct Sampled {
-  std::shared_ptr<const SurfaceCurve> curve;  // one revision for all of an answer
-  PointSet points;
-  bool is_short = false;
-  v1::FrameStatistics statistics;
-};
-
-/// N for the budgets that do not depend on how points are packed.
-absl::StatusOr<std::uint64_t> points_for(const SurfaceCurve& curve, const Sample& sample) {
-  if (sample.pixel_error > 0) return points_for_pixel_error(curve, sample.options.density, sample.pixel_error);
-  if (absl::Status status = check_density(sample.options.density); !status.ok()) return status;
-  return scaled_points(sample.options.density, curve.box, sample.options.points);
-}
-
-absl::StatusOr<Sampled> sample_curve(const Session& session, std::shared_ptr<const SurfaceCurve> curve, const Sample& sample,
-                                     std::uint64_t count) {
-  ResampleReport report;
-  ResampleOptions options = sample.options;
-  options.points = count;
-  absl::StatusOr<PointSet> points = resample(*curve, options, &report);
-  if (!points.ok()) return points.status();
-  Sampled out{std::move(curve), *std::move(points), session.options.omega * report.most_on_vertex > kShortLoad, {}};
-  out.statistics.set_density_seconds(report.density_seconds);
-  out.statistics.set_equalise_seconds(report.equalise_seconds);
-  out.statistics.set_curve_vertices(out.curve->size());
-  return out;
-}
-
-void ask_for_finer(Sampled& sampled, const OnShort& on_short) {
-  sampled.statistics.set_refining(sampled.is_short && on_short && on_short(*sampled.curve, sampled.points.size()));
+void ask_for_better(Sampled& sampled, const OnShort& on_short) {
+  const bool is_finer = sampled.is_short && on_short.finer_curve && on_short.finer_curve(*sampled.curve, sampled.points().size());
+  const bool is_more = !sampled.lacking().empty() && on_short.more_ranks && on_short.more_ranks(sampled.lacking());
+  sampled.statistics.set_refining(is_finer || is_more);
 }
 
 // Adds the time that it takes to the statistics.
 absl::StatusOr<v1::PointBlock> encode(Sampled& sampled, std::size_t begin, std::size_t count, const Sample& sample) {
-  const auto start = std::chrono::steady_clock::now();
-  absl::StatusOr<v1::PointBlock> block = to_proto(sampled.points, begin, count, *sampled.curve, sample.draco);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  sampled.statistics.set_encode_seconds(sampled.statistics.encode_seconds() + seconds);
+  Stopwatch watch;
+  absl::StatusOr<v1::PointBlock> block = to_proto(sampled.points(), begin, count, *sampled.curve, sample.draco);
+  const PointAttributes& wanted = sample.attributes;
+  if (block.ok() && (wanted.curvatures || wanted.rank || wanted.surface)) {
+    *block->mutable_attributes() = to_proto(sampled.points(), begin, count, *sampled.curve, wanted);
+  }
+  sampled.statistics.set_encode_seconds(sampled.statistics.encode_seconds() + watch.lap());
   return block;
 }
 
@@ -66,13 +41,16 @@ std::size_t raw_point_bytes(const SurfaceCurve& curve) { return kRawPointBytes +
 
 std::size_t data_bytes(const v1::PointBlock& block) {
   const v1::RawPoints& raw = block.raw();
-  return block.draco().data().size() + raw.positions().size() + raw.normals().size() + raw.radii().size() + raw.colours().size();
+  const v1::PointAttributes& more = block.attributes();
+  return more.curvatures().size() + more.ranks().size() + more.faces().size() + more.barycentric().size() +
+         block.draco().data().size() + raw.positions().size() + raw.normals().size() + raw.radii().size() + raw.colours().size();
 }
 
 /// What a point takes, roughly; neighbours differ little, so that about half of a position's bits are left.
 double expected_point_bytes(const SurfaceCurve& curve, const Sample& sample) {
-  if (!sample.draco) return static_cast<double>(raw_point_bytes(curve));
-  return (1.4 * sample.draco->position_bits + sample.draco->normal_bits + 6) / 8 + (curve.colour.empty() ? 0 : kRawColourBytes);
+  const double more = (sample.attributes.curvatures ? 8 : 0) + (sample.attributes.rank ? 4 : 0) + (sample.attributes.surface ? 12 : 0);
+  if (!sample.draco) return more + static_cast<double>(raw_point_bytes(curve));
+  return more + (1.4 * sample.draco->position_bits + sample.draco->normal_bits + 6) / 8 + (curve.colour.empty() ? 0 : kRawColourBytes);
 }
 
 struct Packed {
@@ -83,26 +61,26 @@ struct Packed {
 
 absl::StatusOr<Packed> pack(Sampled sampled, const Sample& sample, std::size_t block_points) {
   Packed out{std::move(sampled), {}, 0};
-  const std::size_t total = out.sampled.points.size();
+  const std::size_t total = out.sampled.points().size();
   for (std::size_t begin = 0; begin < total; begin += block_points) {
     absl::StatusOr<v1::PointBlock> block = encode(out.sampled, begin, std::min(block_points, total - begin), sample);
     if (!block.ok()) return block.status();
     out.bytes += data_bytes(*block);
     out.blocks.push_back(*std::move(block));
   }
+  if (total == 0) out.blocks.emplace_back().mutable_raw();  // nothing yet: better frames follow
   return out;
 }
 
 /// As many points as `limit` bytes hold, in blocks of `block_points`.
-absl::StatusOr<Packed> pack_within(const Session& session, const Sample& sample, std::size_t block_points, double limit) {
-  const std::shared_ptr<const SurfaceCurve> curve = session.curve();
+absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const Sample& sample, std::size_t block_points, double limit) {
   const auto whole = [](double points) {
     return static_cast<std::uint64_t>(std::clamp(points, 1.0, static_cast<double>(kMaxPoints)));
   };
   std::optional<Packed> best;
-  std::uint64_t count = whole((sample.draco ? kAim : 1) * limit / expected_point_bytes(*curve, sample));
+  std::uint64_t count = whole((sample.draco ? kAim : 1) * limit / expected_point_bytes(sampler.curve(), sample));
   for (int round = 1;; ++round) {
-    absl::StatusOr<Sampled> sampled = sample_curve(session, curve, sample, count);
+    absl::StatusOr<Sampled> sampled = sampler.sample(count);
     if (!sampled.ok()) return sampled.status();
     absl::StatusOr<Packed> packed = pack(*std::move(sampled), sample, block_points);
     if (!packed.ok()) return packed.status();
@@ -123,17 +101,16 @@ absl::Status too_large(std::size_t bytes) {
 }
 
 /// All points in one block.
-absl::StatusOr<Packed> pack_frame(const Session& session, const Sample& sample) {
+absl::StatusOr<Packed> pack_frame(SessionSampler& sampler, const Sample& sample) {
   if (sample.max_bytes > 0) {
     const std::uint64_t limit = std::min<std::uint64_t>(sample.max_bytes, kMaxFrameBytes);
-    return pack_within(session, sample, kMaxPoints, static_cast<double>(limit));
+    return pack_within(sampler, sample, kMaxPoints, static_cast<double>(limit));
   }
-  std::shared_ptr<const SurfaceCurve> curve = session.curve();
-  const absl::StatusOr<std::uint64_t> count = points_for(*curve, sample);
+  const absl::StatusOr<std::uint64_t> count = sampler.points();
   if (!count.ok()) return count.status();
-  const std::size_t raw_bytes = raw_point_bytes(*curve);
+  const std::size_t raw_bytes = raw_point_bytes(sampler.curve());
   if (!sample.draco && *count <= kMaxPoints && *count > kMaxFrameBytes / raw_bytes) return too_large(*count * raw_bytes);
-  absl::StatusOr<Sampled> sampled = sample_curve(session, std::move(curve), sample, *count);
+  absl::StatusOr<Sampled> sampled = sampler.sample(*count);
   if (!sampled.ok()) return sampled.status();
   absl::StatusOr<Packed> packed = pack(*std::move(sampled), sample, kMaxPoints);
   if (packed.ok() && packed->bytes > kMaxFrameBytes) return too_large(packed->bytes);
@@ -151,12 +128,14 @@ absl::Status emit_block(v1::PointBlock block, const v1::FrameStatistics* statist
 
 }  // namespace
 
-absl::Status make_blocks(const Session& session, const Sample& sample, const OnShort& on_short,
-                         const std::function<bool(v1::ResampleResponse)>& emit) {
+absl::Status make_blocks(const Session& session, const Sample& sample, ViewCache& cache, const OnShort& on_short,
+                         const std::atomic<bool>* cancel, const std::function<bool(v1::ResampleResponse)>& emit) {
+  absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, sample, cache, SessionSampler::Wait::kForAll, cancel);
+  if (!sampler.ok()) return sampler.status();
   if (sample.max_bytes > 0) {
-    absl::StatusOr<Packed> packed = pack_within(session, sample, kBlockPoints, static_cast<double>(sample.max_bytes));
+    absl::StatusOr<Packed> packed = pack_within(*sampler, sample, kBlockPoints, static_cast<double>(sample.max_bytes));
     if (!packed.ok()) return packed.status();
-    ask_for_finer(packed->sampled, on_short);
+    ask_for_better(packed->sampled, on_short);
     for (v1::PointBlock& block : packed->blocks) {
       const bool is_last = &block == &packed->blocks.back();
       const absl::Status status = emit_block(std::move(block), is_last ? &packed->sampled.statistics : nullptr, emit);
@@ -164,13 +143,12 @@ absl::Status make_blocks(const Session& session, const Sample& sample, const OnS
     }
     return absl::OkStatus();
   }
-  std::shared_ptr<const SurfaceCurve> curve = session.curve();
-  const absl::StatusOr<std::uint64_t> wanted = points_for(*curve, sample);
+  const absl::StatusOr<std::uint64_t> wanted = sampler->points();
   if (!wanted.ok()) return wanted.status();
-  absl::StatusOr<Sampled> sampled = sample_curve(session, std::move(curve), sample, *wanted);
+  absl::StatusOr<Sampled> sampled = sampler->sample(*wanted);
   if (!sampled.ok()) return sampled.status();
-  ask_for_finer(*sampled, on_short);
-  const std::size_t total = sampled->points.size();
+  ask_for_better(*sampled, on_short);
+  const std::size_t total = sampled->points().size();
   for (std::size_t begin = 0; begin < total; begin += kBlockPoints) {
     const std::size_t count = std::min(kBlockPoints, total - begin);
     absl::StatusOr<v1::PointBlock> block = encode(*sampled, begin, count, sample);
@@ -182,10 +160,13 @@ absl::Status make_blocks(const Session& session, const Sample& sample, const OnS
   return absl::OkStatus();
 }
 
-absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample, const OnShort& on_short) {
-  absl::StatusOr<Packed> packed = pack_frame(session, sample);
+absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample, ViewCache& cache,
+                                          const OnShort& on_short) {
+  absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, sample, cache, SessionSampler::Wait::kForFirst);
+  if (!sampler.ok()) return sampler.status();
+  absl::StatusOr<Packed> packed = pack_frame(*sampler, sample);
   if (!packed.ok()) return packed.status();
-  ask_for_finer(packed->sampled, on_short);
+  ask_for_better(packed->sampled, on_short);
   v1::PointFrame frame;
   frame.set_curve_revision(packed->sampled.curve->revision);
   frame.set_kind(v1::FRAME_KIND_KEY);

@@ -3,26 +3,26 @@
 
 #include <absl/status/statusor.h>
 
+#include <atomic>
 #include <functional>
 
 #include "server/convert.h"
+#include "server/session_sampler.h"
 
 namespace curvecast::server {
 
 inline constexpr std::size_t kBlockPoints = std::size_t{1} << 16;  // of a ResampleResponse: under 2 MiB even as raw floats
 inline constexpr std::size_t kMaxFrameBytes = std::size_t{32} << 20;
 
-/// Told that the session's curve, of this revision, was too coarse for so many points: whether a finer one is being made.
-using OnShort = std::function<bool(const SurfaceCurve& curve, std::uint64_t points)>;
-
 /// All points as blocks of kBlockPoints, in order, each handed to `emit` as soon as it is packed, or, within a budget of bytes,
-/// once all are; the last one carries the statistics. Stops with Cancelled when `emit` returns false. Errors as of
-/// curvecast::resample, and ResourceExhausted where a single point is too much. `on_short` may be empty.
-absl::Status make_blocks(const Session& session, const Sample& sample, const OnShort& on_short,
-                         const std::function<bool(v1::ResampleResponse)>& emit);
+/// once all are; the last one carries the statistics. Waits for ranked candidates to be made. Stops with Cancelled when `emit`
+/// returns false, or when `cancel` (may be null) is set. Errors as of curvecast::resample, and ResourceExhausted where a single
+/// point is too much.
+absl::Status make_blocks(const Session& session, const Sample& sample, ViewCache& cache, const OnShort& on_short,
+                         const std::atomic<bool>* cancel, const std::function<bool(v1::ResampleResponse)>& emit);
 
-/// All points in one key frame; its sequence number is left to the caller. Errors as of curvecast::resample, and
-/// ResourceExhausted for more than kMaxFrameBytes.
-absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample, const OnShort& on_short);
+/// All points in one key frame; its sequence number is left to the caller. Does with the ranked candidates that there are. Errors as
+/// of curvecast::resample, and ResourceExhausted for more than kMaxFrameBytes.
+absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample, ViewCache& cache, const OnShort& on_short);
 
 }  // namespace curvecast::server

@@ -36,15 +36,15 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
             absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
             if (*session == nullptr) session = engine.sessions.find(id);
             if (!session.ok()) return session.status();
-            return answer(**session, sample, engine.refine_for(*session, sample, engine.new_source()));
+            return answer(**session, sample, engine.view_cache, engine.improve_for(*session, sample, engine.new_source()));
           })));
         })
         .status();
   }
 
-  absl::Status answer(const Session& session, const Sample& sample, const OnShort& on_short) {
+  absl::Status answer(const Session& session, const Sample& sample, ViewCache& cache, const OnShort& on_short) {
     if (cancelled()) return absl::CancelledError("the client has gone");
-    return make_blocks(session, sample, on_short, [this](v1::ResampleResponse block) {
+    return make_blocks(session, sample, cache, on_short, &cancel_flag(), [this](v1::ResampleResponse block) {
       push(std::move(block));
       return !cancelled();
     });

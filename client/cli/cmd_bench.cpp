@@ -17,6 +17,7 @@
 #include "client/cli/bench/mappers.h"
 #include "client/cli/bench/neighbours_bench.h"
 #include "client/cli/bench/preprocess_bench.h"
+#include "client/cli/bench/sample_bench.h"
 #include "client/cli/commands.h"
 #include "client/cli/progress_bar.h"
 #include "client/lib/file_bytes.h"
@@ -169,6 +170,17 @@ Run add_neighbours(CLI::App& app) {
   return on_mesh(app, options, bench_neighbours);
 }
 
+Run add_sample_benchmark(CLI::App& app) {
+  const auto options = std::make_shared<SampleBenchOptions>();
+  add_count(app, "--repeat", &options->repeats, 10'000, "rounds of which the median counts");
+  add_points(app, &options->points, "N for which the curve is made, and of the point sets without a view");
+  app.add_option("--view-points", options->view_points, "points under a view")
+      ->check(point_count_range())
+      ->type_name("N")
+      ->capture_default_str();
+  return on_mesh(app, options, bench_sample);
+}
+
 constexpr Benchmark kBenchmarks[] = {
     {"corpus", "DIR", "every mesh of a folder through all of preprocessing, checked",
      "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
@@ -201,6 +213,10 @@ constexpr Benchmark kBenchmarks[] = {
      "nanoflann's "
      "kd-tree on the same points in the same run.",
      add_neighbours},
+    {"sample", "MESH", "milliseconds of a new N and of a new view, stage by stage",
+     "Milliseconds to change the number of points, evenly and with curvature's density, and to change the view, stage by stage, "
+     "beside the time to read the curve's positions, normals and areas once.",
+     add_sample_benchmark},
 };
 
 std::string list_benchmarks() {
@@ -231,7 +247,7 @@ Command add_bench(CLI::App& root, CommonOptions& options) {
       root, options, "bench",
       "Measures the work of a server in this process: preprocessing stage by stage, beside CGAL's "
       "parameteriser; a whole folder of meshes, checked; growth with the number of faces; the curve, the alternatives to "
-      "its mapper and area elements, neighbours on it.",
+      "its mapper and area elements, neighbours on it, point sets.",
       {"curvecast bench --list", "curvecast bench preprocess igea.ply --repeat 5",
        "curvecast bench corpus meshes --out corpus.md", "curvecast bench growth igea.ply --json"});
   const auto list = std::make_shared<bool>(false);

@@ -16,11 +16,11 @@
 namespace curvecast::cli {
 namespace {
 
-constexpr std::array<std::string_view, 1> kSamplers = {"equalised"};
+constexpr std::array<std::string_view, 3> kAttributes = {"curvatures", "rank", "surface"};
 
 struct Flags {
   std::string mesh, output;
-  std::string sampler = "equalised";
+  std::vector<std::string> attributes;
   SampleFlags sample;
   SessionFlags session;
   client::DrcOptions drc;
@@ -51,7 +51,7 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Open
                  {"equalise", statistics.equalise_seconds()},
                  {"encode", statistics.encode_seconds()},
                  {"total", total}}},
-               {"sampler", flags.sampler},
+               {"sampler", flags.sample.sampler},
                {"sequence", flags.sample.sequence},
                {"seed", options.seed},
                {"session_id", opened.session.session_id()}};
@@ -80,6 +80,11 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   request.set_session_id(opened->session.session_id());
   *request.mutable_sample() = *std::move(wanted);
   *request.mutable_sample()->mutable_cameras() = {cameras->begin(), cameras->end()};
+  for (const std::string& attribute : flags.attributes) {
+    request.mutable_sample()->add_attributes(attribute == "curvatures" ? v1::POINT_ATTRIBUTE_CURVATURES
+                                             : attribute == "rank"     ? v1::POINT_ATTRIBUTE_RANK
+                                                                       : v1::POINT_ATTRIBUTE_SURFACE);
+  }
   if (flags.sample.max_bytes == 0) {
     // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
     request.mutable_sample()->mutable_encoding()->mutable_raw();
@@ -122,10 +127,12 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
                   "the points' file: .ply, .xyz, .pcd (lossless) or .drc (Draco); without it, only statistics")
       ->check(validator(check_points_ending, ""))
       ->type_name("FILE");
-  app->add_option("--sampler", flags->sampler, "equalised (the paper's)")
-      ->check(validator([](const std::string& text) { return check_choice("sampler", text, kSamplers); }, ""))
-      ->type_name("NAME")
-      ->capture_default_str();
+  app->add_option("--attributes", flags->attributes,
+                  "more of each point, in a .ply file: curvatures (principal), rank (of the progressive sampler), surface (face of the "
+                  "repaired mesh and place in it); separated by commas")
+      ->delimiter(',')
+      ->check(validator([](const std::string& text) { return check_choice("attribute", text, kAttributes); }, ""))
+      ->type_name("NAME");
   app->add_flag("--first-answer", flags->first_answer,
                 "take the first point set, even where the curve is too coarse for the density and a finer one is being made");
   app->add_option("--position-bits", flags->drc.position_bits, "of a .drc file, per coordinate")

@@ -21,6 +21,8 @@ constexpr std::array<std::string_view, 4> kSequences = {"jittered", "regular", "
 constexpr std::array<v1::Sequence, kSequences.size()> kSequenceValues = {v1::SEQUENCE_JITTERED, v1::SEQUENCE_REGULAR,
                                                                          v1::SEQUENCE_VAN_DER_CORPUT, v1::SEQUENCE_GOLDEN_RATIO};
 
+constexpr std::array<std::string_view, 2> kSamplers = {"equalised", "progressive"};
+
 }  // namespace
 
 void add_density_flag(CLI::App* command, SampleFlags* flags, const std::string& help) {
@@ -36,9 +38,16 @@ CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
                            ->type_name("N");
   add_density_flag(command, flags, kDensityHelp);
   command
+      ->add_option("--sampler", flags->sampler,
+                   "equalised (the paper's: any sequence) or progressive (points with fixed ranks, evenly spread and apart: more points "
+                   "add to fewer, whatever the density)")
+      ->check(validator([](const std::string& text) { return check_choice("sampler", text, kSamplers); }, ""))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
       ->add_option(
           "--sequence", flags->sequence,
-          "placement along the curve: jittered (low discrepancy without a pattern), regular, or endless sequences, of which "
+          "of the equalised sampler, placement along the curve: jittered (low discrepancy without a pattern), regular, or endless sequences, of which "
           "more points add to fewer: vandercorput or golden")
       ->check(validator([](const std::string& text) { return check_choice("sequence", text, kSequences); }, ""))
       ->type_name("NAME")
@@ -88,6 +97,7 @@ absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::ui
     request.set_points(flags.points);
   }
   request.set_seed(seed);
+  request.set_sampler(flags.sampler == "progressive" ? v1::SAMPLER_PROGRESSIVE : v1::SAMPLER_EQUALISED);
   const auto choice = std::find(kSequences.begin(), kSequences.end(), flags.sequence) - kSequences.begin();
   request.set_sequence(kSequenceValues[static_cast<std::size_t>(choice)]);
   if (absl::Status status = add_density_terms(flags.density, request.mutable_density()); !status.ok()) return status;

@@ -18,11 +18,12 @@ struct SampleFlags {
   double pixel_error = 0;       // above 0: instead of points
   std::uint64_t max_bytes = 0;  // above 0: instead of points
   std::vector<std::string> density;
+  std::string sampler = "equalised";
   std::string sequence = "jittered";
   std::vector<std::string> cameras;
 };
 
-/// -n, --density and --sequence; values are checked while parsing. Returns the option -n.
+/// -n, --density, --sampler and --sequence; values are checked while parsing. Returns the option -n.
 CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags);
 /// --density alone.
 void add_density_flag(CLI::App* command, SampleFlags* flags, const std::string& help);

@@ -16,6 +16,8 @@
 #include <memory>
 #include <utility>
 
+#include "client/lib/append_values.h"
+
 namespace curvecast::client {
 namespace {
 
@@ -229,7 +231,25 @@ absl::StatusOr<Points> decode_raw(const v1::RawPoints& raw, std::uint64_t count)
   return points;
 }
 
+/// The attributes that were selected, each with a value for every point.
+absl::Status decode_attributes(const v1::PointAttributes& in, std::size_t count, Points& points) {
+  const auto read = [&](const std::string& bytes, auto& values) {
+    return bytes.empty() || (append_values(bytes, values) && values.size() == count);
+  };
+  if (!read(in.curvatures(), points.curvatures) || !read(in.ranks(), points.ranks) || !read(in.faces(), points.faces) ||
+      !read(in.barycentric(), points.barycentric)) {
+    return absl::InvalidArgumentError(absl::StrCat("an attribute has not as many bytes as ", count, " points take"));
+  }
+  const auto is_finite = [](const std::array<float, 2>& v) { return std::isfinite(v[0]) && std::isfinite(v[1]); };
+  if (!std::all_of(points.curvatures.begin(), points.curvatures.end(), is_finite) ||
+      !std::all_of(points.barycentric.begin(), points.barycentric.end(), is_finite)) {
+    return absl::InvalidArgumentError("an attribute is not finite");
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Points> decode_data(const v1::PointBlock& block) {
+  if (block.count() == 0 && block.has_raw()) return decode_raw(block.raw(), 0);
   if (block.count() == 0) return absl::InvalidArgumentError("it holds no points");
   if (block.has_raw()) return decode_raw(block.raw(), block.count());
   if (!block.has_draco()) return absl::InvalidArgumentError("it is neither Draco nor raw");
@@ -271,9 +291,9 @@ absl::StatusOr<Points> decode_draco(std::string_view bytes, RadiusRange radii) {
 
 absl::StatusOr<Points> decode_block(const v1::PointBlock& block) {
   absl::StatusOr<Points> points = decode_data(block);
-  if (!points.ok()) {
-    return absl::DataLossError(absl::StrCat("the server sent a bad block of points: ", points.status().message()));
-  }
+  absl::Status status = points.status();
+  if (status.ok()) status = decode_attributes(block.attributes(), points->size(), *points);
+  if (!status.ok()) return absl::DataLossError(absl::StrCat("the server sent a bad block of points: ", status.message()));
   points->origin = {block.origin().x(), block.origin().y(), block.origin().z()};
   for (const double o : points->origin) {
     if (!std::isfinite(o)) return absl::DataLossError("the server sent a bad block of points: its origin is not finite");
@@ -282,9 +302,10 @@ absl::StatusOr<Points> decode_block(const v1::PointBlock& block) {
 }
 
 std::uint64_t encoded_bytes(const v1::PointBlock& block) {
-  if (block.has_draco()) return block.draco().data().size();
   const v1::RawPoints& raw = block.raw();
-  return raw.positions().size() + raw.normals().size() + raw.radii().size() + raw.colours().size();
+  const v1::PointAttributes& more = block.attributes();
+  return block.draco().data().size() + more.curvatures().size() + more.ranks().size() + more.faces().size() +
+         more.barycentric().size() + raw.positions().size() + raw.normals().size() + raw.radii().size() + raw.colours().size();
 }
 
 void append_points(Points more, Points* points) {
@@ -303,6 +324,10 @@ void append_points(Points more, Points* points) {
   points->normals.insert(points->normals.end(), more.normals.begin(), more.normals.end());
   points->radii.insert(points->radii.end(), more.radii.begin(), more.radii.end());
   points->colours.insert(points->colours.end(), more.colours.begin(), more.colours.end());
+  points->curvatures.insert(points->curvatures.end(), more.curvatures.begin(), more.curvatures.end());
+  points->ranks.insert(points->ranks.end(), more.ranks.begin(), more.ranks.end());
+  points->faces.insert(points->faces.end(), more.faces.begin(), more.faces.end());
+  points->barycentric.insert(points->barycentric.end(), more.barycentric.begin(), more.barycentric.end());
 }
 
 }  // namespace curvecast::client

@@ -12,6 +12,7 @@
 #include <new>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "client/lib/file_bytes.h"
 #include "client/lib/point_headers.h"
@@ -48,10 +49,31 @@ std::array<double, 3> absolute(const Points& points, std::size_t i) {
   return p;
 }
 
-// One record per point: x y z [normal] [colour] [radius].
-void append_records(const Points& points, const Layout& layout, std::string& out) {
+/// What a PLY file holds beyond: values that lie one after the other, and their properties.
+struct Extra {
+  const void* values;
+  std::size_t bytes;  // of a point
+  const char* properties;
+};
+
+std::vector<Extra> extras_of(const Points& points) {
+  std::vector<Extra> extras;
+  const auto add = [&extras](const auto& values, const char* properties) {
+    if (!values.empty()) extras.push_back({values.data(), sizeof(values[0]), properties});
+  };
+  add(points.curvatures, "property float curvature_min\nproperty float curvature_max\n");
+  add(points.ranks, "property uint rank\n");
+  add(points.faces, "property uint face\n");
+  add(points.barycentric, "property float barycentric_2\nproperty float barycentric_3\n");
+  return extras;
+}
+
+// One record per point: x y z [normal] [colour] [radius] [extras].
+void append_records(const Points& points, const Layout& layout, const std::vector<Extra>& extras, std::string& out) {
+  std::size_t extra_bytes = 0;
+  for (const Extra& extra : extras) extra_bytes += extra.bytes;
   const std::size_t stride = (layout.doubles ? 24 : 12) + (layout.normals ? 12 : 0) + (layout.colours ? 3 : 0) +
-                             (layout.packed_colour ? 4 : 0) + (layout.radii ? 4 : 0);
+                             (layout.packed_colour ? 4 : 0) + (layout.radii ? 4 : 0) + extra_bytes;
   const std::size_t header = out.size();
   out.resize(header + stride * points.size());
   char* p = out.data() + header;
@@ -74,6 +96,10 @@ void append_records(const Points& points, const Layout& layout, std::string& out
       put(std::uint32_t{red} << 16 | std::uint32_t{green} << 8 | std::uint32_t{blue});
     }
     if (layout.radii) put(points.radii.empty() ? 0.0F : points.radii[i]);
+    for (const Extra& extra : extras) {
+      std::memcpy(p, static_cast<const char*>(extra.values) + i * extra.bytes, extra.bytes);
+      p += extra.bytes;
+    }
   }
 }
 
@@ -88,8 +114,10 @@ std::string make_ply(const Points& points) {
   if (layout.normals) out += "property float nx\nproperty float ny\nproperty float nz\n";
   if (layout.colours) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   if (layout.radii) out += "property float radius\n";
+  const std::vector<Extra> extras = extras_of(points);
+  for (const Extra& extra : extras) out += extra.properties;
   out += "end_header\n";
-  append_records(points, layout, out);
+  append_records(points, layout, extras, out);
   return out;
 }
 
@@ -100,7 +128,7 @@ std::string make_pcd(const Points& points) {
       "SIZE 4 4 4 4 4 4%s 4\nTYPE F F F F F F%s F\nCOUNT 1 1 1 1 1 1%s 1\nWIDTH %d\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
       "POINTS %d\nDATA binary\n",
       coloured ? " rgb" : "", coloured ? " 4" : "", coloured ? " U" : "", coloured ? " 1" : "", points.size(), points.size());
-  append_records(points, {.normals = true, .radii = true, .packed_colour = coloured}, out);
+  append_records(points, {.normals = true, .radii = true, .packed_colour = coloured}, {}, out);
   return out;
 }
 
@@ -163,6 +191,12 @@ absl::Status write_point_file(const std::string& path, const Points& points) {
     return absl::InvalidArgumentError(absl::StrFormat("%s: %d positions do not go with %d normals, %d radii and %d colours", path,
                                                       points.size(), points.normals.size(), points.radii.size(),
                                                       points.colours.size()));
+  }
+  if (!fits(points.curvatures.size()) || !fits(points.ranks.size()) || !fits(points.faces.size()) ||
+      !fits(points.barycentric.size())) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "%s: %d positions do not go with %d curvatures, %d ranks, %d faces and %d places in them", path, points.size(),
+        points.curvatures.size(), points.ranks.size(), points.faces.size(), points.barycentric.size()));
   }
   try {
     return write_as(*format, path, points);

@@ -58,6 +58,8 @@ BlockMass block_mass(std::span<const float> density, std::span<const float> area
     out.largest[b] = block.largest;
     out.codes[b] = block.codes;
   });
+  for (const float sum : out.sum) out.total += static_cast<double>(sum);
+  for (const float largest : out.largest) out.most = std::max(out.most, largest);
   return out;
 }
 

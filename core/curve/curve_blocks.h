@@ -2,9 +2,13 @@
 // their vertices: a sixteenth of the work, and of the bytes.
 #pragma once
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 
 #include "core/column.h"
@@ -28,16 +32,17 @@ struct MassCodes {
 
   /// The vertex (0 .. kBlockSize - 1) below which `part` of the mass lies, 0 <= part < 1; always one with mass.
   std::size_t vertex(float part) const {
-    // Counts the vertices before it, eight at a time: a comparison that holds gives -1.
-    using Codes = std::int16_t __attribute__((vector_size(16)));
-    Codes first, second;
-    std::memcpy(&first, through, sizeof(Codes));
-    std::memcpy(&second, through + 8, sizeof(Codes));
-    const auto code = static_cast<std::int16_t>(part * kWhole);
-    const Codes counts = -((first <= code) + (second <= code));
-    std::uint64_t halves[2];
-    std::memcpy(halves, &counts, sizeof(halves));
-    return (halves[0] + halves[1]) * 0x0001000100010001u >> 48;
+#ifdef __SSE2__
+    // Vertices after that part are a bit each, and the first of them is the one.
+    const __m128i code = _mm_set1_epi16(static_cast<std::int16_t>(part * kWhole));
+    const __m128i first = _mm_cmpgt_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(through)), code);
+    const __m128i second = _mm_cmpgt_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(through + 8)), code);
+    return static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(_mm_movemask_epi8(_mm_packs_epi16(first, second)))));
+#else
+    std::size_t count = 0;
+    for (const std::int16_t code : through) count += code <= static_cast<std::int16_t>(part * kWhole) ? 1 : 0;
+    return count;
+#endif
   }
 };
 
@@ -46,6 +51,8 @@ struct BlockMass {
   Column<float> sum;        // B
   Column<float> largest;    // B: on one vertex
   Column<MassCodes> codes;  // B
+  double total = 0;         // sum of all
+  float most = 0;           // largest of all
 
   std::size_t byte_size() const { return sum.size() * (2 * sizeof(float) + sizeof(MassCodes)); }
 };

@@ -17,7 +17,9 @@
 
 namespace curvecast {
 
-struct UniformTerm {};
+struct UniformTerm {
+  bool operator==(const UniformTerm&) const = default;
+};
 
 /// (floor + (1 - floor) min(|k| / k_ref, 1))^exponent, where k_ref is the curve's reference_curvature: only a twentieth of
 /// the area is curved more. 1 everywhere on a flat surface.
@@ -25,6 +27,8 @@ struct CurvatureTerm {
   CurvatureKind kind = CurvatureKind::kGauss;
   double exponent = 1;  // >= 0
   double floor = 0.05;  // in [0, 1], relative to k_ref: flat regions keep this density
+
+  bool operator==(const CurvatureTerm&) const = default;
 };
 
 inline constexpr double kMaxS0 = 1e6;
@@ -32,6 +36,8 @@ inline constexpr double kMaxS0 = 1e6;
 /// Silhouette enhancement: with c the cosine between normal and direction to the camera, 1 - c + s0 where c > 0, else 0.
 struct ViewTerm {
   double s0 = 0.1;  // in (0, kMaxS0]: density of what faces the camera squarely
+
+  bool operator==(const ViewTerm&) const = default;
 };
 
 /// Level of detail by the distance d to the eye: (near / clamp(d, near, far))^2. 1 for an orthographic camera.
@@ -40,20 +46,28 @@ struct DistanceTerm {
                                                          // but at least a thousandth of its diagonal
   double far = std::numeric_limits<double>::infinity();  // at least `near`
   bool global = false;  // not the density but the number of points falls, by d of the box's centre: see scaled_points()
+
+  bool operator==(const DistanceTerm&) const = default;
 };
 
 /// 1 in the camera's picture, else 0. A perspective camera sees nothing nearer than kNearPlane.
-struct FrustumTerm {};
+struct FrustumTerm {
+  bool operator==(const FrustumTerm&) const = default;
+};
 inline constexpr double kNearPlane = 1e-4;  // diagonals of the box before the eye
 
 /// Even spacing on the screen: pixels' area per area of the surface, 0 for what faces away or lies behind the eye. What is seen
 /// at a slant counts as if the cosine were kLeastSlant at least.
-struct ScreenTerm {};
+struct ScreenTerm {
+  bool operator==(const ScreenTerm&) const = default;
+};
 inline constexpr double kLeastSlant = 0.05;
 
 /// The mesh's named number at each vertex, in any unit; negative ones and NaN count as 0.
 struct AttributeTerm {
   std::string name;  // one of the curve's scalars
+
+  bool operator==(const AttributeTerm&) const = default;
 };
 
 inline constexpr double kMaxBrushFactor = 1e6;
@@ -64,11 +78,15 @@ struct BrushTerm {
   double radius = 1;             // above 0, in the file's units
   double factor = 0;             // in [0, kMaxBrushFactor]; 0 erases
   double falloff = 0.5;          // in [0, 1]; 0 = a hard edge
+
+  bool operator==(const BrushTerm&) const = default;
 };
 
 /// A formula's value; negative ones and NaN count as 0, infinite ones are an error. See Expression.
 struct ExpressionTerm {
   std::string text;
+
+  bool operator==(const ExpressionTerm&) const = default;
 };
 
 using DensityTerm = std::variant<UniformTerm, CurvatureTerm, ViewTerm, DistanceTerm, FrustumTerm, ScreenTerm, AttributeTerm,

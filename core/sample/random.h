@@ -12,10 +12,14 @@ constexpr std::uint64_t mix_bits(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
+inline constexpr std::uint64_t kRandomStep = 0x9e3779b97f4a7c15u;  // from one counter to the next
+
+/// What mix_bits makes a seed's random numbers from, for the counter 0.
+constexpr std::uint64_t random_start(std::uint64_t seed) { return mix_bits(seed + kRandomStep) + kRandomStep; }
+
 /// Uniform in [0, 1).
 constexpr double random_unit(std::uint64_t seed, std::uint64_t counter) {
-  constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;
-  const std::uint64_t bits = mix_bits(mix_bits(seed + kStep) + (counter + 1) * kStep);
+  const std::uint64_t bits = mix_bits(random_start(seed) + counter * kRandomStep);
   return static_cast<double>(bits >> 11) * 0x1p-53;
 }
 

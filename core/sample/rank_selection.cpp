@@ -50,16 +50,7 @@ bool needs_none(const ChunkId& id, float most, float scale) {
 
 }  // namespace
 
-std::vector<float> largest_of_blocks(std::span<const float> density) {
-  std::vector<float> most(block_count(density.size()));
-  for (std::size_t b = 0; b < most.size(); ++b) {
-    const std::size_t end = std::min(density.size(), (b + 1) * kBlockSize);
-    most[b] = *std::max_element(&density[b * kBlockSize], density.data() + end);
-  }
-  return most;
-}
-
-void RankSelector::select(std::shared_ptr<const RankTree> tree, const RankDensity& density, const ViewFactor& factor,
+void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& factor,
                           std::uint64_t n, RankSelection& out) {
   const View view{*tree, density, factor};
   // Most frames are done in one go; a view of a small part of the surface cannot be guessed.
@@ -92,7 +83,7 @@ void RankSelector::select(std::shared_ptr<const RankTree> tree, const RankDensit
   out.tree = std::move(tree);
 }
 
-void RankSelector::select_at(std::shared_ptr<const RankTree> tree, const RankDensity& density, const ViewFactor& factor,
+void RankSelector::select_at(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& factor,
                              float scale, RankSelection& out) {
   const View view{*tree, density, factor};
   visit(view, scale);
@@ -100,6 +91,11 @@ void RankSelector::select_at(std::shared_ptr<const RankTree> tree, const RankDen
   shown_.resize(keys_.size() / kWord);
   finish(view, mark_upto(keys_.data(), shown_.size(), scale, shown_.data()), out);
   out.tree = std::move(tree);
+}
+
+std::size_t RankSelector::byte_size() const {
+  const auto bytes = [](const auto&... vectors) { return ((vectors.capacity() * sizeof(vectors[0])) + ...); };
+  return bytes(visit_, visited_, most_, keys_, factor_, shown_, bits_, window_);
 }
 
 float RankSelector::guess_scale(const View& view, std::uint64_t n) {
@@ -134,8 +130,8 @@ bool RankSelector::visit(const View& view, float scale) {
     const RankChunk& chunk = *chunks[c];
     float most[kChunkRuns];
     view.factor.most_of_blocks(chunk.bounds, 0, kChunkRuns, most);
-    for (std::size_t r = 0; r < kChunkRuns && !view.density.most.empty(); ++r) {
-      const auto blocks = view.density.most.subspan(chunk.first_vertex[r] / kBlockSize,
+    for (std::size_t r = 0; r < kChunkRuns && view.density != nullptr; ++r) {
+      const auto blocks = std::span<const float>(view.density->most).subspan(chunk.first_vertex[r] / kBlockSize,
                                                     chunk.last_vertex[r] / kBlockSize - chunk.first_vertex[r] / kBlockSize + 1);
       most[r] *= *std::max_element(blocks.begin(), blocks.end());
     }
@@ -170,10 +166,10 @@ void RankSelector::evaluate(const View& view, const RankChunk& chunk, std::size_
   const std::size_t n = end - begin;
   if (factor_.size() < n) factor_.resize(n);
   float* const factor = factor_.data();
-  if (view.density.at_vertex.empty()) {
+  if (view.density == nullptr) {
     std::fill_n(factor, n, 1.0f);
   } else {
-    for (std::size_t i = 0; i < n; ++i) factor[i] = view.density.at_vertex[chunk.vertex[begin + i]];
+    for (std::size_t i = 0; i < n; ++i) factor[i] = view.density->density[chunk.vertex[begin + i]];
   }
   view.factor.multiply(&chunk.x[begin], &chunk.y[begin], &chunk.z[begin], &chunk.nx[begin], &chunk.ny[begin], &chunk.nz[begin], n,
                        factor);

@@ -8,19 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "core/density/fixed_density.h"
 #include "core/density/view_factor.h"
 #include "core/sample/rank_tree.h"
 
 namespace curvecast {
-
-/// The part of a density that no camera changes.
-struct RankDensity {
-  std::span<const float> at_vertex;  // L, or empty for 1 everywhere
-  std::span<const float> most;       // B: the largest of each block; empty with at_vertex
-};
-
-/// The largest of each block of a density at every curve vertex.
-std::vector<float> largest_of_blocks(std::span<const float> density);
 
 /// Kept from frame to frame, so that its memory is used again.
 struct RankSelection {
@@ -42,14 +34,17 @@ struct RankSelection {
 /// Selects for one view after another; not for several threads at once.
 class RankSelector {
  public:
-  /// The n points that need the least scale, of those that need the same those of the lowest ranks; fewer where fewer of the
+  /// The n points that need the least scale under a density, the fixed one (null: 1 everywhere) times the view's; of those that need the same those of the lowest ranks; fewer where fewer of the
   /// tree's have a density. Precondition: n > 0.
-  void select(std::shared_ptr<const RankTree> tree, const RankDensity& density, const ViewFactor& view, std::uint64_t n,
+  void select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, std::uint64_t n,
               RankSelection& out);
 
   /// All points that are shown at a scale.
-  void select_at(std::shared_ptr<const RankTree> tree, const RankDensity& density, const ViewFactor& view, float scale,
+  void select_at(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, float scale,
                  RankSelection& out);
+
+  /// Held, whether in use or not.
+  std::size_t byte_size() const;
 
  private:
   struct Visited {
@@ -65,7 +60,7 @@ class RankSelector {
 
   struct View {
     const RankTree& tree;
-    const RankDensity& density;
+    const FixedDensity* density;
     const ViewFactor& factor;
   };
 

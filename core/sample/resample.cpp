@@ -15,86 +15,115 @@ namespace curvecast {
 namespace {
 
 /// The points lie far apart in memory, and the processor looks ahead only so far.
-constexpr std::size_t kAhead = 24;
+constexpr std::size_t kAhead = 16;
 void prefetch(const SurfaceCurve& curve, std::uint32_t l) {
   for (const Column<float>* column : {&curve.x, &curve.y, &curve.z}) __builtin_prefetch(column->data() + l);
   for (const Column<Snorm16>* column : {&curve.nx, &curve.ny, &curve.nz}) __builtin_prefetch(column->data() + l);
 }
 
-/// `density`: the fixed part; empty for 1.
-PointSet gather(const SurfaceCurve& curve, std::span<const float> density, const ViewFactor& view, double mass_per_point,
-                std::vector<std::uint32_t> vertices) {
+constexpr std::size_t kChunk = 128;  // points whose data stay in the nearest cache
+
+/// Positions and normals of points [begin, end).
+void gather_places(const SurfaceCurve& curve, std::size_t begin, std::size_t end, PointSet& points) {
+  const std::uint32_t* const vertices = points.vertices.data();
+  const std::size_t n = points.vertices.size();
+  for (std::size_t i = begin; i < end; ++i) {
+    prefetch(curve, vertices[std::min(i + kAhead, n - 1)]);
+    const std::uint32_t l = vertices[i];
+    points.positions[i] = curve.position(l);
+    points.normals[i] = curve.normal(l);
+  }
+}
+
+/// The density on the vertices of n <= kChunk points, but for a constant. The view's factor is that of the vertex itself, not of
+/// its block. `fixed`: the fixed part; empty for 1.
+void gather_density(const SurfaceCurve& curve, std::span<const float> fixed, const ViewFactor& view,
+                    const std::uint32_t* vertices, std::size_t n, float* density) {
+  for (std::size_t i = 0; i < n; ++i) density[i] = fixed.empty() ? 1 : fixed[vertices[i]];
+  if (view.is_one()) return;
+  float x[kChunk], y[kChunk], z[kChunk];
+  Snorm16 nx[kChunk], ny[kChunk], nz[kChunk];
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t l = vertices[i];
+    x[i] = curve.x[l], y[i] = curve.y[l], z[i] = curve.z[l];
+    nx[i] = curve.nx[l], ny[i] = curve.ny[l], nz[i] = curve.nz[l];
+  }
+  view.multiply(x, y, z, nx, ny, nz, n, density);
+}
+
+/// The data of points.vertices.
+void gather(const SurfaceCurve& curve, std::span<const float> fixed, const ViewFactor& view, double mass_per_point,
+            PointSet& points) {
+  const std::vector<std::uint32_t>& vertices = points.vertices;
   const std::size_t n = vertices.size();
-  PointSet points;
+  points.ranks.clear();
   points.origin = curve.origin;
   points.positions.resize(n);
   points.normals.resize(n);
   points.radii.resize(n);
   const SplatRadius radius(curve, mass_per_point);
-  // The view's factor is that of the vertex itself, not of its block.
-  constexpr std::size_t kChunk = 256;
-  float x[kChunk], y[kChunk], z[kChunk], factor[kChunk];
-  Snorm16 nx[kChunk], ny[kChunk], nz[kChunk];
+  float density[kChunk];
   for (std::size_t begin = 0; begin < n; begin += kChunk) {
     const std::size_t count = std::min(kChunk, n - begin);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (begin + i + kAhead < n) prefetch(curve, vertices[begin + i + kAhead]);
-      const std::uint32_t l = vertices[begin + i];
-      x[i] = curve.x[l], y[i] = curve.y[l], z[i] = curve.z[l];
-      nx[i] = curve.nx[l], ny[i] = curve.ny[l], nz[i] = curve.nz[l];
-      factor[i] = density.empty() ? 1 : density[l];
-    }
-    view.multiply(x, y, z, nx, ny, nz, count, factor);
-    for (std::size_t i = 0; i < count; ++i) {
-      points.positions[begin + i] = {x[i], y[i], z[i]};
-      points.normals[begin + i] = {nx[i], ny[i], nz[i]};
-      points.radii[begin + i] = radius(factor[i]);
-    }
+    gather_places(curve, begin, begin + count, points);
+    gather_density(curve, fixed, view, &vertices[begin], count, density);
+    for (std::size_t i = 0; i < count; ++i) points.radii[begin + i] = radius(density[i]);
   }
-  if (!curve.colour.empty()) {
-    points.colours.resize(n);
-    for (std::size_t i = 0; i < n; ++i) points.colours[i] = curve.colour[vertices[i]];
-  }
-  points.vertices = std::move(vertices);
-  return points;
+  points.colours.resize(curve.colour.empty() ? 0 : n);
+  for (std::size_t i = 0; i < points.colours.size(); ++i) points.colours[i] = curve.colour[vertices[i]];
 }
 
 }  // namespace
 
+absl::Status check_sample(std::uint64_t points, const Density& density) {
+  if (points == 0) return absl::InvalidArgumentError("the number of points is 0; ask for at least 1");
+  if (points > kMaxPoints) {
+    return absl::OutOfRangeError(absl::StrFormat("%d points asked for; at most %d are made", points, kMaxPoints));
+  }
+  return check_density(density);
+}
+
+absl::Status nowhere_to_put_points() {
+  return absl::FailedPreconditionError(
+      "the density is zero on the whole surface (does anything face the camera?), so there is nowhere to put points");
+}
+
 absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptions& options, ResampleReport* report) {
-  if (options.points == 0) return absl::InvalidArgumentError("the number of points is 0; ask for at least 1");
-  if (options.points > kMaxPoints) {
-    return absl::OutOfRangeError(absl::StrFormat("%d points asked for; at most %d are made", options.points, kMaxPoints));
-  }
-  if (absl::Status status = check_density(options.density); !status.ok()) return status;
+  if (absl::Status status = check_sample(options.points, options.density); !status.ok()) return status;
   Stopwatch watch;
-  std::vector<float> density;
-  BlockMass own;
-  if (has_fixed_terms(options.density.terms)) {
-    density.resize(curve.size());
-    if (absl::Status status = evaluate_fixed_terms(curve, options.density.terms, density); !status.ok()) return status;
-    own = block_mass(density, curve.area);
-  }
-  const BlockMass& fixed = density.empty() ? curve.blocks.area : own;
+  const absl::StatusOr<std::shared_ptr<const FixedDensity>> fixed = make_fixed_density(curve, options.density.terms);
+  if (!fixed.ok()) return fixed.status();
+  const double fixed_seconds = watch.lap();
+  ResampleWorkspace workspace;
+  if (absl::Status status = resample(curve, fixed->get(), options, workspace, report); !status.ok()) return status;
+  if (report != nullptr) report->density_seconds += fixed_seconds;
+  return std::move(workspace.points);
+}
+
+absl::Status resample(const SurfaceCurve& curve, const FixedDensity* fixed, const ResampleOptions& options,
+                      ResampleWorkspace& workspace, ResampleReport* report) {
+  if (absl::Status status = check_sample(options.points, options.density); !status.ok()) return status;
+  Stopwatch watch;
+  const std::span<const float> density = fixed == nullptr ? std::span<const float>() : fixed->density;
+  const BlockMass& fixed_mass = fixed == nullptr ? curve.blocks.area : fixed->mass;
   const ViewFactor view(curve, options.density);
-  ViewMass mass;
-  view_mass(curve, density, fixed, view, options.points, mass);
+  ViewMass& mass = workspace.mass;
+  view_mass(curve, density, fixed_mass, view, options.points, mass);
   if (report != nullptr) report->density_seconds = watch.lap();
-  if (!(mass.total > 0) || !std::isfinite(mass.total)) {
-    return absl::FailedPreconditionError(
-        "the density is zero on the whole surface (does anything face the camera?), so there is nowhere to put points");
-  }
-  std::vector<double> q(options.points);
-  fill_sequence(options.sequence, options.seed, q);
-  std::vector<std::uint32_t> vertices(options.points);
-  equalise(mass, fixed, q, vertices);
+  if (!(mass.total > 0) || !std::isfinite(mass.total)) return nowhere_to_put_points();
+  workspace.sequence.resize(options.points);
+  fill_sequence(options.sequence, options.seed, workspace.sequence);
+  workspace.points.vertices.resize(options.points);
+  equalise(mass, fixed_mass, workspace.sequence, workspace.points.vertices, workspace.equalise);
   const double mass_per_point = mass.total / static_cast<double>(options.points);
-  PointSet points = gather(curve, density, view, mass_per_point, std::move(vertices));
+  const double invert_seconds = watch.lap();
+  gather(curve, density, view, mass_per_point, workspace.points);
   if (report != nullptr) {
-    report->equalise_seconds = watch.lap();
+    report->gather_seconds = watch.lap();
+    report->equalise_seconds = invert_seconds + report->gather_seconds;
     report->most_on_vertex = static_cast<double>(mass.largest) / mass_per_point;
   }
-  return points;
+  return absl::OkStatus();
 }
 
 }  // namespace curvecast

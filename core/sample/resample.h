@@ -8,7 +8,9 @@
 
 #include "core/curve/surface_curve.h"
 #include "core/density/density.h"
+#include "core/density/fixed_density.h"
 #include "core/sample/point_set.h"
+#include "core/sample/resample_workspace.h"
 #include "core/sample/sequence.h"
 
 namespace curvecast {
@@ -23,13 +25,24 @@ struct ResampleOptions {
 struct ResampleReport {
   double density_seconds = 0;
   double equalise_seconds = 0;  // cumulative density, inversion and gathering
+  double gather_seconds = 0;    // of these: reading the points' data
   double most_on_vertex = 0;    // points that are expected at least on the curve vertex with the most; see kShortLoad
 };
+
+/// InvalidArgument: N = 0, a bad density. OutOfRange: N > kMaxPoints.
+absl::Status check_sample(std::uint64_t points, const Density& density);
+/// FailedPrecondition: the density is zero everywhere.
+absl::Status nowhere_to_put_points();
 
 /// Exactly options.points points on the surface, low-discrepancy with respect to the density. It is the best that the curve can
 /// give: where it is too coarse for them, points coincide.
 /// InvalidArgument: N = 0, a bad density term. OutOfRange: N > kMaxPoints. FailedPrecondition: the density is zero everywhere
 /// (nothing faces the eye). `report` may be null.
 absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptions& options, ResampleReport* report = nullptr);
+
+/// The same, for one frame after the other: the points are workspace.points, and lost where it fails. `fixed` is what
+/// make_fixed_density() makes of the curve and options.density; who keeps it pays for it once.
+absl::Status resample(const SurfaceCurve& curve, const FixedDensity* fixed, const ResampleOptions& options,
+                      ResampleWorkspace& workspace, ResampleReport* report = nullptr);
 
 }  // namespace curvecast

@@ -15,16 +15,20 @@ namespace curvecast {
 struct ViewMass {
   static constexpr std::uint32_t kShared = std::numeric_limits<std::uint32_t>::max();
 
-  double total = 0;                  // sum of all
-  float largest = 0;                 // on one vertex there is at least as much
-  std::vector<float> sum;            // B
-  std::vector<std::uint32_t> codes;  // B: which of own_codes a block has, or kShared: those of the fixed mass
+  double total = 0;        // sum of all
+  float largest = 0;       // on one vertex there is at least as much
+  std::vector<float> sum;  // B, or none: those of the fixed mass
+  std::vector<std::uint32_t>
+      codes;  // B: which of own_codes a block has, or kShared: those of the fixed mass. Or none, as with sum
   std::vector<MassCodes> own_codes;  // of the blocks that were looked at closely
   std::vector<float> moved;          // B: how much of a block's mass would lie elsewhere at most, if it counted as its middle
   std::vector<std::uint32_t> close;  // the blocks that were looked at closely come first, ascending
 
+  std::span<const float> sums(const BlockMass& fixed) const { return sum.empty() ? std::span<const float>(fixed.sum) : sum; }
   const MassCodes& codes_of(const BlockMass& fixed, std::size_t block) const {
-    return codes[block] == kShared ? fixed.codes[block] : own_codes[codes[block]];
+    if (codes.empty()) return fixed.codes[block];
+    const std::uint32_t own = codes[block];
+    return *(own == kShared ? fixed.codes.data() + block : own_codes.data() + own);
   }
 };
 

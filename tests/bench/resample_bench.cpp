@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -34,16 +35,26 @@ void count_vertices(benchmark::State& state) {
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * static_cast<std::int64_t>(curve->size()));
 }
 
+/// Reads a column as fast as the memory gives it: nothing is done with the numbers.
+template <typename T>
+[[gnu::noinline]] std::uint64_t sum_bytes(const Column<T>& column) {
+  std::uint64_t sum[8] = {};
+  const auto* const bytes = reinterpret_cast<const char*>(column.data());
+  for (std::size_t i = 0; i + sizeof(sum) <= column.size() * sizeof(T); i += sizeof(sum)) {
+    for (std::size_t k = 0; k < 8; ++k) {
+      std::uint64_t word;
+      std::memcpy(&word, bytes + i + k * sizeof(word), sizeof(word));
+      sum[k] ^= word;
+    }
+  }
+  return sum[0] ^ sum[1] ^ sum[2] ^ sum[3] ^ sum[4] ^ sum[5] ^ sum[6] ^ sum[7];
+}
+
 void read_arrays(benchmark::State& state) {
   for (auto _ : state) {
-    float sum[8] = {};
-    const auto read = [&sum](const auto& column) {
-      for (std::size_t i = 0; i + 8 <= column.size(); i += 8) {
-        for (int k = 0; k < 8; ++k) sum[k] += column[i + k];
-      }
-    };
-    for (const Column<float>* column : {&curve->x, &curve->y, &curve->z, &curve->area}) read(*column);
-    for (const Column<Snorm16>* column : {&curve->nx, &curve->ny, &curve->nz}) read(*column);
+    std::uint64_t sum = 0;
+    for (const Column<float>* column : {&curve->x, &curve->y, &curve->z, &curve->area}) sum += sum_bytes(*column);
+    for (const Column<Snorm16>* column : {&curve->nx, &curve->ny, &curve->nz}) sum += sum_bytes(*column);
     benchmark::DoNotOptimize(sum);
   }
   count_vertices(state);
@@ -73,8 +84,9 @@ void equalise_view(benchmark::State& state) {
   std::vector<double> q(kPoints);
   fill_sequence(Sequence::kJittered, 1, q);
   std::vector<std::uint32_t> vertices(kPoints);
+  EqualiseScratch scratch;
   for (auto _ : state) {
-    equalise(mass, curve->blocks.area, q, vertices);
+    equalise(mass, curve->blocks.area, q, vertices, scratch);
     benchmark::DoNotOptimize(vertices.data());
   }
 }
@@ -87,12 +99,28 @@ void sequence(benchmark::State& state) {
   }
 }
 
-void resample_evenly(benchmark::State& state) {
-  const ResampleOptions options{.points = 65'536};
-  for (auto _ : state) benchmark::DoNotOptimize(resample(*curve, options)->size());
+void resample_with(benchmark::State& state, const ResampleOptions& options) {
+  const auto fixed = make_fixed_density(*curve, options.density);
+  ResampleWorkspace workspace;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(resample(*curve, fixed->get(), options, workspace).ok());
+    benchmark::DoNotOptimize(workspace.points.positions.data());
+  }
 }
 
-void resample_view(benchmark::State& state) {
+void resample_evenly(benchmark::State& state) { resample_with(state, {.points = 65'536}); }
+
+void resample_curved(benchmark::State& state) { resample_with(state, {.points = 65'536, .density = {CurvatureTerm{}}}); }
+
+void resample_view(benchmark::State& state) { resample_with(state, view_options()); }
+
+void resample_curved_view(benchmark::State& state) {
+  ResampleOptions options = view_options();
+  options.density.push_back(CurvatureTerm{});
+  resample_with(state, options);
+}
+
+void resample_once(benchmark::State& state) {
   const ResampleOptions options = view_options();
   for (auto _ : state) benchmark::DoNotOptimize(resample(*curve, options)->size());
   count_vertices(state);
@@ -113,7 +141,10 @@ BENCHMARK(view_blocks)->Unit(benchmark::kMillisecond);
 BENCHMARK(sequence)->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
 BENCHMARK(resample_evenly)->Unit(benchmark::kMillisecond);
 BENCHMARK(equalise_view)->Unit(benchmark::kMillisecond);
+BENCHMARK(resample_curved)->Unit(benchmark::kMillisecond);
 BENCHMARK(resample_view)->Unit(benchmark::kMillisecond);
+BENCHMARK(resample_curved_view)->Unit(benchmark::kMillisecond);
+BENCHMARK(resample_once)->Unit(benchmark::kMillisecond);
 BENCHMARK(encode)->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -111,6 +111,7 @@ class EngineTest : public ::testing::Test {
   void stop() {
     engine_.stop_streams(absl::UnavailableError("the server is shutting down"));
     engine_.refiner.stop();
+    engine_.rank_jobs.stop();
     engine_.views.stop();
     engine_.preprocessing.stop();
     engine_.cache->stop();

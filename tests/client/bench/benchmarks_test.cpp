@@ -12,6 +12,7 @@
 #include "client/cli/bench/neighbours_bench.h"
 #include "client/cli/bench/peak_memory.h"
 #include "client/cli/bench/preprocess_bench.h"
+#include "client/cli/bench/sample_bench.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast::cli {
@@ -81,6 +82,25 @@ TEST(NeighboursBench, AgreesWithTheKdTree) {
     EXPECT_EQ(find(*report, set + ": answers that differ")->value, 0);
   }
   EXPECT_FALSE(bench_neighbours({"torus.off", off}, {.points = 100, .samples = 0}, {}).ok());
+}
+
+TEST(SampleBench, MeasuresEveryStageBesideReading) {
+  const std::string off = curvecast::testing::to_off(curvecast::testing::torus(24, 12));
+  const auto report = bench_sample({"torus.off", off}, {.repeats = 3, .points = 1000, .view_points = 500}, {});
+  ASSERT_TRUE(report.ok()) << report.status();
+  ASSERT_NE(find(*report, "read positions"), nullptr);
+  const double read = find(*report, "read positions")->value;
+  for (const std::string set : {"N = 1000", "curvature, N = 1000", "view, N = 500", "curvature x view, N = 500"}) {
+    for (const char* stage : {"", ": density", ": equalise", ": gather"}) {
+      const BenchResult* result = find(*report, set + stage);
+      ASSERT_NE(result, nullptr) << set << stage;
+      EXPECT_EQ(result->reference, read);
+      EXPECT_EQ(result->unit, "ms");
+    }
+  }
+  EXPECT_NE(find(*report, "view, N = 500, fresh memory"), nullptr);
+  EXPECT_LE(find(*report, "curve")->value, 64 * 1.1) << "bytes for each vertex";
+  EXPECT_FALSE(bench_sample({"torus.off", off}, {.points = 100, .view_points = 0}, {}).ok());
 }
 
 TEST(PeakMemory, SeesWhatWasHeldForAMoment) {

@@ -43,9 +43,9 @@ Curve random_curve(std::uint64_t seed, std::size_t n, bool whole) {
   return curve;
 }
 
-std::vector<double> sequence_of(std::size_t n, std::uint64_t seed = 1) {
+std::vector<double> sequence_of(std::size_t n, std::uint64_t seed = 1, Sequence sequence = Sequence::kJittered) {
   std::vector<double> q(n);
-  fill_sequence(Sequence::kJittered, seed, q);
+  fill_sequence(sequence, seed, q);
   return q;
 }
 
@@ -97,6 +97,52 @@ TEST(Equalise, FindsTheBlockExactlyAndTheVertexWithinACode) {
         }
       }
     }
+  }
+}
+
+/// The plainest way there is: block by block, point by point.
+std::vector<std::uint32_t> merged(const Curve& curve, const std::vector<double>& q) {
+  const BlockMass mass = block_mass(curve.density, curve.area);
+  std::vector<std::uint32_t> vertices;
+  double before = 0;
+  for (std::size_t b = 0; b < mass.sum.size(); ++b) {
+    const double sum = static_cast<double>(mass.sum[b]);
+    while (vertices.size() < q.size() && q[vertices.size()] * mass.total < before + sum) {
+      const auto part = static_cast<float>((q[vertices.size()] * mass.total - before) / sum);
+      const std::size_t within = mass.codes[b].vertex(std::min(part, 0x1.fffffep-1f));
+      vertices.push_back(static_cast<std::uint32_t>(b * kBlockSize + within));
+    }
+    before += sum;
+  }
+  return vertices;
+}
+
+TEST(Equalise, IsThePlainMergeForAnySequence) {
+  // From many points for each block to many blocks for each point, and more blocks than are done in one go.
+  EqualiseScratch scratch;
+  for (const std::size_t n : {40u, 3000u, 30'000u}) {
+    for (const Sequence sequence : {Sequence::kJittered, Sequence::kRegular, Sequence::kVanDerCorput, Sequence::kGoldenRatio}) {
+      for (const std::size_t points : {1u, 5u, 257u, 2000u, 50'000u}) {
+        Curve curve = random_curve(n + points, n, points % 2 == 0);
+        curve.density[n / 2] = 1;
+        const std::vector<double> q = sequence_of(points, n, sequence);
+        const BlockMass fixed = block_mass(curve.density, curve.area);
+        ViewMass mass;
+        fixed_mass(fixed, mass);
+        std::vector<std::uint32_t> vertices(points, kUntouched);
+        equalise(mass, fixed, q, vertices, scratch);
+        ASSERT_EQ(vertices, merged(curve, q)) << n << " vertices, " << points << " points";
+      }
+    }
+  }
+}
+
+TEST(Equalise, TakesAnyAscendingNumbers) {
+  const Curve curve = random_curve(3, 20'000, false);
+  for (const double exponent : {0.1, 0.5, 3.0, 30.0}) {  // nearly all at one end
+    std::vector<double> q = sequence_of(5000);
+    for (double& to : q) to = std::pow(to, exponent);
+    EXPECT_EQ(equalised(curve, q), merged(curve, q));
   }
 }
 

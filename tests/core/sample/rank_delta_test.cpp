@@ -24,7 +24,7 @@ TEST(RankDelta, WhoAppliesDeltasHasTheSelection) {
     const double angle = 20 * random_unit(1, frame);
     const Vec3d eye = Vec3d(std::sin(angle), 0.4, std::cos(angle)) * (1.2 + 4 * random_unit(2, frame));
     const auto n = static_cast<std::uint64_t>(1 + 6000 * random_unit(3, frame));
-    selector.select(grower->tree(), {}, ViewFactor(*ball_curve(), std::vector<DensityTerm>{ViewTerm{.eye = eye}}), n, later);
+    selector.select(grower->tree(), nullptr, ViewFactor(*ball_curve(), view_from(eye)), n, later);
     if (frame % 3 == 0) {
       ASSERT_TRUE(grower->grow(later.lacking, 4'000'000).ok());
     }
@@ -46,8 +46,8 @@ TEST(RankDelta, SmallMovesChangeFewPoints) {
   RankSelection earlier, later;
   const auto look = [&](double degrees, RankSelection& out) {
     const double angle = degrees * M_PI / 180;
-    const std::vector<DensityTerm> terms = {ViewTerm{.eye = Vec3d(3 * std::sin(angle), 1, 3 * std::cos(angle))}};
-    selector.select(tree, {}, ViewFactor(*ball_curve(), terms), 8000, out);
+    const Density terms = view_from(Vec3d(3 * std::sin(angle), 1, 3 * std::cos(angle)));
+    selector.select(tree, nullptr, ViewFactor(*ball_curve(), terms), 8000, out);
   };
   look(0, earlier);
   look(1, later);

@@ -15,10 +15,10 @@ namespace {
 
 using namespace curvecast::testing;
 
-using Terms = std::vector<DensityTerm>;
+using Terms = Density;
 
 RankSelection select(const std::shared_ptr<const RankTree>& tree, const Terms& terms, std::uint64_t n,
-                     const RankDensity& density = {}) {
+                     const FixedDensity* density = nullptr) {
   RankSelector selector;
   RankSelection selection;
   selector.select(tree, density, ViewFactor(*ball_curve(), terms), n, selection);
@@ -27,12 +27,12 @@ RankSelection select(const std::shared_ptr<const RankTree>& tree, const Terms& t
 
 /// The n ranks that need the least scale, by looking at all points.
 std::vector<std::uint32_t> expected_ranks(const RankTree& tree, const Terms& terms, std::uint64_t n,
-                                          const RankDensity& density = {}) {
+                                          const FixedDensity* density = nullptr) {
   const ViewFactor view(*ball_curve(), terms);
   std::vector<std::pair<float, std::uint32_t>> needed;
   for (const auto& chunk : tree.chunks()) {
     for (std::size_t i = 0; i < chunk->size(); ++i) {
-      float factor = density.at_vertex.empty() ? 1 : density.at_vertex[chunk->vertex[i]];
+      float factor = density == nullptr ? 1 : density->density[chunk->vertex[i]];
       view.multiply(&chunk->x[i], &chunk->y[i], &chunk->z[i], &chunk->nx[i], &chunk->ny[i], &chunk->nz[i], 1, &factor);
       if (factor > 0) needed.emplace_back(static_cast<float>(chunk->rank[i] + 1) / factor, chunk->rank[i]);
     }
@@ -56,28 +56,37 @@ std::vector<float> some_density(std::uint64_t seed) {
   return density;
 }
 
-struct OwnedDensity {
-  explicit OwnedDensity(std::vector<float> density) : values(std::move(density)), most(largest_of_blocks(values)) {}
-  operator RankDensity() const { return {values, most}; }
-  std::vector<float> values, most;
-};
+FixedDensity fixed(const std::vector<float>& density) {
+  FixedDensity out{Column<float>(density), {}, block_mass(density, ball_curve()->area)};
+  out.most.resize(block_count(density.size()));
+  for (std::size_t b = 0; b < out.most.size(); ++b) {
+    out.most[b] = *std::max_element(&density[b * kBlockSize], density.data() + std::min(density.size(), (b + 1) * kBlockSize));
+  }
+  return out;
+}
+
+Camera from(const Vec3d& eye, double fov = 0.8) {
+  return {.eye = eye, .target = Vec3d::Zero(), .up = Vec3d(0.1, 1, 0.2), .fov = fov};
+}
 
 const Terms kViews[] = {{},
-                        {ViewTerm{.eye = Vec3d(0.3, 2, 2)}},
-                        {ViewTerm{.eye = Vec3d(0, 0, 1.05), .s0 = 0.01}},
-                        {ViewTerm{.eye = Vec3d(3, 0, 0), .s0 = 100}},
-                        {ViewTerm{.eye = Vec3d(3, 0, 0)}, ViewTerm{.eye = Vec3d(0, 3, 0)}}};
+                        {{ViewTerm{}}, {from({0.3, 2, 2})}},
+                        {{ViewTerm{.s0 = 0.01}}, {from({0, 0, 1.05})}},
+                        {{ViewTerm{.s0 = 100}}, {from({3, 0, 0})}},
+                        {{ViewTerm{}}, {from({3, 0, 0}), from({0, 3, 0.1})}},
+                        {{ScreenTerm{}, FrustumTerm{}}, {from({0, 1, 3}, 0.1)}},
+                        {{DistanceTerm{}}, {from({1.2, 0, 0})}}};
 
 TEST(RankSelection, IsWhatLookingAtAllPointsGives) {
   const auto tree = ball_tree(8);
-  const OwnedDensity own(some_density(1));
+  const FixedDensity own = fixed(some_density(1));
   for (const Terms& terms : kViews) {
     for (const std::uint64_t n : {1u, 2u, 63u, 1000u, 4096u, 5000u, 11111u}) {
       SCOPED_TRACE(n);
       const RankSelection even = select(tree, terms, n);
       EXPECT_EQ(even.count, ranks_of(even).size());
       EXPECT_EQ(ranks_of(even), expected_ranks(*tree, terms, n));
-      EXPECT_EQ(ranks_of(select(tree, terms, n, own)), expected_ranks(*tree, terms, n, own));
+      EXPECT_EQ(ranks_of(select(tree, terms, n, &own)), expected_ranks(*tree, terms, n, &own));
     }
   }
 }
@@ -92,18 +101,18 @@ TEST(RankSelection, OfAUniformDensityTheLowestRanks) {
 }
 
 TEST(RankSelection, DoesNotDependOnWhatElseThereIsOnceNothingLacks) {
-  const OwnedDensity own(some_density(2));
+  const FixedDensity own = fixed(some_density(2));
   for (const Terms& terms : kViews) {
     const auto grower = ball_grower(6);
-    RankSelection selection = select(grower->tree(), terms, 4000, own);
+    RankSelection selection = select(grower->tree(), terms, 4000, &own);
     for (int round = 0; round < 9 && !selection.lacking.empty(); ++round) {
       ASSERT_TRUE(grower->grow(selection.lacking, 4'000'000).ok());
-      selection = select(grower->tree(), terms, 4000, own);
+      selection = select(grower->tree(), terms, 4000, &own);
     }
     ASSERT_TRUE(selection.lacking.empty());
     ASSERT_EQ(selection.count, 4000u);
     const auto deep = ball_tree(9);
-    const RankSelection of_more = select(deep, terms, 4000, own);
+    const RankSelection of_more = select(deep, terms, 4000, &own);
     if (!of_more.lacking.empty()) continue;  // a view so near goes deeper still
     EXPECT_EQ(ranks_of(selection), ranks_of(of_more));
   }
@@ -113,7 +122,7 @@ TEST(RankSelection, OfAGreaterDensityShowsAllOfALesserOne) {
   const auto grower = ball_grower(8);
   std::vector<float> lesser = some_density(3), greater = lesser;
   for (std::size_t l = 0; l < greater.size(); ++l) greater[l] += static_cast<float>(random_unit(4, l) * (l % 3 == 0));
-  const OwnedDensity less(lesser), more(greater);
+  const FixedDensity less = fixed(lesser), more(greater);
   RankSelector selector;
   RankSelection a, b;
   const auto includes = [&] {
@@ -125,11 +134,11 @@ TEST(RankSelection, OfAGreaterDensityShowsAllOfALesserOne) {
     const ViewFactor view(*ball_curve(), terms);
     for (const float scale : {50.0f, 3000.0f, 20'000.0f}) {
       // The greater one's tree has more in it.
-      selector.select_at(grower->tree(), less, view, scale, a);
+      selector.select_at(grower->tree(), &less, view, scale, a);
       ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{9, 5}, {9, 40}}, 4'000'000).ok());
-      selector.select_at(grower->tree(), more, view, scale, b);
+      selector.select_at(grower->tree(), &more, view, scale, b);
       EXPECT_TRUE(includes()) << scale;
-      selector.select_at(grower->tree(), less, view, 1.5f * scale, b);
+      selector.select_at(grower->tree(), &less, view, 1.5f * scale, b);
       EXPECT_TRUE(includes()) << scale;
     }
   }
@@ -141,7 +150,7 @@ TEST(RankSelection, OfAGreaterDensityShowsAllOfALesserOne) {
   }
   // A silhouette that is more pronounced is a lesser density.
   const auto at_scale = [&](double s0, RankSelection& out) {
-    selector.select_at(grower->tree(), {}, ViewFactor(*ball_curve(), Terms{ViewTerm{.eye = Vec3d(2, 1, 1), .s0 = s0}}), 9000,
+    selector.select_at(grower->tree(), nullptr, ViewFactor(*ball_curve(), view_from(Vec3d(2, 1, 1), s0)), 9000,
                        out);
   };
   at_scale(0.05, a);
@@ -156,13 +165,13 @@ TEST(RankSelection, ShowsWhatThereIsWhereMoreIsAskedFor) {
 }
 
 TEST(RankSelection, OfNothingIsEmpty) {
-  const OwnedDensity none(std::vector<float>(ball_curve()->size(), 0.0f));
+  const FixedDensity none = fixed(std::vector<float>(ball_curve()->size(), 0.0f));
   for (const Terms& terms : kViews) {
-    const RankSelection selection = select(ball_tree(7), terms, 100, none);
+    const RankSelection selection = select(ball_tree(7), terms, 100, &none);
     EXPECT_EQ(selection.count, 0u);
     EXPECT_TRUE(selection.lacking.empty());
   }
-  const RankSelection inside = select(ball_tree(7), {ViewTerm{.eye = Vec3d(0.2, 0.1, -0.1)}}, 100);
+  const RankSelection inside = select(ball_tree(7), view_from(Vec3d(0.2, 0.1, -0.1)), 100);
   EXPECT_EQ(inside.count, 0u);
 }
 
@@ -174,7 +183,7 @@ TEST(RankSelection, OneSelectorServesManyViews) {
     const Terms& terms = kViews[static_cast<std::size_t>(i) % std::size(kViews)];
     const auto& tree = i % 2 ? small : large;
     const std::uint64_t n = 1 + static_cast<std::uint64_t>(random_unit(9, i) * 3000);
-    selector.select(tree, {}, ViewFactor(*ball_curve(), terms), n, selection);
+    selector.select(tree, nullptr, ViewFactor(*ball_curve(), terms), n, selection);
     EXPECT_EQ(ranks_of(selection), ranks_of(select(tree, terms, n)));
   }
 }

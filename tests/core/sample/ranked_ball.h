@@ -38,6 +38,11 @@ inline std::unique_ptr<RankGrower> ball_grower(int level, std::uint64_t seed = 0
 
 inline std::shared_ptr<const RankTree> ball_tree(int level) { return ball_grower(level)->tree(); }
 
+/// The silhouette term, seen from a place towards the ball's middle.
+inline Density view_from(const Vec3d& eye, double s0 = 0.1) {
+  return {{ViewTerm{.s0 = s0}}, {Camera{.eye = eye, .target = Vec3d::Zero(), .up = Vec3d(0.1, 1, 0.2)}}};
+}
+
 /// The ranks of the points that a selection shows, ascending.
 inline std::vector<std::uint32_t> ranks_of(const RankSelection& selection) {
   std::vector<RankRef> refs;

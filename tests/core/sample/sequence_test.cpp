@@ -8,6 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/sample/random.h"
+
 namespace curvecast {
 namespace {
 
@@ -29,6 +31,18 @@ TEST(Sequence, HasOnePointInEveryStratum) {
         }
         ASSERT_TRUE(std::is_sorted(q.begin(), q.end()));
         ASSERT_LT(q.back(), 1);
+      }
+    }
+  }
+}
+
+TEST(Sequence, JitteredIsTheSameOnEveryMachine) {
+  for (const std::size_t n : {1u, 2u, 3u, 4u, 5u, 7u, 1003u, 65'536u}) {
+    for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{99}, std::numeric_limits<std::uint64_t>::max()}) {
+      const std::vector<double> q = sequence_of(Sequence::kJittered, seed, n);
+      for (std::size_t i = 0; i < n; ++i) {
+        const double exact = (static_cast<double>(i) + random_unit(seed, i)) / static_cast<double>(n);
+        ASSERT_EQ(q[i], std::min(exact, 1 - 0x1p-53)) << i << " of " << n;
       }
     }
   }

@@ -1,9 +1,12 @@
-#include "core/sample/ranked_points.h"
+#include "core/sample/sample_ranked.h"
 
 #include <algorithm>
 #include <boost/sort/spreadsort/integer_sort.hpp>
 #include <cmath>
 
+#include "core/density/view_factor.h"
+#include "core/sample/rank_delta.h"
+#include "core/sample/resample.h"
 #include "core/sample/splat_radius.h"
 
 namespace curvecast {
@@ -21,14 +24,11 @@ void sort_by_place(const RankTree& tree, std::vector<RankRef>& points) {
   points.swap(sorted);
 }
 
-}  // namespace
-
-PointSet ranked_points(const SurfaceCurve& curve, const RankSelection& selection, std::vector<RankRef> refs,
-                       const RankDensity& density, const ViewFactor& view) {
+/// The data of the points of a selection, in this order.
+void gather(const SurfaceCurve& curve, const RankSelection& selection, std::span<const RankRef> refs, const FixedDensity* density,
+            const ViewFactor& view, PointSet& points) {
   const RankTree& tree = *selection.tree;
-  sort_by_place(tree, refs);
   const std::size_t n = refs.size();
-  PointSet points;
   points.origin = curve.origin;
   points.positions.resize(n);
   points.normals.resize(n);
@@ -48,7 +48,7 @@ PointSet ranked_points(const SurfaceCurve& curve, const RankSelection& selection
       const std::uint32_t p = refs[begin + i].point;
       x[i] = chunk.x[p], y[i] = chunk.y[p], z[i] = chunk.z[p];
       nx[i] = chunk.nx[p], ny[i] = chunk.ny[p], nz[i] = chunk.nz[p];
-      factor[i] = density.at_vertex.empty() ? 1 : density.at_vertex[chunk.vertex[p]];
+      factor[i] = density == nullptr ? 1 : density->density[chunk.vertex[p]];
       place[i] = chunk.place[p];
       points.vertices[begin + i] = chunk.vertex[p];
       points.ranks[begin + i] = chunk.rank[p];
@@ -65,11 +65,24 @@ PointSet ranked_points(const SurfaceCurve& curve, const RankSelection& selection
       points.radii[begin + i] = radius(std::min(factor[i], most));
     }
   }
-  if (!curve.colour.empty()) {
-    points.colours.resize(n);
-    for (std::size_t i = 0; i < n; ++i) points.colours[i] = curve.colour[points.vertices[i]];
-  }
-  return points;
+  points.colours.resize(curve.colour.empty() ? 0 : n);
+  for (std::size_t i = 0; i < points.colours.size(); ++i) points.colours[i] = curve.colour[points.vertices[i]];
+}
+
+}  // namespace
+
+absl::Status sample_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
+                           const Density& density, std::uint64_t n, ResampleWorkspace& workspace) {
+  if (absl::Status status = check_sample(n, density); !status.ok()) return status;
+  const ViewFactor view(curve, density);
+  RankSelection& selection = workspace.selection;
+  workspace.selector.select(tree, fixed, view, n, selection);
+  if (selection.count == 0 && selection.lacking.empty()) return nowhere_to_put_points();
+  list_shown(selection, workspace.refs);
+  sort_by_place(*tree, workspace.refs);
+  gather(curve, selection, workspace.refs, fixed, view, workspace.points);
+  selection.tree.reset();  // it may be large, and others wait for its place
+  return absl::OkStatus();
 }
 
 }  // namespace curvecast

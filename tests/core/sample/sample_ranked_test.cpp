@@ -1,4 +1,4 @@
-#include "core/sample/ranked_points.h"
+#include "core/sample/sample_ranked.h"
 
 #include <gtest/gtest.h>
 
@@ -13,18 +13,18 @@ namespace {
 
 using namespace curvecast::testing;
 
-PointSet points_of(const std::shared_ptr<const RankTree>& tree, const std::vector<DensityTerm>& terms, std::uint64_t n) {
+PointSet points_of(const std::shared_ptr<const RankTree>& tree, const Density& terms, std::uint64_t n) {
   const ViewFactor view(*ball_curve(), terms);
   RankSelector selector;
   RankSelection selection;
-  selector.select(tree, {}, view, n, selection);
+  selector.select(tree, nullptr, view, n, selection);
   std::vector<RankRef> refs;
   list_shown(selection, refs);
-  return ranked_points(*ball_curve(), selection, refs, {}, view);
+  return ranked_points(*ball_curve(), selection, refs, nullptr, view);
 }
 
 TEST(RankedPoints, LieAlongTheCurve) {
-  const PointSet points = points_of(ball_tree(8), {ViewTerm{.eye = Vec3d(1, 2, 2)}}, 9000);
+  const PointSet points = points_of(ball_tree(8), view_from(Vec3d(1, 2, 2)), 9000);
   ASSERT_EQ(points.size(), 9000u);
   EXPECT_TRUE(std::is_sorted(points.vertices.begin(), points.vertices.end()));
   for (std::size_t i = 0; i < points.size(); ++i) {

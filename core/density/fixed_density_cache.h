@@ -1,0 +1,47 @@
+// Keeps the last fixed densities, so that views of the same terms do not make them again.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstddef>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "core/density/fixed_density.h"
+
+namespace curvecast {
+
+/// Thread-safe. Holds on to no curve: what belongs to one that has gone goes when others need its place.
+class FixedDensityCache {
+ public:
+  /// At most so many densities, and so many bytes of them.
+  explicit FixedDensityCache(std::size_t max_entries = 16, std::size_t max_bytes = std::size_t{256} << 20)
+      : max_entries_(max_entries), max_bytes_(max_bytes) {}
+
+  /// As make_fixed_density(); whoever has it may keep it. Several threads that ask for the same at once may each make it.
+  absl::StatusOr<std::shared_ptr<const FixedDensity>> get(const std::shared_ptr<const SurfaceCurve>& curve,
+                                                          std::span<const DensityTerm> terms);
+
+  std::size_t byte_size() const;
+
+ private:
+  struct Entry {
+    std::weak_ptr<const SurfaceCurve> curve;
+    std::vector<DensityTerm> terms;  // the fixed ones
+    std::shared_ptr<const FixedDensity> fixed;
+  };
+
+  std::shared_ptr<const FixedDensity> find(const std::shared_ptr<const SurfaceCurve>& curve,
+                                           const std::vector<DensityTerm>& terms);
+  void insert(Entry entry);
+
+  const std::size_t max_entries_, max_bytes_;
+  mutable std::mutex mutex_;
+  std::list<Entry> entries_;  // the one used last comes first
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace curvecast

@@ -1,0 +1,32 @@
+// Memory for one view after the other: nothing is allocated for a frame that needs no more than those before.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/sample/equalise.h"
+#include "core/sample/point_set.h"
+#include "core/sample/rank_delta.h"
+#include "core/sample/rank_selection.h"
+#include "core/sample/view_mass.h"
+
+namespace curvecast {
+
+/// Takes any curve, density and number of points after any other. For one thread at a time.
+struct ResampleWorkspace {
+  PointSet points;  // the last result
+
+  // resample()'s own affair.
+  std::vector<double> sequence;
+  ViewMass mass;
+  EqualiseScratch equalise;
+  // sample_ranked()'s own affair.
+  RankSelector selector;
+  RankSelection selection;
+  std::vector<RankRef> refs;
+
+  /// Held, whether in use or not.
+  std::size_t byte_size() const;
+};
+
+}  // namespace curvecast
