@@ -12,6 +12,7 @@
 #include "client/cli/bench/corpus.h"
 #include "client/cli/bench/corpus_table.h"
 #include "client/cli/bench/curve_bench.h"
+#include "client/cli/bench/discrepancy_bench.h"
 #include "client/cli/bench/growth.h"
 #include "client/cli/bench/local_mesh.h"
 #include "client/cli/bench/mappers.h"
@@ -181,6 +182,18 @@ Run add_sample_benchmark(CLI::App& app) {
   return on_mesh(app, options, bench_sample);
 }
 
+Run add_discrepancy(CLI::App& app) {
+  const auto options = std::make_shared<DiscrepancyBenchOptions>();
+  add_points(app, &options->points, "the largest set, and N for which the curve is made");
+  app.add_option("--ring-points", options->ring_points,
+                 "N of the paper's test over rings, on a curve for so many points; 0 = none; the paper's: 1,600,000")
+      ->check(CLI::Range(std::uint64_t{0}, kMaxPoints))
+      ->type_name("N")
+      ->capture_default_str();
+  app.add_flag("--curvature", options->curvature, "rings with a density by curvature, and weighted with it");
+  return on_mesh(app, options, bench_discrepancy);
+}
+
 constexpr Benchmark kBenchmarks[] = {
     {"corpus", "DIR", "every mesh of a folder through all of preprocessing, checked",
      "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
@@ -217,6 +230,10 @@ constexpr Benchmark kBenchmarks[] = {
      "Milliseconds to change the number of points, evenly and with curvature's density, and to change the view, stage by stage, "
      "beside the time to read the curve's positions, normals and areas once.",
      add_sample_benchmark},
+    {"discrepancy", "MESH", "how evenly each sampler and sequence spreads points",
+     "Discrepancy over balls beside random points, relative radius and coverage radius of every sampler and sequence, for powers of "
+     "four and numbers between; and the power of N by which the discrepancy over rings falls.",
+     add_discrepancy},
 };
 
 std::string list_benchmarks() {

@@ -100,7 +100,7 @@ void sequence(benchmark::State& state) {
 }
 
 void resample_with(benchmark::State& state, const ResampleOptions& options) {
-  const auto fixed = make_fixed_density(*curve, options.density);
+  const auto fixed = make_fixed_density(*curve, options.density.terms);
   ResampleWorkspace workspace;
   for (auto _ : state) {
     benchmark::DoNotOptimize(resample(*curve, fixed->get(), options, workspace).ok());
@@ -116,7 +116,7 @@ void resample_view(benchmark::State& state) { resample_with(state, view_options(
 
 void resample_curved_view(benchmark::State& state) {
   ResampleOptions options = view_options();
-  options.density.push_back(CurvatureTerm{});
+  options.density.terms.push_back(CurvatureTerm{});
   resample_with(state, options);
 }
 

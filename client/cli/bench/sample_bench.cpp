@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/cli/bench/median.h"
+#include "client/cli/bench/rank_bench.h"
 #include "core/lanes.h"
 #include "core/pipeline.h"
 #include "core/sample/resample.h"
@@ -54,7 +55,7 @@ class Case {
       : name_(std::move(name)), options_(std::move(options)), in_fresh_memory_(in_fresh_memory) {}
 
   absl::Status prepare(const SurfaceCurve& curve) {
-    absl::StatusOr<std::shared_ptr<const FixedDensity>> fixed = make_fixed_density(curve, options_.density);
+    absl::StatusOr<std::shared_ptr<const FixedDensity>> fixed = make_fixed_density(curve, options_.density.terms);
     if (!fixed.ok()) return fixed.status();
     fixed_ = *std::move(fixed);
     return absl::OkStatus();
@@ -94,11 +95,12 @@ class Case {
 };
 
 std::vector<Case> cases(const SurfaceCurve& curve, const SampleBenchOptions& options) {
-  const DensityTerm view = ViewTerm{.eye = curve.box.center() + Vec3d(0.3, 0.5, 2) * curve.box.diagonal()};
+  const DensityTerm view = ViewTerm{};
+  const std::vector<Camera> cameras = {orbit_camera(curve, 0)};
   const DensityTerm bends = CurvatureTerm{};
   const auto evenly = absl::StrFormat("N = %d", options.points), viewed = absl::StrFormat("view, N = %d", options.view_points);
-  const auto with = [&](std::uint64_t points, std::vector<DensityTerm> density) {
-    return ResampleOptions{.points = points, .density = std::move(density), .seed = options.seed};
+  const auto with = [&](std::uint64_t points, std::vector<DensityTerm> terms) {
+    return ResampleOptions{.points = points, .density = {std::move(terms), cameras}, .seed = options.seed};
   };
   std::vector<Case> all;
   all.emplace_back(evenly, with(options.points, {}), false);
@@ -135,6 +137,7 @@ absl::StatusOr<BenchReport> bench_sample(const MeshFile& file, const SampleBench
   const double reference = median(read);
   report.results.push_back({"read positions, normals, areas once", kMilliseconds * reference, "ms"});
   for (const Case& one : all) one.report(reference, report);
+  if (absl::Status status = bench_ranks(made->curve, options, reference, context, report); !status.ok()) return status;
   report.results.push_back({"curve", static_cast<double>(curve.byte_size()) / static_cast<double>(curve.size()), "B/vertex"});
   report.notes = {absl::StrFormat(
       "%s: %d curve vertices of a curve for %d points; medians of %d rounds, in each of which all cases have their turn; one "

@@ -7,9 +7,12 @@
 
 #include "core/sample/resample.h"
 #include "tests/support/flat_curve.h"
+#include "tests/support/views.h"
 
 namespace curvecast {
 namespace {
+
+using testing::seen_from;
 
 std::shared_ptr<SurfaceCurve> bent_curve(int level, bool coloured) {
   auto curve = testing::flat_curve(level);
@@ -28,16 +31,18 @@ std::shared_ptr<SurfaceCurve> bent_curve(int level, bool coloured) {
 
 TEST(ResampleWorkspace, GivesWhatFreshMemoryGives) {
   const std::vector<std::shared_ptr<SurfaceCurve>> curves = {bent_curve(6, true), bent_curve(3, false), bent_curve(5, false)};
-  const std::vector<std::vector<DensityTerm>> densities = {
-      {}, {ViewTerm{.eye = Vec3d(0.4, 0.2, 1)}}, {CurvatureTerm{}}, {CurvatureTerm{}, ViewTerm{.eye = Vec3d(2, 0.2, 1)}}};
+  const std::vector<Density> densities = {{},
+                                          seen_from(Vec3d(0.4, 0.2, 1)),
+                                          {CurvatureTerm{}},
+                                          seen_from(Vec3d(2, 0.2, 1), {CurvatureTerm{}, ViewTerm{}})};
   ResampleWorkspace workspace;
   std::uint64_t seed = 0;
   for (const std::uint64_t points : {1u, 3000u, 10u, 500u, 100'000u, 7u, 3000u}) {
-    for (const std::vector<DensityTerm>& density : densities) {
+    for (const Density& density : densities) {
       for (const auto& curve : curves) {
         const Sequence sequence = ++seed % 2 == 0 ? Sequence::kJittered : Sequence::kGoldenRatio;
         const ResampleOptions options{.points = points, .density = density, .sequence = sequence, .seed = seed};
-        const auto fixed = make_fixed_density(*curve, density);
+        const auto fixed = make_fixed_density(*curve, density.terms);
         ASSERT_TRUE(fixed.ok()) << fixed.status();
         ResampleReport again, fresh;
         ASSERT_TRUE(resample(*curve, fixed->get(), options, workspace, &again).ok());
@@ -56,7 +61,7 @@ TEST(ResampleWorkspace, GivesWhatFreshMemoryGives) {
 
 TEST(ResampleWorkspace, AllocatesNothingForAFrameLikeTheLast) {
   const auto curve = bent_curve(6, true);
-  ResampleOptions options{.points = 2000, .density = {ViewTerm{.eye = Vec3d(0.4, 0.2, 1)}}};
+  ResampleOptions options{.points = 2000, .density = seen_from(Vec3d(0.4, 0.2, 1))};
   ResampleWorkspace workspace;
   EXPECT_EQ(workspace.byte_size(), 0u);
   ASSERT_TRUE(resample(*curve, nullptr, options, workspace).ok());
@@ -79,7 +84,7 @@ TEST(ResampleWorkspace, OutlivesErrors) {
   ASSERT_TRUE(status_of({.points = 50}).ok());
   EXPECT_TRUE(absl::IsInvalidArgument(status_of({.points = 0})));
   EXPECT_TRUE(absl::IsOutOfRange(status_of({.points = kMaxPoints + 1})));
-  EXPECT_TRUE(absl::IsFailedPrecondition(status_of({.points = 9, .density = {ViewTerm{.eye = Vec3d(0, 0, -1)}}})));
+  EXPECT_TRUE(absl::IsFailedPrecondition(status_of({.points = 9, .density = seen_from(Vec3d(0, 0, -1))})));
   ASSERT_TRUE(status_of({.points = 50}).ok());
   EXPECT_EQ(workspace.points.positions, resample(*curve, {.points = 50})->positions);
 }
