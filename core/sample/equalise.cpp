@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/branchless.h"
 #include "core/lanes.h"
 
 namespace curvecast {
@@ -13,41 +14,34 @@ constexpr float kBelowOne = 0x1.fffffep-1f;
 
 /// Some blocks that follow one another, and their points.
 struct Stretch {
-  std::size_t begin, end;  // blocks
-  double before[kBlocks];  // mass before each
-  double after;            // mass through the last
+  std::size_t begin, end;    // blocks
+  double mass[kBlocks + 1];  // before each, and through the last
 };
 
-/// Writes the mass before each block, and to `block` each block at the first of its points, counted from `first`; blocks without
-/// points leave nothing behind. Which blocks have points nobody can predict, and so no jump may depend on it. Returns the number
-/// of points through the last block.
+/// Writes the masses before the blocks, and to `block` each block at the first of its points, counted from `first`; blocks
+/// without points leave nothing behind. Which blocks have points nobody can predict, and so no jump may depend on it. Returns the
+/// number of points through the last block.
 std::size_t mark_blocks(std::span<const float> sums, std::span<const double> q, double total, std::size_t first, Stretch& stretch,
                         std::vector<std::uint32_t>& block) {
-  const std::size_t n = q.size();
-  const double points_per_mass = static_cast<double>(n) / total;
-  const auto last = static_cast<std::int64_t>(n - 1);
+  const std::size_t n = stretch.end - stretch.begin;
+  const auto last = static_cast<double>(q.size() - 1), points_per_mass = static_cast<double>(q.size()) / total;
   const auto points_before = [&](double mass) {
-    auto count = static_cast<std::size_t>(std::min(static_cast<std::int64_t>(mass * points_per_mass), last));
+    auto count = static_cast<std::size_t>(lesser(mass * points_per_mass, last));
     count += q[count] * total < mass ? 1 : 0;
     // That does for sequences with one point in every N-th; the others are a few points ahead or behind.
-    while (count < n && q[count] * total < mass) ++count;
+    while (count < q.size() && q[count] * total < mass) ++count;
     while (count > 0 && q[count - 1] * total >= mass) --count;
     return count;
   };
-  double after = stretch.after;
-  for (std::size_t b = stretch.begin; b < stretch.end; ++b) {
-    stretch.before[b - stretch.begin] = after;
-    after += static_cast<double>(sums[b]);
-  }
-  stretch.after = after;
-  const std::size_t end = points_before(after);
-  block.assign(end - first + 1, 0);
+  double* const mass = stretch.mass;
+  for (std::size_t b = 0; b < n; ++b) mass[b + 1] = mass[b] + static_cast<double>(sums[stretch.begin + b]);
+  block.assign(points_before(mass[n]) - first + 1, 0);
   std::size_t count = first;
-  for (std::size_t b = stretch.begin; b < stretch.end; ++b) {
-    block[count - first] = static_cast<std::uint32_t>(b - stretch.begin);
-    count = b + 1 < stretch.end ? points_before(stretch.before[b + 1 - stretch.begin]) : end;
+  for (std::size_t b = 0; b < n; ++b) {
+    block[count - first] = static_cast<std::uint32_t>(b);
+    count = points_before(mass[b + 1]);
   }
-  return end;
+  return count;
 }
 
 /// The part of its block's mass that lies before each of n points; `before` and `sums` are those of the stretch's blocks.
@@ -76,13 +70,14 @@ void equalise(const ViewMass& mass, const BlockMass& fixed, std::span<const doub
       const std::size_t count = std::min(kPoints, end - begin);
       std::uint32_t* const block = &scratch.block[begin - first];
       for (std::size_t i = 0; i < count; ++i) block[i] = last = std::max(last, block[i]);
-      find_parts(&q[begin], block, stretch.before, &sums[stretch.begin], mass.total, count, part);
+      find_parts(&q[begin], block, stretch.mass, &sums[stretch.begin], mass.total, count, part);
       for (std::size_t i = 0; i < count; ++i) {
         const std::size_t b = stretch.begin + block[i];
         vertices[begin + i] = static_cast<std::uint32_t>(b * kBlockSize + mass.codes_of(fixed, b).vertex(part[i]));
       }
     }
     first = end;
+    stretch.mass[0] = stretch.mass[stretch.end - stretch.begin];
   }
   if (first == q.size()) return;
   // Left over by rounding: on the last block with mass.

@@ -26,15 +26,6 @@ MassOfBlock look_closely(const SurfaceCurve& curve, std::span<const float> densi
   return sum_block(mass, n);
 }
 
-/// The vertices of a block that will be looked at closely: they lie far apart in memory, and the processor looks ahead only so
-/// far.
-constexpr std::size_t kAhead = 6;  // blocks
-void prefetch(const SurfaceCurve& curve, std::size_t block) {
-  const std::size_t l = block * kBlockSize;
-  for (const Column<float>* column : {&curve.x, &curve.y, &curve.z, &curve.area}) __builtin_prefetch(column->data() + l);
-  for (const Column<Snorm16>* column : {&curve.nx, &curve.ny, &curve.nz}) __builtin_prefetch(column->data() + l);
-}
-
 /// Turns n blocks' factors into their masses, and their relative changes into masses. Returns what the largest mass on a vertex
 /// is at least.
 CURVECAST_WIDE float weigh(const float* __restrict fixed_sum, const float* __restrict fixed_largest, std::size_t n,
@@ -88,7 +79,6 @@ void view_mass(const SurfaceCurve& curve, std::span<const float> density, const 
   }
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t b = close[i];
-    if (i + kAhead < count) prefetch(curve, close[i + kAhead]);
     const MassOfBlock block = look_closely(curve, density, view, b);
     out.total += static_cast<double>(block.sum) - static_cast<double>(out.sum[b]);
     out.sum[b] = block.sum;

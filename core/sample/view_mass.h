@@ -18,8 +18,8 @@ struct ViewMass {
   double total = 0;        // sum of all
   float largest = 0;       // on one vertex there is at least as much
   std::vector<float> sum;  // B, or none: those of the fixed mass
-  std::vector<std::uint32_t>
-      codes;  // B: which of own_codes a block has, or kShared: those of the fixed mass. Or none, as with sum
+  // B, or none as with sum: which of own_codes a block has, or kShared: those of the fixed mass.
+  std::vector<std::uint32_t> codes;
   std::vector<MassCodes> own_codes;  // of the blocks that were looked at closely
   std::vector<float> moved;          // B: how much of a block's mass would lie elsewhere at most, if it counted as its middle
   std::vector<std::uint32_t> close;  // the blocks that were looked at closely come first, ascending

@@ -3,11 +3,11 @@
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <string>
 
+#include "client/cli/bench/read_bytes.h"
 #include "core/codec/draco_codec.h"
 #include "core/pipeline.h"
 #include "core/sample/equalise.h"
@@ -35,26 +35,11 @@ void count_vertices(benchmark::State& state) {
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * static_cast<std::int64_t>(curve->size()));
 }
 
-/// Reads a column as fast as the memory gives it: nothing is done with the numbers.
-template <typename T>
-[[gnu::noinline]] std::uint64_t sum_bytes(const Column<T>& column) {
-  std::uint64_t sum[8] = {};
-  const auto* const bytes = reinterpret_cast<const char*>(column.data());
-  for (std::size_t i = 0; i + sizeof(sum) <= column.size() * sizeof(T); i += sizeof(sum)) {
-    for (std::size_t k = 0; k < 8; ++k) {
-      std::uint64_t word;
-      std::memcpy(&word, bytes + i + k * sizeof(word), sizeof(word));
-      sum[k] ^= word;
-    }
-  }
-  return sum[0] ^ sum[1] ^ sum[2] ^ sum[3] ^ sum[4] ^ sum[5] ^ sum[6] ^ sum[7];
-}
-
 void read_arrays(benchmark::State& state) {
   for (auto _ : state) {
     std::uint64_t sum = 0;
-    for (const Column<float>* column : {&curve->x, &curve->y, &curve->z, &curve->area}) sum += sum_bytes(*column);
-    for (const Column<Snorm16>* column : {&curve->nx, &curve->ny, &curve->nz}) sum += sum_bytes(*column);
+    for (const Column<float>* column : {&curve->x, &curve->y, &curve->z, &curve->area}) sum += cli::read_bytes(*column);
+    for (const Column<Snorm16>* column : {&curve->nx, &curve->ny, &curve->nz}) sum += cli::read_bytes(*column);
     benchmark::DoNotOptimize(sum);
   }
   count_vertices(state);

@@ -158,6 +158,28 @@ class Seen {
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> frames_;  // by revision and number of points
 };
 
+TEST_F(EngineTest, ViewsShareWhatNoCameraChanges) {
+  const std::shared_ptr<const Session> session = open();
+  Sample sample;
+  std::string first;
+  std::size_t bytes = 0;
+  for (const double distance : {3.0, 3.0, 5.0, 3.0}) {
+    sample.options.points = 100;
+    sample.options.density = {CurvatureTerm{}, ViewTerm{.eye = Vec3d(0, 0, distance)}};
+    const absl::StatusOr<v1::PointFrame> frame = make_frame(*session, sample, engine_.view_cache, {});
+    ASSERT_TRUE(frame.ok()) << frame.status();
+    EXPECT_EQ(frame->points().count(), 100u);
+    if (bytes == 0) {
+      bytes = engine_.view_cache.fixed_densities.byte_size();
+      first = frame->points().SerializeAsString();
+    }
+    EXPECT_GT(bytes, session->curve()->size() * sizeof(float));
+    EXPECT_EQ(engine_.view_cache.fixed_densities.byte_size(), bytes) << "made once for all";
+    EXPECT_EQ(frame->points().SerializeAsString() == first, distance == 3.0);
+  }
+  EXPECT_EQ(engine_.view_cache.workspaces.idle(), 1u);
+}
+
 TEST_F(EngineTest, EveryReaderSeesWholeRevisions) {
   const std::shared_ptr<const Session> session = open();
   std::atomic<bool> done = false;

@@ -3,7 +3,6 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
-#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,7 +10,7 @@
 
 #include "client/cli/bench/median.h"
 #include "client/cli/bench/rank_bench.h"
-#include "core/lanes.h"
+#include "client/cli/bench/read_bytes.h"
 #include "core/pipeline.h"
 #include "core/sample/resample.h"
 #include "core/stopwatch.h"
@@ -21,29 +20,11 @@ namespace {
 
 constexpr double kMilliseconds = 1e3;
 
-/// Reads bytes as fast as the memory gives them: nothing is done with them but what keeps the compiler from leaving them out.
-CURVECAST_WIDE std::uint64_t read_bytes(const char* bytes, std::size_t n) {
-  constexpr std::size_t kWords = 16;
-  std::uint64_t sum[kWords] = {};
-  for (std::size_t i = 0; i + sizeof(sum) <= n; i += sizeof(sum)) {
-    std::uint64_t words[kWords];
-    std::memcpy(words, bytes + i, sizeof(words));
-    for (std::size_t k = 0; k < kWords; ++k) sum[k] ^= words[k];
-  }
-  std::uint64_t all = 0;
-  for (const std::uint64_t word : sum) all ^= word;
-  return all;
-}
-
 /// Seconds to read what a view is made from.
 double seconds_to_read(const SurfaceCurve& curve) {
   Stopwatch watch;
-  std::uint64_t sum = 0;
-  const auto read = [&sum](const auto& column) {
-    sum ^= read_bytes(reinterpret_cast<const char*>(column.data()), column.size() * sizeof(column[0]));
-  };
-  read(curve.x), read(curve.y), read(curve.z), read(curve.nx), read(curve.ny), read(curve.nz), read(curve.area);
-  const volatile std::uint64_t kept = sum;
+  const volatile std::uint64_t kept = read_bytes(curve.x) ^ read_bytes(curve.y) ^ read_bytes(curve.z) ^ read_bytes(curve.nx) ^
+                                      read_bytes(curve.ny) ^ read_bytes(curve.nz) ^ read_bytes(curve.area);
   static_cast<void>(kept);
   return watch.lap();
 }
