@@ -15,6 +15,7 @@
 #include "client/lib/companion_files.h"
 #include "client/lib/draco_points.h"
 #include "client/lib/file_bytes.h"
+#include "client/lib/point_limit.h"
 
 namespace curvecast::client {
 namespace {
@@ -231,8 +232,10 @@ absl::StatusOr<EncodedSample> Client::resample_encoded(const v1::ResampleRequest
     sample.bytes += encoded_bytes(response.points());
     sample.blocks.push_back(std::move(*response.mutable_points()));
   }
-  if (points != request.sample().points()) {
-    return absl::DataLossError(absl::StrCat("asked for ", request.sample().points(), " points, but the server sent ", points));
+  const std::uint64_t most = most_points(request.sample());
+  if (points == 0 || points > most || (points < most && is_exact(request.sample()))) {
+    return absl::DataLossError(absl::StrCat("asked for ", most, " points", is_exact(request.sample()) ? "" : " at most",
+                                            ", but the server sent ", points));
   }
   return sample;
 }

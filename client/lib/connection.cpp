@@ -14,6 +14,7 @@
 #include <random>
 #include <utility>
 
+#include "client/lib/point_limit.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
 
 namespace curvecast::client {
@@ -223,16 +224,16 @@ class GrpcConnection : public Connection {
       std::vector<v1::ResampleResponse> responses;
       v1::ResampleResponse response;
       std::uint64_t points = 0;
+      const std::uint64_t most = most_points(request.sample());
       while (reader->Read(&response)) {
         points += response.points().count();
         // A server that sends on and on must not fill this machine's memory.
-        if (points > request.sample().points() || responses.size() > request.sample().points()) {
+        if (points > most || responses.size() > most) {
           call.context()->TryCancel();
           while (reader->Read(&response)) {
           }
           reader->Finish();
-          return absl::DataLossError(
-              absl::StrCat("the server sent more than the ", request.sample().points(), " points asked for"));
+          return absl::DataLossError(absl::StrCat("the server sent more than the ", most, " points asked for"));
         }
         responses.push_back(std::move(response));
         response.Clear();

@@ -95,7 +95,8 @@ CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockPlaces& blocks, std
     const float value = covered(weight, cosine, distance, depth);
     const float high = covered(weight, cosine + most, distance + reach, depth - deep);
     const float low = covered(weight, cosine - most, greater(distance - reach, 0.0f), depth + deep);
-    const bool is_hidden = cosine < -most || depth<-deep, is_seen = cosine> most && depth > deep;
+    const bool is_hidden = cosine < -most || depth < -deep;
+    const bool is_seen = cosine > most && depth > deep;
     const float rise = high / value, fall = 2 - low / value;
     factor[i] *= is_hidden ? 0.0f : is_seen ? value : high;
     change[i] = (1 + change[i]) * (is_hidden ? 1.0f : is_seen ? greater(rise, fall) + kSlack : kInfinity) - 1;

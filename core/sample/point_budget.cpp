@@ -14,6 +14,8 @@
 namespace curvecast {
 namespace {
 
+// A view's mass is exact enough when it is as for so many points.
+constexpr std::uint64_t kEnoughPoints = 65'536;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A view's factors on all blocks.
@@ -83,7 +85,7 @@ absl::StatusOr<std::uint64_t> points_for_pixel_error(const SurfaceCurve& curve, 
   }
   const ViewFactor view(curve, density);
   ViewMass mass;
-  view_mass(curve, fixed, fixed.empty() ? curve.blocks.area : own, view, kMaxPoints, mass);
+  view_mass(curve, fixed, fixed.empty() ? curve.blocks.area : own, view, kEnoughPoints, mass);
   if (!(mass.total > 0) || !std::isfinite(mass.total)) {
     return absl::FailedPreconditionError(
         "the density is zero on the whole surface (does anything face the camera?), so there is nowhere to put points");

@@ -26,7 +26,7 @@ std::shared_ptr<const SurfaceCurve> curve;
 ResampleOptions view_options() {
   ResampleOptions options;
   options.points = kPoints;
-  options.density = seen_from(curve->box.center() + Vec3d(0.3, 0.5, 2) * curve->box.diagonal());
+  options.density = testing::seen_from(curve->box.center() + Vec3d(0.3, 0.5, 2) * curve->box.diagonal());
   return options;
 }
 

@@ -39,14 +39,24 @@ TEST(ParseCamera, PartsAreOptionalAndInAnyOrder) {
   EXPECT_TRUE(parse_camera("up=0,1,0,eye=0,5,0").ok()) << "the target is not known yet";
 }
 
+TEST(ParseCamera, MayBeOrthographic) {
+  const auto option = parse_camera("eye=1,2,3,ortho=2.5");
+  ASSERT_TRUE(option.ok()) << option.status();
+  EXPECT_EQ(*option->height, 2.5);
+  EXPECT_EQ(resolve_camera(*option, kBox, 1)->orthographic_height(), 2.5);
+  EXPECT_EQ(resolve_camera({}, kBox, 1)->orthographic_height(), 0);
+}
+
 TEST(ParseCamera, RefusesWhatIsWrong) {
   EXPECT_THAT(error_of("eye=1,2"), HasSubstr("eye takes 3 numbers, not 2"));
   EXPECT_THAT(error_of("eye=1,2,3,4"), HasSubstr("not 4"));
   EXPECT_THAT(error_of("fov=1,2"), HasSubstr("fov takes 1 number"));
   EXPECT_THAT(error_of("eye=1,2,x"), HasSubstr("'x' is not a number"));
   EXPECT_THAT(error_of("eye=1,2,3,eye=1,2,3"), HasSubstr("given twice"));
-  EXPECT_THAT(error_of("zoom=3"), HasSubstr("there are: eye, target, up, fov"));
+  EXPECT_THAT(error_of("zoom=3"), HasSubstr("there are: eye, target, up, fov, ortho"));
   EXPECT_THAT(error_of("1,2,3"), HasSubstr("does not begin"));
+  EXPECT_THAT(error_of("ortho=0"), HasSubstr("ortho is 0; it must be above 0"));
+  EXPECT_THAT(error_of("ortho=1,2"), HasSubstr("ortho takes 1 number"));
   EXPECT_THAT(error_of("eye=1,2,3,target=1,2,3"), HasSubstr("same point"));
   EXPECT_THAT(error_of("eye=0,5,0,target=0,0,0,up=0,1,0"), HasSubstr("along the view"));
   EXPECT_THAT(error_of("up=0,0,0"), HasSubstr("up"));

@@ -249,10 +249,15 @@ TEST_F(CliTest, BenchMeasuresWithoutAServer) {
 TEST_F(CliTest, WrongUsageIsStatus2) {
   expect_failure({}, 2, "subcommand");
   expect_failure({"fly"}, 2, "there is no command 'fly'");
-  expect_failure({"sample", sphere_}, 2, "--points");
+  expect_failure({"sample", sphere_}, 2, "-n, --pixel-error or --max-bytes");
+  expect_failure({"sample", sphere_, "-n", "10", "--max-bytes", "5000"}, 2, "max-bytes");
+  expect_failure({"sample", sphere_, "--pixel-error", "1", "--max-bytes", "5000"}, 2, "max-bytes");
+  expect_failure({"sample", sphere_, "--pixel-error", "0"}, 2, "pixel-error");
+  expect_failure({"sample", sphere_, "--max-bytes", "1023"}, 2, "max-bytes");
+  expect_failure({"render", sphere_, "-o", "x.png", "--camera", "fov=20", "--camera", "fov=30"}, 2, "camera");
   for (const char* n : {"0", "4000001", "-5", "many", "1.5"}) expect_failure({"sample", sphere_, "-n", n}, 2, "");
   expect_failure({"sample", sphere_, "-n", "10", "-o", "x.obj"}, 2, ".ply, .xyz, .pcd, .drc");
-  expect_failure({"sample", sphere_, "-n", "10", "--density", "frustum"}, 2, "there are: uniform, curvature, view");
+  expect_failure({"sample", sphere_, "-n", "10", "--density", "blob"}, 2, "there are: uniform, curvature, attribute");
   expect_failure({"sample", sphere_, "-n", "10", "--sampler", "progressive"}, 2, "there are: equalised");
   expect_failure({"sample", sphere_, "-n", "10", "--sequence", "halton"}, 2,
                  "there are: jittered, regular, vandercorput, golden");
@@ -265,7 +270,7 @@ TEST_F(CliTest, WrongUsageIsStatus2) {
   expect_failure({"preprocess", sphere_, "--parameteriser", "magic"}, 2, "there are: own, cgal");
   expect_failure({"preprocess", sphere_, "--mapper", "magic"}, 2, "there are: exact, id-buffer");
   expect_failure({"sample", sphere_, "-n", "10", "--area", "magic"}, 2, "there are: exact, voronoi");
-  expect_failure({"sample", sphere_, "-n", "10", "--base-density", "view"}, 2, "cannot depend on the view");
+  expect_failure({"sample", sphere_, "-n", "10", "--base-density", "view"}, 2, "cannot depend on a camera");
   expect_failure({"preprocess", sphere_, "--base-density", "curvature:floor=2"}, 2, "from 0 to 1");
   expect_failure({"stream", sphere_, "--frames", "0"}, 2, "frames");
   expect_failure({"info", sphere_, "--quiet", "--verbose"}, 2, "");

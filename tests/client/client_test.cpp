@@ -271,6 +271,18 @@ TEST_F(ClientTest, JoinsBlocksInOrder) {
 
   request.mutable_sample()->set_points(11);
   EXPECT_TRUE(absl::IsDataLoss(client_.resample(request).status())) << "exactly as many as asked for";
+
+  responses.back().mutable_points()->mutable_raw()->clear_colours();
+  ON_CALL(*connection_, resample).WillByDefault(Return(responses));
+  EXPECT_TRUE(absl::IsDataLoss(client_.resample(request).status()));
+  request.mutable_sample()->add_density()->mutable_distance()->set_global(true);
+  EXPECT_TRUE(client_.resample(request).ok()) << "fewer, from afar";
+  request.mutable_sample()->set_points(9);
+  EXPECT_TRUE(absl::IsDataLoss(client_.resample(request).status())) << "but not more";
+  request.mutable_sample()->set_max_bytes(5000);
+  EXPECT_TRUE(client_.resample(request).ok()) << "as many as a budget holds";
+  ON_CALL(*connection_, resample).WillByDefault(Return(std::vector<v1::ResampleResponse>{}));
+  EXPECT_TRUE(absl::IsDataLoss(client_.resample(request).status())) << "but not none";
 }
 
 TEST_F(ClientTest, ForwardsSessions) {

@@ -40,11 +40,54 @@ TEST(DensityTerm, ReadsSettingsInAnyOrder) {
   EXPECT_EQ(parse_density_term("view:s0=0.25")->view().s0(), 0.25);
 }
 
-TEST(DensityTerm, NamesWhatIsThereInstead) {
-  for (const char* text : {"attribute:heat", "brush:0,0,0,1,2", "distance", "screen", "frustum", "Uniform", "", "curvatur"}) {
-    EXPECT_THAT(error_of(text), HasSubstr("there are: uniform, curvature, view")) << text;
+TEST(DensityTerm, ReadsWhatHasAFormOfItsOwn) {
+  EXPECT_EQ(parse_density_term("attribute:heat, of: all")->attribute().name(), "heat, of: all");
+  EXPECT_EQ(parse_density_term("expression:min(x, y) == 0 ? 1 : 2")->expression().text(), "min(x, y) == 0 ? 1 : 2");
+  const auto brush = parse_density_term("brush:1,-2,3e1,0.5,0");
+  ASSERT_TRUE(brush.ok()) << brush.status();
+  EXPECT_EQ(brush->brush().centre().x(), 1);
+  EXPECT_EQ(brush->brush().centre().y(), -2);
+  EXPECT_EQ(brush->brush().centre().z(), 30);
+  EXPECT_EQ(brush->brush().radius(), 0.5);
+  EXPECT_EQ(brush->brush().factor(), 0);
+  EXPECT_FALSE(brush->brush().has_falloff());
+  EXPECT_EQ(parse_density_term("brush:1,2,3,4,5,0.25")->brush().falloff(), 0.25);
+  EXPECT_TRUE(parse_density_term("screen")->has_screen());
+  EXPECT_TRUE(parse_density_term("frustum")->has_frustum());
+}
+
+TEST(DensityTerm, ReadsDistancesWithAndWithoutKeys) {
+  const auto plain = parse_density_term("distance");
+  ASSERT_TRUE(plain.ok() && plain->has_distance());
+  EXPECT_EQ(plain->distance().near(), 0);
+  for (const char* text : {"distance:2,5", "distance:near=2,far=5", "distance:far=5,near=2", "distance:2,far=5"}) {
+    const auto term = parse_density_term(text);
+    ASSERT_TRUE(term.ok()) << term.status();
+    EXPECT_EQ(term->distance().near(), 2) << text;
+    EXPECT_EQ(term->distance().far(), 5) << text;
+    EXPECT_FALSE(term->distance().global()) << text;
   }
-  EXPECT_THAT(error_of("brush:0,0,0,1,2"), HasSubstr("'brush'"));
+  const auto global = parse_density_term("distance:near=2,global");
+  ASSERT_TRUE(global.ok()) << global.status();
+  EXPECT_TRUE(global->distance().global());
+  EXPECT_EQ(global->distance().far(), 0);
+}
+
+TEST(DensityTerm, KnowsWhatLooksFromACamera) {
+  for (const char* text : {"view", "screen", "frustum", "distance"})
+    EXPECT_TRUE(is_camera_term(*parse_density_term(text))) << text;
+  for (const char* text : {"uniform", "curvature", "attribute:a", "brush:0,0,0,1,2", "expression:1"}) {
+    EXPECT_FALSE(is_camera_term(*parse_density_term(text))) << text;
+  }
+}
+
+TEST(DensityTerm, NamesWhatIsThereInstead) {
+  for (const char* text : {"Uniform", "", "curvatur", "blob:1"}) {
+    EXPECT_THAT(error_of(text),
+                HasSubstr("there are: uniform, curvature, attribute, brush, expression, view, screen, frustum, distance"))
+        << text;
+  }
+  EXPECT_THAT(error_of("blob:1"), HasSubstr("'blob'"));
 }
 
 TEST(DensityTerm, RefusesBadSettings) {
@@ -52,10 +95,48 @@ TEST(DensityTerm, RefusesBadSettings) {
   EXPECT_THAT(error_of("curvature:s0=1"), HasSubstr("no 's0'"));
   EXPECT_THAT(error_of("view:exponent=1"), HasSubstr("no 'exponent'"));
   EXPECT_THAT(error_of("uniform:x=1"), HasSubstr("takes no settings"));
-  for (const char* text : {"curvature:", "curvature:exponent", "curvature:exponent=", "curvature:=1", "curvature:exponent=1,",
-                           "curvature:exponent=-1", "curvature:exponent=nan", "curvature:exponent=inf", "curvature:exponent=1x",
-                           "curvature:floor=1.1", "curvature:floor=-0.1", "curvature:floor=0.1,floor=0.2", "view:s0=0",
-                           "view:s0=-1", "view:s0=nan", "view:", "uniform:"}) {
+  for (const char* text : {"curvature:",
+                           "curvature:exponent",
+                           "curvature:exponent=",
+                           "curvature:=1",
+                           "curvature:exponent=1,",
+                           "curvature:exponent=-1",
+                           "curvature:exponent=nan",
+                           "curvature:exponent=inf",
+                           "curvature:exponent=1x",
+                           "curvature:floor=1.1",
+                           "curvature:floor=-0.1",
+                           "curvature:floor=0.1,floor=0.2",
+                           "view:s0=0",
+                           "view:s0=-1",
+                           "view:s0=nan",
+                           "view:",
+                           "uniform:",
+                           "screen:",
+                           "frustum:x=1",
+                           "attribute",
+                           "attribute:",
+                           "expression",
+                           "expression:",
+                           "brush",
+                           "brush:",
+                           "brush:1,2,3,4",
+                           "brush:1,2,3,4,5,0.5,7",
+                           "brush:1,2,3,0,5",
+                           "brush:1,2,3,-1,5",
+                           "brush:1,2,3,4,-5",
+                           "brush:1,2,3,4,2000000",
+                           "brush:1,2,3,4,5,2",
+                           "brush:1,nan,3,4,5",
+                           "brush:1,,3,4,5",
+                           "distance:",
+                           "distance:-1",
+                           "distance:5,2",
+                           "distance:1,2,3",
+                           "distance:near=1,near=2",
+                           "distance:global=1",
+                           "distance:middle=1",
+                           "distance:nan"}) {
     EXPECT_FALSE(error_of(text).empty()) << text;
   }
 }

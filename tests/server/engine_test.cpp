@@ -67,7 +67,7 @@ class Client final : public ClientStream::Transport {
     v1::SampleRequest& sample = *request.mutable_view()->mutable_sample();
     sample.set_points(points);
     sample.add_density()->mutable_view();
-    sample.mutable_camera()->mutable_eye()->set_z(3);
+    sample.add_cameras()->mutable_eye()->set_z(3);
     stream_->receive(request);
   }
   /// Takes and acknowledges a frame; nothing once the conversation is over.

@@ -139,7 +139,7 @@ v1::SampleRequest view_of(std::uint64_t points) {
   v1::SampleRequest sample;
   sample.set_points(points);
   sample.add_density()->mutable_view();
-  sample.mutable_camera()->mutable_eye()->set_z(3);
+  sample.add_cameras()->mutable_eye()->set_z(3);
   return sample;
 }
 

@@ -135,8 +135,7 @@ TEST_F(ServerMeasure, TakesADensityWithItsCamera) {
   v1::MeasureRequest request = request_for(*stub, {random_points(4000)});
   const double even = measure(*stub, request).measures.sets(0).ball_discrepancy().rms();
   request.add_density()->mutable_view();
-  request.mutable_camera()->mutable_eye()->set_z(3);
-  request.mutable_camera()->mutable_target();
+  request.add_cameras()->mutable_eye()->set_z(3);
   const Answer answer = measure(*stub, request);
   ASSERT_TRUE(answer.status.ok()) << answer.status.error_message();
   EXPECT_GT(answer.measures.sets(0).ball_discrepancy().rms(), 5 * even);  // half of the points are where none should be

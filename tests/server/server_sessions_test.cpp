@@ -177,7 +177,7 @@ TEST_F(ServerSessions, BadRequestsAreRefusedAndTheServerGoesOn) {
   EXPECT_EQ(resample(*stub, id, view_of(0)).status.error_code(), grpc::INVALID_ARGUMENT);
   EXPECT_EQ(resample(*stub, id, view_of(4'000'001)).status.error_code(), grpc::OUT_OF_RANGE);
   v1::SampleRequest sample = view_of(10);
-  sample.mutable_camera()->mutable_eye()->set_x(std::numeric_limits<double>::quiet_NaN());
+  sample.mutable_cameras(0)->mutable_eye()->set_x(std::numeric_limits<double>::quiet_NaN());
   const grpc::Status refused = resample(*stub, id, sample).status;
   EXPECT_EQ(refused.error_code(), grpc::INVALID_ARGUMENT);
   EXPECT_THAT(refused.error_message(), HasSubstr("sample.camera.eye.x is not finite"));

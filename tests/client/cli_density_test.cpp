@@ -1,0 +1,90 @@
+// curvecast sample with densities, cameras and budgets of all kinds.
+#include <cmath>
+#include <fstream>
+
+#include "tests/client/cli_fixture.h"
+
+namespace curvecast::cli {
+namespace {
+
+/// A unit square of 20 x 20 quads; its vertices are as hot as x.
+std::string write_plate(const std::string& name) {
+  constexpr int kSide = 20;
+  const std::string path = temporary(name);
+  std::ofstream file(path);
+  file << "ply\nformat ascii 1.0\nelement vertex " << (kSide + 1) * (kSide + 1)
+       << "\nproperty float x\nproperty float y\nproperty float z\nproperty float heat\nelement face " << kSide * kSide
+       << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (int j = 0; j <= kSide; ++j) {
+    for (int i = 0; i <= kSide; ++i) file << i / 20.0 << " " << j / 20.0 << " 0 " << i / 20.0 << "\n";
+  }
+  for (int j = 0; j < kSide; ++j) {
+    for (int i = 0; i < kSide; ++i) {
+      const int a = j * (kSide + 1) + i;
+      file << "4 " << a << " " << a + 1 << " " << a + kSide + 2 << " " << a + kSide + 1 << "\n";
+    }
+  }
+  return path;
+}
+
+TEST_F(CliTest, SampleFollowsAttributes) {
+  const std::string plate = write_plate("plate.ply"), path = temporary("heat.ply");
+  for (const std::string density : {"attribute:heat", "expression:heat"}) {
+    run_json({"sample", plate, "-n", "4000", "--density", density, "--base-density", density, "-o", path});
+    const auto points = load_points(path);
+    ASSERT_TRUE(points.ok()) << points.status();
+    int right = 0;
+    for (const auto& p : points->positions) right += p[0] + points->origin[0] > 0.5 ? 1 : 0;
+    EXPECT_NEAR(right, 3000, 30) << density;
+  }
+  expect_failure({"sample", plate, "-n", "10", "--density", "attribute:cold"}, 3, "there are: heat");
+  expect_failure({"preprocess", plate, "--base-density", "attribute:cold"}, 3, "there are: heat");
+  expect_failure({"measure", plate, path, "--density", "attribute:cold"}, 3, "there are: heat");
+  EXPECT_EQ(run({"measure", plate, path, "--density", "attribute:heat"}).status, 0);
+}
+
+TEST_F(CliTest, SampleServesSeveralCameras) {
+  const std::string path = temporary("cameras.ply");
+  run_json({"sample", sphere_, "-n", "2000", "--density", "view", "--density", "frustum", "--camera", "eye=0,0,10,ortho=1",
+            "--camera", "eye=10,0,0,ortho=1", "-o", path});
+  const auto points = load_points(path);
+  ASSERT_TRUE(points.ok()) << points.status();
+  int front = 0, side = 0;
+  for (const auto& p : points->positions) {
+    const bool in_front = p[2] > 0 && std::abs(p[0]) < 0.51 && std::abs(p[1]) < 0.51;
+    const bool at_side = p[0] > 0 && std::abs(p[1]) < 0.51 && std::abs(p[2]) < 0.51;
+    ASSERT_TRUE(in_front || at_side) << p[0] << " " << p[1] << " " << p[2];
+    front += in_front ? 1 : 0;
+    side += at_side ? 1 : 0;
+  }
+  EXPECT_NEAR(front, side, 150);
+}
+
+TEST_F(CliTest, SampleFollowsBrushesAndFormulas) {
+  const std::string path = temporary("painted.ply");
+  run_json({"sample", sphere_, "-n", "2000", "--density", "brush:0,0,-1,1.5,0,0", "--density", "expression:y > 0", "-o", path});
+  const auto points = load_points(path);
+  ASSERT_TRUE(points.ok()) << points.status();
+  for (const auto& p : points->positions) ASSERT_TRUE(p[1] > -1e-6 && std::hypot(p[0], p[1], p[2] + 1) > 1.5 - 1e-3);
+  expect_failure({"sample", sphere_, "-n", "10", "--density", "attribute:heat"}, 3, "no attribute 'heat'");
+  expect_failure({"sample", sphere_, "-n", "10", "--density", "expression:1 / (x - x)"}, 3, "infinite at");
+  expect_failure({"sample", sphere_, "-n", "10", "--density", "expression:heat"}, 3, "there are: x, y, z");
+}
+
+TEST_F(CliTest, SampleTakesABudget) {
+  const auto count = [](const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments = {"sample", sphere_, "--density", "screen", "--camera", "eye=0,0,3"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    return run_json(arguments)["points"].get<int>();
+  };
+  const int coarse = count({"--pixel-error", "20"}), fine = count({"--pixel-error", "10"});
+  EXPECT_GT(coarse, 100);
+  EXPECT_NEAR(fine, 4 * coarse, 0.01 * fine);
+  const int few = count({"--max-bytes", "10000"}), many = count({"--max-bytes", "40000"});
+  EXPECT_GT(few, 1500);
+  EXPECT_GT(many, 3.5 * few);
+  EXPECT_EQ(count({"--density", "distance:1.5,global", "-n", "4000"}), 1000);
+}
+
+}  // namespace
+}  // namespace curvecast::cli
