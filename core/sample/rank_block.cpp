@@ -1,6 +1,7 @@
 #include "core/sample/rank_block.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <iterator>
@@ -63,12 +64,11 @@ class BlockFiller {
 
   /// All children that have no point yet are told of a point.
   void take(const RankedPoint& p, float reach, bool is_new = false) {
-    const Vec3f position(p.position[0], p.position[1], p.position[2]);
     const bool comes_later = !is_new && p.rank >= n_;
+    std::array<std::int32_t, 4 * kBlockStrata> is_near;
+    places_.mark_near(p.position, reach, is_near.data());
     for (std::size_t c = 0; c < places_.size(); ++c) {
-      const Child& child = places_.child(c);
-      const float most = reach + child.radius;
-      if (child.full || (position - child.center).squaredNorm() > most * most) continue;
+      if (!is_near[c] || places_.child(c).full) continue;
       Places& places = places_.places(c);
       places_.take_nearer(c, p, comes_later ? static_cast<float>(p.rank + 1) : 1, comes_later ? places.after : places.before);
     }

@@ -30,6 +30,16 @@ CURVECAST_WIDE void take_facing_nearer(const Places& places, const RankedPoint& 
   }
 }
 
+/// Which spheres, n of them, come as near as `reach` to a point.
+CURVECAST_WIDE void mark_spheres(const float* xs, const float* ys, const float* zs, const float* radii, std::size_t n,
+                                 const float* p, float reach, std::int32_t* is_near) {
+  const float px = p[0], py = p[1], pz = p[2];
+  for (std::size_t i = 0; i < n; ++i) {
+    const float x = xs[i] - px, y = ys[i] - py, z = zs[i] - pz, most = reach + radii[i];
+    is_near[i] = x * x + y * y + z * z <= most * most;
+  }
+}
+
 }  // namespace
 
 float lattice_distance(double area, double n) { return static_cast<float>(std::sqrt(2 * area / (std::numbers::sqrt3 * n))); }
@@ -70,7 +80,14 @@ RankPlaces::RankPlaces(const CurveStrata& strata, const RankBlock& block, std::u
       places_(4 * block.size()),
       children_(places_.size()) {
   find(strata, seed);
-  for (std::size_t c = 0; c < size(); ++c) measure(c);
+  for (std::size_t c = 0; c < size(); ++c) {
+    measure(c);
+    const Child& child = children_[c];
+    x_.push_back(child.center.x());
+    y_.push_back(child.center.y());
+    z_.push_back(child.center.z());
+    radius_.push_back(child.radius);
+  }
 }
 
 void RankPlaces::find(const CurveStrata& strata, std::uint64_t seed) {
@@ -128,6 +145,10 @@ RankedPoint RankPlaces::point(std::size_t c, std::size_t place, std::uint32_t ra
           {places.nx[place], places.ny[place], places.nz[place]},
           at.vertex,
           rank};
+}
+
+void RankPlaces::mark_near(const float* position, float reach, std::int32_t* is_near) const {
+  mark_spheres(x_.data(), y_.data(), z_.data(), radius_.data(), size(), position, reach, is_near);
 }
 
 void RankPlaces::take_nearer(std::size_t c, const RankedPoint& p, float weight, float* least) const {

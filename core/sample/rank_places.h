@@ -61,6 +61,8 @@ class RankPlaces {
   const Places& places(std::size_t c) const { return places_[c]; }
   /// A point at a place.
   RankedPoint point(std::size_t c, std::size_t place, std::uint32_t rank) const;
+  /// Sets `is_near`, size() entries, to whether a child may have places as near to a point as `reach`, else to 0.
+  void mark_near(const float* position, float reach, std::int32_t* is_near) const;
   /// A point's square distance from each place of child c that faces it, times `weight`, goes into `least` where it is less.
   void take_nearer(std::size_t c, const RankedPoint& p, float weight, float* least) const;
 
@@ -75,6 +77,7 @@ class RankPlaces {
   std::vector<std::uint64_t> coordinate_;  // of each
   std::vector<Places> places_;             // of each child
   std::vector<Child> children_;
+  std::vector<float> x_, y_, z_, radius_;  // of the children, once more: in columns
 };
 
 }  // namespace curvecast
