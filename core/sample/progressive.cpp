@@ -32,16 +32,17 @@ void make_block(const CurveStrata& strata, const BlockOrder& order, const RankBl
                 std::uint64_t seed, BaseOf&& base_of, Filled&& filled, std::span<RankedPoint> points) {
   const Eigen::AlignedBox3f box = order.box(block);
   const float reach = rank_reach(strata.total_area(), block.level);
-  std::vector<RankedPoint> near;
+  std::vector<RankedPoint> done, open;
   for (const std::uint64_t i : near_blocks) {
     if (i == block.index) continue;
     const bool is_filled = BlockOrder::precedes(block.level, i, block.index);
+    std::vector<RankedPoint>& near = is_filled ? done : open;
     for (const RankedPoint& p : is_filled ? filled(i) : base_of(i)) {
       const Vec3f position(p.position[0], p.position[1], p.position[2]);
       if (box.squaredExteriorDistance(position) <= reach * reach) near.push_back(p);
     }
   }
-  fill_rank_block(strata, block, base_of(block.index), near, seed, points);
+  fill_rank_block(strata, block, base_of(block.index), done, open, seed, points);
 }
 
 /// The blocks of a level in waves: each has to wait for blocks of earlier waves only.

@@ -1,6 +1,7 @@
 // The points that come next in some neighbouring strata: places and ranks of 3 more for each, so that every prefix of the ranks
-// is spread evenly and no two points of it come near. Evenness comes from the strata and their turns, distance from the choice of
-// the places. Compare Eldar et al., "The farthest point strategy for progressive image sampling" (1997), which has no strata.
+// is spread evenly and no two points of it come near. Blocks take turns; in each the next point goes to the stratum that is least
+// crowded, near and farther off, and there to a place apart from others. Compare Eldar et al., "The farthest point strategy for
+// progressive image sampling" (1997), which has neither strata nor crowds.
 #pragma once
 
 #include <cstdint>
@@ -31,14 +32,18 @@ struct RankBlock {
   std::uint64_t size() const { return level < kBlockLevels ? std::uint64_t{1} << 2 * level : kBlockStrata; }
 };
 
+/// Bits of a coordinate within a stratum of the level after.
+constexpr int child_shift(int level) { return 62 - 2 * level; }
+
 /// Up to this distance points of a level take notice of each other.
 float rank_reach(double total_area, int level);
 
 /// Places 3 points into each of a block's s strata and gives them ranks in [4^l, 4^(l+1)), unique among all blocks of the level.
-/// `base` has the s points of lower ranks, one per stratum; `near` those of lower ranks in other blocks, and all points of the
-/// blocks that were done before, as far as rank_reach(). Writes 4 s `points`: one for each stratum of level l + 1, those of
-/// `base` among them.
+/// `base` has the s points of lower ranks, one per stratum. Of other blocks as far as rank_reach(): `done` has all points of
+/// those that were done before, `open` the points of lower ranks of the others. Writes 4 s `points`: one for each stratum of
+/// level l + 1, those of `base` among them.
 void fill_rank_block(const CurveStrata& strata, const RankBlock& block, std::span<const RankedPoint> base,
-                     std::span<const RankedPoint> near, std::uint64_t seed, std::span<RankedPoint> points);
+                     std::span<const RankedPoint> done, std::span<const RankedPoint> open, std::uint64_t seed,
+                     std::span<RankedPoint> points);
 
 }  // namespace curvecast

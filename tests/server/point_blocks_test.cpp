@@ -30,6 +30,11 @@ const Session& ball() {
   return session;
 }
 
+ViewCache& cache() {
+  static ViewCache cache;
+  return cache;
+}
+
 struct Blocks {
   std::vector<v1::PointBlock> blocks;
   std::uint64_t points = 0;
@@ -43,7 +48,7 @@ std::size_t bytes_of(const v1::PointBlock& block) {
 Blocks blocks_of(const Sample& sample) {
   Blocks out;
   int with_statistics = 0;
-  const absl::Status status = make_blocks(ball(), sample, {}, [&](const v1::ResampleResponse& response) {
+  const absl::Status status = make_blocks(ball(), sample, cache(), {}, nullptr, [&](const v1::ResampleResponse& response) {
     with_statistics += response.has_statistics() ? 1 : 0;
     out.points += response.points().count();
     out.bytes += bytes_of(response.points());
@@ -71,7 +76,7 @@ TEST(PointBlocks, KeepWithinTheirBytes) {
         const Blocks made = blocks_of(sample);
         EXPECT_LE(made.bytes, limit);
         EXPECT_GE(static_cast<double>(made.bytes), 0.9 * static_cast<double>(limit)) << limit << ", " << density.terms.size();
-        const auto frame = make_frame(ball(), sample, {});
+        const auto frame = make_frame(ball(), sample, cache(), {});
         ASSERT_TRUE(frame.ok()) << frame.status();
         EXPECT_LE(bytes_of(frame->points()), limit);
         EXPECT_GE(static_cast<double>(bytes_of(frame->points())), 0.9 * static_cast<double>(limit));
@@ -103,7 +108,7 @@ TEST(PointBlocks, TakeAnErrorInPixels) {
   sample.pixel_error = 8;
   const Blocks fine = blocks_of(sample);
   EXPECT_NEAR(static_cast<double>(fine.points), 4.0 * static_cast<double>(coarse.points), 8);
-  const auto frame = make_frame(ball(), sample, {});
+  const auto frame = make_frame(ball(), sample, cache(), {});
   ASSERT_TRUE(frame.ok()) << frame.status();
   EXPECT_EQ(frame->points().count(), fine.points);
 }
@@ -119,7 +124,7 @@ TEST(PointBlocks, AskForAFinerCurveWithTheirOwnNumber) {
   };
   std::uint64_t points = 0;
   bool refining = false;
-  ASSERT_TRUE(make_blocks(ball(), sample, on_short, [&](const v1::ResampleResponse& response) {
+  ASSERT_TRUE(make_blocks(ball(), sample, cache(), {.finer_curve = on_short}, nullptr, [&](const v1::ResampleResponse& response) {
                 points += response.points().count();
                 refining = response.statistics().refining();
                 return true;
@@ -131,13 +136,13 @@ TEST(PointBlocks, AskForAFinerCurveWithTheirOwnNumber) {
 TEST(PointBlocks, RefuseWhatIsTooMuch) {
   Sample sample;
   sample.options.points = 4'000'000;
-  EXPECT_EQ(make_frame(ball(), sample, {}).status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(make_frame(ball(), sample, cache(), {}).status().code(), absl::StatusCode::kResourceExhausted);
   sample.options.points = 4'000'001;
-  EXPECT_EQ(make_frame(ball(), sample, {}).status().code(), absl::StatusCode::kOutOfRange);
+  EXPECT_EQ(make_frame(ball(), sample, cache(), {}).status().code(), absl::StatusCode::kOutOfRange);
   sample = sample_of(100);  // Draco's header alone takes more
   sample.options.density = {BrushTerm{.radius = 1e9}};
-  EXPECT_EQ(make_frame(ball(), sample, {}).status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_EQ(make_blocks(ball(), sample_of(5000), {}, [](const v1::ResampleResponse&) { return false; }).code(),
+  EXPECT_EQ(make_frame(ball(), sample, cache(), {}).status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(make_blocks(ball(), sample_of(5000), cache(), {}, nullptr, [](const v1::ResampleResponse&) { return false; }).code(),
             absl::StatusCode::kCancelled);
 }
 

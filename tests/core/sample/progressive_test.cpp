@@ -78,10 +78,10 @@ void expect_even_prefixes(const Surface& surface, int level) {
   for (std::size_t n = 1024; n <= ranks.points().size(); n = n * 5 / 4) {
     const Prefix prefix = prefix_of(ranks, n);
     const PointCloud cloud(prefix.positions, surface.curve->box);
-    EXPECT_GE(neighbour_distances_on_side(area, cloud, prefix.normals).min, 0.45) << n;
-    EXPECT_LE(coverage_radius(surface.mesh, cloud) / packing_radius(area, n), 2.5) << n;
+    EXPECT_GE(neighbour_distances_on_side(area, cloud, prefix.normals).min, 0.48) << n;
+    EXPECT_LE(coverage_radius(surface.mesh, cloud) / packing_radius(area, n), 2.4) << n;
     // N^(-3/4): over random points a quarter power.
-    EXPECT_LE(balls.of(prefix.positions).rms_relative * std::pow(static_cast<double>(n), 0.25), 1.7) << n;
+    EXPECT_LE(balls.of(prefix.positions).rms_relative * std::pow(static_cast<double>(n), 0.25), 1.36) << n;
   }
 }
 
