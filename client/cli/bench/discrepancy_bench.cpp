@@ -46,7 +46,7 @@ class Sampler {
     auto fixed = make_fixed_density(*curve_, density_.terms);
     if (!fixed.ok()) return fixed.status();
     fixed_ = *std::move(fixed);
-    const int level = std::clamp((std::bit_width(most_points - 1) + 1) / 2, kChunkLevels, kMaxLevelAtOnce);
+    const int level = std::clamp((static_cast<int>(std::bit_width(most_points - 1)) + 1) / 2, kChunkLevels, kMaxLevelAtOnce);
     ExecutionContext quiet = context;
     quiet.on_progress = nullptr;
     auto grower = RankGrower::make(curve_, {.level = level}, quiet);
@@ -150,7 +150,7 @@ absl::Status measure_rings(const MeshFile& file, const DiscrepancyBenchOptions& 
   const Density density = options.curvature ? Density({CurvatureTerm{}}) : Density();
   std::vector<double> face_density;
   if (options.curvature) {
-    const auto on_faces = density_on_faces(mesh, flattened.geometry, density.terms);
+    const auto on_faces = density_on_faces(mesh, flattened.geometry, flattened.loaded.attributes.scalars, density);
     if (!on_faces.ok()) return on_faces.status();
     face_density.assign(on_faces->begin(), on_faces->end());
   }
