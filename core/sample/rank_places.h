@@ -12,7 +12,7 @@
 
 namespace curvecast {
 
-inline constexpr std::size_t kPlaces = 64;  // that are tried for each point
+inline constexpr std::size_t kPlaces = 32;  // that are tried for each point
 inline constexpr float kFar = std::numeric_limits<float>::max();
 inline constexpr float kSameSide = -0.5f;  // normals that differ by more than 120 degrees are on the two sides of something thin
 

@@ -60,11 +60,11 @@ TEST(RankPlaces, BestAndCentralPlace) {
     places.before[k] = static_cast<float>(k);
     places.away[k] = static_cast<float>(k % 8);
   }
-  after[63] = 1;
+  after[kPlaces - 1] = 1;
   const BestPlace best = best_place(places.before, after.data(), 0.1f);
-  EXPECT_EQ(best.place, 62u);
-  EXPECT_FLOAT_EQ(best.value, 6.2f);
-  EXPECT_EQ(central_place(places, after.data(), 0.1f, 5), 56u);
+  EXPECT_EQ(best.place, kPlaces - 2);
+  EXPECT_FLOAT_EQ(best.value, 0.1f * (kPlaces - 2));
+  EXPECT_EQ(central_place(places, after.data(), 0.1f, 0.1f * (kPlaces - 12)), kPlaces - 8);
 }
 
 }  // namespace
