@@ -81,7 +81,7 @@ TEST_F(CliTest, SampleTakesABudget) {
   EXPECT_GT(coarse, 100);
   EXPECT_NEAR(fine, 4 * coarse, 0.01 * fine);
   const int few = count({"--max-bytes", "10000"}), many = count({"--max-bytes", "40000"});
-  EXPECT_GT(few, 1500);
+  EXPECT_GT(few, 1000);
   EXPECT_GT(many, 3.5 * few);
   EXPECT_EQ(count({"--density", "distance:1.5,global", "-n", "4000"}), 1000);
 }

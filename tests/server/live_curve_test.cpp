@@ -49,7 +49,7 @@ TEST(LiveCurve, ReadersKeepTheRevisionThatTheyTook) {
       EXPECT_GE(curve->revision, last);  // never goes back
       last = curve->revision;
       const absl::StatusOr<PointSet> points =
-          resample(*curve, {.points = 100, .density = seen_from(Vec3d(0.5, 0, 2000)), .seed = last});
+          resample(*curve, {.points = 100, .density = curvecast::testing::seen_from(Vec3d(0.5, 0, 2000)), .seed = last});
       ASSERT_TRUE(points.ok()) << points.status();
       for (const Vec3f& p : points->positions) ASSERT_EQ(p.z(), static_cast<float>(curve->revision));
       ++reads;

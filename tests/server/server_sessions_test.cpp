@@ -180,7 +180,7 @@ TEST_F(ServerSessions, BadRequestsAreRefusedAndTheServerGoesOn) {
   sample.mutable_cameras(0)->mutable_eye()->set_x(std::numeric_limits<double>::quiet_NaN());
   const grpc::Status refused = resample(*stub, id, sample).status;
   EXPECT_EQ(refused.error_code(), grpc::INVALID_ARGUMENT);
-  EXPECT_THAT(refused.error_message(), HasSubstr("sample.camera.eye.x is not finite"));
+  EXPECT_THAT(refused.error_message(), HasSubstr("sample.cameras[0].eye.x is not finite"));
   EXPECT_EQ(resample(*stub, id, view_of(10)).points(), 10u);
 }
 

@@ -112,7 +112,8 @@ TEST_P(RealCurve, HasEnoughVerticesForEveryTriangleAndTheSurfacesArea) {
     EXPECT_LT(done->report.area_error, 1e-9);
     EXPECT_GE(done->curve->size(), 655'360u);
     const FlattenedMesh& flattened = *done->flattened;
-    const absl::StatusOr<std::vector<double>> wanted = face_demand(flattened.loaded.mesh, flattened.geometry, density, 655'360);
+    const absl::StatusOr<std::vector<double>> wanted =
+        face_demand(flattened.loaded.mesh, flattened.geometry, flattened.loaded.attributes.scalars, density, 655'360);
     ASSERT_TRUE(wanted.ok());
     double sum = 0;
     for (std::size_t d = 0; d < flattened.charts.size(); ++d) {
