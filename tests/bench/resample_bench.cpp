@@ -95,13 +95,17 @@ void resample_with(benchmark::State& state, const ResampleOptions& options) {
 
 void resample_evenly(benchmark::State& state) { resample_with(state, {.points = 65'536}); }
 
-void resample_curved(benchmark::State& state) { resample_with(state, {.points = 65'536, .density = {CurvatureTerm{}}}); }
+void resample_curved(benchmark::State& state) {
+  ResampleOptions options{.points = 65'536};
+  options.density.terms.emplace_back(CurvatureTerm{});
+  resample_with(state, options);
+}
 
 void resample_view(benchmark::State& state) { resample_with(state, view_options()); }
 
 void resample_curved_view(benchmark::State& state) {
   ResampleOptions options = view_options();
-  options.density.terms.push_back(CurvatureTerm{});
+  options.density.terms.emplace_back(CurvatureTerm{});
   resample_with(state, options);
 }
 
