@@ -159,7 +159,7 @@ TEST_F(ServerCurve, IsNotMadeForAView) {
   }
   const grpc::Status status = reader->Finish();
   EXPECT_EQ(status.error_code(), grpc::INVALID_ARGUMENT);
-  EXPECT_THAT(status.error_message(), ::testing::HasSubstr("options.density[0].view"));
+  EXPECT_THAT(status.error_message(), ::testing::HasSubstr("options.density[0] depends on a camera"));
 }
 
 }  // namespace
