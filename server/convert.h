@@ -44,8 +44,8 @@ v1::Distortion to_proto(const Distortion& distortion);
 v1::Session to_proto(const SessionInfo& info);
 v1::Session to_proto(const Session& session);
 
-/// Points [begin, begin + count) as one block; `curve` is the one that they were sampled from. The attributes are left to the other
-/// function.
+/// Points [begin, begin + count) as one block; `curve` is the one that they were sampled from. The attributes are left to the
+/// other function.
 absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
                                         const std::optional<DracoOptions>& draco);
 

@@ -32,8 +32,8 @@ class Engine {
 
   /// Makes a conversation that stop_streams() reaches; refused with Unavailable after it.
   absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport);
-  /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined, and more ranked candidates
-  /// made.
+  /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined, and more ranked
+  /// candidates made.
   OnShort improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
   /// A number for a conversation or a call.
   std::uint64_t new_source() { return ++sources_; }

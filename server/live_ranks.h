@@ -25,7 +25,8 @@ class LiveRanks {
   /// Candidates of a session, 26 bytes each and some.
   static constexpr std::uint64_t kMaxPoints = 8'000'000;
 
-  /// What there is by now. Whoever comes first makes the lowest ranks, on `curve`, and others wait. Errors as of RankGrower::make().
+  /// What there is by now. Whoever comes first makes the lowest ranks, on `curve`, and others wait. Errors as of
+  /// RankGrower::make().
   absl::StatusOr<RankedCurve> take(const std::shared_ptr<const SurfaceCurve>& curve, const ExecutionContext& context);
 
   /// Makes what is lacking, if it still is; one caller after the other. Errors as of RankGrower::grow(). Precondition: take().

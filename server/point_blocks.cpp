@@ -48,9 +48,11 @@ std::size_t data_bytes(const v1::PointBlock& block) {
 
 /// What a point takes, roughly; neighbours differ little, so that about half of a position's bits are left.
 double expected_point_bytes(const SurfaceCurve& curve, const Sample& sample) {
-  const double more = (sample.attributes.curvatures ? 8 : 0) + (sample.attributes.rank ? 4 : 0) + (sample.attributes.surface ? 12 : 0);
+  const double more =
+      (sample.attributes.curvatures ? 8 : 0) + (sample.attributes.rank ? 4 : 0) + (sample.attributes.surface ? 12 : 0);
   if (!sample.draco) return more + static_cast<double>(raw_point_bytes(curve));
-  return more + (1.4 * sample.draco->position_bits + sample.draco->normal_bits + 6) / 8 + (curve.colour.empty() ? 0 : kRawColourBytes);
+  return more + (1.4 * sample.draco->position_bits + sample.draco->normal_bits + 6) / 8 +
+         (curve.colour.empty() ? 0 : kRawColourBytes);
 }
 
 struct Packed {

@@ -21,8 +21,9 @@ inline constexpr std::size_t kMaxFrameBytes = std::size_t{32} << 20;
 absl::Status make_blocks(const Session& session, const Sample& sample, ViewCache& cache, const OnShort& on_short,
                          const std::atomic<bool>* cancel, const std::function<bool(v1::ResampleResponse)>& emit);
 
-/// All points in one key frame; its sequence number is left to the caller. Does with the ranked candidates that there are. Errors as
-/// of curvecast::resample, and ResourceExhausted for more than kMaxFrameBytes.
-absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample, ViewCache& cache, const OnShort& on_short);
+/// All points in one key frame; its sequence number is left to the caller. Does with the ranked candidates that there are. Errors
+/// as of curvecast::resample, and ResourceExhausted for more than kMaxFrameBytes.
+absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample, ViewCache& cache,
+                                          const OnShort& on_short);
 
 }  // namespace curvecast::server

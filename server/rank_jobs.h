@@ -30,8 +30,8 @@ class RankJobs {
   RankJobs(OnDone on_done, std::shared_ptr<spdlog::logger> log);
   ~RankJobs();  // stop()
 
-  /// Somebody found chunks lacking; what waits for its turn is met together. Returns whether they are being made, so that on_done is
-  /// called afterwards: false when there is no room for more, or after stop().
+  /// Somebody found chunks lacking; what waits for its turn is met together. Returns whether they are being made, so that on_done
+  /// is called afterwards: false when there is no room for more, or after stop().
   bool request(const std::shared_ptr<const Session>& session, std::span<const ChunkId> lacking);
   /// Cancels everything and joins the thread; refuses what comes later.
   void stop();

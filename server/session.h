@@ -20,7 +20,8 @@ namespace curvecast::server {
 /// others.
 inline constexpr int kAlgorithmVersion = 1;
 
-/// Ready and immutable but for its curve, which may become finer, and its ranked candidates; whoever holds it may go on using it after it has been closed.
+/// Ready and immutable but for its curve, which may become finer, and its ranked candidates; whoever holds it may go on using it
+/// after it has been closed.
 struct Session {
   std::string id;
   std::string mesh_id;

@@ -25,8 +25,7 @@ absl::StatusOr<SessionSampler> SessionSampler::open(const Session& session, cons
     out.ranks_ = ranked->tree;
   }
   Stopwatch watch;
-  absl::StatusOr<std::shared_ptr<const FixedDensity>> fixed =
-      cache.fixed_densities.get(out.curve_, sample.options.density.terms);
+  absl::StatusOr<std::shared_ptr<const FixedDensity>> fixed = cache.fixed_densities.get(out.curve_, sample.options.density.terms);
   if (!fixed.ok()) return fixed.status();
   out.fixed_ = *std::move(fixed);
   out.fixed_seconds_ = watch.lap();
@@ -61,11 +60,10 @@ absl::Status SessionSampler::sample_by_rank(std::uint64_t points, Sampled& out) 
   const std::vector<ChunkId>& lacking = out.workspace->selection.lacking;
   Stopwatch watch;
   for (int round = 0;; ++round) {
-    const absl::Status status =
-        sample_ranked(*curve_, ranks_, fixed_.get(), sample_->options.density, points, *out.workspace);
+    const absl::Status status = sample_ranked(*curve_, ranks_, fixed_.get(), sample_->options.density, points, *out.workspace);
     if (!status.ok()) return status;
     if (lacking.empty() || wait_ == Wait::kForFirst || session_->ranks->is_full() || round == kMaxRounds) break;
-    const absl::Status grown = session_->ranks->grow(lacking, {.cancel = cancel_, .threads = 1});
+    const absl::Status grown = session_->ranks->grow(lacking, {.cancel = cancel_});
     // Without room for more, those that there are have to do.
     if (!grown.ok() && !absl::IsResourceExhausted(grown)) return grown;
     const absl::StatusOr<RankedCurve> ranked = session_->ranks->take(curve_, {});

@@ -22,8 +22,8 @@ struct ViewCache {
   Workspaces workspaces;
 };
 
-/// Told that an answer is not as good as it could be: whether what it wants is being made, so that a better one follows. Both may be
-/// empty.
+/// Told that an answer is not as good as it could be: whether what it wants is being made, so that a better one follows. Both may
+/// be empty.
 struct OnShort {
   /// The session's curve, of this revision, is too coarse for so many points.
   std::function<bool(const SurfaceCurve& curve, std::uint64_t points)> finer_curve;

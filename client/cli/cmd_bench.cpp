@@ -231,7 +231,8 @@ constexpr Benchmark kBenchmarks[] = {
      "beside the time to read the curve's positions, normals and areas once.",
      add_sample_benchmark},
     {"discrepancy", "MESH", "how evenly each sampler and sequence spreads points",
-     "Discrepancy over balls beside random points, relative radius and coverage radius of every sampler and sequence, for powers of "
+     "Discrepancy over balls beside random points, relative radius and coverage radius of every sampler and sequence, for powers "
+     "of "
      "four and numbers between; and the power of N by which the discrepancy over rings falls.",
      add_discrepancy},
 };

@@ -127,9 +127,10 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
                   "the points' file: .ply, .xyz, .pcd (lossless) or .drc (Draco); without it, only statistics")
       ->check(validator(check_points_ending, ""))
       ->type_name("FILE");
-  app->add_option("--attributes", flags->attributes,
-                  "more of each point, in a .ply file: curvatures (principal), rank (of the progressive sampler), surface (face of the "
-                  "repaired mesh and place in it); separated by commas")
+  app->add_option(
+         "--attributes", flags->attributes,
+         "more of each point, in a .ply file: curvatures (principal), rank (of the progressive sampler), surface (face of the "
+         "repaired mesh and place in it); separated by commas")
       ->delimiter(',')
       ->check(validator([](const std::string& text) { return check_choice("attribute", text, kAttributes); }, ""))
       ->type_name("NAME");

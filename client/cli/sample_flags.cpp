@@ -38,17 +38,18 @@ CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
                            ->type_name("N");
   add_density_flag(command, flags, kDensityHelp);
   command
-      ->add_option("--sampler", flags->sampler,
-                   "equalised (the paper's: any sequence) or progressive (points with fixed ranks, evenly spread and apart: more points "
-                   "add to fewer, whatever the density)")
+      ->add_option(
+          "--sampler", flags->sampler,
+          "equalised (the paper's: any sequence) or progressive (points with fixed ranks, evenly spread and apart: more points "
+          "add to fewer, whatever the density)")
       ->check(validator([](const std::string& text) { return check_choice("sampler", text, kSamplers); }, ""))
       ->type_name("NAME")
       ->capture_default_str();
   command
-      ->add_option(
-          "--sequence", flags->sequence,
-          "of the equalised sampler, placement along the curve: jittered (low discrepancy without a pattern), regular, or endless sequences, of which "
-          "more points add to fewer: vandercorput or golden")
+      ->add_option("--sequence", flags->sequence,
+                   "of the equalised sampler, placement along the curve: jittered (low discrepancy without a pattern), regular, "
+                   "or endless sequences, of which "
+                   "more points add to fewer: vandercorput or golden")
       ->check(validator([](const std::string& text) { return check_choice("sequence", text, kSequences); }, ""))
       ->type_name("NAME")
       ->capture_default_str();

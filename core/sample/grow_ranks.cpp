@@ -47,9 +47,13 @@ absl::StatusOr<std::unique_ptr<RankGrower>> RankGrower::make(std::shared_ptr<con
 }
 
 absl::Status RankGrower::make_whole(int level, const ExecutionContext& context) {
-  absl::StatusOr<ProgressiveRanks> ranks = ProgressiveRanks::make(curve_, {.level = level, .seed = seed_}, context);
-  if (!ranks.ok()) return ranks.status();
-  ranks_.emplace(*std::move(ranks));
+  if (ranks_) {
+    if (absl::Status status = ranks_->extend(level, context); !status.ok()) return status;
+  } else {
+    absl::StatusOr<ProgressiveRanks> ranks = ProgressiveRanks::make(curve_, {.level = level, .seed = seed_}, context);
+    if (!ranks.ok()) return ranks.status();
+    ranks_.emplace(*std::move(ranks));
+  }
   // Of the points of a level those of lower levels are a part: each chunk finds its own among those of its stratum.
   std::vector<RankTree::Chunk> chunks;
   for (int l = kChunkLevels; l <= level; ++l) {

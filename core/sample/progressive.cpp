@@ -129,37 +129,54 @@ absl::StatusOr<ProgressiveRanks> ProgressiveRanks::make(std::shared_ptr<const Su
   if (absl::Status status = check_area(*curve); !status.ok()) return status;
   ProgressiveRanks ranks;
   ranks.curve_ = std::move(curve);
-  ranks.options_ = options;
+  ranks.options_ = {.level = 0, .seed = options.seed};
   ranks.strata_ = std::make_unique<CurveStrata>(*ranks.curve_);
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-  if (absl::Status status = arena.execute([&] { return ranks.fill(context); }); !status.ok()) return status;
+  ranks.points_ = {first_point(*ranks.strata_, options.seed)};
+  if (absl::Status status = ranks.fill(options.level, context); !status.ok()) return status;
   return ranks;
 }
 
-absl::Status ProgressiveRanks::fill(const ExecutionContext& context) {
-  order_ = std::make_unique<BlockOrder>(*strata_, options_.level);
-  points_ = {first_point(*strata_, options_.seed)};
+absl::Status ProgressiveRanks::extend(int level, const ExecutionContext& context) {
+  if (level <= options_.level || level > kMaxLevelAtOnce) {
+    return absl::InvalidArgumentError(absl::StrFormat("ranks down to level %d asked for; there are %d, and at most %d", level,
+                                                      options_.level, kMaxLevelAtOnce));
+  }
+  return fill(level, context);
+}
+
+absl::Status ProgressiveRanks::fill(int last, const ExecutionContext& context) {
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  auto order = arena.execute([&] { return std::make_unique<BlockOrder>(*strata_, last); });
+  std::vector<RankedPoint> points = points_;
   std::vector<Blocks> near;
-  for (int level = 0; level < options_.level; ++level) {
+  for (int level = 0; level < last; ++level) {
     const std::size_t size = RankBlock{level, 0}.size();
     std::vector<Blocks> finer(BlockOrder::blocks(level));
-    tbb::parallel_for(std::size_t{0}, finer.size(), [&](std::size_t i) {
-      finer[i] = order_->near({level, i}, finer.size() > 1 ? near[i / 4] : Blocks{0});
+    arena.execute([&] {
+      tbb::parallel_for(std::size_t{0}, finer.size(), [&](std::size_t i) {
+        finer[i] = order->near({level, i}, finer.size() > 1 ? near[i / 4] : Blocks{0});
+      });
     });
     near = std::move(finer);
-    std::vector<RankedPoint> next(4 * points_.size());
-    const auto base_of = [&](std::uint64_t i) { return std::span<const RankedPoint>(points_).subspan(i * size, size); };
+    if (level < options_.level) continue;
+    std::vector<RankedPoint> next(4 * points.size());
+    const auto base_of = [&](std::uint64_t i) { return std::span<const RankedPoint>(points).subspan(i * size, size); };
     const auto filled = [&](std::uint64_t i) { return std::span(next).subspan(4 * i * size, 4 * size); };
     for (const Blocks& wave : waves_of(level, near)) {
       if (absl::Status status = context.check(); !status.ok()) return status;
-      tbb::parallel_for(std::size_t{0}, wave.size(), [&](std::size_t k) {
-        const std::uint64_t i = wave[k];
-        make_block(*strata_, *order_, {level, i}, near[i], options_.seed, base_of, filled, filled(i));
+      arena.execute([&] {
+        tbb::parallel_for(std::size_t{0}, wave.size(), [&](std::size_t k) {
+          const std::uint64_t i = wave[k];
+          make_block(*strata_, *order, {level, i}, near[i], options_.seed, base_of, filled, filled(i));
+        });
       });
     }
-    points_ = std::move(next);
-    context.progress(kStage, std::ldexp(1.0, 2 * (level + 1 - options_.level)));
+    points = std::move(next);
+    context.progress(kStage, std::ldexp(1.0, 2 * (level + 1 - last)));
   }
+  order_ = std::move(order);
+  points_ = std::move(points);
+  options_.level = last;
   return absl::OkStatus();
 }
 

@@ -37,6 +37,10 @@ class ProgressiveRanks {
   static absl::StatusOr<ProgressiveRanks> make(std::shared_ptr<const SurfaceCurve> curve, const ProgressiveOptions& options,
                                                const ExecutionContext& context = {});
 
+  /// Makes all points down to a deeper level, at most kMaxLevelAtOnce; those that there are stay. Not while others ask.
+  /// InvalidArgument: the level is not deeper. Cancelled, and nothing has changed.
+  absl::Status extend(int level, const ExecutionContext& context = {});
+
   const SurfaceCurve& curve() const { return *curve_; }
   int level() const { return options_.level; }
   /// 4^level() points in curve order: the i-th lies in stratum i of that level.
@@ -50,7 +54,7 @@ class ProgressiveRanks {
 
  private:
   ProgressiveRanks() = default;
-  absl::Status fill(const ExecutionContext& context);
+  absl::Status fill(int level, const ExecutionContext& context);
 
   std::shared_ptr<const SurfaceCurve> curve_;
   ProgressiveOptions options_;

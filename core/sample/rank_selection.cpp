@@ -131,8 +131,9 @@ bool RankSelector::visit(const View& view, float scale) {
     float most[kChunkRuns];
     view.factor.most_of_blocks(chunk.bounds, 0, kChunkRuns, most);
     for (std::size_t r = 0; r < kChunkRuns && view.density != nullptr; ++r) {
-      const auto blocks = std::span<const float>(view.density->most).subspan(chunk.first_vertex[r] / kBlockSize,
-                                                    chunk.last_vertex[r] / kBlockSize - chunk.first_vertex[r] / kBlockSize + 1);
+      const auto blocks = std::span<const float>(view.density->most)
+                              .subspan(chunk.first_vertex[r] / kBlockSize,
+                                       chunk.last_vertex[r] / kBlockSize - chunk.first_vertex[r] / kBlockSize + 1);
       most[r] *= *std::max_element(blocks.begin(), blocks.end());
     }
     visited_.push_back({static_cast<std::uint32_t>(c), keys});

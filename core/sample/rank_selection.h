@@ -34,8 +34,8 @@ struct RankSelection {
 /// Selects for one view after another; not for several threads at once.
 class RankSelector {
  public:
-  /// The n points that need the least scale under a density, the fixed one (null: 1 everywhere) times the view's; of those that need the same those of the lowest ranks; fewer where fewer of the
-  /// tree's have a density. Precondition: n > 0.
+  /// The n points that need the least scale under a density, the fixed one (null: 1 everywhere) times the view's; of those that
+  /// need the same those of the lowest ranks; fewer where fewer of the tree's have a density. Precondition: n > 0.
   void select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, std::uint64_t n,
               RankSelection& out);
 

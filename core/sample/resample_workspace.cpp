@@ -4,9 +4,8 @@ namespace curvecast {
 
 std::size_t ResampleWorkspace::byte_size() const {
   const auto bytes = [](const auto&... vectors) { return ((vectors.capacity() * sizeof(vectors[0])) + ...); };
-  return bytes(points.positions, points.normals, points.radii, points.vertices, points.ranks, points.colours, sequence, mass.sum, mass.codes,
-               mass.own_codes, mass.moved, mass.close, equalise.block,
-               selection.parts, selection.shown, refs) +
+  return bytes(points.positions, points.normals, points.radii, points.vertices, points.ranks, points.colours, sequence, mass.sum,
+               mass.codes, mass.own_codes, mass.moved, mass.close, equalise.block, selection.parts, selection.shown, refs) +
          selector.byte_size();
 }
 

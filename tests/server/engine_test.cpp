@@ -20,6 +20,7 @@
 #include "server/log.h"
 #include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/views.h"
 
 namespace curvecast::server {
 namespace {
@@ -165,7 +166,7 @@ TEST_F(EngineTest, ViewsShareWhatNoCameraChanges) {
   std::size_t bytes = 0;
   for (const double distance : {3.0, 3.0, 5.0, 3.0}) {
     sample.options.points = 100;
-    sample.options.density = {CurvatureTerm{}, ViewTerm{.eye = Vec3d(0, 0, distance)}};
+    sample.options.density = curvecast::testing::seen_from(Vec3d(0, 0, distance), {CurvatureTerm{}, ViewTerm{}});
     const absl::StatusOr<v1::PointFrame> frame = make_frame(*session, sample, engine_.view_cache, {});
     ASSERT_TRUE(frame.ok()) << frame.status();
     EXPECT_EQ(frame->points().count(), 100u);

@@ -196,7 +196,8 @@ absl::StatusOr<BenchReport> bench_discrepancy(const MeshFile& file, const Discre
     if (absl::Status status = measure_rings(file, options, context, report); !status.ok()) return status;
   }
   report.notes = {absl::StrFormat(
-      "%s: uniform sets on a curve for %d points; ball discrepancy over what random points have, rho among points on the same side of "
+      "%s: uniform sets on a curve for %d points; ball discrepancy over what random points have, rho among points on the same "
+      "side of "
       "the surface%s.",
       file.name, options.points, options.curvature ? "; rings with a density by Gaussian curvature, and weighted with it" : "")};
   return report;

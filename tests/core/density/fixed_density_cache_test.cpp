@@ -90,7 +90,7 @@ TEST(FixedDensityCache, ForgetsCurvesThatHaveGone) {
 
 TEST(FixedDensityCache, PassesErrorsOn) {
   FixedDensityCache cache;
-  EXPECT_TRUE(absl::IsInvalidArgument(cache.get(bent_curve(), bends(-1)).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(cache.get(bent_curve(), Terms{AttributeTerm{"none"}}).status()));
   EXPECT_EQ(cache.byte_size(), 0u);
 }
 

@@ -141,6 +141,18 @@ TEST(ProgressiveRanks, PartsAreWhatTheWholeWouldBe) {
   }
 }
 
+TEST(ProgressiveRanks, WhatIsExtendedIsWhatTheWholeWouldBe) {
+  const ProgressiveRanks whole = ranks_of(ball().curve, {.level = 7, .seed = 3});
+  ProgressiveRanks ranks = ranks_of(ball().curve, {.level = 2, .seed = 3});
+  for (const int level : {3, 6, 7}) {
+    ASSERT_TRUE(ranks.extend(level).ok());
+    EXPECT_EQ(ranks.level(), level);
+  }
+  EXPECT_TRUE(same(ranks.points(), whole.points()));
+  EXPECT_EQ(ranks.extend(7).code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(ranks.extend(12).code(), absl::StatusCode::kInvalidArgument);
+}
+
 TEST(ProgressiveRanks, ZoomingInNeverRunsOut) {
   const ProgressiveRanks ranks = ranks_of(flat_curve(5), {.level = 4});
   for (int level = 5; level <= 12; ++level) {

@@ -122,7 +122,7 @@ TEST(RankSelection, OfAGreaterDensityShowsAllOfALesserOne) {
   const auto grower = ball_grower(8);
   std::vector<float> lesser = some_density(3), greater = lesser;
   for (std::size_t l = 0; l < greater.size(); ++l) greater[l] += static_cast<float>(random_unit(4, l) * (l % 3 == 0));
-  const FixedDensity less = fixed(lesser), more(greater);
+  const FixedDensity less = fixed(lesser), more = fixed(greater);
   RankSelector selector;
   RankSelection a, b;
   const auto includes = [&] {
@@ -150,8 +150,7 @@ TEST(RankSelection, OfAGreaterDensityShowsAllOfALesserOne) {
   }
   // A silhouette that is more pronounced is a lesser density.
   const auto at_scale = [&](double s0, RankSelection& out) {
-    selector.select_at(grower->tree(), nullptr, ViewFactor(*ball_curve(), view_from(Vec3d(2, 1, 1), s0)), 9000,
-                       out);
+    selector.select_at(grower->tree(), nullptr, ViewFactor(*ball_curve(), view_from(Vec3d(2, 1, 1), s0)), 9000, out);
   };
   at_scale(0.05, a);
   at_scale(0.3, b);

@@ -31,10 +31,8 @@ std::shared_ptr<SurfaceCurve> bent_curve(int level, bool coloured) {
 
 TEST(ResampleWorkspace, GivesWhatFreshMemoryGives) {
   const std::vector<std::shared_ptr<SurfaceCurve>> curves = {bent_curve(6, true), bent_curve(3, false), bent_curve(5, false)};
-  const std::vector<Density> densities = {{},
-                                          seen_from(Vec3d(0.4, 0.2, 1)),
-                                          {CurvatureTerm{}},
-                                          seen_from(Vec3d(2, 0.2, 1), {CurvatureTerm{}, ViewTerm{}})};
+  const std::vector<Density> densities = {
+      {}, seen_from(Vec3d(0.4, 0.2, 1)), {CurvatureTerm{}}, seen_from(Vec3d(2, 0.2, 1), {CurvatureTerm{}, ViewTerm{}})};
   ResampleWorkspace workspace;
   std::uint64_t seed = 0;
   for (const std::uint64_t points : {1u, 3000u, 10u, 500u, 100'000u, 7u, 3000u}) {
