@@ -17,8 +17,9 @@ constexpr std::uint64_t kMostParts = 3;
 
 std::uint64_t chunks_of_level(int level) { return std::uint64_t{1} << 2 * (level - kChunkLevels); }
 
-// Strata smaller than this part of a curve vertex's area lie in the same places: points would get in each other's way.
-constexpr double kLeastPart = 1.0 / 32;
+// The smaller strata are beside a curve vertex's area, the more of them count as near each other, and making one takes ever
+// longer.
+constexpr double kLeastPart = 1.0 / 8;
 
 int deepest_level(const SurfaceCurve& curve) {
   const double most = static_cast<double>(curve.size()) / kLeastPart;

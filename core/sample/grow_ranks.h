@@ -29,8 +29,8 @@ class RankGrower {
   /// What there is by now.
   std::shared_ptr<const RankTree> tree() const { return tree_; }
 
-  /// Makes what is lacking, and with it what that continues; nothing deeper than tree()->deepest(), where a curve vertex has a
-  /// few dozen points to itself. ResourceExhausted: the tree would have more than `max_points`. Cancelled.
+  /// Makes what is lacking, and with it what that continues; nothing deeper than tree()->deepest(), where a curve vertex has
+  /// eight points to itself. ResourceExhausted: the tree would have more than `max_points`. Cancelled.
   absl::Status grow(std::span<const ChunkId> lacking, std::uint64_t max_points, const ExecutionContext& context = {});
 
  private:

@@ -258,7 +258,7 @@ TEST_F(CliTest, WrongUsageIsStatus2) {
   for (const char* n : {"0", "4000001", "-5", "many", "1.5"}) expect_failure({"sample", sphere_, "-n", n}, 2, "");
   expect_failure({"sample", sphere_, "-n", "10", "-o", "x.obj"}, 2, ".ply, .xyz, .pcd, .drc");
   expect_failure({"sample", sphere_, "-n", "10", "--density", "blob"}, 2, "there are: uniform, curvature, attribute");
-  expect_failure({"sample", sphere_, "-n", "10", "--sampler", "progressive"}, 2, "there are: equalised");
+  expect_failure({"sample", sphere_, "-n", "10", "--sampler", "random"}, 2, "there are: equalised, progressive");
   expect_failure({"sample", sphere_, "-n", "10", "--sequence", "halton"}, 2,
                  "there are: jittered, regular, vandercorput, golden");
   expect_failure({"sample", sphere_, "-n", "10", "--camera", "eye=1"}, 2, "eye takes 3 numbers");

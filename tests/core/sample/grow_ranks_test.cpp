@@ -92,10 +92,10 @@ TEST(RankGrower, GoesAsDeepAsThereAreRanks) {
     ASSERT_NE(chunk, nullptr) << level;
     EXPECT_EQ(std::set<std::uint32_t>(chunk->place.begin(), chunk->place.end()).size(), chunk->size()) << level;
   }
-  // 32 points on a curve vertex, and no more.
+  // Eight points on a curve vertex, and no more.
   const auto size = static_cast<double>(ball_curve()->size());
-  EXPECT_LE(std::ldexp(1.0, 2 * grower->tree()->deepest()), 32 * size);
-  EXPECT_GT(std::ldexp(1.0, 2 * grower->tree()->deepest() + 2), 32 * size);
+  EXPECT_LE(std::ldexp(1.0, 2 * grower->tree()->deepest()), 8 * size);
+  EXPECT_GT(std::ldexp(1.0, 2 * grower->tree()->deepest() + 2), 8 * size);
   const std::size_t points = grower->tree()->points();
   ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{grower->tree()->deepest() + 1, 0}}, 1'000'000).ok());
   EXPECT_EQ(grower->tree()->points(), points);

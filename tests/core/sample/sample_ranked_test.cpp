@@ -105,7 +105,7 @@ TEST(SampleRanked, SilhouettesHaveTheirShare) {
 }
 
 TEST(SampleRanked, RefusesWhatCannotBe) {
-  const auto tree = ball_tree(6);
+  const auto tree = ball_tree(8);
   ResampleWorkspace workspace;
   const auto code = [&](const Density& density, std::uint64_t n) {
     return sample_ranked(*ball_curve(), tree, nullptr, density, n, workspace).code();
