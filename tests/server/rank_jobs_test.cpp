@@ -3,56 +3,25 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
-#include <string>
 #include <thread>
 #include <vector>
 
 #include "server/log.h"
-#include "tests/support/shapes.h"
+#include "tests/server/ball_session.h"
 
 namespace curvecast::server {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds(120);  // only a broken one waits that long
-
-std::shared_ptr<const Session> make_session() {
-  const std::string off = curvecast::testing::to_off(curvecast::testing::icosphere(3));
-  absl::StatusOr<Preprocessed> done = preprocess({"ball.off", off}, {.points = 4000});
-  EXPECT_TRUE(done.ok()) << done.status();
-  auto session = std::make_shared<Session>();
-  session->id = "ball";
-  session->preprocessed = *std::move(done);
-  session->live->publish(std::move(session->preprocessed.curve));
+std::shared_ptr<const Session> make_ranked_session() {
+  auto session = make_session(4000);
   EXPECT_TRUE(session->ranks->take(session->curve(), {}).ok());
   return session;
 }
 
 std::size_t points_of(const Session& session) { return session.ranks->take(session.curve(), {})->tree->points(); }
 
-class Ends {
- public:
-  RankJobs::OnDone counter() {
-    return [this](const Session&) {
-      const std::lock_guard lock(mutex_);
-      ++count_;
-      changed_.notify_all();
-    };
-  }
-  bool wait_for(int count) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, kPatience, [&] { return count_ >= count; });
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  int count_ = 0;
-};
-
 TEST(RankJobs, MakeWhatLacks) {
-  const auto session = make_session();
+  const auto session = make_ranked_session();
   EXPECT_EQ(points_of(*session), 4096u);
   Ends ends;
   RankJobs jobs(ends.counter(), make_logger(false, false));
@@ -65,7 +34,7 @@ TEST(RankJobs, MakeWhatLacks) {
 }
 
 TEST(RankJobs, ServeManyAtOnce) {
-  const auto one = make_session(), two = make_session();
+  const auto one = make_ranked_session(), two = make_ranked_session();
   Ends ends;
   RankJobs jobs(ends.counter(), make_logger(false, false));
   std::vector<std::jthread> threads;
@@ -88,7 +57,7 @@ TEST(RankJobs, ServeManyAtOnce) {
 }
 
 TEST(RankJobs, RefuseOnceStopped) {
-  const auto session = make_session();
+  const auto session = make_ranked_session();
   Ends ends;
   RankJobs jobs(ends.counter(), make_logger(false, false));
   jobs.request(session, std::vector<ChunkId>{{10, 0}});

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
@@ -12,45 +10,10 @@
 
 #include "core/sample/resample.h"
 #include "server/log.h"
-#include "tests/support/shapes.h"
+#include "tests/server/ball_session.h"
 
 namespace curvecast::server {
 namespace {
-
-constexpr auto kPatience = std::chrono::seconds(120);  // only a broken refiner waits that long
-
-/// Counts how often refinements came to an end.
-class Ends {
- public:
-  Refiner::OnDone counter() {
-    return [this](const Session&, bool) {
-      const std::lock_guard lock(mutex_);
-      ++count_;
-      changed_.notify_all();
-    };
-  }
-  bool wait_for(int count) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, kPatience, [&] { return count_ >= count; });
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  int count_ = 0;
-};
-
-std::shared_ptr<Session> make_session(std::uint64_t points = 300) {
-  const std::string off = curvecast::testing::to_off(curvecast::testing::icosphere(3));
-  absl::StatusOr<Preprocessed> done = preprocess({"ball.off", off}, {.points = points});
-  EXPECT_TRUE(done.ok()) << done.status();
-  auto session = std::make_shared<Session>();
-  session->id = "ball";
-  session->options.points = points;
-  session->preprocessed = *std::move(done);
-  session->live->publish(std::move(session->preprocessed.curve));
-  return session;
-}
 
 bool ask(Refiner& refiner, const std::shared_ptr<const Session>& session, std::uint64_t points, std::uint64_t source = 1) {
   return refiner.request(session, *session->curve(), source, {.points = points});
@@ -58,7 +21,7 @@ bool ask(Refiner& refiner, const std::shared_ptr<const Session>& session, std::u
 
 TEST(Refiner, PublishesAFinerRevision) {
   Ends ends;
-  const auto session = make_session();
+  const auto session = make_session(300);
   const std::shared_ptr<const SurfaceCurve> first = session->curve();
   Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
   ASSERT_TRUE(ask(refiner, session, 10'000));
@@ -76,7 +39,7 @@ TEST(Refiner, PublishesAFinerRevision) {
 
 TEST(Refiner, StopsAtTheLimit) {
   Ends ends;
-  const auto session = make_session();
+  const auto session = make_session(300);
   Refiner refiner(20'000, ends.counter(), make_logger(false, false));
   ASSERT_TRUE(ask(refiner, session, 1'000'000));
   ASSERT_TRUE(ends.wait_for(1));
@@ -86,7 +49,7 @@ TEST(Refiner, StopsAtTheLimit) {
 
 TEST(Refiner, TakesTheSurfaceFromTheHookWhereItIsNotAtHand) {
   Ends ends;
-  const auto session = make_session();
+  const auto session = make_session(300);
   Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
   int loads = 0;
   session->load_flattened = [&loads, flattened = std::exchange(session->preprocessed.flattened, nullptr)]() {
@@ -104,7 +67,7 @@ TEST(Refiner, TakesTheSurfaceFromTheHookWhereItIsNotAtHand) {
 
 TEST(Refiner, GivesUpWithoutASurface) {
   Ends ends;
-  const auto session = make_session();
+  const auto session = make_session(300);
   session->preprocessed.flattened = nullptr;
   Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
   ASSERT_TRUE(ask(refiner, session, 5'000));
@@ -116,12 +79,12 @@ TEST(Refiner, GivesUpWithoutASurface) {
 
 TEST(Refiner, ForgetsClosedSessions) {
   Ends ends;
-  const auto session = make_session();
+  const auto session = make_session(300);
   Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
   refiner.forget(*session);
   EXPECT_FALSE(ask(refiner, session, 5'000));
   // In the midst of it too, and what waits for it hears of the end.
-  const auto other = make_session();
+  const auto other = make_session(300);
   ASSERT_TRUE(ask(refiner, other, 500'000));
   refiner.forget(*other);
   ASSERT_TRUE(ends.wait_for(1));
@@ -130,19 +93,19 @@ TEST(Refiner, ForgetsClosedSessions) {
 
 TEST(Refiner, StopsAtOnce) {
   Ends ends;
-  const auto session = make_session(), other = make_session();
+  const auto session = make_session(300), other = make_session(300);
   Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
   ASSERT_TRUE(ask(refiner, session, 1'000'000));
   ASSERT_TRUE(ask(refiner, other, 1'000'000));
   refiner.stop();
   EXPECT_FALSE(session->live->refining());
   EXPECT_FALSE(other->live->refining());
-  EXPECT_FALSE(ask(refiner, make_session(), 5'000));
+  EXPECT_FALSE(ask(refiner, make_session(300), 5'000));
 }
 
 TEST(Refiner, ReadersAndRevisionsDoNotMeet) {
   Ends ends;
-  const auto session = make_session();
+  const auto session = make_session(300);
   Refiner refiner(300'000, ends.counter(), make_logger(false, false));
   std::vector<std::thread> readers;
   for (std::uint64_t r = 0; r < 4; ++r) {
