@@ -30,17 +30,20 @@ struct MassCodes {
 
   std::int16_t through[kBlockSize];
 
-  /// The vertex (0 .. kBlockSize - 1) below which `part` of the mass lies, 0 <= part < 1; always one with mass.
-  std::size_t vertex(float part) const {
+  /// A part of the mass, 0 <= part < 1.
+  static std::int32_t part(float part) { return static_cast<std::int32_t>(part * kWhole); }
+
+  /// The vertex (0 .. kBlockSize - 1) below which that part of the mass lies; always one with mass.
+  std::size_t vertex(std::int32_t part) const {
 #ifdef __SSE2__
     // Vertices after that part are a bit each, and the first of them is the one.
-    const __m128i code = _mm_set1_epi16(static_cast<std::int16_t>(part * kWhole));
+    const __m128i code = _mm_set1_epi16(static_cast<std::int16_t>(part));
     const __m128i first = _mm_cmpgt_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(through)), code);
     const __m128i second = _mm_cmpgt_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(through + 8)), code);
     return static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(_mm_movemask_epi8(_mm_packs_epi16(first, second)))));
 #else
     std::size_t count = 0;
-    for (const std::int16_t code : through) count += code <= static_cast<std::int16_t>(part * kWhole) ? 1 : 0;
+    for (const std::int16_t code : through) count += code <= part ? 1 : 0;
     return count;
 #endif
   }
@@ -57,12 +60,18 @@ struct BlockMass {
   std::size_t byte_size() const { return sum.size() * (2 * sizeof(float) + sizeof(MassCodes)); }
 };
 
-/// Sums the masses of a block's n vertices, 1 <= n <= kBlockSize.
-struct MassOfBlock {
-  float sum, largest;
-  MassCodes codes;
+/// Blocks that are summed at once, one in each lane.
+inline constexpr std::size_t kBlockLanes = 8;
+
+/// What sum_blocks() makes of blocks.
+struct MassOfBlocks {
+  float sum[kBlockLanes], largest[kBlockLanes];
+  MassCodes codes[kBlockLanes];
 };
-MassOfBlock sum_block(const float* mass, std::size_t n);
+
+/// Sums the masses of whole blocks, that of vertex i of block k in mass[i][k]: not negative, 0 where a block has no more
+/// vertices. Where a block's sum is not finite its codes mean nothing.
+void sum_blocks(const float (&mass)[kBlockSize][kBlockLanes], MassOfBlocks& out);
 
 /// Of density times area; no density means 1 everywhere. Both are not negative, and as long as the curve.
 BlockMass block_mass(std::span<const float> density, std::span<const float> area);

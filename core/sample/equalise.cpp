@@ -14,42 +14,60 @@ constexpr float kBelowOne = 0x1.fffffep-1f;
 
 /// Some blocks that follow one another, and their points.
 struct Stretch {
-  std::size_t begin, end;    // blocks
-  double mass[kBlocks + 1];  // before each, and through the last
+  std::size_t begin, end;             // blocks
+  double mass[kBlocks + 1];           // before each, and through the last
+  std::uint32_t points[kBlocks + 1];  // before as much of the mass
+
+  std::size_t size() const { return end - begin; }
 };
 
-/// Writes the masses before the blocks, and to `block` each block at the first of its points, counted from `first`; blocks
-/// without points leave nothing behind. Which blocks have points nobody can predict, and so no jump may depend on it. Returns the
-/// number of points through the last block.
-std::size_t mark_blocks(std::span<const float> sums, std::span<const double> q, double total, std::size_t first, Stretch& stretch,
-                        std::vector<std::uint32_t>& block) {
-  const std::size_t n = stretch.end - stretch.begin;
-  const auto last = static_cast<double>(q.size() - 1), points_per_mass = static_cast<double>(q.size()) / total;
-  const auto points_before = [&](double mass) {
-    auto count = static_cast<std::size_t>(lesser(mass * points_per_mass, last));
-    count += q[count] * total < mass ? 1 : 0;
-    // That does for sequences with one point in every N-th; the others are a few points ahead or behind.
-    while (count < q.size() && q[count] * total < mass) ++count;
-    while (count > 0 && q[count - 1] * total >= mass) --count;
-    return count;
-  };
-  double* const mass = stretch.mass;
-  for (std::size_t b = 0; b < n; ++b) mass[b + 1] = mass[b] + static_cast<double>(sums[stretch.begin + b]);
-  block.assign(points_before(mass[n]) - first + 1, 0);
-  std::size_t count = first;
-  for (std::size_t b = 0; b < n; ++b) {
-    block[count - first] = static_cast<std::uint32_t>(b);
-    count = points_before(mass[b + 1]);
+/// Whether there is one q in each N-th, as jitter leaves them, but for rounding.
+CURVECAST_WIDE bool is_stratified(std::span<const double> q) {
+  constexpr double kSlack = 1e-6;
+  const auto n = static_cast<double>(q.size());
+  std::int64_t astray = 0;
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(q.size()); ++i) {
+    const double within = q[static_cast<std::size_t>(i)] * n - static_cast<double>(i);
+    astray |= within > -kSlack && within < 1 + kSlack ? 0 : 1;
   }
-  return count;
+  return astray == 0;
 }
 
-/// The part of its block's mass that lies before each of n points; `before` and `sums` are those of the stretch's blocks.
+/// Counts the points before each of a stretch's masses: right where q is stratified, else about right.
+CURVECAST_WIDE void count_points(const double* __restrict q, std::size_t size, double total, Stretch& stretch) {
+  const double last = static_cast<double>(size) - 1, points_per_mass = static_cast<double>(size) / total;
+  const double* __restrict const mass = stretch.mass;
+  std::uint32_t* __restrict const points = stretch.points;
+  for (std::size_t b = 0; b <= stretch.size(); ++b) {
+    const auto count = static_cast<std::int32_t>(lesser(mass[b] * points_per_mass, last));
+    points[b] = static_cast<std::uint32_t>(count) + (q[count] * total < mass[b] ? 1 : 0);
+  }
+}
+
+/// Puts right what other sequences make wrong: their points are a few ahead or behind.
+void recount_points(std::span<const double> q, double total, Stretch& stretch) {
+  for (std::size_t b = 0; b <= stretch.size(); ++b) {
+    std::uint32_t& count = stretch.points[b];
+    while (count < q.size() && q[count] * total < stretch.mass[b]) ++count;
+    while (count > 0 && q[count - 1] * total >= stretch.mass[b]) --count;
+  }
+}
+
+/// Writes to `block` each block at the first of its points, counted from the stretch's first; blocks without points leave nothing
+/// behind. Which blocks have points nobody can predict, and so no jump may depend on it.
+void mark_blocks(const Stretch& stretch, std::vector<std::uint32_t>& block) {
+  const std::uint32_t first = stretch.points[0];
+  block.assign(stretch.points[stretch.size()] - first + 1, 0);
+  for (std::size_t b = 0; b < stretch.size(); ++b) block[stretch.points[b] - first] = static_cast<std::uint32_t>(b);
+}
+
+/// What part of its block's mass lies before each of n points, as MassCodes have it; `before` and `sums` are those of the
+/// stretch's blocks.
 CURVECAST_WIDE void find_parts(const double* __restrict q, const std::uint32_t* __restrict block, const double* __restrict before,
-                               const float* __restrict sums, double total, std::size_t n, float* __restrict part) {
+                               const float* __restrict sums, double total, std::size_t n, std::int32_t* __restrict part) {
   for (std::size_t i = 0; i < n; ++i) {
     const auto p = static_cast<float>((q[i] * total - before[block[i]]) / static_cast<double>(sums[block[i]]));
-    part[i] = p < kBelowOne ? p : kBelowOne;
+    part[i] = MassCodes::part(p < kBelowOne ? p : kBelowOne);
   }
 }
 
@@ -59,12 +77,21 @@ void equalise(const ViewMass& mass, const BlockMass& fixed, std::span<const doub
               EqualiseScratch& scratch) {
   if (!(mass.total > 0) || !std::isfinite(mass.total) || q.empty()) return;
   const std::span<const float> sums = mass.sums(fixed);
-  Stretch stretch{};
-  float part[kPoints];
+  const bool recount = !is_stratified(q);
+  Stretch stretch;
+  stretch.begin = 0;
+  stretch.mass[0] = 0;
+  std::int32_t part[kPoints];
   std::size_t first = 0;
   for (; stretch.begin < sums.size() && first < q.size(); stretch.begin = stretch.end) {
     stretch.end = std::min(stretch.begin + kBlocks, sums.size());
-    const std::size_t end = mark_blocks(sums, q, mass.total, first, stretch, scratch.block);
+    for (std::size_t b = 0; b < stretch.size(); ++b) {
+      stretch.mass[b + 1] = stretch.mass[b] + static_cast<double>(sums[stretch.begin + b]);
+    }
+    count_points(q.data(), q.size(), mass.total, stretch);
+    if (recount) recount_points(q, mass.total, stretch);
+    mark_blocks(stretch, scratch.block);
+    const std::size_t end = stretch.points[stretch.size()];
     std::uint32_t last = 0;
     for (std::size_t begin = first; begin < end; begin += kPoints) {
       const std::size_t count = std::min(kPoints, end - begin);
@@ -77,13 +104,13 @@ void equalise(const ViewMass& mass, const BlockMass& fixed, std::span<const doub
       }
     }
     first = end;
-    stretch.mass[0] = stretch.mass[stretch.end - stretch.begin];
+    stretch.mass[0] = stretch.mass[stretch.size()];
   }
   if (first == q.size()) return;
   // Left over by rounding: on the last block with mass.
   std::size_t b = sums.size() - 1;
   while (!(sums[b] > 0)) --b;
-  const std::size_t vertex = b * kBlockSize + mass.codes_of(fixed, b).vertex(kBelowOne);
+  const std::size_t vertex = b * kBlockSize + mass.codes_of(fixed, b).vertex(MassCodes::part(kBelowOne));
   std::fill(vertices.begin() + static_cast<std::ptrdiff_t>(first), vertices.end(), static_cast<std::uint32_t>(vertex));
 }
 

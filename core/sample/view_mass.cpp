@@ -14,16 +14,91 @@ constexpr float kMovedPoints = 1;
 // The whole mass is not exact, and those who compare one vertex with it must not find too much on it: what is refined in vain
 // would be refined for ever.
 constexpr float kSurely = 0.98f;
-constexpr std::size_t kChunk = 512;  // blocks whose factors are found in one go: they stay in the nearest cache
+constexpr std::size_t kChunk = 512;              // blocks whose factors are found in one go: they stay in the nearest cache
+constexpr std::size_t kAhead = 2 * kBlockLanes;  // blocks that the memory brings beforehand
 
-/// The masses of a block's vertices, one by one.
-MassOfBlock look_closely(const SurfaceCurve& curve, std::span<const float> density, const ViewFactor& view, std::size_t block) {
-  const std::size_t begin = block * kBlockSize, n = std::min(kBlockSize, curve.size() - begin);
-  float mass[kBlockSize];
-  for (std::size_t i = 0; i < n; ++i)
-    mass[i] = density.empty() ? curve.area[begin + i] : density[begin + i] * curve.area[begin + i];
-  view.multiply(&curve.x[begin], &curve.y[begin], &curve.z[begin], &curve.nx[begin], &curve.ny[begin], &curve.nz[begin], n, mass);
-  return sum_block(mass, n);
+/// Blocks that are looked at vertex by vertex, several at once: what they hold of the curve, one after the other.
+class CloseBlocks {
+ public:
+  CloseBlocks(const SurfaceCurve& curve, std::span<const float> density) : curve_(curve), density_(density) {}
+
+  /// Has the memory bring a block.
+  void prefetch(std::size_t block) const {
+    const std::size_t begin = block * kBlockSize;
+    for (const Column<float>* column : {&curve_.x, &curve_.y, &curve_.z, &curve_.area})
+      __builtin_prefetch(column->data() + begin);
+    for (const Column<Snorm16>* column : {&curve_.nx, &curve_.ny, &curve_.nz}) __builtin_prefetch(column->data() + begin);
+    if (!density_.empty()) __builtin_prefetch(density_.data() + begin);
+  }
+
+  /// The masses of kBlockLanes blocks; of fewer, the last stand for nothing.
+  void measure(std::span<const std::uint32_t> blocks, const ViewFactor& view, MassOfBlocks& out) {
+    for (std::size_t k = 0; k < blocks.size(); ++k) take(blocks[k], k * kBlockSize);
+    view.multiply(x_, y_, z_, nx_, ny_, nz_, blocks.size() * kBlockSize, mass_);
+    float mass[kBlockSize][kBlockLanes] = {};
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      for (std::size_t i = 0; i < kBlockSize; ++i) mass[i][k] = mass_[k * kBlockSize + i];
+    }
+    sum_blocks(mass, out);
+  }
+
+ private:
+  static constexpr std::size_t kVertices = kBlockLanes * kBlockSize;
+
+  void take(std::size_t block, std::size_t to) {
+    const std::size_t begin = block * kBlockSize;
+    if (begin + kBlockSize <= curve_.size()) return copy(begin, kBlockSize, to);
+    const std::size_t n = curve_.size() - begin;
+    copy(begin, n, to);
+    // Of a place that is there, but without mass.
+    for (std::size_t i = to + n; i < to + kBlockSize; ++i) {
+      x_[i] = x_[to], y_[i] = y_[to], z_[i] = z_[to], nx_[i] = nx_[to], ny_[i] = ny_[to], nz_[i] = nz_[to], mass_[i] = 0;
+    }
+  }
+  [[gnu::always_inline]] void copy(std::size_t begin, std::size_t n, std::size_t to) {
+    std::copy_n(&curve_.x[begin], n, x_ + to);
+    std::copy_n(&curve_.y[begin], n, y_ + to);
+    std::copy_n(&curve_.z[begin], n, z_ + to);
+    std::copy_n(&curve_.nx[begin], n, nx_ + to);
+    std::copy_n(&curve_.ny[begin], n, ny_ + to);
+    std::copy_n(&curve_.nz[begin], n, nz_ + to);
+    std::copy_n(&curve_.area[begin], n, mass_ + to);
+    if (density_.empty()) return;
+    for (std::size_t i = 0; i < n; ++i) mass_[to + i] *= density_[begin + i];
+  }
+
+  const SurfaceCurve& curve_;
+  std::span<const float> density_;
+  float x_[kVertices], y_[kVertices], z_[kVertices], mass_[kVertices];
+  Snorm16 nx_[kVertices], ny_[kVertices], nz_[kVertices];
+};
+
+/// The sum of n numbers, in the same order everywhere.
+CURVECAST_WIDE double sum_of(const float* values, std::size_t n) {
+  double sums[8] = {};
+  std::size_t i = 0;
+  for (; i + 8 <= n; i += 8) {
+    for (std::size_t k = 0; k < 8; ++k) sums[k] += static_cast<double>(values[i + k]);
+  }
+  for (; i < n; ++i) sums[0] += static_cast<double>(values[i]);
+  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+}
+
+/// Writes to `list` which values are larger than `most`, ascending, and returns how many. Most stretches have none.
+std::size_t list_larger(std::span<const float> values, float most, std::uint32_t* list) {
+  constexpr std::size_t kStretch = 16;
+  std::size_t count = 0;
+  for (std::size_t begin = 0; begin < values.size(); begin += kStretch) {
+    const std::size_t end = std::min(begin + kStretch, values.size());
+    int any = 0;
+    for (std::size_t i = begin; i < end; ++i) any |= values[i] > most ? 1 : 0;
+    if (any == 0) continue;
+    for (std::size_t i = begin; i < end; ++i) {
+      list[count] = static_cast<std::uint32_t>(i);
+      count += values[i] > most ? 1 : 0;
+    }
+  }
+  return count;
 }
 
 /// Turns n blocks' factors into their masses, and their relative changes into masses. Returns what the largest mass on a vertex
@@ -65,26 +140,29 @@ void view_mass(const SurfaceCurve& curve, std::span<const float> density, const 
     view.of_blocks(curve.blocks, begin, end, &out.sum[begin], &out.moved[begin]);
     const float largest = weigh(&fixed.sum[begin], &fixed.largest[begin], end - begin, &out.sum[begin], &out.moved[begin]);
     out.largest = std::max(out.largest, largest);
-    for (std::size_t b = begin; b < end; ++b) out.total += static_cast<double>(out.sum[b]);
+    out.total += sum_of(&out.sum[begin], end - begin);
   }
   // How much lies on one point is known only when all is summed, but well enough already.
   const auto most = static_cast<float>(kMovedPoints * out.total / static_cast<double>(points));
   out.close.resize(blocks);
-  std::size_t count = 0;
-  const float* const moved = out.moved.data();
-  std::uint32_t* const close = out.close.data();
-  for (std::size_t b = 0; b < blocks; ++b) {
-    close[count] = static_cast<std::uint32_t>(b);
-    count += moved[b] > most ? 1 : 0;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t b = close[i];
-    const MassOfBlock block = look_closely(curve, density, view, b);
-    out.total += static_cast<double>(block.sum) - static_cast<double>(out.sum[b]);
-    out.sum[b] = block.sum;
-    out.largest = std::max(out.largest, block.largest);
-    out.codes[b] = static_cast<std::uint32_t>(out.own_codes.size());
-    out.own_codes.push_back(block.codes);
+  const std::size_t count = list_larger(out.moved, most, out.close.data());
+  const std::uint32_t* const close = out.close.data();
+  CloseBlocks looked_at(curve, density);
+  MassOfBlocks masses;
+  out.own_codes.resize(count);
+  for (std::size_t i = 0; i < std::min(count, kAhead); ++i) looked_at.prefetch(close[i]);
+  for (std::size_t first = 0; first < count; first += kBlockLanes) {
+    const std::size_t n = std::min(kBlockLanes, count - first);
+    for (std::size_t i = first + kAhead; i < std::min(count, first + kAhead + n); ++i) looked_at.prefetch(close[i]);
+    looked_at.measure({close + first, n}, view, masses);
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::uint32_t b = close[first + k];
+      out.total += static_cast<double>(masses.sum[k]) - static_cast<double>(out.sum[b]);
+      out.sum[b] = masses.sum[k];
+      out.largest = std::max(out.largest, masses.largest[k]);
+      out.codes[b] = static_cast<std::uint32_t>(first + k);
+      out.own_codes[first + k] = masses.codes[k];
+    }
   }
   out.largest *= kSurely;
 }

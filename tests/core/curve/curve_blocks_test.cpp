@@ -45,35 +45,45 @@ TEST(CurveBlocks, AreTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.area.sum, four.area.sum);
 }
 
-TEST(SumBlock, GivesEveryVertexItsPart) {
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+TEST(SumBlocks, GiveEveryVertexItsPart) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    float mass[kBlockSize][kBlockLanes] = {};
     const std::size_t n = 1 + seed % kBlockSize;
-    std::vector<float> mass(n);
-    double sum = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      mass[i] = random_unit(seed, i) < 0.3 && i != seed % n ? 0.0f : static_cast<float>(random_unit(seed, 100 + i));
-      sum += static_cast<double>(mass[i]);
+    for (std::size_t k = 0; k < kBlockLanes; ++k) {
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::uint64_t number = seed * kBlockLanes + k;
+        mass[i][k] = random_unit(number, i) < 0.3 && i != number % n ? 0 : static_cast<float>(random_unit(number, 100 + i));
+      }
     }
-    const MassOfBlock block = sum_block(mass.data(), n);
-    EXPECT_NEAR(block.sum, sum, 1e-6 * sum);
-    for (const float part : {0.0f, 0.1f, 0.5f, 0.77f, 0.999f, 0x1.fffffep-1f}) {
-      const std::size_t v = block.codes.vertex(part);
-      ASSERT_LT(v, n);
-      ASSERT_GT(mass[v], 0);
-      double below = 0;
-      for (std::size_t i = 0; i < v; ++i) below += static_cast<double>(mass[i]);
-      const double code = 1.01 * sum / MassCodes::kWhole;
-      EXPECT_LE(below, part * sum + code);
-      EXPECT_GT(below + static_cast<double>(mass[v]), part * sum - code);
+    MassOfBlocks blocks;
+    sum_blocks(mass, blocks);
+    for (std::size_t k = 0; k < kBlockLanes; ++k) {
+      double sum = 0;
+      float largest = 0;
+      for (const auto& of_vertex : mass) sum += static_cast<double>(of_vertex[k]), largest = std::max(largest, of_vertex[k]);
+      EXPECT_NEAR(blocks.sum[k], sum, 1e-6 * sum);
+      EXPECT_EQ(blocks.largest[k], largest);
+      for (const float part : {0.0f, 0.1f, 0.5f, 0.77f, 0.999f, 0x1.fffffep-1f}) {
+        const std::size_t v = blocks.codes[k].vertex(MassCodes::part(part));
+        ASSERT_LT(v, n);
+        ASSERT_GT(mass[v][k], 0);
+        double below = 0;
+        for (std::size_t i = 0; i < v; ++i) below += static_cast<double>(mass[i][k]);
+        const double code = 1.01 * sum / MassCodes::kWhole;
+        EXPECT_LE(below, part * sum + code);
+        EXPECT_GT(below + static_cast<double>(mass[v][k]), part * sum - code);
+      }
     }
   }
 }
 
-TEST(SumBlock, StandsNoMassAndTooMuch) {
-  const float none[3] = {0, 0, 0};
-  EXPECT_EQ(sum_block(none, 3).sum, 0);
-  const float huge[2] = {std::numeric_limits<float>::max(), std::numeric_limits<float>::max()};
-  EXPECT_FALSE(std::isfinite(sum_block(huge, 2).sum));
+TEST(SumBlocks, StandNoMassAndTooMuch) {
+  float mass[kBlockSize][kBlockLanes] = {};
+  mass[0][1] = mass[1][1] = std::numeric_limits<float>::max();
+  MassOfBlocks blocks;
+  sum_blocks(mass, blocks);
+  EXPECT_EQ(blocks.sum[0], 0);
+  EXPECT_FALSE(std::isfinite(blocks.sum[1]));
 }
 
 }  // namespace

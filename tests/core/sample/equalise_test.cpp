@@ -109,7 +109,7 @@ std::vector<std::uint32_t> merged(const Curve& curve, const std::vector<double>&
     const double sum = static_cast<double>(mass.sum[b]);
     while (vertices.size() < q.size() && q[vertices.size()] * mass.total < before + sum) {
       const auto part = static_cast<float>((q[vertices.size()] * mass.total - before) / sum);
-      const std::size_t within = mass.codes[b].vertex(std::min(part, 0x1.fffffep-1f));
+      const std::size_t within = mass.codes[b].vertex(MassCodes::part(std::min(part, 0x1.fffffep-1f)));
       vertices.push_back(static_cast<std::uint32_t>(b * kBlockSize + within));
     }
     before += sum;
