@@ -182,7 +182,7 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
   }
   report.area_error = std::abs(sum / curve.total_area - 1);
   normalise_areas(curve.total_area, curve.area);
-  curve.reference_curvature = reference_curvatures(curve);
+  curve.reference_curvature = reference_curvatures(loaded.mesh, flattened.geometry);
   curve.finish();
   context.progress("area", 1);
   report.seconds.area = watch.lap();

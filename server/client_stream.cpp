@@ -70,6 +70,7 @@ void ClientStream::open(const v1::OpenView& request) {
   auto session = hooks_.find(request.session_id());
   if (session.ok()) {
     session_ = *std::move(session);
+    accepts_deltas_ = request.accept_deltas();
   } else {
     ending_ = session.status();
   }
@@ -82,6 +83,7 @@ void ClientStream::view(const v1::ViewUpdate& update) {
     return;
   }
   last_view_ = update.sequence();
+  wants_key_ = wants_key_ || update.key_frame();
   pending_ = View{update.sequence(), to_sample(update.sample())};
   coarse_.reset();
 }
@@ -102,14 +104,16 @@ void ClientStream::start(View next) {
     return;
   }
   refined_ = false;
-  const absl::Status accepted = hooks_.submit([self = shared_from_this(), session = session_, view = next] {
-    const bool may_refine = view.improvements < kMaxImprovements;
-    auto frame = guarded([&] { return self->hooks_.answer(session, *view.sample, may_refine); });
-    const std::lock_guard lock(self->mutex_);
-    self->computing_ = false;
-    self->settle(view, std::move(frame));
-    self->advance();
-  });
+  auto held = wants_key_ ? nullptr : held_;  // no frame is queued before this one is settled, unless with an error
+  const absl::Status accepted =
+      hooks_.submit([self = shared_from_this(), session = session_, view = next, held = std::move(held)] {
+        const bool may_refine = view.improvements < kMaxImprovements;
+        auto answer = guarded([&] { return self->hooks_.answer(session, *view.sample, held.get(), may_refine); });
+        const std::lock_guard lock(self->mutex_);
+        self->computing_ = false;
+        self->settle(view, std::move(answer));
+        self->advance();
+      });
   if (accepted.ok()) {
     computing_ = true;
   } else if (next.improvements == 0) {
@@ -117,27 +121,29 @@ void ClientStream::start(View next) {
   }
 }
 
-void ClientStream::settle(View view, absl::StatusOr<v1::PointFrame> frame) {
+void ClientStream::settle(View view, absl::StatusOr<Answer> answer) {
   const bool is_again = view.improvements > 0;
-  const bool is_coarse = frame.ok() && frame->statistics().refining();
-  const std::uint64_t revision = frame.ok() ? frame->curve_revision() : 0;
+  const bool is_coarse = answer.ok() && answer->frame.statistics().refining();
+  const std::uint64_t revision = answer.ok() ? answer->frame.curve_revision() : 0;
   // The client has points for this view: only better ones are news, or that there will be none.
-  const bool is_news = !is_again || (frame.ok() && (revision > coarse_revision_ || !is_coarse));
+  const bool is_news = !is_again || (answer.ok() && (revision > coarse_revision_ || !is_coarse));
   if (is_again && view.sequence != last_view_) return;  // overtaken meanwhile
   if (is_coarse && view.sequence == last_view_) {
     coarse_revision_ = revision;
     coarse_ = view;
   }
-  if (is_news) queue_frame(view.sequence, std::move(frame));
+  if (is_news) queue_frame(view.sequence, std::move(answer));
 }
 
-void ClientStream::queue_frame(std::uint64_t sequence, absl::StatusOr<v1::PointFrame> frame) {
+void ClientStream::queue_frame(std::uint64_t sequence, absl::StatusOr<Answer> answer) {
   if (ending_) return;
   v1::StreamViewsResponse response;
-  if (frame.ok()) {
-    *response.mutable_frame() = *std::move(frame);
+  if (answer.ok()) {
+    *response.mutable_frame() = std::move(answer->frame);
+    if (accepts_deltas_) held_ = std::move(answer->held);
+    if (response.frame().kind() == v1::FRAME_KIND_KEY) wants_key_ = false;
   } else {
-    *response.mutable_frame()->mutable_error() = to_proto(frame.status());
+    *response.mutable_frame()->mutable_error() = to_proto(answer.status());
   }
   response.mutable_frame()->set_sequence(sequence);
   outbox_.push_back(std::move(response));
@@ -163,6 +169,7 @@ void ClientStream::advance() {
     if (sending_) return;
     ended_ = true;
     session_.reset();
+    held_.reset();
     transport_->end(*ending_);
     return;
   }

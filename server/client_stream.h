@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "server/convert.h"
+#include "server/point_blocks.h"
 
 namespace curvecast::server {
 
@@ -32,8 +32,10 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     /// The session to open. Called with the lock held.
     std::function<absl::StatusOr<std::shared_ptr<const Session>>(const std::string& session_id)> find;
     /// Answers a view, without the lock, on a worker. A frame whose statistics say that the curve is being refined is a promise
-    /// that refined() follows, after the curve was taken.
-    std::function<absl::StatusOr<v1::PointFrame>(const std::shared_ptr<const Session>&, const Sample&, bool may_refine)> answer;
+    /// that refined() follows, after the curve was taken. `held`: what the client will have by then, or null: for a key frame.
+    std::function<absl::StatusOr<Answer>(const std::shared_ptr<const Session>&, const Sample&, const HeldPoints* held,
+                                         bool may_refine)>
+        answer;
     /// Has a worker run the job later, never within the call. An error refuses the view.
     std::function<absl::Status(std::function<void()> job)> submit;
   };
@@ -62,14 +64,17 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   void view(const v1::ViewUpdate& update);
   void acknowledge(std::uint64_t sequence);
   void start(View next);
-  void settle(View view, absl::StatusOr<v1::PointFrame> frame);
-  void queue_frame(std::uint64_t sequence, absl::StatusOr<v1::PointFrame> frame);
+  void settle(View view, absl::StatusOr<Answer> answer);
+  void queue_frame(std::uint64_t sequence, absl::StatusOr<Answer> answer);
   void advance();
 
   Transport* const transport_;
   const Hooks hooks_;
   std::mutex mutex_;
   std::shared_ptr<const Session> session_;
+  bool accepts_deltas_ = false;
+  bool wants_key_ = false;                  // until one is queued
+  std::shared_ptr<const HeldPoints> held_;  // by the client, once it has taken in all that was queued
   std::optional<View> pending_;
   bool computing_ = false;
   std::optional<View> coarse_;                  // answered, but from a curve that is being refined; newer views replace it

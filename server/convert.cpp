@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/sample/splat_radius.h"
 #include "server/checker.h"
 #include "server/convert_density.h"
 #include "server/little_endian.h"
@@ -358,6 +359,7 @@ absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begi
   DracoOptions options = *draco;
   options.box_min = curve.box.min - points.origin;
   options.box_size = (curve.box.max - curve.box.min).maxCoeff();
+  options.radius_max = static_cast<double>(SplatRadius::largest(curve));
   float radius_min = 0, radius_max = 0;
   absl::StatusOr<std::string> data = count == points.size()
                                          ? encode_draco(points, options, &radius_min, &radius_max)
@@ -368,6 +370,27 @@ absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begi
   out.set_radius_min(radius_min);
   out.set_radius_max(radius_max);
   return block;
+}
+
+v1::PointEdits to_proto(const RankDelta& delta, const ListDelta& places, const SurfaceCurve& curve) {
+  v1::PointEdits edits;
+  const auto write = [](const std::vector<std::uint32_t>& indices, auto& out) {
+    out.Reserve(static_cast<int>(indices.size()));
+    std::uint32_t last = 0;
+    for (const std::uint32_t i : indices) out.Add(i - std::exchange(last, i));
+  };
+  write(places.removed, *edits.mutable_removed());
+  write(places.added, *edits.mutable_added());
+  std::uint32_t last = 0;
+  for (std::size_t i = 0; i < places.resized.size(); ++i) {
+    const int steps = int{delta.resized[i].point.rung} - int{delta.resized[i].from};
+    for (int step = 0; step < std::abs(steps); ++step) {
+      const std::uint32_t gap = places.resized[i] - std::exchange(last, places.resized[i]);
+      edits.add_resized(2 * gap + (steps > 0 ? 1 : 0));
+    }
+  }
+  edits.set_radius_max(SplatRadius::largest(curve));
+  return edits;
 }
 
 v1::FrameError to_proto(const absl::Status& status) {

@@ -7,6 +7,7 @@
 
 #include "core/codec/draco_codec.h"
 #include "core/pipeline.h"
+#include "core/sample/rank_delta.h"
 #include "core/sample/resample.h"
 #include "curvecast/v1/curvecast.pb.h"
 #include "server/session.h"
@@ -21,6 +22,8 @@ struct PointAttributes {
   bool curvatures = false;
   bool rank = false;
   bool surface = false;
+
+  bool operator==(const PointAttributes&) const = default;
 };
 
 /// What a client asked for in a SampleRequest, checked as far as that goes without the session.
@@ -52,6 +55,9 @@ absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begi
 /// The attributes asked for, of the same points.
 v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
                              const PointAttributes& wanted);
+
+/// Changes of a list, as the API writes them; `curve` is the one that has the ranks.
+v1::PointEdits to_proto(const RankDelta& delta, const ListDelta& places, const SurfaceCurve& curve);
 
 v1::FrameError to_proto(const absl::Status& status);
 

@@ -39,8 +39,8 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                      .find = [this](const std::string& id) { return sessions.find(id); },
                      .answer =
                          [this, source = new_source()](const std::shared_ptr<const Session>& session, const Sample& sample,
-                                                       bool may_refine) {
-                           return make_frame(*session, sample, view_cache,
+                                                       const HeldPoints* held, bool may_refine) {
+                           return make_frame(*session, sample, held, view_cache,
                                              may_refine ? improve_for(session, sample, source) : OnShort());
                          },
                      .submit = [this](std::function<void()> job) { return views.submit(std::move(job)).status(); },

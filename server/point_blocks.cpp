@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/sample/sample_ranked.h"
 #include "core/stopwatch.h"
 
 namespace curvecast::server {
@@ -18,6 +19,9 @@ constexpr std::size_t kRawColourBytes = 3;
 // Encoding within a number of bytes: the first guess is off by what the view and the mesh make of a point, the second hardly.
 constexpr int kMaxRounds = 4;
 constexpr double kAim = 0.96, kGoodEnough = 0.9;  // of the budget
+
+// What a delta costs: points that lie far apart predict each other badly, and each change is written down.
+constexpr double kScatteredPoint = 1.5, kEditBytes = 1.1;
 
 void ask_for_better(Sampled& sampled, const OnShort& on_short) {
   const bool is_finer = sampled.is_short && on_short.finer_curve && on_short.finer_curve(*sampled.curve, sampled.points().size());
@@ -51,7 +55,7 @@ double expected_point_bytes(const SurfaceCurve& curve, const Sample& sample) {
   const double more =
       (sample.attributes.curvatures ? 8 : 0) + (sample.attributes.rank ? 4 : 0) + (sample.attributes.surface ? 12 : 0);
   if (!sample.draco) return more + static_cast<double>(raw_point_bytes(curve));
-  return more + (1.4 * sample.draco->position_bits + sample.draco->normal_bits + 6) / 8 +
+  return more + (1.4 * sample.draco->position_bits + sample.draco->normal_bits + 1) / 8 +
          (curve.colour.empty() ? 0 : kRawColourBytes);
 }
 
@@ -59,10 +63,11 @@ struct Packed {
   Sampled sampled;
   std::vector<v1::PointBlock> blocks;
   std::size_t bytes = 0;
+  std::optional<v1::PointEdits> edits;  // with which they are to be taken in
 };
 
 absl::StatusOr<Packed> pack(Sampled sampled, const Sample& sample, std::size_t block_points) {
-  Packed out{std::move(sampled), {}, 0};
+  Packed out{std::move(sampled), {}, 0, {}};
   const std::size_t total = out.sampled.points().size();
   for (std::size_t begin = 0; begin < total; begin += block_points) {
     absl::StatusOr<v1::PointBlock> block = encode(out.sampled, begin, std::min(block_points, total - begin), sample);
@@ -102,6 +107,12 @@ absl::Status too_large(std::size_t bytes) {
                                                    " are sent: ask for fewer points or fewer bits, or use Resample"));
 }
 
+absl::StatusOr<Packed> pack_key(Sampled sampled, const Sample& sample) {
+  absl::StatusOr<Packed> packed = pack(std::move(sampled), sample, kMaxPoints);
+  if (packed.ok() && packed->bytes > kMaxFrameBytes) return too_large(packed->bytes);
+  return packed;
+}
+
 /// All points in one block.
 absl::StatusOr<Packed> pack_frame(SessionSampler& sampler, const Sample& sample) {
   if (sample.max_bytes > 0) {
@@ -114,9 +125,39 @@ absl::StatusOr<Packed> pack_frame(SessionSampler& sampler, const Sample& sample)
   if (!sample.draco && *count <= kMaxPoints && *count > kMaxFrameBytes / raw_bytes) return too_large(*count * raw_bytes);
   absl::StatusOr<Sampled> sampled = sampler.sample(*count);
   if (!sampled.ok()) return sampled.status();
-  absl::StatusOr<Packed> packed = pack(*std::move(sampled), sample, kMaxPoints);
-  if (packed.ok() && packed->bytes > kMaxFrameBytes) return too_large(packed->bytes);
-  return packed;
+  return pack_key(*std::move(sampled), sample);
+}
+
+/// The difference to what the client has, or all points where that is smaller.
+absl::StatusOr<Packed> pack_delta(SessionSampler& sampler, const Sample& sample, const HeldPoints& held) {
+  const absl::StatusOr<std::uint64_t> count = sampler.points();
+  if (!count.ok()) return count.status();
+  absl::StatusOr<Sampled> selected = sampler.select(*count);
+  if (!selected.ok()) return selected.status();
+  ResampleWorkspace& workspace = *selected->workspace;
+  const RankSelection& selection = workspace.selection;
+  RankDelta& delta = workspace.delta;
+  Stopwatch watch;
+  compare(held.selection, selection, delta);
+  const double point_bytes = expected_point_bytes(*selected->curve, sample);
+  const auto changes = static_cast<double>(delta.added.size() + delta.removed.size() + delta.resized.size());
+  const double delta_bytes = kScatteredPoint * point_bytes * static_cast<double>(delta.added.size()) + kEditBytes * changes;
+  if (delta_bytes > point_bytes * static_cast<double>(selection.count)) {
+    SessionSampler::list(*selected);
+    return pack_key(*std::move(selected), sample);
+  }
+  locate(held.selection, selection, delta, workspace.list_delta);
+  gather_ranked(*selected->curve, *selection.tree, delta.added, workspace.points);
+  v1::PointEdits edits = to_proto(delta, workspace.list_delta, *selected->curve);
+  selected->statistics.set_equalise_seconds(selected->statistics.equalise_seconds() + watch.lap());
+  Packed out{*std::move(selected), {}, 0, std::move(edits)};
+  if (!delta.added.empty()) {
+    absl::StatusOr<v1::PointBlock> block = encode(out.sampled, 0, delta.added.size(), sample);
+    if (!block.ok()) return block.status();
+    out.bytes = data_bytes(*block);
+    out.blocks.push_back(*std::move(block));
+  }
+  return out;
 }
 
 /// Hands over the next block; the last one with the statistics.
@@ -162,19 +203,31 @@ absl::Status make_blocks(const Session& session, const Sample& sample, ViewCache
   return absl::OkStatus();
 }
 
-absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample, ViewCache& cache,
-                                          const OnShort& on_short) {
+absl::StatusOr<Answer> make_frame(const Session& session, const Sample& sample, const HeldPoints* held, ViewCache& cache,
+                                  const OnShort& on_short) {
   absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, sample, cache, SessionSampler::Wait::kForFirst);
   if (!sampler.ok()) return sampler.status();
-  absl::StatusOr<Packed> packed = pack_frame(*sampler, sample);
+  const bool has_delta =
+      held != nullptr && sampler->is_ranked() && sample.max_bytes == 0 && goes_with(*held, sampler->curve(), sample);
+  absl::StatusOr<Packed> packed = has_delta ? pack_delta(*sampler, sample, *held) : pack_frame(*sampler, sample);
   if (!packed.ok()) return packed.status();
-  ask_for_better(packed->sampled, on_short);
-  v1::PointFrame frame;
-  frame.set_curve_revision(packed->sampled.curve->revision);
-  frame.set_kind(v1::FRAME_KIND_KEY);
-  *frame.mutable_points() = std::move(packed->blocks.front());
-  *frame.mutable_statistics() = std::move(packed->sampled.statistics);
-  return frame;
+  Sampled& sampled = packed->sampled;
+  ask_for_better(sampled, on_short);
+  Answer answer;
+  v1::PointFrame& frame = answer.frame;
+  frame.set_curve_revision(sampled.curve->revision);
+  frame.set_kind(packed->edits ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
+  if (packed->edits) *frame.mutable_edits() = *std::move(packed->edits);
+  if (!packed->blocks.empty()) *frame.mutable_points() = std::move(packed->blocks.front());
+  *frame.mutable_statistics() = std::move(sampled.statistics);
+  if (sampler->is_ranked()) {
+    const RankSelection& selection = sampled.workspace->selection;
+    frame.set_held_points(selection.count);
+    answer.held = hold(sampled.curve, selection, sample);
+  } else {
+    frame.set_held_points(sampled.points().size());
+  }
+  return answer;
 }
 
 }  // namespace curvecast::server

@@ -5,8 +5,10 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 
 #include "server/convert.h"
+#include "server/held_points.h"
 #include "server/session_sampler.h"
 
 namespace curvecast::server {
@@ -21,9 +23,16 @@ inline constexpr std::size_t kMaxFrameBytes = std::size_t{32} << 20;
 absl::Status make_blocks(const Session& session, const Sample& sample, ViewCache& cache, const OnShort& on_short,
                          const std::atomic<bool>* cancel, const std::function<bool(v1::ResampleResponse)>& emit);
 
-/// All points in one key frame; its sequence number is left to the caller. Does with the ranked candidates that there are. Errors
-/// as of curvecast::resample, and ResourceExhausted for more than kMaxFrameBytes.
-absl::StatusOr<v1::PointFrame> make_frame(const Session& session, const Sample& sample, ViewCache& cache,
-                                          const OnShort& on_short);
+/// An answer to a view, and what its client holds then: null where that is no use for the next frame.
+struct Answer {
+  v1::PointFrame frame;
+  std::shared_ptr<const HeldPoints> held;
+};
+
+/// All points in one frame; its sequence number is left to the caller. Does with the ranked candidates that there are. `held`:
+/// what the client has, for a delta where that pays; null for a key frame. Errors as of curvecast::resample, and
+/// ResourceExhausted for more than kMaxFrameBytes.
+absl::StatusOr<Answer> make_frame(const Session& session, const Sample& sample, const HeldPoints* held, ViewCache& cache,
+                                  const OnShort& on_short);
 
 }  // namespace curvecast::server

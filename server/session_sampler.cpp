@@ -39,12 +39,13 @@ absl::StatusOr<std::uint64_t> SessionSampler::points() const {
 }
 
 absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
+  if (is_ranked()) {
+    absl::StatusOr<Sampled> selected = select(points);
+    if (selected.ok()) list(*selected);
+    return selected;
+  }
   Sampled out{curve_, cache_->workspaces.take()};
   out.statistics.set_curve_vertices(curve_->size());
-  if (ranks_ != nullptr) {
-    if (absl::Status status = sample_by_rank(points, out); !status.ok()) return status;
-    return out;
-  }
   ResampleReport report;
   ResampleOptions options = sample_->options;
   options.points = points;
@@ -56,25 +57,33 @@ absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
   return out;
 }
 
-absl::Status SessionSampler::sample_by_rank(std::uint64_t points, Sampled& out) {
-  const std::vector<ChunkId>& lacking = out.workspace->selection.lacking;
+absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points) {
+  Sampled out{curve_, cache_->workspaces.take()};
+  out.statistics.set_curve_vertices(curve_->size());
+  const RankSelection& selection = out.workspace->selection;
   Stopwatch watch;
   for (int round = 0;; ++round) {
-    const absl::Status status = sample_ranked(*curve_, ranks_, fixed_.get(), sample_->options.density, points, *out.workspace);
+    const absl::Status status = select_ranked(*curve_, ranks_, fixed_.get(), sample_->options.density, points, *out.workspace);
     if (!status.ok()) return status;
-    if (lacking.empty() || wait_ == Wait::kForFirst || session_->ranks->is_full() || round == kMaxRounds) break;
-    const absl::Status grown = session_->ranks->grow(lacking, {.cancel = cancel_});
+    if (selection.lacking.empty() || wait_ == Wait::kForFirst || session_->ranks->is_full() || round == kMaxRounds) break;
+    const absl::Status grown = session_->ranks->grow(selection.lacking, {.cancel = cancel_});
     // Without room for more, those that there are have to do.
     if (!grown.ok() && !absl::IsResourceExhausted(grown)) return grown;
     const absl::StatusOr<RankedCurve> ranked = session_->ranks->take(curve_, {});
     if (!ranked.ok()) return ranked.status();
     ranks_ = ranked->tree;
   }
-  if (wait_ == Wait::kForAll && out.points().size() == 0) return nowhere_to_put_points();
-  out.lacks_ranks = !lacking.empty();
+  if (wait_ == Wait::kForAll && selection.count == 0) return nowhere_to_put_points();
+  out.lacks_ranks = !selection.lacking.empty();
   out.statistics.set_density_seconds(fixed_seconds_);
   out.statistics.set_equalise_seconds(watch.lap());
-  return absl::OkStatus();
+  return out;
+}
+
+void SessionSampler::list(Sampled& selected) {
+  Stopwatch watch;
+  list_ranked(*selected.curve, *selected.workspace);
+  selected.statistics.set_equalise_seconds(selected.statistics.equalise_seconds() + watch.lap());
 }
 
 }  // namespace curvecast::server

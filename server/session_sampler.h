@@ -60,10 +60,15 @@ class SessionSampler {
   /// As many points, but fewer where ranked candidates lack.
   absl::StatusOr<Sampled> sample(std::uint64_t points);
 
+  bool is_ranked() const { return ranks_ != nullptr; }
+  /// Ranked points, selected but not listed yet: workspace->selection has them. Precondition: is_ranked().
+  absl::StatusOr<Sampled> select(std::uint64_t points);
+  /// Lists what was selected.
+  static void list(Sampled& selected);
+
  private:
   SessionSampler(const Session& session, const Sample& sample, ViewCache& cache, Wait wait, const std::atomic<bool>* cancel)
       : session_(&session), sample_(&sample), cache_(&cache), wait_(wait), cancel_(cancel) {}
-  absl::Status sample_by_rank(std::uint64_t points, Sampled& out);
 
   const Session* session_;
   const Sample* sample_;

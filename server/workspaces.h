@@ -47,6 +47,7 @@ class Workspaces {
   static constexpr std::size_t kMostIdle = 16;
 
   void put(std::unique_ptr<ResampleWorkspace> workspace) noexcept {
+    workspace->selection.tree.reset();  // it may be large, and others wait for its place
     if (workspace->byte_size() > kMostBytes) return;
     const std::lock_guard lock(mutex_);
     if (idle_.size() < kMostIdle) idle_.push_back(std::move(workspace));

@@ -19,6 +19,7 @@
 #include "client/cli/bench/neighbours_bench.h"
 #include "client/cli/bench/preprocess_bench.h"
 #include "client/cli/bench/sample_bench.h"
+#include "client/cli/bench/stream_bench.h"
 #include "client/cli/commands.h"
 #include "client/cli/progress_bar.h"
 #include "client/lib/file_bytes.h"
@@ -194,6 +195,19 @@ Run add_discrepancy(CLI::App& app) {
   return on_mesh(app, options, bench_discrepancy);
 }
 
+Run add_stream_benchmark(CLI::App& app) {
+  const auto options = std::make_shared<StreamBenchOptions>();
+  add_points(app, &options->points, "points of a client alone, and N for which the curve is made");
+  app.add_option("--crowd-points", options->crowd_points, "points of each of many clients")
+      ->check(point_count_range())
+      ->type_name("N")
+      ->capture_default_str();
+  app.add_option("--clients", options->clients, "the largest crowd")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_option("--seconds", options->seconds, "for each crowd")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+  app.add_option("--rate", options->rate, "views of each client per second")->check(CLI::Range(0.1, 1e4))->capture_default_str();
+  return on_mesh(app, options, bench_stream);
+}
+
 constexpr Benchmark kBenchmarks[] = {
     {"corpus", "DIR", "every mesh of a folder through all of preprocessing, checked",
      "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
@@ -235,6 +249,11 @@ constexpr Benchmark kBenchmarks[] = {
      "of "
      "four and numbers between; and the power of N by which the discrepancy over rings falls.",
      add_discrepancy},
+    {"stream", "MESH", "latency, bytes and processor time of views, of one client and of many",
+     "Milliseconds from sending a view until its points are decoded, over TCP on the loopback: of one client with key frames and "
+     "with deltas, and of crowds of 1, 8, 64 ... clients that send views at a fixed rate; bytes of their frames, and processor "
+     "time.",
+     add_stream_benchmark},
 };
 
 std::string list_benchmarks() {

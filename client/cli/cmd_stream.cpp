@@ -8,6 +8,7 @@
 #include <memory>
 #include <system_error>
 
+#include "client/cli/bench/quantile.h"
 #include "client/cli/camera_path.h"
 #include "client/cli/commands.h"
 #include "client/cli/density_term.h"
@@ -34,18 +35,10 @@ struct Flags {
 
 /// One entry per frame.
 struct Measured {
-  std::vector<double> points, added, removed, bytes, server_ms, latency_ms;
+  std::vector<double> points, added, removed, resized, bytes, server_ms, latency_ms;
+  std::size_t key_frames = 0;
   std::size_t improved = 0;  // frames that followed by themselves when the curve had become finer; in none of the above
 };
-
-/// Nearest rank; 0 of nothing.
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(values.size())));
-  const std::size_t index = std::min(std::max<std::size_t>(rank, 1), values.size()) - 1;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(index), values.end());
-  return values[index];
-}
 
 double sum(const std::vector<double>& values) {
   double total = 0;
@@ -89,13 +82,14 @@ absl::StatusOr<Measured> stream_views(const Flags& flags, client::ViewStream& st
     measured.latency_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     const v1::FrameStatistics& s = frame->statistics;
     measured.server_ms.push_back(1e3 * (s.density_seconds() + s.equalise_seconds() + s.encode_seconds()));
-    // A key frame replaces all points.
-    measured.removed.push_back(measured.points.empty() ? 0 : measured.points.back());
-    measured.points.push_back(static_cast<double>(frame->points.size()));
-    measured.added.push_back(measured.points.back());
+    measured.points.push_back(static_cast<double>(frame->points->size()));
+    measured.added.push_back(static_cast<double>(frame->added));
+    measured.removed.push_back(static_cast<double>(frame->removed));
+    measured.resized.push_back(static_cast<double>(frame->resized));
+    if (!frame->is_delta) ++measured.key_frames;
     measured.bytes.push_back(static_cast<double>(frame->encoded_bytes));
     if (!flags.output.empty()) {
-      if (absl::Status status = save_points(frame_file(flags.output, i), frame->points, {}); !status.ok()) return status;
+      if (absl::Status status = save_points(frame_file(flags.output, i), *frame->points, {}); !status.ok()) return status;
     }
     bar.update("stream", static_cast<double>(i + 1) / static_cast<double>(cameras.size()));
   }
@@ -107,24 +101,27 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Meas
   const auto count = [](double value) { return static_cast<std::uint64_t>(value); };
   const std::uint64_t points = count(quantile(measured.points, 0.5));
   const std::uint64_t added = count(quantile(measured.added, 0.5)), removed = count(quantile(measured.removed, 0.5));
+  const std::uint64_t resized = count(quantile(measured.resized, 0.5));
   const std::uint64_t key_bytes = count(measured.bytes.front()), update_bytes = count(quantile(updates, 0.5));
   const double bytes_per_point = sum(measured.bytes) / std::max(1.0, sum(measured.added));
   const double server50 = quantile(measured.server_ms, 0.5), server99 = quantile(measured.server_ms, 0.99);
   const double latency50 = quantile(measured.latency_ms, 0.5), latency99 = quantile(measured.latency_ms, 0.99);
   if (!options.json) {
     return print_text(
-        absl::StrFormat("%d frames; medians: %d points, %d added, %d removed\n"
+        absl::StrFormat("%d frames, %d of them key frames; medians: %d points, %d added, %d removed, %d with another disc\n"
                         "bytes          first frame %d, later frames (median) %d, %.2f per point\n"
                         "server         p50 %.2f ms, p99 %.2f ms\n"
                         "latency        p50 %.2f ms, p99 %.2f ms\n"
                         "improved       %d frames came again from a finer curve\n",
-                        measured.points.size(), points, added, removed, key_bytes, update_bytes, bytes_per_point, server50,
-                        server99, latency50, latency99, measured.improved));
+                        measured.points.size(), measured.key_frames, points, added, removed, resized, key_bytes, update_bytes,
+                        bytes_per_point, server50, server99, latency50, latency99, measured.improved));
   }
   Json json = {{"frames", measured.points.size()},
+               {"key_frames", measured.key_frames},
                {"points_median", points},
                {"added_median", added},
                {"removed_median", removed},
+               {"resized_median", resized},
                {"key_bytes", key_bytes},
                {"delta_bytes_median", update_bytes},
                {"bytes_per_point", bytes_per_point},

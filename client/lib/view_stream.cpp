@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "client/lib/draco_points.h"
+#include "client/lib/point_edits.h"
 
 namespace curvecast::client {
 namespace {
@@ -17,25 +18,53 @@ namespace {
 // The server keeps two frames in flight at most; a few more are refused frames, which are small.
 constexpr std::size_t kMaxQueuedFrames = 16;
 
-absl::StatusOr<Frame> decode_frame(const v1::PointFrame& message) {
+absl::Status bad_frame(const v1::PointFrame& message, absl::string_view why) {
+  return absl::DataLossError(absl::StrCat("frame ", message.sequence(), ": ", why));
+}
+
+/// The points of a frame that has no error.
+absl::StatusOr<Points> decode_points(const v1::PointFrame& message, const Points* held) {
+  if (message.kind() == v1::FRAME_KIND_KEY) return decode_block(message.points());
+  if (message.kind() != v1::FRAME_KIND_DELTA) return bad_frame(message, absl::StrCat("kind ", message.kind(), " is not known"));
+  if (held == nullptr) return bad_frame(message, "a delta to points that are not there");
+  Points added;
+  if (message.has_points()) {
+    absl::StatusOr<Points> decoded = decode_block(message.points());
+    if (!decoded.ok()) return decoded.status();
+    added = *std::move(decoded);
+  }
+  absl::StatusOr<Points> points = apply_edits(*held, message.edits(), added);
+  if (!points.ok()) return bad_frame(message, points.status().message());
+  if (points->size() != message.held_points()) {
+    return bad_frame(message, absl::StrCat("there are ", points->size(), " points after it, not ", message.held_points()));
+  }
+  return points;
+}
+
+/// Takes a frame into `held`.
+absl::StatusOr<Frame> decode_frame(const v1::PointFrame& message, std::shared_ptr<const Points>& held) {
   const auto start = std::chrono::steady_clock::now();
   Frame frame;
   frame.sequence = message.sequence();
   frame.curve_revision = message.curve_revision();
   frame.statistics = message.statistics();
+  frame.points = held;
   if (message.has_error()) {
     frame.error = absl::Status(static_cast<absl::StatusCode>(message.error().code()), message.error().message());
     if (frame.error.ok()) frame.error = absl::UnknownError(message.error().message());
     return frame;
   }
-  if (message.kind() != v1::FRAME_KIND_KEY) {
-    return absl::DataLossError(
-        absl::StrCat("frame ", message.sequence(), " is of kind ", message.kind(), ", which is not known"));
+  absl::StatusOr<Points> points = decode_points(message, held.get());
+  if (!points.ok()) {
+    held = nullptr;
+    return points.status();
   }
-  absl::StatusOr<Points> points = decode_block(message.points());
-  if (!points.ok()) return points.status();
-  frame.points = *std::move(points);
-  frame.encoded_bytes = encoded_bytes(message.points());
+  frame.is_delta = message.kind() == v1::FRAME_KIND_DELTA;
+  frame.removed = frame.is_delta ? static_cast<std::size_t>(message.edits().removed_size()) : held == nullptr ? 0 : held->size();
+  frame.added = frame.is_delta ? static_cast<std::size_t>(message.edits().added_size()) : points->size();
+  frame.resized = static_cast<std::size_t>(message.edits().resized_size());
+  frame.points = held = std::make_shared<const Points>(*std::move(points));
+  frame.encoded_bytes = encoded_bytes(message.points()) + (frame.is_delta ? message.edits().ByteSizeLong() : 0);
   frame.decode_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return frame;
 }
@@ -84,6 +113,9 @@ struct ViewStream::State {
   std::uint64_t last_sequence = 0;  // under write_mutex, as the following
   bool writing = true;              // until close()
 
+  std::mutex decode_mutex;                                                // taken first: frames are taken in in their order
+  std::shared_ptr<const Points> held = std::make_shared<const Points>();  // null after one that could not be
+
   std::mutex mutex;
   std::condition_variable changed;
   std::deque<v1::PointFrame> queue;  // under mutex, as the following
@@ -96,17 +128,20 @@ struct ViewStream::State {
 ViewStream::ViewStream(std::unique_ptr<State> state) : state_(std::move(state)) {}
 ViewStream::~ViewStream() = default;
 
-std::unique_ptr<ViewStream> ViewStream::open(Connection& connection, const std::string& session_id, std::stop_token stop) {
+std::unique_ptr<ViewStream> ViewStream::open(Connection& connection, const std::string& session_id, std::stop_token stop,
+                                             const ViewStreamOptions& options) {
   auto state = std::make_unique<State>(connection.stream_views(stop), stop);
   v1::StreamViewsRequest request;
   request.mutable_open()->set_session_id(session_id);
+  request.mutable_open()->set_accept_deltas(options.deltas);
   state->write(request);  // a failure shows in the stream's status
   return std::unique_ptr<ViewStream>(new ViewStream(std::move(state)));
 }
 
-absl::StatusOr<std::uint64_t> ViewStream::send_view(const v1::SampleRequest& sample) {
+absl::StatusOr<std::uint64_t> ViewStream::send_view(const v1::SampleRequest& sample, bool key_frame) {
   v1::StreamViewsRequest request;
   *request.mutable_view()->mutable_sample() = sample;
+  request.mutable_view()->set_key_frame(key_frame);
   {
     const std::lock_guard lock(state_->write_mutex);
     request.mutable_view()->set_sequence(++state_->last_sequence);
@@ -119,6 +154,7 @@ absl::StatusOr<std::uint64_t> ViewStream::send_view(const v1::SampleRequest& sam
 }
 
 absl::StatusOr<Frame> ViewStream::next_frame(std::chrono::milliseconds timeout) {
+  const std::lock_guard decoding(state_->decode_mutex);
   v1::PointFrame message;
   {
     std::unique_lock lock(state_->mutex);
@@ -137,7 +173,7 @@ absl::StatusOr<Frame> ViewStream::next_frame(std::chrono::milliseconds timeout) 
   v1::StreamViewsRequest request;
   request.mutable_ack()->set_sequence(message.sequence());
   state_->write(request);
-  return decode_frame(message);
+  return decode_frame(message, state_->held);
 }
 
 absl::Status ViewStream::close() {

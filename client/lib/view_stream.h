@@ -18,28 +18,37 @@ namespace curvecast::client {
 struct Frame {
   std::uint64_t sequence = 0;  // of the view that it answers; the same again when an improved frame follows by itself
   std::uint64_t curve_revision = 0;
-  Points points;  // replaces the frame before it; empty when `error` is set
+  std::shared_ptr<const Points> points;  // all that there are now; with an error those of the frame before
+  bool is_delta = false;                 // it changed the points of the frame before: so many came, went, have another disc
+  std::size_t added = 0, removed = 0, resized = 0;  // a key frame removes all and adds all
   v1::FrameStatistics statistics;
-  std::uint64_t encoded_bytes = 0;  // of the points on the wire
+  std::uint64_t encoded_bytes = 0;  // of the points and edits on the wire
   double decode_seconds = 0;
   absl::Status error;  // why the server refused the view; the stream goes on
+};
+
+struct ViewStreamOptions {
+  bool deltas = true;  // frames may be differences to the one before; next_frame() takes them in
 };
 
 /// Thread-safe, but a frame goes to one caller of next_frame() only.
 class ViewStream {
  public:
   /// Opens the stream; a server that refuses says so in the first next_frame(). `stop` ends the stream with Cancelled.
-  static std::unique_ptr<ViewStream> open(Connection& connection, const std::string& session_id, std::stop_token stop = {});
+  static std::unique_ptr<ViewStream> open(Connection& connection, const std::string& session_id, std::stop_token stop = {},
+                                          const ViewStreamOptions& options = {});
   ViewStream(const ViewStream&) = delete;
   ViewStream& operator=(const ViewStream&) = delete;
   ~ViewStream();  // closes at once
 
   /// Asks for a view and returns its sequence number. The newest view wins: one that is overtaken gets no frame. After the
   /// stream's end, its status.
-  absl::StatusOr<std::uint64_t> send_view(const v1::SampleRequest& sample);
+  /// With `key_frame` its frame, or that of the view that overtakes it, replaces all points.
+  absl::StatusOr<std::uint64_t> send_view(const v1::SampleRequest& sample, bool key_frame = false);
 
   /// Waits for the next frame, acknowledges it, and decodes it. DeadlineExceeded after `timeout`, DataLoss for a frame that
-  /// cannot be decoded, Aborted when the server has ended the stream in order, else the status it ended with.
+  /// cannot be decoded (deltas after it cannot be taken in until a key frame comes), Aborted when the server has ended the stream
+  /// in order, else the status it ended with.
   absl::StatusOr<Frame> next_frame(std::chrono::milliseconds timeout);
 
   /// Sends no more, waits for the server to end the stream and returns its status. Frames not taken are dropped.

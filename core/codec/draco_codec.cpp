@@ -9,6 +9,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/sample/radius_ladder.h"
+
 namespace curvecast {
 namespace {
 
@@ -45,17 +47,14 @@ absl::StatusOr<std::vector<Vec3f>> within_box(const std::vector<Vec3f>& position
   return inside;
 }
 
-/// Radii as one byte each, evenly spaced in the logarithm: the error stays in proportion.
-std::vector<std::uint8_t> radius_codes(const std::vector<float>& radii, float& smallest, float& largest) {
-  const auto [low, high] = std::minmax_element(radii.begin(), radii.end());
-  smallest = *low;
-  largest = *high;
-  std::vector<std::uint8_t> codes(radii.size(), 0);
-  if (!(largest > smallest)) return codes;
-  const float scale = 255 / std::log(largest / smallest);
-  for (std::size_t i = 0; i < radii.size(); ++i) {
-    codes[i] = static_cast<std::uint8_t>(std::lround(std::clamp(scale * std::log(radii[i] / smallest), 0.0f, 255.0f)));
-  }
+// A rung is two codes of 255 for 2^(255 / 8).
+constexpr int kHighestCode = 255, kCodesPerRung = 2, kCodesPerOctave = kCodesPerRung * RadiusLadder::kRungsPerOctave;
+
+std::vector<std::uint8_t> radius_codes(const std::vector<float>& radii, float largest) {
+  const RadiusLadder ladder(largest);
+  std::vector<std::uint8_t> codes(radii.size());
+  std::transform(radii.begin(), radii.end(), codes.begin(),
+                 [&](float radius) { return static_cast<std::uint8_t>(kHighestCode - kCodesPerRung * ladder.rung(radius)); });
   return codes;
 }
 
@@ -73,7 +72,10 @@ absl::StatusOr<std::string> encode_draco(const PointSet& points, const DracoOpti
   if (absl::Status status = check(points, options); !status.ok()) return status;
   const absl::StatusOr<std::vector<Vec3f>> positions = within_box(points.positions, options);
   if (!positions.ok()) return positions.status();
-  const std::vector<std::uint8_t> codes = radius_codes(points.radii, *radius_min, *radius_max);
+  *radius_max = options.radius_max > 0 ? static_cast<float>(options.radius_max)
+                                       : *std::max_element(points.radii.begin(), points.radii.end());
+  *radius_min = *radius_max * std::exp2(-static_cast<float>(kHighestCode) / kCodesPerOctave);
+  const std::vector<std::uint8_t> codes = radius_codes(points.radii, *radius_max);
   try {
     draco::PointCloudBuilder builder;
     builder.Start(static_cast<draco::PointIndex::ValueType>(points.size()));

@@ -1,48 +1,92 @@
 #include "core/density/face_density.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 namespace curvecast {
+namespace {
+
+using Weights = std::array<float, 3>;
+
+/// The places of a triangle at which the mean of a square is its mean on the triangle.
+void append_places(const Weights& a, const Weights& b, const Weights& c, std::vector<Weights>& places) {
+  for (const Weights& corner : {a, b, c}) {
+    Weights& place = places.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) place[k] = corner[k] / 2 + (a[k] + b[k] + c[k]) / 6;
+  }
+}
+
+constexpr Weights kCentroid = {1 / 3.0f, 1 / 3.0f, 1 / 3.0f};
+
+/// Where the density is looked at on each of so many faces: on many, which are small, at fewer places.
+std::vector<Weights> places_on_faces(std::size_t faces) {
+  constexpr std::size_t kMostPlaces = 6'000'000;
+  constexpr Weights a = {1, 0, 0}, b = {0, 1, 0}, c = {0, 0, 1}, ab = {0.5f, 0.5f, 0}, bc = {0, 0.5f, 0.5f}, ca = {0.5f, 0, 0.5f};
+  std::vector<Weights> places;
+  for (const auto& [p, q, r] : {std::array{a, ab, ca}, std::array{ab, b, bc}, std::array{ca, bc, c}, std::array{ab, bc, ca}}) {
+    append_places(p, q, r, places);
+  }
+  if (faces * places.size() <= kMostPlaces) return places;
+  places.clear();
+  append_places(a, b, c, places);
+  if (faces * places.size() <= kMostPlaces) return places;
+  return {kCentroid};
+}
+
+/// A curve with a vertex at each of some places on each face: density terms need not know the difference.
+SurfaceCurve curve_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+                            std::span<const ScalarAttribute> scalars, std::span<const Weights> places) {
+  SurfaceCurve curve;
+  for (const ScalarAttribute& scalar : scalars) curve.scalars.push_back({scalar.name, {}});
+  curve.resize(mesh.face_count() * places.size());
+  curve.box = bounding_box(mesh);
+  curve.origin = curve.box.center();
+  std::size_t l = 0;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const Triangle& t = mesh.triangles[f];
+    const auto area = static_cast<float>(triangle_area(mesh, f) / static_cast<double>(places.size()));
+    for (const Weights& w : places) {
+      const auto mean = [&](const auto& values) { return w[0] * values[t[0]] + w[1] * values[t[1]] + w[2] * values[t[2]]; };
+      const Vec3f place =
+          ((w[0] * mesh.positions[t[0]] + w[1] * mesh.positions[t[1]] + w[2] * mesh.positions[t[2]]) - curve.origin)
+              .cast<float>();
+      const Vec3f normal = Vec3f(mean(geometry.normals)).normalized();
+      curve.x[l] = place.x(), curve.y[l] = place.y(), curve.z[l] = place.z();
+      curve.nx[l] = normal.x(), curve.ny[l] = normal.y(), curve.nz[l] = normal.z();
+      curve.curvature_min[l] = mean(geometry.curvature_min);
+      curve.curvature_max[l] = mean(geometry.curvature_max);
+      curve.area[l] = area;
+      for (std::size_t s = 0; s < scalars.size(); ++s) curve.scalars[s].values[l] = mean(scalars[s].values);
+      ++l;
+    }
+  }
+  return curve;
+}
+
+}  // namespace
+
+std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, const DifferentialGeometry& geometry) {
+  SurfaceCurve curve = curve_on_faces(mesh, geometry, {}, {&kCentroid, 1});
+  curve.total_area = surface_area(mesh);
+  return reference_curvatures(curve);
+}
 
 absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
                                                     std::span<const ScalarAttribute> scalars, const Density& density) {
-  // A curve with one vertex for each face: the terms need not know the difference.
-  SurfaceCurve faces;
-  faces.resize(mesh.face_count());
-  faces.box = bounding_box(mesh);
-  faces.origin = faces.box.center();
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    const Triangle& t = mesh.triangles[f];
-    const Vec3f centroid =
-        ((mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3 - faces.origin).cast<float>();
-    const Vec3f normal = (geometry.normals[t[0]] + geometry.normals[t[1]] + geometry.normals[t[2]]).normalized();
-    const auto mean = [&](const std::vector<float>& values) { return (values[t[0]] + values[t[1]] + values[t[2]]) / 3; };
-    faces.x[f] = centroid.x();
-    faces.y[f] = centroid.y();
-    faces.z[f] = centroid.z();
-    faces.nx[f] = normal.x();
-    faces.ny[f] = normal.y();
-    faces.nz[f] = normal.z();
-    faces.curvature_min[f] = mean(geometry.curvature_min);
-    faces.curvature_max[f] = mean(geometry.curvature_max);
-    const double area = triangle_area(mesh, f);
-    faces.area[f] = static_cast<float>(area);
-    faces.total_area += area;
+  const std::vector<Weights> places = places_on_faces(mesh.face_count());
+  SurfaceCurve curve = curve_on_faces(mesh, geometry, scalars, places);
+  curve.reference_curvature = reference_curvatures(mesh, geometry);
+  std::vector<float> values(curve.size());
+  if (absl::Status status = evaluate_density(curve, density, values); !status.ok()) return status;
+  std::vector<float> means(mesh.face_count());
+  for (std::size_t f = 0; f < means.size(); ++f) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(f * places.size());
+    means[f] =
+        std::accumulate(first, first + static_cast<std::ptrdiff_t>(places.size()), 0.0f) / static_cast<float>(places.size());
   }
-  faces.reference_curvature = reference_curvatures(faces);
-  for (const ScalarAttribute& scalar : scalars) {
-    ScalarColumn& column = faces.scalars.emplace_back();
-    column.name = scalar.name;
-    column.values.resize(faces.size());
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-      const Triangle& t = mesh.triangles[f];
-      column.values[f] = (scalar.values[t[0]] + scalar.values[t[1]] + scalar.values[t[2]]) / 3;
-    }
-  }
-  std::vector<float> values(faces.size());
-  if (absl::Status status = evaluate_density(faces, density, values); !status.ok()) return status;
-  return values;
+  return means;
 }
 
 absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,

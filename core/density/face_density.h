@@ -13,7 +13,10 @@
 
 namespace curvecast {
 
-/// The density at every face's centroid (F entries, relative values). `scalars`: the mesh's named numbers, for the terms that
+/// reference_curvatures() of a whole mesh: for its curves, however fine they are.
+std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, const DifferentialGeometry& geometry);
+
+/// The mean of the density on every face (F entries, relative values). `scalars`: the mesh's named numbers, for the terms that
 /// use them. Errors as of evaluate_density().
 absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
                                                     std::span<const ScalarAttribute> scalars, const Density& density);

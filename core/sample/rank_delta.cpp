@@ -2,16 +2,12 @@
 
 #include <bit>
 
+#include "core/sample/place_order.h"
+
 namespace curvecast {
 namespace {
 
-constexpr std::size_t kWord = 64;
-
-/// Calls visit(point) for every bit that is set.
-template <typename Visit>
-void for_each_bit(std::uint64_t word, std::size_t first, const Visit& visit) {
-  for (; word != 0; word &= word - 1) visit(static_cast<std::uint32_t>(first + static_cast<std::size_t>(std::countr_zero(word))));
-}
+constexpr std::size_t kWord = RankSelection::kWord;
 
 /// The parts of two selections that belong to the same chunk: visit(earlier's part or null, later's part or null).
 template <typename Visit>
@@ -29,33 +25,93 @@ void for_each_pair(const RankSelection& earlier, const RankSelection& later, con
   }
 }
 
-}  // namespace
-
-void list_shown(const RankSelection& selection, std::vector<RankRef>& out) {
-  out.clear();
-  out.reserve(selection.count);
-  for (const RankSelection::Part& part : selection.parts) {
-    const std::size_t words = selection.tree->chunks()[part.chunk]->size() / kWord;
-    for (std::size_t w = 0; w < words; ++w) {
-      for_each_bit(selection.shown[part.first_bit / kWord + w], w * kWord, [&](std::uint32_t point) {
-        out.push_back({part.chunk, point});
-      });
-    }
-  }
+std::uint64_t key_of(const RankTree& tree, const RankRef& ref, std::uint64_t value) {
+  return std::uint64_t{tree.chunks()[ref.chunk]->place[ref.point]} << 32 | value;
 }
+
+/// Brings changes, ref(change) of a tree, into the order of the curve.
+template <typename Change, typename Ref>
+void sort_changes(const RankTree& tree, std::vector<Change>& changes, const Ref& ref, ListDelta& memory) {
+  std::vector<std::uint64_t>& keys = memory.keys;
+  keys.clear();
+  for (std::size_t i = 0; i < changes.size(); ++i) keys.push_back(key_of(tree, ref(changes[i]), i));
+  sort_by_place(keys, memory.scratch);
+  std::vector<Change> sorted;
+  sorted.reserve(changes.size());
+  for (const std::uint64_t key : keys) sorted.push_back(changes[static_cast<std::uint32_t>(key)]);
+  changes.swap(sorted);
+}
+
+}  // namespace
 
 void compare(const RankSelection& earlier, const RankSelection& later, RankDelta& out) {
   out.added.clear();
   out.removed.clear();
+  out.resized.clear();
+  // Rungs of the parts before.
+  std::size_t old_rungs = 0, new_rungs = 0;
+  const auto rung_of = [](const RankSelection& selection, std::size_t first, std::uint64_t word, std::size_t bit) {
+    if (selection.rungs.empty()) return std::uint8_t{0};
+    const std::uint64_t lower = (std::uint64_t{1} << bit) - 1;
+    return selection.rungs[first + static_cast<std::size_t>(std::popcount(word & lower))];
+  };
+  const bool has_discs = !earlier.rungs.empty() && !later.rungs.empty();
   for_each_pair(earlier, later, [&](const RankSelection::Part* before, const RankSelection::Part* after) {
     const RankChunk& chunk = after != nullptr ? *later.tree->chunks()[after->chunk] : *earlier.tree->chunks()[before->chunk];
     for (std::size_t w = 0; w < chunk.size() / kWord; ++w) {
       const std::uint64_t was = before != nullptr ? earlier.shown[before->first_bit / kWord + w] : 0;
       const std::uint64_t is = after != nullptr ? later.shown[after->first_bit / kWord + w] : 0;
-      for_each_bit(is & ~was, w * kWord, [&](std::uint32_t point) { out.added.push_back({after->chunk, point}); });
-      for_each_bit(was & ~is, w * kWord, [&](std::uint32_t point) { out.removed.push_back(chunk.rank[point]); });
+      const auto old_ref = [&](std::size_t bit) {
+        return RankRef{before->chunk, static_cast<std::uint16_t>(w * kWord + bit), rung_of(earlier, old_rungs, was, bit)};
+      };
+      const auto new_ref = [&](std::size_t bit) {
+        return RankRef{after->chunk, static_cast<std::uint16_t>(w * kWord + bit), rung_of(later, new_rungs, is, bit)};
+      };
+      for_each_bit(is & ~was, 0, [&](std::size_t bit) { out.added.push_back(new_ref(bit)); });
+      for_each_bit(was & ~is, 0, [&](std::size_t bit) { out.removed.push_back(old_ref(bit)); });
+      for_each_bit(has_discs ? was & is : 0, 0, [&](std::size_t bit) {
+        const std::uint8_t from = rung_of(earlier, old_rungs, was, bit);
+        const RankRef ref = new_ref(bit);
+        if (ref.rung != from) out.resized.push_back({ref, from});
+      });
+      old_rungs += static_cast<std::size_t>(std::popcount(was));
+      new_rungs += static_cast<std::size_t>(std::popcount(is));
     }
   });
+}
+
+void locate(const RankSelection& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out) {
+  const RankTree& old_tree = *earlier.tree;
+  const RankTree& tree = *later.tree;
+  const auto itself = [](const RankRef& ref) { return ref; };
+  sort_changes(tree, delta.added, itself, out);
+  sort_changes(old_tree, delta.removed, itself, out);
+  sort_changes(
+      tree, delta.resized, [](const RankDelta::Resized& resized) { return resized.point; }, out);
+  // All that either list has. No two points share a place.
+  out.keys.clear();
+  later.for_each_shown([&](const RankRef& ref, std::size_t) { out.keys.push_back(key_of(tree, ref, 0)); });
+  for (const RankRef& ref : delta.removed) out.keys.push_back(key_of(old_tree, ref, 1));
+  sort_by_place(out.keys, out.scratch);
+  out.added.clear();
+  out.removed.clear();
+  out.resized.clear();
+  std::uint32_t in_earlier = 0, in_later = 0;
+  for (const std::uint64_t key : out.keys) {
+    if ((key & 1) != 0) {
+      out.removed.push_back(in_earlier++);
+      continue;
+    }
+    if (out.added.size() < delta.added.size() && key == key_of(tree, delta.added[out.added.size()], 0)) {
+      out.added.push_back(in_later++);
+      continue;
+    }
+    if (out.resized.size() < delta.resized.size() && key == key_of(tree, delta.resized[out.resized.size()].point, 0)) {
+      out.resized.push_back(in_later);
+    }
+    ++in_earlier;
+    ++in_later;
+  }
 }
 
 }  // namespace curvecast

@@ -1,4 +1,4 @@
-// What one selection of ranked candidates shows and another does not.
+// What one selection of ranked candidates shows and another does not, and what that changes in a list of points along the curve.
 #pragma once
 
 #include <cstdint>
@@ -8,20 +8,32 @@
 
 namespace curvecast {
 
-struct RankRef {
-  std::uint32_t chunk;  // of the selection's tree
-  std::uint32_t point;  // of the chunk
-};
-
-/// All points that a selection shows: chunk by chunk, each along the curve. What `out` held before is lost.
-void list_shown(const RankSelection& selection, std::vector<RankRef>& out);
-
 struct RankDelta {
-  std::vector<RankRef> added;          // of the later selection's tree
-  std::vector<std::uint32_t> removed;  // ranks
+  /// A point that both show, with another disc.
+  struct Resized {
+    RankRef point;      // of the later selection's tree
+    std::uint8_t from;  // the rung of its disc before
+  };
+
+  std::vector<RankRef> added;    // of the later selection's tree
+  std::vector<RankRef> removed;  // of the earlier selection's tree
+  std::vector<Resized> resized;  // where both selections know their discs
 };
 
-/// The trees may differ as far as the one has grown from the other.
+/// The trees may differ as far as the one has grown from the other. What `out` held before is lost.
 void compare(const RankSelection& earlier, const RankSelection& later, RankDelta& out);
+
+/// The same as places in the lists of all points that are shown, which run along the curve; each ascending.
+struct ListDelta {
+  std::vector<std::uint32_t> added;    // in the later list
+  std::vector<std::uint32_t> removed;  // in the earlier list
+  std::vector<std::uint32_t> resized;  // in the later list
+
+  // locate()'s own affair.
+  std::vector<std::uint64_t> keys, scratch;
+};
+
+/// Brings the changes into the order of the curve, and finds out where they stand.
+void locate(const RankSelection& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out);
 
 }  // namespace curvecast

@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kSlack = 1.0001f;  // bounds are rounded, points too
-constexpr std::size_t kWord = 64;
+constexpr std::size_t kWord = RankSelection::kWord;
 
 static_assert(kChunkStrata % (4 * kWord) == 0, "chunks fill whole words");
 
@@ -91,6 +91,14 @@ void RankSelector::select_at(std::shared_ptr<const RankTree> tree, const FixedDe
   shown_.resize(keys_.size() / kWord);
   finish(view, mark_upto(keys_.data(), shown_.size(), scale, shown_.data()), out);
   out.tree = std::move(tree);
+}
+
+void RankSelector::densities(const RankSelection& selection, std::span<float> out) const {
+  std::size_t i = 0;
+  selection.for_each_shown([&](const RankRef& ref, std::size_t bit) {
+    const std::uint32_t rank = selection.tree->chunks()[ref.chunk]->rank[ref.point];
+    out[i++] = static_cast<float>(static_cast<std::int32_t>(rank) + 1) / keys_[bit];
+  });
 }
 
 std::size_t RankSelector::byte_size() const {
@@ -200,6 +208,7 @@ void RankSelector::finish(const View& view, std::size_t count, RankSelection& ou
   const auto chunks = view.tree.chunks();
   out.count = count;
   out.shown.swap(shown_);
+  out.rungs.clear();
   out.parts.clear();
   out.lacking.clear();
   for (std::size_t v = 0; v < visited_.size(); ++v) {

@@ -2,6 +2,7 @@
 // density or scale only adds points, a smaller one only removes some.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,8 +15,24 @@
 
 namespace curvecast {
 
+/// A point that a selection shows.
+struct RankRef {
+  std::uint32_t chunk;  // of the selection's tree
+  std::uint16_t point;  // of the chunk
+  std::uint8_t rung;    // of its disc; 0 where that is not known
+};
+static_assert(kChunkStrata <= std::uint64_t{1} << 16);
+
+/// Calls visit(i) for every bit i that is set in a word, ascending, counted from `first`.
+template <typename Visit>
+void for_each_bit(std::uint64_t word, std::size_t first, const Visit& visit) {
+  for (; word != 0; word &= word - 1) visit(first + static_cast<std::size_t>(std::countr_zero(word)));
+}
+
 /// Kept from frame to frame, so that its memory is used again.
 struct RankSelection {
+  static constexpr std::size_t kWord = 64;
+
   struct Part {
     std::uint32_t chunk;      // of tree->chunks()
     std::uint32_t first_bit;  // of the chunk's points in `shown`; a multiple of 64
@@ -25,10 +42,27 @@ struct RankSelection {
   std::vector<Part> parts;           // the chunks with points that are shown, and maybe others, ascending
   std::vector<std::uint64_t> shown;  // a bit for each of their points
   std::size_t count = 0;             // of points shown
-  float scale = 0;                   // where fewer points are shown than were asked for: a guess of what all would need
+  // Where they are known, what discs the points shown have, in the order of their bits: rungs of the curve's RadiusLadder.
+  std::vector<std::uint8_t> rungs;
+  float scale = 0;  // where fewer points are shown than were asked for: a guess of what all would need
   /// Chunks that may have points to be shown and are not there yet; where none, the selection is what it would be with all
   /// candidates.
   std::vector<ChunkId> lacking;
+
+  /// Calls visit(RankRef, its bit) for every point shown: chunk by chunk, each along the curve.
+  template <typename Visit>
+  void for_each_shown(const Visit& visit) const {
+    std::size_t i = 0;
+    for (const Part& part : parts) {
+      const std::size_t words = tree->chunks()[part.chunk]->size() / kWord;
+      for (std::size_t w = 0; w < words; ++w) {
+        for_each_bit(shown[part.first_bit / kWord + w], w * kWord, [&](std::size_t point) {
+          const std::uint8_t rung = rungs.empty() ? std::uint8_t{0} : rungs[i++];
+          visit(RankRef{part.chunk, static_cast<std::uint16_t>(point), rung}, part.first_bit + point);
+        });
+      }
+    }
+  }
 };
 
 /// Selects for one view after another; not for several threads at once.
@@ -42,6 +76,9 @@ class RankSelector {
   /// All points that are shown at a scale.
   void select_at(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, float scale,
                  RankSelection& out);
+
+  /// The density at the points that the last selection shows, selection.count of them in the order of their bits.
+  void densities(const RankSelection& selection, std::span<float> out) const;
 
   /// Held, whether in use or not.
   std::size_t byte_size() const;

@@ -20,10 +20,14 @@ struct ResampleWorkspace {
   std::vector<double> sequence;
   ViewMass mass;
   EqualiseScratch equalise;
-  // sample_ranked()'s own affair.
+  // select_ranked()'s own affair but for the selection.
   RankSelector selector;
   RankSelection selection;
-  std::vector<RankRef> refs;
+  std::vector<float> density;
+  // list_ranked()'s own affair; and memory for who compares selections.
+  std::vector<RankRef> shown, refs;
+  RankDelta delta;
+  ListDelta list_delta;
 
   /// Held, whether in use or not.
   std::size_t byte_size() const;

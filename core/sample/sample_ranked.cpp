@@ -1,33 +1,60 @@
 #include "core/sample/sample_ranked.h"
 
 #include <algorithm>
-#include <boost/sort/spreadsort/integer_sort.hpp>
 #include <cmath>
 
 #include "core/density/view_factor.h"
-#include "core/sample/rank_delta.h"
+#include "core/sample/place_order.h"
 #include "core/sample/resample.h"
 #include "core/sample/splat_radius.h"
 
 namespace curvecast {
 namespace {
 
-/// Along the curve.
-void sort_by_place(const RankTree& tree, std::vector<RankRef>& points) {
-  std::vector<std::uint64_t> keys(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    keys[i] = std::uint64_t{tree.chunks()[points[i].chunk]->place[points[i].point]} << 32 | i;
-  }
-  boost::sort::spreadsort::integer_sort(keys.begin(), keys.end());
-  std::vector<RankRef> sorted(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) sorted[i] = points[static_cast<std::uint32_t>(keys[i])];
-  points.swap(sorted);
+constexpr std::size_t kAhead = 12;  // points whose data the memory brings beforehand
+
+void prefetch(const RankTree& tree, const RankRef& ref) {
+  const RankChunk& chunk = *tree.chunks()[ref.chunk];
+  for (const std::vector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) __builtin_prefetch(column->data() + ref.point);
+  for (const std::vector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) __builtin_prefetch(column->data() + ref.point);
+  __builtin_prefetch(chunk.rank.data() + ref.point);
+  __builtin_prefetch(chunk.vertex.data() + ref.point);
 }
 
-/// The data of the points of a selection, in this order.
-void gather(const SurfaceCurve& curve, const RankSelection& selection, std::span<const RankRef> refs, const FixedDensity* density,
-            const ViewFactor& view, PointSet& points) {
-  const RankTree& tree = *selection.tree;
+/// The discs of all points that a selection shows.
+void find_rungs(const SurfaceCurve& curve, const RankSelector& selector, std::vector<float>& density, RankSelection& selection) {
+  density.resize(selection.count);
+  selector.densities(selection, density);
+  // With scale s a point stands for 1 / (s density) of the area.
+  const SplatRadius radius(curve, curve.total_area / static_cast<double>(selection.scale));
+  if (!selection.lacking.empty()) {
+    // Those that there are have to do.
+    const RankTree& tree = *selection.tree;
+    std::size_t i = 0;
+    selection.for_each_shown([&](const RankRef& ref, std::size_t) {
+      const int level = tree.level_at(ref.chunk, tree.chunks()[ref.chunk]->place[ref.point]);
+      const float most = static_cast<float>(std::ldexp(1.0, 2 * level)) / selection.scale;
+      density[i] = std::min(density[i], most);
+      ++i;
+    });
+  }
+  selection.rungs.resize(selection.count);
+  for (std::size_t i = 0; i < selection.count; ++i) selection.rungs[i] = radius.rung(density[i]);
+}
+
+}  // namespace
+
+absl::Status select_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
+                           const Density& density, std::uint64_t n, ResampleWorkspace& workspace) {
+  if (absl::Status status = check_sample(n, density); !status.ok()) return status;
+  RankSelection& selection = workspace.selection;
+  workspace.selector.select(tree, fixed, ViewFactor(curve, density), n, selection);
+  if (selection.count == 0 && selection.lacking.empty()) return nowhere_to_put_points();
+  find_rungs(curve, workspace.selector, workspace.density, selection);
+  return absl::OkStatus();
+}
+
+void gather_ranked(const SurfaceCurve& curve, const RankTree& tree, std::span<const RankRef> refs, PointSet& points) {
   const std::size_t n = refs.size();
   points.origin = curve.origin;
   points.positions.resize(n);
@@ -35,53 +62,42 @@ void gather(const SurfaceCurve& curve, const RankSelection& selection, std::span
   points.radii.resize(n);
   points.vertices.resize(n);
   points.ranks.resize(n);
-  // With scale s a point stands for 1 / (s density) of the area.
-  const SplatRadius radius(curve, curve.total_area / static_cast<double>(selection.scale));
-  constexpr std::size_t kChunk = 256;
-  float x[kChunk], y[kChunk], z[kChunk], factor[kChunk];
-  std::uint32_t place[kChunk];
-  Snorm16 nx[kChunk], ny[kChunk], nz[kChunk];
-  for (std::size_t begin = 0; begin < n; begin += kChunk) {
-    const std::size_t count = std::min(kChunk, n - begin);
-    for (std::size_t i = 0; i < count; ++i) {
-      const RankChunk& chunk = *tree.chunks()[refs[begin + i].chunk];
-      const std::uint32_t p = refs[begin + i].point;
-      x[i] = chunk.x[p], y[i] = chunk.y[p], z[i] = chunk.z[p];
-      nx[i] = chunk.nx[p], ny[i] = chunk.ny[p], nz[i] = chunk.nz[p];
-      factor[i] = density == nullptr ? 1 : density->density[chunk.vertex[p]];
-      place[i] = chunk.place[p];
-      points.vertices[begin + i] = chunk.vertex[p];
-      points.ranks[begin + i] = chunk.rank[p];
-    }
-    view.multiply(x, y, z, nx, ny, nz, count, factor);
-    for (std::size_t i = 0; i < count; ++i) {
-      points.positions[begin + i] = {x[i], y[i], z[i]};
-      points.normals[begin + i] = {nx[i], ny[i], nz[i]};
-      // Where points are lacking, those that there are have to do.
-      const float most =
-          selection.lacking.empty()
-              ? factor[i]
-              : static_cast<float>(std::ldexp(1.0, 2 * tree.level_at(refs[begin + i].chunk, place[i]))) / selection.scale;
-      points.radii[begin + i] = radius(std::min(factor[i], most));
-    }
+  const RadiusLadder ladder(SplatRadius::largest(curve));
+  for (std::size_t i = 0; i < n; ++i) {
+    prefetch(tree, refs[std::min(i + kAhead, n - 1)]);
+    const RankChunk& chunk = *tree.chunks()[refs[i].chunk];
+    const std::uint16_t p = refs[i].point;
+    points.positions[i] = {chunk.x[p], chunk.y[p], chunk.z[p]};
+    points.normals[i] = {chunk.nx[p], chunk.ny[p], chunk.nz[p]};
+    points.radii[i] = ladder.radius(refs[i].rung);
+    points.vertices[i] = chunk.vertex[p];
+    points.ranks[i] = chunk.rank[p];
   }
   points.colours.resize(curve.colour.empty() ? 0 : n);
   for (std::size_t i = 0; i < points.colours.size(); ++i) points.colours[i] = curve.colour[points.vertices[i]];
 }
 
-}  // namespace
+void list_ranked(const SurfaceCurve& curve, ResampleWorkspace& workspace) {
+  const RankSelection& selection = workspace.selection;
+  const RankTree& tree = *selection.tree;
+  std::vector<RankRef>& shown = workspace.shown;
+  std::vector<std::uint64_t>& keys = workspace.list_delta.keys;
+  shown.clear();
+  keys.clear();
+  selection.for_each_shown([&](const RankRef& ref, std::size_t) {
+    keys.push_back(std::uint64_t{tree.chunks()[ref.chunk]->place[ref.point]} << 32 | shown.size());
+    shown.push_back(ref);
+  });
+  sort_by_place(keys, workspace.list_delta.scratch);
+  workspace.refs.resize(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) workspace.refs[i] = shown[static_cast<std::uint32_t>(keys[i])];
+  gather_ranked(curve, tree, workspace.refs, workspace.points);
+}
 
 absl::Status sample_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
                            const Density& density, std::uint64_t n, ResampleWorkspace& workspace) {
-  if (absl::Status status = check_sample(n, density); !status.ok()) return status;
-  const ViewFactor view(curve, density);
-  RankSelection& selection = workspace.selection;
-  workspace.selector.select(tree, fixed, view, n, selection);
-  if (selection.count == 0 && selection.lacking.empty()) return nowhere_to_put_points();
-  list_shown(selection, workspace.refs);
-  sort_by_place(*tree, workspace.refs);
-  gather(curve, selection, workspace.refs, fixed, view, workspace.points);
-  selection.tree.reset();  // it may be large, and others wait for its place
+  if (absl::Status status = select_ranked(curve, tree, fixed, density, n, workspace); !status.ok()) return status;
+  list_ranked(curve, workspace);
   return absl::OkStatus();
 }
 

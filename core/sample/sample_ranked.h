@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "core/curve/surface_curve.h"
 #include "core/density/density.h"
@@ -14,10 +15,21 @@
 
 namespace curvecast {
 
-/// Writes to workspace.points, in the order of the curve and with their ranks, the n candidates that a density shows first; fewer
-/// where there are no more. What the tree lacks for it is workspace.selection.lacking. `curve`: that which the tree's ranks were
-/// made for; `fixed`: what make_fixed_density() makes of it and the density.
+// `curve`: that which the tree's ranks were made for; `fixed`: what make_fixed_density() makes of it and the density.
+
+/// Selects in workspace.selection the n candidates that a density shows first, and their discs; fewer where there are no more.
+/// What the tree lacks for it is workspace.selection.lacking.
 /// InvalidArgument: n = 0, a bad density. OutOfRange: n > kMaxPoints. FailedPrecondition: the density is zero everywhere.
+absl::Status select_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
+                           const Density& density, std::uint64_t n, ResampleWorkspace& workspace);
+
+/// The data of some of the points that a selection shows, in this order.
+void gather_ranked(const SurfaceCurve& curve, const RankTree& tree, std::span<const RankRef> refs, PointSet& points);
+
+/// Writes to workspace.points all points of workspace.selection, in the order of the curve, with their ranks.
+void list_ranked(const SurfaceCurve& curve, ResampleWorkspace& workspace);
+
+/// Selects and lists. Errors as of select_ranked().
 absl::Status sample_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
                            const Density& density, std::uint64_t n, ResampleWorkspace& workspace);
 

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "core/curve/surface_curve.h"
+#include "core/sample/radius_ladder.h"
 
 namespace curvecast {
 
@@ -12,9 +14,16 @@ class SplatRadius {
  public:
   /// Where the density is 1 a point stands for so much of the surface, squared units.
   SplatRadius(const SurfaceCurve& curve, double area_of_point)
-      : scale_(static_cast<float>(kOverArea * std::sqrt(area_of_point))), largest_(static_cast<float>(curve.box.diagonal())) {}
+      : scale_(static_cast<float>(kOverArea * std::sqrt(area_of_point))),
+        largest_(largest(curve)),
+        square_(largest_ / scale_ * (largest_ / scale_)) {}
+
+  /// No disc is larger.
+  static float largest(const SurfaceCurve& curve) { return static_cast<float>(curve.box.diagonal()); }
 
   float operator()(float density) const { return std::min(scale_ / std::sqrt(density), largest_); }
+  /// The same, as a rung of RadiusLadder(largest(curve)).
+  std::uint8_t rung(float density) const { return RadiusLadder::below(density * square_); }
 
  private:
   // Over the square root of the area. Discs of this size leave next to no holes around jittered points (the coverage radius of
@@ -22,6 +31,7 @@ class SplatRadius {
   static constexpr double kOverArea = 1.25;
 
   float scale_, largest_;
+  float square_;  // of the largest radius over that at density 1
 };
 
 }  // namespace curvecast

@@ -104,7 +104,7 @@ TEST_F(ViewStreamTest, OpensNumbersViewsAndAcknowledgesFrames) {
   ASSERT_TRUE(frame.ok()) << frame.status();
   EXPECT_EQ(frame->sequence, 2U);
   EXPECT_EQ(frame->curve_revision, 3U);
-  EXPECT_EQ(frame->points.positions, sphere_points(50).positions);
+  EXPECT_EQ(frame->points->positions, sphere_points(50).positions);
   EXPECT_EQ(frame->encoded_bytes, 50U * 28);
   EXPECT_EQ(frame->statistics.curve_vertices(), 99U);
   EXPECT_TRUE(frame->error.ok());
@@ -124,10 +124,10 @@ TEST_F(ViewStreamTest, GivesRefusedViewsAndGoesOn) {
   const auto first = stream->next_frame(seconds(60));
   ASSERT_TRUE(first.ok()) << first.status();
   EXPECT_EQ(first->error, absl::FailedPreconditionError("the density is zero everywhere"));
-  EXPECT_EQ(first->points.size(), 0U);
+  EXPECT_EQ(first->points->size(), 0U);
   const auto second = stream->next_frame(seconds(60));
   ASSERT_TRUE(second.ok()) << second.status();
-  EXPECT_EQ(second->points.size(), 5U);
+  EXPECT_EQ(second->points->size(), 5U);
 }
 
 TEST_F(ViewStreamTest, TimesOut) {

@@ -5,12 +5,12 @@
 
 #include <atomic>
 #include <condition_variable>
-#include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "server/job_queue.h"
+#include "tests/server/conversation.h"
 
 namespace curvecast::server {
 namespace {
@@ -18,99 +18,6 @@ namespace {
 using Code = absl::StatusCode;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-v1::StreamViewsRequest open_request(const std::string& id) {
-  v1::StreamViewsRequest request;
-  request.mutable_open()->set_session_id(id);
-  return request;
-}
-
-v1::StreamViewsRequest view_request(std::uint64_t sequence, std::uint64_t points = 10) {
-  v1::StreamViewsRequest request;
-  request.mutable_view()->set_sequence(sequence);
-  request.mutable_view()->mutable_sample()->set_points(points);
-  return request;
-}
-
-v1::StreamViewsRequest ack_request(std::uint64_t sequence) {
-  v1::StreamViewsRequest request;
-  request.mutable_ack()->set_sequence(sequence);
-  return request;
-}
-
-// Jobs wait until the test runs them; messages leave at once unless `slow_`.
-class Conversation : public ClientStream::Transport {
- public:
-  void send(v1::StreamViewsResponse response) override {
-    EXPECT_FALSE(ended_) << "a frame after the end";
-    EXPECT_FALSE(sending_) << "two frames at a time";
-    sending_ = true;
-    frames_.push_back(response.frame());
-  }
-  void end(const absl::Status& status) override {
-    EXPECT_FALSE(ended_) << "ended twice";
-    EXPECT_FALSE(sending_) << "ended while sending";
-    ended_ = status;
-  }
-
-  void receive(const v1::StreamViewsRequest& request) {
-    stream_->receive(request);
-    deliver();
-  }
-  void run_job() {
-    ASSERT_FALSE(jobs_.empty());
-    auto job = std::move(jobs_.front());
-    jobs_.pop_front();
-    job();
-    deliver();
-  }
-  void run_all() {
-    while (!jobs_.empty()) run_job();
-  }
-  void deliver() {
-    while (sending_ && !slow_) {
-      sending_ = false;
-      stream_->sent(true);
-    }
-  }
-  std::vector<std::uint64_t> sequences() const {
-    std::vector<std::uint64_t> out;
-    for (const auto& frame : frames_) out.push_back(frame.sequence());
-    return out;
-  }
-
-  std::deque<std::function<void()>> jobs_;
-  std::vector<v1::PointFrame> frames_;
-  std::optional<absl::Status> ended_;
-  bool sending_ = false, slow_ = false, busy_ = false;
-  std::shared_ptr<const Session> session_ = std::make_shared<const Session>();
-  std::uint64_t revision_ = 1;
-  bool short_ = false;               // the curve is too coarse for every view
-  std::function<void()> on_answer_;  // while a view is being answered
-  std::shared_ptr<ClientStream> stream_ = std::make_shared<ClientStream>(
-      this, ClientStream::Hooks{
-                .find = [this](const std::string& id) -> absl::StatusOr<std::shared_ptr<const Session>> {
-                  if (id != "known") return absl::NotFoundError("no such session");
-                  return session_;
-                },
-                .answer = [this](const std::shared_ptr<const Session>&, const Sample& sample,
-                                 bool may_refine) -> absl::StatusOr<v1::PointFrame> {
-                  if (sample.options.points == 99) return absl::OutOfRangeError("99 is too many");
-                  if (sample.options.points == 98) throw std::runtime_error("98");
-                  v1::PointFrame frame;
-                  frame.mutable_points()->set_count(static_cast<std::uint32_t>(sample.options.points));
-                  frame.set_curve_revision(revision_);
-                  frame.mutable_statistics()->set_refining(short_ && may_refine);
-                  if (on_answer_) on_answer_();
-                  return frame;
-                },
-                .submit = [this](std::function<void()> job) -> absl::Status {
-                  if (busy_) return absl::ResourceExhaustedError("busy");
-                  jobs_.push_back(std::move(job));
-                  return absl::OkStatus();
-                },
-            });
-};
 
 class ClientStreamTest : public ::testing::Test, public Conversation {};
 

@@ -167,16 +167,16 @@ TEST_F(EngineTest, ViewsShareWhatNoCameraChanges) {
   for (const double distance : {3.0, 3.0, 5.0, 3.0}) {
     sample.options.points = 100;
     sample.options.density = curvecast::testing::seen_from(Vec3d(0, 0, distance), {CurvatureTerm{}, ViewTerm{}});
-    const absl::StatusOr<v1::PointFrame> frame = make_frame(*session, sample, engine_.view_cache, {});
+    const absl::StatusOr<Answer> frame = make_frame(*session, sample, nullptr, engine_.view_cache, {});
     ASSERT_TRUE(frame.ok()) << frame.status();
-    EXPECT_EQ(frame->points().count(), 100u);
+    EXPECT_EQ(frame->frame.points().count(), 100u);
     if (bytes == 0) {
       bytes = engine_.view_cache.fixed_densities.byte_size();
-      first = frame->points().SerializeAsString();
+      first = frame->frame.points().SerializeAsString();
     }
     EXPECT_GT(bytes, session->curve()->size() * sizeof(float));
     EXPECT_EQ(engine_.view_cache.fixed_densities.byte_size(), bytes) << "made once for all";
-    EXPECT_EQ(frame->points().SerializeAsString() == first, distance == 3.0);
+    EXPECT_EQ(frame->frame.points().SerializeAsString() == first, distance == 3.0);
   }
   EXPECT_EQ(engine_.view_cache.workspaces.idle(), 1u);
 }

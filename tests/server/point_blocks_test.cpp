@@ -76,10 +76,10 @@ TEST(PointBlocks, KeepWithinTheirBytes) {
         const Blocks made = blocks_of(sample);
         EXPECT_LE(made.bytes, limit);
         EXPECT_GE(static_cast<double>(made.bytes), 0.9 * static_cast<double>(limit)) << limit << ", " << density.terms.size();
-        const auto frame = make_frame(ball(), sample, cache(), {});
+        const auto frame = make_frame(ball(), sample, nullptr, cache(), {});
         ASSERT_TRUE(frame.ok()) << frame.status();
-        EXPECT_LE(bytes_of(frame->points()), limit);
-        EXPECT_GE(static_cast<double>(bytes_of(frame->points())), 0.9 * static_cast<double>(limit));
+        EXPECT_LE(bytes_of(frame->frame.points()), limit);
+        EXPECT_GE(static_cast<double>(bytes_of(frame->frame.points())), 0.9 * static_cast<double>(limit));
       }
     }
   }
@@ -108,9 +108,9 @@ TEST(PointBlocks, TakeAnErrorInPixels) {
   sample.pixel_error = 8;
   const Blocks fine = blocks_of(sample);
   EXPECT_NEAR(static_cast<double>(fine.points), 4.0 * static_cast<double>(coarse.points), 8);
-  const auto frame = make_frame(ball(), sample, cache(), {});
+  const auto frame = make_frame(ball(), sample, nullptr, cache(), {});
   ASSERT_TRUE(frame.ok()) << frame.status();
-  EXPECT_EQ(frame->points().count(), fine.points);
+  EXPECT_EQ(frame->frame.points().count(), fine.points);
 }
 
 TEST(PointBlocks, AskForAFinerCurveWithTheirOwnNumber) {
@@ -136,12 +136,12 @@ TEST(PointBlocks, AskForAFinerCurveWithTheirOwnNumber) {
 TEST(PointBlocks, RefuseWhatIsTooMuch) {
   Sample sample;
   sample.options.points = 4'000'000;
-  EXPECT_EQ(make_frame(ball(), sample, cache(), {}).status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(make_frame(ball(), sample, nullptr, cache(), {}).status().code(), absl::StatusCode::kResourceExhausted);
   sample.options.points = 4'000'001;
-  EXPECT_EQ(make_frame(ball(), sample, cache(), {}).status().code(), absl::StatusCode::kOutOfRange);
+  EXPECT_EQ(make_frame(ball(), sample, nullptr, cache(), {}).status().code(), absl::StatusCode::kOutOfRange);
   sample = sample_of(100);  // Draco's header alone takes more
   sample.options.density = {BrushTerm{.radius = 1e9}};
-  EXPECT_EQ(make_frame(ball(), sample, cache(), {}).status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(make_frame(ball(), sample, nullptr, cache(), {}).status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(make_blocks(ball(), sample_of(5000), cache(), {}, nullptr, [](const v1::ResampleResponse&) { return false; }).code(),
             absl::StatusCode::kCancelled);
 }

@@ -13,6 +13,7 @@
 #include "client/cli/bench/peak_memory.h"
 #include "client/cli/bench/preprocess_bench.h"
 #include "client/cli/bench/sample_bench.h"
+#include "client/cli/bench/stream_bench.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast::cli {
@@ -101,6 +102,24 @@ TEST(SampleBench, MeasuresEveryStageBesideReading) {
   EXPECT_NE(find(*report, "view, N = 500, fresh memory"), nullptr);
   EXPECT_LE(find(*report, "curve")->value, 64 * 1.1) << "bytes for each vertex";
   EXPECT_FALSE(bench_sample({"torus.off", off}, {.points = 100, .view_points = 0}, {}).ok());
+}
+
+TEST(StreamBench, MeasuresOneClientAndCrowds) {
+  const std::string off = curvecast::testing::to_off(curvecast::testing::torus(24, 12));
+  const StreamBenchOptions options{.points = 3000, .crowd_points = 500, .clients = 8, .seconds = 0.5, .rate = 20};
+  const auto report = bench_stream({"torus.off", off}, options, {});
+  ASSERT_TRUE(report.ok()) << report.status();
+  const BenchResult* delta = find(*report, "deltas by 1 degree: frame");
+  ASSERT_NE(delta, nullptr);
+  EXPECT_GT(delta->value, 0);
+  EXPECT_LT(delta->value, 0.5 * delta->reference.value_or(0));
+  EXPECT_GT(find(*report, "key frames: latency p50")->value, 0);
+  for (const char* name : {"1 clients, N = 500", "8 clients, N = 500"}) {
+    const BenchResult* latency = find(*report, name);
+    ASSERT_NE(latency, nullptr) << name;
+    EXPECT_GT(latency->value, 0);
+  }
+  EXPECT_FALSE(bench_stream({"bad.off", {}}, {}, {}).ok());
 }
 
 TEST(PeakMemory, SeesWhatWasHeldForAMoment) {

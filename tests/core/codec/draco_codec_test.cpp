@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/pipeline.h"
+#include "core/sample/radius_ladder.h"
 #include "core/sample/random.h"
 #include "core/sample/resample.h"
 #include "tests/support/shapes.h"
@@ -139,23 +140,24 @@ TEST(DracoCodec, KeepsNormalsWithinTheOctahedralStep) {
   }
 }
 
-TEST(DracoCodec, KeepsRadiiInProportion) {
+TEST(DracoCodec, RoundsRadiiUpToTheLadder) {
   const PointSet points = random_points(5000);
-  const Encoded message = encoded(points, kUnitBall);
-  EXPECT_EQ(message.radius_min, *std::min_element(points.radii.begin(), points.radii.end()));
-  EXPECT_EQ(message.radius_max, *std::max_element(points.radii.begin(), points.radii.end()));
-  const Decoded back = decoded(message.bytes);
-  ASSERT_EQ(back.codes.size(), points.size());
-  const double range = std::log(static_cast<double>(message.radius_max) / message.radius_min);
-  int most = 0, least = 255;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double radius = message.radius_min * std::exp(range * back.codes[i] / 255);
-    ASSERT_LE(std::abs(std::log(radius / points.radii[i])), 0.5 * range / 255 + 1e-5) << "point " << i;
-    most = std::max(most, back.codes[i]);
-    least = std::min(least, back.codes[i]);
+  for (const double largest : {0.0, 40.0}) {
+    DracoOptions options = kUnitBall;
+    options.radius_max = largest;
+    const Encoded message = encoded(points, options);
+    EXPECT_EQ(message.radius_max, largest > 0 ? largest : *std::max_element(points.radii.begin(), points.radii.end()));
+    const Decoded back = decoded(message.bytes);
+    ASSERT_EQ(back.codes.size(), points.size());
+    const double range = std::log(static_cast<double>(message.radius_max) / message.radius_min);
+    const RadiusLadder ladder(message.radius_max);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double radius = message.radius_min * std::exp(range * back.codes[i] / 255);
+      ASSERT_GE(radius, (1 - 2e-5) * points.radii[i]) << "point " << i;
+      ASSERT_LT(radius, std::exp2(0.25) * points.radii[i]) << "point " << i;
+      ASSERT_NEAR(radius, ladder.radius(ladder.rung(points.radii[i])), 1e-5 * radius) << "point " << i;
+    }
   }
-  EXPECT_EQ(least, 0);
-  EXPECT_EQ(most, 255);
 }
 
 TEST(DracoCodec, KeepsColoursButNotAlpha) {
@@ -175,9 +177,10 @@ TEST(DracoCodec, EncodesOnePointAndEqualRadii) {
     PointSet points = random_points(n);
     std::fill(points.radii.begin(), points.radii.end(), 0.25f);
     const Encoded message = encoded(points, kUnitBall);
-    EXPECT_EQ(message.radius_min, 0.25f);
     EXPECT_EQ(message.radius_max, 0.25f);
-    EXPECT_EQ(decoded(message.bytes).positions.size(), n);
+    const Decoded back = decoded(message.bytes);
+    EXPECT_EQ(back.positions.size(), n);
+    EXPECT_EQ(std::count(back.codes.begin(), back.codes.end(), 255), static_cast<std::ptrdiff_t>(n));
   }
 }
 

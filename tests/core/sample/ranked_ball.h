@@ -12,7 +12,6 @@
 
 #include "core/pipeline.h"
 #include "core/sample/grow_ranks.h"
-#include "core/sample/rank_delta.h"
 #include "core/sample/rank_selection.h"
 #include "tests/support/shapes.h"
 
@@ -45,10 +44,9 @@ inline Density view_from(const Vec3d& eye, double s0 = 0.1) {
 
 /// The ranks of the points that a selection shows, ascending.
 inline std::vector<std::uint32_t> ranks_of(const RankSelection& selection) {
-  std::vector<RankRef> refs;
-  list_shown(selection, refs);
   std::vector<std::uint32_t> ranks;
-  for (const RankRef& ref : refs) ranks.push_back(selection.tree->chunks()[ref.chunk]->rank[ref.point]);
+  selection.for_each_shown(
+      [&](const RankRef& ref, std::size_t) { ranks.push_back(selection.tree->chunks()[ref.chunk]->rank[ref.point]); });
   std::sort(ranks.begin(), ranks.end());
   return ranks;
 }

@@ -1,0 +1,263 @@
+#include "client/cli/bench/stream_bench.h"
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "client/cli/bench/quantile.h"
+#include "client/lib/client.h"
+#include "client/lib/view_stream.h"
+#include "server/server.h"
+
+namespace curvecast::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kPatience{60};
+constexpr int kWarmUpViews = 120, kViews = 360;
+constexpr double kKibi = 1024;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Of this process, all threads.
+double cpu_milliseconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto of = [](const timeval& time) {
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_usec);
+  };
+  return of(usage.ru_utime) + of(usage.ru_stime);
+}
+
+/// A server, a session on it, and where its mesh lies.
+class Stage {
+ public:
+  static absl::StatusOr<Stage> open(const MeshFile& file, const StreamBenchOptions& options, const ExecutionContext& context) {
+    Stage stage;
+    auto server = server::Server::start({.listen = "127.0.0.1:0", .threads = context.threads, .log = false});
+    if (!server.ok()) return server.status();
+    stage.server_ = *std::move(server);
+    stage.connection_ = stage.connect();
+    client::Client client(stage.connection_);
+    const auto on_progress = [&](std::string_view name, double fraction) { context.progress(name, fraction); };
+    const absl::StatusOr<std::string> mesh = client.upload_mesh(std::string(file.name), file.bytes, on_progress);
+    if (!mesh.ok()) return mesh.status();
+    v1::SessionOptions session_options;
+    session_options.set_max_points(options.points);
+    const absl::StatusOr<v1::Session> session = client.create_session(*mesh, session_options, on_progress);
+    if (!session.ok()) return session.status();
+    stage.session_id_ = session->session_id();
+    const v1::MeshInfo& info = session->report().mesh();
+    stage.centre_ = {0.5 * (info.box_min().x() + info.box_max().x()), 0.5 * (info.box_min().y() + info.box_max().y()),
+                     0.5 * (info.box_min().z() + info.box_max().z())};
+    stage.size_ = std::hypot(info.box_max().x() - info.box_min().x(), info.box_max().y() - info.box_min().y(),
+                             info.box_max().z() - info.box_min().z());
+    return stage;
+  }
+
+  /// Over a TCP connection of its own.
+  std::shared_ptr<client::Connection> connect() const {
+    return client::make_connection(client::tcp_channel(absl::StrCat("127.0.0.1:", server_->port())));
+  }
+  const std::string& session_id() const { return session_id_; }
+
+  /// On an orbit about the mesh, with silhouettes.
+  v1::SampleRequest view(double degrees, std::uint64_t points) const {
+    v1::SampleRequest sample;
+    sample.set_points(points);
+    sample.set_sampler(v1::SAMPLER_PROGRESSIVE);
+    sample.add_density()->mutable_view();
+    const double angle = degrees * std::numbers::pi / 180;
+    v1::Camera& camera = *sample.add_cameras();
+    const auto set = [&](v1::Vec3& to, double x, double y, double z) {
+      to.set_x(centre_[0] + size_ * x), to.set_y(centre_[1] + size_ * y), to.set_z(centre_[2] + size_ * z);
+    };
+    set(*camera.mutable_eye(), 2 * std::sin(angle), 0.5, 2 * std::cos(angle));
+    set(*camera.mutable_target(), 0, 0, 0);
+    return sample;
+  }
+
+ private:
+  std::unique_ptr<server::Server> server_;
+  std::shared_ptr<client::Connection> connection_;
+  std::string session_id_;
+  std::array<double, 3> centre_{};
+  double size_ = 1;
+};
+
+absl::StatusOr<client::Frame> answer(client::ViewStream& stream, const v1::SampleRequest& sample, bool settled) {
+  const absl::StatusOr<std::uint64_t> sequence = stream.send_view(sample);
+  if (!sequence.ok()) return sequence.status();
+  while (true) {
+    absl::StatusOr<client::Frame> frame = stream.next_frame(kPatience);
+    if (!frame.ok()) return frame.status();
+    if (!frame->error.ok()) return frame->error;
+    if (frame->sequence == *sequence && !(settled && frame->statistics.refining())) return frame;
+  }
+}
+
+struct Alone {
+  std::vector<double> latency, server, decode, bytes, added;  // ms, bytes, points
+};
+
+/// One client that waits for each frame.
+absl::StatusOr<Alone> stream_alone(const Stage& stage, std::uint64_t points, bool deltas, const ExecutionContext& context) {
+  const auto connection = stage.connect();
+  const auto stream = client::ViewStream::open(*connection, stage.session_id(), {}, {.deltas = deltas});
+  Alone out;
+  for (int i = -kWarmUpViews; i < kViews; ++i) {
+    if (absl::Status status = context.check(); !status.ok()) return status;
+    // The orbit has been gone round before: all candidates that it needs are there.
+    const v1::SampleRequest sample = stage.view(i < 0 ? 3 * i : i, points);
+    const auto start = Clock::now();
+    const absl::StatusOr<client::Frame> frame = answer(*stream, sample, i < 0);
+    if (!frame.ok()) return frame.status();
+    if (i < 0) continue;
+    out.latency.push_back(milliseconds_since(start));
+    const v1::FrameStatistics& s = frame->statistics;
+    out.server.push_back(1e3 * (s.density_seconds() + s.equalise_seconds() + s.encode_seconds()));
+    out.decode.push_back(1e3 * frame->decode_seconds);
+    out.bytes.push_back(static_cast<double>(frame->encoded_bytes));
+    out.added.push_back(static_cast<double>(frame->added));
+  }
+  return out;
+}
+
+struct Crowd {
+  std::vector<double> latency;  // ms, of views that were answered
+  double bytes = 0, cpu = 0;    // of all; ms
+  std::uint64_t sent = 0, answered = 0;
+};
+
+/// One of many clients: sends views at a fixed rate, whatever comes back.
+absl::Status join_crowd(const Stage& stage, const StreamBenchOptions& options, std::uint64_t number, Crowd& crowd,
+                        std::mutex& mutex) {
+  const auto connection = stage.connect();
+  const auto stream = client::ViewStream::open(*connection, stage.session_id());
+  const double from = 137.5 * static_cast<double>(number);
+  absl::StatusOr<client::Frame> first = answer(*stream, stage.view(from, options.crowd_points), true);
+  if (!first.ok()) return first.status();
+  const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / options.rate));
+  const auto views = static_cast<std::uint64_t>(options.seconds * options.rate);
+  std::vector<Clock::time_point> sent(views + 2);  // by sequence number
+  std::vector<bool> answered(views + 2);
+  std::vector<double> latency;
+  double bytes = 0;
+  Clock::time_point next = Clock::now() + period * static_cast<int>(number % 16) / 16;
+  std::uint64_t last = 0;
+  while (true) {
+    if (Clock::now() >= next && last < views) {
+      const v1::SampleRequest sample = stage.view(from + static_cast<double>(last + 1), options.crowd_points);
+      sent[last + 2] = Clock::now();
+      if (const auto sequence = stream->send_view(sample); !sequence.ok()) return sequence.status();
+      ++last;
+      next += period;
+    }
+    if (last == views && answered[views + 1]) break;
+    const auto wait =
+        last == views ? Clock::duration(kPatience) : std::max(Clock::duration(next - Clock::now()), Clock::duration::zero());
+    absl::StatusOr<client::Frame> frame = stream->next_frame(std::chrono::ceil<std::chrono::milliseconds>(wait));
+    if (absl::IsDeadlineExceeded(frame.status()) && last < views) continue;
+    if (!frame.ok()) return frame.status();
+    if (!frame->error.ok()) return frame->error;
+    bytes += static_cast<double>(frame->encoded_bytes);
+    if (frame->sequence < 2 || answered[frame->sequence]) continue;
+    answered[frame->sequence] = true;
+    latency.push_back(milliseconds_since(sent[frame->sequence]));
+  }
+  const std::lock_guard lock(mutex);
+  crowd.answered += latency.size();
+  crowd.sent += views;
+  crowd.bytes += bytes;
+  crowd.latency.insert(crowd.latency.end(), latency.begin(), latency.end());
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Crowd> stream_crowd(const Stage& stage, const StreamBenchOptions& options, std::uint64_t clients) {
+  Crowd crowd;
+  absl::Status failed;
+  std::mutex mutex;
+  const double before = cpu_milliseconds();
+  std::vector<std::jthread> threads;
+  for (std::uint64_t c = 0; c < clients; ++c) {
+    threads.emplace_back([&, c] {
+      absl::Status status = join_crowd(stage, options, c, crowd, mutex);
+      const std::lock_guard lock(mutex);
+      failed.Update(status);
+    });
+  }
+  threads.clear();
+  if (!failed.ok()) return failed;
+  crowd.cpu = cpu_milliseconds() - before;
+  return crowd;
+}
+
+}  // namespace
+
+absl::StatusOr<BenchReport> bench_stream(const MeshFile& file, const StreamBenchOptions& options,
+                                         const ExecutionContext& context) {
+  absl::StatusOr<Stage> stage = Stage::open(file, options, context);
+  if (!stage.ok()) return stage.status();
+  BenchReport report{"stream", {}};
+  double key_bytes = 0;
+  for (const bool deltas : {false, true}) {
+    const absl::StatusOr<Alone> alone = stream_alone(*stage, options.points, deltas, context);
+    if (!alone.ok()) return alone.status();
+    const std::string name =
+        absl::StrFormat("1 client, N = %d, %s", options.points, deltas ? "deltas by 1 degree" : "key frames");
+    const auto add = [&](const char* what, double value, const char* unit) {
+      report.results.push_back({absl::StrCat(name, what), value, unit});
+    };
+    add(": latency p50", quantile(alone->latency, 0.5), "ms");
+    add(": latency p99", quantile(alone->latency, 0.99), "ms");
+    add(": server p50", quantile(alone->server, 0.5), "ms");
+    add(": decoding p50", quantile(alone->decode, 0.5), "ms");
+    const double bytes = quantile(alone->bytes, 0.5);
+    if (deltas) {
+      report.results.push_back({absl::StrCat(name, ": frame"), bytes / kKibi, "KiB", key_bytes / kKibi});
+      add(": added", quantile(alone->added, 0.5), "points");
+    } else {
+      key_bytes = bytes;
+      add(": frame", bytes / kKibi, "KiB");
+      add(": point", bytes / static_cast<double>(options.points), "B");
+    }
+  }
+  for (std::uint64_t clients = 1; clients <= options.clients; clients *= 8) {
+    if (absl::Status status = context.check(); !status.ok()) return status;
+    absl::StatusOr<Crowd> crowd = stream_crowd(*stage, options, clients);
+    if (!crowd.ok()) return crowd.status();
+    const std::string name = absl::StrFormat("%d clients, N = %d, %g views/s each", clients, options.crowd_points, options.rate);
+    const auto add = [&](const char* what, double value, const char* unit) {
+      report.results.push_back({absl::StrCat(name, what), value, unit});
+    };
+    const auto answered = static_cast<double>(crowd->answered);
+    add(": latency p50", quantile(crowd->latency, 0.5), "ms");
+    add(": latency p99", quantile(crowd->latency, 0.99), "ms");
+    add(": overtaken", 100 * (1 - answered / static_cast<double>(crowd->sent)), "%");
+    add(": frame, mean", crowd->bytes / answered / kKibi, "KiB");
+    add(": processor time of a frame", crowd->cpu / answered, "ms");
+  }
+  report.notes = {
+      "Server and clients share this process and talk over TCP on the loopback. Latency: from sending a view until its points "
+      "are "
+      "decoded; the processor time is that of both sides. One client alone waits for each frame; those of a crowd send views "
+      "whatever comes back, and a view that a newer one overtakes is not answered."};
+  return report;
+}
+
+}  // namespace curvecast::cli

@@ -1,0 +1,171 @@
+// Deltas of a real server, over TCP: what a client holds that takes them in is what the server would give it at once.
+#include <absl/strings/str_cat.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "client/lib/client.h"
+#include "client/lib/view_stream.h"
+#include "server/server.h"
+#include "tests/support/shapes.h"
+
+namespace curvecast::client {
+namespace {
+
+using std::chrono::seconds;
+
+constexpr seconds kPatience{120};
+
+class ViewStreamDelta : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto started = server::Server::start({.listen = "127.0.0.1:0", .log = false});
+    ASSERT_TRUE(started.ok()) << started.status();
+    server_ = *std::move(started);
+    connection_ = make_connection(tcp_channel(absl::StrCat("127.0.0.1:", server_->port())));
+    client_ = std::make_unique<Client>(connection_);
+    const std::string ball = testing::to_off(testing::icosphere(4));
+    const absl::StatusOr<std::string> mesh = client_->upload_mesh("ball.off", ball);
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    v1::SessionOptions options;
+    options.set_max_points(4000);
+    const absl::StatusOr<v1::Session> session = client_->create_session(*mesh, options);
+    ASSERT_TRUE(session.ok()) << session.status();
+    session_id_ = session->session_id();
+    // The candidates that views lack are made now: else their first frames would be coarse.
+    for (const double degrees : {0.0, 90.0, 180.0, 270.0}) {
+      v1::ResampleRequest request;
+      request.set_session_id(session_id_);
+      *request.mutable_sample() = view(degrees, 1.2, 8000);
+      ASSERT_TRUE(client_->resample(request).ok());
+    }
+  }
+
+  /// The ball from a place on a circle about it.
+  static v1::SampleRequest view(double degrees, double distance, std::uint64_t points) {
+    v1::SampleRequest sample;
+    sample.set_points(points);
+    sample.set_sampler(v1::SAMPLER_PROGRESSIVE);
+    sample.add_density()->mutable_view();
+    const double angle = degrees * M_PI / 180;
+    v1::Camera& camera = *sample.add_cameras();
+    camera.mutable_eye()->set_x(distance * std::sin(angle));
+    camera.mutable_eye()->set_y(0.3);
+    camera.mutable_eye()->set_z(distance * std::cos(angle));
+    camera.mutable_target();
+    return sample;
+  }
+
+  /// The view's frames, until nothing better follows.
+  static Frame settled_frame(ViewStream& stream, const v1::SampleRequest& sample) {
+    const absl::StatusOr<std::uint64_t> sequence = stream.send_view(sample);
+    EXPECT_TRUE(sequence.ok()) << sequence.status();
+    while (true) {
+      absl::StatusOr<Frame> frame = stream.next_frame(kPatience);
+      EXPECT_TRUE(frame.ok()) << frame.status();
+      if (!frame.ok()) return {};
+      EXPECT_TRUE(frame->error.ok()) << frame->error;
+      if (frame->sequence == *sequence && !frame->statistics.refining()) return *std::move(frame);
+    }
+  }
+
+  void expect_at_once(const Frame& frame, const v1::SampleRequest& sample) {
+    v1::ResampleRequest request;
+    request.set_session_id(session_id_);
+    *request.mutable_sample() = sample;
+    const absl::StatusOr<DecodedSample> whole = client_->resample(request);
+    ASSERT_TRUE(whole.ok()) << whole.status();
+    ASSERT_EQ(frame.points->size(), whole->points.size());
+    ASSERT_EQ(frame.points->positions, whole->points.positions);
+    ASSERT_EQ(frame.points->normals, whole->points.normals);
+    ASSERT_EQ(frame.points->ranks, whole->points.ranks);
+    for (std::size_t i = 0; i < frame.points->size(); ++i) {
+      ASSERT_NEAR(frame.points->radii[i] / whole->points.radii[i], 1, 1e-5) << i;
+    }
+  }
+
+  std::unique_ptr<server::Server> server_;
+  std::shared_ptr<Connection> connection_;
+  std::unique_ptr<Client> client_;
+  std::string session_id_;
+};
+
+TEST_F(ViewStreamDelta, AfterTenThousandTheClientHoldsTheServersSet) {
+  const auto stream = ViewStream::open(*connection_, session_id_);
+  std::mt19937 random(7);
+  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  double degrees = 0, distance = 3, points = 400;
+  std::size_t deltas = 0, edits = 0;
+  for (int i = 0; deltas < 10'000; ++i) {
+    ASSERT_LT(i, 20'000);
+    // Steps of all sizes, and sometimes somewhere else altogether.
+    const double reach = std::exp2(uniform(-4, 4));
+    degrees += i % 97 == 0 ? uniform(0, 360) : uniform(-reach, reach);
+    distance = std::clamp(distance * std::exp(0.02 * uniform(-reach, reach)), 1.1, 9.0);
+    points = std::clamp(points * std::exp(0.03 * uniform(-reach, reach)), 40.0, 1500.0);
+    const v1::SampleRequest sample = view(degrees, distance, static_cast<std::uint64_t>(points));
+    const Frame frame = settled_frame(*stream, sample);
+    ASSERT_NE(frame.points, nullptr);
+    ASSERT_EQ(frame.points->size(), static_cast<std::uint64_t>(points));
+    if (frame.is_delta) ++deltas, edits += frame.added + frame.removed + frame.resized;
+    if (i % 100 == 0) expect_at_once(frame, sample);
+  }
+  EXPECT_GT(edits, deltas);
+  const v1::SampleRequest last = view(degrees + 1, distance, static_cast<std::uint64_t>(points));
+  const Frame frame = settled_frame(*stream, last);
+  EXPECT_TRUE(frame.is_delta);
+  expect_at_once(frame, last);
+  EXPECT_TRUE(stream->close().ok());
+}
+
+TEST_F(ViewStreamDelta, AttributesAndRawPointsComeAlong) {
+  const auto stream = ViewStream::open(*connection_, session_id_);
+  for (int i = 0; i < 30; ++i) {
+    v1::SampleRequest sample = view(2.0 * i, 2, 2000);
+    sample.mutable_encoding()->mutable_raw();
+    for (const v1::PointAttribute attribute :
+         {v1::POINT_ATTRIBUTE_RANK, v1::POINT_ATTRIBUTE_CURVATURES, v1::POINT_ATTRIBUTE_SURFACE}) {
+      sample.add_attributes(attribute);
+    }
+    const Frame frame = settled_frame(*stream, sample);
+    EXPECT_EQ(frame.is_delta, i > 0);
+    EXPECT_EQ(frame.points->ranks.size(), 2000u);
+    EXPECT_EQ(frame.points->curvatures.size(), 2000u);
+    EXPECT_EQ(frame.points->barycentric.size(), 2000u);
+    expect_at_once(frame, sample);
+  }
+}
+
+TEST_F(ViewStreamDelta, KeyFramesComeWhereDeltasCannot) {
+  const auto stream = ViewStream::open(*connection_, session_id_);
+  const auto is_delta = [&](const v1::SampleRequest& sample) {
+    const Frame frame = settled_frame(*stream, sample);
+    expect_at_once(frame, sample);
+    return frame.is_delta;
+  };
+  EXPECT_FALSE(is_delta(view(0, 3, 1000)));
+  EXPECT_TRUE(is_delta(view(1, 3, 1000)));
+  EXPECT_TRUE(is_delta(view(1, 3, 1000))) << "of nothing at all";
+  EXPECT_FALSE(is_delta(view(181, 3, 1000))) << "from the other side";
+  v1::SampleRequest finer = view(182, 3, 1000);
+  finer.mutable_encoding()->mutable_draco()->set_position_bits(14);
+  EXPECT_FALSE(is_delta(finer));
+  v1::SampleRequest equalised = view(183, 3, 1000);
+  equalised.set_sampler(v1::SAMPLER_EQUALISED);
+  EXPECT_FALSE(is_delta(equalised));
+  EXPECT_FALSE(is_delta(view(183, 3, 1000)));
+  EXPECT_TRUE(is_delta(view(184, 3, 1000)));
+  ASSERT_TRUE(stream->send_view(view(185, 3, 1000), /*key_frame=*/true).ok());
+  absl::StatusOr<Frame> key = stream->next_frame(kPatience);
+  ASSERT_TRUE(key.ok()) << key.status();
+  EXPECT_FALSE(key->is_delta);
+  EXPECT_TRUE(is_delta(view(186, 3, 1000)));
+
+  const auto keys_only = ViewStream::open(*connection_, session_id_, {}, {.deltas = false});
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(settled_frame(*keys_only, view(i, 3, 1000)).is_delta);
+}
+
+}  // namespace
+}  // namespace curvecast::client
