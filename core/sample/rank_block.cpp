@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/sample/crowding.h"
+#include "core/sample/rank_holes.h"
 #include "core/sample/rank_places.h"
 #include "core/sample/rank_relaxation.h"
 #include "core/sample/reversed_bits.h"
@@ -19,6 +20,7 @@ namespace {
 constexpr float kFelt = 4;      // in lattice distances: how far points are to be even, the block's own included
 constexpr float kReach = 1.1f;  // in lattice distances: no point is too near beyond
 constexpr float kRoom = 0.53f;  // relative radius: with this much a child may have its point
+constexpr float kHole = 1;      // how much a hole of one lattice distance counts beside crowding
 
 class BlockFiller {
  public:
@@ -27,6 +29,7 @@ class BlockFiller {
         n_(std::uint64_t{1} << 2 * block.level),
         area_(strata.total_area()),
         points_(points),
+        strata_(strata),
         places_(strata, block, seed) {}
 
   void fill(std::span<const RankedPoint> base, std::span<const RankedPoint> done, std::span<const RankedPoint> open) {
@@ -37,10 +40,12 @@ class BlockFiller {
     }
     const std::vector<RankedPoint> near = near_points(done, open);
     const float reach = lattice_distance(area_, static_cast<double>(n_));
+    hole_.assign(points_.size(), reach * reach);
     for (const RankedPoint& p : base) take(p, reach);
     for (const RankedPoint& p : near) take(p, reach);
     take_turns(base, done);
     relax_ranks(places_, near, points_);
+    close_holes(strata_, places_, near_points(done, {}), open, points_);
   }
 
  private:
@@ -71,6 +76,7 @@ class BlockFiller {
       if (!is_near[c] || places_.child(c).full) continue;
       Places& places = places_.places(c);
       places_.take_nearer(c, p, comes_later ? static_cast<float>(p.rank + 1) : 1, comes_later ? places.after : places.before);
+      if (!comes_later) hole_[c] = largest_of(places.before);
     }
   }
 
@@ -88,14 +94,15 @@ class BlockFiller {
     return crowding;
   }
 
-  /// The free children of strata that are not ahead of others, the least crowded first.
+  /// The free children of strata that are not ahead of others: how crowded they are, less what the hole in them counts.
   using Queue = std::vector<std::pair<float, std::size_t>>;
-  Queue queue(const Crowding& crowding, float part, std::uint64_t round) const {
+  Queue queue(const Crowding& crowding, float count, std::uint64_t round) const {
+    const float part = count / static_cast<float>(4 * n_), weight = kHole / lattice_distance(area_, static_cast<double>(count));
     Queue queue;
     for (std::size_t s = 0; s < held_.size(); ++s) {
       if (held_[s] > 1 + round / held_.size()) continue;
       for (std::size_t c = 4 * s; c < 4 * s + 4; ++c) {
-        if (!places_.child(c).full) queue.emplace_back(crowding.at(c, part), c);
+        if (!places_.child(c).full) queue.emplace_back(crowding.at(c, part) - weight * std::sqrt(hole_[c]), c);
       }
     }
     return queue;
@@ -115,7 +122,7 @@ class BlockFiller {
       const std::uint64_t rank = n_ + round * blocks + turn;
       for (; next != later.end() && (*next)->rank < rank; ++next) crowding.add((*next)->position);
       const auto count = static_cast<float>(rank + 1);
-      const std::size_t c = put_next(queue(crowding, count / static_cast<float>(4 * n_), round), rank);
+      const std::size_t c = put_next(queue(crowding, count, round), rank);
       take(points_[c], kReach * lattice_distance(area_, static_cast<double>(count)), true);
       crowding.add(points_[c].position);
     }
@@ -147,7 +154,9 @@ class BlockFiller {
   std::uint64_t n_;  // strata of the level
   double area_;
   std::span<RankedPoint> points_;
+  const CurveStrata& strata_;
   RankPlaces places_;
+  std::vector<float> hole_;         // square distance of each child's loneliest place from the points so far
   std::vector<std::uint8_t> held_;  // points in each stratum
 };
 

@@ -71,6 +71,16 @@ CURVECAST_WIDE std::size_t central_place(const Places& places, const float* afte
   return place;
 }
 
+CURVECAST_WIDE float largest_of(const float* values) {
+  constexpr std::size_t kLanes = 8;
+  float most[kLanes];
+  std::copy_n(values, kLanes, most);
+  for (std::size_t k = kLanes; k < kPlaces; k += kLanes) {
+    for (std::size_t i = 0; i < kLanes; ++i) most[i] = values[k + i] > most[i] ? values[k + i] : most[i];
+  }
+  return *std::max_element(most, most + kLanes);
+}
+
 RankPlaces::RankPlaces(const CurveStrata& strata, const RankBlock& block, std::uint64_t seed)
     : block_(block),
       area_(strata.total_area()),

@@ -46,6 +46,9 @@ BestPlace best_place(const float* before, const float* after, float n);
 /// Of the places where that is large enough, the one nearest to the center. Precondition: there is one.
 std::size_t central_place(const Places& places, const float* after, float n, float enough);
 
+/// Of the values of a child's places.
+float largest_of(const float* values);
+
 /// Of a whole block.
 class RankPlaces {
  public:

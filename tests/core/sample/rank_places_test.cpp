@@ -65,6 +65,7 @@ TEST(RankPlaces, BestAndCentralPlace) {
   EXPECT_EQ(best.place, kPlaces - 2);
   EXPECT_FLOAT_EQ(best.value, 0.1f * (kPlaces - 2));
   EXPECT_EQ(central_place(places, after.data(), 0.1f, 0.1f * (kPlaces - 12)), kPlaces - 8);
+  EXPECT_EQ(largest_of(places.before), static_cast<float>(kPlaces - 1));
 }
 
 }  // namespace
