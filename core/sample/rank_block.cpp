@@ -20,7 +20,7 @@ namespace {
 constexpr float kFelt = 4;      // in lattice distances: how far points are to be even, the block's own included
 constexpr float kReach = 1.1f;  // in lattice distances: no point is too near beyond
 constexpr float kRoom = 0.53f;  // relative radius: with this much a child may have its point
-constexpr float kHole = 1;      // how much a hole of one lattice distance counts beside crowding
+constexpr float kHole = 0.75f;  // how much a hole of one lattice distance counts beside crowding
 
 class BlockFiller {
  public:

@@ -12,7 +12,7 @@ namespace curvecast {
 namespace {
 
 constexpr float kReach = 1.1f;    // in lattice distances: points farther from a place leave a hole there anyway
-constexpr float kHalf = 0.5f;     // relative radius that points keep
+constexpr float kHalf = 0.52f;    // relative radius that points keep
 constexpr float kExpected = 3;    // in fine lattice distances: how far strata may be whose points to come are thought of
 constexpr float kOneHole = 0.5f;  // in the same: wide places nearer than that are one hole
 

@@ -374,7 +374,7 @@ TEST(ClientStreamThreads, SurvivesAnyInterleaving) {
             .find = [](const std::string&) -> absl::StatusOr<std::shared_ptr<const Session>> {
               return std::make_shared<const Session>();
             },
-            .answer = [](const auto&, const Sample&, bool) { return absl::StatusOr<v1::PointFrame>(v1::PointFrame()); },
+            .answer = [](const auto&, const Sample&, const HeldPoints*, bool) { return absl::StatusOr<Answer>(Answer()); },
             .submit = [&](std::function<void()> job) { return queue.submit(std::move(job)).status(); },
         });
     stream->receive(open_request("any"));

@@ -130,11 +130,16 @@ TEST(RankBlock, EvensOutWhatOtherBlocksHave) {
     done.push_back({0, {-0.12f, y, 0}, {0, 0, 1}, 0, 64 + i});
     done.push_back({0, {-0.12f - 1.0f / 32, y, 0}, {0, 0, 1}, 0, 240 + i % 16});
   }
-  const auto near_it = [](const std::vector<RankedPoint>& points) {
-    return std::count_if(points.begin(), points.end(),
-                         [](const RankedPoint& p) { return p.rank >= 64 && p.rank < 112 && p.position[0] < 0.25f; });
+  const auto near_it = [&](const std::vector<RankedPoint>& others) {
+    std::ptrdiff_t count = 0;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      const std::vector<RankedPoint> points = filled(strata, others, seed);
+      count += std::count_if(points.begin(), points.end(),
+                             [](const RankedPoint& p) { return p.rank >= 64 && p.rank < 112 && p.position[0] < 0.25f; });
+    }
+    return static_cast<double>(count);
   };
-  EXPECT_LT(near_it(filled(strata, done)), near_it(filled(strata)));
+  EXPECT_LT(near_it(done), 0.97 * near_it({}));
 }
 
 TEST(RankBlock, TakesACurveWithFewerVerticesThanPoints) {
