@@ -20,19 +20,24 @@ void append_places(const Weights& a, const Weights& b, const Weights& c, std::ve
 
 constexpr Weights kCentroid = {1 / 3.0f, 1 / 3.0f, 1 / 3.0f};
 
-/// Where the density is looked at on each of so many faces: on many, which are small, at fewer places.
-std::vector<Weights> places_on_faces(std::size_t faces) {
-  constexpr std::size_t kMostPlaces = 6'000'000;
-  constexpr Weights a = {1, 0, 0}, b = {0, 1, 0}, c = {0, 0, 1}, ab = {0.5f, 0.5f, 0}, bc = {0, 0.5f, 0.5f}, ca = {0.5f, 0, 0.5f};
+/// Where the density is looked at on each of so many faces: three places in each of k^2 triangles, or the centroid alone.
+std::vector<Weights> places_on_faces(std::size_t faces, std::size_t most_places) {
+  constexpr std::size_t kPlaces = 3, kFinest = 16;
+  std::size_t k = 0;
+  while (k < kFinest && kPlaces * (k + 1) * (k + 1) * faces <= most_places) ++k;
+  if (k == 0) return {kCentroid};
+  const auto corner = [k](std::size_t i, std::size_t j) {
+    const float u = static_cast<float>(i) / static_cast<float>(k), v = static_cast<float>(j) / static_cast<float>(k);
+    return Weights{1 - u - v, u, v};
+  };
   std::vector<Weights> places;
-  for (const auto& [p, q, r] : {std::array{a, ab, ca}, std::array{ab, b, bc}, std::array{ca, bc, c}, std::array{ab, bc, ca}}) {
-    append_places(p, q, r, places);
+  for (std::size_t i = 0; i < k; ++i) {
+    for (std::size_t j = 0; i + j < k; ++j) {
+      append_places(corner(i, j), corner(i + 1, j), corner(i, j + 1), places);
+      if (i + j + 1 < k) append_places(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1), places);
+    }
   }
-  if (faces * places.size() <= kMostPlaces) return places;
-  places.clear();
-  append_places(a, b, c, places);
-  if (faces * places.size() <= kMostPlaces) return places;
-  return {kCentroid};
+  return places;
 }
 
 /// A curve with a vertex at each of some places on each face: density terms need not know the difference.
@@ -74,8 +79,9 @@ std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh
 }
 
 absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
-                                                    std::span<const ScalarAttribute> scalars, const Density& density) {
-  const std::vector<Weights> places = places_on_faces(mesh.face_count());
+                                                    std::span<const ScalarAttribute> scalars, const Density& density,
+                                                    std::size_t most_places) {
+  const std::vector<Weights> places = places_on_faces(mesh.face_count(), most_places);
   SurfaceCurve curve = curve_on_faces(mesh, geometry, scalars, places);
   curve.reference_curvature = reference_curvatures(mesh, geometry);
   std::vector<float> values(curve.size());
@@ -90,11 +96,11 @@ absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, co
 }
 
 absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
-                                                std::span<const ScalarAttribute> scalars, const Density& density,
-                                                double vertices) {
+                                                std::span<const ScalarAttribute> scalars, const Density& density, double vertices,
+                                                std::size_t most_places) {
   std::vector<double> demand(mesh.face_count(), 1.0);
   if (!density.terms.empty()) {
-    const absl::StatusOr<std::vector<float>> values = density_on_faces(mesh, geometry, scalars, density);
+    const absl::StatusOr<std::vector<float>> values = density_on_faces(mesh, geometry, scalars, density, most_places);
     if (!values.ok()) return values.status();
     std::copy(values->begin(), values->end(), demand.begin());
   }

@@ -53,7 +53,7 @@ absl::Status check(const Box3d& box, std::span<const std::vector<Vec3d>> sets, c
 /// Of each face; empty = uniform.
 absl::StatusOr<std::vector<double>> density_of(const TriangleMesh& mesh, const MeasureOptions& options) {
   if (options.density.terms.empty()) return std::vector<double>{};
-  return face_demand(mesh, differential_geometry(mesh), options.scalars, options.density, 1);
+  return face_demand(mesh, differential_geometry(mesh), options.scalars, options.density, 1, kManyPlaces);
 }
 
 /// All but what depends on regions.

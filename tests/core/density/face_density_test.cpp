@@ -37,14 +37,18 @@ TEST(FaceDensity, IsTheMeanOnTheFace) {
   // Two triangles: the mean of x y on the lower one, with corners (0, 0), (1, 0), (1, 1), is 1/4, and so on the upper one.
   const TriangleMesh mesh = testing::make_mesh(testing::square(1));
   ASSERT_EQ(mesh.face_count(), 2u);
-  const auto values = density_on_faces(mesh, differential_geometry(mesh), {}, {ExpressionTerm{"x * y"}});
-  ASSERT_TRUE(values.ok()) << values.status();
-  EXPECT_NEAR((*values)[0], (*values)[1], 1e-6);
-  double exact = 0;
-  for (const Vec3d& p : mesh.positions) exact = std::max(exact, p.x() * p.y());
-  ASSERT_EQ(exact, 1) << "the unit square";
-  // Relative to the largest value that was looked at, next to the corner (1, 1).
-  EXPECT_NEAR((*values)[0] * (11.0 / 12) * (10.0 / 12), 0.25, 1e-5);
+  for (const std::size_t k : {1u, 2u, 3u, 16u}) {
+    const auto values = density_on_faces(mesh, differential_geometry(mesh), {}, {ExpressionTerm{"x * y"}}, 2 * 3 * k * k);
+    ASSERT_TRUE(values.ok()) << values.status();
+    // Relative to the largest value that was looked at, next to the corner (1, 1) of one of k^2 triangles.
+    const double n = static_cast<double>(k), largest = (1 - 1 / (6 * n)) * (1 - 2 / (6 * n));
+    EXPECT_NEAR((*values)[0] * largest, 0.25, 1e-5) << k;
+    EXPECT_NEAR((*values)[1] * largest, 0.25, 1e-5) << k;
+  }
+  // The centroid alone.
+  const auto coarse = density_on_faces(mesh, differential_geometry(mesh), {}, {ExpressionTerm{"x"}}, 2);
+  ASSERT_TRUE(coarse.ok());
+  EXPECT_NEAR(std::min((*coarse)[0], (*coarse)[1]) / std::max((*coarse)[0], (*coarse)[1]), 0.5, 1e-5);
 }
 
 }  // namespace
