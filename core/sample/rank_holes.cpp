@@ -12,7 +12,7 @@ namespace curvecast {
 namespace {
 
 constexpr float kReach = 1.1f;    // in lattice distances: points farther from a place leave a hole there anyway
-constexpr float kHalf = 0.52f;    // relative radius that points keep
+constexpr float kApart = 0.52f;   // relative radius that points keep
 constexpr float kExpected = 3;    // in fine lattice distances: how far strata may be whose points to come are thought of
 constexpr float kOneHole = 0.5f;  // in the same: wide places nearer than that are one hole
 
@@ -53,8 +53,7 @@ Eigen::AlignedBox3f box_of(const RankPlaces& places) {
   return box;
 }
 
-/// Holes are square radii times the number of
-/// points there are.
+/// Holes are square radii times the number of points there are.
 class HoleCloser {
  public:
   HoleCloser(const CurveStrata& strata, const RankPlaces& places, std::span<const RankedPoint> done,
@@ -197,7 +196,7 @@ class HoleCloser {
       float now = 0;
       std::vector<std::pair<float, std::uint32_t>> felt;  // the worst first, which a bad move makes no better
       for (std::size_t k = 0; k < kPlaces; ++k) {
-        if (least[k] < kHalf * kHalf * unit_ * unit_) continue;
+        if (least[k] < kApart * kApart * unit_ * unit_) continue;
         if ((position_of(places_.places(i), k) - middle).squaredNorm() >= square) continue;
         if (felt.empty()) {
           for (const std::uint32_t child : felt_[i]) felt.emplace_back(-excess_of(child), child);
