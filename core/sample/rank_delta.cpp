@@ -50,27 +50,18 @@ void compare(const RankSelection& earlier, const RankSelection& later, RankDelta
   out.resized.clear();
   const bool has_discs = !earlier.rungs.empty() && !later.rungs.empty();
   std::size_t old_rung = 0, new_rung = 0;  // of the next point that each shows
-  const auto next = [](const RankSelection& selection, std::size_t& i) {
-    return selection.rungs.empty() ? std::uint8_t{0} : selection.rungs[i++];
-  };
   for_each_pair(earlier, later, [&](const RankSelection::Part* before, const RankSelection::Part* after) {
     const RankChunk& chunk = after != nullptr ? *later.tree->chunks()[after->chunk] : *earlier.tree->chunks()[before->chunk];
     for (std::size_t w = 0; w < chunk.size() / kWord; ++w) {
       const std::uint64_t was = before != nullptr ? earlier.shown[before->first_bit / kWord + w] : 0;
       const std::uint64_t is = after != nullptr ? later.shown[after->first_bit / kWord + w] : 0;
-      if (!has_discs && was == is) {
-        // Rungs that one of them has are passed by.
-        if (!earlier.rungs.empty()) old_rung += static_cast<std::size_t>(std::popcount(was));
-        if (!later.rungs.empty()) new_rung += static_cast<std::size_t>(std::popcount(is));
-        continue;
-      }
-      for_each_bit(was | is, 0, [&](std::size_t bit) {
+      for_each_bit(has_discs ? was | is : was ^ is, 0, [&](std::size_t bit) {
         const auto point = static_cast<std::uint16_t>(w * kWord + bit);
         const bool is_old = (was >> bit & 1) != 0, is_new = (is >> bit & 1) != 0;
-        const std::uint8_t from = is_old ? next(earlier, old_rung) : std::uint8_t{0};
-        const std::uint8_t to = is_new ? next(later, new_rung) : std::uint8_t{0};
+        const std::uint8_t from = has_discs && is_old ? earlier.rungs[old_rung++] : std::uint8_t{0};
+        const std::uint8_t to = has_discs && is_new ? later.rungs[new_rung++] : std::uint8_t{0};
         if (is_old && is_new) {
-          if (has_discs && from != to) out.resized.push_back({{after->chunk, point, to}, from});
+          if (from != to) out.resized.push_back({{after->chunk, point, to}, from});
         } else if (is_new) {
           out.added.push_back({after->chunk, point, to});
         } else {

@@ -20,7 +20,8 @@ struct RankDelta {
   std::vector<Resized> resized;  // where both selections know their discs
 };
 
-/// The trees may differ as far as the one has grown from the other. What `out` held before is lost.
+/// The trees may differ as far as the one has grown from the other. Rungs are told where both selections have them. What `out`
+/// held before is lost.
 void compare(const RankSelection& earlier, const RankSelection& later, RankDelta& out);
 
 /// The same as places in the lists of all points that are shown, which run along the curve; each ascending.
