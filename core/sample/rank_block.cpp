@@ -51,12 +51,7 @@ class BlockFiller {
  private:
   /// Those of other blocks that may be too near.
   std::vector<RankedPoint> near_points(std::span<const RankedPoint> done, std::span<const RankedPoint> open) const {
-    Eigen::AlignedBox3f box;
-    for (std::size_t c = 0; c < places_.size(); ++c) {
-      const Vec3f radius = Vec3f::Constant(places_.child(c).radius);
-      box.extend(places_.child(c).center - radius);
-      box.extend(places_.child(c).center + radius);
-    }
+    const Eigen::AlignedBox3f box = places_.box();
     const float reach = lattice_distance(area_, static_cast<double>(n_));
     std::vector<RankedPoint> near;
     for (const std::span<const RankedPoint> points : {done, open}) {

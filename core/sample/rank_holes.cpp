@@ -43,16 +43,6 @@ void for_each_marked(std::span<const std::int32_t> marks, Visit&& visit) {
   }
 }
 
-Eigen::AlignedBox3f box_of(const RankPlaces& places) {
-  Eigen::AlignedBox3f box;
-  for (std::size_t c = 0; c < places.size(); ++c) {
-    const Vec3f radius = Vec3f::Constant(places.child(c).radius);
-    box.extend(places.child(c).center - radius);
-    box.extend(places.child(c).center + radius);
-  }
-  return box;
-}
-
 /// Holes are square radii times the number of points there are.
 class HoleCloser {
  public:
@@ -64,7 +54,7 @@ class HoleCloser {
         fine_(lattice_distance(places.total_area(), static_cast<double>(4 * n_))),
         unit_(lattice_distance(places.total_area(), 1)),
         wide_(kWideHole * kWideHole * unit_ * unit_),
-        box_(box_of(places)),
+        box_(places.box()),
         others_(done.begin(), done.end()) {
     others_.insert(others_.end(), open.begin(), open.end());
     real_ = points_.size() + others_.size();

@@ -147,6 +147,16 @@ void RankPlaces::measure(std::size_t c) {
   child.none_face = cosine > 0.5f ? kSameSide * cosine - half_turn * sine - kSlack : -2;
 }
 
+Eigen::AlignedBox3f RankPlaces::box() const {
+  Eigen::AlignedBox3f box;
+  for (const Child& child : children_) {
+    const Vec3f radius = Vec3f::Constant(child.radius);
+    box.extend(child.center - radius);
+    box.extend(child.center + radius);
+  }
+  return box;
+}
+
 RankedPoint RankPlaces::point(std::size_t c, std::size_t place, std::uint32_t rank) const {
   const CurvePlace& at = at_[c * kPlaces + place];
   const Places& places = places_[c];

@@ -62,6 +62,8 @@ class RankPlaces {
   const Child& child(std::size_t c) const { return children_[c]; }
   Places& places(std::size_t c) { return places_[c]; }
   const Places& places(std::size_t c) const { return places_[c]; }
+  /// Around all of them.
+  Eigen::AlignedBox3f box() const;
   /// A point at a place.
   RankedPoint point(std::size_t c, std::size_t place, std::uint32_t rank) const;
   /// Sets `is_near`, size() entries, to whether a child may have places as near to a point as `reach`, else to 0.

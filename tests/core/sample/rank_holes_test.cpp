@@ -6,26 +6,22 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <utility>
 #include <vector>
 
-#include "tests/support/flat_curve.h"
+#include "tests/core/sample/flat_block.h"
 
 namespace curvecast {
 namespace {
 
 using namespace curvecast::testing;
 
-constexpr RankBlock kBlock{3, 0};
-
 /// In the middle of their children; every fourth is of a level before.
 std::vector<RankedPoint> points_in(const RankPlaces& places) {
-  std::vector<RankedPoint> points;
-  for (std::uint32_t c = 0; c < places.size(); ++c) {
+  return points_at(places, [&](std::size_t c) {
     const Places& own = places.places(c);
-    const auto middle = static_cast<std::size_t>(std::min_element(own.away, own.away + kPlaces) - own.away);
-    points.push_back(places.point(c, middle, c % 4 == 0 ? c / 4 : 64 + c - c / 4 - 1));
-  }
-  return points;
+    return static_cast<std::size_t>(std::min_element(own.away, own.away + kPlaces) - own.away);
+  });
 }
 
 /// Sends the points of the children about a place as far away from it as they can go.
@@ -66,29 +62,26 @@ std::vector<RankedPoint> points_about_a_hole(const RankPlaces& places) {
   return worst;
 }
 
-TEST(RankHoles, AreClosedByPointsThatStayInTheirStrata) {
+/// points_about_a_hole(), and what closing it makes of them.
+std::pair<std::vector<RankedPoint>, std::vector<RankedPoint>> closed_hole() {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  const RankPlaces places(strata, kBlock, 0);
+  const RankPlaces places(strata, kFlatBlock, 0);
   const std::vector<RankedPoint> before = points_about_a_hole(places);
   std::vector<RankedPoint> points = before;
   close_holes(strata, places, {}, {}, points);
+  return {before, points};
+}
+
+TEST(RankHoles, AreClosedByPointsThatStayInTheirStrata) {
+  const auto [before, points] = closed_hole();
   EXPECT_GT(widest_hole(before), kWideHole);
   EXPECT_LT(widest_hole(points), widest_hole(before) - 0.05);
-  for (std::size_t c = 0; c < points.size(); ++c) {
-    EXPECT_EQ(points[c].coordinate >> child_shift(kBlock.level), c);
-    EXPECT_EQ(points[c].rank, before[c].rank);
-    EXPECT_TRUE(c % 4 != 0 || std::memcmp(&points[c], &before[c], sizeof(RankedPoint)) == 0);
-  }
+  expect_in_their_strata(points, before);
 }
 
 TEST(RankHoles, PointsThatMoveKeepHalfTheLatticeDistance) {
-  const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
-  const RankPlaces places(strata, kBlock, 0);
-  const std::vector<RankedPoint> before = points_about_a_hole(places);
-  std::vector<RankedPoint> points = before;
-  close_holes(strata, places, {}, {}, points);
+  const auto [before, points] = closed_hole();
   for (std::size_t c = 0; c < points.size(); ++c) {
     if (points[c].coordinate == before[c].coordinate) continue;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -102,7 +95,7 @@ TEST(RankHoles, PointsThatMoveKeepHalfTheLatticeDistance) {
 TEST(RankHoles, PointsStayWhereThereAreNone) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  const RankPlaces places(strata, kBlock, 0);
+  const RankPlaces places(strata, kFlatBlock, 0);
   // All of them from the beginning, as far as anyone can tell: nothing comes late, nothing may move.
   std::vector<RankedPoint> points = points_in(places);
   for (RankedPoint& p : points) p.rank = p.rank % 64;

@@ -4,25 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
-#include "tests/support/flat_curve.h"
+#include "tests/core/sample/flat_block.h"
 
 namespace curvecast {
 namespace {
 
 using namespace curvecast::testing;
 
-constexpr RankBlock kBlock{3, 0};
-
 /// Anywhere in their children; every fourth is of a level before.
 std::vector<RankedPoint> points_in(const RankPlaces& places) {
-  std::vector<RankedPoint> points;
-  for (std::uint32_t c = 0; c < places.size(); ++c) {
-    points.push_back(places.point(c, (c * 37 + 11) % kPlaces, c % 4 == 0 ? c / 4 : 64 + c - c / 4 - 1));
-  }
-  return points;
+  return points_at(places, [](std::size_t c) { return (c * 37 + 11) % kPlaces; });
 }
 
 double least_distance(const std::vector<RankedPoint>& points) {
@@ -39,22 +32,18 @@ double least_distance(const std::vector<RankedPoint>& points) {
 TEST(RankRelaxation, PointsKeepFartherApartAndStayInTheirStrata) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  RankPlaces places(strata, kBlock, 0);
+  RankPlaces places(strata, kFlatBlock, 0);
   const std::vector<RankedPoint> before = points_in(places);
   std::vector<RankedPoint> points = before;
   relax_ranks(places, {}, points);
   EXPECT_GT(least_distance(points), 2 * least_distance(before));
-  for (std::size_t c = 0; c < points.size(); ++c) {
-    EXPECT_EQ(points[c].coordinate >> child_shift(kBlock.level), c);
-    EXPECT_EQ(points[c].rank, before[c].rank);
-    EXPECT_TRUE(c % 4 != 0 || std::memcmp(&points[c], &before[c], sizeof(RankedPoint)) == 0);
-  }
+  expect_in_their_strata(points, before);
 }
 
 TEST(RankRelaxation, HeedsPointsOfOtherBlocks) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  RankPlaces places(strata, kBlock, 0);
+  RankPlaces places(strata, kFlatBlock, 0);
   std::vector<RankedPoint> points = points_in(places);
   const RankedPoint other{0, {places.child(101).center.x(), places.child(101).center.y(), 0}, {0, 0, 1}, 0, 5};
   const auto distance = [&] {
