@@ -192,6 +192,8 @@ Run add_discrepancy(CLI::App& app) {
       ->type_name("N")
       ->capture_default_str();
   app.add_flag("--curvature", options->curvature, "rings with a density by curvature, and weighted with it");
+  app.add_option("--formula", options->formula,
+                 "rings with a density by a formula as in --density expression:FORMULA, and weighted with it; times --curvature");
   return on_mesh(app, options, bench_discrepancy);
 }
 

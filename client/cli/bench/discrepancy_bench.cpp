@@ -140,6 +140,13 @@ absl::Status measure_spread(const MeshFile& file, const DiscrepancyBenchOptions&
   return absl::OkStatus();
 }
 
+Density ring_density(const DiscrepancyBenchOptions& options) {
+  Density density;
+  if (options.curvature) density.terms.emplace_back(CurvatureTerm{});
+  if (!options.formula.empty()) density.terms.emplace_back(ExpressionTerm{options.formula});
+  return density;
+}
+
 absl::Status measure_rings(const MeshFile& file, const DiscrepancyBenchOptions& options, const ExecutionContext& context,
                            BenchReport& report) {
   const absl::StatusOr<Preprocessed> made = preprocess(file, {.points = options.ring_points}, context);
@@ -147,9 +154,9 @@ absl::Status measure_rings(const MeshFile& file, const DiscrepancyBenchOptions& 
   const SurfaceCurve& curve = *made->curve;
   const FlattenedMesh& flattened = *made->flattened;
   const TriangleMesh& mesh = flattened.loaded.mesh;
-  const Density density = options.curvature ? Density({CurvatureTerm{}}) : Density();
+  const Density density = ring_density(options);
   std::vector<double> face_density;
-  if (options.curvature) {
+  if (!density.terms.empty()) {
     const auto on_faces = density_on_faces(mesh, flattened.geometry, flattened.loaded.attributes.scalars, density);
     if (!on_faces.ok()) return on_faces.status();
     face_density.assign(on_faces->begin(), on_faces->end());
@@ -199,7 +206,8 @@ absl::StatusOr<BenchReport> bench_discrepancy(const MeshFile& file, const Discre
       "%s: uniform sets on a curve for %d points; ball discrepancy over what random points have, rho among points on the same "
       "side of "
       "the surface%s.",
-      file.name, options.points, options.curvature ? "; rings with a density by Gaussian curvature, and weighted with it" : "")};
+      file.name, options.points,
+      ring_density(options).terms.empty() ? "" : "; rings with another density, and weighted with it")};
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include <cstdint>
+#include <string>
 
 #include "client/cli/bench/bench_report.h"
 #include "core/execution_context.h"
@@ -14,7 +15,8 @@ namespace curvecast::cli {
 struct DiscrepancyBenchOptions {
   std::uint64_t points = 262'144;  // largest of the sets whose spacing is measured
   std::uint64_t ring_points = 0;   // N for which the curve of the ring discrepancies is made; 0 = these are left out
-  bool curvature = false;          // a density by curvature for the rings, weighted
+  bool curvature = false;          // a density by curvature for the rings, weighted with it
+  std::string formula;             // times the density for the rings, weighted with it: see ExpressionTerm; empty = 1
   std::uint64_t seed = 0;
 };
 
