@@ -30,6 +30,11 @@ absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find(const std::string& i
   return *found->second;
 }
 
+MeshStore::Usage MeshStore::usage() const {
+  const std::lock_guard lock(mutex_);
+  return {recency_.size(), used_};
+}
+
 absl::Status MeshStore::reserve(std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   // References to a mesh are only handed out under the lock, so a count of one cannot grow meanwhile.

@@ -42,6 +42,12 @@ class MeshStore {
 
   std::uint64_t max_file_bytes() const { return max_file_bytes_; }
 
+  struct Usage {
+    std::size_t meshes = 0;
+    std::uint64_t bytes = 0;  // of the meshes and of uploads under way
+  };
+  Usage usage() const;
+
  private:
   friend class MeshUpload;
   using Recency = std::list<std::shared_ptr<const Mesh>>;  // most recently used first
@@ -52,7 +58,7 @@ class MeshStore {
 
   const std::uint64_t max_bytes_;
   const std::uint64_t max_file_bytes_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::uint64_t used_ = 0;  // bytes of `recency_` and of all uploads
   Recency recency_;
   std::unordered_map<std::string, Recency::iterator> by_id_;

@@ -8,6 +8,7 @@
 #include "server/guarded.h"
 #include "server/reactors.h"
 #include "server/request_log.h"
+#include "server/view_tally.h"
 
 namespace curvecast::server {
 namespace {
@@ -15,8 +16,8 @@ namespace {
 class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>,
                                  public ClientStream::Transport {
  public:
-  StreamViewsReactor(Engine& engine, const grpc::CallbackServerContext& context)
-      : engine_(engine), log_(*engine.log, "StreamViews", context) {
+  StreamViewsReactor(Engine& engine, grpc::CallbackServerContext& context)
+      : engine_(engine), log_(engine, "StreamViews", context), tally_(engine.metrics) {
     auto stream = engine.make_stream(this);
     if (stream.ok()) {
       stream_ = *std::move(stream);
@@ -29,6 +30,8 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
  private:
   void send(v1::StreamViewsResponse response) override {
     response_ = std::move(response);
+    tally_.answered(response_.frame().sequence());
+    engine_.metrics.frame(response_.frame());
     StartWrite(&response_);
   }
 
@@ -48,6 +51,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
 
   void OnReadDone(bool ok) override {
     if (!ok) return stream_->half_close();
+    if (request_.has_view()) tally_.received(request_.view().sequence());
     if (request_.has_open() && load_first()) return;
     stream_->receive(request_);
     read_next();
@@ -99,6 +103,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
 
   Engine& engine_;
   RequestLog log_;
+  ViewTally tally_;
   std::shared_ptr<ClientStream> stream_;
   v1::StreamViewsRequest request_;
   v1::StreamViewsResponse response_;

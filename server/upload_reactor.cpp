@@ -15,8 +15,8 @@ constexpr std::size_t kMaxChunk = std::size_t{1} << 20;
 
 class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest> {
  public:
-  UploadReactor(Engine& engine, const grpc::CallbackServerContext& context, v1::UploadMeshResponse* response)
-      : engine_(engine), log_(*engine.log, "UploadMesh", context), upload_(engine.meshes), response_(response) {
+  UploadReactor(Engine& engine, grpc::CallbackServerContext& context, v1::UploadMeshResponse* response)
+      : engine_(engine), log_(engine, "UploadMesh", context), upload_(engine.meshes), response_(response) {
     StartRead(&request_);
   }
 
