@@ -32,6 +32,7 @@ class JsonFormatter final : public spdlog::formatter {
       line["code"] = request->code;
       line["ms"] = request->milliseconds;
       line["request_id"] = request->id;
+      if (!request->error.empty()) line["error"] = request->error;
     }
     // What clients send need not be UTF-8.
     const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -63,8 +64,8 @@ bool logs_requests(const spdlog::logger& log) { return log.should_log(spdlog::le
 void log_request(spdlog::logger& log, const RequestRecord& request) {
   if (!logs_requests(log)) return;
   current_request = &request;
-  log.debug("{} from {}: {} after {:.2f} ms, request {} {}", request.method, request.peer, request.code, request.milliseconds,
-            request.id, request.error);
+  log.debug("{} from {}: {} after {:.2f} ms, request {}{}{}", request.method, request.peer, request.code, request.milliseconds,
+            request.id, request.error.empty() ? "" : ": ", request.error);
   current_request = nullptr;
 }
 
