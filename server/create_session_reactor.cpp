@@ -12,8 +12,8 @@ namespace {
 // Either the store's on_done or a successful leave() finishes, never both.
 class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>, public SessionWaiter {
  public:
-  CreateSessionReactor(Engine& engine, const grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request)
-      : WriteQueue(RequestLog(*engine.log, "CreateSession", context)), engine_(engine) {
+  CreateSessionReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request)
+      : WriteQueue(RequestLog(engine, "CreateSession", context)), engine_(engine) {
     // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
     const absl::Status begun = guarded([&] { return begin(request); });
     if (!begun.ok()) finish(to_grpc(begun));

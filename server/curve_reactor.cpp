@@ -15,8 +15,8 @@ namespace {
 // makes the server hold more than one. The curve is that of the beginning, whatever becomes of its session.
 class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse> {
  public:
-  CurveReactor(Engine& engine, const grpc::CallbackServerContext& context, const v1::GetCurveRequest& request)
-      : log_(*engine.log, "GetCurve", context) {
+  CurveReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetCurveRequest& request)
+      : log_(engine, "GetCurve", context) {
     const absl::Status begun = guarded([&] {
       const auto session = engine.sessions.find(request.session_id());
       if (!session.ok()) return session.status();

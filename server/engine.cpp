@@ -6,6 +6,8 @@
 #include <thread>
 #include <utility>
 
+#include "server/server.h"
+
 namespace curvecast::server {
 namespace {
 
@@ -34,6 +36,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       refiner(
           options.max_curve_vertices,
           [this](const Session& session, bool is_finer) {
+            metrics.refinement(is_finer);
             if (is_finer) sessions.save(session);
             tell_streams(session);
           },
@@ -87,6 +90,21 @@ OnShort Engine::improve_for(const std::shared_ptr<const Session>& session, const
                 return refiner.request(session, curve, source, {points, density});
               },
           .more_ranks = [this, session](std::span<const ChunkId> lacking) { return rank_jobs.request(session, lacking); }};
+}
+
+Levels Engine::levels() {
+  Levels out;
+  out.waiting_views = views.waiting();
+  out.waiting_preprocessing = preprocessing.waiting();
+  for (const SessionInfo& info : sessions.list()) {
+    ++out.sessions;
+    if (info.session != nullptr) out.session_bytes += info.session->memory_bytes();
+  }
+  const MeshStore::Usage held = meshes.usage();
+  out.meshes = held.meshes;
+  out.mesh_bytes = held.bytes;
+  if (cache != nullptr) out.cache_bytes = cache->used_bytes();
+  return out;
 }
 
 absl::Status Engine::close_session(const std::string& id) {

@@ -15,14 +15,16 @@
 #include "server/client_stream.h"
 #include "server/job_queue.h"
 #include "server/mesh_store.h"
+#include "server/metrics.h"
 #include "server/point_blocks.h"
 #include "server/rank_jobs.h"
 #include "server/refiner.h"
-#include "server/server.h"
 #include "server/session_cache.h"
 #include "server/session_store.h"
 
 namespace curvecast::server {
+
+struct ServerOptions;
 
 /// Thread-safe. Members are public because it is only the place where they meet, in the order in which they need each other.
 class Engine {
@@ -42,12 +44,15 @@ class Engine {
   OnShort improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
   /// A number for a conversation or a call.
   std::uint64_t new_source() { return ++sources_; }
+  /// What is held and what waits at this moment.
+  Levels levels();
   /// SessionStore::close(), and no more refinement.
   absl::Status close_session(const std::string& id);
   /// Ends all conversations and refuses new ones.
   void stop_streams(const absl::Status& reason);
 
   const std::shared_ptr<spdlog::logger> log;
+  Metrics metrics;
   const int threads;                          // of one preprocessing job; 0 = one per core
   ViewCache view_cache;                       // of the jobs in `views`
   JobQueue views;                             // views, point sets, inspection

@@ -32,6 +32,11 @@ bool JobQueue::withdraw(std::uint64_t ticket) {
   return true;
 }
 
+std::size_t JobQueue::waiting() const {
+  const std::lock_guard lock(mutex_);
+  return pending_.size();
+}
+
 void JobQueue::stop() {
   {
     const std::lock_guard lock(mutex_);

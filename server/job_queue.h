@@ -28,6 +28,8 @@ class JobQueue {
   absl::StatusOr<std::uint64_t> submit(std::function<void()> job);
   /// Takes back a job that has not started; false when it has.
   bool withdraw(std::uint64_t ticket);
+  /// How many jobs wait for a worker.
+  std::size_t waiting() const;
   /// Accepts no more, runs what was accepted to its end (cancel it before), joins the workers. Not from a job.
   void stop();
 
@@ -35,7 +37,7 @@ class JobQueue {
   void work();
 
   const std::size_t max_pending_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::map<std::uint64_t, std::function<void()>> pending_;  // by ticket: first come, first served
   std::uint64_t next_ticket_ = 0;

@@ -11,8 +11,27 @@ class logger;
 
 namespace curvecast::server {
 
+enum class LogFormat {
+  kText,
+  kJson,  // an object with time, level and message in each line, and with the fields of a request where it is one
+};
+
 /// Thread-safe logger to standard error: state changes and errors, with `verbose` every request too. Silent when not `enabled`.
-std::shared_ptr<spdlog::logger> make_logger(bool enabled, bool verbose);
+std::shared_ptr<spdlog::logger> make_logger(bool enabled, bool verbose, LogFormat format = LogFormat::kText);
+
+/// A request that is over.
+struct RequestRecord {
+  std::string_view method;
+  std::string_view peer;
+  std::string_view id;
+  std::string_view code;  // name of a gRPC status code
+  double milliseconds = 0;
+  std::string_view error;  // message of the status
+};
+
+/// Whether log_request() writes anything.
+bool logs_requests(const spdlog::logger& log);
+void log_request(spdlog::logger& log, const RequestRecord& request);
 
 /// What a client sent, made safe for one line of log or message: escaped, at most 64 bytes of it.
 std::string printable(std::string_view text);

@@ -25,8 +25,8 @@ struct Work {
 // cores as well.
 class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
  public:
-  MeasureReactor(Engine& engine, const grpc::CallbackServerContext& context, const v1::MeasureRequest& request)
-      : WriteQueue(RequestLog(*engine.log, "Measure", context)) {
+  MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::MeasureRequest& request)
+      : WriteQueue(RequestLog(engine, "Measure", context)) {
     const absl::Status begun = guarded([&] { return begin(engine, request); });
     if (!begun.ok()) finish(to_grpc(begun));
   }

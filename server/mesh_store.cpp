@@ -38,7 +38,7 @@ std::uint64_t MeshStore::received(const std::string& id) {
   return found == parked_.end() ? 0 : found->mesh.size;
 }
 
-MeshStore::Use MeshStore::use() {
+MeshStore::Usage MeshStore::usage() const {
   const std::lock_guard lock(mutex_);
   return {recency_.size(), used_};
 }

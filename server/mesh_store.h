@@ -53,11 +53,12 @@ class MeshStore {
   std::uint64_t received(const std::string& id);
 
   std::uint64_t max_file_bytes() const { return max_file_bytes_; }
-  struct Use {
-    std::size_t files = 0;    // whole ones
-    std::uint64_t bytes = 0;  // of these, and of uploads
+
+  struct Usage {
+    std::size_t meshes = 0;
+    std::uint64_t bytes = 0;  // of the meshes and of uploads under way
   };
-  Use use();
+  Usage usage() const;
 
  private:
   friend class MeshUpload;
@@ -73,7 +74,7 @@ class MeshStore {
 
   const std::uint64_t max_bytes_;
   const std::uint64_t max_file_bytes_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::uint64_t used_ = 0;  // bytes of `recency_` and of all uploads
   Recency recency_;
   std::unordered_map<std::string, Recency::iterator> by_id_;

@@ -14,8 +14,8 @@ namespace {
 // same.
 class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshResponse> {
  public:
-  ParameterMeshReactor(Engine& engine, const grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
-      : WriteQueue(RequestLog(*engine.log, "GetParameterMesh", context)) {
+  ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
+      : WriteQueue(RequestLog(engine, "GetParameterMesh", context)) {
     const absl::Status begun = guarded([&] { return begin(engine, request); });
     if (!begun.ok()) finish(to_grpc(begun));
   }

@@ -2,31 +2,33 @@
 
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/status.h>
-#include <spdlog/logger.h>
 
 #include <chrono>
+#include <string>
+#include <string_view>
+
+#include "server/engine.h"
 
 namespace curvecast::server {
 
-/// The line of one request in the log, written when it is over.
+/// What a client may call its request: 1 to 64 printable characters.
+bool is_request_id(std::string_view id);
+
+/// The trace of one request: its id, which the client gets as initial metadata, and when it is over a line in the log and its
+/// count.
 class RequestLog {
  public:
-  /// `method` is a literal.
-  RequestLog(spdlog::logger& log, const char* method, const grpc::CallbackServerContext& context) : log_(log), method_(method) {
-    if (log_.should_log(spdlog::level::debug)) peer_ = context.peer();
-  }
+  /// `method` is a literal. The id is the client's x-request-id where that is one, else a random one. Nothing may have been
+  /// sent yet.
+  RequestLog(Engine& engine, const char* method, grpc::CallbackServerContext& context);
 
-  void finish(const grpc::Status& status) {
-    if (!log_.should_log(spdlog::level::debug)) return;
-    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start_;
-    log_.debug("{} from {}: code {} after {:.2f} ms {}", method_, peer_, static_cast<int>(status.error_code()), elapsed.count(),
-               status.error_message());
-  }
+  void finish(const grpc::Status& status);
 
  private:
-  spdlog::logger& log_;
+  Engine& engine_;
   const char* method_;
-  std::string peer_;
+  std::string id_;
+  std::string peer_;  // only where it is logged
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

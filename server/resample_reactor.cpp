@@ -12,8 +12,8 @@ namespace {
 // The job is the only one that finishes, so the reactor outlives it.
 class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
  public:
-  ResampleReactor(Engine& engine, const grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
-      : WriteQueue(RequestLog(*engine.log, "Resample", context)) {
+  ResampleReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
+      : WriteQueue(RequestLog(engine, "Resample", context)) {
     const absl::Status begun = guarded([&] { return begin(engine, request); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
@@ -39,15 +39,16 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
             absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
             if (*session == nullptr) session = engine.sessions.find(id);
             if (!session.ok()) return session.status();
-            return answer(**session, sample, engine.view_cache, engine.improve_for(*session, sample, engine.new_source()));
+            return answer(engine, **session, sample, engine.improve_for(*session, sample, engine.new_source()));
           })));
         })
         .status();
   }
 
-  absl::Status answer(const Session& session, const Sample& sample, ViewCache& cache, const OnShort& on_short) {
+  absl::Status answer(Engine& engine, const Session& session, const Sample& sample, const OnShort& on_short) {
     if (cancelled()) return absl::CancelledError("the client has gone");
-    return make_blocks(session, sample, cache, on_short, &cancel_flag(), [this](v1::ResampleResponse block) {
+    return make_blocks(session, sample, engine.view_cache, on_short, &cancel_flag(), [&](v1::ResampleResponse block) {
+      if (block.has_statistics()) engine.metrics.stages(block.statistics());
       push(std::move(block));
       return !cancelled();
     });

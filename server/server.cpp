@@ -1,6 +1,5 @@
 #include "server/server.h"
 
-#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
@@ -10,10 +9,12 @@
 #include <mutex>
 #include <utility>
 
+#include "server/address.h"
+#include "server/build_info.h"
 #include "server/engine.h"
 #include "server/guarded.h"
-#include "server/log.h"
 #include "server/service.h"
+#include "server/web_gateway.h"
 
 namespace curvecast::server {
 namespace {
@@ -23,21 +24,12 @@ constexpr int kKeepaliveTimeoutMs = 10'000;  // until it counts as gone
 constexpr int kMinPingIntervalMs = 5'000;    // what a client may do
 constexpr int kMaxCallsPerConnection = 256;
 
-absl::Status check_address(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  int port = 0;
-  if (colon == std::string::npos || colon == 0 || !absl::SimpleAtoi(address.substr(colon + 1), &port) || port < 0 ||
-      port > 65'535) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("\"", address, "\" is not an address to listen on; write HOST:PORT, such as 127.0.0.1:50051"));
-  }
-  return absl::OkStatus();
-}
-
 class GrpcServer final : public Server {
  public:
   GrpcServer(const ServerOptions& options, std::shared_ptr<spdlog::logger> log, std::unique_ptr<SessionCache> cache)
-      : engine_(options, std::move(log), std::move(cache)), service_(engine_) {}
+      : engine_(options, std::move(log), std::move(cache)),
+        service_(engine_),
+        unready_(options.ready ? "" : "meshes are being prepared") {}
   ~GrpcServer() override { shutdown(std::chrono::milliseconds(0)); }
 
   absl::Status listen(const std::string& address) {
@@ -65,7 +57,31 @@ class GrpcServer final : public Server {
     return absl::OkStatus();
   }
 
+  /// After listen(): whoever finds the HTTP port finds the other one too.
+  absl::Status listen_http(const std::string& address) {
+    WebRoutes routes;
+    routes["/healthz"] = [] { return WebAnswer{.body = "alive\n"}; };
+    routes["/readyz"] = [this] {
+      const std::string reason = unready();
+      return reason.empty() ? WebAnswer{.body = "ready\n"} : WebAnswer{.status = 503, .body = reason + "\n"};
+    };
+    routes["/metrics"] = [this] {
+      return WebAnswer{.body = engine_.metrics.text(engine_.levels()), .type = "text/plain; version=0.0.4; charset=utf-8"};
+    };
+    auto web = WebGateway::start({.listen = address}, std::move(routes), engine_.log);
+    if (!web.ok()) return web.status();
+    web_ = *std::move(web);
+    engine_.log->info("http on {}, port {}", address, web_->port());
+    return absl::OkStatus();
+  }
+
   int port() const override { return port_; }
+  int http_port() const override { return web_ == nullptr ? 0 : web_->port(); }
+
+  void set_ready() override {
+    const std::lock_guard lock(mutex_);
+    if (!draining_) unready_.clear();
+  }
 
   std::shared_ptr<grpc::Channel> in_process_channel() override {
     grpc::ChannelArguments arguments;
@@ -75,7 +91,9 @@ class GrpcServer final : public Server {
 
   void shutdown(std::chrono::milliseconds drain) override {
     std::call_once(shutdown_, [&] {
+      begin_draining();
       if (grpc_ != nullptr) {
+        engine_.log->info("shutting down: running calls get {} s", std::chrono::duration<double>(drain).count());
         if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->Shutdown();
         // A conversation has no end of its own to wait for.
         engine_.stop_streams(absl::UnavailableError("the server is shutting down; reconnect"));
@@ -91,10 +109,26 @@ class GrpcServer final : public Server {
   }
 
  private:
+  /// Why nobody should send requests now; empty where all may.
+  std::string unready() {
+    const std::lock_guard lock(mutex_);
+    return unready_;
+  }
+
+  void begin_draining() {
+    const std::lock_guard lock(mutex_);
+    draining_ = true;
+    unready_ = "the server is shutting down";
+  }
+
   Engine engine_;
   Service service_;
   std::unique_ptr<grpc::Server> grpc_;
   int port_ = 0;
+  std::mutex mutex_;
+  std::string unready_;  // the reason; empty: ready
+  bool draining_ = false;
+  std::unique_ptr<WebGateway> web_;  // uses all of the above
   std::once_flag shutdown_;
 };
 
@@ -104,11 +138,14 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
   if (options.threads < 0) {
     return absl::InvalidArgumentError(absl::StrCat("threads is ", options.threads, "; 0 means one per core"));
   }
-  if (!options.listen.empty()) {
-    if (absl::Status status = check_address(options.listen); !status.ok()) return status;
+  for (const std::string* address : {&options.listen, &options.http}) {
+    if (address->empty()) continue;
+    if (const auto parsed = parse_address(*address); !parsed.ok()) return parsed.status();
   }
   return guarded([&]() -> absl::StatusOr<std::unique_ptr<Server>> {
-    std::shared_ptr<spdlog::logger> log = make_logger(options.log, options.verbose);
+    std::shared_ptr<spdlog::logger> log = make_logger(options.log, options.verbose, options.log_format);
+    log->info("{}", describe(build_info()));
+    for (const std::string& note : options.notes) log->info("{}", note);
     std::unique_ptr<SessionCache> cache;
     if (!options.cache.empty()) {
       absl::StatusOr<std::unique_ptr<SessionCache>> opened = SessionCache::open(options.cache, options.cache_bytes, log);
@@ -116,7 +153,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
       cache = *std::move(opened);
     }
     auto server = std::make_unique<GrpcServer>(options, std::move(log), std::move(cache));
-    if (absl::Status status = server->listen(options.listen); !status.ok()) return status;
+    absl::Status status = server->listen(options.listen);
+    if (status.ok() && !options.http.empty()) status = server->listen_http(options.http);
+    if (!status.ok()) return status;
     return server;
   });
 }

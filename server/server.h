@@ -7,6 +7,9 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
+
+#include "server/log.h"
 
 namespace grpc {
 class Channel;
@@ -35,22 +38,31 @@ struct ServerOptions {
   std::uint64_t cache_bytes = std::uint64_t{10} << 30;  // of all files there; the least recently used sessions go first
   bool log = true;                                      // one line per state change and error, to standard error
   bool verbose = false;                                 // with log: one line per request too
+  LogFormat log_format = LogFormat::kText;
+  std::vector<std::string> notes = {};  // lines for the beginning of the log
+  /// "host:port" of the HTTP port: /healthz, /readyz, /metrics; port 0 = any free one; empty = none.
+  std::string http = {};
+  bool ready = true;  // else not before set_ready()
 };
 
 /// Thread-safe after start(). Frames of StreamViews are up to 32 MiB: let the client's channel receive that much.
 class Server {
  public:
-  /// Listens, or fails with Unavailable (address in use), InvalidArgument (malformed address, negative threads) or
+  /// Listens, or fails with Unavailable (an address in use), InvalidArgument (malformed address, negative threads) or
   /// FailedPrecondition (the cache's folder cannot be used).
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options);
   virtual ~Server() = default;  // shuts down at once where shutdown() was not called
 
   /// The TCP port listened on; 0 when in-process only.
   virtual int port() const = 0;
+  /// The TCP port of HTTP; 0 without.
+  virtual int http_port() const = 0;
+  /// From now on /readyz says so, until shutdown().
+  virtual void set_ready() = 0;
   /// A channel that reaches this server without a socket.
   virtual std::shared_ptr<grpc::Channel> in_process_channel() = 0;
-  /// Health says NOT_SERVING, streams of views end with UNAVAILABLE, other running calls get `drain` to end, then are
-  /// cancelled; preprocessing stops; sessions on their way to the cache get there. Idempotent.
+  /// Health says NOT_SERVING and /readyz that it ends, streams of views end with UNAVAILABLE, other running calls get `drain` to
+  /// end, then are cancelled; preprocessing stops; sessions on their way to the cache get there. Idempotent.
   virtual void shutdown(std::chrono::milliseconds drain) = 0;
 };
 

@@ -28,7 +28,7 @@ bool is_id(const std::string& text) {
 // Answers on the spot.
 template <class Answer>
 grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::CallbackServerContext* context, Answer&& work) {
-  RequestLog log(*engine.log, method, *context);
+  RequestLog log(engine, method, *context);
   const grpc::Status status = to_grpc(guarded(work));
   log.finish(status);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();

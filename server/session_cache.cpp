@@ -297,6 +297,12 @@ absl::Status SessionCache::write(const std::string& id, const Snapshot& snapshot
   return status;
 }
 
+std::uint64_t SessionCache::used_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const auto& [id, stored] : scan(folder_)) bytes += stored.bytes;
+  return bytes;
+}
+
 void SessionCache::make_room() const {
   std::map<std::string, Stored> sessions = scan(folder_);
   std::uint64_t used = 0;

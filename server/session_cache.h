@@ -42,6 +42,8 @@ class SessionCache {
   absl::StatusOr<std::shared_ptr<const FlattenedMesh>> load_surface(const std::string& id);
   /// Removes a session's files, and forgets to save it. False when there were none.
   bool remove(const std::string& id);
+  /// Of all files of sessions in the folder, whoever wrote them. Looks at each.
+  std::uint64_t used_bytes() const;
 
   /// Runs loads for those who must not wait. Apart from saving, which waits for the disk.
   JobQueue& loading() { return loading_; }

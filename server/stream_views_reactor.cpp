@@ -12,6 +12,7 @@
 #include "server/rate_limit.h"
 #include "server/reactors.h"
 #include "server/request_log.h"
+#include "server/view_tally.h"
 
 namespace curvecast::server {
 namespace {
@@ -19,8 +20,8 @@ namespace {
 class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>,
                                  public ClientStream::Transport {
  public:
-  StreamViewsReactor(Engine& engine, const grpc::CallbackServerContext& context)
-      : engine_(engine), log_(*engine.log, "StreamViews", context), rate_(engine.max_view_rate) {
+  StreamViewsReactor(Engine& engine, grpc::CallbackServerContext& context)
+      : engine_(engine), log_(engine, "StreamViews", context), tally_(engine.metrics), rate_(engine.max_view_rate) {
     const absl::Status begun = begin(context);
     if (begun.ok()) {
       read_next();
@@ -41,6 +42,8 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
 
   void send(v1::StreamViewsResponse response) override {
     response_ = std::move(response);
+    tally_.answered(response_.frame().sequence());
+    engine_.metrics.frame(response_.frame());
     StartWrite(&response_);
   }
 
@@ -61,6 +64,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
 
   void OnReadDone(bool ok) override {
     if (!ok) return stream_->half_close();
+    if (request_.has_view()) tally_.received(request_.view().sequence());
     if (request_.has_open() && load_first()) return;
     stream_->receive(request_);
     const RateLimit::Clock::duration wait = rate_.take(RateLimit::Clock::now());
@@ -119,6 +123,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
 
   Engine& engine_;
   RequestLog log_;
+  ViewTally tally_;
   std::shared_ptr<ClientStream> stream_;
   v1::StreamViewsRequest request_;
   v1::StreamViewsResponse response_;

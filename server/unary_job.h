@@ -23,9 +23,9 @@ class UnaryJob final : public grpc::ServerUnaryReactor {
   using Work = std::function<absl::Status(const ExecutionContext& context)>;
 
   /// `method` is a literal. `prepare` is called at once: it finds what the work needs, or says what is wrong with the request.
-  UnaryJob(Engine& engine, const char* method, const grpc::CallbackServerContext& context,
+  UnaryJob(Engine& engine, const char* method, grpc::CallbackServerContext& context,
            const std::function<absl::StatusOr<Work>()>& prepare)
-      : log_(*engine.log, method, context) {
+      : log_(engine, method, context) {
     const absl::Status begun = guarded([&] {
       absl::StatusOr<Work> work = prepare();
       if (!work.ok()) return work.status();

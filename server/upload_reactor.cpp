@@ -17,8 +17,8 @@ constexpr std::size_t kMaxChunk = std::size_t{1} << 20;
 
 class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest> {
  public:
-  UploadReactor(Engine& engine, const grpc::CallbackServerContext& context, v1::UploadMeshResponse* response)
-      : engine_(engine), log_(*engine.log, "UploadMesh", context), upload_(engine.meshes), response_(response) {
+  UploadReactor(Engine& engine, grpc::CallbackServerContext& context, v1::UploadMeshResponse* response)
+      : engine_(engine), log_(engine, "UploadMesh", context), upload_(engine.meshes), response_(response) {
     absl::StatusOr<Admission::Ticket> ticket = engine.uploads->admit(client_of_peer(context.peer()));
     if (ticket.ok()) {
       ticket_.emplace(*std::move(ticket));

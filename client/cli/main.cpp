@@ -7,6 +7,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/exit_status.h"
 #include "client/cli/signals.h"
+#include "server/build_info.h"
 
 namespace curvecast::cli {
 namespace {
@@ -22,7 +23,7 @@ int report_failure(const absl::Status& status, const CommonOptions& options, boo
 
 int run(int argc, char** argv) {
   CLI::App app("Low-discrepancy point sampling of meshes, streamed.", "curvecast");
-  app.set_version_flag("--version", "curvecast " CURVECAST_VERSION);
+  app.set_version_flag("--version", server::describe(server::build_info()));
   app.require_subcommand(1);
   app.footer("curvecast COMMAND --help tells all about a command.");
   CommonOptions options;

@@ -39,7 +39,7 @@ TEST_F(ImportMesh, TakesFilesOfTheFolder) {
     EXPECT_EQ(std::string((*mesh)->bytes().begin(), (*mesh)->bytes().end()), content);
     EXPECT_TRUE(store_.find((*mesh)->id).ok());
   }
-  EXPECT_EQ(store_.use().files, 2u);
+  EXPECT_EQ(store_.usage().meshes, 2u);
 }
 
 TEST_F(ImportMesh, NeverLeavesTheFolder) {

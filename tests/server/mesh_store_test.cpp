@@ -137,14 +137,14 @@ TEST(MeshStore, GoesOnWhereAnUploadBrokeOff) {
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   EXPECT_EQ((*mesh)->id, id);
   EXPECT_EQ((*mesh)->name, "a mesh");
-  EXPECT_EQ(store.use().files, 1u);
+  EXPECT_EQ(store.usage().meshes, 1u);
 }
 
 TEST(MeshStore, WhatCannotBeContinuedIsForgotten) {
   MeshStore store(1 << 26, 1 << 25);
   const std::string bytes = pattern(3'000'000, 1), id = id_of(bytes);
   upload_part(store, bytes, "", 0, 1'000'000);  // nobody could name it
-  EXPECT_EQ(store.use().bytes, 0u);
+  EXPECT_EQ(store.usage().bytes, 0u);
   std::string wrong = bytes;
   wrong[0] ^= 1;
   upload_part(store, wrong, id, 0, 1'000'000);
@@ -155,7 +155,7 @@ TEST(MeshStore, WhatCannotBeContinuedIsForgotten) {
     EXPECT_TRUE(absl::IsInvalidArgument(last.finish().status()));
   }
   EXPECT_EQ(store.received(id), 0u) << "it would never hash to that";
-  EXPECT_EQ(store.use().bytes, 0u);
+  EXPECT_EQ(store.usage().bytes, 0u);
 }
 
 TEST(MeshStore, BrokenUploadsMakeRoom) {
@@ -167,7 +167,7 @@ TEST(MeshStore, BrokenUploadsMakeRoom) {
   // Many small ones take no more than a few places.
   MeshStore large(1 << 26, 1 << 25);
   for (int i = 0; i < 100; ++i) upload_part(large, pattern(1000, i), id_of(pattern(1000, i)), 0, 10);
-  EXPECT_LE(large.use().bytes, 16u * 5096u);
+  EXPECT_LE(large.usage().bytes, 16u * 5096u);
 }
 
 }  // namespace

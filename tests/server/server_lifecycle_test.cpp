@@ -1,4 +1,4 @@
-// Starting, stopping, health, reflection and hostile bytes.
+// Starting, stopping, health and hostile bytes.
 #include <gmock/gmock.h>
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/support/byte_buffer.h>
@@ -68,11 +68,40 @@ TEST_F(ServerLifecycle, AnswersHealthChecks) {
   EXPECT_NE(health(connect(), "nonsense"), kServing);
 }
 
-TEST_F(ServerLifecycle, AnswersReflection) {
-  const std::string list_services = "\x3a\x01*";  // a ServerReflectionRequest with its field 7
-  const Answer answer = call(connect(), "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", list_services);
-  EXPECT_TRUE(answer.status.ok()) << answer.status.error_message();
-  EXPECT_THAT(answer.bytes, HasSubstr("curvecast.v1.CurvecastService"));
+// Watches the health of a service until it changes, which is what a load balancer does.
+TEST_F(ServerLifecycle, TellsThoseWhoWatchBeforeItEnds) {
+  grpc::GenericStub stub(connect());
+  grpc::CompletionQueue queue;
+  grpc::ClientContext context;
+  set_patience(context);
+  const auto stream = stub.PrepareCall(&context, "/grpc.health.v1.Health/Watch", &queue);
+  void* tag = nullptr;
+  bool ok = false;
+  const auto read = [&] {
+    grpc::ByteBuffer buffer;
+    stream->Read(&buffer, nullptr);
+    EXPECT_TRUE(queue.Next(&tag, &ok) && ok);
+    grpc::Slice slice;
+    EXPECT_TRUE(buffer.DumpToSingleSlice(&slice).ok());
+    return std::string(reinterpret_cast<const char*>(slice.begin()), slice.size());
+  };
+  stream->StartCall(nullptr);
+  EXPECT_TRUE(queue.Next(&tag, &ok) && ok);
+  const std::string service = "curvecast.v1.CurvecastService";
+  const grpc::Slice request(std::string("\x0a") + static_cast<char>(service.size()) + service);
+  stream->WriteLast(grpc::ByteBuffer(&request, 1), {}, nullptr);
+  EXPECT_TRUE(queue.Next(&tag, &ok) && ok);
+  EXPECT_EQ(read(), kServing);
+  std::thread stopper([this] { server_->shutdown(std::chrono::seconds(100)); });
+  EXPECT_EQ(read(), "\x08\x02");  // NOT_SERVING, while the call goes on
+  context.TryCancel();
+  stopper.join();
+  grpc::Status status;
+  stream->Finish(&status, nullptr);
+  queue.Next(&tag, &ok);
+  queue.Shutdown();
+  while (queue.Next(&tag, nullptr)) {
+  }
 }
 
 TEST_F(ServerLifecycle, SurvivesHostileBytes) {

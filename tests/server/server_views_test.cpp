@@ -56,7 +56,7 @@ class ServerViews : public ServerFixture {
       EXPECT_EQ(response.frame().kind(), v1::FRAME_KIND_KEY);
       EXPECT_GE(response.frame().curve_revision(), 1u);
       EXPECT_EQ(count_points(response.frame()), 100 * i);
-      EXPECT_FALSE(response.frame().points().draco().data().empty());
+      EXPECT_FALSE(response.frame().points(0).draco().data().empty());
       send_ack(*stream, i);
     }
     stream->WritesDone();
@@ -125,7 +125,7 @@ TEST_F(ServerViews, ARefusedViewDoesNotEndTheStream) {
     ASSERT_TRUE(stream->Read(&response));
     EXPECT_EQ(response.frame().sequence(), sequence);
     EXPECT_EQ(response.frame().error().code(), static_cast<std::uint32_t>(code)) << response.frame().error().message();
-    EXPECT_FALSE(response.frame().has_points());
+    EXPECT_TRUE(response.frame().points().empty());
     send_ack(*stream, sequence);
   }
   send_view(*stream, ++sequence, 5000);

@@ -1,0 +1,57 @@
+// What the server counts, in the text format that Prometheus reads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace curvecast::v1 {
+class FrameStatistics;
+class PointFrame;
+}  // namespace curvecast::v1
+
+namespace curvecast::server {
+
+/// What there is at a moment, in contrast to what has happened so far.
+struct Levels {
+  std::size_t waiting_views = 0;          // jobs that wait for a worker
+  std::size_t waiting_preprocessing = 0;  // ... that take all cores
+  std::size_t sessions = 0;               // in memory, those being made too
+  std::uint64_t session_bytes = 0;        // of their curves and ranked candidates
+  std::size_t meshes = 0;
+  std::uint64_t mesh_bytes = 0;  // of uploads under way too
+  std::uint64_t cache_bytes = 0;
+};
+
+/// Thread-safe. What is counted for a frame or a view is an atomic addition; a duration takes its histogram's own lock for as
+/// long as it takes to add three numbers.
+class Metrics {
+ public:
+  Metrics();
+  ~Metrics();
+
+  /// A request is over. `code` is a gRPC status code.
+  void request(std::string_view method, int code, double seconds);
+  void stream_opened();
+  void stream_closed();
+  void view_received();
+  void view_answered();
+  /// `count` views will never be answered.
+  void views_overtaken(std::size_t count);
+  /// A frame was handed to the transport.
+  void frame(const v1::PointFrame& frame);
+  /// How long the stages of an answer took, of a stream or not.
+  void stages(const v1::FrameStatistics& statistics);
+  void refinement(bool is_finer);
+
+  /// All of it, with the process's memory and time: text format 0.0.4.
+  std::string text(const Levels& levels);
+
+ private:
+  struct Families;
+  const std::unique_ptr<Families> families_;
+};
+
+}  // namespace curvecast::server

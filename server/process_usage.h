@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+
+namespace curvecast::server {
+
+/// What the operating system says of this process. 0: it does not say.
+struct ProcessUsage {
+  std::uint64_t resident_bytes = 0;
+  double cpu_seconds = 0;        // of all threads, in user and system mode
+  std::uint64_t open_files = 0;  // descriptors
+  std::uint64_t threads = 0;
+};
+
+ProcessUsage process_usage();
+
+}  // namespace curvecast::server
