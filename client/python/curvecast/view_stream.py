@@ -112,6 +112,7 @@ class ViewStream:
                 self._queue.clear()
                 self._changed.notify_all()
                 self._changed.wait()
+            self._queue.clear()
             if self._ended.code is not grpc.StatusCode.ABORTED:
                 raise self._ended
 
