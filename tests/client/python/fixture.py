@@ -25,11 +25,11 @@ class Server:
             raise RuntimeError(f"the server did not start: {line!r}")
         self.address = line.split()[-1]
 
-    def stop(self) -> int:
-        """Its exit status."""
+    def stop(self) -> None:
         self.process.terminate()
         self.process.stdout.close()
-        return self.process.wait()
+        if (status := self.process.wait()) != 0:
+            raise RuntimeError(f"the server ended with status {status}")
 
 
 class ServerTest(unittest.TestCase):
