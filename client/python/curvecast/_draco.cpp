@@ -32,7 +32,8 @@ absl::StatusOr<Points> decode_points(std::string_view bytes, const curvecast::cl
 
 template <typename T>
 PyObject* to_bytes(const std::vector<T>& values) {
-  return PyBytes_FromStringAndSize(reinterpret_cast<const char*>(values.data()), static_cast<Py_ssize_t>(sizeof(T) * values.size()));
+  return PyBytes_FromStringAndSize(reinterpret_cast<const char*>(values.data()),
+                                   static_cast<Py_ssize_t>(sizeof(T) * values.size()));
 }
 
 PyObject* decode(PyObject*, PyObject* arguments) {

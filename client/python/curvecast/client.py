@@ -13,7 +13,7 @@ import grpc
 import numpy.typing as npt
 
 from curvecast.connection import Connection, OnProgress
-from curvecast.density import enum_value, vec3
+from curvecast.density import enum_name, vec3
 from curvecast.errors import Error, bad_answer
 from curvecast.mesh import Mesh, as_mesh, find_companion, may_have_companions, mesh_id_of
 from curvecast.points import Points, as_points
@@ -102,9 +102,9 @@ class Client:
         """
         mesh = as_mesh(mesh)
         options = v1.SessionOptions(
-            max_points=points, omega=omega, density=density, mapper=enum_value(v1.Mapper, "MAPPER", mapper),
-            parameteriser=enum_value(v1.Parameteriser, "PARAMETERISER", parameteriser),
-            area_element=enum_value(v1.AreaElement, "AREA_ELEMENT", area),
+            max_points=points, omega=omega, density=density, mapper=enum_name(v1.Mapper, "MAPPER", mapper),
+            parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
+            area_element=enum_name(v1.AreaElement, "AREA_ELEMENT", area),
         )
         request = v1.CreateSessionRequest(mesh_id=mesh.id, options=options, companions=mesh.companions)
         return Session(self._connection, self._connection.last("CreateSession", request, "session", on_progress))

@@ -4,20 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+import numpy.typing as npt
+from google.protobuf.internal.enum_type_wrapper import EnumTypeWrapper
+
 from curvecast.v1 import curvecast_pb2 as v1
 
 
-def vec3(values: Sequence[float]) -> v1.Vec3:
+#: x, y, z
+Vector = Sequence[float] | npt.NDArray[np.floating]
+
+
+def vec3(values: Vector) -> v1.Vec3:
     x, y, z = (float(value) for value in values)
     return v1.Vec3(x=x, y=y, z=z)
 
 
-def enum_value(enum: object, prefix: str, name: str) -> int:
-    """The value PREFIX_NAME of an enum of the API; ValueError names what there is."""
-    names = [key.removeprefix(prefix + "_").lower() for key, number in enum.items() if number != 0]  # type: ignore[attr-defined]
+def enum_name(enum: EnumTypeWrapper, prefix: str, name: str) -> str:
+    """PREFIX_NAME, a value of an enum of the API; ValueError says which names there are."""
+    names = [key.removeprefix(f"{prefix}_").lower() for key, number in enum.items() if number != 0]
     if name not in names:
         raise ValueError(f"{prefix.lower()} is one of {', '.join(names)}, not {name!r}")
-    return enum.Value(f"{prefix}_{name.upper()}")  # type: ignore[attr-defined]
+    return f"{prefix}_{name.upper()}"
 
 
 def uniform() -> v1.DensityTerm:
@@ -27,7 +35,7 @@ def uniform() -> v1.DensityTerm:
 
 def curvature(kind: str = "gauss", exponent: float | None = None, floor: float | None = None) -> v1.DensityTerm:
     """(floor + (1 - floor) min(|k| / k_ref, 1))^exponent with k by `kind`: gauss, mean or max. Defaults: exponent 1, floor 0.05."""
-    term = v1.CurvatureDensity(kind=enum_value(v1.CurvatureKind, "CURVATURE_KIND", kind), exponent=exponent, floor=floor)
+    term = v1.CurvatureDensity(kind=enum_name(v1.CurvatureKind, "CURVATURE_KIND", kind), exponent=exponent, floor=floor)
     return v1.DensityTerm(curvature=term)
 
 
@@ -36,7 +44,7 @@ def attribute(name: str) -> v1.DensityTerm:
     return v1.DensityTerm(attribute=v1.AttributeDensity(name=name))
 
 
-def brush(centre: Sequence[float], radius: float, factor: float, falloff: float | None = None) -> v1.DensityTerm:
+def brush(centre: Vector, radius: float, factor: float, falloff: float | None = None) -> v1.DensityTerm:
     """`factor` within `radius` (units) of a place, 1 elsewhere; 0 erases. `falloff`: part of the radius over which it goes to 1,
     by default 0.5."""
     return v1.DensityTerm(brush=v1.BrushDensity(centre=vec3(centre), radius=radius, factor=factor, falloff=falloff))

@@ -29,23 +29,19 @@ def apply_edits(held: Points, edits: v1.PointEdits, added: Points) -> Points:
     stays[removed] = False
     is_old = np.ones(size, bool)
     is_old[places] = False
+    source = np.empty(size, np.int64)  # of each point: in the list held, followed by those added
+    source[is_old] = np.flatnonzero(stays)
+    source[places] = np.arange(len(held), len(held) + len(added))
     columns = {}
     for name in COLUMNS:
-        old, new = getattr(held, name), getattr(added, name)
-        if len(held) and len(added) and (old is None) != (new is None):
+        parts = [getattr(points, name) for points in (held, added) if len(points)] or [getattr(held, name)]
+        if any((part is None) != (parts[0] is None) for part in parts):
             raise bad_answer("the points that are added have other attributes than those held")
-        source = new if old is None or not len(held) else old
-        if source is None:
-            continue
-        joined = np.empty((size, *source.shape[1:]), source.dtype)
-        if old is not None:
-            joined[is_old] = old[stays]
-        if new is not None:
-            joined[places] = new
-        columns[name] = joined
+        if parts[0] is not None:
+            columns[name] = np.concatenate(parts).take(source, axis=0)
     if len(edits.resized):
         _resize(edits, columns.get("radii", np.empty(0, "<f4")))
-    return Points(held.origin if len(held) else added.origin, **columns)
+    return Points(held.origin if len(held) else added.origin, **columns)  # type: ignore[arg-type]
 
 
 def _indices(steps: Collection[int], size: int, what: str) -> npt.NDArray[np.int64]:

@@ -7,12 +7,13 @@ from collections.abc import Iterable
 
 import numpy as np
 import numpy.typing as npt
+from google.protobuf.message import Message
 
 from curvecast.errors import bad_answer
 from curvecast.v1 import curvecast_pb2 as v1
 
 try:
-    from curvecast import _draco
+    from curvecast import _draco  # type: ignore[attr-defined]
 except ImportError:  # built without Python's headers
     _draco = None
 
@@ -47,7 +48,8 @@ class Points:
     ranks: npt.NDArray[np.uint32] | None = None  #: (N,): of the progressive sampler
     faces: npt.NDArray[np.uint32] | None = None  #: (N,): faces of the repaired mesh
     barycentric: Float32s | None = None  #: (N, 2): weights of the face's second and third corner
-    statistics: v1.FrameStatistics | None = None  #: of the request that they answer; times, and whether better ones are being made
+    #: of the request that they answer: the server's times, and .refining: better ones are being made
+    statistics: v1.FrameStatistics = dataclasses.field(default_factory=v1.FrameStatistics)
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -70,7 +72,7 @@ def as_points(points: Points | npt.ArrayLike) -> Points:
 
 def encoded_bytes(block: v1.PointBlock) -> int:
     """Of the points of a block, on the wire."""
-    fields = (block.draco, block.raw, block.attributes)
+    fields: tuple[Message, ...] = (block.draco, block.raw, block.attributes)
     return sum(len(value) for message in fields for _, value in message.ListFields() if isinstance(value, bytes))
 
 
@@ -129,7 +131,7 @@ def _decode_block(block: v1.PointBlock) -> Points:
     columns = {name: _column(name, value, block.count) for name, value in data.items() if name in COLUMNS}
     if (columns["radii"] < 0).any():
         raise bad_answer("the server sent radii below 0")
-    return Points(origin, **columns)
+    return Points(origin, **columns)  # type: ignore[arg-type]
 
 
 def _decode_draco(draco: v1.DracoPoints, count: int) -> dict[str, bytes]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import grpc
 
-from curvecast.density import enum_value, vec3
+from curvecast.density import Vector, enum_name, vec3
 from curvecast.errors import Error
 from curvecast.points import HAS_DRACO
 from curvecast.v1 import curvecast_pb2 as v1
@@ -17,9 +17,9 @@ from curvecast.v1 import curvecast_pb2 as v1
 class Camera:
     """A perspective camera, or an orthographic one where `orthographic_height` is above 0."""
 
-    eye: Sequence[float]  #: x, y, z
-    target: Sequence[float] = (0, 0, 0)
-    up: Sequence[float] = (0, 1, 0)
+    eye: Vector  #: x, y, z
+    target: Vector = (0, 0, 0)
+    up: Vector = (0, 1, 0)
     fov: float = 45  #: vertical, degrees, between 0 and 180
     orthographic_height: float = 0  #: of its picture, units
 
@@ -58,8 +58,8 @@ class View:
         cameras = [self.camera] if isinstance(self.camera, Camera) else self.camera
         request = v1.SampleRequest(
             **given, density=terms, cameras=[camera.to_proto() for camera in cameras], seed=self.seed, encoding=self._encoding(),
-            sequence=enum_value(v1.Sequence, "SEQUENCE", self.sequence), sampler=enum_value(v1.Sampler, "SAMPLER", self.sampler),
-            attributes=[enum_value(v1.PointAttribute, "POINT_ATTRIBUTE", name) for name in self.attributes],
+            sequence=enum_name(v1.Sequence, "SEQUENCE", self.sequence), sampler=enum_name(v1.Sampler, "SAMPLER", self.sampler),
+            attributes=[enum_name(v1.PointAttribute, "POINT_ATTRIBUTE", name) for name in self.attributes],
         )
         if self.viewport is not None:
             request.viewport.width, request.viewport.height = self.viewport
