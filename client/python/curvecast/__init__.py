@@ -11,11 +11,16 @@ network refuses is a curvecast.Error with a gRPC status code. A client may be us
 
 from curvecast import density
 from curvecast.client import Client, connect
+from curvecast.curve import Curve, CurveDisc
 from curvecast.errors import Error
 from curvecast.mesh import Mesh
+from curvecast.parameter_mesh import ParameterDisc, ParameterMesh
 from curvecast.points import HAS_DRACO, Points
 from curvecast.session import Session
 from curvecast.view import Camera, View
 from curvecast.view_stream import Frame, ViewStream
 
-__all__ = ["HAS_DRACO", "Camera", "Client", "Error", "Frame", "Mesh", "Points", "Session", "View", "ViewStream", "connect", "density"]
+__all__ = [
+    "HAS_DRACO", "Camera", "Client", "Curve", "CurveDisc", "Error", "Frame", "Mesh", "ParameterDisc", "ParameterMesh", "Points",
+    "Session", "View", "ViewStream", "connect", "density",
+]

@@ -16,6 +16,7 @@ from curvecast.connection import Connection, OnProgress
 from curvecast.density import enum_name, vec3
 from curvecast.errors import Error, bad_answer
 from curvecast.mesh import Mesh, as_mesh, find_companion, may_have_companions, mesh_id_of
+from curvecast.parameter_mesh import ParameterMesh, decode_parameter_mesh
 from curvecast.points import Points, as_points
 from curvecast.session import Session
 from curvecast.v1 import curvecast_pb2 as v1
@@ -89,6 +90,15 @@ class Client:
         info = self._connection.ask("InspectMesh", request, self._connection.long_timeout).mesh
         info.warnings.extend(f"{reason}." for reason in mesh.refused)
         return info
+
+    def parameter_mesh(self, mesh: Mesh | str, parameteriser: str = "own") -> ParameterMesh:
+        """The discs that a mesh is cut into, with their places in the parameter square. Computed anew for every call."""
+        mesh = as_mesh(mesh)
+        request = v1.GetParameterMeshRequest(
+            mesh_id=mesh.id, companions=mesh.companions,
+            parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
+        )
+        return self._connection.ask_all("GetParameterMesh", request, None, decode_parameter_mesh)
 
     def open(
         self, mesh: Mesh | str, points: int = 65_536, *, omega: float = 0, density: Sequence[v1.DensityTerm] = (),

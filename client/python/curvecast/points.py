@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from google.protobuf.message import Message
 
+from curvecast.columns import Columns, read_column
 from curvecast.errors import bad_answer
 from curvecast.v1 import curvecast_pb2 as v1
 
@@ -22,8 +23,7 @@ HAS_DRACO = _draco is not None
 
 Float32s = npt.NDArray[np.float32]
 
-# Columns of a point set: type and values a point. Little-endian, as on the wire.
-COLUMNS = {
+COLUMNS: Columns = {
     "positions": ("<f4", 3),
     "normals": ("<f4", 3),
     "radii": ("<f4", 1),
@@ -101,17 +101,6 @@ def _moved(points: Points, origin: npt.NDArray[np.float64]) -> Float32s:
     return (points.positions + (points.origin - origin)).astype("<f4")
 
 
-def _column(name: str, data: bytes | bytearray, count: int) -> np.ndarray:
-    dtype, width = COLUMNS[name]
-    expected = count * width * np.dtype(dtype).itemsize
-    if len(data) != expected:
-        raise bad_answer(f"the server sent {len(data)} bytes of {name} where {expected} belong")
-    values = np.frombuffer(data, dtype)
-    if values.dtype.kind == "f" and not np.isfinite(values).all():
-        raise bad_answer(f"the server sent {name} that are not finite")
-    return values if width == 1 else values.reshape(count, width)
-
-
 def _decode_block(block: v1.PointBlock) -> Points:
     kind = block.WhichOneof("data")
     if kind == "raw":
@@ -128,7 +117,7 @@ def _decode_block(block: v1.PointBlock) -> Points:
     origin = np.array([block.origin.x, block.origin.y, block.origin.z])
     if not np.isfinite(origin).all():
         raise bad_answer("the server sent a block of points whose origin is not finite")
-    columns = {name: _column(name, value, block.count) for name, value in data.items() if name in COLUMNS}
+    columns = {name: read_column(name, value, COLUMNS[name], block.count) for name, value in data.items() if name in COLUMNS}
     if (columns["radii"] < 0).any():
         raise bad_answer("the server sent radii below 0")
     return Points(origin, **columns)  # type: ignore[arg-type]

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from curvecast.connection import Connection
+from curvecast.curve import Curve, decode_curve
 from curvecast.errors import bad_answer
 from curvecast.points import Points, decode_blocks
 from curvecast.v1 import curvecast_pb2 as v1
@@ -66,6 +67,11 @@ class Session:
     def stream(self, deltas: bool = True) -> ViewStream:
         """A conversation: views out, frames in. `deltas`: frames may be differences to the one before, taken in by themselves."""
         return ViewStream(self._connection, self.id, deltas)
+
+    def curve(self) -> Curve:
+        """The curve itself: all of its vertices, in order."""
+        request = v1.GetCurveRequest(session_id=self.id)
+        return self._connection.ask_all("GetCurve", request, self._connection.long_timeout, decode_curve)
 
     def close(self) -> None:
         """Has the server forget the session, in memory and in its cache, for all clients."""
