@@ -26,13 +26,17 @@ REFERENCE_ROUNDS = 8  # a mesh names material libraries, these name textures: tw
 MOST_COMPANIONS = 256  # of a mesh, as in the API
 
 
-def connect(address: str, *, short_timeout: float = 30, long_timeout: float = 600, attempts: int = 5) -> Client:
+def connect(
+    address: str, *, credentials: grpc.ChannelCredentials | None = None, short_timeout: float = 30, long_timeout: float = 600,
+    attempts: int = 5,
+) -> Client:
     """A client of the server at "host:port". The line is opened by the first call.
 
+    credentials: for a proxy with TLS in front, such as grpc.ssl_channel_credentials(); without them nothing is encrypted.
     short_timeout: seconds, of calls that only look something up; long_timeout: of those that compute or move data; preprocessing
     and measuring have none. attempts: in all, when the line or the server is lost (UNAVAILABLE), 0.1 s and more apart.
     """
-    return Client(Connection(address, short_timeout, long_timeout, attempts))
+    return Client(Connection(address, credentials, short_timeout, long_timeout, attempts))
 
 
 class Client:

@@ -32,11 +32,16 @@ CHANNEL_OPTIONS = [
 class Connection:
     """Calls of the API. All but call() are repeated when the line or the server was lost meanwhile: they are idempotent."""
 
-    def __init__(self, address: str, short_timeout: float, long_timeout: float, attempts: int) -> None:
+    def __init__(
+        self, address: str, credentials: grpc.ChannelCredentials | None, short_timeout: float, long_timeout: float, attempts: int
+    ) -> None:
         if attempts < 1:
             raise ValueError(f"attempts is {attempts}; there has to be one")
         self.short_timeout, self.long_timeout, self._attempts = short_timeout, long_timeout, attempts
-        self._channel = grpc.insecure_channel(address, options=CHANNEL_OPTIONS)
+        if credentials is None:
+            self._channel = grpc.insecure_channel(address, CHANNEL_OPTIONS)
+        else:
+            self._channel = grpc.secure_channel(address, credentials, CHANNEL_OPTIONS)
         self.stub = v1_grpc.CurvecastServiceStub(self._channel)
 
     def close(self) -> None:

@@ -62,6 +62,7 @@ class ConnectionTest(unittest.TestCase):
         server = grpc.server(concurrent.futures.ThreadPoolExecutor(4))
         v1_grpc.add_CurvecastServiceServicer_to_server(self.told, server)
         port = server.add_insecure_port("127.0.0.1:0")
+        self.secured_port = server.add_secure_port("127.0.0.1:0", grpc.local_server_credentials())
         server.start()
         self.addCleanup(lambda: server.stop(0).wait())
         self.client = curvecast.connect(f"127.0.0.1:{port}", attempts=3)
@@ -126,6 +127,11 @@ class ConnectionTest(unittest.TestCase):
             self.assert_refused("DATA_LOSS", session.sample, 10)
         self.told.points = [block(8), block(2)]
         self.assertEqual(len(session.sample(10)), 10)
+
+    def test_credentials(self) -> None:
+        address = f"127.0.0.1:{self.secured_port}"
+        with curvecast.connect(address, credentials=grpc.local_channel_credentials()) as client:
+            self.assertEqual(client.session("s").id, "s")
 
     def test_nobody_there(self) -> None:
         with curvecast.connect("127.0.0.1:1", attempts=2) as client:
