@@ -98,7 +98,7 @@ class Session:
         points = self._connection.ask_all(
             "Resample", request, self._connection.long_timeout, lambda messages: decode_blocks(blocks(messages))
         )
-        lowers = any(getattr(term.distance, "global") for term in sample.density)
-        if sample.WhichOneof("budget") == "points" and len(points) < most and not lowers:
+        may_be_fewer = sample.sampler == v1.SAMPLER_PROGRESSIVE or any(getattr(t.distance, "global") for t in sample.density)
+        if sample.WhichOneof("budget") == "points" and len(points) < most and not may_be_fewer:
             raise bad_answer(f"asked for {most} points, but the server sent {len(points)}")
         return dataclasses.replace(points, statistics=statistics)

@@ -40,7 +40,7 @@ class View:
     density: Sequence[v1.DensityTerm] | v1.DensityTerm = ()  #: of curvecast.density, multiplied
     camera: Camera | Sequence[Camera] = ()  #: with several there are points for all of them
     viewport: tuple[int, int] | None = None  #: width and height in pixels; default 1024 x 1024
-    sampler: str = "equalised"  #: or progressive: fixed places and ranks, more even, small deltas
+    sampler: str = "equalised"  #: or progressive: fixed places and ranks, more even, small deltas; fewer points where they lack
     sequence: str = "jittered"  #: or regular, van_der_corput, golden_ratio; of the equalised sampler
     seed: int = 0  #: of the equalised sampler
     attributes: Sequence[str] = ()  #: of curvatures, rank (progressive sampler only) and surface (faces, barycentric)

@@ -102,6 +102,12 @@ class SessionTest(ServerTest):
         self.assertGreater(len(fine), 2 * len(coarse))
         self.assertLessEqual(28 * len(self.session.sample(max_bytes=28_000)), 28_000)
 
+    def test_a_curve_too_coarse_for_ranked_points(self) -> None:
+        session = self.client.open(self.mesh, 100)
+        points = session.sample(50_000, sampler="progressive", density=density.view(), camera=Camera((0, 0, 1.03)))
+        self.assertGreater(len(points), 100)
+        self.assertLess(len(points), 50_000)
+
     def test_patience(self) -> None:
         session = self.client.open(self.mesh, 300)
         points = session.sample(30_000, patience=120)
