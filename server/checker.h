@@ -2,6 +2,7 @@
 #pragma once
 
 #include <absl/status/status.h>
+#include <absl/strings/cord.h>
 #include <absl/strings/str_cat.h>
 
 #include <cmath>
@@ -9,6 +10,7 @@
 
 #include "core/vec.h"
 #include "curvecast/v1/curvecast.pb.h"
+#include "server/status_payload.h"
 
 namespace curvecast::server {
 
@@ -19,7 +21,9 @@ class Checker {
   bool ok() const { return status_.ok(); }
 
   void fail(const std::string& field, const std::string& problem) {
-    if (status_.ok()) status_ = absl::InvalidArgumentError(absl::StrCat(field, " ", problem));
+    if (!status_.ok()) return;
+    status_ = absl::InvalidArgumentError(absl::StrCat(field, " ", problem));
+    status_.SetPayload(kFieldPayload, absl::Cord(field));
   }
   /// Finite, or an error.
   double finite(const std::string& field, double value) {

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "server/convert.h"
 #include "server/guarded.h"
 
 namespace curvecast::server {
@@ -12,10 +13,13 @@ namespace {
 constexpr std::size_t kMaxUnacknowledged = 2;
 // A density that varies within a leaf may find its parts too coarse again; after so many rounds the curve is as good as it gets.
 constexpr int kMaxImprovements = 8;
+constexpr std::uint64_t kLeastFirstBytes = 1024;
 
 }  // namespace
 
 ClientStream::ClientStream(Transport* transport, Hooks hooks) : transport_(transport), hooks_(std::move(hooks)) {}
+
+ClientStream::~ClientStream() { hooks_.count_queued(-queued_bytes_ - sending_bytes_); }
 
 void ClientStream::receive(const v1::StreamViewsRequest& request) {
   const std::lock_guard lock(mutex_);
@@ -45,6 +49,7 @@ void ClientStream::half_close() {
 void ClientStream::sent(bool ok) {
   const std::lock_guard lock(mutex_);
   sending_ = false;
+  hooks_.count_queued(-std::exchange(sending_bytes_, 0));
   if (!ok && !ending_) ending_ = absl::CancelledError("the client has gone");
   advance();
 }
@@ -68,11 +73,18 @@ void ClientStream::open(const v1::OpenView& request) {
     return;
   }
   auto session = hooks_.find(request.session_id());
-  if (session.ok()) {
-    session_ = *std::move(session);
-    accepts_deltas_ = request.accept_deltas();
-  } else {
+  if (!session.ok()) {
     ending_ = session.status();
+    return;
+  }
+  session_ = *std::move(session);
+  accepts_deltas_ = request.accept_deltas();
+  if (!accepts_deltas_ || request.held().digest() == 0) return;
+  absl::StatusOr<Sample> sample = to_sample(request.held().sample());
+  if (sample.ok()) {
+    claim_ = HeldClaim{*std::move(sample), request.held().points(), request.held().digest()};
+  } else {
+    ending_ = absl::InvalidArgumentError(absl::StrCat("open.held: ", sample.status().message()));
   }
 }
 
@@ -84,7 +96,11 @@ void ClientStream::view(const v1::ViewUpdate& update) {
   }
   last_view_ = update.sequence();
   wants_key_ = wants_key_ || update.key_frame();
-  pending_ = View{update.sequence(), to_sample(update.sample())};
+  pending_ = View{update.sequence(), to_sample(update.sample()), update.first_bytes()};
+  if (update.first_bytes() > 0 && update.first_bytes() < kLeastFirstBytes) {
+    pending_->sample = absl::InvalidArgumentError(
+        absl::StrCat("view.first_bytes is ", update.first_bytes(), "; it must be at least ", kLeastFirstBytes));
+  }
   coarse_.reset();
 }
 
@@ -95,20 +111,26 @@ void ClientStream::acknowledge(std::uint64_t sequence) {
     return;
   }
   // A number may have been sent twice: a frame that is still to be sent is not meant.
-  while (unacknowledged_.size() > outbox_.size() && unacknowledged_.front() <= sequence) unacknowledged_.pop_front();
+  while (unacknowledged_.size() > outbox_.size() && unacknowledged_.front().sequence <= sequence) {
+    const Unacknowledged& frame = unacknowledged_.front();
+    if (frame.automatic) pace_.observe(*frame.automatic, frame.points, Clock::now() - frame.started);
+    unacknowledged_.pop_front();
+  }
 }
 
 void ClientStream::start(View next) {
   if (!next.sample.ok()) {
-    queue_frame(next.sequence, next.sample.status());
-    return;
+    const absl::Status refusal = next.sample.status();
+    return queue_frame(next, refusal);
   }
   refined_ = false;
+  next.started = Clock::now();
+  if (next.sample->automatic) next.sample->options.points = pace_.points(*next.sample->automatic);
+  if (wants_key_) claim_.reset();
   auto held = wants_key_ ? nullptr : held_;  // no frame is queued before this one is settled, unless with an error
   const absl::Status accepted =
-      hooks_.submit([self = shared_from_this(), session = session_, view = next, held = std::move(held)] {
-        const bool may_refine = view.improvements < kMaxImprovements;
-        auto answer = guarded([&] { return self->hooks_.answer(session, *view.sample, held.get(), may_refine); });
+      hooks_.submit([self = shared_from_this(), session = session_, view = next, held = std::move(held), claim = claim_] {
+        auto answer = guarded([&] { return self->answer(session, view, held, claim); });
         const std::lock_guard lock(self->mutex_);
         self->computing_ = false;
         self->settle(view, std::move(answer));
@@ -117,37 +139,58 @@ void ClientStream::start(View next) {
   if (accepted.ok()) {
     computing_ = true;
   } else if (next.improvements == 0) {
-    queue_frame(next.sequence, accepted);
+    queue_frame(next, accepted);
   }
+}
+
+absl::StatusOr<Answer> ClientStream::answer(const std::shared_ptr<const Session>& session, const View& view,
+                                            std::shared_ptr<const HeldPoints> held, const std::optional<HeldClaim>& claim) const {
+  if (claim) {
+    absl::StatusOr<std::shared_ptr<const HeldPoints>> restored = hooks_.restore(*session, *claim);
+    if (restored.ok()) held = *std::move(restored);  // else the client gets a key frame
+  }
+  return hooks_.answer(session, {.sample = *view.sample,
+                                 .held = held.get(),
+                                 .first_bytes = accepts_deltas_ ? view.first_bytes : 0,
+                                 .may_refine = view.improvements < kMaxImprovements});
 }
 
 void ClientStream::settle(View view, absl::StatusOr<Answer> answer) {
   const bool is_again = view.improvements > 0;
+  const bool is_part = answer.ok() && answer->is_part;
   const bool is_coarse = answer.ok() && answer->frame.statistics().refining();
   const std::uint64_t revision = answer.ok() ? answer->frame.curve_revision() : 0;
   // The client has points for this view: only better ones are news, or that there will be none.
-  const bool is_news = !is_again || (answer.ok() && (revision > coarse_revision_ || !is_coarse));
+  const bool is_news = !is_again || is_part || (answer.ok() && (revision > coarse_revision_ || !is_coarse));
   if (is_again && view.sequence != last_view_) return;  // overtaken meanwhile
   if (is_coarse && view.sequence == last_view_) {
     coarse_revision_ = revision;
     coarse_ = view;
+    refined_ = refined_ || is_part;  // the next part waits for nothing
   }
-  if (is_news) queue_frame(view.sequence, std::move(answer));
+  if (is_news) queue_frame(view, std::move(answer));
 }
 
-void ClientStream::queue_frame(std::uint64_t sequence, absl::StatusOr<Answer> answer) {
+void ClientStream::queue_frame(const View& view, absl::StatusOr<Answer> answer) {
   if (ending_) return;
   v1::StreamViewsResponse response;
+  Unacknowledged& frame = unacknowledged_.emplace_back(Unacknowledged{view.sequence});
   if (answer.ok()) {
+    if (!answer->is_part) frame.automatic = view.sample->automatic;
+    frame.points = view.sample->options.points;
+    frame.started = view.started;
     *response.mutable_frame() = std::move(answer->frame);
     if (accepts_deltas_) held_ = std::move(answer->held);
     if (response.frame().kind() == v1::FRAME_KIND_KEY) wants_key_ = false;
+    claim_.reset();
   } else {
     *response.mutable_frame()->mutable_error() = to_proto(answer.status());
   }
-  response.mutable_frame()->set_sequence(sequence);
+  response.mutable_frame()->set_sequence(view.sequence);
+  const auto bytes = static_cast<std::int64_t>(response.ByteSizeLong());
+  queued_bytes_ += bytes;
+  hooks_.count_queued(bytes);
   outbox_.push_back(std::move(response));
-  unacknowledged_.push_back(sequence);
 }
 
 void ClientStream::advance() {
@@ -166,6 +209,7 @@ void ClientStream::advance() {
     pending_.reset();
     coarse_.reset();
     outbox_.clear();
+    hooks_.count_queued(-std::exchange(queued_bytes_, 0));
     if (sending_) return;
     ended_ = true;
     session_.reset();
@@ -176,6 +220,8 @@ void ClientStream::advance() {
   if (!sending_ && !outbox_.empty()) {
     sending_ = true;
     last_sent_ = outbox_.front().frame().sequence();
+    sending_bytes_ = static_cast<std::int64_t>(outbox_.front().ByteSizeLong());
+    queued_bytes_ -= sending_bytes_;
     transport_->send(std::move(outbox_.front()));
     outbox_.pop_front();
   }

@@ -9,10 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/sample/splat_radius.h"
 #include "server/checker.h"
 #include "server/convert_density.h"
-#include "server/little_endian.h"
+#include "server/status_payload.h"
 
 namespace curvecast::server {
 namespace {
@@ -154,31 +153,22 @@ void read_budget(Checker& check, const v1::SampleRequest& request, Sample& sampl
         check.fail("sample.max_bytes", absl::StrCat("is ", sample.max_bytes, "; it must be at least ", kLeastBytes));
       }
       break;
+    case v1::SampleRequest::kAutomatic: {
+      AutomaticBudget& budget = sample.automatic.emplace();
+      const v1::AutomaticBudget& in = request.automatic();
+      if (in.frame_seconds() != 0) {
+        budget.frame_seconds = check.in_range("sample.automatic.frame_seconds", in.frame_seconds(), 0.001, 10.0);
+      }
+      if (in.max_points() != 0) {
+        budget.max_points = check.in_range("sample.automatic.max_points", in.max_points(), std::uint64_t{1}, kMaxPoints);
+      }
+      break;
+    }
     case v1::SampleRequest::kPoints:
     case v1::SampleRequest::BUDGET_NOT_SET:
       sample.options.points = request.points();
       if (request.points() == 0) check.fail("sample.points", "is 0; ask for at least one");
   }
-}
-
-std::string rgb_bytes(const std::vector<Rgba8>& colours, std::size_t begin, std::size_t count) {
-  std::string bytes;
-  bytes.reserve(3 * count);
-  for (std::size_t i = begin; i < begin + count; ++i) {
-    for (const std::uint8_t value : {colours[i].r, colours[i].g, colours[i].b}) bytes += static_cast<char>(value);
-  }
-  return bytes;
-}
-
-PointSet slice(const PointSet& points, std::size_t begin, std::size_t count) {
-  const auto part = [&](const auto& values) {
-    return std::remove_cvref_t<decltype(values)>(values.begin() + begin, values.begin() + begin + count);
-  };
-  return {.origin = points.origin,
-          .positions = part(points.positions),
-          .normals = part(points.normals),
-          .radii = part(points.radii),
-          .colours = points.colours.empty() ? points.colours : part(points.colours)};
 }
 
 }  // namespace
@@ -308,12 +298,18 @@ v1::Session to_proto(const Session& session) {
   *out.mutable_report() = to_proto(report, session.mesh_name, session.peak_bytes);
   out.set_curve_revision(curve->revision);
   out.set_refining(session.live->refining());
+  out.set_memory_bytes(session.memory_bytes());
   return out;
 }
 
 v1::Session to_proto(const SessionInfo& info) {
-  if (info.session != nullptr) return to_proto(*info.session);
   v1::Session out;
+  if (info.session != nullptr) {
+    out = to_proto(*info.session);
+    out.set_pinned(info.pinned);
+    out.set_time_to_live(info.time_to_live);
+    return out;
+  }
   out.set_session_id(info.id);
   out.set_mesh_id(info.mesh_id);
   out.set_state(to_proto(info.state));
@@ -321,82 +317,11 @@ v1::Session to_proto(const SessionInfo& info) {
   return out;
 }
 
-v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
-                             const PointAttributes& wanted) {
-  const auto column = [&](const auto& value_of) {
-    std::vector<decltype(value_of(std::uint32_t{}))> values(count);
-    for (std::size_t i = 0; i < count; ++i) values[i] = value_of(points.vertices[begin + i]);
-    return little_endian(values, 0, count);
-  };
-  v1::PointAttributes out;
-  if (wanted.curvatures) {
-    out.set_curvatures(column([&](std::uint32_t l) {
-      return std::array<float, 2>{curve.curvature_min[l], curve.curvature_max[l]};
-    }));
-  }
-  if (wanted.rank) out.set_ranks(little_endian(points.ranks, begin, count));
-  if (wanted.surface) {
-    out.set_faces(column([&](std::uint32_t l) { return curve.triangle[l]; }));
-    out.set_barycentric(column([&](std::uint32_t l) { return std::array<float, 2>{curve.weight_1[l], curve.weight_2[l]}; }));
-  }
-  return out;
-}
-
-absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
-                                        const std::optional<DracoOptions>& draco) {
-  v1::PointBlock block;
-  block.set_count(static_cast<std::uint32_t>(count));
-  *block.mutable_origin() = to_proto(points.origin);
-  if (!draco) {
-    v1::RawPoints& raw = *block.mutable_raw();
-    raw.set_positions(little_endian(points.positions, begin, count));
-    raw.set_normals(little_endian(points.normals, begin, count));
-    raw.set_radii(little_endian(points.radii, begin, count));
-    if (!points.colours.empty()) raw.set_colours(rgb_bytes(points.colours, begin, count));
-    return block;
-  }
-  // The session's own box, not the block's: all frames and blocks share one lattice.
-  DracoOptions options = *draco;
-  options.box_min = curve.box.min - points.origin;
-  options.box_size = (curve.box.max - curve.box.min).maxCoeff();
-  options.radius_max = static_cast<double>(SplatRadius::largest(curve));
-  float radius_min = 0, radius_max = 0;
-  absl::StatusOr<std::string> data = count == points.size()
-                                         ? encode_draco(points, options, &radius_min, &radius_max)
-                                         : encode_draco(slice(points, begin, count), options, &radius_min, &radius_max);
-  if (!data.ok()) return data.status();
-  v1::DracoPoints& out = *block.mutable_draco();
-  out.set_data(*std::move(data));
-  out.set_radius_min(radius_min);
-  out.set_radius_max(radius_max);
-  return block;
-}
-
-v1::PointEdits to_proto(const RankDelta& delta, const ListDelta& places, const SurfaceCurve& curve) {
-  v1::PointEdits edits;
-  const auto write = [](const std::vector<std::uint32_t>& indices, auto& out) {
-    out.Reserve(static_cast<int>(indices.size()));
-    std::uint32_t last = 0;
-    for (const std::uint32_t i : indices) out.Add(i - std::exchange(last, i));
-  };
-  write(places.removed, *edits.mutable_removed());
-  write(places.added, *edits.mutable_added());
-  std::uint32_t last = 0;
-  for (std::size_t i = 0; i < places.resized.size(); ++i) {
-    const int steps = int{delta.resized[i].point.rung} - int{delta.resized[i].from};
-    for (int step = 0; step < std::abs(steps); ++step) {
-      const std::uint32_t gap = places.resized[i] - std::exchange(last, places.resized[i]);
-      edits.add_resized(2 * gap + (steps > 0 ? 1 : 0));
-    }
-  }
-  edits.set_radius_max(SplatRadius::largest(curve));
-  return edits;
-}
-
 v1::FrameError to_proto(const absl::Status& status) {
   v1::FrameError error;
   error.set_code(static_cast<std::uint32_t>(status.code()));
   error.set_message(std::string(status.message()));
+  if (absl::IsResourceExhausted(status)) error.set_retry_after(kRetryAfter);
   return error;
 }
 

@@ -1,6 +1,8 @@
 #include "server/engine.h"
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <thread>
 #include <utility>
 
@@ -8,6 +10,7 @@ namespace curvecast::server {
 namespace {
 
 constexpr std::size_t kMaxPendingViews = 1024;
+constexpr std::chrono::seconds kTendInterval{1};
 constexpr std::size_t kMaxPendingSessions = 1024;
 
 int worker_count(int threads) {
@@ -22,8 +25,12 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       views(worker_count(options.threads), kMaxPendingViews),
       preprocessing(1, kMaxPendingSessions),
       cache(std::move(session_cache)),
+      max_view_rate(options.max_view_rate),
+      streams(std::make_shared<Admission>("streams of views", options.max_streams, options.max_streams_of_client)),
+      uploads(std::make_shared<Admission>("uploads", options.max_uploads, options.max_uploads_of_client)),
+      mesh_folder(options.mesh_folder),
       meshes(options.max_mesh_bytes, options.max_upload_bytes),
-      sessions(preprocessing, preprocess, options.max_sessions, options.threads, log, cache.get()),
+      sessions(preprocessing, preprocess, {options.max_sessions, options.max_session_bytes}, options.threads, log, cache.get()),
       refiner(
           options.max_curve_vertices,
           [this](const Session& session, bool is_finer) {
@@ -31,20 +38,32 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
             tell_streams(session);
           },
           log),
-      rank_jobs([this](const Session& session) { tell_streams(session); }, log) {}
+      rank_jobs([this](const Session& session) { tell_streams(session); }, log),
+      max_queued_bytes_(options.max_queued_bytes),
+      housekeeper_([this](const std::stop_token& stop) { tend(stop); }) {}
+
+void Engine::tend(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  while (!never.wait_for(lock, stop, kTendInterval, [] { return false; }) && !stop.stop_requested()) {
+    sessions.tend(std::chrono::steady_clock::now());
+  }
+}
 
 absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport) {
   auto stream = std::make_shared<ClientStream>(
-      transport, ClientStream::Hooks{
-                     .find = [this](const std::string& id) { return sessions.find(id); },
-                     .answer =
-                         [this, source = new_source()](const std::shared_ptr<const Session>& session, const Sample& sample,
-                                                       const HeldPoints* held, bool may_refine) {
-                           return make_frame(*session, sample, held, view_cache,
-                                             may_refine ? improve_for(session, sample, source) : OnShort());
-                         },
-                     .submit = [this](std::function<void()> job) { return views.submit(std::move(job)).status(); },
-                 });
+      transport,
+      ClientStream::Hooks{
+          .find = [this](const std::string& id) { return sessions.find(id); },
+          .answer =
+              [this, source = new_source()](const std::shared_ptr<const Session>& session, const FrameRequest& request) {
+                return make_frame(*session, request, view_cache, improve_for(session, request.sample, source));
+              },
+          .restore = [this](const Session& session, const HeldClaim& claim) { return restore_held(session, claim, view_cache); },
+          .submit = [this](std::function<void()> job) { return submit_view(std::move(job)); },
+          .count_queued = [this](std::int64_t bytes) { queued_bytes_ += static_cast<std::uint64_t>(bytes); },
+      });
   const std::lock_guard lock(mutex_);
   if (stopped_) return absl::UnavailableError("the server is shutting down");
   if (streams_.size() >= sweep_at_) {
@@ -53,6 +72,13 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
   }
   streams_.push_back(stream);
   return stream;
+}
+
+absl::Status Engine::submit_view(std::function<void()> job) {
+  if (queued_bytes_ > max_queued_bytes_) {
+    return absl::ResourceExhaustedError("too many frames wait to be read by their clients; try again later");
+  }
+  return views.submit(std::move(job)).status();
 }
 
 OnShort Engine::improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source) {
@@ -70,24 +96,24 @@ absl::Status Engine::close_session(const std::string& id) {
 }
 
 void Engine::tell_streams(const Session& session) {
-  std::vector<std::weak_ptr<ClientStream>> streams;
+  std::vector<std::weak_ptr<ClientStream>> all;
   {
     const std::lock_guard lock(mutex_);
-    streams = streams_;
+    all = streams_;
   }
-  for (const auto& weak : streams) {
+  for (const auto& weak : all) {
     if (const auto stream = weak.lock()) stream->refined(session);
   }
 }
 
 void Engine::stop_streams(const absl::Status& reason) {
-  std::vector<std::weak_ptr<ClientStream>> streams;
+  std::vector<std::weak_ptr<ClientStream>> all;
   {
     const std::lock_guard lock(mutex_);
     stopped_ = true;
-    streams = std::exchange(streams_, {});
+    all = std::exchange(streams_, {});
   }
-  for (const auto& weak : streams) {
+  for (const auto& weak : all) {
     if (const auto stream = weak.lock()) stream->stop(reason);
   }
 }

@@ -6,9 +6,12 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "server/admission.h"
 #include "server/client_stream.h"
 #include "server/job_queue.h"
 #include "server/mesh_store.h"
@@ -32,6 +35,8 @@ class Engine {
 
   /// Makes a conversation that stop_streams() reaches; refused with Unavailable after it.
   absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport);
+  /// A job for a view; ResourceExhausted where too many wait, or too many frames wait to be read.
+  absl::Status submit_view(std::function<void()> job);
   /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined, and more ranked
   /// candidates made.
   OnShort improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
@@ -48,6 +53,9 @@ class Engine {
   JobQueue views;                             // views, point sets, inspection
   JobQueue preprocessing;                     // one at a time: each uses all cores by itself
   const std::unique_ptr<SessionCache> cache;  // null: none
+  const double max_view_rate;                 // of a stream, per second
+  const std::shared_ptr<Admission> streams, uploads;
+  const std::string mesh_folder;  // of which clients may import meshes; empty: none
   MeshStore meshes;
   SessionStore sessions;
   Refiner refiner;
@@ -55,12 +63,16 @@ class Engine {
 
  private:
   void tell_streams(const Session& session);
+  void tend(const std::stop_token& stop);
 
+  const std::uint64_t max_queued_bytes_;
+  std::atomic<std::uint64_t> queued_bytes_ = 0;
   std::atomic<std::uint64_t> sources_ = 0;
   std::mutex mutex_;
   std::vector<std::weak_ptr<ClientStream>> streams_;
   std::size_t sweep_at_ = 64;  // number of streams at which those that have gone are forgotten
   bool stopped_ = false;
+  std::jthread housekeeper_;  // last: it uses the others
 };
 
 }  // namespace curvecast::server

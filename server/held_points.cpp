@@ -1,16 +1,24 @@
 #include "server/held_points.h"
 
+#include <xxhash.h>
+
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 namespace curvecast::server {
+namespace {
 
-std::shared_ptr<const HeldPoints> hold(const std::shared_ptr<const SurfaceCurve>& curve, const RankSelection& selection,
-                                       const Sample& sample) {
-  auto held = std::make_shared<HeldPoints>(HeldPoints{curve, {}, sample.draco, sample.attributes});
-  RankSelection& out = held->selection;
-  out.tree = selection.tree;
-  out.count = selection.count;
-  out.rungs = selection.rungs;
+std::pair<int, int> bits_of(const std::optional<DracoOptions>& draco) {
+  return draco ? std::pair(draco->position_bits, draco->normal_bits) : std::pair(0, 0);
+}
+
+}  // namespace
+
+HeldPoints::HeldPoints(std::shared_ptr<const SurfaceCurve> curve, const RankSelection& selection, const Sample& sample)
+    : curve_(std::move(curve)), draco_(sample.draco), attributes_(sample.attributes) {
+  selection_.tree = selection.tree;
+  selection_.count = selection.count;
   const auto words_of = [&](const RankSelection::Part& part) {
     return std::span(selection.shown)
         .subspan(part.first_bit / RankSelection::kWord, selection.tree->chunks()[part.chunk]->size() / RankSelection::kWord);
@@ -18,26 +26,50 @@ std::shared_ptr<const HeldPoints> hold(const std::shared_ptr<const SurfaceCurve>
   const auto is_shown = [&](const RankSelection::Part& part) {
     return std::ranges::any_of(words_of(part), [](std::uint64_t word) { return word != 0; });
   };
-  std::size_t parts = 0, words = 0;
+  std::size_t parts = 0, words = 0, runs = 0;
   for (const RankSelection::Part& part : selection.parts) {
     if (is_shown(part)) ++parts, words += words_of(part).size();
   }
-  out.parts.reserve(parts);
-  out.shown.reserve(words);
+  const auto digest = [this](const void* bytes, std::size_t size) { digest_ = XXH3_64bits_withSeed(bytes, size, digest_); };
+  selection_.parts.reserve(parts);
+  selection_.shown.reserve(words);
   for (const RankSelection::Part& part : selection.parts) {
     if (!is_shown(part)) continue;
-    out.parts.push_back({part.chunk, static_cast<std::uint32_t>(out.shown.size() * RankSelection::kWord)});
+    selection_.parts.push_back({part.chunk, static_cast<std::uint32_t>(selection_.shown.size() * RankSelection::kWord)});
     const std::span<const std::uint64_t> shown = words_of(part);
-    out.shown.insert(out.shown.end(), shown.begin(), shown.end());
+    selection_.shown.insert(selection_.shown.end(), shown.begin(), shown.end());
+    const ChunkId& id = selection.tree->chunks()[part.chunk]->id;
+    const std::uint64_t name[] = {static_cast<std::uint64_t>(id.level), id.index};
+    digest(name, sizeof(name));
+    digest(shown.data(), shown.size_bytes());
   }
-  return held;
+  const auto each_run = [&](const auto& visit) {
+    const std::vector<std::uint8_t>& rungs = selection.rungs;
+    for (std::size_t i = 0, end = 0; i < rungs.size(); i = end) {
+      const std::size_t limit = std::min(rungs.size(), i + std::numeric_limits<std::uint8_t>::max());
+      while (end < limit && rungs[end] == rungs[i]) ++end;
+      visit(Run{rungs[i], static_cast<std::uint8_t>(end - i)});
+    }
+  };
+  each_run([&](const Run&) { ++runs; });
+  discs_.reserve(runs);
+  each_run([&](const Run& run) { discs_.push_back(run); });
+  digest(discs_.data(), discs_.size() * sizeof(Run));
+  digest_ = std::max<std::uint64_t>(digest_, 1);
 }
 
-bool goes_with(const HeldPoints& held, const SurfaceCurve& curve, const Sample& sample) {
-  const auto bits = [](const std::optional<DracoOptions>& draco) {
-    return draco ? std::pair(draco->position_bits, draco->normal_bits) : std::pair(0, 0);
-  };
-  return held.curve.get() == &curve && bits(held.draco) == bits(sample.draco) && held.attributes == sample.attributes;
+void HeldPoints::discs(std::vector<std::uint8_t>& rungs) const {
+  rungs.clear();
+  for (const Run& run : discs_) rungs.insert(rungs.end(), run.count, run.rung);
+}
+
+bool HeldPoints::goes_with(const SurfaceCurve& curve, const Sample& sample) const {
+  return curve_.get() == &curve && bits_of(draco_) == bits_of(sample.draco) && attributes_ == sample.attributes;
+}
+
+std::size_t HeldPoints::byte_size() const {
+  return sizeof(*this) + selection_.parts.capacity() * sizeof(RankSelection::Part) +
+         selection_.shown.capacity() * sizeof(std::uint64_t) + discs_.capacity() * sizeof(Run);
 }
 
 }  // namespace curvecast::server

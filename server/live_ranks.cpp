@@ -36,4 +36,9 @@ absl::Status LiveRanks::grow(std::span<const ChunkId> lacking, const ExecutionCo
   return status;
 }
 
+std::uint64_t LiveRanks::byte_size() {
+  const std::lock_guard lock(mutex_);
+  return newest_.tree != nullptr ? newest_.tree->byte_size() : 0;
+}
+
 }  // namespace curvecast::server

@@ -32,6 +32,9 @@ class LiveRanks {
   /// Makes what is lacking, if it still is; one caller after the other. Errors as of RankGrower::grow(). Precondition: take().
   absl::Status grow(std::span<const ChunkId> lacking, const ExecutionContext& context);
 
+  /// Of the candidates.
+  std::uint64_t byte_size();
+
   /// Something could not be made for want of room: views that lack it do with what there is.
   bool is_full() const { return full_.load(std::memory_order_relaxed); }
 

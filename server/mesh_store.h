@@ -30,8 +30,18 @@ struct Mesh {
   std::span<const char> bytes() const { return {data.get(), size}; }
 };
 
-/// Thread-safe. Holds whole files and uploads under way within one budget; the least recently used files that nobody works
-/// on go first.
+/// What has come of a file.
+struct MeshPart {
+  Mesh mesh;  // mesh.size bytes have come
+  Hasher hasher;
+  std::string expected_id;     // empty: not known beforehand
+  std::uint64_t claimed = 0;   // bytes of the whole
+  std::uint64_t reserved = 0;  // bytes of the store's budget: the buffer's capacity and a fixed charge
+  std::size_t capacity = 0;
+};
+
+/// Thread-safe. Holds whole files, uploads under way, and what came of uploads that broke off, within one budget: the latter go
+/// first, then the least recently used files that nobody works on.
 class MeshStore {
  public:
   /// Bytes of all files together, and of one file.
@@ -39,8 +49,15 @@ class MeshStore {
 
   /// NotFound with what to do.
   absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id);
+  /// Bytes that are there of an upload that broke off, of the file with this hash.
+  std::uint64_t received(const std::string& id);
 
   std::uint64_t max_file_bytes() const { return max_file_bytes_; }
+  struct Use {
+    std::size_t files = 0;    // whole ones
+    std::uint64_t bytes = 0;  // of these, and of uploads
+  };
+  Use use();
 
  private:
   friend class MeshUpload;
@@ -49,6 +66,10 @@ class MeshStore {
   absl::Status reserve(std::uint64_t bytes);
   void release(std::uint64_t bytes);
   std::shared_ptr<const Mesh> keep(std::shared_ptr<const Mesh> mesh, std::uint64_t reserved);
+  /// Keeps a part for a later upload, instead of any other part of the same file.
+  void park(MeshPart part);
+  /// A part of which `offset` bytes have come, of a file of `size` bytes. FailedPrecondition where there is none.
+  absl::StatusOr<MeshPart> resume(const std::string& id, std::uint64_t size, std::uint64_t offset);
 
   const std::uint64_t max_bytes_;
   const std::uint64_t max_file_bytes_;
@@ -56,30 +77,28 @@ class MeshStore {
   std::uint64_t used_ = 0;  // bytes of `recency_` and of all uploads
   Recency recency_;
   std::unordered_map<std::string, Recency::iterator> by_id_;
+  std::list<MeshPart> parked_;  // the newest first; within used_ too
 };
 
 /// One file on its way into the store, which must outlive it. Not thread-safe.
 class MeshUpload {
  public:
   explicit MeshUpload(MeshStore& store) : store_(store) {}
-  ~MeshUpload();  // forgets what has not been finished
+  ~MeshUpload();  // what has not been finished is kept for another upload, if the file's hash is known, or forgotten
   MeshUpload(const MeshUpload&) = delete;
   MeshUpload& operator=(const MeshUpload&) = delete;
 
-  /// `size` is what the client claims: it is checked, never allocated ahead. `expected_id` may be empty.
-  absl::Status begin(std::string_view name, std::uint64_t size, std::string_view expected_id);
+  /// `size` is what the client claims: it is checked, never allocated ahead. `expected_id` may be empty. With `offset` > 0 goes
+  /// on from there: FailedPrecondition where that is not MeshStore::received(expected_id).
+  absl::Status begin(std::string_view name, std::uint64_t size, std::string_view expected_id, std::uint64_t offset = 0);
   absl::Status append(std::string_view chunk);
   /// The stored mesh, or the one already held for the same bytes. InvalidArgument for wrong size or hash.
   absl::StatusOr<std::shared_ptr<const Mesh>> finish();
 
  private:
   MeshStore& store_;
-  Mesh mesh_;
-  Hasher hasher_;
-  std::string expected_id_;
-  std::uint64_t claimed_ = 0;
-  std::uint64_t reserved_ = 0;  // bytes of the store's budget; the buffer's capacity and a fixed charge
-  std::size_t capacity_ = 0;
+  MeshPart part_;
+  bool is_sound_ = true;  // no more bytes came than there should
 };
 
 }  // namespace curvecast::server

@@ -1,4 +1,5 @@
 // Resample: one point set, packed on a worker and sent block by block.
+#include "server/convert.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
 #include "server/point_blocks.h"
@@ -29,6 +30,8 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
     }
     auto sample = to_sample(request.sample());
     if (!sample.ok()) return sample.status();
+    if (sample->automatic)
+      return absl::InvalidArgumentError("sample.automatic is for streams; ask for points, bytes or an error in pixels");
     return engine.views
         .submit([this, &engine, id, held = std::move(held), sample = *std::move(sample)]() mutable {
           finish(to_grpc(guarded([&]() -> absl::Status {

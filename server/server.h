@@ -15,11 +15,19 @@ class Channel;
 namespace curvecast::server {
 
 struct ServerOptions {
-  std::string listen = {};                                  // "host:port"; port 0 = any free one; empty = this process only
-  int threads = 0;                                          // for preprocessing and views; 0 = one per core
-  std::uint64_t max_upload_bytes = std::uint64_t{2} << 30;  // of one mesh file
-  std::uint64_t max_mesh_bytes = std::uint64_t{4} << 30;    // of all mesh files held; the least recently used go first
-  std::uint64_t max_sessions = 64;                          // held at once
+  std::string listen = {};                                   // "host:port"; port 0 = any free one; empty = this process only
+  int threads = 0;                                           // for preprocessing and views; 0 = one per core
+  std::uint64_t max_upload_bytes = std::uint64_t{2} << 30;   // of one mesh file
+  std::uint64_t max_mesh_bytes = std::uint64_t{4} << 30;     // of all mesh files held; the least recently used go first
+  std::uint64_t max_sessions = 64;                           // held at once
+  std::uint64_t max_session_bytes = std::uint64_t{8} << 30;  // of all of them; the least recently used go first, to the cache
+  std::string mesh_folder = {};                              // of which clients may import meshes; empty = none
+  std::size_t max_streams = 1000;                            // of views, at once
+  std::size_t max_streams_of_client = 250;                   // of one address
+  std::size_t max_uploads = 64;                              // at once
+  std::size_t max_uploads_of_client = 8;
+  double max_view_rate = 240;                               // views and acknowledgements a second that are taken from a stream
+  std::uint64_t max_queued_bytes = std::uint64_t{1} << 30;  // of all frames that wait to be read by their clients
   /// Of one session, to which a curve is refined at most where views ask for more than it was made for. Also kept within half of
   /// the machine's free memory. 0: no refinement.
   std::uint64_t max_curve_vertices = 20'000'000;

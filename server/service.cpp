@@ -1,14 +1,29 @@
 #include "server/service.h"
 
+#include <absl/strings/str_cat.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
 #include "server/convert.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
+#include "server/import_mesh.h"
+#include "server/log.h"
 #include "server/reactors.h"
 #include "server/request_log.h"
 #include "server/unary_job.h"
 
 namespace curvecast::server {
 namespace {
+
+constexpr std::uint32_t kPageSize = 100, kMostOnPage = 1000;
+
+bool is_id(const std::string& text) {
+  return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
 
 // Answers on the spot.
 template <class Answer>
@@ -42,6 +57,27 @@ grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context,
     response->set_name((*mesh)->name);
     response->set_size((*mesh)->size);
     return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* Service::GetUpload(grpc::CallbackServerContext* context, const v1::GetUploadRequest* request,
+                                             v1::GetUploadResponse* response) {
+  return answer(engine_, "GetUpload", context, [&] {
+    response->set_received(engine_.meshes.received(request->mesh_id()));
+    return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* Service::ImportMesh(grpc::CallbackServerContext* context, const v1::ImportMeshRequest* request,
+                                              v1::ImportMeshResponse* response) {
+  return new UnaryJob(engine_, "ImportMesh", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    return [this, path = request->path(), response](const ExecutionContext& job) {
+      const auto mesh = import_mesh(engine_.meshes, engine_.mesh_folder, path, job);
+      if (!mesh.ok()) return mesh.status();
+      response->set_mesh_id((*mesh)->id);
+      response->set_size((*mesh)->size);
+      return absl::OkStatus();
+    };
   });
 }
 
@@ -85,11 +121,38 @@ grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* conte
   });
 }
 
-grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* context, const v1::ListSessionsRequest* /*request*/,
+grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* context, const v1::ListSessionsRequest* request,
                                                 v1::ListSessionsResponse* response) {
   return answer(engine_, "ListSessions", context, [&] {
-    for (const SessionInfo& info : engine_.sessions.list()) *response->add_sessions() = with_cached(to_proto(info));
+    // A token is the last session_id of the page before.
+    const std::string& token = request->page_token();
+    if (!token.empty() && !is_id(token)) {
+      return absl::InvalidArgumentError(absl::StrCat("page_token \"", printable(token), "\" is none that this server has given"));
+    }
+    const std::size_t size = request->page_size() == 0 ? kPageSize : std::min(request->page_size(), kMostOnPage);
+    std::vector<SessionInfo> sessions = engine_.sessions.list(token, size + 1);
+    if (sessions.size() > size) {
+      sessions.pop_back();
+      response->set_next_page_token(sessions.back().id);
+    }
+    for (const SessionInfo& info : sessions) *response->add_sessions() = with_cached(to_proto(info));
     return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* Service::UpdateSession(grpc::CallbackServerContext* context, const v1::UpdateSessionRequest* request,
+                                                 v1::UpdateSessionResponse* response) {
+  return new UnaryJob(engine_, "UpdateSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    const auto pinned = request->has_pinned() ? std::optional(request->pinned()) : std::nullopt;
+    const auto time_to_live = request->has_time_to_live() ? std::optional(request->time_to_live()) : std::nullopt;
+    if (time_to_live && !(*time_to_live >= 0 && std::isfinite(*time_to_live))) {
+      return absl::InvalidArgumentError(absl::StrCat("time_to_live is ", *time_to_live, "; it must be finite and not negative"));
+    }
+    return [this, id = request->session_id(), pinned, time_to_live, response](const ExecutionContext& /*job*/) {
+      const auto info = engine_.sessions.update(id, pinned, time_to_live);
+      if (info.ok()) *response->mutable_session() = with_cached(to_proto(*info));
+      return info.status();
+    };
   });
 }
 

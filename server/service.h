@@ -15,6 +15,10 @@ class Service final : public v1::CurvecastService::CallbackService {
                                                              v1::UploadMeshResponse* response) override;
   grpc::ServerUnaryReactor* GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
                                     v1::GetMeshResponse* response) override;
+  grpc::ServerUnaryReactor* GetUpload(grpc::CallbackServerContext* context, const v1::GetUploadRequest* request,
+                                      v1::GetUploadResponse* response) override;
+  grpc::ServerUnaryReactor* ImportMesh(grpc::CallbackServerContext* context, const v1::ImportMeshRequest* request,
+                                       v1::ImportMeshResponse* response) override;
   grpc::ServerUnaryReactor* InspectMesh(grpc::CallbackServerContext* context, const v1::InspectMeshRequest* request,
                                         v1::InspectMeshResponse* response) override;
   grpc::ServerUnaryReactor* ListMeshReferences(grpc::CallbackServerContext* context, const v1::ListMeshReferencesRequest* request,
@@ -27,6 +31,8 @@ class Service final : public v1::CurvecastService::CallbackService {
                                        v1::GetSessionResponse* response) override;
   grpc::ServerUnaryReactor* ListSessions(grpc::CallbackServerContext* context, const v1::ListSessionsRequest* request,
                                          v1::ListSessionsResponse* response) override;
+  grpc::ServerUnaryReactor* UpdateSession(grpc::CallbackServerContext* context, const v1::UpdateSessionRequest* request,
+                                          v1::UpdateSessionResponse* response) override;
   grpc::ServerUnaryReactor* CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
                                          v1::CloseSessionResponse* response) override;
   grpc::ServerWriteReactor<v1::MeasureResponse>* Measure(grpc::CallbackServerContext* context,

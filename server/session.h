@@ -37,6 +37,8 @@ struct Session {
 
   /// The newest revision. One answer takes it once.
   std::shared_ptr<const SurfaceCurve> curve() const { return live->newest(); }
+  /// Of its curve and its ranked candidates.
+  std::uint64_t memory_bytes() const { return curve()->byte_size() + ranks->byte_size(); }
 };
 
 enum class SessionState { kQueued, kPreprocessing, kReady };
@@ -47,6 +49,8 @@ struct SessionInfo {
   PreprocessOptions options;
   SessionState state = SessionState::kQueued;
   std::shared_ptr<const Session> session;  // set when ready
+  bool pinned = false;                     // is never evicted
+  double time_to_live = 0;                 // above 0: is closed when nobody has used it for so many seconds
 };
 
 /// The same for the same files, under the same names, all options and the same version of the algorithm: 32 hexadecimal digits.

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "core/density/fixed_density_cache.h"
-#include "server/convert.h"
+#include "curvecast/v1/curvecast.pb.h"
+#include "server/sample.h"
+#include "server/session.h"
 #include "server/workspaces.h"
 
 namespace curvecast::server {

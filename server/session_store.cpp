@@ -43,11 +43,11 @@ struct SessionStore::Job {
   Clock::time_point last_report;
 };
 
-SessionStore::SessionStore(JobQueue& queue, Preprocess preprocess, std::size_t max_sessions, int threads,
+SessionStore::SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
                            std::shared_ptr<spdlog::logger> log, SessionCache* cache)
     : queue_(queue),
       preprocess_(std::move(preprocess)),
-      max_sessions_(max_sessions),
+      limits_(limits),
       threads_(threads),
       log_(std::move(log)),
       cache_(cache) {}
@@ -62,11 +62,11 @@ SessionStore::~SessionStore() {
 
 absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter) {
   const std::string id = session_id(files, options);
-  std::shared_ptr<const Session> evicted;  // outlives the lock: a curve takes its time to go
+  Evicted evicted;  // outlives the lock
   const std::lock_guard lock(mutex_);
   if (const auto found = entries_.find(id); found != entries_.end()) {
     Entry& entry = found->second;
-    entry.last_used = ++clock_;
+    touch(entry);
     if (entry.job == nullptr) {
       waiter->on_done(entry.info.session);
     } else {
@@ -75,7 +75,7 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
     }
     return id;
   }
-  if (absl::Status status = make_room(&evicted); !status.ok()) return status;
+  if (absl::Status status = make_room(evicted); !status.ok()) return status;
   auto job = std::make_shared<Job>();
   job->id = id;
   job->mesh_id = files.mesh->id;
@@ -114,7 +114,7 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_here(const std
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(id);
   if (found == entries_.end()) return not_found(id);
-  found->second.last_used = ++clock_;
+  touch(found->second);
   if (found->second.info.session == nullptr) {
     return absl::FailedPreconditionError(
         absl::StrCat("session ", id, " is still being preprocessed; join it with CreateSession and wait until it is ready"));
@@ -133,11 +133,11 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::str
   const Clock::time_point start = Clock::now();
   absl::StatusOr<std::shared_ptr<const Session>> loaded = cache_->load(id);
   if (!loaded.ok()) return not_found(id);
-  std::shared_ptr<const Session> evicted;  // outlives the lock, as in join()
+  Evicted evicted;  // outlives the lock
   const std::lock_guard lock(mutex_);
   // A job for it that has begun meanwhile goes on: it will give the same.
   if (entries_.contains(id)) return *loaded;
-  if (absl::Status status = make_room(&evicted); !status.ok()) return status;
+  if (absl::Status status = make_room(evicted); !status.ok()) return status;
   const Session& session = **loaded;
   entries_[id] = {
       .info = {id, session.mesh_id, session.options, SessionState::kReady, *loaded}, .job = nullptr, .last_used = ++clock_};
@@ -152,12 +152,49 @@ absl::StatusOr<SessionInfo> SessionStore::info(const std::string& id) {
   return found->second.info;
 }
 
-std::vector<SessionInfo> SessionStore::list() {
+std::vector<SessionInfo> SessionStore::list(const std::string& after, std::size_t most) {
   const std::lock_guard lock(mutex_);
   std::vector<SessionInfo> out;
-  out.reserve(entries_.size());
-  for (const auto& [id, entry] : entries_) out.push_back(entry.info);
+  for (auto it = entries_.upper_bound(after); it != entries_.end() && out.size() < most; ++it) out.push_back(it->second.info);
   return out;
+}
+
+absl::StatusOr<SessionInfo> SessionStore::update(const std::string& id, std::optional<bool> pinned,
+                                                 std::optional<double> time_to_live) {
+  const absl::StatusOr<std::shared_ptr<const Session>> ready = find(id);
+  if (!ready.ok()) return ready.status();
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return not_found(id);
+  SessionInfo& info = found->second.info;
+  info.pinned = pinned.value_or(info.pinned);
+  info.time_to_live = time_to_live.value_or(info.time_to_live);
+  log_->info("session {}: {}pinned, time to live {} s", id, info.pinned ? "" : "not ", info.time_to_live);
+  return info;
+}
+
+std::vector<std::string> SessionStore::tend(Clock::time_point now) {
+  std::vector<std::string> expired;
+  Evicted evicted;  // outlives the lock
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto& [id, entry] : entries_) {
+      if (!entry.is_idle()) entry.used_at = now;
+      const std::chrono::duration<double> unused = now - entry.used_at;
+      if (entry.info.time_to_live > 0 && unused.count() > entry.info.time_to_live) expired.push_back(id);
+    }
+    evict(limits_, evicted);
+  }
+  // Who has begun to use one of them meanwhile keeps it until he is done with it.
+  std::erase_if(expired, [this](const std::string& id) { return !close(id).ok(); });
+  return expired;
+}
+
+std::uint64_t SessionStore::memory_bytes() {
+  const std::lock_guard lock(mutex_);
+  std::uint64_t bytes = 0;
+  for (const auto& [id, entry] : entries_) bytes += entry.info.session != nullptr ? entry.info.session->memory_bytes() : 0;
+  return bytes;
 }
 
 void SessionStore::save(const Session& session) {
@@ -187,22 +224,33 @@ absl::Status SessionStore::close(const std::string& id) {
   return absl::OkStatus();
 }
 
-absl::Status SessionStore::make_room(std::shared_ptr<const Session>* evicted) {
-  if (entries_.size() < max_sessions_) return absl::OkStatus();
-  auto oldest = entries_.end();
-  for (auto it = entries_.begin(); it != entries_.end(); ++it) {
+void SessionStore::touch(Entry& entry) {
+  entry.last_used = ++clock_;
+  entry.used_at = Clock::now();
+}
+
+bool SessionStore::evict(const SessionLimits& limits, Evicted& evicted) {
+  std::vector<Resident> residents;
+  for (const auto& [id, entry] : entries_) {
     // References are only handed out under the lock, so a count of one cannot grow meanwhile.
-    if (it->second.job != nullptr || it->second.info.session.use_count() > 1) continue;
-    if (oldest == entries_.end() || it->second.last_used < oldest->second.last_used) oldest = it;
+    residents.push_back({id, entry.last_used, entry.info.session != nullptr ? entry.info.session->memory_bytes() : 0,
+                         entry.is_idle() && !entry.info.pinned});
   }
-  if (oldest == entries_.end()) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("the server holds ", max_sessions_, " sessions, all of them in use; close one or try again later"));
+  const Eviction eviction = choose_evicted(std::move(residents), limits);
+  for (const std::string& id : eviction.ids) {
+    log_->info("session {} evicted: not used for longest", id);
+    const auto found = entries_.find(id);
+    evicted.push_back(std::move(found->second.info.session));
+    entries_.erase(found);
   }
-  log_->info("session {} evicted: the least recently used of {}", oldest->first, max_sessions_);
-  *evicted = std::move(oldest->second.info.session);
-  entries_.erase(oldest);
-  return absl::OkStatus();
+  return eviction.is_enough;
+}
+
+absl::Status SessionStore::make_room(Evicted& evicted) {
+  if (evict({limits_.sessions - 1, limits_.bytes}, evicted)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("the server holds ", limits_.sessions, " sessions or ", limits_.bytes,
+                   " bytes of them at most, and all of them are in use; close one or try again later"));
 }
 
 void SessionStore::abandon(Job& job) {
@@ -293,8 +341,8 @@ void SessionStore::settle(Job& job, absl::StatusOr<std::shared_ptr<const Session
   Entry& entry = entries_.at(job.id);
   entry.info.state = SessionState::kReady;
   entry.info.session = session;
-  entry.last_used = ++clock_;
   entry.job = nullptr;
+  touch(entry);
   const std::shared_ptr<const SurfaceCurve> curve = session->curve();
   log_->info("session {} {} after {:.3f} s: {} curve vertices, {} MiB", job.id, job.loads ? "loaded from the cache" : "ready",
              seconds_since(job.created), curve->size(), curve->byte_size() >> 20);

@@ -3,17 +3,21 @@
 
 #include <absl/status/statusor.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "server/eviction.h"
 #include "server/job_queue.h"
 #include "server/mesh_files.h"
 #include "server/session.h"
@@ -44,8 +48,8 @@ class SessionStore {
 
   /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core). With a cache, which must
   /// outlive the store too, sessions are saved when they become ready, and loaded instead of made.
-  SessionStore(JobQueue& queue, Preprocess preprocess, std::size_t max_sessions, int threads, std::shared_ptr<spdlog::logger> log,
-               SessionCache* cache = nullptr);
+  SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
+               std::shared_ptr<spdlog::logger> log, SessionCache* cache = nullptr);
   ~SessionStore();  // cancels all preprocessing and waits until it has stopped; nobody may wait for a session any more
 
   /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called, if
@@ -62,11 +66,18 @@ class SessionStore {
   bool must_load(const std::string& id);
   /// Of sessions in memory only.
   absl::StatusOr<SessionInfo> info(const std::string& id);
-  std::vector<SessionInfo> list();  // by id
+  /// By id, at most `most` of those after one with this id.
+  std::vector<SessionInfo> list(const std::string& after = {}, std::size_t most = std::numeric_limits<std::size_t>::max());
+  /// Changes what is set, and tells what became of it. NotFound, or FailedPrecondition while it is being made.
+  absl::StatusOr<SessionInfo> update(const std::string& id, std::optional<bool> pinned, std::optional<double> time_to_live);
   /// Saves a session whose curve has become finer; not one that has been closed or evicted, not even if it has been made anew.
   void save(const Session& session);
   /// Forgets a session, in memory and cache; those who wait for it get Aborted. NotFound when it is in neither.
   absl::Status close(const std::string& id);
+  /// To be called now and then: closes sessions that nobody has used for their time to live, and evicts some where those that
+  /// have grown are too much together. Returns those that were closed.
+  std::vector<std::string> tend(std::chrono::steady_clock::time_point now);
+  std::uint64_t memory_bytes();  // of all sessions
 
  private:
   struct Job;
@@ -74,10 +85,17 @@ class SessionStore {
     SessionInfo info;
     std::shared_ptr<Job> job;  // until ready
     std::uint64_t last_used = 0;
+    std::chrono::steady_clock::time_point used_at = std::chrono::steady_clock::now();
+
+    bool is_idle() const { return job == nullptr && info.session.use_count() == 1; }
   };
   using Entries = std::map<std::string, Entry>;
+  // Curves take their time to go: they outlive the lock.
+  using Evicted = std::vector<std::shared_ptr<const Session>>;
 
-  absl::Status make_room(std::shared_ptr<const Session>* evicted);
+  void touch(Entry& entry);
+  bool evict(const SessionLimits& limits, Evicted& evicted);
+  absl::Status make_room(Evicted& evicted);
   absl::StatusOr<std::shared_ptr<const Session>> find_here(const std::string& id);
   absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id);
   absl::Status submit(const std::shared_ptr<Job>& job);
@@ -91,7 +109,7 @@ class SessionStore {
 
   JobQueue& queue_;
   const Preprocess preprocess_;
-  const std::size_t max_sessions_;
+  const SessionLimits limits_;
   const int threads_;
   const std::shared_ptr<spdlog::logger> log_;
   SessionCache* const cache_;  // may be null

@@ -1,4 +1,7 @@
 // StreamViews: carries a ClientStream over gRPC.
+#include <grpcpp/alarm.h>
+
+#include <chrono>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -6,6 +9,7 @@
 #include "server/client_stream.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
+#include "server/rate_limit.h"
 #include "server/reactors.h"
 #include "server/request_log.h"
 
@@ -16,17 +20,25 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
                                  public ClientStream::Transport {
  public:
   StreamViewsReactor(Engine& engine, const grpc::CallbackServerContext& context)
-      : engine_(engine), log_(*engine.log, "StreamViews", context) {
-    auto stream = engine.make_stream(this);
-    if (stream.ok()) {
-      stream_ = *std::move(stream);
+      : engine_(engine), log_(*engine.log, "StreamViews", context), rate_(engine.max_view_rate) {
+    const absl::Status begun = begin(context);
+    if (begun.ok()) {
       read_next();
     } else {
-      end(stream.status());
+      end(begun);
     }
   }
 
  private:
+  absl::Status begin(const grpc::CallbackServerContext& context) {
+    absl::StatusOr<Admission::Ticket> ticket = engine_.streams->admit(client_of_peer(context.peer()));
+    if (!ticket.ok()) return ticket.status();
+    ticket_.emplace(*std::move(ticket));
+    auto stream = engine_.make_stream(this);
+    if (stream.ok()) stream_ = *std::move(stream);
+    return stream.status();
+  }
+
   void send(v1::StreamViewsResponse response) override {
     response_ = std::move(response);
     StartWrite(&response_);
@@ -36,7 +48,8 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
     {
       const std::lock_guard lock(mutex_);
       ended_ = status;
-      if (loading_) return;  // whoever loads finishes: until then, the reactor stays
+      if (waiting_) alarm_.Cancel();
+      if (loading_ || waiting_) return;  // whoever loads or waits finishes: until then, the reactor stays
     }
     finish(status);
   }
@@ -50,7 +63,13 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
     if (!ok) return stream_->half_close();
     if (request_.has_open() && load_first()) return;
     stream_->receive(request_);
-    read_next();
+    const RateLimit::Clock::duration wait = rate_.take(RateLimit::Clock::now());
+    if (wait <= RateLimit::Clock::duration::zero()) return read_next();
+    // Not reading is what slows the client down: its messages wait with itself.
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+    waiting_ = true;
+    alarm_.Set(std::chrono::system_clock::now() + wait, [this](bool) { go_on(waiting_); });
   }
 
   /// Has a session that is only in the cache loaded before the stream hears of it, by a thread that may wait for the disk. False
@@ -65,20 +84,21 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
     const auto submitted = engine_.cache->loading().submit([this] {
       const auto held = guarded([this] { return engine_.sessions.find(request_.open().session_id()); });
       stream_->receive(request_);  // finds it in memory, or an error
-      loaded();
+      go_on(loading_);
     });
     if (!submitted.ok()) {
       stream_->stop(submitted.status());
-      loaded();
+      go_on(loading_);
     }
     return true;
   }
 
-  void loaded() {
+  /// Reads on after a pause, of which `flag` tells; or finishes what has ended meanwhile.
+  void go_on(bool& flag) {
     std::optional<absl::Status> ended;
     {
       const std::lock_guard lock(mutex_);
-      loading_ = false;
+      flag = false;
       ended = ended_;
       if (!ended) StartRead(&request_);
     }
@@ -103,8 +123,11 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   v1::StreamViewsRequest request_;
   v1::StreamViewsResponse response_;
   std::mutex mutex_;
-  std::optional<absl::Status> ended_;  // no operation may start any more
-  bool loading_ = false;
+  std::optional<absl::Status> ended_;       // no operation may start any more
+  bool loading_ = false, waiting_ = false;  // nothing is read meanwhile
+  RateLimit rate_;
+  grpc::Alarm alarm_;
+  std::optional<Admission::Ticket> ticket_;
 };
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include <absl/strings/str_cat.h>
 #include <spdlog/logger.h>
 
+#include <optional>
+
 #include "server/grpc_status.h"
 #include "server/guarded.h"
 #include "server/log.h"
@@ -17,7 +19,13 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
  public:
   UploadReactor(Engine& engine, const grpc::CallbackServerContext& context, v1::UploadMeshResponse* response)
       : engine_(engine), log_(*engine.log, "UploadMesh", context), upload_(engine.meshes), response_(response) {
-    StartRead(&request_);
+    absl::StatusOr<Admission::Ticket> ticket = engine.uploads->admit(client_of_peer(context.peer()));
+    if (ticket.ok()) {
+      ticket_.emplace(*std::move(ticket));
+      StartRead(&request_);
+    } else {
+      finish(ticket.status());
+    }
   }
 
  private:
@@ -25,8 +33,12 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
     const absl::Status status = guarded([&] { return ok ? take() : complete(); });
     if (ok && status.ok()) {
       StartRead(&request_);
-      return;
+    } else {
+      finish(status);
     }
+  }
+
+  void finish(const absl::Status& status) {
     log_.finish(to_grpc(status));
     Finish(to_grpc(status));
   }
@@ -38,7 +50,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
       case v1::UploadMeshRequest::kHeader:
         if (begun_) return absl::InvalidArgumentError("the header was sent twice; send it first and once");
         begun_ = true;
-        return upload_.begin(request_.header().name(), request_.header().size(), request_.header().mesh_id());
+        return upload_.begin(request_.header().name(), request_.header().size(), request_.header().mesh_id(),
+                             request_.header().offset());
       case v1::UploadMeshRequest::kChunk:
         if (!begun_) return absl::InvalidArgumentError("a chunk came before the header; send the header first");
         if (request_.chunk().size() > kMaxChunk) {
@@ -68,6 +81,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   v1::UploadMeshRequest request_;
   v1::UploadMeshResponse* const response_;
   bool begun_ = false;
+  std::optional<Admission::Ticket> ticket_;
 };
 
 }  // namespace

@@ -26,9 +26,9 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("curvecast COMMAND --help tells all about a command.");
   CommonOptions options;
-  const std::vector<Command> commands = {add_serve(app, options),  add_info(app, options),   add_preprocess(app, options),
-                                         add_sample(app, options), add_stream(app, options), add_measure(app, options),
-                                         add_render(app, options), add_bench(app, options)};
+  const std::vector<Command> commands = {add_serve(app, options),  add_info(app, options),     add_preprocess(app, options),
+                                         add_sample(app, options), add_stream(app, options),   add_measure(app, options),
+                                         add_render(app, options), add_sessions(app, options), add_bench(app, options)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -20,9 +20,10 @@
 namespace curvecast::client {
 namespace {
 
-constexpr std::size_t kHashBlock = 1 << 20;  // bytes read at a time
-constexpr int kReferenceRounds = 8;          // a mesh names material libraries, these name textures: two, as a rule
-constexpr std::size_t kMaxCompanions = 256;  // of a mesh, as in the API
+constexpr std::size_t kHashBlock = 1 << 20;     // bytes read at a time
+constexpr int kReferenceRounds = 8;             // a mesh names material libraries, these name textures: two, as a rule
+constexpr std::size_t kMaxCompanions = 256;     // of a mesh, as in the API
+constexpr std::size_t kMostSessions = 100'000;  // that a server may list
 
 std::string to_hex(const XXH128_hash_t& hash) {
   XXH128_canonical_t canonical;
@@ -201,9 +202,23 @@ absl::StatusOr<v1::Session> Client::get_session(const std::string& session_id, s
 }
 
 absl::StatusOr<std::vector<v1::Session>> Client::list_sessions(std::stop_token stop) {
-  absl::StatusOr<v1::ListSessionsResponse> response = connection_->list_sessions(stop);
+  std::vector<v1::Session> sessions;
+  v1::ListSessionsRequest request;
+  do {
+    absl::StatusOr<v1::ListSessionsResponse> page = connection_->list_sessions(request, stop);
+    if (!page.ok()) return page.status();
+    sessions.insert(sessions.end(), page->sessions().begin(), page->sessions().end());
+    const bool is_new = page->next_page_token() != request.page_token() && sessions.size() < kMostSessions;
+    if (!page->next_page_token().empty() && !is_new) return absl::DataLossError("the server's pages of sessions do not end");
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return sessions;
+}
+
+absl::StatusOr<v1::Session> Client::update_session(const v1::UpdateSessionRequest& request, std::stop_token stop) {
+  absl::StatusOr<v1::UpdateSessionResponse> response = connection_->update_session(request, std::move(stop));
   if (!response.ok()) return response.status();
-  return std::vector<v1::Session>(response->sessions().begin(), response->sessions().end());
+  return std::move(*response->mutable_session());
 }
 
 absl::Status Client::close_session(const std::string& session_id, std::stop_token stop) {

@@ -83,7 +83,8 @@ class Client {
   absl::StatusOr<v1::Session> create_session(const UploadedMesh& mesh, const v1::SessionOptions& options,
                                              const StageProgress& on_progress = {}, std::stop_token stop = {});
   absl::StatusOr<v1::Session> get_session(const std::string& session_id, std::stop_token stop = {});
-  absl::StatusOr<std::vector<v1::Session>> list_sessions(std::stop_token stop = {});
+  absl::StatusOr<std::vector<v1::Session>> list_sessions(std::stop_token stop = {});  // all pages
+  absl::StatusOr<v1::Session> update_session(const v1::UpdateSessionRequest& request, std::stop_token stop = {});
   absl::Status close_session(const std::string& session_id, std::stop_token stop = {});
 
   /// The curve of a ready session, checked: see decode_curve.

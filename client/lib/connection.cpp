@@ -161,7 +161,13 @@ class GrpcConnection : public Connection {
 
   absl::StatusOr<v1::UploadMeshResponse> upload_mesh(const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes,
                                                      std::stop_token stop) override {
-    return with_retry(options_.retry, stop, [&] { return upload_once(header, read, on_bytes, stop); });
+    v1::UploadHeader rest = header;
+    bool is_first = true;
+    return with_retry(options_.retry, stop, [&] {
+      // What has come before the connection broke need not be sent again.
+      if (!std::exchange(is_first, false)) rest.set_offset(received(header, stop));
+      return upload_once(rest, read, on_bytes, stop);
+    });
   }
 
   absl::StatusOr<v1::GetMeshResponse> get_mesh(const v1::GetMeshRequest& request, std::stop_token stop) override {
@@ -206,9 +212,13 @@ class GrpcConnection : public Connection {
     return unary<v1::GetSessionResponse>(&v1::CurvecastService::Stub::GetSession, request, options_.short_timeout, stop);
   }
 
-  absl::StatusOr<v1::ListSessionsResponse> list_sessions(std::stop_token stop) override {
-    return unary<v1::ListSessionsResponse>(&v1::CurvecastService::Stub::ListSessions, v1::ListSessionsRequest{},
-                                           options_.short_timeout, stop);
+  absl::StatusOr<v1::ListSessionsResponse> list_sessions(const v1::ListSessionsRequest& request, std::stop_token stop) override {
+    return unary<v1::ListSessionsResponse>(&v1::CurvecastService::Stub::ListSessions, request, options_.short_timeout, stop);
+  }
+
+  absl::StatusOr<v1::UpdateSessionResponse> update_session(const v1::UpdateSessionRequest& request,
+                                                           std::stop_token stop) override {
+    return unary<v1::UpdateSessionResponse>(&v1::CurvecastService::Stub::UpdateSession, request, options_.short_timeout, stop);
   }
 
   absl::Status close_session(const v1::CloseSessionRequest& request, std::stop_token stop) override {
@@ -278,6 +288,17 @@ class GrpcConnection : public Connection {
     });
   }
 
+  /// Bytes that the server has of a file, as far as it can tell.
+  std::uint64_t received(const v1::UploadHeader& header, const std::stop_token& stop) {
+    if (header.mesh_id().empty()) return 0;
+    Call call(stop, options_.short_timeout);
+    v1::GetUploadRequest request;
+    request.set_mesh_id(header.mesh_id());
+    v1::GetUploadResponse response;
+    const bool is_known = stub_->GetUpload(call.context(), request, &response).ok();
+    return is_known && response.received() <= header.size() ? response.received() : 0;
+  }
+
   absl::StatusOr<v1::UploadMeshResponse> upload_once(const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes,
                                                      const std::stop_token& stop) {
     Call call(stop, options_.long_timeout);
@@ -286,7 +307,7 @@ class GrpcConnection : public Connection {
     v1::UploadMeshRequest message;
     *message.mutable_header() = header;
     bool open = writer->Write(message);
-    for (std::uint64_t sent = 0; open && sent < header.size();) {
+    for (std::uint64_t sent = header.offset(); open && sent < header.size();) {
       std::string& chunk = *message.mutable_chunk();
       chunk.resize(std::min<std::uint64_t>(kChunkBytes, header.size() - sent));
       if (absl::Status status = read(sent, chunk); !status.ok()) {

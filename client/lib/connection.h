@@ -32,7 +32,7 @@ struct ConnectionOptions {
   std::chrono::milliseconds long_timeout{600'000};  // calls that compute or move data; preprocessing has no deadline
 };
 
-/// Fills `out` with the bytes from `offset` on. Called again from the start when an upload is repeated.
+/// Fills `out` with the bytes from `offset` on. Called again from where the server has lost track when an upload is repeated.
 using ReadAt = std::function<absl::Status(std::uint64_t offset, std::span<char> out)>;
 using OnBytes = std::function<void(std::uint64_t sent)>;
 using OnProgress = std::function<void(const v1::Progress& progress)>;
@@ -67,7 +67,10 @@ class Connection {
   virtual absl::StatusOr<v1::Session> create_session(const v1::CreateSessionRequest& request, const OnProgress& on_progress,
                                                      std::stop_token stop) = 0;
   virtual absl::StatusOr<v1::GetSessionResponse> get_session(const v1::GetSessionRequest& request, std::stop_token stop) = 0;
-  virtual absl::StatusOr<v1::ListSessionsResponse> list_sessions(std::stop_token stop) = 0;
+  virtual absl::StatusOr<v1::ListSessionsResponse> list_sessions(const v1::ListSessionsRequest& request,
+                                                                 std::stop_token stop) = 0;
+  virtual absl::StatusOr<v1::UpdateSessionResponse> update_session(const v1::UpdateSessionRequest& request,
+                                                                   std::stop_token stop) = 0;
   virtual absl::Status close_session(const v1::CloseSessionRequest& request, std::stop_token stop) = 0;
   /// All messages of the answer, in order.
   virtual absl::StatusOr<std::vector<v1::ResampleResponse>> resample(const v1::ResampleRequest& request,

@@ -8,13 +8,17 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <exception>
 #include <limits>
 #include <memory>
+#include <numeric>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "client/lib/append_values.h"
 
@@ -299,6 +303,40 @@ absl::StatusOr<Points> decode_block(const v1::PointBlock& block) {
     if (!std::isfinite(o)) return absl::DataLossError("the server sent a bad block of points: its origin is not finite");
   }
   return points;
+}
+
+absl::StatusOr<Points> decode_blocks(const google::protobuf::RepeatedPtrField<v1::PointBlock>& blocks) {
+  std::uint64_t total = 0;
+  for (const v1::PointBlock& block : blocks) total += block.count();
+  if (total > kMaxPoints) return absl::DataLossError(absl::StrCat("the server sent ", total, " points in a frame"));
+  const auto count = static_cast<std::size_t>(blocks.size());
+  std::vector<absl::StatusOr<Points>> decoded(count, absl::UnknownError(""));
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t b = next++; b < count; b = next++) decoded[b] = decode_block(blocks[static_cast<int>(b)]);
+  };
+  {
+    std::vector<std::jthread> helpers;
+    for (std::size_t t = 1; t < std::min<std::size_t>(count, std::thread::hardware_concurrency()); ++t)
+      helpers.emplace_back(work);
+    work();
+  }
+  Points out;
+  for (absl::StatusOr<Points>& points : decoded) {
+    if (!points.ok()) return points.status();
+    if (out.size() > 0 && points->origin != out.origin) return absl::DataLossError("the server sent blocks of different origins");
+    append_points(*std::move(points), &out);
+  }
+  const auto is_whole = [&](const auto&... columns) { return ((columns.empty() || columns.size() == out.size()) && ...); };
+  if (!is_whole(out.normals, out.radii, out.colours, out.curvatures, out.ranks, out.faces, out.barycentric)) {
+    return absl::DataLossError("the server sent blocks of which not all have the same attributes");
+  }
+  return out;
+}
+
+std::uint64_t encoded_bytes(const google::protobuf::RepeatedPtrField<v1::PointBlock>& blocks) {
+  return std::accumulate(blocks.begin(), blocks.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const v1::PointBlock& block) { return sum + encoded_bytes(block); });
 }
 
 std::uint64_t encoded_bytes(const v1::PointBlock& block) {

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "client/lib/draco_points.h"
+
 namespace curvecast::client {
 namespace {
 
@@ -82,7 +84,7 @@ absl::Status resize(const v1::PointEdits& edits, std::vector<float>& radii) {
   if (edits.resized().empty()) return absl::OkStatus();
   const float largest = edits.radius_max();
   if (!(largest > 0) || !std::isfinite(largest)) return absl::InvalidArgumentError("radius_max is no radius");
-  constexpr int kRungsPerOctave = 4, kRungs = 128;
+  constexpr int kRungsPerOctave = 2, kRungs = 64;
   std::uint64_t i = 0;
   for (const std::uint32_t code : edits.resized()) {
     i += code / 2;
@@ -99,6 +101,7 @@ absl::StatusOr<Points> apply_edits(const Points& held, const v1::PointEdits& edi
   const absl::StatusOr<Indices> removed = read_indices(edits.removed(), held.size(), "removed");
   if (!removed.ok()) return removed.status();
   const std::size_t size = held.size() - removed->size() + added.size();
+  if (size > kMaxPoints) return absl::InvalidArgumentError(absl::StrCat("there would be ", size, " points after it"));
   const absl::StatusOr<Indices> places = read_indices(edits.added(), size, "added");
   if (!places.ok()) return places.status();
   if (places->size() != added.size()) {

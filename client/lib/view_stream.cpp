@@ -17,6 +17,8 @@ namespace {
 
 // The server keeps two frames in flight at most; a few more are refused frames, which are small.
 constexpr std::size_t kMaxQueuedFrames = 16;
+// Views of which it is remembered what they asked for. A frame for an older one can be shown, but not resumed from.
+constexpr std::size_t kMostRemembered = 256;
 
 absl::Status bad_frame(const v1::PointFrame& message, absl::string_view why) {
   return absl::DataLossError(absl::StrCat("frame ", message.sequence(), ": ", why));
@@ -24,16 +26,12 @@ absl::Status bad_frame(const v1::PointFrame& message, absl::string_view why) {
 
 /// The points of a frame that has no error.
 absl::StatusOr<Points> decode_points(const v1::PointFrame& message, const Points* held) {
-  if (message.kind() == v1::FRAME_KIND_KEY) return decode_block(message.points());
+  if (message.kind() == v1::FRAME_KIND_KEY) return decode_blocks(message.points());
   if (message.kind() != v1::FRAME_KIND_DELTA) return bad_frame(message, absl::StrCat("kind ", message.kind(), " is not known"));
   if (held == nullptr) return bad_frame(message, "a delta to points that are not there");
-  Points added;
-  if (message.has_points()) {
-    absl::StatusOr<Points> decoded = decode_block(message.points());
-    if (!decoded.ok()) return decoded.status();
-    added = *std::move(decoded);
-  }
-  absl::StatusOr<Points> points = apply_edits(*held, message.edits(), added);
+  const absl::StatusOr<Points> added = decode_blocks(message.points());
+  if (!added.ok()) return added.status();
+  absl::StatusOr<Points> points = apply_edits(*held, message.edits(), *added);
   if (!points.ok()) return bad_frame(message, points.status().message());
   if (points->size() != message.held_points()) {
     return bad_frame(message, absl::StrCat("there are ", points->size(), " points after it, not ", message.held_points()));
@@ -41,8 +39,9 @@ absl::StatusOr<Points> decode_points(const v1::PointFrame& message, const Points
   return points;
 }
 
-/// Takes a frame into `held`.
-absl::StatusOr<Frame> decode_frame(const v1::PointFrame& message, std::shared_ptr<const Points>& held) {
+/// Takes a frame in.
+absl::StatusOr<Frame> decode_frame(const v1::PointFrame& message, HeldFrame& held_frame) {
+  std::shared_ptr<const Points>& held = held_frame.points;
   const auto start = std::chrono::steady_clock::now();
   Frame frame;
   frame.sequence = message.sequence();
@@ -56,7 +55,7 @@ absl::StatusOr<Frame> decode_frame(const v1::PointFrame& message, std::shared_pt
   }
   absl::StatusOr<Points> points = decode_points(message, held.get());
   if (!points.ok()) {
-    held = nullptr;
+    held_frame = {.points = nullptr};
     return points.status();
   }
   frame.is_delta = message.kind() == v1::FRAME_KIND_DELTA;
@@ -64,6 +63,7 @@ absl::StatusOr<Frame> decode_frame(const v1::PointFrame& message, std::shared_pt
   frame.added = frame.is_delta ? static_cast<std::size_t>(message.edits().added_size()) : points->size();
   frame.resized = static_cast<std::size_t>(message.edits().resized_size());
   frame.points = held = std::make_shared<const Points>(*std::move(points));
+  held_frame.digest = message.digest();
   frame.encoded_bytes = encoded_bytes(message.points()) + (frame.is_delta ? message.edits().ByteSizeLong() : 0);
   frame.decode_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return frame;
@@ -107,14 +107,25 @@ struct ViewStream::State {
     return writing && call->write(request);
   }
 
+  /// What the view of a frame asked for; sets its digest to none where that is forgotten.
+  v1::SampleRequest sample_of(std::uint64_t sequence, std::uint64_t& digest) {
+    const std::lock_guard lock(write_mutex);
+    while (!sent.empty() && sent.front().sequence() < sequence) sent.pop_front();
+    if (!sent.empty() && sent.front().sequence() == sequence) return sent.front().sample();
+    digest = 0;
+    return {};
+  }
+
   std::unique_ptr<ViewCall> call;
   std::stop_token stop;
+  std::uint64_t first_bytes = 0;
   std::mutex write_mutex;           // gRPC takes one write at a time
   std::uint64_t last_sequence = 0;  // under write_mutex, as the following
   bool writing = true;              // until close()
+  std::deque<v1::ViewUpdate> sent;  // the newest views
 
-  std::mutex decode_mutex;                                                // taken first: frames are taken in in their order
-  std::shared_ptr<const Points> held = std::make_shared<const Points>();  // null after one that could not be
+  std::mutex decode_mutex;  // taken first: frames are taken in in their order
+  HeldFrame held;           // no points after one that could not be
 
   std::mutex mutex;
   std::condition_variable changed;
@@ -131,9 +142,17 @@ ViewStream::~ViewStream() = default;
 std::unique_ptr<ViewStream> ViewStream::open(Connection& connection, const std::string& session_id, std::stop_token stop,
                                              const ViewStreamOptions& options) {
   auto state = std::make_unique<State>(connection.stream_views(stop), stop);
+  state->first_bytes = options.first_bytes;
   v1::StreamViewsRequest request;
   request.mutable_open()->set_session_id(session_id);
   request.mutable_open()->set_accept_deltas(options.deltas);
+  if (options.held.points != nullptr) {
+    state->held = options.held;
+    v1::HeldPoints& held = *request.mutable_open()->mutable_held();
+    *held.mutable_sample() = options.held.sample;
+    held.set_points(options.held.points->size());
+    held.set_digest(options.held.digest);
+  }
   state->write(request);  // a failure shows in the stream's status
   return std::unique_ptr<ViewStream>(new ViewStream(std::move(state)));
 }
@@ -142,10 +161,13 @@ absl::StatusOr<std::uint64_t> ViewStream::send_view(const v1::SampleRequest& sam
   v1::StreamViewsRequest request;
   *request.mutable_view()->mutable_sample() = sample;
   request.mutable_view()->set_key_frame(key_frame);
+  request.mutable_view()->set_first_bytes(state_->first_bytes);
   {
     const std::lock_guard lock(state_->write_mutex);
     request.mutable_view()->set_sequence(++state_->last_sequence);
     if (!state_->writing) return absl::FailedPreconditionError("the stream is closed");
+    state_->sent.push_back(request.view());
+    if (state_->sent.size() > kMostRemembered) state_->sent.pop_front();
     if (state_->call->write(request)) return request.view().sequence();
   }
   std::unique_lock lock(state_->mutex);
@@ -173,7 +195,14 @@ absl::StatusOr<Frame> ViewStream::next_frame(std::chrono::milliseconds timeout) 
   v1::StreamViewsRequest request;
   request.mutable_ack()->set_sequence(message.sequence());
   state_->write(request);
-  return decode_frame(message, state_->held);
+  absl::StatusOr<Frame> frame = decode_frame(message, state_->held);
+  if (frame.ok() && frame->error.ok()) state_->held.sample = state_->sample_of(message.sequence(), state_->held.digest);
+  return frame;
+}
+
+HeldFrame ViewStream::held() const {
+  const std::lock_guard decoding(state_->decode_mutex);
+  return state_->held.digest != 0 ? state_->held : HeldFrame();
 }
 
 absl::Status ViewStream::close() {

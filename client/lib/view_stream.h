@@ -27,8 +27,17 @@ struct Frame {
   absl::Status error;  // why the server refused the view; the stream goes on
 };
 
+/// What is left of a stream that broke off, for the next one to go on from.
+struct HeldFrame {
+  std::shared_ptr<const Points> points = std::make_shared<const Points>();
+  v1::SampleRequest sample;  // that the frame answered
+  std::uint64_t digest = 0;  // the server's name for the points; 0: it has none
+};
+
 struct ViewStreamOptions {
-  bool deltas = true;  // frames may be differences to the one before; next_frame() takes them in
+  bool deltas = true;             // frames may be differences to the one before; next_frame() takes them in
+  std::uint64_t first_bytes = 0;  // with deltas: larger frames come in parts, one of about so many bytes first; 0 = whole
+  HeldFrame held = {};            // with deltas: ViewStream::held() of a stream of the same session that broke off
 };
 
 /// Thread-safe, but a frame goes to one caller of next_frame() only.
@@ -50,6 +59,9 @@ class ViewStream {
   /// cannot be decoded (deltas after it cannot be taken in until a key frame comes), Aborted when the server has ended the stream
   /// in order, else the status it ended with.
   absl::StatusOr<Frame> next_frame(std::chrono::milliseconds timeout);
+
+  /// The points of the last frame taken in, for the stream after this one; without a digest where the server gave none.
+  HeldFrame held() const;
 
   /// Sends no more, waits for the server to end the stream and returns its status. Frames not taken are dropped.
   absl::Status close();

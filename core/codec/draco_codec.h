@@ -3,6 +3,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <cstddef>
 #include <string>
 
 #include "core/sample/point_set.h"
@@ -19,10 +20,14 @@ struct DracoOptions {
 
 /// The message holds position, normal and a generic one-byte attribute "radius": code c means
 /// radius_min (radius_max / radius_min)^(c / 255), where both bounds are written to the arguments; radii are rounded up to a
-/// RadiusLadder below radius_max, of which a rung is two codes. Where the points have colours, also COLOR, three bytes (alpha is
+/// RadiusLadder below radius_max, of which a rung is four codes. Where the points have colours, also COLOR, three bytes (alpha is
 /// dropped: points of a surface are not blended).
 /// InvalidArgument for options out of range and points outside of the box; Internal with Draco's message otherwise.
 absl::StatusOr<std::string> encode_draco(const PointSet& points, const DracoOptions& options, float* radius_min,
                                          float* radius_max);
+
+/// The same of points [begin, begin + count) alone.
+absl::StatusOr<std::string> encode_draco(const PointSet& points, std::size_t begin, std::size_t count,
+                                         const DracoOptions& options, float* radius_min, float* radius_max);
 
 }  // namespace curvecast

@@ -1,5 +1,6 @@
-// The radii that discs may have where they are sent one by one: rungs of a ladder of a quarter octave each, below a largest one.
-// A disc that is rounded up to the next rung is a tenth too large on average, and its radius costs a fraction of a bit.
+// The radii that discs may have where they are sent one by one: rungs of a ladder of half an octave each, below a largest one.
+// A disc that is rounded up to the next rung is a fifth too large on average; its radius costs a fraction of a bit, and few
+// change from one view to the next.
 #pragma once
 
 #include <array>
@@ -11,7 +12,7 @@ namespace curvecast {
 
 class RadiusLadder {
  public:
-  static constexpr int kRungs = 128, kRungsPerOctave = 4;  // the lowest is 2^-31.75 of the largest
+  static constexpr int kRungs = 64, kRungsPerOctave = 2;  // the lowest is 2^-31.5 of the largest
 
   explicit RadiusLadder(double largest) {
     for (int k = 0; k < kRungs; ++k) {
@@ -31,16 +32,13 @@ class RadiusLadder {
   /// The lowest rung that is not below `largest / sqrt(square)`.
   static std::uint8_t below(float square) {
     if (!(square > 1)) return 0;
-    // Two rungs for every power of two of the square: its exponent, and whether half of the next has been passed.
-    const auto bits = std::bit_cast<std::uint32_t>(square);
-    const int exponent = static_cast<int>(bits >> 23) - 127;
-    const int rungs = 2 * exponent + ((bits & 0x7fffffu) >= kRootOfTwo ? 1 : 0);
+    // A rung for every power of two of the square: its exponent.
+    const int rungs = static_cast<int>(std::bit_cast<std::uint32_t>(square) >> 23) - 127;
     return static_cast<std::uint8_t>(rungs < kRungs ? rungs : kRungs - 1);
   }
 
  private:
   static constexpr float kSlack = 1.00001f;
-  static constexpr std::uint32_t kRootOfTwo = 0x3504f3u;  // the fraction of its root as a float
 
   std::array<float, kRungs> radius_;
 };

@@ -44,11 +44,11 @@ void sort_changes(const RankTree& tree, std::vector<Change>& changes, const Ref&
 
 }  // namespace
 
-void compare(const RankSelection& earlier, const RankSelection& later, RankDelta& out) {
+void compare(const RankSelection& earlier, std::span<const std::uint8_t> discs, const RankSelection& later, RankDelta& out) {
   out.added.clear();
   out.removed.clear();
   out.resized.clear();
-  const bool has_discs = !earlier.rungs.empty() && !later.rungs.empty();
+  const bool has_discs = !discs.empty() && !later.rungs.empty();
   std::size_t old_rung = 0, new_rung = 0;  // of the next point that each shows
   for_each_pair(earlier, later, [&](const RankSelection::Part* before, const RankSelection::Part* after) {
     const RankChunk& chunk = after != nullptr ? *later.tree->chunks()[after->chunk] : *earlier.tree->chunks()[before->chunk];
@@ -58,7 +58,7 @@ void compare(const RankSelection& earlier, const RankSelection& later, RankDelta
       for_each_bit(has_discs ? was | is : was ^ is, 0, [&](std::size_t bit) {
         const auto point = static_cast<std::uint16_t>(w * kWord + bit);
         const bool is_old = (was >> bit & 1) != 0, is_new = (is >> bit & 1) != 0;
-        const std::uint8_t from = has_discs && is_old ? earlier.rungs[old_rung++] : std::uint8_t{0};
+        const std::uint8_t from = has_discs && is_old ? discs[old_rung++] : std::uint8_t{0};
         const std::uint8_t to = has_discs && is_new ? later.rungs[new_rung++] : std::uint8_t{0};
         if (is_old && is_new) {
           if (from != to) out.resized.push_back({{after->chunk, point, to}, from});
@@ -72,37 +72,34 @@ void compare(const RankSelection& earlier, const RankSelection& later, RankDelta
   });
 }
 
-void locate(const RankSelection& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out) {
-  const RankTree& old_tree = *earlier.tree;
+void locate(const RankTree& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out) {
   const RankTree& tree = *later.tree;
-  const auto itself = [](const RankRef& ref) { return ref; };
+  const auto itself = [](const RankRef& ref) -> const RankRef& { return ref; };
+  const auto point_of = [](const RankDelta::Resized& resized) -> const RankRef& { return resized.point; };
   sort_changes(tree, delta.added, itself, out);
-  sort_changes(old_tree, delta.removed, itself, out);
-  sort_changes(
-      tree, delta.resized, [](const RankDelta::Resized& resized) { return resized.point; }, out);
-  // All that either list has. No two points share a place.
-  out.keys.clear();
-  later.for_each_shown([&](const RankRef& ref, std::size_t) { out.keys.push_back(key_of(tree, ref, 0)); });
-  for (const RankRef& ref : delta.removed) out.keys.push_back(key_of(old_tree, ref, 1));
-  sort_by_place(out.keys, out.scratch);
-  out.added.clear();
-  out.removed.clear();
-  out.resized.clear();
-  std::uint32_t in_earlier = 0, in_later = 0;
-  for (const std::uint64_t key : out.keys) {
-    if ((key & 1) != 0) {
-      out.removed.push_back(in_earlier++);
-      continue;
+  sort_changes(earlier, delta.removed, itself, out);
+  sort_changes(tree, delta.resized, point_of, out);
+  out.places.clear();
+  later.for_each_shown(
+      [&](const RankRef& ref, std::size_t) { out.places.push_back(tree.chunks()[ref.chunk]->place[ref.point]); });
+  // Where each stands among all that the later list has: no two points share a place.
+  const auto find = [&](const RankTree& in, const auto& changes, const auto& ref_of, std::vector<std::uint32_t>& indices) {
+    out.queries.clear();
+    for (const auto& change : changes) {
+      const RankRef& ref = ref_of(change);
+      out.queries.push_back(in.chunks()[ref.chunk]->place[ref.point]);
     }
-    if (out.added.size() < delta.added.size() && key == key_of(tree, delta.added[out.added.size()], 0)) {
-      out.added.push_back(in_later++);
-      continue;
-    }
-    if (out.resized.size() < delta.resized.size() && key == key_of(tree, delta.resized[out.resized.size()].point, 0)) {
-      out.resized.push_back(in_later);
-    }
-    ++in_earlier;
-    ++in_later;
+    indices.resize(changes.size());
+    out.counts.count_below(out.places, out.queries, indices);
+  };
+  find(tree, delta.resized, point_of, out.resized);
+  find(tree, delta.added, itself, out.added);
+  find(earlier, delta.removed, itself, out.removed);
+  // The earlier list has not yet those that were added, and still those that were removed.
+  std::size_t added = 0;
+  for (std::size_t i = 0; i < out.removed.size(); ++i) {
+    while (added < out.added.size() && out.added[added] < out.removed[i]) ++added;
+    out.removed[i] += static_cast<std::uint32_t>(i) - static_cast<std::uint32_t>(added);
   }
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "core/sample/place_counts.h"
 #include "core/sample/rank_selection.h"
 
 namespace curvecast {
@@ -20,9 +22,9 @@ struct RankDelta {
   std::vector<Resized> resized;  // where both selections know their discs
 };
 
-/// The trees may differ as far as the one has grown from the other. Rungs are told where both selections have them. What `out`
-/// held before is lost.
-void compare(const RankSelection& earlier, const RankSelection& later, RankDelta& out);
+/// The trees may differ as far as the one has grown from the other. `discs`: the earlier selection's rungs; where both are known,
+/// what becomes of them is told. What `out` held before is lost.
+void compare(const RankSelection& earlier, std::span<const std::uint8_t> discs, const RankSelection& later, RankDelta& out);
 
 /// The same as places in the lists of all points that are shown, which run along the curve; each ascending.
 struct ListDelta {
@@ -32,9 +34,11 @@ struct ListDelta {
 
   // locate()'s own affair.
   std::vector<std::uint64_t> keys, scratch;
+  std::vector<std::uint32_t> places, queries;
+  PlaceCounts counts;
 };
 
 /// Brings the changes into the order of the curve, and finds out where they stand.
-void locate(const RankSelection& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out);
+void locate(const RankTree& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out);
 
 }  // namespace curvecast

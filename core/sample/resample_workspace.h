@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/sample/equalise.h"
@@ -26,6 +27,7 @@ struct ResampleWorkspace {
   std::vector<float> density;
   // list_ranked()'s own affair; and memory for who compares selections.
   std::vector<RankRef> shown, refs;
+  std::vector<std::uint8_t> discs;
   RankDelta delta;
   ListDelta list_delta;
 

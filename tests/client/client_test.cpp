@@ -310,6 +310,14 @@ TEST_F(ClientTest, ForwardsSessions) {
   *list.add_sessions() = session;
   ON_CALL(*connection_, list_sessions).WillByDefault(Return(list));
   EXPECT_EQ(client_.list_sessions()->size(), 1U);
+  v1::ListSessionsResponse more = list;
+  more.set_next_page_token("s");
+  ON_CALL(*connection_, list_sessions).WillByDefault([&](const v1::ListSessionsRequest& request, std::stop_token) {
+    return request.page_token().empty() ? more : list;
+  });
+  EXPECT_EQ(client_.list_sessions()->size(), 2U) << "all pages";
+  ON_CALL(*connection_, list_sessions).WillByDefault(Return(more));
+  EXPECT_TRUE(absl::IsDataLoss(client_.list_sessions().status())) << "the same page for ever";
   ON_CALL(*connection_, close_session).WillByDefault(Return(absl::NotFoundError("unknown")));
   EXPECT_TRUE(absl::IsNotFound(client_.close_session("t")));
 }

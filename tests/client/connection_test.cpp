@@ -248,7 +248,7 @@ TEST(TcpConnection, SaysWhenNobodyListens) {
   ConnectionOptions options;
   options.retry = {.attempts = 2, .first_delay = milliseconds(1), .longest_delay = milliseconds(1)};
   const auto connection = make_connection(tcp_channel("127.0.0.1:1"), options);
-  EXPECT_TRUE(absl::IsUnavailable(connection->list_sessions({}).status()));
+  EXPECT_TRUE(absl::IsUnavailable(connection->list_sessions({}, {}).status()));
 }
 
 }  // namespace

@@ -228,5 +228,45 @@ TEST(AppendPoints, KeepsAbsolutePositions) {
   }
 }
 
+using Blocks = google::protobuf::RepeatedPtrField<v1::PointBlock>;
+
+TEST(DecodeBlocks, JoinsThemInOrder) {
+  Blocks blocks;
+  Points all;
+  for (const std::size_t n : {100u, 1u, 3000u, 7u, 20'000u}) {
+    Points points = sphere_points(n);
+    points.origin = {1, 2, 3};
+    *blocks.Add() = raw_block(points);
+    append_points(std::move(points), &all);
+  }
+  const auto decoded = decode_blocks(blocks);
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  EXPECT_EQ(decoded->origin, all.origin);
+  EXPECT_EQ(decoded->positions, all.positions);
+  EXPECT_EQ(decoded->radii, all.radii);
+  EXPECT_EQ(encoded_bytes(blocks), 28 * all.size());
+  EXPECT_EQ(decode_blocks({})->size(), 0u);
+}
+
+TEST(DecodeBlocks, RefusesThoseThatDoNotGoTogether) {
+  const auto refused = [](v1::PointBlock second) {
+    Blocks blocks;
+    *blocks.Add() = raw_block(sphere_points(10));
+    *blocks.Add() = std::move(second);
+    return absl::IsDataLoss(decode_blocks(blocks).status());
+  };
+  EXPECT_FALSE(refused(raw_block(sphere_points(10))));
+  EXPECT_TRUE(refused(v1::PointBlock()));
+  v1::PointBlock elsewhere = raw_block(sphere_points(10));
+  elsewhere.mutable_origin()->set_x(5);
+  EXPECT_TRUE(refused(elsewhere));
+  v1::PointBlock coloured = raw_block(sphere_points(10));
+  coloured.mutable_raw()->set_colours(std::string(30, 'c'));
+  EXPECT_TRUE(refused(coloured));
+  v1::PointBlock absurd = raw_block(sphere_points(10));
+  absurd.set_count(4'000'000);
+  EXPECT_TRUE(refused(absurd));
+}
+
 }  // namespace
 }  // namespace curvecast::client

@@ -21,7 +21,10 @@ class FakeConnection : public Connection {
   MOCK_METHOD(absl::StatusOr<v1::Session>, create_session, (const v1::CreateSessionRequest&, const OnProgress&, std::stop_token),
               (override));
   MOCK_METHOD(absl::StatusOr<v1::GetSessionResponse>, get_session, (const v1::GetSessionRequest&, std::stop_token), (override));
-  MOCK_METHOD(absl::StatusOr<v1::ListSessionsResponse>, list_sessions, (std::stop_token), (override));
+  MOCK_METHOD(absl::StatusOr<v1::ListSessionsResponse>, list_sessions, (const v1::ListSessionsRequest&, std::stop_token),
+              (override));
+  MOCK_METHOD(absl::StatusOr<v1::UpdateSessionResponse>, update_session, (const v1::UpdateSessionRequest&, std::stop_token),
+              (override));
   MOCK_METHOD(absl::Status, close_session, (const v1::CloseSessionRequest&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<std::vector<v1::ResampleResponse>>, resample, (const v1::ResampleRequest&, std::stop_token),
               (override));

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "client/lib/draco_points.h"
+
 namespace curvecast::client {
 namespace {
 
@@ -121,6 +123,17 @@ TEST(PointEdits, RefusesWhatDoesNotFit) {
     resized.set_radius_max(largest);
     EXPECT_EQ(apply_edits(held, resized, {}).status().code(), absl::StatusCode::kInvalidArgument) << largest;
   }
+}
+
+TEST(PointEdits, DoNotGrowAListForEver) {
+  Points held, added;
+  held.positions.resize(kMaxPoints);
+  added.positions.resize(1);
+  v1::PointEdits edits;
+  edits.add_added(5);
+  EXPECT_TRUE(absl::IsInvalidArgument(apply_edits(held, edits, added).status()));
+  edits.add_removed(0);
+  EXPECT_TRUE(apply_edits(held, edits, added).ok());
 }
 
 }  // namespace

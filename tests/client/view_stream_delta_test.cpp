@@ -2,6 +2,7 @@
 #include <absl/strings/str_cat.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -165,6 +166,68 @@ TEST_F(ViewStreamDelta, KeyFramesComeWhereDeltasCannot) {
 
   const auto keys_only = ViewStream::open(*connection_, session_id_, {}, {.deltas = false});
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(settled_frame(*keys_only, view(i, 3, 1000)).is_delta);
+}
+
+TEST_F(ViewStreamDelta, ABrokenStreamIsResumed) {
+  HeldFrame held;
+  {
+    const auto stream = ViewStream::open(*connection_, session_id_);
+    EXPECT_EQ(stream->held().digest, 0u);
+    settled_frame(*stream, view(0, 3, 3000));
+    settled_frame(*stream, view(1, 3, 3000));
+    held = stream->held();
+  }
+  ASSERT_NE(held.digest, 0u);
+  EXPECT_EQ(held.points->size(), 3000u);
+  const auto again = ViewStream::open(*connection_, session_id_, {}, {.held = held});
+  const Frame frame = settled_frame(*again, view(2, 3, 3000));
+  EXPECT_TRUE(frame.is_delta);
+  EXPECT_LT(frame.added, 1000u);
+  expect_at_once(frame, view(2, 3, 3000));
+
+  // A server that finds other points sends all.
+  held.digest ^= 1;
+  const auto false_claim = ViewStream::open(*connection_, session_id_, {}, {.held = held});
+  const Frame whole = settled_frame(*false_claim, view(2, 3, 3000));
+  EXPECT_FALSE(whole.is_delta);
+  expect_at_once(whole, view(2, 3, 3000));
+}
+
+TEST_F(ViewStreamDelta, LargeFramesComeInParts) {
+  const auto stream = ViewStream::open(*connection_, session_id_, {}, {.first_bytes = 2000});
+  const v1::SampleRequest sample = view(0, 1.5, 8000);
+  ASSERT_TRUE(stream->send_view(sample).ok());
+  std::vector<std::size_t> sizes;
+  Frame frame;
+  do {
+    absl::StatusOr<Frame> next = stream->next_frame(kPatience);
+    ASSERT_TRUE(next.ok()) << next.status();
+    EXPECT_EQ(next->is_delta, !sizes.empty());
+    EXPECT_TRUE(sizes.empty() || next->removed == 0);
+    if (sizes.empty()) {
+      EXPECT_LT(next->encoded_bytes, 3500u);
+    }
+    frame = *std::move(next);
+    sizes.push_back(frame.points->size());
+  } while (frame.statistics.refining());
+  EXPECT_GE(sizes.size(), 3u);
+  EXPECT_TRUE(std::ranges::is_sorted(sizes));
+  expect_at_once(frame, sample);
+}
+
+TEST_F(ViewStreamDelta, AnAutomaticBudgetStaysWithinItsLimit) {
+  const auto stream = ViewStream::open(*connection_, session_id_);
+  for (int i = 0; i < 40; ++i) {
+    v1::SampleRequest sample = view(i, 3, 0);
+    sample.mutable_automatic()->set_frame_seconds(5);
+    sample.mutable_automatic()->set_max_points(3000);
+    EXPECT_EQ(settled_frame(*stream, sample).points->size(), 3000u);
+  }
+  v1::ResampleRequest request;
+  request.set_session_id(session_id_);
+  *request.mutable_sample() = view(0, 3, 0);
+  request.mutable_sample()->mutable_automatic();
+  EXPECT_TRUE(absl::IsInvalidArgument(client_->resample(request).status()));
 }
 
 }  // namespace

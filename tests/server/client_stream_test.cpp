@@ -11,6 +11,7 @@
 
 #include "server/job_queue.h"
 #include "tests/server/conversation.h"
+#include "tests/server/frame_points.h"
 
 namespace curvecast::server {
 namespace {
@@ -28,7 +29,7 @@ TEST_F(ClientStreamTest, AnswersViews) {
     run_job();
     ASSERT_EQ(frames_.size(), i);
     EXPECT_EQ(frames_.back().sequence(), i);
-    EXPECT_EQ(frames_.back().points().count(), i);
+    EXPECT_EQ(count_points(frames_.back()), i);
     receive(ack_request(i));
   }
   EXPECT_FALSE(ended_);
@@ -367,6 +368,7 @@ class ThreadedTransport final : public ClientStream::Transport {
 TEST(ClientStreamThreads, SurvivesAnyInterleaving) {
   for (int round = 0; round < 50; ++round) {
     ThreadedTransport transport;
+    std::atomic<std::int64_t> queued = 0;
     JobQueue queue(2, 100);
     auto stream = std::make_shared<ClientStream>(
         &transport,
@@ -374,8 +376,10 @@ TEST(ClientStreamThreads, SurvivesAnyInterleaving) {
             .find = [](const std::string&) -> absl::StatusOr<std::shared_ptr<const Session>> {
               return std::make_shared<const Session>();
             },
-            .answer = [](const auto&, const Sample&, const HeldPoints*, bool) { return absl::StatusOr<Answer>(Answer()); },
+            .answer = [](const auto&, const FrameRequest&) { return absl::StatusOr<Answer>(Answer()); },
+            .restore = [](const auto&, const auto&) { return absl::StatusOr<std::shared_ptr<const HeldPoints>>(nullptr); },
             .submit = [&](std::function<void()> job) { return queue.submit(std::move(job)).status(); },
+            .count_queued = [&](std::int64_t bytes) { queued += bytes; },
         });
     stream->receive(open_request("any"));
     std::thread sender([&] { transport.deliver(*stream); });
@@ -389,6 +393,9 @@ TEST(ClientStreamThreads, SurvivesAnyInterleaving) {
     client.join();
     stopper.join();
     sender.join();
+    queue.stop();
+    stream.reset();
+    EXPECT_EQ(queued, 0);
   }
 }
 

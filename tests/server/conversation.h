@@ -86,33 +86,45 @@ class Conversation : public ClientStream::Transport {
   std::vector<const HeldPoints*> given_;                 // what the client was said to have, answer by answer
   std::vector<std::shared_ptr<const HeldPoints>> held_;  // and what it has with it
   std::function<void()> on_answer_;                      // while a view is being answered
+  std::int64_t queued_bytes_ = 0;
+  int parts_ = 0;                                   // before the whole, of views that may come in parts
+  static constexpr std::uint64_t kKnownDigest = 7;  // what a client may claim to have
+  std::vector<std::uint64_t> claims_;
+  std::shared_ptr<const HeldPoints> restored_ = std::make_shared<const HeldPoints>();
   std::shared_ptr<ClientStream> stream_ = std::make_shared<ClientStream>(
       this, ClientStream::Hooks{
                 .find = [this](const std::string& id) -> absl::StatusOr<std::shared_ptr<const Session>> {
                   if (id != "known") return absl::NotFoundError("no such session");
                   return session_;
                 },
-                .answer = [this](const std::shared_ptr<const Session>&, const Sample& sample, const HeldPoints* held,
-                                 bool may_refine) -> absl::StatusOr<Answer> {
-                  if (sample.options.points == 99) return absl::OutOfRangeError("99 is too many");
-                  if (sample.options.points == 98) throw std::runtime_error("98");
+                .answer = [this](const std::shared_ptr<const Session>&, const FrameRequest& request) -> absl::StatusOr<Answer> {
+                  const std::uint64_t points = request.sample.options.points;
+                  if (points == 99) return absl::OutOfRangeError("99 is too many");
+                  if (points == 98) throw std::runtime_error("98");
                   Answer answer;
                   v1::PointFrame& frame = answer.frame;
-                  frame.set_kind(held != nullptr ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
-                  given_.push_back(held);
-                  if (sample.sampler == Sampler::kProgressive) answer.held = std::make_shared<const HeldPoints>();
+                  frame.set_kind(request.held != nullptr ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
+                  given_.push_back(request.held);
+                  if (request.sample.sampler == Sampler::kProgressive) answer.held = std::make_shared<const HeldPoints>();
                   held_.push_back(answer.held);
-                  frame.mutable_points()->set_count(static_cast<std::uint32_t>(sample.options.points));
+                  frame.add_points()->set_count(static_cast<std::uint32_t>(points));
                   frame.set_curve_revision(revision_);
-                  frame.mutable_statistics()->set_refining(short_ && may_refine);
+                  answer.is_part = request.first_bytes > 0 && parts_-- > 0;
+                  frame.mutable_statistics()->set_refining(answer.is_part || (short_ && request.may_refine));
                   if (on_answer_) on_answer_();
                   return answer;
+                },
+                .restore = [this](const Session&, const HeldClaim& claim) -> absl::StatusOr<std::shared_ptr<const HeldPoints>> {
+                  if (claim.digest == 98) throw std::runtime_error("98");
+                  claims_.push_back(claim.digest);
+                  return claim.digest == kKnownDigest ? restored_ : nullptr;
                 },
                 .submit = [this](std::function<void()> job) -> absl::Status {
                   if (busy_) return absl::ResourceExhaustedError("busy");
                   jobs_.push_back(std::move(job));
                   return absl::OkStatus();
                 },
+                .count_queued = [this](std::int64_t bytes) { queued_bytes_ += bytes; },
             });
 };
 

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "server/log.h"
+#include "tests/server/frame_points.h"
 #include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/views.h"
@@ -141,8 +142,8 @@ class Seen {
     EXPECT_EQ(heights_.try_emplace(curve.revision, z).first->second, z) << "revision " << curve.revision;
   }
   void frame(std::uint64_t points, const v1::PointFrame& frame) {
-    EXPECT_EQ(frame.points().count(), points);
-    const std::string bytes = frame.points().SerializeAsString();
+    EXPECT_EQ(count_points(frame), points);
+    const std::string bytes = point_bytes(frame);
     EXPECT_EQ(frames_.try_emplace({frame.curve_revision(), points}, bytes).first->second, bytes);
   }
   void add(const Seen& other) {
@@ -167,16 +168,16 @@ TEST_F(EngineTest, ViewsShareWhatNoCameraChanges) {
   for (const double distance : {3.0, 3.0, 5.0, 3.0}) {
     sample.options.points = 100;
     sample.options.density = curvecast::testing::seen_from(Vec3d(0, 0, distance), {CurvatureTerm{}, ViewTerm{}});
-    const absl::StatusOr<Answer> frame = make_frame(*session, sample, nullptr, engine_.view_cache, {});
+    const absl::StatusOr<Answer> frame = make_frame(*session, {.sample = sample}, engine_.view_cache, {});
     ASSERT_TRUE(frame.ok()) << frame.status();
-    EXPECT_EQ(frame->frame.points().count(), 100u);
+    EXPECT_EQ(count_points(frame->frame), 100u);
     if (bytes == 0) {
       bytes = engine_.view_cache.fixed_densities.byte_size();
-      first = frame->frame.points().SerializeAsString();
+      first = point_bytes(frame->frame);
     }
     EXPECT_GT(bytes, session->curve()->size() * sizeof(float));
     EXPECT_EQ(engine_.view_cache.fixed_densities.byte_size(), bytes) << "made once for all";
-    EXPECT_EQ(frame->frame.points().SerializeAsString() == first, distance == 3.0);
+    EXPECT_EQ(point_bytes(frame->frame) == first, distance == 3.0);
   }
   EXPECT_EQ(engine_.view_cache.workspaces.idle(), 1u);
 }

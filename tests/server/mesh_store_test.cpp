@@ -103,5 +103,72 @@ TEST(MeshStore, CountsUploadsUnderWay) {
   EXPECT_TRUE(upload(store, bytes).ok());  // the room came back
 }
 
+/// What is sent before the connection breaks.
+void upload_part(MeshStore& store, const std::string& bytes, const std::string& id, std::size_t begin, std::size_t end) {
+  MeshUpload upload(store);
+  ASSERT_TRUE(upload.begin("a mesh", bytes.size(), id, begin).ok());
+  ASSERT_TRUE(upload.append(std::string_view(bytes).substr(begin, end - begin)).ok());
+}
+
+std::string id_of(const std::string& bytes) {
+  MeshStore other(1 << 26, 1 << 25);
+  return (*upload(other, bytes))->id;
+}
+
+TEST(MeshStore, GoesOnWhereAnUploadBrokeOff) {
+  MeshStore store(1 << 26, 1 << 25);
+  const std::string bytes = pattern(5'000'000, 1), id = id_of(bytes);
+  EXPECT_EQ(store.received(id), 0u);
+  upload_part(store, bytes, id, 0, 2'000'000);
+  EXPECT_EQ(store.received(id), 2'000'000u);
+  upload_part(store, bytes, id, 2'000'000, 2'000'001);
+  EXPECT_EQ(store.received(id), 2'000'001u);
+  {
+    MeshUpload elsewhere(store);
+    EXPECT_TRUE(absl::IsFailedPrecondition(elsewhere.begin("", bytes.size(), id, 1000)));
+    EXPECT_TRUE(absl::IsFailedPrecondition(elsewhere.begin("", bytes.size() + 1, id, 2'000'001)));
+  }
+  EXPECT_EQ(store.received(id), 2'000'001u) << "still there";
+  MeshUpload last(store);
+  ASSERT_TRUE(last.begin("", bytes.size(), id, 2'000'001).ok());
+  EXPECT_EQ(store.received(id), 0u) << "one at a time";
+  ASSERT_TRUE(last.append(std::string_view(bytes).substr(2'000'001)).ok());
+  const auto mesh = last.finish();
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ((*mesh)->id, id);
+  EXPECT_EQ((*mesh)->name, "a mesh");
+  EXPECT_EQ(store.use().files, 1u);
+}
+
+TEST(MeshStore, WhatCannotBeContinuedIsForgotten) {
+  MeshStore store(1 << 26, 1 << 25);
+  const std::string bytes = pattern(3'000'000, 1), id = id_of(bytes);
+  upload_part(store, bytes, "", 0, 1'000'000);  // nobody could name it
+  EXPECT_EQ(store.use().bytes, 0u);
+  std::string wrong = bytes;
+  wrong[0] ^= 1;
+  upload_part(store, wrong, id, 0, 1'000'000);
+  {
+    MeshUpload last(store);
+    ASSERT_TRUE(last.begin("", bytes.size(), id, 1'000'000).ok());
+    ASSERT_TRUE(last.append(std::string_view(bytes).substr(1'000'000)).ok());
+    EXPECT_TRUE(absl::IsInvalidArgument(last.finish().status()));
+  }
+  EXPECT_EQ(store.received(id), 0u) << "it would never hash to that";
+  EXPECT_EQ(store.use().bytes, 0u);
+}
+
+TEST(MeshStore, BrokenUploadsMakeRoom) {
+  MeshStore store(3'300'000, 3'000'000);
+  const std::string first = pattern(3'000'000, 1), second = pattern(3'000'000, 2);
+  upload_part(store, first, id_of(first), 0, 2'900'000);
+  EXPECT_TRUE(upload(store, second).ok());
+  EXPECT_EQ(store.received(id_of(first)), 0u);
+  // Many small ones take no more than a few places.
+  MeshStore large(1 << 26, 1 << 25);
+  for (int i = 0; i < 100; ++i) upload_part(large, pattern(1000, i), id_of(pattern(1000, i)), 0, 10);
+  EXPECT_LE(large.use().bytes, 16u * 5096u);
+}
+
 }  // namespace
 }  // namespace curvecast::server

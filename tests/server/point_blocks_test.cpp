@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/make_frame.h"
+#include "tests/server/frame_points.h"
 #include "tests/support/shapes.h"
 #include "tests/support/views.h"
 
@@ -45,6 +47,12 @@ std::size_t bytes_of(const v1::PointBlock& block) {
   return block.draco().data().size() + block.raw().positions().size() + block.raw().normals().size() + block.raw().radii().size();
 }
 
+std::size_t bytes_of(const v1::PointFrame& frame) {
+  std::size_t bytes = 0;
+  for (const v1::PointBlock& block : frame.points()) bytes += bytes_of(block);
+  return bytes;
+}
+
 Blocks blocks_of(const Sample& sample) {
   Blocks out;
   int with_statistics = 0;
@@ -76,10 +84,10 @@ TEST(PointBlocks, KeepWithinTheirBytes) {
         const Blocks made = blocks_of(sample);
         EXPECT_LE(made.bytes, limit);
         EXPECT_GE(static_cast<double>(made.bytes), 0.9 * static_cast<double>(limit)) << limit << ", " << density.terms.size();
-        const auto frame = make_frame(ball(), sample, nullptr, cache(), {});
+        const auto frame = make_frame(ball(), {.sample = sample}, cache(), {});
         ASSERT_TRUE(frame.ok()) << frame.status();
-        EXPECT_LE(bytes_of(frame->frame.points()), limit);
-        EXPECT_GE(static_cast<double>(bytes_of(frame->frame.points())), 0.9 * static_cast<double>(limit));
+        EXPECT_LE(bytes_of(frame->frame), limit);
+        EXPECT_GE(static_cast<double>(bytes_of(frame->frame)), 0.9 * static_cast<double>(limit));
       }
     }
   }
@@ -108,9 +116,9 @@ TEST(PointBlocks, TakeAnErrorInPixels) {
   sample.pixel_error = 8;
   const Blocks fine = blocks_of(sample);
   EXPECT_NEAR(static_cast<double>(fine.points), 4.0 * static_cast<double>(coarse.points), 8);
-  const auto frame = make_frame(ball(), sample, nullptr, cache(), {});
+  const auto frame = make_frame(ball(), {.sample = sample}, cache(), {});
   ASSERT_TRUE(frame.ok()) << frame.status();
-  EXPECT_EQ(frame->frame.points().count(), fine.points);
+  EXPECT_EQ(count_points(frame->frame), fine.points);
 }
 
 TEST(PointBlocks, AskForAFinerCurveWithTheirOwnNumber) {
@@ -136,12 +144,12 @@ TEST(PointBlocks, AskForAFinerCurveWithTheirOwnNumber) {
 TEST(PointBlocks, RefuseWhatIsTooMuch) {
   Sample sample;
   sample.options.points = 4'000'000;
-  EXPECT_EQ(make_frame(ball(), sample, nullptr, cache(), {}).status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(make_frame(ball(), {.sample = sample}, cache(), {}).status().code(), absl::StatusCode::kResourceExhausted);
   sample.options.points = 4'000'001;
-  EXPECT_EQ(make_frame(ball(), sample, nullptr, cache(), {}).status().code(), absl::StatusCode::kOutOfRange);
+  EXPECT_EQ(make_frame(ball(), {.sample = sample}, cache(), {}).status().code(), absl::StatusCode::kOutOfRange);
   sample = sample_of(100);  // Draco's header alone takes more
   sample.options.density = {BrushTerm{.radius = 1e9}};
-  EXPECT_EQ(make_frame(ball(), sample, nullptr, cache(), {}).status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(make_frame(ball(), {.sample = sample}, cache(), {}).status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(make_blocks(ball(), sample_of(5000), cache(), {}, nullptr, [](const v1::ResampleResponse&) { return false; }).code(),
             absl::StatusCode::kCancelled);
 }

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "server_fixture.h"
+#include "tests/server/frame_points.h"
 #include "tests/support/temporary_folder.h"
 
 namespace curvecast::server {
@@ -100,7 +101,7 @@ TEST_F(ServerCache, StreamsOpenSessionsOfBeforeARestart) {
   v1::StreamViewsResponse response;
   ASSERT_TRUE(stream->Read(&response));
   EXPECT_EQ(response.frame().sequence(), 7u);
-  EXPECT_EQ(response.frame().points().count(), 500u);
+  EXPECT_EQ(count_points(response.frame()), 500u);
   stream->WritesDone();
   EXPECT_FALSE(stream->Read(&response));
   EXPECT_TRUE(stream->Finish().ok());

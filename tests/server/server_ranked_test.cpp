@@ -9,6 +9,8 @@
 
 #include "server_fixture.h"
 
+#include "tests/server/frame_points.h"
+
 namespace curvecast::server {
 namespace {
 
@@ -97,10 +99,10 @@ TEST_F(ServerRanked, AStreamComesToWhatResampleGives) {
     ++frames;
   } while (response.frame().statistics().refining());
   EXPECT_GT(frames, 1) << "the first one has few points, but at once";
-  EXPECT_EQ(response.frame().points().count(), 20'000u);
+  EXPECT_EQ(count_points(response.frame()), 20'000u);
   const Resampled resampled = resample(*stub_, session_id_, ranked_view(20'000));
   ASSERT_EQ(resampled.blocks.size(), 1u);
-  EXPECT_EQ(response.frame().points().SerializeAsString(), resampled.bytes());
+  EXPECT_EQ(point_bytes(response.frame()), resampled.bytes());
   stream->WritesDone();
   EXPECT_FALSE(stream->Read(&response));
   EXPECT_TRUE(stream->Finish().ok());

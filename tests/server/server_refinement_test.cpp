@@ -9,6 +9,8 @@
 
 #include "server_fixture.h"
 
+#include "tests/server/frame_points.h"
+
 namespace curvecast::server {
 namespace {
 
@@ -114,7 +116,7 @@ TEST_F(ServerRefinement, AStreamGetsABetterFrameByItself) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ(frames[i].sequence(), 1u);
     EXPECT_FALSE(frames[i].has_error());
-    EXPECT_EQ(frames[i].points().count(), kMany);
+    EXPECT_EQ(count_points(frames[i]), kMany);
     EXPECT_GE(frames[i].curve_revision(), frames[i > 0 ? i - 1 : 0].curve_revision());
   }
   EXPECT_GT(frames.back().curve_revision(), 1u);
@@ -130,7 +132,7 @@ TEST_F(ServerRefinement, AStreamGetsABetterFrameByItself) {
   ASSERT_TRUE(stream->Read(&response));
   EXPECT_EQ(response.frame().sequence(), 2u);
   EXPECT_FALSE(response.frame().statistics().refining());
-  EXPECT_EQ(response.frame().points().SerializeAsString(), frames.back().points().SerializeAsString());
+  EXPECT_EQ(point_bytes(response.frame()), point_bytes(frames.back()));
 }
 
 TEST_F(ServerRefinement, WhatTheCurveWasMadeForRefinesNothing) {
@@ -215,7 +217,7 @@ TEST_F(ServerRefinement, EveryFrameIsOfOneRevision) {
         send_ack(*stream, frame.sequence());
         EXPECT_GE(frame.curve_revision(), last_revision);
         last_revision = frame.curve_revision();
-        EXPECT_TRUE(frame.sequence() < i || frame.points().count() == points);
+        EXPECT_TRUE(frame.sequence() < i || count_points(frame) == points);
         const std::lock_guard lock(mutex);
         const auto [known, is_new] = size_of_revision.try_emplace(last_revision, frame.statistics().curve_vertices());
         EXPECT_EQ(known->second, frame.statistics().curve_vertices()) << "revision " << last_revision;

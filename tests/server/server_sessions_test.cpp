@@ -149,11 +149,11 @@ TEST_F(ServerSessions, LargePointSetsComeInBlocks) {
     const Resampled resampled = resample(*stub, created.session.session_id(), sample);
     ASSERT_TRUE(resampled.status.ok()) << resampled.status.error_message();
     EXPECT_EQ(resampled.points(), 150'000u);
-    ASSERT_EQ(resampled.blocks.size(), 3u);
-    for (std::size_t i = 0; i < 3; ++i) {
+    ASSERT_EQ(resampled.blocks.size(), 12u);
+    for (std::size_t i = 0; i < 12; ++i) {
       const auto& block = resampled.blocks[i];
       EXPECT_LT(block.ByteSizeLong(), 4u << 20);
-      EXPECT_EQ(block.has_statistics(), i == 2);
+      EXPECT_EQ(block.has_statistics(), i == 11);
       EXPECT_EQ(block.points().raw().positions().size(), raw ? 12u * block.points().count() : 0u);
       EXPECT_EQ(block.points().draco().data().empty(), raw);
     }

@@ -131,7 +131,7 @@ class SessionStoreTest : public ::testing::Test {
       std::in_place,
       queue_,
       [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context) { return preprocess(context); },
-      3,
+      SessionLimits{.sessions = 3},
       1,
       make_logger(false, false)};
 };
@@ -207,7 +207,7 @@ TEST_F(SessionStoreTest, TellsStartAndEndOfEveryStage) {
         }
         return absl::StatusOr<Preprocessed>(tiny());
       },
-      3, 1, make_logger(false, false));
+      {.sessions = 3}, 1, make_logger(false, false));
   Waiter waiter;
   ASSERT_TRUE(store.join(mesh("m"), {}, &waiter).ok());
   ASSERT_TRUE(waiter.wait().ok());
@@ -346,6 +346,80 @@ TEST_F(SessionStoreTest, GoingAwayCancelsAndWaits) {
   store_.reset();
   EXPECT_EQ(cancelled(), 1);
   EXPECT_EQ(runs(), 1);
+}
+
+TEST_F(SessionStoreTest, PinnedSessionsStay) {
+  set_open(true);
+  const std::string a = make_ready("a"), b = make_ready("b"), c = make_ready("c");
+  const auto pinned = store_->update(a, true, std::nullopt);
+  ASSERT_TRUE(pinned.ok()) << pinned.status();
+  EXPECT_TRUE(pinned->pinned);
+  make_ready("d"), make_ready("e");
+  EXPECT_TRUE(store_->info(a)->pinned);
+  EXPECT_FALSE(store_->info(b).ok() || store_->info(c).ok());
+  ASSERT_TRUE(store_->update(a, false, std::nullopt).ok());
+  make_ready("f"), make_ready("g"), make_ready("h");
+  EXPECT_FALSE(store_->info(a).ok());
+  EXPECT_EQ(store_->update("nonsense", true, {}).status().code(), Code::kNotFound);
+}
+
+TEST_F(SessionStoreTest, TimeToLiveCountsFromTheLastUse) {
+  set_open(true);
+  const std::string a = make_ready("a"), b = make_ready("b");
+  ASSERT_TRUE(store_->update(a, std::nullopt, 100.0).ok());
+  ASSERT_TRUE(store_->update(b, std::nullopt, 100.0).ok());
+  const auto now = std::chrono::steady_clock::now();
+  using std::chrono::seconds;
+  EXPECT_TRUE(store_->tend(now + seconds(50)).empty());
+  {
+    const auto held = store_->find(a);
+    EXPECT_THAT(store_->tend(now + seconds(200)), ::testing::ElementsAre(b));
+  }
+  EXPECT_TRUE(store_->info(a).ok());
+  EXPECT_TRUE(store_->tend(now + seconds(299)).empty()) << "it was used until then";
+  EXPECT_THAT(store_->tend(now + seconds(301)), ::testing::ElementsAre(a));
+  EXPECT_TRUE(store_->list().empty());
+}
+
+TEST_F(SessionStoreTest, EvictsWhatIsTooMuchTogether) {
+  set_open(true);
+  SessionStore store(
+      queue_, [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context) { return preprocess(context); },
+      {.sessions = 10, .bytes = 100'000}, 1, make_logger(false, false));
+  std::vector<std::string> ids;
+  for (const char* name : {"a", "b", "c"}) {
+    Waiter waiter;
+    ids.push_back(*store.join(mesh(name), {}, &waiter));
+    ASSERT_TRUE(waiter.wait().ok());
+  }
+  const auto grow = [&](const std::string& id) {
+    auto curve = std::make_shared<SurfaceCurve>();
+    curve->x.resize(15'000);
+    (*store.find(id))->live->publish(std::move(curve));
+  };
+  grow(ids[0]);
+  store.tend(std::chrono::steady_clock::now());
+  EXPECT_EQ(store.list().size(), 3u);
+  EXPECT_GE(store.memory_bytes(), 60'000u);
+  grow(ids[1]);
+  store.tend(std::chrono::steady_clock::now());
+  // The third takes next to nothing, but was used before the two.
+  EXPECT_TRUE(store.info(ids[1]).ok());
+  EXPECT_FALSE(store.info(ids[0]).ok());
+  EXPECT_LE(store.memory_bytes(), 100'000u);
+}
+
+TEST_F(SessionStoreTest, ListsPageByPage) {
+  set_open(true);
+  const std::set<std::string> ids = {make_ready("a"), make_ready("b"), make_ready("c")};
+  std::vector<std::string> listed;
+  while (true) {
+    const std::vector<SessionInfo> page = store_->list(listed.empty() ? "" : listed.back(), 2);
+    if (page.empty()) break;
+    EXPECT_LE(page.size(), 2u);
+    for (const SessionInfo& info : page) listed.push_back(info.id);
+  }
+  EXPECT_EQ(listed, std::vector<std::string>(ids.begin(), ids.end()));
 }
 
 }  // namespace

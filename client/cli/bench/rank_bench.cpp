@@ -77,7 +77,7 @@ absl::Status bench_ranks(const std::shared_ptr<const SurfaceCurve>& curve, const
     Stopwatch watch;
     selector.select(grower->tree(), nullptr, ViewFactor(*curve, density(i)), options.view_points, after);
     select.push_back(watch.lap());
-    compare(before, after, delta);
+    compare(before, {}, after, delta);
     compare_both.push_back(watch.lap());
     step.push_back(select.back() + compare_both.back());
     added += static_cast<double>(delta.added.size()) / steps;

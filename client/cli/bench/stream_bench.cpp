@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "client/cli/bench/quantile.h"
+#include "client/cli/bench/server_process.h"
 #include "client/lib/client.h"
 #include "client/lib/view_stream.h"
-#include "server/server.h"
 
 namespace curvecast::cli {
 namespace {
@@ -49,11 +49,10 @@ class Stage {
  public:
   static absl::StatusOr<Stage> open(const MeshFile& file, const StreamBenchOptions& options, const ExecutionContext& context) {
     Stage stage;
-    auto server = server::Server::start({.listen = "127.0.0.1:0", .threads = context.threads, .log = false});
+    auto server = ServerProcess::start(options.command, context.threads);
     if (!server.ok()) return server.status();
     stage.server_ = *std::move(server);
-    stage.connection_ = stage.connect();
-    client::Client client(stage.connection_);
+    client::Client client(stage.connect());
     const auto on_progress = [&](std::string_view name, double fraction) { context.progress(name, fraction); };
     const absl::StatusOr<std::string> mesh = client.upload_mesh(std::string(file.name), file.bytes, on_progress);
     if (!mesh.ok()) return mesh.status();
@@ -71,10 +70,9 @@ class Stage {
   }
 
   /// Over a TCP connection of its own.
-  std::shared_ptr<client::Connection> connect() const {
-    return client::make_connection(client::tcp_channel(absl::StrCat("127.0.0.1:", server_->port())));
-  }
+  std::shared_ptr<client::Connection> connect() const { return client::make_connection(client::tcp_channel(server_->address())); }
   const std::string& session_id() const { return session_id_; }
+  const ServerProcess& server() const { return *server_; }
 
   /// On an orbit about the mesh, with silhouettes.
   v1::SampleRequest view(double degrees, std::uint64_t points) const {
@@ -93,8 +91,7 @@ class Stage {
   }
 
  private:
-  std::unique_ptr<server::Server> server_;
-  std::shared_ptr<client::Connection> connection_;
+  std::unique_ptr<ServerProcess> server_;
   std::string session_id_;
   std::array<double, 3> centre_{};
   double size_ = 1;
@@ -139,8 +136,9 @@ absl::StatusOr<Alone> stream_alone(const Stage& stage, std::uint64_t points, boo
 }
 
 struct Crowd {
-  std::vector<double> latency;  // ms, of views that were answered
-  double bytes = 0, cpu = 0;    // of all; ms
+  std::vector<double> latency;            // ms, of views that were answered
+  double bytes = 0;                       // of all
+  double client_cpu = 0, server_cpu = 0;  // ms, of all
   std::uint64_t sent = 0, answered = 0;
 };
 
@@ -192,7 +190,7 @@ absl::StatusOr<Crowd> stream_crowd(const Stage& stage, const StreamBenchOptions&
   Crowd crowd;
   absl::Status failed;
   std::mutex mutex;
-  const double before = cpu_milliseconds();
+  const double client_before = cpu_milliseconds(), server_before = stage.server().cpu_milliseconds();
   std::vector<std::jthread> threads;
   for (std::uint64_t c = 0; c < clients; ++c) {
     threads.emplace_back([&, c] {
@@ -203,8 +201,37 @@ absl::StatusOr<Crowd> stream_crowd(const Stage& stage, const StreamBenchOptions&
   }
   threads.clear();
   if (!failed.ok()) return failed;
-  crowd.cpu = cpu_milliseconds() - before;
+  crowd.client_cpu = cpu_milliseconds() - client_before;
+  crowd.server_cpu = stage.server().cpu_milliseconds() - server_before;
   return crowd;
+}
+
+/// What the server's memory grows by for each of many clients that have had a frame and ask for nothing more.
+absl::StatusOr<double> bytes_of_idle(const Stage& stage, const StreamBenchOptions& options, const ExecutionContext& context) {
+  struct Idle {
+    std::shared_ptr<client::Connection> connection;
+    std::unique_ptr<client::ViewStream> stream;
+  };
+  std::vector<Idle> clients;
+  std::uint64_t before = 0;
+  // What the first ones make the server take stays for those after them.
+  const std::uint64_t first = options.idle / 10 + 1;
+  for (std::uint64_t c = 0; c < first + options.idle; ++c) {
+    if (absl::Status status = context.check(); !status.ok()) return status;
+    context.progress("idle clients", static_cast<double>(c) / static_cast<double>(first + options.idle));
+    if (c == first) before = stage.server().resident_bytes();
+    Idle& client = clients.emplace_back();
+    client.connection = stage.connect();
+    client.stream = client::ViewStream::open(*client.connection, stage.session_id());
+    const double degrees = 137.5 * static_cast<double>(c);
+    for (const double further : {0.0, 1.0}) {
+      const absl::StatusOr<client::Frame> frame =
+          answer(*client.stream, stage.view(degrees + further, options.crowd_points), true);
+      if (!frame.ok()) return frame.status();
+    }
+  }
+  const std::uint64_t after = stage.server().resident_bytes();
+  return static_cast<double>(after - std::min(before, after)) / static_cast<double>(options.idle);
 }
 
 }  // namespace
@@ -250,12 +277,20 @@ absl::StatusOr<BenchReport> bench_stream(const MeshFile& file, const StreamBench
     add(": latency p99", quantile(crowd->latency, 0.99), "ms");
     add(": overtaken", 100 * (1 - answered / static_cast<double>(crowd->sent)), "%");
     add(": frame, mean", crowd->bytes / answered / kKibi, "KiB");
-    add(": processor time of a frame", crowd->cpu / answered, "ms");
+    add(": processor time of a frame, server", crowd->server_cpu / answered, "ms");
+    add(": processor time of a frame, client", crowd->client_cpu / answered, "ms");
+  }
+  if (options.idle > 0) {
+    const absl::StatusOr<double> bytes = bytes_of_idle(*stage, options, context);
+    if (!bytes.ok()) return bytes.status();
+    report.results.push_back({absl::StrFormat("%d clients with %d points that do nothing: memory of the server, each",
+                                              options.idle, options.crowd_points),
+                              *bytes / kKibi, "KiB"});
   }
   report.notes = {
-      "Server and clients share this process and talk over TCP on the loopback. Latency: from sending a view until its points "
+      "The server has a process of its own; they talk over TCP on the loopback. Latency: from sending a view until its points "
       "are "
-      "decoded; the processor time is that of both sides. One client alone waits for each frame; those of a crowd send views "
+      "decoded. One client alone waits for each frame; those of a crowd send views "
       "whatever comes back, and a view that a newer one overtakes is not answered."};
   return report;
 }

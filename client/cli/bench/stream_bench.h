@@ -4,6 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include <cstdint>
+#include <string>
 
 #include "client/cli/bench/bench_report.h"
 #include "core/execution_context.h"
@@ -17,11 +18,14 @@ struct StreamBenchOptions {
   std::uint64_t clients = 64;           // the largest crowd
   double seconds = 10;                  // for each crowd
   double rate = 10;                     // views of each client per second
+  std::uint64_t idle = 500;             // clients that have their points and do nothing; 0 = not measured
+  std::string command = {};             // that is a server with "serve"; empty: this program
 };
 
-/// A server on a free port of the loopback, and its clients, in this process. Cases: one client that waits for each frame, with
-/// key frames and with deltas on an orbit by one degree; then crowds of 1, 8, 64 ... clients that send views at a fixed rate.
-/// Latency is from sending a view until its points are decoded. Errors as of the client library.
+/// A server in a process of its own, on a free port of the loopback, and its clients in this one. Cases: one client that waits
+/// for each frame, with key frames and with deltas on an orbit by one degree; then crowds of 1, 8, 64 ... clients that send views
+/// at a fixed rate; at last clients that hold points and do nothing. Latency is from sending a view until its points are decoded.
+/// Errors as of the client library.
 absl::StatusOr<BenchReport> bench_stream(const MeshFile& file, const StreamBenchOptions& options,
                                          const ExecutionContext& context);
 

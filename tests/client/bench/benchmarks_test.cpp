@@ -106,7 +106,8 @@ TEST(SampleBench, MeasuresEveryStageBesideReading) {
 
 TEST(StreamBench, MeasuresOneClientAndCrowds) {
   const std::string off = curvecast::testing::to_off(curvecast::testing::torus(24, 12));
-  const StreamBenchOptions options{.points = 3000, .crowd_points = 500, .clients = 8, .seconds = 0.5, .rate = 20};
+  const StreamBenchOptions options{
+      .points = 3000, .crowd_points = 500, .clients = 8, .seconds = 0.5, .rate = 20, .idle = 5, .command = CURVECAST_COMMAND};
   const auto report = bench_stream({"torus.off", off}, options, {});
   ASSERT_TRUE(report.ok()) << report.status();
   const BenchResult* delta = find(*report, "deltas by 1 degree: frame");
@@ -119,7 +120,10 @@ TEST(StreamBench, MeasuresOneClientAndCrowds) {
     ASSERT_NE(latency, nullptr) << name;
     EXPECT_GT(latency->value, 0);
   }
-  EXPECT_FALSE(bench_stream({"bad.off", {}}, {}, {}).ok());
+  EXPECT_NE(find(*report, "5 clients with 500 points that do nothing"), nullptr);
+  EXPECT_FALSE(bench_stream({"bad.off", {}}, {.command = CURVECAST_COMMAND}, {}).ok());
+  EXPECT_TRUE(absl::IsUnavailable(bench_stream({"torus.off", off}, {.command = "/bin/false"}, {}).status()));
+  EXPECT_TRUE(absl::IsUnavailable(bench_stream({"torus.off", off}, {.command = "/no/such/command"}, {}).status()));
 }
 
 TEST(PeakMemory, SeesWhatWasHeldForAMoment) {

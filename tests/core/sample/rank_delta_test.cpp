@@ -31,7 +31,7 @@ TEST(RankDelta, WhoAppliesDeltasHasTheSelection) {
     if (frame % 3 == 0) {
       ASSERT_TRUE(grower->grow(later.lacking, 4'000'000).ok());
     }
-    compare(earlier, later, delta);
+    compare(earlier, {}, later, delta);
     for (const RankRef& ref : delta.removed) EXPECT_EQ(held.erase(earlier.tree->chunks()[ref.chunk]->rank[ref.point]), 1u);
     for (const RankRef& ref : delta.added) {
       EXPECT_TRUE(held.insert(later.tree->chunks()[ref.chunk]->rank[ref.point]).second);
@@ -40,7 +40,7 @@ TEST(RankDelta, WhoAppliesDeltasHasTheSelection) {
     EXPECT_TRUE(std::ranges::equal(held, ranks_of(later)));
     std::swap(earlier, later);
   }
-  compare(earlier, earlier, delta);
+  compare(earlier, {}, earlier, delta);
   EXPECT_TRUE(delta.added.empty() && delta.removed.empty());
 }
 
@@ -76,8 +76,8 @@ TEST(RankDelta, WhoAppliesListDeltasHasTheList) {
     if (frame > 0) {
       RankDelta delta;
       ListDelta places;
-      compare(held, selection, delta);
-      locate(held, selection, delta, places);
+      compare(held, held.rungs, selection, delta);
+      locate(*held.tree, selection, delta, places);
       PointSet added;
       gather_ranked(*ball_curve(), *selection.tree, delta.added, added);
       ASSERT_EQ(places.added.size(), added.size());
@@ -111,7 +111,7 @@ TEST(RankDelta, SmallMovesChangeFewPoints) {
   look(0, earlier);
   look(1, later);
   RankDelta delta;
-  compare(earlier, later, delta);
+  compare(earlier, {}, later, delta);
   EXPECT_EQ(delta.added.size(), delta.removed.size());
   EXPECT_GT(delta.added.size(), 0u);
   EXPECT_LT(delta.added.size(), 8000u * 5 / 100);

@@ -1,0 +1,100 @@
+#include "client/cli/bench/server_process.h"
+
+#include <absl/strings/numbers.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_split.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+extern char** environ;
+
+namespace curvecast::cli {
+namespace {
+
+constexpr std::string_view kReady = "listening on ";
+
+/// The first line that begins with kReady; empty at the end of what is written.
+std::string read_address(int pipe) {
+  std::string text;
+  std::array<char, 256> buffer;
+  for (ssize_t count; (count = ::read(pipe, buffer.data(), buffer.size())) > 0;) {
+    text.append(buffer.data(), static_cast<std::size_t>(count));
+    const std::size_t begin = text.find(kReady), end = text.find('\n', begin);
+    if (end != std::string::npos) return text.substr(begin + kReady.size(), end - begin - kReady.size());
+  }
+  return {};
+}
+
+std::string content_of(const std::string& path) {
+  std::ostringstream content;
+  content << std::ifstream(path).rdbuf();
+  return content.str();
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::string& command, int threads) {
+  std::vector<std::string> words = {command.empty() ? "/proc/self/exe" : command,
+                                    "serve",
+                                    "--listen",
+                                    "127.0.0.1:0",
+                                    "--quiet",
+                                    "--threads",
+                                    absl::StrCat(threads)};
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::array<int, 2> pipe;
+  if (::pipe(pipe.data()) != 0) return absl::UnavailableError(absl::StrCat("no pipe: ", std::strerror(errno)));
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
+  posix_spawn_file_actions_addclose(&actions, pipe[0]);
+  posix_spawn_file_actions_addclose(&actions, pipe[1]);
+  pid_t pid = 0;
+  const int error = posix_spawn(&pid, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  ::close(pipe[1]);
+  std::string address = error == 0 ? read_address(pipe[0]) : "";
+  ::close(pipe[0]);
+  if (error != 0) return absl::UnavailableError(absl::StrCat("the server cannot be run: ", std::strerror(error)));
+  std::unique_ptr<ServerProcess> server(new ServerProcess(pid, std::move(address)));
+  if (server->address_.empty()) return absl::UnavailableError("the server ended before it was ready");
+  return server;
+}
+
+ServerProcess::~ServerProcess() {
+  ::kill(pid_, SIGTERM);
+  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
+double ServerProcess::cpu_milliseconds() const {
+  const std::string stat = content_of(absl::StrCat("/proc/", pid_, "/stat"));
+  // The second field, in brackets, may hold blanks. User and system time are the 14th and 15th.
+  const std::vector<std::string> fields = absl::StrSplit(stat.substr(std::min(stat.rfind(')'), stat.size())), ' ');
+  double ticks = 0;
+  for (std::size_t i = 12; i < 14 && i < fields.size(); ++i) {
+    double more = 0;
+    if (absl::SimpleAtod(fields[i], &more)) ticks += more;
+  }
+  return 1e3 * ticks / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+std::uint64_t ServerProcess::resident_bytes() const {
+  std::istringstream statm(content_of(absl::StrCat("/proc/", pid_, "/statm")));
+  std::uint64_t size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace curvecast::cli

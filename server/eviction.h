@@ -1,0 +1,32 @@
+// Which sessions leave the memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace curvecast::server {
+
+/// What all sessions in memory may take together.
+struct SessionLimits {
+  std::size_t sessions = 64;
+  std::uint64_t bytes = std::uint64_t{8} << 30;
+};
+
+struct Resident {
+  std::string id;
+  std::uint64_t last_used = 0;  // greater: later
+  std::uint64_t bytes = 0;
+  bool may_go = false;  // nobody uses it, and it is neither pinned nor being made
+};
+
+struct Eviction {
+  std::vector<std::string> ids;  // in the order in which they go
+  bool is_enough = true;         // the rest is within the limits
+};
+
+/// The least recently used of those that may go, no more of them than it takes to bring the rest within the limits.
+Eviction choose_evicted(std::vector<Resident> residents, const SessionLimits& limits);
+
+}  // namespace curvecast::server

@@ -1,0 +1,29 @@
+// How often something may happen.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+
+namespace curvecast::server {
+
+/// So many times a second in the long run, and a second's worth of them at once. Not thread-safe.
+class RateLimit {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit RateLimit(double per_second) : per_second_(per_second), left_(per_second) {}
+
+  /// It happens once; how long to wait before the next.
+  Clock::duration take(Clock::time_point now) {
+    left_ = std::min(per_second_, left_ + per_second_ * std::chrono::duration<double>(now - last_).count()) - 1;
+    last_ = now;
+    if (left_ >= 0) return Clock::duration::zero();
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(-left_ / per_second_));
+  }
+
+ private:
+  double per_second_, left_;
+  Clock::time_point last_ = Clock::now();
+};
+
+}  // namespace curvecast::server
