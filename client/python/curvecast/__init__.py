@@ -18,9 +18,9 @@ from curvecast.parameter_mesh import ParameterDisc, ParameterMesh
 from curvecast.points import HAS_DRACO, Points
 from curvecast.session import Session
 from curvecast.view import Camera, View
-from curvecast.view_stream import Frame, ViewStream
+from curvecast.view_stream import Frame, HeldFrame, ViewStream
 
 __all__ = [
-    "HAS_DRACO", "Camera", "Client", "Curve", "CurveDisc", "Error", "Frame", "Mesh", "ParameterDisc", "ParameterMesh", "Points",
-    "Session", "View", "ViewStream", "connect", "density",
+    "HAS_DRACO", "Camera", "Client", "Curve", "CurveDisc", "Error", "Frame", "HeldFrame", "Mesh", "ParameterDisc", "ParameterMesh",
+    "Points", "Session", "View", "ViewStream", "connect", "density",
 ]

@@ -57,8 +57,9 @@ class Client:
         self._connection.close()
 
     def upload(self, path: str | os.PathLike[str], on_progress: OnProgress | None = None) -> Mesh:
-        """Makes the server hold a mesh file, and the files that it refers to and that lie in its own folder; what the server has
-        is not sent. Files that are missing are left out: see inspect(mesh).warnings. OSError: a mesh that cannot be read."""
+        """Makes the server hold a mesh file, and the files that it refers to and that lie in its own folder. What the server has
+        is not sent, and an upload that broke off goes on where it was. Files that are missing are left out: see
+        inspect(mesh).warnings. OSError: a mesh that cannot be read."""
         path = pathlib.Path(path)
         mesh = Mesh(self._upload_path(path, on_progress))
         if not may_have_companions(path):
@@ -86,6 +87,11 @@ class Client:
     def upload_bytes(self, name: str, data: bytes | memoryview, on_progress: OnProgress | None = None) -> Mesh:
         """The same for bytes in memory; `name` as of a file."""
         return Mesh(self._upload_file(name, io.BytesIO(data), on_progress))
+
+    def import_mesh(self, path: str) -> Mesh:
+        """Has the server take a mesh file of its own, from the folder that it offers; forward slashes, without companions."""
+        request = v1.ImportMeshRequest(path=path)
+        return Mesh(self._connection.ask("ImportMesh", request, self._connection.long_timeout).mesh_id)
 
     def inspect(self, mesh: Mesh | str) -> v1.MeshInfo:
         """What a mesh holds, its topology, and what repair does to it."""
@@ -131,8 +137,14 @@ class Client:
 
     def sessions(self) -> list[Session]:
         """Those in the server's memory, by id."""
-        answer = self._connection.ask("ListSessions", v1.ListSessionsRequest(), self._connection.short_timeout)
-        return [Session(self._connection, info) for info in answer.sessions]
+        sessions: list[Session] = []
+        request = v1.ListSessionsRequest()
+        while True:
+            page = self._connection.ask("ListSessions", request, self._connection.short_timeout)
+            sessions += [Session(self._connection, info) for info in page.sessions]
+            if not page.next_page_token:
+                return sessions
+            request.page_token = page.next_page_token
 
     def measure(
         self, mesh: Mesh | str, points: Points | npt.ArrayLike | Sequence[Points | npt.ArrayLike], *,

@@ -94,18 +94,19 @@ class Connection:
         def requests() -> Iterator[v1.UploadMeshRequest]:
             yield v1.UploadMeshRequest(header=header)
             try:
-                file.seek(0)
+                file.seek(header.offset)
                 while chunk := file.read(CHUNK_BYTES):
                     yield v1.UploadMeshRequest(chunk=chunk)
                     events.put(len(chunk))
             except (OSError, ValueError) as error:  # ValueError: closed by a caller who has given up
                 events.put(error)
 
+        header.offset = self.call("GetUpload", v1.GetUploadRequest(mesh_id=header.mesh_id), self.short_timeout).received
         with translated():
             future = self.stub.UploadMesh.future(requests(), timeout=self.long_timeout)
             try:
                 future.add_done_callback(lambda _: events.put(None))
-                sent = 0
+                sent = header.offset
                 while (event := events.get()) is not None:
                     if isinstance(event, Exception):
                         raise event

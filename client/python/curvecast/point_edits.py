@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from curvecast.errors import bad_answer
-from curvecast.points import COLUMNS, Points
+from curvecast.points import COLUMNS, MOST_POINTS, Points
 from curvecast.v1 import curvecast_pb2 as v1
 
-RUNGS_PER_OCTAVE, RUNGS = 4, 128  # of the ladder of radii
+RUNGS_PER_OCTAVE, RUNGS = 2, 64  # of the ladder of radii
 
 
 def apply_edits(held: Points, edits: v1.PointEdits, added: Points) -> Points:
@@ -20,6 +20,8 @@ def apply_edits(held: Points, edits: v1.PointEdits, added: Points) -> Points:
     list: indices that do not ascend or lie outside, other columns or another origin than those held."""
     removed = _indices(edits.removed, len(held), "removed")
     size = len(held) - len(removed) + len(added)
+    if size > MOST_POINTS:
+        raise bad_answer(f"there would be {size} points after it")
     places = _indices(edits.added, size, "added")
     if len(places) != len(added):
         raise bad_answer(f"added has {len(places)} indices for {len(added)} points")

@@ -21,6 +21,8 @@ except ImportError:  # built without Python's headers
 #: Whether points can be asked for with encoding="draco".
 HAS_DRACO = _draco is not None
 
+MOST_POINTS = 4_000_000  # of one point set, as in the API
+
 Float32s = npt.NDArray[np.float32]
 
 COLUMNS: Columns = {

@@ -10,12 +10,11 @@ from typing import Any
 from curvecast.connection import Connection
 from curvecast.curve import Curve, decode_curve
 from curvecast.errors import bad_answer
-from curvecast.points import Points, decode_blocks
+from curvecast.points import MOST_POINTS, Points, decode_blocks
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import View
-from curvecast.view_stream import ViewStream
+from curvecast.view_stream import HeldFrame, ViewStream
 
-MOST_POINTS = 4_000_000  # of a point set
 POLL = 0.02  # seconds between questions whether a curve is finer now
 ROUNDS = 4  # a density may find the finer curve too coarse again
 
@@ -64,14 +63,26 @@ class Session:
             points = self._sample_once(request)
         return points
 
-    def stream(self, deltas: bool = True) -> ViewStream:
-        """A conversation: views out, frames in. `deltas`: frames may be differences to the one before, taken in by themselves."""
-        return ViewStream(self._connection, self.id, deltas)
+    def stream(self, deltas: bool = True, first_bytes: int = 0, held: HeldFrame | None = None) -> ViewStream:
+        """A conversation: views out, frames in.
+
+        deltas: frames may be differences to the one before, taken in by themselves. first_bytes: with them, larger frames come in
+        parts, one of about so many bytes first, statistics.refining set; 0 = whole. held: the same of a stream of this session
+        that broke off, to go on from there.
+        """
+        return ViewStream(self._connection, self.id, deltas, first_bytes, held)
 
     def curve(self) -> Curve:
         """The curve itself: all of its vertices, in order."""
         request = v1.GetCurveRequest(session_id=self.id)
         return self._connection.ask_all("GetCurve", request, self._connection.long_timeout, decode_curve)
+
+    def update(self, pinned: bool | None = None, time_to_live: float | None = None) -> v1.Session:
+        """Pins the session in the server's memory, or has it forgotten after so many seconds without use (0 = never). None: as it
+        is. Returns `info`."""
+        request = v1.UpdateSessionRequest(session_id=self.id, pinned=pinned, time_to_live=time_to_live)  # type: ignore[arg-type]
+        self.info = self._connection.ask("UpdateSession", request, self._connection.short_timeout).session
+        return self.info
 
     def close(self) -> None:
         """Has the server forget the session, in memory and in its cache, for all clients."""

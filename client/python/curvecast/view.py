@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 import grpc
 
@@ -32,11 +33,12 @@ class Camera:
 
 @dataclasses.dataclass(frozen=True)
 class View:
-    """A view of a session. Give one budget: `points`, `pixel_error` or `max_bytes`."""
+    """A view of a session. Give one budget: `points`, `pixel_error`, `max_bytes` or, in a stream, `frame_seconds`."""
 
     points: int | None = None  #: N, 1 to 4,000,000
     pixel_error: float | None = None  #: the fewest points for which none stands for more than its square, in pixels
     max_bytes: int | None = None  #: as many points as so many bytes hold
+    frame_seconds: float | None = None  #: as many points as a stream can send and a client take in so often; 0 = 0.1
     density: Sequence[v1.DensityTerm] | v1.DensityTerm = ()  #: of curvecast.density, multiplied
     camera: Camera | Sequence[Camera] = ()  #: with several there are points for all of them
     viewport: tuple[int, int] | None = None  #: width and height in pixels; default 1024 x 1024
@@ -50,10 +52,11 @@ class View:
 
     def to_proto(self) -> v1.SampleRequest:
         """ValueError: not one budget, or a name that the API does not know."""
-        budgets = {name: getattr(self, name) for name in ("points", "pixel_error", "max_bytes")}
-        given = {name: value for name, value in budgets.items() if value is not None}
+        automatic = None if self.frame_seconds is None else v1.AutomaticBudget(frame_seconds=self.frame_seconds)
+        budgets = {"points": self.points, "pixel_error": self.pixel_error, "max_bytes": self.max_bytes, "automatic": automatic}
+        given: dict[str, Any] = {name: value for name, value in budgets.items() if value is not None}
         if len(given) != 1:
-            raise ValueError(f"a view takes one of points, pixel_error and max_bytes, not {len(given)}")
+            raise ValueError(f"a view takes one of points, pixel_error, max_bytes and frame_seconds, not {len(given)}")
         terms = [self.density] if isinstance(self.density, v1.DensityTerm) else self.density
         cameras = [self.camera] if isinstance(self.camera, Camera) else self.camera
         request = v1.SampleRequest(

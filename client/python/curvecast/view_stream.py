@@ -13,10 +13,11 @@ import grpc
 from curvecast.connection import Connection
 from curvecast.errors import Error, bad_answer, error_of
 from curvecast.point_edits import apply_edits
-from curvecast.points import COLUMNS, Points, decode_blocks, encoded_bytes
+from curvecast.points import COLUMNS, MOST_POINTS, Points, decode_blocks, encoded_bytes
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import View
 
+MOST_REMEMBERED = 256  # views, with what they asked for: a frame of an older one cannot be gone on from
 MOST_QUEUED = 16  # the server keeps two frames in flight; a few more are refused ones, which are small
 
 
@@ -37,20 +38,37 @@ class Frame:
     error: Error | None = None  #: why the server refused the view; the stream goes on
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
+class HeldFrame:
+    """What is left of a stream that broke off, for the next one to go on from."""
+
+    points: Points
+    sample: v1.SampleRequest  #: that the frame answered
+    digest: int  #: the server's name for the points
+
+
 class ViewStream:
     """Opened by Session.stream(); use it with `with`. One thread may send while another waits for frames."""
 
-    def __init__(self, connection: Connection, session_id: str, deltas: bool) -> None:
+    def __init__(
+        self, connection: Connection, session_id: str, deltas: bool = True, first_bytes: int = 0, held: HeldFrame | None = None
+    ) -> None:
+        open_view = v1.OpenView(session_id=session_id, accept_deltas=deltas)
+        if held is not None:
+            open_view.held.CopyFrom(v1.HeldPoints(sample=held.sample, points=len(held.points), digest=held.digest))
+        self._first_bytes = first_bytes
         self._changed = threading.Condition()
-        # Under _changed, as all that follows but _held.
-        self._outgoing = collections.deque([v1.StreamViewsRequest(open=v1.OpenView(session_id=session_id, accept_deltas=deltas))])
+        # Under _changed, as all that follows but _held and _last.
+        self._outgoing = collections.deque([v1.StreamViewsRequest(open=open_view)])
+        self._sent: collections.deque[v1.ViewUpdate] = collections.deque(maxlen=MOST_REMEMBERED)
         self._view: v1.ViewUpdate | None = None  # the newest, not sent yet
         self._sequence = 0
         self._needs_key = False
         self._writing = True
         self._queue: collections.deque[v1.PointFrame] = collections.deque()
         self._ended: Error | None = None
-        self._held: Points | None = decode_blocks([])  # None after a frame that could not be taken in
+        self._held: Points | None = decode_blocks([]) if held is None else held.points  # None: a frame could not be taken in
+        self._last = held  # taken in, as far as it can be gone on from
         self._call = connection.stub.StreamViews(self._requests())
         self._reader = threading.Thread(target=self._read, name="curvecast frames", daemon=True)
         self._reader.start()
@@ -73,8 +91,10 @@ class ViewStream:
             self._sequence += 1
             overtaken = self._view is not None and self._view.key_frame
             self._view = v1.ViewUpdate(
-                sequence=self._sequence, sample=request, key_frame=key_frame or overtaken or self._needs_key
+                sequence=self._sequence, sample=request, key_frame=key_frame or overtaken or self._needs_key,
+                first_bytes=self._first_bytes,
             )
+            self._sent.append(self._view)
             self._needs_key = False
             self._changed.notify_all()
             return self._sequence
@@ -94,7 +114,7 @@ class ViewStream:
         try:
             return self._take_in(message)
         except Error as error:
-            self._held = None
+            self._held = self._last = None
             with self._changed:
                 self._needs_key = True
             raise Error(error.code, f"frame {message.sequence}: {error.message}") from None
@@ -102,6 +122,10 @@ class ViewStream:
             with self._changed:
                 self._outgoing.append(v1.StreamViewsRequest(ack=v1.FrameAck(sequence=message.sequence)))
                 self._changed.notify_all()
+
+    def held(self) -> HeldFrame | None:
+        """The points of the last frame taken in, for the stream after this one; None where the server gave them no name."""
+        return self._last
 
     def close(self) -> None:
         """Sends no more and waits for the server to end the stream. Frames not taken are dropped. Error: what it ended with."""
@@ -159,7 +183,10 @@ class ViewStream:
         if message.HasField("error"):
             refused = error_of(message.error.code, message.error.message)
             return Frame(message.sequence, message.curve_revision, held, False, 0, 0, 0, message.statistics, 0, 0, refused)
-        blocks = [message.points] if message.HasField("points") else []
+        blocks = message.points
+        count = sum(block.count for block in blocks)
+        if count > MOST_POINTS:
+            raise bad_answer(f"it holds {count} points")
         points = decode_blocks(blocks)
         is_delta = message.kind == v1.FRAME_KIND_DELTA
         if is_delta:
@@ -174,6 +201,11 @@ class ViewStream:
             if (column := getattr(points, name)) is not None:
                 column.flags.writeable = False
         self._held = points = dataclasses.replace(points, statistics=message.statistics)
+        with self._changed:
+            while self._sent and self._sent[0].sequence < message.sequence:
+                self._sent.popleft()
+            remembered = self._sent[0] if self._sent and self._sent[0].sequence == message.sequence else None
+        self._last = HeldFrame(points, remembered.sample, message.digest) if remembered and message.digest else None
         return Frame(
             sequence=message.sequence,
             curve_revision=message.curve_revision,

@@ -19,7 +19,8 @@ class Told(v1_grpc.CurvecastServiceServicer):
         self.failures: list[grpc.StatusCode] = []
         self.calls = 0
         self.points: list[v1.PointBlock] = []
-        self.received: list[bytes] = []
+        self.parked = b""  # of an upload that broke off
+        self.sent: list[int] = []  # bytes that each upload began with
 
     def _answer(self, context: grpc.ServicerContext) -> None:
         self.calls += 1
@@ -37,13 +38,20 @@ class Told(v1_grpc.CurvecastServiceServicer):
     def GetMesh(self, _: v1.GetMeshRequest, context: grpc.ServicerContext) -> v1.GetMeshResponse:
         context.abort(grpc.StatusCode.NOT_FOUND, "no such mesh")
 
+    def GetUpload(self, _: v1.GetUploadRequest, context: grpc.ServicerContext) -> v1.GetUploadResponse:
+        return v1.GetUploadResponse(received=len(self.parked))
+
     def UploadMesh(self, requests: Iterator[v1.UploadMeshRequest], context: grpc.ServicerContext) -> v1.UploadMeshResponse:
-        self.received = []
+        self.sent.append(next(requests).header.offset)
         for request in requests:
-            self.received.append(request.chunk)
-            if len(self.received) == 2:
-                self._answer(context)
+            self.parked += request.chunk
+            self._answer(context)
         return v1.UploadMeshResponse()
+
+    def ListSessions(self, request: v1.ListSessionsRequest, context: grpc.ServicerContext) -> v1.ListSessionsResponse:
+        page = int(request.page_token or 0)
+        sessions = [v1.Session(session_id=f"{page}{i}") for i in range(2)]
+        return v1.ListSessionsResponse(sessions=sessions, next_page_token=str(page + 1) if page < 2 else "")
 
     def CreateSession(self, _: v1.CreateSessionRequest, context: grpc.ServicerContext) -> Iterator[v1.CreateSessionResponse]:
         yield v1.CreateSessionResponse(progress=v1.Progress(stage="read", fraction=0.5))
@@ -94,17 +102,23 @@ class ConnectionTest(unittest.TestCase):
         self.assert_refused("UNAVAILABLE", session.close)
         self.assertEqual(self.told.calls, 1)
 
-    def test_sessions_and_uploads_start_again(self) -> None:
+    def test_sessions_start_again(self) -> None:
         stages: list[str] = []
         self.told.failures = [grpc.StatusCode.UNAVAILABLE]
         self.assertEqual(self.client.open("m", on_progress=lambda stage, _: stages.append(stage)).id, "s")
         self.assertEqual(stages, ["read", "read"])
+
+    def test_uploads_go_on_where_they_were(self) -> None:
         data = bytes(range(256)) * 5000
-        self.told.failures = [grpc.StatusCode.UNAVAILABLE]
+        self.told.failures = 2 * [grpc.StatusCode.UNAVAILABLE]
         fractions: list[float] = []
         self.client.upload_bytes("data", data, lambda _, fraction: fractions.append(fraction))
-        self.assertEqual(b"".join(self.told.received), data)
+        self.assertEqual(self.told.parked, data)
+        self.assertEqual(self.told.sent, [0, 512 << 10, 1024 << 10])
         self.assertEqual(fractions[-1], 1)
+
+    def test_all_pages_of_sessions(self) -> None:
+        self.assertEqual([session.id for session in self.client.sessions()], ["00", "01", "10", "11", "20", "21"])
 
     def test_exceptions_of_callbacks_come_out(self) -> None:
         def stop(*_: object) -> None:

@@ -58,7 +58,7 @@ class PointEditsTest(unittest.TestCase):
         held = numbered([0, 1, 2, 3])
         # Point 1 twice larger, point 3 once smaller.
         climbed = apply_edits(held, v1.PointEdits(radius_max=8, resized=[2 * 1, 2 * 0, 2 * 2 + 1]), numbered([]))
-        np.testing.assert_allclose(climbed.radii, [1, 2**0.5, 1, 2**-0.25], rtol=1e-6)
+        np.testing.assert_allclose(climbed.radii, [1, 2, 1, 2**-0.5], rtol=1e-6)
         np.testing.assert_array_equal(held.radii, 1)
         highest = apply_edits(held, v1.PointEdits(radius_max=8, resized=[2 * 2] + 50 * [0]), numbered([]))
         np.testing.assert_array_equal(highest.radii, [1, 1, 8, 1])

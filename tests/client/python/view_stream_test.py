@@ -89,6 +89,41 @@ class ViewStreamTest(ServerTest):
                 self.assertEqual((frame.is_delta, frame.added), (False, 1000))
                 self.assertGreaterEqual(frame.encoded_bytes, 28 * 1000)
 
+    def test_a_stream_goes_on_where_another_broke_off(self) -> None:
+        with self.session.stream() as stream:
+            self.assertIsNone(stream.held())
+            for degrees in range(3):
+                self.settled(stream, view_from(degrees, 3, 1000))
+            held = stream.held()
+        self.assertEqual(len(held.points), 1000)
+        view = view_from(4, 3, 1000)
+        with self.session.stream(held=held) as stream:
+            frame = self.settled(stream, view)
+            self.assertTrue(frame.is_delta)
+            self.assert_same_points(frame.points, self.session.sample(view))
+        stale = dataclasses.replace(held, digest=held.digest ^ 1)
+        with self.session.stream(held=stale) as stream:
+            self.assertFalse(self.settled(stream, view).is_delta)
+
+    def test_large_frames_come_in_parts(self) -> None:
+        view = view_from(0, 3, 4000)
+        with self.session.stream(first_bytes=5000) as stream:
+            stream.send(view)
+            frames = [stream.frame(PATIENCE)]
+            while frames[-1].statistics.refining:
+                frames.append(stream.frame(PATIENCE))
+        self.assertGreater(len(frames), 1)
+        counts = [len(frame.points) for frame in frames]
+        self.assertEqual(counts, sorted(counts))
+        self.assertLess(counts[0], 1000)
+        self.assertTrue(all(frame.is_delta for frame in frames[1:]))
+        self.assert_same_points(frames[-1].points, self.session.sample(view))
+
+    def test_as_many_points_as_keep_up(self) -> None:
+        with self.session.stream() as stream:
+            frame = self.settled(stream, dataclasses.replace(view_from(0, 3, 1), points=None, frame_seconds=0.05))
+            self.assertGreater(len(frame.points), 1000)
+
     def test_frames_cannot_be_written_to(self) -> None:
         with self.session.stream() as stream:
             points = self.settled(stream, view_from(0, 3, 100)).points
