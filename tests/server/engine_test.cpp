@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "server/log.h"
+#include "server/server.h"
 #include "tests/server/frame_points.h"
 #include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"

@@ -1,0 +1,188 @@
+"""What a program does with a server: bring a mesh, open a session, look after sessions, measure points."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import os
+import pathlib
+from collections.abc import Sequence
+from typing import BinaryIO
+
+import grpc
+import numpy.typing as npt
+
+from curvecast.connection import Connection, OnProgress
+from curvecast.density import enum_name, vec3
+from curvecast.errors import Error, bad_answer
+from curvecast.mesh import Mesh, as_mesh, find_companion, may_have_companions, mesh_id_of
+from curvecast.parameter_mesh import ParameterMesh, decode_parameter_mesh
+from curvecast.points import Points, as_points
+from curvecast.session import Session
+from curvecast.v1 import curvecast_pb2 as v1
+from curvecast.view import Camera
+
+REFERENCE_ROUNDS = 8  # a mesh names material libraries, these name textures: two, as a rule
+MOST_COMPANIONS = 256  # of a mesh, as in the API
+
+
+def connect(
+    address: str, *, credentials: grpc.ChannelCredentials | None = None, short_timeout: float = 30, long_timeout: float = 600,
+    attempts: int = 5,
+) -> Client:
+    """A client of the server at "host:port". The line is opened by the first call.
+
+    credentials: for a proxy with TLS in front, such as grpc.ssl_channel_credentials(); without them nothing is encrypted.
+    short_timeout: seconds, of calls that only look something up; long_timeout: of those that compute or move data; preprocessing
+    and measuring have none. attempts: in all, when the line or the server is lost (UNAVAILABLE), 0.1 s and more apart.
+    """
+    return Client(Connection(address, credentials, short_timeout, long_timeout, attempts))
+
+
+class Client:
+    """A line to a server. `on_progress(stage, fraction)` is called from the calling thread; an exception from it, such as
+    KeyboardInterrupt, cancels the call and is passed on. Every call may raise Error."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Hangs up: what still runs is cancelled."""
+        self._connection.close()
+
+    def upload(self, path: str | os.PathLike[str], on_progress: OnProgress | None = None) -> Mesh:
+        """Makes the server hold a mesh file, and the files that it refers to and that lie in its own folder. What the server has
+        is not sent, and an upload that broke off goes on where it was. Files that are missing are left out: see
+        inspect(mesh).warnings. OSError: a mesh that cannot be read."""
+        path = pathlib.Path(path)
+        mesh = Mesh(self._upload_path(path, on_progress))
+        if not may_have_companions(path):
+            return mesh
+        companions: dict[str, str] = {}
+        refused: list[str] = []
+        seen: set[str] = set()
+        for _ in range(REFERENCE_ROUNDS):
+            request = v1.ListMeshReferencesRequest(mesh_id=mesh.id, companions=companions)
+            names = self._connection.ask("ListMeshReferences", request, self._connection.long_timeout).missing
+            before = len(companions)
+            for name in names:
+                if name in seen or len(seen) >= MOST_COMPANIONS:
+                    continue
+                seen.add(name)
+                try:
+                    if (companion := find_companion(path, name)) is not None:
+                        companions[name] = self._upload_path(companion, on_progress)
+                except (ValueError, OSError) as error:
+                    refused.append(str(error))
+            if len(companions) == before:
+                break
+        return dataclasses.replace(mesh, companions=companions, refused=tuple(refused))
+
+    def upload_bytes(self, name: str, data: bytes | memoryview, on_progress: OnProgress | None = None) -> Mesh:
+        """The same for bytes in memory; `name` as of a file."""
+        return Mesh(self._upload_file(name, io.BytesIO(data), on_progress))
+
+    def import_mesh(self, path: str) -> Mesh:
+        """Has the server take a mesh file of its own, from the folder that it offers; forward slashes, without companions."""
+        request = v1.ImportMeshRequest(path=path)
+        return Mesh(self._connection.ask("ImportMesh", request, self._connection.long_timeout).mesh_id)
+
+    def inspect(self, mesh: Mesh | str) -> v1.MeshInfo:
+        """What a mesh holds, its topology, and what repair does to it."""
+        mesh = as_mesh(mesh)
+        request = v1.InspectMeshRequest(mesh_id=mesh.id, companions=mesh.companions)
+        info = self._connection.ask("InspectMesh", request, self._connection.long_timeout).mesh
+        info.warnings.extend(f"{reason}." for reason in mesh.refused)
+        return info
+
+    def parameter_mesh(self, mesh: Mesh | str, parameteriser: str = "own") -> ParameterMesh:
+        """The discs that a mesh is cut into, with their places in the parameter square. Computed anew for every call."""
+        mesh = as_mesh(mesh)
+        request = v1.GetParameterMeshRequest(
+            mesh_id=mesh.id, companions=mesh.companions,
+            parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
+        )
+        return self._connection.ask_all("GetParameterMesh", request, None, decode_parameter_mesh)
+
+    def open(
+        self, mesh: Mesh | str, points: int = 65_536, *, omega: float = 0, density: Sequence[v1.DensityTerm] = (),
+        parameteriser: str = "own", mapper: str = "exact", area: str = "exact", on_progress: OnProgress | None = None,
+    ) -> Session:
+        """Prepares a mesh, or joins the session that is there for the same mesh and options; waits until it is ready.
+
+        points: N for which the curve is made fine enough, up to 4,000,000. omega: curve vertices per point; 0 = 10. density: for
+        which the curve is made, without terms of a camera. parameteriser: own or cgal; mapper: exact or id_buffer; area: exact or
+        voronoi. Cancelled by an exception in on_progress, it stops on the server too, unless others wait for the same.
+        """
+        mesh = as_mesh(mesh)
+        options = v1.SessionOptions(
+            max_points=points, omega=omega, density=density, mapper=enum_name(v1.Mapper, "MAPPER", mapper),
+            parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
+            area_element=enum_name(v1.AreaElement, "AREA_ELEMENT", area),
+        )
+        request = v1.CreateSessionRequest(mesh_id=mesh.id, options=options, companions=mesh.companions)
+        return Session(self._connection, self._connection.last("CreateSession", request, "session", on_progress))
+
+    def session(self, session_id: str) -> Session:
+        """A session by its id, from the server's memory or its cache."""
+        session = Session(self._connection, v1.Session(session_id=session_id))
+        session.refresh()
+        return session
+
+    def sessions(self) -> list[Session]:
+        """Those in the server's memory, by id."""
+        sessions: list[Session] = []
+        request = v1.ListSessionsRequest()
+        while True:
+            page = self._connection.ask("ListSessions", request, self._connection.short_timeout)
+            sessions += [Session(self._connection, info) for info in page.sessions]
+            if not page.next_page_token:
+                return sessions
+            request.page_token = page.next_page_token
+
+    def measure(
+        self, mesh: Mesh | str, points: Points | npt.ArrayLike | Sequence[Points | npt.ArrayLike], *,
+        density: Sequence[v1.DensityTerm] = (), camera: Camera | Sequence[Camera] = (), ring_seeds: int = 0,
+        ball_centres: int = 0, seed: int = 0, on_progress: OnProgress | None = None,
+    ) -> v1.Measures:
+        """How evenly points lie on a mesh: discrepancies, spacing, coverage, distance from the surface.
+
+        points: Points or an (N, 3) array of places in the frame of the mesh file, whoever made them; or a list of such sets. The
+        measures of set i are in .sets[i]. density: that the points are to have.
+        """
+        mesh = as_mesh(mesh)
+        sets = points if isinstance(points, (list, tuple)) else [points]
+        cameras = [camera] if isinstance(camera, Camera) else camera
+        request = v1.MeasureRequest(
+            mesh_id=mesh.id, companions=mesh.companions, density=density, cameras=[c.to_proto() for c in cameras],
+            ring_seeds=ring_seeds, ball_centres=ball_centres, seed=seed,
+        )
+        for one in map(as_points, sets):
+            data = one.positions.astype("<f4", copy=False).tobytes()
+            points_id = self.upload_bytes("points", data, on_progress).id
+            request.sets.append(v1.UploadedPoints(points_id=points_id, origin=vec3(one.origin)))
+        measures = self._connection.last("Measure", request, "measures", on_progress)
+        if len(measures.sets) != len(request.sets):
+            raise bad_answer(f"asked for the measures of {len(request.sets)} sets, but the server sent {len(measures.sets)}")
+        return measures
+
+    def _upload_path(self, path: pathlib.Path, on_progress: OnProgress | None) -> str:
+        with open(path, "rb") as file:
+            return self._upload_file(path.name, file, on_progress)
+
+    def _upload_file(self, name: str, file: BinaryIO, on_progress: OnProgress | None) -> str:
+        mesh_id = mesh_id_of(file)
+        header = v1.UploadHeader(name=name, size=file.seek(0, os.SEEK_END), mesh_id=mesh_id)
+        try:
+            self._connection.ask("GetMesh", v1.GetMeshRequest(mesh_id=mesh_id), self._connection.short_timeout)
+        except Error as error:
+            if error.code is not grpc.StatusCode.NOT_FOUND:
+                raise
+            self._connection.upload(header, file, on_progress)
+        return mesh_id

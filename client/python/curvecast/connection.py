@@ -1,0 +1,137 @@
+"""One line to a server: calls with deadlines and retries."""
+
+from __future__ import annotations
+
+import queue
+import random
+import time
+from collections.abc import Callable, Iterator
+from typing import Any, BinaryIO, TypeVar
+
+import grpc
+
+from curvecast.errors import Error, bad_answer, translated
+from curvecast.v1 import curvecast_pb2 as v1
+from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
+
+T = TypeVar("T")
+OnProgress = Callable[[str, float], None]
+
+CHUNK_BYTES = 512 << 10  # of an upload; the API allows 1 MiB
+FIRST_DELAY, LONGEST_DELAY = 0.1, 2.0  # seconds between attempts; doubles, with jitter
+CHANNEL_OPTIONS = [
+    ("grpc.max_receive_message_length", 64 << 20),  # servers send frames of up to 32 MiB
+    ("grpc.keepalive_time_ms", 20_000),  # between pings during a call; servers allow one every 5 seconds
+    ("grpc.keepalive_timeout_ms", 10_000),  # until a silent server counts as lost
+    ("grpc.initial_reconnect_backoff_ms", int(1000 * FIRST_DELAY)),
+    ("grpc.min_reconnect_backoff_ms", int(1000 * FIRST_DELAY)),
+    ("grpc.max_reconnect_backoff_ms", int(1000 * LONGEST_DELAY)),
+]
+
+
+class Connection:
+    """Calls of the API. All but call() are repeated when the line or the server was lost meanwhile: they are idempotent."""
+
+    def __init__(
+        self, address: str, credentials: grpc.ChannelCredentials | None, short_timeout: float, long_timeout: float, attempts: int
+    ) -> None:
+        if attempts < 1:
+            raise ValueError(f"attempts is {attempts}; there has to be one")
+        self.short_timeout, self.long_timeout, self._attempts = short_timeout, long_timeout, attempts
+        if credentials is None:
+            self._channel = grpc.insecure_channel(address, CHANNEL_OPTIONS)
+        else:
+            self._channel = grpc.secure_channel(address, credentials, CHANNEL_OPTIONS)
+        self.stub = v1_grpc.CurvecastServiceStub(self._channel)
+
+    def close(self) -> None:
+        self._channel.close()
+
+    def call(self, method: str, request: Any, timeout: float | None) -> Any:
+        """One answer, asked for once."""
+        with translated():
+            return getattr(self.stub, method)(request, timeout=timeout)
+
+    def ask(self, method: str, request: Any, timeout: float | None) -> Any:
+        return self._retrying(lambda: self.call(method, request, timeout))
+
+    def ask_all(self, method: str, request: Any, timeout: float | None, take: Callable[[Iterator[Any]], T]) -> T:
+        """What `take` makes of an answer of many messages. The call is cancelled when `take` leaves early, by an exception too."""
+
+        def attempt() -> T:
+            with translated():
+                messages = getattr(self.stub, method)(request, timeout=timeout)
+                try:
+                    return take(messages)
+                finally:
+                    messages.cancel()
+
+        return self._retrying(attempt)
+
+    def last(self, method: str, request: Any, result: str, on_progress: OnProgress | None) -> Any:
+        """The field `result` of the last message, after messages of progress. No deadline."""
+
+        def take(messages: Iterator[Any]) -> Any:
+            found = None
+            for message in messages:
+                if message.HasField("progress") and on_progress is not None:
+                    on_progress(message.progress.stage, message.progress.fraction)
+                if message.HasField(result):
+                    found = getattr(message, result)
+            if found is None:
+                raise bad_answer(f"the server ended {method} without its {result}")
+            return found
+
+        return self.ask_all(method, request, None, take)
+
+    def upload(self, header: v1.UploadHeader, file: BinaryIO, on_progress: OnProgress | None) -> v1.UploadMeshResponse:
+        return self._retrying(lambda: self._upload_once(header, file, on_progress))
+
+    def _upload_once(self, header: v1.UploadHeader, file: BinaryIO, on_progress: OnProgress | None) -> v1.UploadMeshResponse:
+        # gRPC takes messages out of `requests` on a thread of its own. What happens there is told to this one.
+        events: queue.SimpleQueue[int | Exception | None] = queue.SimpleQueue()
+
+        def requests() -> Iterator[v1.UploadMeshRequest]:
+            yield v1.UploadMeshRequest(header=header)
+            try:
+                file.seek(header.offset)
+                while chunk := file.read(CHUNK_BYTES):
+                    yield v1.UploadMeshRequest(chunk=chunk)
+                    events.put(len(chunk))
+            except (OSError, ValueError) as error:  # ValueError: closed by a caller who has given up
+                events.put(error)
+
+        header.offset = self.call("GetUpload", v1.GetUploadRequest(mesh_id=header.mesh_id), self.short_timeout).received
+        with translated():
+            future = self.stub.UploadMesh.future(requests(), timeout=self.long_timeout)
+            try:
+                future.add_done_callback(lambda _: events.put(None))
+                sent = header.offset
+                while (event := events.get()) is not None:
+                    if isinstance(event, Exception):
+                        raise event
+                    sent += event
+                    if on_progress is not None:
+                        on_progress("upload", min(sent / header.size, 1.0))
+                return future.result()
+            finally:
+                future.cancel()
+
+    def _retrying(self, attempt: Callable[[], T]) -> T:
+        delay = FIRST_DELAY
+        for left in reversed(range(self._attempts)):
+            try:
+                return attempt()
+            except Error as error:
+                if left == 0 or not is_retryable(error):
+                    raise
+            time.sleep(delay * random.uniform(0.5, 1.0))  # many clients may have lost the same server
+            delay = min(2 * delay, LONGEST_DELAY)
+        raise AssertionError("unreachable")
+
+
+def is_retryable(error: Error) -> bool:
+    """Lost on the way. Nobody here cancels a call and then asks how it went: CANCELLED is of a proxy that lost its server."""
+    if error.code is grpc.StatusCode.INTERNAL:
+        return "RST_STREAM" in error.message
+    return error.code in (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED)

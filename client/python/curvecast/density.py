@@ -1,0 +1,78 @@
+"""Densities: terms that are multiplied. Only ratios matter. See the messages of the same names in the API."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from google.protobuf.internal.enum_type_wrapper import EnumTypeWrapper
+
+from curvecast.v1 import curvecast_pb2 as v1
+
+
+#: x, y, z
+Vector = Sequence[float] | npt.NDArray[np.floating]
+
+
+def vec3(values: Vector) -> v1.Vec3:
+    x, y, z = (float(value) for value in values)
+    return v1.Vec3(x=x, y=y, z=z)
+
+
+def enum_name(enum: EnumTypeWrapper, prefix: str, name: str) -> str:
+    """PREFIX_NAME, a value of an enum of the API; ValueError says which names there are."""
+    names = [key.removeprefix(f"{prefix}_").lower() for key, number in enum.items() if number != 0]
+    if name not in names:
+        raise ValueError(f"{prefix.lower()} is one of {', '.join(names)}, not {name!r}")
+    return f"{prefix}_{name.upper()}"
+
+
+def uniform() -> v1.DensityTerm:
+    """The same everywhere."""
+    return v1.DensityTerm(uniform=v1.UniformDensity())
+
+
+def curvature(kind: str = "gauss", exponent: float | None = None, floor: float | None = None) -> v1.DensityTerm:
+    """(floor + (1 - floor) min(|k| / k_ref, 1))^exponent with k by `kind`: gauss, mean or max. Defaults: exponent 1, floor 0.05."""
+    term = v1.CurvatureDensity(kind=enum_name(v1.CurvatureKind, "CURVATURE_KIND", kind), exponent=exponent, floor=floor)
+    return v1.DensityTerm(curvature=term)
+
+
+def attribute(name: str) -> v1.DensityTerm:
+    """A number that the mesh has for each vertex; negative ones and NaN count as 0."""
+    return v1.DensityTerm(attribute=v1.AttributeDensity(name=name))
+
+
+def brush(centre: Vector, radius: float, factor: float, falloff: float | None = None) -> v1.DensityTerm:
+    """`factor` within `radius` (units) of a place, 1 elsewhere; 0 erases. `falloff`: part of the radius over which it goes to 1,
+    by default 0.5."""
+    return v1.DensityTerm(brush=v1.BrushDensity(centre=vec3(centre), radius=radius, factor=factor, falloff=falloff))
+
+
+def expression(text: str) -> v1.DensityTerm:
+    """A formula of x, y, z, nx, ny, nz, k1, k2, gauss, mean and attributes, in muParser's syntax: "1 + 9 * (z > 0)"."""
+    return v1.DensityTerm(expression=v1.ExpressionDensity(text=text))
+
+
+def view(s0: float | None = None) -> v1.DensityTerm:
+    """Silhouettes: 1 - c + s0 where the cosine c between normal and direction to the eye is positive, else 0. Default: 0.1."""
+    return v1.DensityTerm(view=v1.ViewDensity(s0=s0))
+
+
+def distance(near: float = 0, far: float = 0, whole: bool = False) -> v1.DensityTerm:
+    """(near / clamp(d, near, far))^2, d from the eye, in units; 0: as near as the mesh's box, no far limit. `whole`: the number of
+    points falls instead, by the distance of the middle."""
+    term = v1.DistanceDensity(near=near, far=far)
+    setattr(term, "global", whole)  # a keyword of Python
+    return v1.DensityTerm(distance=term)
+
+
+def frustum() -> v1.DensityTerm:
+    """1 inside the camera's picture, else 0."""
+    return v1.DensityTerm(frustum=v1.FrustumDensity())
+
+
+def screen() -> v1.DensityTerm:
+    """Even spacing in pixels of the camera's picture."""
+    return v1.DensityTerm(screen=v1.ScreenDensity())

@@ -1,0 +1,136 @@
+"""Point sets as arrays, and how the API's blocks become them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+
+import numpy as np
+import numpy.typing as npt
+from google.protobuf.message import Message
+
+from curvecast.columns import Columns, read_column
+from curvecast.errors import bad_answer
+from curvecast.v1 import curvecast_pb2 as v1
+
+try:
+    from curvecast import _draco  # type: ignore[attr-defined]
+except ImportError:  # built without Python's headers
+    _draco = None
+
+#: Whether points can be asked for with encoding="draco".
+HAS_DRACO = _draco is not None
+
+MOST_POINTS = 4_000_000  # of one point set, as in the API
+
+Float32s = npt.NDArray[np.float32]
+
+COLUMNS: Columns = {
+    "positions": ("<f4", 3),
+    "normals": ("<f4", 3),
+    "radii": ("<f4", 1),
+    "colours": ("u1", 3),
+    "curvatures": ("<f4", 2),
+    "ranks": ("<u4", 1),
+    "faces": ("<u4", 1),
+    "barycentric": ("<f4", 2),
+}
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Points:
+    """N points along the curve. A point stands at origin + position. None: a column that the mesh lacks or nobody asked for."""
+
+    origin: npt.NDArray[np.float64]  #: (3,), units
+    positions: Float32s  #: (N, 3), units
+    normals: Float32s | None = None  #: (N, 3), unit vectors
+    radii: Float32s | None = None  #: (N,), units: of a splat; neighbouring discs overlap
+    colours: npt.NDArray[np.uint8] | None = None  #: (N, 3): red, green, blue (sRGB)
+    curvatures: Float32s | None = None  #: (N, 2), 1/unit: least and largest principal curvature
+    ranks: npt.NDArray[np.uint32] | None = None  #: (N,): of the progressive sampler
+    faces: npt.NDArray[np.uint32] | None = None  #: (N,): faces of the repaired mesh
+    barycentric: Float32s | None = None  #: (N, 2): weights of the face's second and third corner
+    #: of the request that they answer: the server's times, and .refining: better ones are being made
+    statistics: v1.FrameStatistics = dataclasses.field(default_factory=v1.FrameStatistics)
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def world_positions(self) -> npt.NDArray[np.float64]:
+        """(N, 3) float64: in the frame of the mesh file."""
+        return self.origin + self.positions
+
+
+def as_points(points: Points | npt.ArrayLike) -> Points:
+    """Any (N, 3) array of places in the frame of a mesh file, relative to their middle so that 32 bits do."""
+    if isinstance(points, Points):
+        return points
+    places = np.asarray(points, dtype=np.float64)
+    if places.ndim != 2 or places.shape[1] != 3:
+        raise ValueError(f"points are an array of shape (N, 3), not {places.shape}")
+    origin = 0.5 * (places.min(axis=0) + places.max(axis=0)) if len(places) else np.zeros(3)
+    return Points(origin, (places - origin).astype("<f4"))
+
+
+def encoded_bytes(block: v1.PointBlock) -> int:
+    """Of the points of a block, on the wire."""
+    fields: tuple[Message, ...] = (block.draco, block.raw, block.attributes)
+    return sum(len(value) for message in fields for _, value in message.ListFields() if isinstance(value, bytes))
+
+
+def decode_blocks(blocks: Iterable[v1.PointBlock]) -> Points:
+    """All points of blocks that follow each other, in arrays of their own. Error DATA_LOSS: blocks that make no sense."""
+    decoded = [_decode_block(block) for block in blocks]
+    if not decoded:
+        return Points(np.zeros(3), np.zeros((0, 3), "<f4"))
+    origin = decoded[0].origin
+    columns = {}
+    for name in COLUMNS:
+        parts = [getattr(part, name) for part in decoded]
+        if all(part is None for part in parts):
+            continue
+        if any(part is None for part in parts):
+            raise bad_answer(f"the server sent some blocks of points with {name} and others without")
+        if name == "positions":
+            parts = [_moved(part, origin) for part in decoded]
+        columns[name] = np.concatenate(parts)
+    return Points(origin, **columns)
+
+
+def _moved(points: Points, origin: npt.NDArray[np.float64]) -> Float32s:
+    if np.array_equal(points.origin, origin):
+        return points.positions
+    return (points.positions + (points.origin - origin)).astype("<f4")
+
+
+def _decode_block(block: v1.PointBlock) -> Points:
+    kind = block.WhichOneof("data")
+    if kind == "raw":
+        raw = block.raw
+        data = {"positions": raw.positions, "normals": raw.normals, "radii": raw.radii}
+        if raw.colours:
+            data["colours"] = raw.colours
+    elif kind == "draco":
+        data = _decode_draco(block.draco, block.count)
+    else:
+        raise bad_answer("the server sent a block of points that is neither Draco nor raw")
+    for field, value in block.attributes.ListFields():
+        data[field.name] = value
+    origin = np.array([block.origin.x, block.origin.y, block.origin.z])
+    if not np.isfinite(origin).all():
+        raise bad_answer("the server sent a block of points whose origin is not finite")
+    columns = {name: read_column(name, value, COLUMNS[name], block.count) for name, value in data.items() if name in COLUMNS}
+    if (columns["radii"] < 0).any():
+        raise bad_answer("the server sent radii below 0")
+    return Points(origin, **columns)  # type: ignore[arg-type]
+
+
+def _decode_draco(draco: v1.DracoPoints, count: int) -> dict[str, bytes]:
+    if _draco is None:
+        raise bad_answer("the server sent Draco points that nobody asked for")
+    try:
+        positions, normals, radii, colours = _draco.decode(draco.data, draco.radius_min, draco.radius_max, count)
+    except ValueError as error:
+        raise bad_answer(f"the server sent a bad block of points: {error}") from None
+    columns = {"positions": positions, "normals": normals, "radii": radii}
+    return columns | {"colours": colours} if colours else columns

@@ -1,0 +1,78 @@
+"""What determines a point set: how many points, with which density, seen from where."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+import grpc
+
+from curvecast.density import Vector, enum_name, vec3
+from curvecast.errors import Error
+from curvecast.points import HAS_DRACO
+from curvecast.v1 import curvecast_pb2 as v1
+
+
+@dataclasses.dataclass(frozen=True)
+class Camera:
+    """A perspective camera, or an orthographic one where `orthographic_height` is above 0."""
+
+    eye: Vector  #: x, y, z
+    target: Vector = (0, 0, 0)
+    up: Vector = (0, 1, 0)
+    fov: float = 45  #: vertical, degrees, between 0 and 180
+    orthographic_height: float = 0  #: of its picture, units
+
+    def to_proto(self) -> v1.Camera:
+        return v1.Camera(
+            eye=vec3(self.eye), target=vec3(self.target), up=vec3(self.up), vertical_fov_degrees=self.fov,
+            orthographic_height=self.orthographic_height,
+        )
+
+
+@dataclasses.dataclass(frozen=True)
+class View:
+    """A view of a session. Give one budget: `points`, `pixel_error`, `max_bytes` or, in a stream, `frame_seconds`."""
+
+    points: int | None = None  #: N, 1 to 4,000,000
+    pixel_error: float | None = None  #: the fewest points for which none stands for more than its square, in pixels
+    max_bytes: int | None = None  #: as many points as so many bytes hold
+    frame_seconds: float | None = None  #: as many points as a stream can send and a client take in so often; 0 = 0.1
+    density: Sequence[v1.DensityTerm] | v1.DensityTerm = ()  #: of curvecast.density, multiplied
+    camera: Camera | Sequence[Camera] = ()  #: with several there are points for all of them
+    viewport: tuple[int, int] | None = None  #: width and height in pixels; default 1024 x 1024
+    sampler: str = "equalised"  #: or progressive: fixed places and ranks, more even, small deltas; fewer points where they lack
+    sequence: str = "jittered"  #: or regular, van_der_corput, golden_ratio; of the equalised sampler
+    seed: int = 0  #: of the equalised sampler
+    attributes: Sequence[str] = ()  #: of curvatures, rank (progressive sampler only) and surface (faces, barycentric)
+    encoding: str = "raw"  #: exactly as computed; or draco: a tenth of the bytes, rounded
+    position_bits: int = 0  #: of draco, per coordinate over the largest side of the mesh's box; 0 = 11
+    normal_bits: int = 0  #: of draco; 0 = 8
+
+    def to_proto(self) -> v1.SampleRequest:
+        """ValueError: not one budget, or a name that the API does not know."""
+        automatic = None if self.frame_seconds is None else v1.AutomaticBudget(frame_seconds=self.frame_seconds)
+        budgets = {"points": self.points, "pixel_error": self.pixel_error, "max_bytes": self.max_bytes, "automatic": automatic}
+        given: dict[str, Any] = {name: value for name, value in budgets.items() if value is not None}
+        if len(given) != 1:
+            raise ValueError(f"a view takes one of points, pixel_error, max_bytes and frame_seconds, not {len(given)}")
+        terms = [self.density] if isinstance(self.density, v1.DensityTerm) else self.density
+        cameras = [self.camera] if isinstance(self.camera, Camera) else self.camera
+        request = v1.SampleRequest(
+            **given, density=terms, cameras=[camera.to_proto() for camera in cameras], seed=self.seed, encoding=self._encoding(),
+            sequence=enum_name(v1.Sequence, "SEQUENCE", self.sequence), sampler=enum_name(v1.Sampler, "SAMPLER", self.sampler),
+            attributes=[enum_name(v1.PointAttribute, "POINT_ATTRIBUTE", name) for name in self.attributes],
+        )
+        if self.viewport is not None:
+            request.viewport.width, request.viewport.height = self.viewport
+        return request
+
+    def _encoding(self) -> v1.Encoding:
+        if self.encoding == "raw":
+            return v1.Encoding(raw=v1.RawEncoding())
+        if self.encoding != "draco":
+            raise ValueError(f"encoding is raw or draco, not {self.encoding!r}")
+        if not HAS_DRACO:
+            raise Error(grpc.StatusCode.UNIMPLEMENTED, "this copy of curvecast was built without Draco: use raw points")
+        return v1.Encoding(draco=v1.DracoEncoding(position_bits=self.position_bits, normal_bits=self.normal_bits))

@@ -1,0 +1,220 @@
+"""A conversation with a session: views out, frames in."""
+
+from __future__ import annotations
+
+import collections
+import dataclasses
+import threading
+import time
+from collections.abc import Iterator
+
+import grpc
+
+from curvecast.connection import Connection
+from curvecast.errors import Error, bad_answer, error_of
+from curvecast.point_edits import apply_edits
+from curvecast.points import COLUMNS, MOST_POINTS, Points, decode_blocks, encoded_bytes
+from curvecast.v1 import curvecast_pb2 as v1
+from curvecast.view import View
+
+MOST_REMEMBERED = 256  # views, with what they asked for: a frame of an older one cannot be gone on from
+MOST_QUEUED = 16  # the server keeps two frames in flight; a few more are refused ones, which are small
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Frame:
+    """What answers a view."""
+
+    sequence: int  #: of the view that it answers; the same again when an improved frame follows by itself
+    curve_revision: int
+    points: Points | None  #: all that there are now, not to be written to; with an error those of the frame before
+    is_delta: bool  #: it changed the points of the frame before
+    added: int  #: points that came with it; a key frame adds all and removes all
+    removed: int
+    resized: int  #: steps of discs from one size to the next
+    statistics: v1.FrameStatistics  #: the server's times, and .refining: a better frame follows
+    encoded_bytes: int  #: of the points and edits on the wire
+    decode_seconds: float
+    error: Error | None = None  #: why the server refused the view; the stream goes on
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class HeldFrame:
+    """What is left of a stream that broke off, for the next one to go on from."""
+
+    points: Points
+    sample: v1.SampleRequest  #: that the frame answered
+    digest: int  #: the server's name for the points
+
+
+class ViewStream:
+    """Opened by Session.stream(); use it with `with`. One thread may send while another waits for frames."""
+
+    def __init__(
+        self, connection: Connection, session_id: str, deltas: bool = True, first_bytes: int = 0, held: HeldFrame | None = None
+    ) -> None:
+        open_view = v1.OpenView(session_id=session_id, accept_deltas=deltas)
+        if held is not None:
+            open_view.held.CopyFrom(v1.HeldPoints(sample=held.sample, points=len(held.points), digest=held.digest))
+        self._first_bytes = first_bytes
+        self._changed = threading.Condition()
+        # Under _changed, as all that follows but _held and _last.
+        self._outgoing = collections.deque([v1.StreamViewsRequest(open=open_view)])
+        self._sent: collections.deque[v1.ViewUpdate] = collections.deque(maxlen=MOST_REMEMBERED)
+        self._view: v1.ViewUpdate | None = None  # the newest, not sent yet
+        self._sequence = 0
+        self._needs_key = False
+        self._writing = True
+        self._queue: collections.deque[v1.PointFrame] = collections.deque()
+        self._ended: Error | None = None
+        self._held: Points | None = decode_blocks([]) if held is None else held.points  # None: a frame could not be taken in
+        self._last = held  # taken in, as far as it can be gone on from
+        self._call = connection.stub.StreamViews(self._requests())
+        self._reader = threading.Thread(target=self._read, name="curvecast frames", daemon=True)
+        self._reader.start()
+
+    def __enter__(self) -> ViewStream:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.cancel()
+
+    def send(self, view: View, key_frame: bool = False) -> int:
+        """Asks for a view and returns its number. The newest view wins: one that is overtaken gets no frame. `key_frame`: the
+        frame is not to be a delta. After the stream's end, its error."""
+        request = view.to_proto()
+        with self._changed:
+            if self._ended is not None:
+                raise self._ended
+            if not self._writing:
+                raise Error(grpc.StatusCode.FAILED_PRECONDITION, "the stream is closed")
+            self._sequence += 1
+            overtaken = self._view is not None and self._view.key_frame
+            self._view = v1.ViewUpdate(
+                sequence=self._sequence, sample=request, key_frame=key_frame or overtaken or self._needs_key,
+                first_bytes=self._first_bytes,
+            )
+            self._sent.append(self._view)
+            self._needs_key = False
+            self._changed.notify_all()
+            return self._sequence
+
+    def frame(self, timeout: float | None = None) -> Frame:
+        """Waits for the next frame, takes it in and acknowledges it. Error: DEADLINE_EXCEEDED after `timeout` seconds; DATA_LOSS
+        for a frame that makes no sense (the next view is answered with a key frame); ABORTED when the server has ended the
+        stream in order, else what it ended with."""
+        with self._changed:
+            if not self._changed.wait_for(lambda: self._queue or self._ended is not None, timeout):
+                raise Error(grpc.StatusCode.DEADLINE_EXCEEDED, f"no frame within {timeout} s")
+            if not self._queue:
+                assert self._ended is not None
+                raise self._ended
+            message = self._queue.popleft()
+            self._changed.notify_all()
+        try:
+            return self._take_in(message)
+        except Error as error:
+            self._held = self._last = None
+            with self._changed:
+                self._needs_key = True
+            raise Error(error.code, f"frame {message.sequence}: {error.message}") from None
+        finally:
+            with self._changed:
+                self._outgoing.append(v1.StreamViewsRequest(ack=v1.FrameAck(sequence=message.sequence)))
+                self._changed.notify_all()
+
+    def held(self) -> HeldFrame | None:
+        """The points of the last frame taken in, for the stream after this one; None where the server gave them no name."""
+        return self._last
+
+    def close(self) -> None:
+        """Sends no more and waits for the server to end the stream. Frames not taken are dropped. Error: what it ended with."""
+        with self._changed:
+            self._writing = False
+            self._changed.notify_all()
+            while self._ended is None:
+                self._queue.clear()
+                self._changed.notify_all()
+                self._changed.wait()
+            self._queue.clear()
+            if self._ended.code is not grpc.StatusCode.ABORTED:
+                raise self._ended
+
+    def cancel(self) -> None:
+        """Ends the stream at once."""
+        self._call.cancel()
+        with self._changed:
+            self._writing = False
+            self._queue.clear()
+            self._changed.notify_all()
+        self._reader.join()
+
+    def _requests(self) -> Iterator[v1.StreamViewsRequest]:
+        """What gRPC sends, taken on a thread of its own: acknowledgements first, then the newest view."""
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._outgoing or self._view is not None or not self._writing)
+                if self._outgoing:
+                    request = self._outgoing.popleft()
+                elif self._view is not None:
+                    request, self._view = v1.StreamViewsRequest(view=self._view), None
+                else:
+                    return
+            yield request
+
+    def _read(self) -> None:
+        ended = Error(grpc.StatusCode.ABORTED, "the stream has ended")
+        try:
+            for response in self._call:
+                with self._changed:
+                    self._changed.wait_for(lambda: len(self._queue) < MOST_QUEUED or not self._call.is_active())
+                    self._queue.append(response.frame)
+                    self._changed.notify_all()
+        except grpc.RpcError as error:
+            ended = Error(error.code(), error.details() or "")
+        with self._changed:
+            self._ended = ended
+            self._writing = False
+            self._changed.notify_all()
+
+    def _take_in(self, message: v1.PointFrame) -> Frame:
+        start = time.perf_counter()
+        held, edits = self._held, message.edits
+        if message.HasField("error"):
+            refused = error_of(message.error.code, message.error.message)
+            return Frame(message.sequence, message.curve_revision, held, False, 0, 0, 0, message.statistics, 0, 0, refused)
+        blocks = message.points
+        count = sum(block.count for block in blocks)
+        if count > MOST_POINTS:
+            raise bad_answer(f"it holds {count} points")
+        points = decode_blocks(blocks)
+        is_delta = message.kind == v1.FRAME_KIND_DELTA
+        if is_delta:
+            if held is None:
+                raise bad_answer("a delta to points that are not there")
+            points = apply_edits(held, edits, points)
+        elif message.kind != v1.FRAME_KIND_KEY:
+            raise bad_answer(f"kind {message.kind} is not known")
+        if len(points) != message.held_points:
+            raise bad_answer(f"there are {len(points)} points after it, not {message.held_points}")
+        for name in COLUMNS:  # the next delta builds on them
+            if (column := getattr(points, name)) is not None:
+                column.flags.writeable = False
+        self._held = points = dataclasses.replace(points, statistics=message.statistics)
+        with self._changed:
+            while self._sent and self._sent[0].sequence < message.sequence:
+                self._sent.popleft()
+            remembered = self._sent[0] if self._sent and self._sent[0].sequence == message.sequence else None
+        self._last = HeldFrame(points, remembered.sample, message.digest) if remembered and message.digest else None
+        return Frame(
+            sequence=message.sequence,
+            curve_revision=message.curve_revision,
+            points=points,
+            is_delta=is_delta,
+            added=len(edits.added) if is_delta else len(points),
+            removed=len(edits.removed) if is_delta else len(held or ()),
+            resized=len(edits.resized),
+            statistics=message.statistics,
+            encoded_bytes=sum(map(encoded_bytes, blocks)) + (edits.ByteSize() if is_delta else 0),
+            decode_seconds=time.perf_counter() - start,
+        )
