@@ -11,6 +11,7 @@
 
 #include "server/address.h"
 #include "server/build_info.h"
+#include "server/credentials.h"
 #include "server/engine.h"
 #include "server/guarded.h"
 #include "server/service.h"
@@ -32,7 +33,7 @@ class GrpcServer final : public Server {
         unready_(options.ready ? "" : "meshes are being prepared") {}
   ~GrpcServer() override { shutdown(std::chrono::milliseconds(0)); }
 
-  absl::Status listen(const std::string& address) {
+  absl::Status listen(const std::string& address, std::shared_ptr<grpc::ServerCredentials> credentials) {
     grpc::EnableDefaultHealthCheckService(true);
     static std::once_flag reflection;  // the plugin is the whole process's and counts its own calls
     std::call_once(reflection, grpc::reflection::InitProtoReflectionServerBuilderPlugin);
@@ -44,7 +45,7 @@ class GrpcServer final : public Server {
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
     builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingIntervalMs);
     builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxCallsPerConnection);
-    if (!address.empty()) builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port_);
+    if (!address.empty()) builder.AddListeningPort(address, std::move(credentials), &port_);
     grpc_ = builder.BuildAndStart();
     if (grpc_ == nullptr || (!address.empty() && port_ == 0)) {
       return absl::UnavailableError(
@@ -142,6 +143,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     if (address->empty()) continue;
     if (const auto parsed = parse_address(*address); !parsed.ok()) return parsed.status();
   }
+  absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = make_credentials(options);
+  if (!credentials.ok()) return credentials.status();
   return guarded([&]() -> absl::StatusOr<std::unique_ptr<Server>> {
     std::shared_ptr<spdlog::logger> log = make_logger(options.log, options.verbose, options.log_format);
     log->info("{}", describe(build_info()));
@@ -153,7 +156,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
       cache = *std::move(opened);
     }
     auto server = std::make_unique<GrpcServer>(options, std::move(log), std::move(cache));
-    absl::Status status = server->listen(options.listen);
+    absl::Status status = server->listen(options.listen, *std::move(credentials));
     if (status.ok() && !options.http.empty()) status = server->listen_http(options.http);
     if (!status.ok()) return status;
     return server;

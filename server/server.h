@@ -35,12 +35,17 @@ struct ServerOptions {
   /// "host:port" of the HTTP port: /healthz, /readyz, /metrics; port 0 = any free one; empty = none.
   std::string http = {};
   bool ready = true;  // else not before set_ready()
+  /// PEM files with which connections over TCP are encrypted, HTTP's not: the server's certificate with those that vouch for it,
+  /// and its key. Without: no encryption.
+  std::string tls_cert = {}, tls_key = {};
+  std::string tls_client_ca = {};  // PEM: only clients for whose certificates these vouch may connect; empty: all
 };
 
 /// Thread-safe after start(). Frames of StreamViews are up to 32 MiB: let the client's channel receive that much.
 class Server {
  public:
-  /// Listens, or fails with Unavailable (an address in use), InvalidArgument (malformed address, negative threads) or
+  /// Listens, or fails with Unavailable (an address in use), InvalidArgument (malformed address, negative threads, TLS files),
+  /// NotFound (a TLS file) or
   /// FailedPrecondition (the cache's folder cannot be used).
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options);
   virtual ~Server() = default;  // shuts down at once where shutdown() was not called

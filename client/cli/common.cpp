@@ -13,6 +13,7 @@
 
 #include "client/cli/progress_bar.h"
 #include "client/lib/draco_points.h"
+#include "server/server.h"
 
 namespace curvecast::cli {
 namespace {
@@ -36,6 +37,12 @@ CLI::App* add_command(CLI::App& root, CommonOptions& options, const std::string&
   const std::string group = "Common";
   command->add_option("--server", options.server, "host:port of a running server; without it, the work is done in this process")
       ->group(group);
+  const auto file = [&](const char* flag, std::string* path, const char* help) {
+    command->add_option(flag, *path, help)->type_name("FILE")->group(group);
+  };
+  file("--tls-ca", &options.tls.ca, "certificates (PEM) of those whose servers are believed: turns on TLS");
+  file("--tls-cert", &options.tls.cert, "the certificate (PEM) that this side shows, with those that vouch for it");
+  file("--tls-key", &options.tls.key, "its private key (PEM, without a password)");
   command->add_option("--seed", options.seed, "of all random numbers; the same seed gives the same bytes")
       ->capture_default_str()
       ->group(group);
@@ -81,10 +88,16 @@ absl::Status check_ending(const std::string& path, const std::vector<std::string
 Host::Host(std::unique_ptr<server::Server> server, std::shared_ptr<client::Connection> connection)
     : server_(std::move(server)), client_(std::move(connection)) {}
 
+Host::~Host() = default;
+
 absl::StatusOr<std::unique_ptr<Host>> Host::open(const CommonOptions& options, SessionCaching caching) {
   if (!options.server.empty()) {
-    return std::unique_ptr<Host>(new Host(nullptr, client::make_connection(client::tcp_channel(options.server))));
+    absl::StatusOr<std::shared_ptr<grpc::Channel>> channel = client::tcp_channel(options.server);
+    if (!options.tls.is_empty()) channel = client::tls_channel(options.server, options.tls);
+    if (!channel.ok()) return channel.status();
+    return std::unique_ptr<Host>(new Host(nullptr, client::make_connection(*std::move(channel))));
   }
+  if (!options.tls.is_empty()) return absl::InvalidArgumentError("--tls-ca, --tls-cert and --tls-key apply to a --server only");
   server::ServerOptions server_options;
   server_options.threads = options.threads;
   server_options.log = options.verbose;

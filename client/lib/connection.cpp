@@ -16,6 +16,7 @@
 
 #include "client/lib/point_limit.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
+#include "tls/pem_files.h"
 
 namespace curvecast::client {
 namespace {
@@ -307,14 +308,38 @@ class GrpcConnection : public Connection {
   ConnectionOptions options_;
 };
 
-}  // namespace
-
-std::shared_ptr<grpc::Channel> tcp_channel(const std::string& address) {
+std::shared_ptr<grpc::Channel> make_channel(const std::string& address,
+                                            const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(address, credentials, arguments);
+}
+
+}  // namespace
+
+std::shared_ptr<grpc::Channel> tcp_channel(const std::string& address) {
+  return make_channel(address, grpc::InsecureChannelCredentials());
+}
+
+absl::StatusOr<std::shared_ptr<grpc::Channel>> tls_channel(const std::string& address, const TlsFiles& files) {
+  if (files.cert.empty() != files.key.empty()) {
+    return absl::InvalidArgumentError("tls-cert and tls-key belong together: one is missing");
+  }
+  grpc::SslCredentialsOptions options;
+  if (!files.ca.empty()) {
+    absl::StatusOr<std::string> authorities = tls::read_authorities(files.ca);
+    if (!authorities.ok()) return authorities.status();
+    options.pem_root_certs = *std::move(authorities);
+  }
+  if (!files.cert.empty()) {
+    absl::StatusOr<tls::Identity> identity = tls::read_identity(files.cert, files.key);
+    if (!identity.ok()) return identity.status();
+    options.pem_cert_chain = std::move(identity->certificates);
+    options.pem_private_key = std::move(identity->key);
+  }
+  return make_channel(address, grpc::SslCredentials(options));
 }
 
 std::shared_ptr<Connection> make_connection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options) {
