@@ -22,7 +22,11 @@ class Admission : public std::enable_shared_from_this<Admission> {
    public:
     Ticket(std::shared_ptr<Admission> from, std::string client) : from_(std::move(from)), client_(std::move(client)) {}
     Ticket(Ticket&&) noexcept = default;
-    Ticket& operator=(Ticket&&) = delete;
+    Ticket& operator=(Ticket&& other) noexcept {
+      from_.swap(other.from_);
+      client_.swap(other.client_);
+      return *this;
+    }
     ~Ticket();
 
    private:

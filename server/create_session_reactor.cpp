@@ -1,4 +1,5 @@
 // CreateSession: waits for a session and tells how far it is.
+#include "server/caller.h"
 #include "server/convert.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
@@ -15,17 +16,17 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
   CreateSessionReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request)
       : WriteQueue(RequestLog(engine, "CreateSession", context)), engine_(engine) {
     // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
-    const absl::Status begun = guarded([&] { return begin(request); });
+    const absl::Status begun = guarded([&] { return begin(context, request); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 
  private:
-  absl::Status begin(const v1::CreateSessionRequest& request) {
+  absl::Status begin(const grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request) {
     auto files = find_files(engine_.meshes, request.mesh_id(), request.companions());
     if (!files.ok()) return files.status();
     const auto options = to_preprocess_options(request.options());
     if (!options.ok()) return options.status();
-    auto id = engine_.sessions.join(*std::move(files), *options, this);
+    auto id = engine_.sessions.join(*std::move(files), *options, this, owner_of(engine_, context));
     if (id.ok()) id_ = *std::move(id);
     return id.status();
   }

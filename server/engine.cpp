@@ -21,12 +21,14 @@ int worker_count(int threads) {
 
 }  // namespace
 
-Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache)
+Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
+               std::shared_ptr<const Tokens> known)
     : log(std::move(logger)),
       threads(options.threads),
       views(worker_count(options.threads), kMaxPendingViews),
       preprocessing(1, kMaxPendingSessions),
       cache(std::move(session_cache)),
+      tokens(std::move(known)),
       max_view_rate(options.max_view_rate),
       streams(std::make_shared<Admission>("streams of views", options.max_streams, options.max_streams_of_client)),
       uploads(std::make_shared<Admission>("uploads", options.max_uploads, options.max_uploads_of_client)),
@@ -107,10 +109,10 @@ Levels Engine::levels() {
   return out;
 }
 
-absl::Status Engine::close_session(const std::string& id) {
+absl::Status Engine::close_session(const std::string& id, const std::string& who) {
   const absl::StatusOr<SessionInfo> info = sessions.info(id);
   if (info.ok() && info->session != nullptr) refiner.forget(*info->session);
-  return sessions.close(id);
+  return sessions.close(id, who);
 }
 
 void Engine::tell_streams(const Session& session) {

@@ -21,6 +21,7 @@
 #include "server/refiner.h"
 #include "server/session_cache.h"
 #include "server/session_store.h"
+#include "server/tokens.h"
 
 namespace curvecast::server {
 
@@ -30,7 +31,8 @@ struct ServerOptions;
 class Engine {
  public:
   /// `cache` may be null.
-  Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache);
+  Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
+         std::shared_ptr<const Tokens> known = nullptr);
 
   /// Whether the session would survive a restart.
   bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->holds(session_id); }
@@ -47,18 +49,19 @@ class Engine {
   /// What is held and what waits at this moment.
   Levels levels();
   /// SessionStore::close(), and no more refinement.
-  absl::Status close_session(const std::string& id);
+  absl::Status close_session(const std::string& id, const std::string& who);
   /// Ends all conversations and refuses new ones.
   void stop_streams(const absl::Status& reason);
 
   const std::shared_ptr<spdlog::logger> log;
   Metrics metrics;
-  const int threads;                          // of one preprocessing job; 0 = one per core
-  ViewCache view_cache;                       // of the jobs in `views`
-  JobQueue views;                             // views, point sets, inspection
-  JobQueue preprocessing;                     // one at a time: each uses all cores by itself
-  const std::unique_ptr<SessionCache> cache;  // null: none
-  const double max_view_rate;                 // of a stream, per second
+  const int threads;                           // of one preprocessing job; 0 = one per core
+  ViewCache view_cache;                        // of the jobs in `views`
+  JobQueue views;                              // views, point sets, inspection
+  JobQueue preprocessing;                      // one at a time: each uses all cores by itself
+  const std::unique_ptr<SessionCache> cache;   // null: none
+  const std::shared_ptr<const Tokens> tokens;  // of those who may call; null: everybody
+  const double max_view_rate;                  // of a stream, per second
   const std::shared_ptr<Admission> streams, uploads;
   const std::string mesh_folder;  // of which clients may import meshes; empty: none
   MeshStore meshes;

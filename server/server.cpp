@@ -11,6 +11,7 @@
 
 #include "server/address.h"
 #include "server/build_info.h"
+#include "server/credentials.h"
 #include "server/engine.h"
 #include "server/guarded.h"
 #include "server/service.h"
@@ -26,13 +27,14 @@ constexpr int kMaxCallsPerConnection = 256;
 
 class GrpcServer final : public Server {
  public:
-  GrpcServer(const ServerOptions& options, std::shared_ptr<spdlog::logger> log, std::unique_ptr<SessionCache> cache)
-      : engine_(options, std::move(log), std::move(cache)),
+  GrpcServer(const ServerOptions& options, std::shared_ptr<spdlog::logger> log, std::unique_ptr<SessionCache> cache,
+             std::shared_ptr<const Tokens> tokens)
+      : engine_(options, std::move(log), std::move(cache), std::move(tokens)),
         service_(engine_),
         unready_(options.ready ? "" : "meshes are being prepared") {}
   ~GrpcServer() override { shutdown(std::chrono::milliseconds(0)); }
 
-  absl::Status listen(const std::string& address) {
+  absl::Status listen(const std::string& address, std::shared_ptr<grpc::ServerCredentials> credentials) {
     grpc::EnableDefaultHealthCheckService(true);
     static std::once_flag reflection;  // the plugin is the whole process's and counts its own calls
     std::call_once(reflection, grpc::reflection::InitProtoReflectionServerBuilderPlugin);
@@ -44,7 +46,7 @@ class GrpcServer final : public Server {
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
     builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingIntervalMs);
     builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxCallsPerConnection);
-    if (!address.empty()) builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port_);
+    if (!address.empty()) builder.AddListeningPort(address, std::move(credentials), &port_);
     grpc_ = builder.BuildAndStart();
     if (grpc_ == nullptr || (!address.empty() && port_ == 0)) {
       return absl::UnavailableError(
@@ -142,18 +144,28 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     if (address->empty()) continue;
     if (const auto parsed = parse_address(*address); !parsed.ok()) return parsed.status();
   }
+  absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = make_credentials(options);
+  if (!credentials.ok()) return credentials.status();
+  std::shared_ptr<const Tokens> tokens;
+  if (!options.tokens.empty()) {
+    absl::StatusOr<std::shared_ptr<const Tokens>> read = Tokens::read(options.tokens);
+    if (!read.ok()) return read.status();
+    tokens = *std::move(read);
+  }
   return guarded([&]() -> absl::StatusOr<std::unique_ptr<Server>> {
     std::shared_ptr<spdlog::logger> log = make_logger(options.log, options.verbose, options.log_format);
     log->info("{}", describe(build_info()));
     for (const std::string& note : options.notes) log->info("{}", note);
+    if (tokens != nullptr && options.tls_cert.empty())
+      log->warn("tokens come in clear text: without TLS whoever listens has them");
     std::unique_ptr<SessionCache> cache;
     if (!options.cache.empty()) {
       absl::StatusOr<std::unique_ptr<SessionCache>> opened = SessionCache::open(options.cache, options.cache_bytes, log);
       if (!opened.ok()) return opened.status();
       cache = *std::move(opened);
     }
-    auto server = std::make_unique<GrpcServer>(options, std::move(log), std::move(cache));
-    absl::Status status = server->listen(options.listen);
+    auto server = std::make_unique<GrpcServer>(options, std::move(log), std::move(cache), std::move(tokens));
+    absl::Status status = server->listen(options.listen, *std::move(credentials));
     if (status.ok() && !options.http.empty()) status = server->listen_http(options.http);
     if (!status.ok()) return status;
     return server;

@@ -24,6 +24,7 @@ struct ServerOptions {
   std::uint64_t max_mesh_bytes = std::uint64_t{4} << 30;     // of all mesh files held; the least recently used go first
   std::uint64_t max_sessions = 64;                           // held at once
   std::uint64_t max_session_bytes = std::uint64_t{8} << 30;  // of all of them; the least recently used go first, to the cache
+  std::string tokens = {};                                   // file of those who may call, see Tokens; empty = everybody
   std::string mesh_folder = {};                              // of which clients may import meshes; empty = none
   std::size_t max_streams = 1000;                            // of views, at once
   std::size_t max_streams_of_client = 250;                   // of one address
@@ -43,12 +44,17 @@ struct ServerOptions {
   /// "host:port" of the HTTP port: /healthz, /readyz, /metrics; port 0 = any free one; empty = none.
   std::string http = {};
   bool ready = true;  // else not before set_ready()
+  /// PEM files with which connections over TCP are encrypted, HTTP's not: the server's certificate with those that vouch for it,
+  /// and its key. Without: no encryption.
+  std::string tls_cert = {}, tls_key = {};
+  std::string tls_client_ca = {};  // PEM: only clients for whose certificates these vouch may connect; empty: all
 };
 
 /// Thread-safe after start(). Frames of StreamViews are up to 32 MiB: let the client's channel receive that much.
 class Server {
  public:
-  /// Listens, or fails with Unavailable (an address in use), InvalidArgument (malformed address, negative threads) or
+  /// Listens, or fails with Unavailable (an address in use), InvalidArgument (malformed address, negative threads, TLS files),
+  /// NotFound (a TLS file) or
   /// FailedPrecondition (the cache's folder cannot be used).
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options);
   virtual ~Server() = default;  // shuts down at once where shutdown() was not called

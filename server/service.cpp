@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/caller.h"
 #include "server/convert.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
@@ -36,6 +37,25 @@ grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::Callb
   return reactor;
 }
 
+/// A call that ends as it begins.
+template <class Reactor>
+class Refusal final : public Reactor {
+ public:
+  explicit Refusal(const grpc::Status& status) { this->Finish(status); }
+
+ private:
+  void OnDone() override { delete this; }
+};
+
+/// Null where the caller is known, or need not be.
+template <class Reactor>
+Reactor* refuse(Engine& engine, const char* method, grpc::CallbackServerContext& context) {
+  const absl::Status status = caller_of(engine, context).status();
+  if (status.ok()) return nullptr;
+  RequestLog(engine, method, context).finish(to_grpc(status));
+  return new Refusal<Reactor>(to_grpc(status));
+}
+
 }  // namespace
 
 v1::Session Service::with_cached(v1::Session session) const {
@@ -50,6 +70,7 @@ grpc::ServerReadReactor<v1::UploadMeshRequest>* Service::UploadMesh(grpc::Callba
 
 grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
                                            v1::GetMeshResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "GetMesh", *context)) return refused;
   return answer(engine_, "GetMesh", context, [&] {
     const auto mesh = engine_.meshes.find(request->mesh_id());
     if (!mesh.ok()) return mesh.status();
@@ -62,6 +83,7 @@ grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context,
 
 grpc::ServerUnaryReactor* Service::GetUpload(grpc::CallbackServerContext* context, const v1::GetUploadRequest* request,
                                              v1::GetUploadResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "GetUpload", *context)) return refused;
   return answer(engine_, "GetUpload", context, [&] {
     response->set_received(engine_.meshes.received(request->mesh_id()));
     return absl::OkStatus();
@@ -70,6 +92,7 @@ grpc::ServerUnaryReactor* Service::GetUpload(grpc::CallbackServerContext* contex
 
 grpc::ServerUnaryReactor* Service::ImportMesh(grpc::CallbackServerContext* context, const v1::ImportMeshRequest* request,
                                               v1::ImportMeshResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "ImportMesh", *context)) return refused;
   return new UnaryJob(engine_, "ImportMesh", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
     return [this, path = request->path(), response](const ExecutionContext& job) {
       const auto mesh = import_mesh(engine_.meshes, engine_.mesh_folder, path, job);
@@ -83,27 +106,34 @@ grpc::ServerUnaryReactor* Service::ImportMesh(grpc::CallbackServerContext* conte
 
 grpc::ServerUnaryReactor* Service::InspectMesh(grpc::CallbackServerContext* context, const v1::InspectMeshRequest* request,
                                                v1::InspectMeshResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "InspectMesh", *context)) return refused;
   return inspect_mesh(engine_, *context, *request, response);
 }
 
 grpc::ServerUnaryReactor* Service::ListMeshReferences(grpc::CallbackServerContext* context,
                                                       const v1::ListMeshReferencesRequest* request,
                                                       v1::ListMeshReferencesResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "ListMeshReferences", *context)) return refused;
   return list_mesh_references(engine_, *context, *request, response);
 }
 
 grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* Service::GetParameterMesh(grpc::CallbackServerContext* context,
                                                                                   const v1::GetParameterMeshRequest* request) {
+  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::GetParameterMeshResponse>>(engine_, "GetParameterMesh", *context))
+    return refused;
   return get_parameter_mesh(engine_, *context, *request);
 }
 
 grpc::ServerWriteReactor<v1::CreateSessionResponse>* Service::CreateSession(grpc::CallbackServerContext* context,
                                                                             const v1::CreateSessionRequest* request) {
+  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::CreateSessionResponse>>(engine_, "CreateSession", *context))
+    return refused;
   return create_session(engine_, *context, *request);
 }
 
 grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* context, const v1::GetSessionRequest* request,
                                               v1::GetSessionResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "GetSession", *context)) return refused;
   const std::string& id = request->session_id();
   if (engine_.sessions.must_load(id)) {
     return new UnaryJob(engine_, "GetSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
@@ -123,6 +153,7 @@ grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* conte
 
 grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* context, const v1::ListSessionsRequest* request,
                                                 v1::ListSessionsResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "ListSessions", *context)) return refused;
   return answer(engine_, "ListSessions", context, [&] {
     // A token is the last session_id of the page before.
     const std::string& token = request->page_token();
@@ -142,14 +173,16 @@ grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* con
 
 grpc::ServerUnaryReactor* Service::UpdateSession(grpc::CallbackServerContext* context, const v1::UpdateSessionRequest* request,
                                                  v1::UpdateSessionResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "UpdateSession", *context)) return refused;
   return new UnaryJob(engine_, "UpdateSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
     const auto pinned = request->has_pinned() ? std::optional(request->pinned()) : std::nullopt;
     const auto time_to_live = request->has_time_to_live() ? std::optional(request->time_to_live()) : std::nullopt;
     if (time_to_live && !(*time_to_live >= 0 && std::isfinite(*time_to_live))) {
       return absl::InvalidArgumentError(absl::StrCat("time_to_live is ", *time_to_live, "; it must be finite and not negative"));
     }
-    return [this, id = request->session_id(), pinned, time_to_live, response](const ExecutionContext& /*job*/) {
-      const auto info = engine_.sessions.update(id, pinned, time_to_live);
+    return [this, id = request->session_id(), pinned, time_to_live, who = owner_of(engine_, *context),
+            response](const ExecutionContext& /*job*/) {
+      const auto info = engine_.sessions.update(id, pinned, time_to_live, who);
       if (info.ok()) *response->mutable_session() = with_cached(to_proto(*info));
       return info.status();
     };
@@ -158,21 +191,26 @@ grpc::ServerUnaryReactor* Service::UpdateSession(grpc::CallbackServerContext* co
 
 grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
                                                 v1::CloseSessionResponse* /*response*/) {
-  return answer(engine_, "CloseSession", context, [&] { return engine_.close_session(request->session_id()); });
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "CloseSession", *context)) return refused;
+  return answer(engine_, "CloseSession", context,
+                [&] { return engine_.close_session(request->session_id(), owner_of(engine_, *context)); });
 }
 
 grpc::ServerWriteReactor<v1::MeasureResponse>* Service::Measure(grpc::CallbackServerContext* context,
                                                                 const v1::MeasureRequest* request) {
+  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::MeasureResponse>>(engine_, "Measure", *context)) return refused;
   return measure(engine_, *context, *request);
 }
 
 grpc::ServerWriteReactor<v1::GetCurveResponse>* Service::GetCurve(grpc::CallbackServerContext* context,
                                                                   const v1::GetCurveRequest* request) {
+  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::GetCurveResponse>>(engine_, "GetCurve", *context)) return refused;
   return get_curve(engine_, *context, *request);
 }
 
 grpc::ServerWriteReactor<v1::ResampleResponse>* Service::Resample(grpc::CallbackServerContext* context,
                                                                   const v1::ResampleRequest* request) {
+  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::ResampleResponse>>(engine_, "Resample", *context)) return refused;
   return resample(engine_, *context, *request);
 }
 

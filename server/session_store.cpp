@@ -25,6 +25,10 @@ absl::Status not_found(const std::string& id) {
   return absl::NotFoundError(absl::StrCat("session \"", printable(id), "\" is not held here; create it again"));
 }
 
+absl::Status not_yours(const std::string& id) {
+  return absl::PermissionDeniedError(absl::StrCat("session \"", printable(id), "\" is another client's"));
+}
+
 }  // namespace
 
 struct SessionStore::Job {
@@ -60,7 +64,8 @@ SessionStore::~SessionStore() {
   idle_.wait(lock, [this] { return jobs_ == 0; });
 }
 
-absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter) {
+absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter,
+                                               const std::string& owner) {
   const std::string id = session_id(files, options);
   Evicted evicted;  // outlives the lock
   const std::lock_guard lock(mutex_);
@@ -85,7 +90,8 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
   if (absl::Status status = submit(job); !status.ok()) return status;
   ++jobs_;
   job->waiters.push_back(waiter);
-  entries_[id] = {.info = {id, job->mesh_id, options, SessionState::kQueued, nullptr}, .job = job, .last_used = ++clock_};
+  entries_[id] = {
+      .info = {id, job->mesh_id, options, SessionState::kQueued, nullptr}, .job = job, .owner = owner, .last_used = ++clock_};
   log_->info("session {} created: mesh {} \"{}\", {} points, omega {}", id, job->mesh_id, printable(job->files.mesh->name),
              options.points, options.omega);
   waiter->on_progress(job->stage, job->fraction);
@@ -160,12 +166,13 @@ std::vector<SessionInfo> SessionStore::list(const std::string& after, std::size_
 }
 
 absl::StatusOr<SessionInfo> SessionStore::update(const std::string& id, std::optional<bool> pinned,
-                                                 std::optional<double> time_to_live) {
+                                                 std::optional<double> time_to_live, const std::string& who) {
   const absl::StatusOr<std::shared_ptr<const Session>> ready = find(id);
   if (!ready.ok()) return ready.status();
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(id);
   if (found == entries_.end()) return not_found(id);
+  if (!found->second.may_change(who)) return not_yours(id);
   SessionInfo& info = found->second.info;
   info.pinned = pinned.value_or(info.pinned);
   info.time_to_live = time_to_live.value_or(info.time_to_live);
@@ -174,19 +181,22 @@ absl::StatusOr<SessionInfo> SessionStore::update(const std::string& id, std::opt
 }
 
 std::vector<std::string> SessionStore::tend(Clock::time_point now) {
+  std::vector<std::pair<std::string, std::string>> unused;  // and their owners
   std::vector<std::string> expired;
   Evicted evicted;  // outlives the lock
   {
     const std::lock_guard lock(mutex_);
     for (auto& [id, entry] : entries_) {
       if (!entry.is_idle()) entry.used_at = now;
-      const std::chrono::duration<double> unused = now - entry.used_at;
-      if (entry.info.time_to_live > 0 && unused.count() > entry.info.time_to_live) expired.push_back(id);
+      const std::chrono::duration<double> idle = now - entry.used_at;
+      if (entry.info.time_to_live > 0 && idle.count() > entry.info.time_to_live) unused.emplace_back(id, entry.owner);
     }
     evict(limits_, evicted);
   }
   // Who has begun to use one of them meanwhile keeps it until he is done with it.
-  std::erase_if(expired, [this](const std::string& id) { return !close(id).ok(); });
+  for (const auto& [id, owner] : unused) {
+    if (close(id, owner).ok()) expired.push_back(id);
+  }
   return expired;
 }
 
@@ -205,11 +215,12 @@ void SessionStore::save(const Session& session) {
   if (cache_ != nullptr) cache_->save(session);
 }
 
-absl::Status SessionStore::close(const std::string& id) {
+absl::Status SessionStore::close(const std::string& id, const std::string& who) {
   Entry closed;  // outlives the lock, as in join()
   const std::lock_guard lock(mutex_);
-  const bool was_cached = cache_ != nullptr && cache_->remove(id);
   const auto found = entries_.find(id);
+  if (found != entries_.end() && !found->second.may_change(who)) return not_yours(id);
+  const bool was_cached = cache_ != nullptr && cache_->remove(id);
   if (found == entries_.end() && !was_cached) return not_found(id);
   if (found != entries_.end()) {
     closed = std::move(found->second);

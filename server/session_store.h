@@ -54,8 +54,10 @@ class SessionStore {
 
   /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called, if
   /// the session is ready even before join() returns, until on_done or leave(). On an error it is never called:
-  /// ResourceExhausted when there are too many sessions that are in use or being made.
-  absl::StatusOr<std::string> join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter);
+  /// ResourceExhausted when there are too many sessions that are in use or being made. Where it is new, only `owner` may change
+  /// or close it; everybody where that is empty.
+  absl::StatusOr<std::string> join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter,
+                                   const std::string& owner = {});
   /// Stops waiting; the last one to leave cancels the job, and the session vanishes. False when on_done has been called.
   bool leave(const std::string& id, SessionWaiter* waiter);
 
@@ -68,12 +70,15 @@ class SessionStore {
   absl::StatusOr<SessionInfo> info(const std::string& id);
   /// By id, at most `most` of those after one with this id.
   std::vector<SessionInfo> list(const std::string& after = {}, std::size_t most = std::numeric_limits<std::size_t>::max());
-  /// Changes what is set, and tells what became of it. NotFound, or FailedPrecondition while it is being made.
-  absl::StatusOr<SessionInfo> update(const std::string& id, std::optional<bool> pinned, std::optional<double> time_to_live);
+  /// Changes what is set, and tells what became of it. NotFound, FailedPrecondition while it is being made, or PermissionDenied
+  /// where it is somebody else's.
+  absl::StatusOr<SessionInfo> update(const std::string& id, std::optional<bool> pinned, std::optional<double> time_to_live,
+                                     const std::string& who = {});
   /// Saves a session whose curve has become finer; not one that has been closed or evicted, not even if it has been made anew.
   void save(const Session& session);
-  /// Forgets a session, in memory and cache; those who wait for it get Aborted. NotFound when it is in neither.
-  absl::Status close(const std::string& id);
+  /// Forgets a session, in memory and cache; those who wait for it get Aborted. NotFound when it is in neither, PermissionDenied
+  /// where it is somebody else's.
+  absl::Status close(const std::string& id, const std::string& who = {});
   /// To be called now and then: closes sessions that nobody has used for their time to live, and evicts some where those that
   /// have grown are too much together. Returns those that were closed.
   std::vector<std::string> tend(std::chrono::steady_clock::time_point now);
@@ -84,9 +89,11 @@ class SessionStore {
   struct Entry {
     SessionInfo info;
     std::shared_ptr<Job> job;  // until ready
+    std::string owner;         // who had it made; empty: nobody in particular
     std::uint64_t last_used = 0;
     std::chrono::steady_clock::time_point used_at = std::chrono::steady_clock::now();
 
+    bool may_change(const std::string& who) const { return owner.empty() || owner == who; }
     bool is_idle() const { return job == nullptr && info.session.use_count() == 1; }
   };
   using Entries = std::map<std::string, Entry>;

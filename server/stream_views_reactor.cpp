@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/caller.h"
 #include "server/client_stream.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
@@ -32,7 +33,9 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
 
  private:
   absl::Status begin(const grpc::CallbackServerContext& context) {
-    absl::StatusOr<Admission::Ticket> ticket = engine_.streams->admit(client_of_peer(context.peer()));
+    const absl::StatusOr<std::string> caller = caller_of(engine_, context);
+    if (!caller.ok()) return caller.status();
+    absl::StatusOr<Admission::Ticket> ticket = engine_.streams->admit(*caller);
     if (!ticket.ok()) return ticket.status();
     ticket_.emplace(*std::move(ticket));
     auto stream = engine_.make_stream(this);

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "server/caller.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
 #include "server/log.h"
@@ -19,7 +20,9 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
  public:
   UploadReactor(Engine& engine, grpc::CallbackServerContext& context, v1::UploadMeshResponse* response)
       : engine_(engine), log_(engine, "UploadMesh", context), upload_(engine.meshes), response_(response) {
-    absl::StatusOr<Admission::Ticket> ticket = engine.uploads->admit(client_of_peer(context.peer()));
+    const absl::StatusOr<std::string> caller = caller_of(engine, context);
+    absl::StatusOr<Admission::Ticket> ticket = caller.status();
+    if (caller.ok()) ticket = engine.uploads->admit(*caller);
     if (ticket.ok()) {
       ticket_.emplace(*std::move(ticket));
       StartRead(&request_);

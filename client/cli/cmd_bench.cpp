@@ -207,6 +207,7 @@ Run add_stream_benchmark(CLI::App& app) {
   app.add_option("--clients", options->clients, "the largest crowd")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--seconds", options->seconds, "for each crowd")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
   app.add_option("--rate", options->rate, "views of each client per second")->check(CLI::Range(0.1, 1e4))->capture_default_str();
+  app.add_flag("--abuse,!--no-abuse", options->abuse, "a crowd beside clients that behave badly too")->capture_default_str();
   app.add_option("--idle", options->idle,
                  "clients of which the memory is measured that they take while they do nothing; 0 = none")
       ->check(CLI::Range(0, 10'000))

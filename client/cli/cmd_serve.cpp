@@ -1,23 +1,36 @@
 #include <absl/strings/str_cat.h>
 
+#include <array>
+#include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <string_view>
 
+#include "client/cli/choice.h"
 #include "client/cli/commands.h"
+#include "client/cli/configuration.h"
 #include "client/cli/session_flags.h"
+#include "server/server.h"
 
 namespace curvecast::cli {
 namespace {
 
-constexpr std::chrono::seconds kDrain{5};  // that running calls get to end
+constexpr double kMaxDrain = 3600;  // seconds
+constexpr std::uint64_t kMaxSessions = 100'000;
+constexpr std::size_t kMostAtOnce = 1'000'000;
+constexpr std::uint64_t kMaxCurveVertices = 1'000'000'000;
+constexpr std::array<std::string_view, 2> kLogFormats = {"text", "json"};
 
 struct Flags {
-  std::string listen = "127.0.0.1:50051";
+  server::ServerOptions server = {.listen = "127.0.0.1:50051"};
   std::vector<std::string> meshes;
   SessionFlags session;
-  std::string cache;
-  std::uint64_t cache_bytes = server::ServerOptions().cache_bytes;
+  double drain = 5;  // seconds
+  std::string log_format = "text";
+  std::string config;  // path; empty: none
+  bool print_config = false;
 };
 
 /// `listen` with the port that was really taken.
@@ -39,7 +52,8 @@ absl::Status announce(const CommonOptions& options, const std::string& line) {
   return absl::OkStatus();
 }
 
-absl::Status open_meshes(const Flags& flags, const CommonOptions& options, server::Server& server, const std::string& address,
+/// With --json, prints `object` with the sessions in it.
+absl::Status open_meshes(const Flags& flags, const CommonOptions& options, server::Server& server, Json object,
                          const std::stop_token& stop) {
   client::Client client(client::make_connection(server.in_process_channel()));
   const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, session_points(0));
@@ -54,26 +68,94 @@ absl::Status open_meshes(const Flags& flags, const CommonOptions& options, serve
       return status;
     }
   }
-  return options.json ? print_json({{"address", address}, {"port", server.port()}, {"sessions", sessions}}) : absl::OkStatus();
+  object["sessions"] = std::move(sessions);
+  return options.json ? print_json(object) : absl::OkStatus();
 }
 
-absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_token stop) {
-  if (!options.server.empty()) return absl::InvalidArgumentError("serve is a server itself: --server does not apply");
-  server::ServerOptions server_options;
-  server_options.listen = flags.listen;
-  server_options.threads = options.threads;
-  server_options.log = !options.quiet;
-  server_options.cache = flags.cache;
-  server_options.cache_bytes = flags.cache_bytes;
+/// The lines in the log that say how the server was set up.
+std::vector<std::string> describe(const std::vector<Setting>& settings) {
+  std::vector<std::string> lines;
+  lines.reserve(settings.size());
+  for (const Setting& setting : settings) {
+    lines.push_back(absl::StrCat("setting ", setting.name, " = ", setting.value, " (", setting.source, ")"));
+  }
+  return lines;
+}
+
+absl::Status serve(const Flags& flags, const CommonOptions& options, const server::ServerOptions& server_options,
+                   const std::stop_token& stop) {
   absl::StatusOr<std::unique_ptr<server::Server>> server = server::Server::start(server_options);
   if (!server.ok()) return server.status();
-  const std::string address = address_of(flags.listen, (*server)->port());
-  absl::Status status = announce(options, "listening on " + address);
-  if (status.ok()) status = open_meshes(flags, options, **server, address, stop);
-  if (status.ok()) wait_for(stop);
-  (*server)->shutdown(kDrain);
+  Json addresses = {{"address", address_of(server_options.listen, (*server)->port())}, {"port", (*server)->port()}};
+  absl::Status status = announce(options, "listening on " + addresses["address"].get<std::string>());
+  if (status.ok() && !server_options.http.empty()) {
+    addresses["http"] = address_of(server_options.http, (*server)->http_port());
+    status = announce(options, "http on " + addresses["http"].get<std::string>());
+  }
+  if (status.ok()) status = open_meshes(flags, options, **server, std::move(addresses), stop);
+  if (status.ok()) {
+    (*server)->set_ready();
+    wait_for(stop);
+  }
+  (*server)->shutdown(std::chrono::milliseconds(std::lround(1000 * flags.drain)));
   // To be stopped is how a server ends well, even while it opens a mesh.
   return stop.stop_requested() ? absl::OkStatus() : status;
+}
+
+/// `flags` and `options` are those that `app` fills.
+absl::Status run(CLI::App& app, const Flags& flags, const CommonOptions& options, const std::stop_token& stop) {
+  if (!options.server.empty()) return absl::InvalidArgumentError("serve is a server itself: --server does not apply");
+  const absl::StatusOr<std::vector<Setting>> settings = configure(app, flags.config);
+  if (!settings.ok()) return settings.status();
+  if (options.quiet && options.verbose) return absl::InvalidArgumentError("quiet and verbose exclude each other");
+  if (flags.print_config) return print_text(to_configuration(app));
+  server::ServerOptions server_options = flags.server;
+  server_options.threads = options.threads;
+  server_options.log = !options.quiet;
+  server_options.verbose = options.verbose;
+  server_options.log_format = flags.log_format == "json" ? server::LogFormat::kJson : server::LogFormat::kText;
+  server_options.notes = describe(*settings);
+  server_options.ready = flags.meshes.empty();
+  server_options.tls_cert = options.tls.cert;
+  server_options.tls_key = options.tls.key;
+  return serve(flags, options, server_options, stop);
+}
+
+void add_limit_flags(CLI::App* app, server::ServerOptions* server) {
+  const std::string group = "Limits";
+  const auto bytes = [&](const char* name, std::uint64_t* value, const char* help) {
+    app->add_option(name, *value, help)
+        ->transform(CLI::AsSizeValue(false))
+        ->type_name("BYTES")
+        ->capture_default_str()
+        ->group(group);
+  };
+  bytes("--cache-size", &server->cache_bytes,
+        "that the cache may take (10GB, 500MB; powers of 1024); the least recently used sessions go first");
+  bytes("--max-upload", &server->max_upload_bytes, "of one mesh file");
+  bytes("--max-meshes", &server->max_mesh_bytes, "of all mesh files held; the least recently used go first");
+  app->add_option("--max-sessions", server->max_sessions, "held in memory at once; the least recently used go first")
+      ->check(CLI::Range(std::uint64_t{1}, kMaxSessions))
+      ->capture_default_str()
+      ->group(group);
+  bytes("--max-session-memory", &server->max_session_bytes, "of all sessions; the least recently used go first, to the cache");
+  bytes("--max-queued", &server->max_queued_bytes, "of frames that wait to be read by their clients; beyond, views are refused");
+  const auto count = [&](const char* name, std::size_t* value, const char* help) {
+    app->add_option(name, *value, help)->check(CLI::Range(std::size_t{1}, kMostAtOnce))->capture_default_str()->group(group);
+  };
+  count("--max-streams", &server->max_streams, "of views, at once");
+  count("--max-streams-of-client", &server->max_streams_of_client, "of one token, or one address where there are no tokens");
+  count("--max-uploads", &server->max_uploads, "at once");
+  count("--max-uploads-of-client", &server->max_uploads_of_client, "of one token or address");
+  app->add_option("--max-view-rate", server->max_view_rate, "messages per second that are read from a stream")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str()
+      ->group(group);
+  app->add_option("--max-curve-vertices", server->max_curve_vertices,
+                  "to which a session's curve is refined at most for views that want it finer; 0: never")
+      ->check(CLI::Range(std::uint64_t{0}, kMaxCurveVertices))
+      ->capture_default_str()
+      ->group(group);
 }
 
 }  // namespace
@@ -81,26 +163,59 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
 Command add_serve(CLI::App& root, CommonOptions& options) {
   CLI::App* app =
       add_command(root, options, "serve",
-                  "Keeps meshes prepared for any number of clients (gRPC, without encryption). Prints its address when it is "
-                  "ready and a line per opened mesh. SIGTERM or Ctrl-C: running calls get 5 seconds to end; status 0.",
+                  "Keeps meshes prepared for any number of clients (gRPC; encrypted with --tls-cert and --tls-key). Prints its "
+                  "address when it is "
+                  "ready and a line per opened mesh. SIGTERM or Ctrl-C: running calls get --drain seconds to end; status 0. A "
+                  "second one ends it at once; status 130.",
                   {"curvecast serve --open bunny.obj --open igea.ply",
-                   "curvecast serve --listen 0.0.0.0:50051 --cache /var/cache/curvecast --cache-size 50GB"});
+                   "curvecast serve --listen 0.0.0.0:50051 --cache /var/cache/curvecast --cache-size 50GB",
+                   "curvecast serve --config /etc/curvecast.toml --http 127.0.0.1:8080",
+                   "CURVECAST_LISTEN=0.0.0.0:50051 curvecast serve --print-config > curvecast.toml"});
+  for (const char* name : {"--server", "--seed", "--json"}) app->get_option(name)->configurable(false);
+  for (const char* name : {"--tls-ca", "--token-file"}) app->remove_option(app->get_option(name));
   const auto flags = std::make_shared<Flags>();
-  app->add_option("--listen", flags->listen, "host:port; port 0 takes any free one")->type_name("ADDRESS")->capture_default_str();
-  app->add_option("--cache", flags->cache,
+  app->add_option("--config", flags->config,
+                  "settings from a file, a line NAME = VALUE for each option without its dashes; the environment goes before it "
+                  "(CURVECAST_LISTEN, CURVECAST_MAX_UPLOAD and so on), and flags before both")
+      ->type_name("FILE")
+      ->configurable(false);
+  app->add_flag("--print-config", flags->print_config, "print all settings as such a file and end")->configurable(false);
+  app->add_option("--listen", flags->server.listen, "host:port; port 0 takes any free one")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
+  app->add_option(
+         "--http", flags->server.http,
+         "host:port of an HTTP server with /healthz, /readyz (200 when all meshes are open, 503 before and while it ends) "
+         "and /metrics (Prometheus); without it, none")
+      ->type_name("ADDRESS");
+  app->add_option("--cache", flags->server.cache,
                   "folder where sessions survive a restart; made if missing; several servers may share one; without it, none")
       ->type_name("DIR");
-  app->add_option("--cache-size", flags->cache_bytes,
-                  "bytes that it may take (10GB, 500MB; powers of 1024); the least recently used sessions go first")
-      ->transform(CLI::AsSizeValue(false))
-      ->type_name("BYTES")
-      ->capture_default_str();
   app->add_option("--open", flags->meshes,
                   "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) to prepare at once, for 65,536 points; repeat for more")
       ->type_name("MESH")
       ->allow_extra_args(false);
+  app->add_option("--drain", flags->drain, "that running calls get to end when the server is stopped")
+      ->check(CLI::Range(0.0, kMaxDrain))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  app->add_option("--log-format", flags->log_format, "of the log, on standard error: text, or json (an object per line)")
+      ->check(validator([](const std::string& text) { return check_choice("log format", text, kLogFormats); }, ""))
+      ->type_name("NAME")
+      ->capture_default_str();
+  app->add_option("--tls-client-ca", flags->server.tls_client_ca,
+                  "certificates (PEM) of those who vouch for clients: without a certificate of theirs nobody may connect")
+      ->type_name("FILE");
+  app->add_option("--tokens", flags->server.tokens,
+                  "those who may call, everybody without it: lines of NAME, SHA-256 of the token, and maybe the second since "
+                  "1970 in which it expires")
+      ->type_name("FILE");
+  app->add_option("--mesh-folder", flags->server.mesh_folder, "of which clients may import meshes; without it, none")
+      ->type_name("DIR");
+  add_limit_flags(app, &flags->server);
   add_session_flags(app, &flags->session);
-  return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
+  return {app,
+          [app, flags](const CommonOptions& common, const std::stop_token& stop) { return run(*app, *flags, common, stop); }};
 }
 
 }  // namespace curvecast::cli

@@ -13,6 +13,8 @@
 
 #include "client/cli/progress_bar.h"
 #include "client/lib/draco_points.h"
+#include "client/lib/file_bytes.h"
+#include "server/server.h"
 
 namespace curvecast::cli {
 namespace {
@@ -28,6 +30,22 @@ std::string default_cache() {
   return home != nullptr && home[0] == '/' ? absl::StrCat(home, "/.cache/curvecast") : "";
 }
 
+/// What the file holds, or the environment.
+absl::StatusOr<std::string> read_token(const std::string& file) {
+  constexpr std::uint64_t kMostBytes = 4096;
+  const char* const token = std::getenv("CURVECAST_TOKEN");
+  absl::StatusOr<std::string> bytes = token != nullptr ? token : "";
+  if (!file.empty()) bytes = client::read_bytes(file, kMostBytes);
+  if (!bytes.ok()) return bytes.status();
+  const std::string text(absl::StripAsciiWhitespace(*bytes));
+  const bool is_printable = std::ranges::all_of(text, [](char c) { return c > ' ' && c <= '~'; });
+  if (!is_printable || (text.empty() && !file.empty())) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(file.empty() ? "$CURVECAST_TOKEN" : file, " holds no token: printable characters without blanks"));
+  }
+  return text;
+}
+
 }  // namespace
 
 CLI::App* add_command(CLI::App& root, CommonOptions& options, const std::string& name, const std::string& description,
@@ -36,6 +54,13 @@ CLI::App* add_command(CLI::App& root, CommonOptions& options, const std::string&
   const std::string group = "Common";
   command->add_option("--server", options.server, "host:port of a running server; without it, the work is done in this process")
       ->group(group);
+  const auto file = [&](const char* flag, std::string* path, const char* help) {
+    command->add_option(flag, *path, help)->type_name("FILE")->group(group);
+  };
+  file("--tls-ca", &options.tls.ca, "certificates (PEM) of those whose servers are believed: turns on TLS");
+  file("--tls-cert", &options.tls.cert, "the certificate (PEM) that this side shows, with those that vouch for it");
+  file("--tls-key", &options.tls.key, "its private key (PEM, without a password)");
+  file("--token-file", &options.token_file, "holds the token that a --server knows its client by; else $CURVECAST_TOKEN, if set");
   command->add_option("--seed", options.seed, "of all random numbers; the same seed gives the same bytes")
       ->capture_default_str()
       ->group(group);
@@ -81,10 +106,18 @@ absl::Status check_ending(const std::string& path, const std::vector<std::string
 Host::Host(std::unique_ptr<server::Server> server, std::shared_ptr<client::Connection> connection)
     : server_(std::move(server)), client_(std::move(connection)) {}
 
+Host::~Host() = default;
+
 absl::StatusOr<std::unique_ptr<Host>> Host::open(const CommonOptions& options, SessionCaching caching) {
   if (!options.server.empty()) {
-    return std::unique_ptr<Host>(new Host(nullptr, client::make_connection(client::tcp_channel(options.server))));
+    absl::StatusOr<std::shared_ptr<grpc::Channel>> channel = client::tcp_channel(options.server);
+    if (!options.tls.is_empty()) channel = client::tls_channel(options.server, options.tls);
+    if (!channel.ok()) return channel.status();
+    const absl::StatusOr<std::string> token = read_token(options.token_file);
+    if (!token.ok()) return token.status();
+    return std::unique_ptr<Host>(new Host(nullptr, client::make_connection(*std::move(channel), {.token = *token})));
   }
+  if (!options.tls.is_empty()) return absl::InvalidArgumentError("--tls-ca, --tls-cert and --tls-key apply to a --server only");
   server::ServerOptions server_options;
   server_options.threads = options.threads;
   server_options.log = options.verbose;

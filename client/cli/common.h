@@ -13,7 +13,10 @@
 #include <vector>
 
 #include "client/lib/client.h"
-#include "server/server.h"
+
+namespace curvecast::server {
+class Server;
+}
 
 namespace curvecast::cli {
 
@@ -23,7 +26,9 @@ using Json = nlohmann::ordered_json;
 inline constexpr char kMeshHelp[] = "a .ply, .obj, .off, .stl, .gltf or .glb file; what it refers to is taken from its folder";
 
 struct CommonOptions {
-  std::string server;  // "host:port"; empty = a server within this process
+  std::string server;      // "host:port"; empty = a server within this process
+  client::TlsFiles tls;    // what this side shows and believes; all empty: no encryption
+  std::string token_file;  // of what the server knows this client by; empty: $CURVECAST_TOKEN, or nothing
   std::uint64_t seed = 0;
   int threads = 0;    // of the server within this process; 0 = one per core
   std::string cache;  // folder of the server within this process; empty = the user's own, see add_cache_flags
@@ -62,6 +67,7 @@ class Host {
  public:
   /// Where the user's own cache cannot be used, it goes without and says so; a folder that was asked for is an error.
   static absl::StatusOr<std::unique_ptr<Host>> open(const CommonOptions& options, SessionCaching caching = SessionCaching::kNone);
+  ~Host();
   client::Client& client() { return client_; }
 
  private:

@@ -1,4 +1,6 @@
 // The `curvecast` command.
+#include <absl/strings/match.h>
+
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -12,11 +14,19 @@
 namespace curvecast::cli {
 namespace {
 
+/// What else may be wrong where a server is there but no call gets through.
+std::string encryption_hint(const absl::Status& status, const CommonOptions& options) {
+  if (!absl::IsUnavailable(status) || absl::StrContains(status.message(), "refused")) return "";
+  if (options.tls.is_empty()) return "; if the server is encrypted, name those who vouch for it: --tls-ca";
+  return "; does --tls-ca vouch for the server's certificate, and does the server want one of yours: --tls-cert?";
+}
+
 int report_failure(const absl::Status& status, const CommonOptions& options, bool interrupted) {
   const ExitStatus exit = exit_status(status, interrupted);
   std::string message(status.message());
   if (exit == kInterrupted) message = "interrupted";
-  if (exit == kServerError && !options.server.empty()) message = "server " + options.server + ": " + message;
+  if (exit == kServerError && !options.server.empty())
+    message = "server " + options.server + ": " + message + encryption_hint(status, options);
   std::fprintf(stderr, "curvecast: %s\n", message.c_str());
   return exit;
 }

@@ -16,6 +16,7 @@
 
 #include "client/lib/point_limit.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
+#include "proto/tls/pem_files.h"
 
 namespace curvecast::client {
 namespace {
@@ -80,7 +81,9 @@ auto with_retry(const RetryPolicy& policy, const std::stop_token& stop, const At
 /// The context of one call, cancelled when `stop` is requested.
 class Call {
  public:
-  Call(const std::stop_token& stop, std::optional<milliseconds> timeout) : on_stop_(stop, Cancel{&context_}) {
+  Call(const ConnectionOptions& options, const std::stop_token& stop, std::optional<milliseconds> timeout)
+      : on_stop_(stop, Cancel{&context_}) {
+    if (!options.token.empty()) context_.AddMetadata("authorization", "Bearer " + options.token);
     if (timeout) context_.set_deadline(std::chrono::system_clock::now() + *timeout);
   }
   grpc::ClientContext* context() { return &context_; }
@@ -96,8 +99,8 @@ class Call {
 
 class GrpcViewCall : public ViewCall {
  public:
-  GrpcViewCall(v1::CurvecastService::Stub& stub, const std::stop_token& stop)
-      : call_(stop, std::nullopt), stream_(stub.StreamViews(call_.context())) {}
+  GrpcViewCall(v1::CurvecastService::Stub& stub, const ConnectionOptions& options, const std::stop_token& stop)
+      : call_(options, stop, std::nullopt), stream_(stub.StreamViews(call_.context())) {}
   ~GrpcViewCall() override {
     if (finished_) return;
     cancel();
@@ -187,7 +190,7 @@ class GrpcConnection : public Connection {
   absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> get_parameter_mesh(const v1::GetParameterMeshRequest& request,
                                                                                std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> {
-      Call call(stop, std::nullopt);
+      Call call(options_, stop, std::nullopt);
       return read_all<v1::GetParameterMeshResponse>(*stub_->GetParameterMesh(call.context(), request), call, "a parameter mesh");
     });
   }
@@ -195,7 +198,7 @@ class GrpcConnection : public Connection {
   absl::StatusOr<v1::Session> create_session(const v1::CreateSessionRequest& request, const OnProgress& on_progress,
                                              std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<v1::Session> {
-      Call call(stop, std::nullopt);
+      Call call(options_, stop, std::nullopt);
       std::optional<v1::Session> session;
       const absl::Status status = read_progress<v1::CreateSessionResponse>(*stub_->CreateSession(call.context(), request),
                                                                            on_progress, [&](auto& response) {
@@ -222,14 +225,14 @@ class GrpcConnection : public Connection {
   }
 
   absl::Status close_session(const v1::CloseSessionRequest& request, std::stop_token stop) override {
-    Call call(stop, options_.short_timeout);
+    Call call(options_, stop, options_.short_timeout);
     v1::CloseSessionResponse response;
     return to_absl(stub_->CloseSession(call.context(), request, &response));
   }
 
   absl::StatusOr<std::vector<v1::ResampleResponse>> resample(const v1::ResampleRequest& request, std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::ResampleResponse>> {
-      Call call(stop, options_.long_timeout);
+      Call call(options_, stop, options_.long_timeout);
       const auto reader = stub_->Resample(call.context(), request);
       std::vector<v1::ResampleResponse> responses;
       v1::ResampleResponse response;
@@ -255,7 +258,7 @@ class GrpcConnection : public Connection {
 
   absl::StatusOr<std::vector<v1::GetCurveResponse>> get_curve(const v1::GetCurveRequest& request, std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetCurveResponse>> {
-      Call call(stop, options_.long_timeout);
+      Call call(options_, stop, options_.long_timeout);
       return read_all<v1::GetCurveResponse>(*stub_->GetCurve(call.context(), request), call, "a curve");
     });
   }
@@ -263,7 +266,7 @@ class GrpcConnection : public Connection {
   absl::StatusOr<v1::Measures> measure(const v1::MeasureRequest& request, const OnProgress& on_progress,
                                        std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<v1::Measures> {
-      Call call(stop, std::nullopt);
+      Call call(options_, stop, std::nullopt);
       std::optional<v1::Measures> measures;
       const absl::Status status =
           read_progress<v1::MeasureResponse>(*stub_->Measure(call.context(), request), on_progress, [&](auto& response) {
@@ -275,13 +278,15 @@ class GrpcConnection : public Connection {
     });
   }
 
-  std::unique_ptr<ViewCall> stream_views(std::stop_token stop) override { return std::make_unique<GrpcViewCall>(*stub_, stop); }
+  std::unique_ptr<ViewCall> stream_views(std::stop_token stop) override {
+    return std::make_unique<GrpcViewCall>(*stub_, options_, stop);
+  }
 
  private:
   template <typename Response, typename Request, typename Method>
   absl::StatusOr<Response> unary(Method method, const Request& request, milliseconds timeout, const std::stop_token& stop) {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<Response> {
-      Call call(stop, timeout);
+      Call call(options_, stop, timeout);
       Response response;
       if (absl::Status status = to_absl(((*stub_).*method)(call.context(), request, &response)); !status.ok()) return status;
       return response;
@@ -291,7 +296,7 @@ class GrpcConnection : public Connection {
   /// Bytes that the server has of a file, as far as it can tell.
   std::uint64_t received(const v1::UploadHeader& header, const std::stop_token& stop) {
     if (header.mesh_id().empty()) return 0;
-    Call call(stop, options_.short_timeout);
+    Call call(options_, stop, options_.short_timeout);
     v1::GetUploadRequest request;
     request.set_mesh_id(header.mesh_id());
     v1::GetUploadResponse response;
@@ -301,7 +306,7 @@ class GrpcConnection : public Connection {
 
   absl::StatusOr<v1::UploadMeshResponse> upload_once(const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes,
                                                      const std::stop_token& stop) {
-    Call call(stop, options_.long_timeout);
+    Call call(options_, stop, options_.long_timeout);
     v1::UploadMeshResponse response;
     const auto writer = stub_->UploadMesh(call.context(), &response);
     v1::UploadMeshRequest message;
@@ -328,14 +333,38 @@ class GrpcConnection : public Connection {
   ConnectionOptions options_;
 };
 
-}  // namespace
-
-std::shared_ptr<grpc::Channel> tcp_channel(const std::string& address) {
+std::shared_ptr<grpc::Channel> make_channel(const std::string& address,
+                                            const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(address, credentials, arguments);
+}
+
+}  // namespace
+
+std::shared_ptr<grpc::Channel> tcp_channel(const std::string& address) {
+  return make_channel(address, grpc::InsecureChannelCredentials());
+}
+
+absl::StatusOr<std::shared_ptr<grpc::Channel>> tls_channel(const std::string& address, const TlsFiles& files) {
+  if (files.cert.empty() != files.key.empty()) {
+    return absl::InvalidArgumentError("tls-cert and tls-key belong together: one is missing");
+  }
+  grpc::SslCredentialsOptions options;
+  if (!files.ca.empty()) {
+    absl::StatusOr<std::string> authorities = tls::read_authorities(files.ca);
+    if (!authorities.ok()) return authorities.status();
+    options.pem_root_certs = *std::move(authorities);
+  }
+  if (!files.cert.empty()) {
+    absl::StatusOr<tls::Identity> identity = tls::read_identity(files.cert, files.key);
+    if (!identity.ok()) return identity.status();
+    options.pem_cert_chain = std::move(identity->certificates);
+    options.pem_private_key = std::move(identity->key);
+  }
+  return make_channel(address, grpc::SslCredentials(options));
 }
 
 std::shared_ptr<Connection> make_connection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options) {

@@ -27,6 +27,7 @@ struct RetryPolicy {
 };
 
 struct ConnectionOptions {
+  std::string token;  // that the server knows this client by, sent with every call; empty: none
   RetryPolicy retry;
   std::chrono::milliseconds short_timeout{30'000};  // calls that only look something up
   std::chrono::milliseconds long_timeout{600'000};  // calls that compute or move data; preprocessing has no deadline
@@ -85,6 +86,19 @@ class Connection {
 
 /// A channel over TCP, without encryption; "host:port". Connects at the first call.
 std::shared_ptr<grpc::Channel> tcp_channel(const std::string& address);
+
+/// PEM files for a channel.
+struct TlsFiles {
+  std::string ca;    // of those whose servers are believed; empty: those that this machine believes
+  std::string cert;  // what this client shows to servers that ask for it, and its key; empty: nothing
+  std::string key;
+
+  bool is_empty() const { return ca.empty() && cert.empty() && key.empty(); }
+};
+
+/// The same with TLS. Fails where the files cannot be used, see tls::read_identity(); whether the two sides believe each other
+/// turns out at the first call (Unavailable).
+absl::StatusOr<std::shared_ptr<grpc::Channel>> tls_channel(const std::string& address, const TlsFiles& files);
 
 /// Repeats idempotent calls (all but close_session and stream_views) after Unavailable, after Cancelled that nobody here asked
 /// for (a proxy lost its server) and after Internal for a reset HTTP/2 stream.

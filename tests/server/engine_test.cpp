@@ -260,7 +260,7 @@ TEST_F(EngineTest, ClosesInTheMidstOfRefinement) {
       });
     }
     while (answered < kClients) std::this_thread::yield();
-    EXPECT_TRUE(engine_.close_session(session->id).ok());
+    EXPECT_TRUE(engine_.close_session(session->id, "").ok());
     const std::shared_ptr<const Session> again = open();  // the same mesh once more, beside those that still have the old one
     EXPECT_EQ(again->id, session->id);
     EXPECT_NE(again->live, session->live);
@@ -274,7 +274,7 @@ TEST_F(EngineTest, WhatWasClosedIsNotSavedAnyMore) {
   const auto finer = std::make_shared<SurfaceCurve>(*session->curve());
   finer->revision = 7;
   session->live->publish(finer);
-  EXPECT_TRUE(engine_.close_session(session->id).ok());
+  EXPECT_TRUE(engine_.close_session(session->id, "").ok());
   engine_.sessions.save(*session);
   EXPECT_FALSE(engine_.sessions.must_load(session->id));
   open();

@@ -49,7 +49,11 @@ absl::StatusOr<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::s
                                     "127.0.0.1:0",
                                     "--quiet",
                                     "--threads",
-                                    absl::StrCat(threads)};
+                                    absl::StrCat(threads),
+                                    "--max-streams",
+                                    "20000",
+                                    "--max-streams-of-client",
+                                    "20000"};
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);

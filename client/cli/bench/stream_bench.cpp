@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/cli/bench/abusers.h"
 #include "client/cli/bench/quantile.h"
 #include "client/cli/bench/server_process.h"
 #include "client/lib/client.h"
@@ -28,6 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kPatience{60};
 constexpr int kWarmUpViews = 120, kViews = 360;
+constexpr std::uint64_t kAbused = 8;
 constexpr double kKibi = 1024;
 
 double milliseconds_since(Clock::time_point start) {
@@ -206,6 +208,30 @@ absl::StatusOr<Crowd> stream_crowd(const Stage& stage, const StreamBenchOptions&
   return crowd;
 }
 
+/// What clients notice of others that behave badly, and how much memory these cost.
+absl::Status stream_beside_abusers(const Stage& stage, const StreamBenchOptions& options, BenchReport& report) {
+  const absl::StatusOr<Crowd> alone = stream_crowd(stage, options, kAbused);
+  if (!alone.ok()) return alone.status();
+  const std::uint64_t before = stage.server().resident_bytes();
+  const auto view = [&](double i) { return stage.view(i, options.points); };
+  absl::StatusOr<Crowd> beside = absl::UnknownError("");
+  std::uint64_t after = 0;
+  {
+    const Abusers abusers(stage.server().address(), stage.session_id(), view);
+    beside = stream_crowd(stage, options, kAbused);
+    after = stage.server().resident_bytes();
+  }
+  if (!beside.ok()) return beside.status();
+  const std::string name = absl::StrFormat("%d clients, N = %d, beside clients that behave badly", kAbused, options.crowd_points);
+  for (const double q : {0.5, 0.99}) {
+    report.results.push_back(
+        {absl::StrFormat("%s: latency p%g", name, 100 * q), quantile(beside->latency, q), "ms", quantile(alone->latency, q)});
+  }
+  report.results.push_back({absl::StrCat(name, ": memory of the server"), static_cast<double>(after) / (1 << 20), "MiB",
+                            static_cast<double>(before) / (1 << 20)});
+  return absl::OkStatus();
+}
+
 /// What the server's memory grows by for each of many clients that have had a frame and ask for nothing more.
 absl::StatusOr<double> bytes_of_idle(const Stage& stage, const StreamBenchOptions& options, const ExecutionContext& context) {
   struct Idle {
@@ -279,6 +305,9 @@ absl::StatusOr<BenchReport> bench_stream(const MeshFile& file, const StreamBench
     add(": frame, mean", crowd->bytes / answered / kKibi, "KiB");
     add(": processor time of a frame, server", crowd->server_cpu / answered, "ms");
     add(": processor time of a frame, client", crowd->client_cpu / answered, "ms");
+  }
+  if (options.abuse) {
+    if (absl::Status status = stream_beside_abusers(*stage, options, report); !status.ok()) return status;
   }
   if (options.idle > 0) {
     const absl::StatusOr<double> bytes = bytes_of_idle(*stage, options, context);

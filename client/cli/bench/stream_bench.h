@@ -18,6 +18,7 @@ struct StreamBenchOptions {
   std::uint64_t clients = 64;           // the largest crowd
   double seconds = 10;                  // for each crowd
   double rate = 10;                     // views of each client per second
+  bool abuse = true;                    // a crowd beside clients that behave badly
   std::uint64_t idle = 500;             // clients that have their points and do nothing; 0 = not measured
   std::string command = {};             // that is a server with "serve"; empty: this program
 };

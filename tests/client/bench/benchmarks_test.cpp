@@ -121,6 +121,7 @@ TEST(StreamBench, MeasuresOneClientAndCrowds) {
     EXPECT_GT(latency->value, 0);
   }
   EXPECT_NE(find(*report, "5 clients with 500 points that do nothing"), nullptr);
+  EXPECT_NE(find(*report, "beside clients that behave badly: latency p99"), nullptr);
   EXPECT_FALSE(bench_stream({"bad.off", {}}, {.command = CURVECAST_COMMAND}, {}).ok());
   EXPECT_TRUE(absl::IsUnavailable(bench_stream({"torus.off", off}, {.command = "/bin/false"}, {}).status()));
   EXPECT_TRUE(absl::IsUnavailable(bench_stream({"torus.off", off}, {.command = "/no/such/command"}, {}).status()));

@@ -1,0 +1,200 @@
+// `curvecast serve` as a process.
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "tests/client/cli_fixture.h"
+#include "tests/proto/tls/certificate_files.h"
+#include "tests/server/http_client.h"
+
+namespace curvecast::cli {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A server process on a free port.
+class ServeTest : public CliTest {
+ protected:
+  /// What follows `prefix` in a line of standard output, once it is there.
+  static std::string address_of(Process& process, const std::string& prefix = "listening on ") {
+    EXPECT_TRUE(process.wait_for(prefix)) << process.err();
+    const std::string out = process.out();
+    const std::size_t begin = out.find(prefix) + prefix.size();
+    return out.substr(begin, out.find('\n', begin) - begin);
+  }
+};
+
+TEST_F(ServeTest, GivesTheSameBytesAsInProcess) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--open", sphere_});
+  const std::string address = address_of(server);
+  ASSERT_TRUE(server.wait_for("session ")) << server.err();
+  const std::string remote = temporary("remote.ply"), local = temporary("local.ply");
+  const json far = run_json({"sample", sphere_, "-n", "70000", "--seed", "3", "-o", remote, "--server", address});
+  const json near = run_json({"sample", sphere_, "-n", "70000", "--seed", "3", "-o", local});
+  EXPECT_EQ(far["session_id"], near["session_id"]);
+  EXPECT_EQ(bytes_of(remote), bytes_of(local));
+  EXPECT_EQ(run_json({"info", sphere_, "--server", address})["mesh"]["genus"], 0);
+  EXPECT_EQ(run_json({"stream", sphere_, "--frames", "3", "-n", "500", "--server", address})["frames"], 3);
+  const json opened = run_json({"preprocess", sphere_, "--server", address});
+  EXPECT_THAT(server.out(), HasSubstr("session " + opened["session_id"].get<std::string>()));
+  server.signal(SIGTERM);
+  const Finished finished = server.finish();
+  EXPECT_EQ(finished.status, 0) << finished.err;
+}
+
+TEST_F(ServeTest, JsonFollowsWhenAllIsOpen) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--open", sphere_, "--json", "--quiet"});
+  ASSERT_TRUE(server.wait_for("session_id")) << server.err();
+  ASSERT_TRUE(server.wait_for("\n}"));
+  const json object = json::parse(server.out(), nullptr, false);
+  EXPECT_GT(object["port"], 0);
+  EXPECT_EQ(object["sessions"][0]["mesh"], sphere_);
+  server.signal(SIGINT);
+  EXPECT_EQ(server.finish().status, 0);
+}
+
+TEST_F(ServeTest, StopsWhileItOpensAMesh) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--open", write_sphere("big_served.off", 400)});
+  ASSERT_TRUE(server.wait_for("big_served.off: ")) << server.err();
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 0);
+}
+
+TEST_F(ServeTest, RefusesWhatItCannotDo) {
+  Process server({"serve", "--listen", "127.0.0.1:0"});
+  const std::string address = address_of(server);
+  expect_failure({"serve", "--listen", address}, 4, address);
+  expect_failure({"serve", "--listen", "nonsense"}, 3, "nonsense");
+  expect_failure({"serve", "--listen", "127.0.0.1:0", "--http", address}, 4, address);
+  expect_failure({"serve", "--server", address}, 3, "--server");
+  for (const char* flag : {"--max-sessions", "--drain", "--max-upload", "--log-format", "--threads"}) {
+    expect_failure({"serve", flag, "-1"}, 2, flag);
+  }
+  Finished finished = run({"serve", "--listen", "127.0.0.1:0", "--open", "/nonexistent/mesh.off"});
+  EXPECT_EQ(finished.status, 3);
+  EXPECT_THAT(finished.err, HasSubstr("/nonexistent/mesh.off"));
+}
+
+TEST_F(ServeTest, IsReadyWhenItsMeshesAreOpen) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--open", write_sphere("slow_served.off", 300)});
+  const std::string address = address_of(server, "http on ");
+  const int port = std::stoi(address.substr(address.rfind(':') + 1));
+  EXPECT_EQ(server::HttpClient(port).get("/healthz").status, 200);
+  EXPECT_EQ(server::HttpClient(port).get("/readyz").body, "meshes are being prepared\n");
+  ASSERT_TRUE(server.wait_for("session ")) << server.err();
+  while (server::HttpClient(port).get("/readyz").status != 200) {  // the line comes a moment before
+  }
+  const std::string metrics = server::HttpClient(port).get("/metrics").body;
+  EXPECT_THAT(metrics, HasSubstr("curvecast_requests_total{code=\"OK\",method=\"CreateSession\"} 1\n"));
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 0);
+}
+
+TEST_F(ServeTest, TheSecondSignalEndsItAtOnce) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--drain", "3600"});
+  const std::string address = address_of(server);
+  Process client({"preprocess", write_sphere("big_drained.off", 400), "-n", "4000000", "--server", address});
+  ASSERT_TRUE(client.wait_for("flatten")) << client.err();
+  server.signal(SIGTERM);
+  ASSERT_TRUE(server.wait_for("running calls get 3600 s")) << server.err();
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 130);
+  EXPECT_EQ(client.finish().status, 4);
+}
+
+TEST_F(ServeTest, CallsThatTakeLongerThanTheDrainAreCancelled) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--drain", "0.1"});
+  const std::string address = address_of(server);
+  Process client({"preprocess", write_sphere("big_cancelled.off", 400), "-n", "4000000", "--server", address});
+  ASSERT_TRUE(client.wait_for("flatten")) << client.err();
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 0);
+  EXPECT_EQ(client.finish().status, 4);
+}
+
+TEST_F(ServeTest, SettingsComeFromFlagsTheEnvironmentAndAFile) {
+  const std::string file = temporary("serve.toml");
+  std::ofstream(file) << "listen = \"127.0.0.1:1\"\nmax-upload = \"1MB\"\nmax-sessions = 5\nthreads = 2\ndrain = 0.5\n";
+  ASSERT_EQ(::setenv("CURVECAST_MAX_SESSIONS", "6", 1), 0);
+  ASSERT_EQ(::setenv("CURVECAST_THREADS", "1", 1), 0);
+  const Finished printed = run({"serve", "--config", file, "--threads", "3", "--print-config"});
+  Process server({"serve", "--config", file, "--listen", "127.0.0.1:0"});
+  const std::string address = address_of(server);
+  ::unsetenv("CURVECAST_MAX_SESSIONS");
+  ::unsetenv("CURVECAST_THREADS");
+  EXPECT_EQ(printed.status, 0) << printed.err;
+  for (const char* line : {"\nlisten=\"127.0.0.1:1\"\n", "\nmax-upload=1048576\n", "\nmax-sessions=6\n", "\nthreads=3\n",
+                           "\ndrain=0.5\n", "\nlog-format=\"text\"\n", "\nmax-curve-vertices=20000000\n"}) {
+    EXPECT_THAT(printed.out, HasSubstr(line));
+  }
+  for (const std::string& line :
+       {std::string("setting listen = 127.0.0.1:0 (flag)"), "setting drain = 0.5 (" + file + ")",
+        std::string("setting threads = 1 (CURVECAST_THREADS)"), std::string("setting log-format = text (default)")}) {
+    EXPECT_THAT(server.err(), HasSubstr(line));
+  }
+  EXPECT_LT(server.err().find("curvecast 0."), server.err().find("setting "));
+  // The limit is in force: the sphere is larger than nothing, but this one than a megabyte.
+  expect_failure({"info", write_sphere("large.off", 300), "--server", address}, 4, "1048576");
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 0);
+  // What was printed is such a file again.
+  const std::string again = temporary("again.toml");
+  std::ofstream(again) << printed.out;
+  EXPECT_EQ(run({"serve", "--config", again, "--print-config"}).out, printed.out);
+}
+
+TEST_F(ServeTest, SaysWhatIsWrongWithItsSettings) {
+  const std::string file = temporary("wrong.toml");
+  std::ofstream(file) << "lisen = \"127.0.0.1:0\"\n";
+  expect_failure({"serve", "--config", file}, 3, file + ": there is no setting named lisen; there are: cache, ");
+  std::ofstream(file) << "verbose = true\nquiet = true\n";
+  expect_failure({"serve", "--config", file}, 3, "quiet and verbose");
+  expect_failure({"serve", "--config", "/nonexistent.toml"}, 3, "/nonexistent.toml");
+}
+
+TEST_F(ServeTest, EncryptsForThoseWhoBelieveIt) {
+  const testing::CertificateFiles files;
+  Process server({"serve", "--listen", "127.0.0.1:0", "--tls-cert", files.cert("ca-server"), "--tls-key", files.key("ca-server"),
+                  "--tls-client-ca", files.cert("ca")});
+  const std::string address = address_of(server), ca = files.cert("ca");
+  const std::string cert = files.cert("ca-client"), key = files.key("ca-client");
+  run_json({"info", sphere_, "--server", address, "--tls-ca", ca, "--tls-cert", cert, "--tls-key", key});
+  expect_failure({"info", sphere_, "--server", address, "--tls-ca", ca}, 4, address);
+  expect_failure({"info", sphere_, "--server", address}, 4, "--tls-ca");
+  expect_failure({"info", sphere_, "--server", address, "--tls-ca", files.cert("other")}, 4, "certificate");
+  expect_failure({"info", sphere_, "--server", address, "--tls-ca", "/nonexistent.pem"}, 3, "/nonexistent.pem");
+  expect_failure({"info", sphere_, "--server", address, "--tls-cert", cert}, 3, "belong together");
+  expect_failure({"info", sphere_, "--tls-ca", ca}, 3, "--server");
+  expect_failure({"serve", "--listen", "127.0.0.1:0", "--tls-cert", cert, "--tls-key", files.key("other-client")}, 3,
+                 "does not belong to the certificate");
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 0);
+}
+
+TEST_F(ServeTest, LogsRequestsAsJson) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--log-format", "json", "--verbose"});
+  const std::string address = address_of(server);
+  run_json({"info", sphere_, "--server", address});
+  ASSERT_TRUE(server.wait_for("InspectMesh")) << server.err();
+  server.signal(SIGTERM);
+  const Finished finished = server.finish();
+  EXPECT_EQ(finished.status, 0);
+  std::istringstream lines(finished.err);
+  std::string line;
+  int requests = 0;
+  while (std::getline(lines, line)) {
+    const json object = json::parse(line, nullptr, false);
+    ASSERT_TRUE(object.is_object()) << line;
+    expect_keys(object, {"time", "level", "message"});
+    if (!object.contains("method")) continue;
+    ++requests;
+    expect_keys(object, {"peer", "code", "ms", "request_id"});
+    EXPECT_GE(object["ms"].get<double>(), 0);
+    EXPECT_EQ(object["request_id"].get<std::string>().size(), 16U);
+  }
+  EXPECT_GE(requests, 2);  // UploadMesh and InspectMesh
+}
+
+}  // namespace
+}  // namespace curvecast::cli

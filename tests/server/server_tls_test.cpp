@@ -1,0 +1,89 @@
+// Encrypted connections, and who is refused.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "client/lib/connection.h"
+#include "server/server.h"
+#include "tests/proto/tls/certificate_files.h"
+
+namespace curvecast::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ServerTls : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { files_ = std::make_unique<testing::CertificateFiles>(); }
+  static void TearDownTestSuite() { files_.reset(); }
+
+  void start(ServerOptions options) {
+    options.listen = "127.0.0.1:0";
+    options.log = false;
+    auto server = Server::start(options);
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+  }
+  /// Asks the server for its sessions over a channel.
+  static absl::Status call(const absl::StatusOr<std::shared_ptr<grpc::Channel>>& channel) {
+    if (!channel.ok()) return channel.status();
+    const auto connection = client::make_connection(*channel, {.retry = {.attempts = 1}});
+    return connection->list_sessions({}, {}).status();
+  }
+  std::string address() const { return "localhost:" + std::to_string(server_->port()); }
+  absl::Status call_with(const client::TlsFiles& files) const { return call(client::tls_channel(address(), files)); }
+
+  static inline std::unique_ptr<testing::CertificateFiles> files_;
+  std::unique_ptr<Server> server_;
+};
+
+TEST_F(ServerTls, ServesThoseWhoBelieveIt) {
+  start({.tls_cert = files_->cert("ca-server"), .tls_key = files_->key("ca-server")});
+  const absl::Status status = call_with({.ca = files_->cert("ca")});
+  EXPECT_TRUE(status.ok()) << status;
+  EXPECT_EQ(call_with({.ca = files_->cert("other")}).code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(call(client::tcp_channel(address())).code(), absl::StatusCode::kUnavailable);
+  EXPECT_TRUE(call(server_->in_process_channel()).ok());  // nothing to encrypt
+}
+
+TEST_F(ServerTls, RefusesClientsThatNobodyVouchesFor) {
+  start({.tls_cert = files_->cert("ca-server"), .tls_key = files_->key("ca-server"), .tls_client_ca = files_->cert("ca")});
+  const std::string ca = files_->cert("ca");
+  const absl::Status known = call_with({.ca = ca, .cert = files_->cert("ca-client"), .key = files_->key("ca-client")});
+  EXPECT_TRUE(known.ok()) << known;
+  EXPECT_EQ(call_with({.ca = ca}).code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(call_with({.ca = ca, .cert = files_->cert("other-client"), .key = files_->key("other-client")}).code(),
+            absl::StatusCode::kUnavailable);
+}
+
+TEST_F(ServerTls, SaysWhatIsWrongWithItsFiles) {
+  const std::string cert = files_->cert("ca-server"), key = files_->key("ca-server");
+  const auto refused = [](const ServerOptions& options) {
+    const auto server = Server::start(options);
+    EXPECT_FALSE(server.ok());
+    return std::string(server.status().message());
+  };
+  EXPECT_THAT(refused({.listen = "127.0.0.1:0", .log = false, .tls_cert = cert}), HasSubstr("belong together"));
+  EXPECT_THAT(refused({.listen = "127.0.0.1:0", .log = false, .tls_key = key}), HasSubstr("belong together"));
+  EXPECT_THAT(refused({.listen = "127.0.0.1:0", .log = false, .tls_client_ca = cert}), HasSubstr("tls-cert and tls-key"));
+  EXPECT_THAT(refused({.listen = "127.0.0.1:0", .log = false, .tls_cert = "/nonexistent.pem", .tls_key = key}),
+              HasSubstr("/nonexistent.pem"));
+  EXPECT_THAT(refused({.listen = "127.0.0.1:0", .log = false, .tls_cert = cert, .tls_key = files_->key("other-server")}),
+              HasSubstr("does not belong"));
+  EXPECT_THAT(refused({.listen = "127.0.0.1:0", .log = false, .tls_cert = cert, .tls_key = key, .tls_client_ca = key}),
+              HasSubstr("no certificate"));
+}
+
+TEST_F(ServerTls, ClientsAreToldWhatIsWrongWithTheirs) {
+  const auto refused = [](const client::TlsFiles& files) {
+    return std::string(client::tls_channel("localhost:1", files).status().message());
+  };
+  EXPECT_THAT(refused({.ca = "/nonexistent.pem"}), HasSubstr("/nonexistent.pem"));
+  EXPECT_THAT(refused({.cert = files_->cert("ca-client")}), HasSubstr("belong together"));
+  EXPECT_THAT(refused({.cert = files_->cert("ca-client"), .key = files_->key("other-client")}), HasSubstr("does not belong"));
+}
+
+}  // namespace
+}  // namespace curvecast::server
