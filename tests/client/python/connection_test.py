@@ -10,6 +10,7 @@ import numpy as np
 import curvecast
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
+from curvecast.v1 import status_pb2
 
 
 class Told(v1_grpc.CurvecastServiceServicer):
@@ -18,12 +19,14 @@ class Told(v1_grpc.CurvecastServiceServicer):
     def __init__(self) -> None:
         self.failures: list[grpc.StatusCode] = []
         self.calls = 0
+        self.trailers: list[tuple[str, bytes]] = []
         self.points: list[v1.PointBlock] = []
         self.parked = b""  # of an upload that broke off
         self.sent: list[int] = []  # bytes that each upload began with
 
     def _answer(self, context: grpc.ServicerContext) -> None:
         self.calls += 1
+        context.set_trailing_metadata(self.trailers)
         if self.failures:
             context.abort(self.failures.pop(0), "as told")
 
@@ -95,6 +98,23 @@ class ConnectionTest(unittest.TestCase):
             self.told.failures, self.told.calls = [code], 0
             self.assert_refused(code.name, self.client.session, "s")
             self.assertEqual(self.told.calls, 1)
+
+    def test_details_of_refusals(self) -> None:
+        rich = status_pb2.Status()
+        retry = status_pb2.RetryInfo()
+        retry.retry_delay.FromMilliseconds(1500)
+        bad = status_pb2.BadRequest(field_violations=[status_pb2.BadRequest.FieldViolation(field="a.b", description="is wrong")])
+        for name, detail in (("RetryInfo", retry), ("BadRequest", bad), ("Unheard", bad)):
+            rich.details.add(type_url=f"type.googleapis.com/google.rpc.{name}", value=detail.SerializeToString())
+        for trailers, fields, seconds in (
+            ([("grpc-status-details-bin", rich.SerializeToString())], {"a.b": "is wrong"}, 1.5),
+            ([("grpc-status-details-bin", b"\xff\xff")], {}, None),
+            ([], {}, None),
+        ):
+            self.told.failures, self.told.trailers = [grpc.StatusCode.RESOURCE_EXHAUSTED], trailers
+            with self.assertRaises(curvecast.Error) as caught:
+                self.client.session("s")
+            self.assertEqual((caught.exception.fields, caught.exception.retry_after), (fields, seconds))
 
     def test_closing_is_not_repeated(self) -> None:
         session = self.client.session("s")
