@@ -3,6 +3,7 @@
 #include <absl/strings/str_cat.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -14,8 +15,9 @@
 namespace curvecast::server {
 namespace {
 
-// What a delta costs: points that lie far apart predict each other badly, and each change is written down.
-constexpr double kScatteredPoint = 1.5, kEditBytes = 1.1;
+// What a delta costs: points that lie farther apart predict each other worse, by half a bit of each coordinate for every
+// doubling; and each change is written down.
+constexpr double kBytesPerDoubling = 3 * 0.5 / 8, kEditBytes = 1.1;
 // A part after the first one brings up to so many times as many points as there are.
 constexpr std::uint64_t kPartGrowth = 4;
 
@@ -64,9 +66,10 @@ absl::StatusOr<PackedFrame> pack_delta(SessionSampler& sampler, const Sample& sa
   held.discs(workspace.discs);
   compare(held.selection(), workspace.discs, selection, delta);
   const double point_bytes = expected_point_bytes(*selected->curve, sample);
-  const auto changes = static_cast<double>(delta.added.size() + delta.removed.size() + delta.resized.size());
-  const double delta_bytes = kScatteredPoint * point_bytes * static_cast<double>(delta.added.size()) + kEditBytes * changes;
-  if (delta_bytes > point_bytes * static_cast<double>(selection.count)) {
+  const auto count = static_cast<double>(selection.count), added = static_cast<double>(delta.added.size());
+  const double scattered = point_bytes + kBytesPerDoubling * std::log2(count / std::max(added, 1.0));
+  const double changes = added + static_cast<double>(delta.removed.size() + delta.resized.size());
+  if (scattered * added + kEditBytes * changes > point_bytes * count) {
     SessionSampler::list(*selected);
     return pack_key(*std::move(selected), sample);
   }

@@ -6,8 +6,7 @@
 namespace curvecast {
 namespace {
 
-constexpr int kBucketBits = 14;  // all of their counts stay in the cache
-constexpr std::size_t kBuckets = std::size_t{1} << kBucketBits;
+constexpr int kLeastBits = 6, kMostBits = 14;  // of buckets: few points in each, and all of their counts stay in the cache
 
 }  // namespace
 
@@ -19,18 +18,20 @@ void PlaceCounts::count_below(std::span<const std::uint32_t> places, std::span<c
   }
   const auto [least, most] = std::ranges::minmax_element(places);
   const std::uint32_t low = *least, high = *most;
-  const int shift = std::max(static_cast<int>(std::bit_width(high - low)) - kBucketBits, 0);
+  const int bits = std::clamp(static_cast<int>(std::bit_width(places.size())) - 1, kLeastBits, kMostBits);
+  const std::size_t buckets = std::size_t{1} << bits;
+  const int shift = std::max(static_cast<int>(std::bit_width(high - low)) - bits, 0);
   const auto bucket_of = [low, shift](std::uint32_t place) { return static_cast<std::size_t>((place - low) >> shift); };
-  first_.assign(kBuckets + 1, 0);
+  first_.assign(buckets + 1, 0);
   for (const std::uint32_t place : places) ++first_[bucket_of(place) + 1];
-  for (std::size_t b = 0; b < kBuckets; ++b) first_[b + 1] += first_[b];
-  wanted_.assign(kBuckets, 0);
+  for (std::size_t b = 0; b < buckets; ++b) first_[b + 1] += first_[b];
+  wanted_.assign(buckets, 0);
   for (const std::uint32_t query : queries) {
     if (query > low && query <= high) wanted_[bucket_of(query)] = 1;
   }
-  end_.resize(kBuckets);
+  end_.resize(buckets);
   std::uint32_t size = 0;
-  for (std::size_t b = 0; b < kBuckets; ++b) {
+  for (std::size_t b = 0; b < buckets; ++b) {
     end_[b] = size;
     if (wanted_[b] != 0) size += first_[b + 1] - first_[b];
   }
@@ -43,7 +44,7 @@ void PlaceCounts::count_below(std::span<const std::uint32_t> places, std::span<c
     const std::size_t count = first_[b + 1] - first_[b];
     return std::span(members_).subspan(end_[b] - count, count);
   };
-  for (std::size_t b = 0; b < kBuckets; ++b) {
+  for (std::size_t b = 0; b < buckets; ++b) {
     if (wanted_[b] != 0) std::ranges::sort(members(b));
   }
   for (std::size_t i = 0; i < queries.size(); ++i) {

@@ -83,18 +83,26 @@ void locate(const RankTree& earlier, const RankSelection& later, RankDelta& delt
   later.for_each_shown(
       [&](const RankRef& ref, std::size_t) { out.places.push_back(tree.chunks()[ref.chunk]->place[ref.point]); });
   // Where each stands among all that the later list has: no two points share a place.
-  const auto find = [&](const RankTree& in, const auto& changes, const auto& ref_of, std::vector<std::uint32_t>& indices) {
-    out.queries.clear();
+  out.queries.clear();
+  const auto ask = [&](const RankTree& in, const auto& changes, const auto& ref_of) {
     for (const auto& change : changes) {
       const RankRef& ref = ref_of(change);
       out.queries.push_back(in.chunks()[ref.chunk]->place[ref.point]);
     }
-    indices.resize(changes.size());
-    out.counts.count_below(out.places, out.queries, indices);
   };
-  find(tree, delta.resized, point_of, out.resized);
-  find(tree, delta.added, itself, out.added);
-  find(earlier, delta.removed, itself, out.removed);
+  ask(tree, delta.resized, point_of);
+  ask(tree, delta.added, itself);
+  ask(earlier, delta.removed, itself);
+  out.below.resize(out.queries.size());
+  out.counts.count_below(out.places, out.queries, out.below);
+  auto next = out.below.begin();
+  const auto take = [&](std::vector<std::uint32_t>& indices, std::size_t count) {
+    indices.assign(next, next + static_cast<std::ptrdiff_t>(count));
+    next += static_cast<std::ptrdiff_t>(count);
+  };
+  take(out.resized, delta.resized.size());
+  take(out.added, delta.added.size());
+  take(out.removed, delta.removed.size());
   // The earlier list has not yet those that were added, and still those that were removed.
   std::size_t added = 0;
   for (std::size_t i = 0; i < out.removed.size(); ++i) {

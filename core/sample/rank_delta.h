@@ -34,7 +34,7 @@ struct ListDelta {
 
   // locate()'s own affair.
   std::vector<std::uint64_t> keys, scratch;
-  std::vector<std::uint32_t> places, queries;
+  std::vector<std::uint32_t> places, queries, below;
   PlaceCounts counts;
 };
 

@@ -80,9 +80,9 @@ TEST(PointEdits, DiscsClimbTheLadder) {
   const absl::StatusOr<Points> points = apply_edits(held, edits, {});
   ASSERT_TRUE(points.ok()) << points.status();
   EXPECT_EQ(points->radii[0], 1);
-  EXPECT_FLOAT_EQ(points->radii[1], static_cast<float>(std::exp2(0.5)));
+  EXPECT_FLOAT_EQ(points->radii[1], static_cast<float>(std::exp2(1.0)));
   EXPECT_EQ(points->radii[2], 1);
-  EXPECT_FLOAT_EQ(points->radii[3], static_cast<float>(std::exp2(-0.25)));
+  EXPECT_FLOAT_EQ(points->radii[3], static_cast<float>(std::exp2(-0.5)));
   for (int i = 0; i < 50; ++i) edits.add_resized(0);  // no disc is larger than the largest
   const absl::StatusOr<Points> huge = apply_edits(held, edits, {});
   ASSERT_TRUE(huge.ok());

@@ -3,8 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <optional>
 #include <span>
@@ -15,18 +13,13 @@
 #include "core/mesh/mesh_companions.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/repair.h"
+#include "tests/fuzz/fuzz_expect.h"
 #include "tests/support/mesh_promises.h"
 
 namespace curvecast::fuzzing {
 
 /// Stands between the parts of an input: the mesh first, then the companions in the order in which they are asked for.
 inline constexpr std::string_view kMark = "\n=== next file ===\n";
-
-inline void expect(bool good, const std::string& what) {
-  if (good) return;
-  std::fprintf(stderr, "broken promise: %s\n", what.c_str());
-  std::abort();
-}
 
 /// Each in memory of its own: nothing may be read behind it.
 inline std::vector<std::vector<char>> parts_of(std::string_view input) {
