@@ -32,7 +32,7 @@ def connect(
 ) -> Client:
     """A client of the server at "host:port". The line is opened by the first call.
 
-    credentials: for a proxy with TLS in front, such as grpc.ssl_channel_credentials(); without them nothing is encrypted.
+    credentials: for TLS, such as grpc.ssl_channel_credentials(); without them nothing is encrypted.
     short_timeout: seconds, of calls that only look something up; long_timeout: of those that compute or move data; preprocessing
     and measuring have none. attempts: in all, when the line or the server is lost (UNAVAILABLE), 0.1 s and more apart.
     """

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import grpc
 
 from curvecast.connection import Connection
-from curvecast.errors import Error, bad_answer, error_of
+from curvecast.errors import Error, bad_answer, error_of, error_of_call
 from curvecast.point_edits import apply_edits
 from curvecast.points import COLUMNS, MOST_POINTS, Points, decode_blocks, encoded_bytes
 from curvecast.v1 import curvecast_pb2 as v1
@@ -171,7 +171,7 @@ class ViewStream:
                     self._queue.append(response.frame)
                     self._changed.notify_all()
         except grpc.RpcError as error:
-            ended = Error(error.code(), error.details() or "")
+            ended = error_of_call(error)
         with self._changed:
             self._ended = ended
             self._writing = False
@@ -181,7 +181,7 @@ class ViewStream:
         start = time.perf_counter()
         held, edits = self._held, message.edits
         if message.HasField("error"):
-            refused = error_of(message.error.code, message.error.message)
+            refused = error_of(message.error.code, message.error.message, message.error.retry_after or None)
             return Frame(message.sequence, message.curve_revision, held, False, 0, 0, 0, message.statistics, 0, 0, refused)
         blocks = message.points
         count = sum(block.count for block in blocks)

@@ -44,11 +44,12 @@ class ServerTest(unittest.TestCase):
         cls.client = curvecast.connect(cls.server.address)
         cls.addClassCleanup(cls.client.close)
 
-    def assert_refused(self, code: str, message: str, call: object, *arguments: object, **options: object) -> None:
+    def assert_refused(self, code: str, message: str, call: object, *arguments: object, **options: object) -> curvecast.Error:
         with self.assertRaises(curvecast.Error) as caught:
             call(*arguments, **options)
         self.assertEqual(caught.exception.code.name, code, caught.exception)
         self.assertIn(message, caught.exception.message)
+        return caught.exception
 
     def assert_same_points(self, one: curvecast.Points, other: curvecast.Points) -> None:
         """Every column, exactly; radii to a few units of the last place."""

@@ -125,6 +125,8 @@ class SessionTest(ServerTest):
         self.assert_refused("INVALID_ARGUMENT", "", self.session.sample, 0)
         self.assert_refused("OUT_OF_RANGE", "", self.session.sample, 4_000_001)
         self.assert_refused("INVALID_ARGUMENT", "", self.session.sample, 10, density=density.view())
+        refused = self.assert_refused("INVALID_ARGUMENT", "", self.session.sample, 10, camera=Camera((1e400, 0, 0)))
+        self.assertEqual(list(refused.fields), ["sample.cameras[0].eye.x"])
         self.assert_refused("INVALID_ARGUMENT", "", self.session.sample, 10, camera=Camera((0, 0, 0)), density=density.view())
         self.assert_refused("FAILED_PRECONDITION", "", self.session.sample, 10, density=density.expression("0"))
         self.assertEqual(dataclasses.replace(View(10), seed=2).to_proto().seed, 2)

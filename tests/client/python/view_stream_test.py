@@ -9,6 +9,7 @@ import curvecast
 from curvecast import Camera, Frame, View, ViewStream, density
 from curvecast.v1 import curvecast_pb2 as v1
 from fixture import ServerTest, eye_at, sphere_obj
+from told_server import ToldTest, block_of
 
 PATIENCE = 120  # seconds; nothing here takes that long unless it hangs
 
@@ -116,7 +117,7 @@ class ViewStreamTest(ServerTest):
         counts = [len(frame.points) for frame in frames]
         self.assertEqual(counts, sorted(counts))
         self.assertLess(counts[0], 1000)
-        self.assertTrue(all(frame.is_delta for frame in frames[1:]))
+        self.assertLess(frames[0].encoded_bytes, 10_000)
         self.assert_same_points(frames[-1].points, self.session.sample(view))
 
     def test_as_many_points_as_keep_up(self) -> None:
@@ -184,6 +185,51 @@ class ViewStreamTest(ServerTest):
         stream = self.session.stream()
         threading.Timer(0.05, stream.cancel).start()
         self.assert_refused("CANCELLED", "", stream.frame)
+
+
+class ToldViewStreamTest(ToldTest):
+    def test_frames_that_make_no_sense(self) -> None:
+        def key(count: int = 2, **fields: object) -> v1.PointFrame:
+            return v1.PointFrame(**{"kind": v1.FRAME_KIND_KEY, "points": [block_of(count)], "held_points": count} | fields)
+
+        def delta(**fields: object) -> v1.PointFrame:
+            return v1.PointFrame(**{"kind": v1.FRAME_KIND_DELTA, "held_points": 2} | fields)
+
+        bad = [
+            key(kind=v1.FRAME_KIND_UNSPECIFIED),
+            key(held_points=3),
+            key(points=[v1.PointBlock(count=2)]),
+            key(points=[v1.PointBlock(count=3_000_000), v1.PointBlock(count=3_000_000)]),
+            delta(held_points=1),
+            delta(edits=v1.PointEdits(removed=[2])),
+            delta(edits=v1.PointEdits(added=[0]), points=[block_of(2)]),
+        ]
+        good = [key(1), delta(held_points=2, points=[block_of(1)], edits=v1.PointEdits(added=[1]))]
+        with self.client.session("s").stream() as stream:
+            for frame in bad:
+                self.told.frames = [*good, frame, key(0), delta(held_points=0)]
+                for count in (1, 2):
+                    stream.send(View(10))
+                    self.assertEqual(len(stream.frame(PATIENCE).points), count)
+                stream.send(View(10))
+                self.assert_refused("DATA_LOSS", stream.frame, PATIENCE)
+                for _ in range(2):
+                    stream.send(View(10))
+                    self.assertEqual(len(stream.frame(PATIENCE).points), 0)
+            stream.close()
+        views = [request.view for request in self.told.requests if request.HasField("view")]
+        # Only the view after a bad frame asks for all points.
+        self.assertEqual([view.key_frame for view in views], len(bad) * [False, False, False, True, False])
+        # Every frame is acknowledged once, good or bad.
+        acks = [request.ack.sequence for request in self.told.requests if request.HasField("ack")]
+        self.assertEqual(acks, [view.sequence for view in views])
+
+    def test_errors_of_frames(self) -> None:
+        self.told.frames = [v1.PointFrame(error=v1.FrameError(code=8, message="later", retry_after=2.5))]
+        with self.client.session("s").stream() as stream:
+            stream.send(View(10))
+            error = stream.frame(PATIENCE).error
+            self.assertEqual((error.code.name, error.message, error.retry_after), ("RESOURCE_EXHAUSTED", "later", 2.5))
 
 
 if __name__ == "__main__":
