@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "server/convert_points.h"
 #include "tests/server/sample_request.h"
 
 namespace curvecast::server {
