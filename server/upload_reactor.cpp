@@ -21,8 +21,9 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   UploadReactor(Engine& engine, grpc::CallbackServerContext& context, v1::UploadMeshResponse* response)
       : engine_(engine), log_(engine, "UploadMesh", context), upload_(engine.meshes), response_(response) {
     const absl::StatusOr<std::string> caller = caller_of(engine, context);
-    absl::StatusOr<Admission::Ticket> ticket = caller.status();
-    if (caller.ok()) ticket = engine.uploads->admit(*caller);
+    // An OK status is no ticket.
+    absl::StatusOr<Admission::Ticket> ticket =
+        caller.ok() ? engine.uploads->admit(*caller) : absl::StatusOr<Admission::Ticket>(caller.status());
     if (ticket.ok()) {
       ticket_.emplace(*std::move(ticket));
       StartRead(&request_);

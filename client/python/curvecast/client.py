@@ -27,16 +27,17 @@ MOST_COMPANIONS = 256  # of a mesh, as in the API
 
 
 def connect(
-    address: str, *, credentials: grpc.ChannelCredentials | None = None, short_timeout: float = 30, long_timeout: float = 600,
-    attempts: int = 5,
+    address: str, *, credentials: grpc.ChannelCredentials | None = None, token: str = "", short_timeout: float = 30,
+    long_timeout: float = 600, attempts: int = 5,
 ) -> Client:
     """A client of the server at "host:port". The line is opened by the first call.
 
     credentials: for TLS, such as grpc.ssl_channel_credentials(); without them nothing is encrypted.
+    token: that the server knows this client by, sent with every call; empty: none.
     short_timeout: seconds, of calls that only look something up; long_timeout: of those that compute or move data; preprocessing
     and measuring have none. attempts: in all, when the line or the server is lost (UNAVAILABLE), 0.1 s and more apart.
     """
-    return Client(Connection(address, credentials, short_timeout, long_timeout, attempts))
+    return Client(Connection(address, credentials, token, short_timeout, long_timeout, attempts))
 
 
 class Client:

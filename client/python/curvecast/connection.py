@@ -33,7 +33,8 @@ class Connection:
     """Calls of the API. All but call() are repeated when the line or the server was lost meanwhile: they are idempotent."""
 
     def __init__(
-        self, address: str, credentials: grpc.ChannelCredentials | None, short_timeout: float, long_timeout: float, attempts: int
+        self, address: str, credentials: grpc.ChannelCredentials | None, token: str, short_timeout: float, long_timeout: float,
+        attempts: int,
     ) -> None:
         if attempts < 1:
             raise ValueError(f"attempts is {attempts}; there has to be one")
@@ -42,6 +43,7 @@ class Connection:
             self._channel = grpc.insecure_channel(address, CHANNEL_OPTIONS)
         else:
             self._channel = grpc.secure_channel(address, credentials, CHANNEL_OPTIONS)
+        self.metadata = (("authorization", f"Bearer {token}"),) if token else ()  # of every call
         self.stub = v1_grpc.CurvecastServiceStub(self._channel)
 
     def close(self) -> None:
@@ -50,7 +52,7 @@ class Connection:
     def call(self, method: str, request: Any, timeout: float | None) -> Any:
         """One answer, asked for once."""
         with translated():
-            return getattr(self.stub, method)(request, timeout=timeout)
+            return getattr(self.stub, method)(request, timeout=timeout, metadata=self.metadata)
 
     def ask(self, method: str, request: Any, timeout: float | None) -> Any:
         return self._retrying(lambda: self.call(method, request, timeout))
@@ -60,7 +62,7 @@ class Connection:
 
         def attempt() -> T:
             with translated():
-                messages = getattr(self.stub, method)(request, timeout=timeout)
+                messages = getattr(self.stub, method)(request, timeout=timeout, metadata=self.metadata)
                 try:
                     return take(messages)
                 finally:
@@ -103,7 +105,7 @@ class Connection:
 
         header.offset = self.call("GetUpload", v1.GetUploadRequest(mesh_id=header.mesh_id), self.short_timeout).received
         with translated():
-            future = self.stub.UploadMesh.future(requests(), timeout=self.long_timeout)
+            future = self.stub.UploadMesh.future(requests(), timeout=self.long_timeout, metadata=self.metadata)
             try:
                 future.add_done_callback(lambda _: events.put(None))
                 sent = header.offset

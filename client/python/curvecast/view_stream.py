@@ -69,7 +69,7 @@ class ViewStream:
         self._ended: Error | None = None
         self._held: Points | None = decode_blocks([]) if held is None else held.points  # None: a frame could not be taken in
         self._last = held  # taken in, as far as it can be gone on from
-        self._call = connection.stub.StreamViews(self._requests())
+        self._call = connection.stub.StreamViews(self._requests(), metadata=connection.metadata)
         self._reader = threading.Thread(target=self._read, name="curvecast frames", daemon=True)
         self._reader.start()
 

@@ -89,6 +89,22 @@ class ConnectionTest(ToldTest):
         with curvecast.connect(address, credentials=grpc.local_channel_credentials()) as client:
             self.assertEqual(client.session("s").id, "s")
 
+    def test_every_call_brings_the_token(self) -> None:
+        self.told.points = [block_of(10)]
+        self.told.frames = [v1.PointFrame(kind=v1.FRAME_KIND_KEY)]
+        with curvecast.connect(self.address, token="secret") as client:
+            client.upload_bytes("data", b"bytes")
+            session = client.open("m")
+            session.sample(10)
+            with session.stream() as stream:
+                stream.send(curvecast.View(10))
+                stream.frame()
+            session.refresh()
+            session.close()
+        self.assertEqual(self.told.tokens, 6 * ["Bearer secret"])
+        self.client.session("s")
+        self.assertIsNone(self.told.tokens[-1])
+
     def test_nobody_there(self) -> None:
         with curvecast.connect("127.0.0.1:1", attempts=2) as client:
             self.assert_refused("UNAVAILABLE", client.sessions)

@@ -18,6 +18,7 @@ class Told(v1_grpc.CurvecastServiceServicer):
     def __init__(self) -> None:
         self.failures: list[grpc.StatusCode] = []
         self.calls = 0
+        self.tokens: list[str | None] = []  # that each call came with
         self.frames: list[v1.PointFrame] = []  # that answer views, one after the other
         self.requests: list[v1.StreamViewsRequest] = []
         self.trailers: list[tuple[str, bytes]] = []
@@ -27,6 +28,7 @@ class Told(v1_grpc.CurvecastServiceServicer):
 
     def _answer(self, context: grpc.ServicerContext) -> None:
         self.calls += 1
+        self.tokens.append(dict(context.invocation_metadata()).get("authorization"))
         context.set_trailing_metadata(self.trailers)
         if self.failures:
             context.abort(self.failures.pop(0), "as told")
@@ -70,6 +72,7 @@ class Told(v1_grpc.CurvecastServiceServicer):
     def StreamViews(
         self, requests: Iterator[v1.StreamViewsRequest], context: grpc.ServicerContext
     ) -> Iterator[v1.StreamViewsResponse]:
+        self._answer(context)
         for request in requests:
             self.requests.append(request)
             if request.HasField("view"):
@@ -89,7 +92,8 @@ class ToldTest(unittest.TestCase):
         self.secured_port = server.add_secure_port("127.0.0.1:0", grpc.local_server_credentials())
         server.start()
         self.addCleanup(lambda: server.stop(0).wait())
-        self.client = curvecast.connect(f"127.0.0.1:{port}", attempts=3)
+        self.address = f"127.0.0.1:{port}"
+        self.client = curvecast.connect(self.address, attempts=3)
         self.addCleanup(self.client.close)
 
     def assert_refused(self, code: str, call: object, *arguments: object) -> None:
