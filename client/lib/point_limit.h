@@ -14,8 +14,9 @@ inline std::uint64_t most_points(const v1::SampleRequest& sample) {
   return sample.has_points() ? sample.points() : kMost;
 }
 
-/// Whether it has to be exactly most_points().
+/// Whether it has to be exactly most_points(). Of the progressive sampler there may be fewer: see the API.
 inline bool is_exact(const v1::SampleRequest& sample) {
+  if (sample.sampler() == v1::SAMPLER_PROGRESSIVE) return false;
   const auto lowers = [](const v1::DensityTerm& term) { return term.distance().global(); };
   return sample.has_points() && std::none_of(sample.density().begin(), sample.density().end(), lowers);
 }

@@ -275,6 +275,9 @@ TEST_F(ClientTest, JoinsBlocksInOrder) {
   responses.back().mutable_points()->mutable_raw()->clear_colours();
   ON_CALL(*connection_, resample).WillByDefault(Return(responses));
   EXPECT_TRUE(absl::IsDataLoss(client_.resample(request).status()));
+  request.mutable_sample()->set_sampler(v1::SAMPLER_PROGRESSIVE);
+  EXPECT_TRUE(client_.resample(request).ok()) << "fewer, where there are no more candidates";
+  request.mutable_sample()->clear_sampler();
   request.mutable_sample()->add_density()->mutable_distance()->set_global(true);
   EXPECT_TRUE(client_.resample(request).ok()) << "fewer, from afar";
   request.mutable_sample()->set_points(9);

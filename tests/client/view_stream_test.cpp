@@ -80,7 +80,7 @@ v1::PointFrame key_frame(std::uint64_t sequence, std::size_t points) {
   frame.set_sequence(sequence);
   frame.set_curve_revision(3);
   frame.set_kind(v1::FRAME_KIND_KEY);
-  *frame.mutable_points() = raw_block(sphere_points(points));
+  *frame.add_points() = raw_block(sphere_points(points));
   frame.mutable_statistics()->set_curve_vertices(99);
   return frame;
 }
@@ -138,7 +138,7 @@ TEST_F(ViewStreamTest, TimesOut) {
 TEST_F(ViewStreamTest, RefusesBrokenFrames) {
   const auto stream = ViewStream::open(connection_, "session");
   v1::PointFrame broken = key_frame(1, 5);
-  broken.mutable_points()->set_count(6);
+  broken.mutable_points(0)->set_count(6);
   server_->push(broken);
   v1::PointFrame unknown = key_frame(2, 5);
   unknown.set_kind(static_cast<v1::FrameKind>(17));
