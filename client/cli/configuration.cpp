@@ -116,7 +116,7 @@ absl::StatusOr<std::vector<Setting>> configure(CLI::App& command, const std::str
     } else if (value != nullptr && *value != '\0') {
       source = variable;
       status = assign(*option, takes_several(*option) ? Values(absl::StrSplit(value, ':')) : Values{value}, source);
-    } else if (const auto found = from_file.find(name); found != from_file.end()) {
+    } else if (const auto found = from_file.find(name); found != from_file.end() && found->second != Values{""}) {
       source = file;
       status = assign(*option, found->second, absl::StrCat(file, ": ", name));
     }

@@ -68,7 +68,7 @@ TEST_F(ServeTest, RefusesWhatItCannotDo) {
   expect_failure({"serve", "--listen", "nonsense"}, 3, "nonsense");
   expect_failure({"serve", "--listen", "127.0.0.1:0", "--http", address}, 4, address);
   expect_failure({"serve", "--server", address}, 3, "--server");
-  for (const char* flag : {"--max-sessions", "--drain", "--max-upload", "--log-format", "--threads"}) {
+  for (const char* flag : {"--max-sessions", "--drain", "--log-format", "--threads"}) {
     expect_failure({"serve", flag, "-1"}, 2, flag);
   }
   Finished finished = run({"serve", "--listen", "127.0.0.1:0", "--open", "/nonexistent/mesh.off"});

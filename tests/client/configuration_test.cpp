@@ -157,5 +157,15 @@ TEST_F(Configuration, WhatIsPrintedIsReadAgain) {
   EXPECT_EQ(to_configuration(read.app), to_configuration(written.app));
 }
 
+TEST_F(Configuration, WhatWasNotSetStaysSo) {
+  Example written;
+  ASSERT_TRUE(written.run({}).ok());
+  Example read;
+  const absl::Status status = read.run({}, write(to_configuration(written.app)));
+  ASSERT_TRUE(status.ok()) << status;
+  EXPECT_TRUE(read.files.empty());
+  EXPECT_EQ(read.settings["file"].source, "default");
+}
+
 }  // namespace
 }  // namespace curvecast::cli
