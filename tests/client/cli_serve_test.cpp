@@ -95,7 +95,7 @@ TEST_F(ServeTest, TheSecondSignalEndsItAtOnce) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--drain", "3600"});
   const std::string address = address_of(server);
   Process client({"preprocess", write_sphere("big_drained.off", 400), "-n", "4000000", "--server", address});
-  ASSERT_TRUE(client.wait_for("flatten")) << client.err();
+  ASSERT_TRUE(client.wait_for("repair")) << client.err();
   server.signal(SIGTERM);
   ASSERT_TRUE(server.wait_for("running calls get 3600 s")) << server.err();
   server.signal(SIGTERM);
@@ -107,7 +107,7 @@ TEST_F(ServeTest, CallsThatTakeLongerThanTheDrainAreCancelled) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--drain", "0.1"});
   const std::string address = address_of(server);
   Process client({"preprocess", write_sphere("big_cancelled.off", 400), "-n", "4000000", "--server", address});
-  ASSERT_TRUE(client.wait_for("flatten")) << client.err();
+  ASSERT_TRUE(client.wait_for("repair")) << client.err();
   server.signal(SIGTERM);
   EXPECT_EQ(server.finish().status, 0);
   EXPECT_EQ(client.finish().status, 4);
