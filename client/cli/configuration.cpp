@@ -48,6 +48,12 @@ absl::StatusOr<std::map<std::string, Values>> read_file(const std::string& path,
   std::vector<std::string> unknown;
   for (const CLI::ConfigItem& item : items) {
     if (item.name == "--") continue;  // end of a table
+    // CLI11 takes closed quotes away, and # for the beginning of a comment even between them.
+    if (std::any_of(item.inputs.begin(), item.inputs.end(),
+                    [](const std::string& text) { return text.find_first_of("\"'") == 0; })) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(path, ": ", item.fullname(), ": quotes are not closed, or there is a # in them"));
+    }
     if (item.name == "++") {
       unknown.push_back(absl::StrCat("[", absl::StrJoin(item.parents, "."), "]"));
     } else if (!options.contains(item.fullname())) {
@@ -110,7 +116,7 @@ absl::StatusOr<std::vector<Setting>> configure(CLI::App& command, const std::str
     } else if (value != nullptr && *value != '\0') {
       source = variable;
       status = assign(*option, takes_several(*option) ? Values(absl::StrSplit(value, ':')) : Values{value}, source);
-    } else if (const auto found = from_file.find(name); found != from_file.end()) {
+    } else if (const auto found = from_file.find(name); found != from_file.end() && found->second != Values{""}) {
       source = file;
       status = assign(*option, found->second, absl::StrCat(file, ": ", name));
     }

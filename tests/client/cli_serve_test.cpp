@@ -68,7 +68,7 @@ TEST_F(ServeTest, RefusesWhatItCannotDo) {
   expect_failure({"serve", "--listen", "nonsense"}, 3, "nonsense");
   expect_failure({"serve", "--listen", "127.0.0.1:0", "--http", address}, 4, address);
   expect_failure({"serve", "--server", address}, 3, "--server");
-  for (const char* flag : {"--max-sessions", "--drain", "--max-upload", "--log-format", "--threads"}) {
+  for (const char* flag : {"--max-sessions", "--drain", "--log-format", "--threads"}) {
     expect_failure({"serve", flag, "-1"}, 2, flag);
   }
   Finished finished = run({"serve", "--listen", "127.0.0.1:0", "--open", "/nonexistent/mesh.off"});
@@ -95,7 +95,7 @@ TEST_F(ServeTest, TheSecondSignalEndsItAtOnce) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--drain", "3600"});
   const std::string address = address_of(server);
   Process client({"preprocess", write_sphere("big_drained.off", 400), "-n", "4000000", "--server", address});
-  ASSERT_TRUE(client.wait_for("flatten")) << client.err();
+  ASSERT_TRUE(client.wait_for("repair")) << client.err();
   server.signal(SIGTERM);
   ASSERT_TRUE(server.wait_for("running calls get 3600 s")) << server.err();
   server.signal(SIGTERM);
@@ -107,7 +107,7 @@ TEST_F(ServeTest, CallsThatTakeLongerThanTheDrainAreCancelled) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--drain", "0.1"});
   const std::string address = address_of(server);
   Process client({"preprocess", write_sphere("big_cancelled.off", 400), "-n", "4000000", "--server", address});
-  ASSERT_TRUE(client.wait_for("flatten")) << client.err();
+  ASSERT_TRUE(client.wait_for("repair")) << client.err();
   server.signal(SIGTERM);
   EXPECT_EQ(server.finish().status, 0);
   EXPECT_EQ(client.finish().status, 4);

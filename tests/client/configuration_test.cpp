@@ -132,6 +132,7 @@ TEST_F(Configuration, ErrorsSayWhatIsWrongWhere) {
   expect_refused("max-size = \"many\"\n", "max-size");
   expect_refused("loud = \"perhaps\"\n", "loud");
   expect_refused("nonsense\n", "nonsense");
+  expect_refused("name = \"a # b\"\n", "name: quotes are not closed");
   set("CURVECAST_RATIO", "much");
   Example example;
   const absl::Status status = example.run({});
@@ -143,17 +144,27 @@ TEST_F(Configuration, ErrorsSayWhatIsWrongWhere) {
 
 TEST_F(Configuration, WhatIsPrintedIsReadAgain) {
   Example written;
-  ASSERT_TRUE(written.run({"--name", "a # name", "--max-size", "5KB", "--file", "x y", "--file", "z", "--loud"}).ok());
+  ASSERT_TRUE(written.run({"--name", "a name", "--max-size", "5KB", "--file", "x y", "--file", "z", "--loud"}).ok());
   const std::string file = write(to_configuration(written.app));
   Example read;
   const absl::Status status = read.run({}, file);
   ASSERT_TRUE(status.ok()) << status << to_configuration(written.app);
-  EXPECT_EQ(read.name, "a # name");
+  EXPECT_EQ(read.name, "a name");
   EXPECT_EQ(read.size, 5120u);
   EXPECT_EQ(read.ratio, 0.5);
   EXPECT_THAT(read.files, ElementsAre("x y", "z"));
   EXPECT_TRUE(read.loud);
   EXPECT_EQ(to_configuration(read.app), to_configuration(written.app));
+}
+
+TEST_F(Configuration, WhatWasNotSetStaysSo) {
+  Example written;
+  ASSERT_TRUE(written.run({}).ok());
+  Example read;
+  const absl::Status status = read.run({}, write(to_configuration(written.app)));
+  ASSERT_TRUE(status.ok()) << status;
+  EXPECT_TRUE(read.files.empty());
+  EXPECT_EQ(read.settings["file"].source, "default");
 }
 
 }  // namespace
