@@ -17,7 +17,7 @@ constexpr std::size_t kRawPointBytes = 2 * sizeof(Vec3f) + sizeof(float);
 constexpr std::size_t kRawColourBytes = 3;
 
 // Encoding within a number of bytes: the first guess is off by what the view and the mesh make of a point, the second hardly.
-constexpr int kMaxRounds = 4;
+constexpr int kMaxRounds = 6;
 constexpr double kAim = 0.96, kGoodEnough = 0.9;  // of the budget
 
 std::size_t data_bytes(const v1::PointBlock& block) {

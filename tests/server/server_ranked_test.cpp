@@ -101,7 +101,7 @@ TEST_F(ServerRanked, AStreamComesToWhatResampleGives) {
   EXPECT_GT(frames, 1) << "the first one has few points, but at once";
   EXPECT_EQ(count_points(response.frame()), 20'000u);
   const Resampled resampled = resample(*stub_, session_id_, ranked_view(20'000));
-  ASSERT_EQ(resampled.blocks.size(), 1u);
+  ASSERT_EQ(resampled.blocks.size(), 2u);
   EXPECT_EQ(point_bytes(response.frame()), resampled.bytes());
   stream->WritesDone();
   EXPECT_FALSE(stream->Read(&response));
