@@ -3,15 +3,8 @@
 #include "server/admission.h"
 
 namespace curvecast::server {
-namespace {
-
-constexpr char kThisProcess[] = "inproc";  // the peer of calls without a socket
-
-}  // namespace
-
 absl::StatusOr<std::string> caller_of(const Engine& engine, const grpc::CallbackServerContext& context) {
-  const std::string peer = context.peer();
-  if (engine.tokens == nullptr || peer.starts_with(kThisProcess)) return client_of_peer(peer);
+  if (engine.tokens == nullptr) return client_of_peer(context.peer());
   const auto found = context.client_metadata().find("authorization");
   const bool is_there = found != context.client_metadata().end();
   return engine.tokens->authenticate(is_there ? std::string_view(found->second.data(), found->second.size()) : "");

@@ -7,7 +7,10 @@
 #include <spdlog/logger.h>
 
 #include <mutex>
+#include <random>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "server/address.h"
 #include "server/build_info.h"
@@ -25,11 +28,48 @@ constexpr int kKeepaliveTimeoutMs = 10'000;  // until it counts as gone
 constexpr int kMinPingIntervalMs = 5'000;    // what a client may do
 constexpr int kMaxCallsPerConnection = 256;
 
+/// Printable, and not to be guessed.
+std::string random_token() {
+  std::random_device random;
+  std::string token;
+  for (int i = 0; i < 8; ++i) token += absl::StrCat(absl::Hex(random(), absl::kZeroPad8));
+  return token;
+}
+
+/// Sends a token with every call.
+class TokenSender final : public grpc::experimental::ClientInterceptorFactoryInterface {
+ public:
+  explicit TokenSender(const std::string& token) : header_("Bearer " + token) {}
+
+  grpc::experimental::Interceptor* CreateClientInterceptor(grpc::experimental::ClientRpcInfo* /*call*/) override {
+    return new Sender(header_);
+  }
+
+ private:
+  class Sender final : public grpc::experimental::Interceptor {
+   public:
+    explicit Sender(const std::string& header) : header_(header) {}
+    void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
+      using Point = grpc::experimental::InterceptionHookPoints;
+      if (methods->QueryInterceptionHookPoint(Point::PRE_SEND_INITIAL_METADATA)) {
+        methods->GetSendInitialMetadata()->emplace("authorization", header_);
+      }
+      methods->Proceed();
+    }
+
+   private:
+    const std::string header_;
+  };
+
+  const std::string header_;
+};
+
 class GrpcServer final : public Server {
  public:
   GrpcServer(const ServerOptions& options, std::shared_ptr<spdlog::logger> log, std::unique_ptr<SessionCache> cache,
-             std::shared_ptr<const Tokens> tokens)
-      : engine_(options, std::move(log), std::move(cache), std::move(tokens)),
+             std::shared_ptr<const Tokens> tokens, std::string own_token)
+      : own_token_(std::move(own_token)),
+        engine_(options, std::move(log), std::move(cache), std::move(tokens)),
         service_(engine_),
         unready_(options.ready ? "" : "meshes are being prepared") {}
   ~GrpcServer() override { shutdown(std::chrono::milliseconds(0)); }
@@ -88,7 +128,9 @@ class GrpcServer final : public Server {
   std::shared_ptr<grpc::Channel> in_process_channel() override {
     grpc::ChannelArguments arguments;
     arguments.SetMaxReceiveMessageSize(-1);
-    return grpc_->InProcessChannel(arguments);
+    std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> interceptors;
+    interceptors.push_back(std::make_unique<TokenSender>(own_token_));
+    return grpc_->experimental().InProcessChannelWithInterceptors(arguments, std::move(interceptors));
   }
 
   void shutdown(std::chrono::milliseconds drain) override {
@@ -123,6 +165,7 @@ class GrpcServer final : public Server {
     unready_ = "the server is shutting down";
   }
 
+  const std::string own_token_;  // of this process, where tokens are asked for
   Engine engine_;
   Service service_;
   std::unique_ptr<grpc::Server> grpc_;
@@ -147,10 +190,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
   absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = make_credentials(options);
   if (!credentials.ok()) return credentials.status();
   std::shared_ptr<const Tokens> tokens;
+  const std::string own_token = random_token();
   if (!options.tokens.empty()) {
     absl::StatusOr<std::shared_ptr<const Tokens>> read = Tokens::read(options.tokens);
     if (!read.ok()) return read.status();
-    tokens = *std::move(read);
+    tokens = (*read)->with("this process", own_token);
   }
   return guarded([&]() -> absl::StatusOr<std::unique_ptr<Server>> {
     std::shared_ptr<spdlog::logger> log = make_logger(options.log, options.verbose, options.log_format);
@@ -164,7 +208,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
       if (!opened.ok()) return opened.status();
       cache = *std::move(opened);
     }
-    auto server = std::make_unique<GrpcServer>(options, std::move(log), std::move(cache), std::move(tokens));
+    auto server = std::make_unique<GrpcServer>(options, std::move(log), std::move(cache), std::move(tokens), own_token);
     absl::Status status = server->listen(options.listen, *std::move(credentials));
     if (status.ok() && !options.http.empty()) status = server->listen_http(options.http);
     if (!status.ok()) return status;

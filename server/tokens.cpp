@@ -71,6 +71,12 @@ absl::StatusOr<std::shared_ptr<const Tokens>> Tokens::parse(std::string_view tex
   return tokens;
 }
 
+std::shared_ptr<const Tokens> Tokens::with(const std::string& name, std::string_view token) const {
+  auto more = std::make_shared<Tokens>(*this);
+  more->by_digest_[sha256(token)] = {name};
+  return more;
+}
+
 absl::StatusOr<std::string> Tokens::authenticate(std::string_view authorization, Clock::time_point now) const {
   const absl::string_view header(authorization.data(), authorization.size());
   if (header.empty()) {

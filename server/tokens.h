@@ -27,6 +27,9 @@ class Tokens {
   /// one.
   absl::StatusOr<std::string> authenticate(std::string_view authorization, Clock::time_point now = Clock::now()) const;
 
+  /// These and one more.
+  std::shared_ptr<const Tokens> with(const std::string& name, std::string_view token) const;
+
   std::size_t size() const { return by_digest_.size(); }
 
  private:

@@ -126,7 +126,7 @@ void add_limit_flags(CLI::App* app, server::ServerOptions* server) {
   const auto bytes = [&](const char* name, std::uint64_t* value, const char* help) {
     app->add_option(name, *value, help)
         ->transform(CLI::AsSizeValue(false))
-        ->check(validator(  // CLI11 takes -1 for a very large number
+        ->transform(validator(  // goes first; CLI11 takes -1 for a very large number
             [](const std::string& text) {
               return text.starts_with('-') ? absl::InvalidArgumentError("bytes are not negative") : absl::OkStatus();
             },

@@ -63,11 +63,14 @@ void gather_ranked(const SurfaceCurve& curve, const RankTree& tree, std::span<co
   points.vertices.resize(n);
   points.ranks.resize(n);
   const RadiusLadder ladder(SplatRadius::largest(curve));
+  // A point between the vertices of a coarse curve may stand a little off the surface: not outside of the box, which all
+  // that encode points count on.
+  const Vec3f low = (curve.box.min - curve.origin).cast<float>(), high = (curve.box.max - curve.origin).cast<float>();
   for (std::size_t i = 0; i < n; ++i) {
     prefetch(tree, refs[std::min(i + kAhead, n - 1)]);
     const RankChunk& chunk = *tree.chunks()[refs[i].chunk];
     const std::uint16_t p = refs[i].point;
-    points.positions[i] = {chunk.x[p], chunk.y[p], chunk.z[p]};
+    points.positions[i] = Vec3f(chunk.x[p], chunk.y[p], chunk.z[p]).cwiseMax(low).cwiseMin(high);
     points.normals[i] = {chunk.nx[p], chunk.ny[p], chunk.nz[p]};
     points.radii[i] = ladder.radius(refs[i].rung);
     points.vertices[i] = chunk.vertex[p];

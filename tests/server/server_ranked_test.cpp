@@ -78,6 +78,18 @@ TEST_F(ServerRanked, TheSameRequestGivesTheSameBytes) {
   EXPECT_EQ(first.bytes(), again.bytes());
 }
 
+TEST_F(ServerRanked, FarMorePointsThanACoarseCurveIsMadeForAreEncodedToo) {
+  for (int levels = 1; levels <= 3; ++levels) {
+    const Created coarse = create(*stub_, upload(*stub_, sphere_off(levels)), 100);
+    ASSERT_TRUE(coarse.status.ok()) << coarse.status.error_message();
+    v1::SampleRequest sample = ranked_view(3000);
+    sample.clear_encoding();
+    sample.clear_density();
+    const Resampled resampled = resample(*stub_, coarse.session.session_id(), sample);
+    EXPECT_TRUE(resampled.status.ok()) << resampled.status.error_message();
+  }
+}
+
 TEST_F(ServerRanked, AStreamComesToWhatResampleGives) {
   grpc::ClientContext context;
   set_patience(context);

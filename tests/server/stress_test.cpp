@@ -155,7 +155,7 @@ class Client {
 class Stress : public ServerFixture {};
 
 TEST_F(Stress, ManyClientsDoEverythingAtOnce) {
-  start({.max_mesh_bytes = 4 << 20, .max_sessions = 6, .max_streams = 24});
+  start({.max_mesh_bytes = 4 << 20, .max_sessions = 6, .max_streams = 24, .max_uploads_of_client = 64});
   std::atomic<std::uint64_t> frames = 0;
   const auto end = std::chrono::steady_clock::now() + duration();
   {
