@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
+#include <grpcpp/grpcpp.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -30,6 +31,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kPatience{60};
 constexpr int kWarmUpViews = 120, kViews = 360;
 constexpr std::uint64_t kAbused = 8;
+constexpr int kMaxMessage = 64 << 20;  // bytes
 constexpr double kKibi = 1024;
 
 double milliseconds_since(Clock::time_point start) {
@@ -72,7 +74,13 @@ class Stage {
   }
 
   /// Over a TCP connection of its own.
-  std::shared_ptr<client::Connection> connect() const { return client::make_connection(client::tcp_channel(server_->address())); }
+  std::shared_ptr<client::Connection> connect() const {
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL,
+                     1);  // else channels to one address share a connection, which has 256 calls
+    arguments.SetMaxReceiveMessageSize(kMaxMessage);
+    return client::make_connection(grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(), arguments));
+  }
   const std::string& session_id() const { return session_id_; }
   const ServerProcess& server() const { return *server_; }
 
