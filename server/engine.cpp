@@ -111,8 +111,9 @@ Levels Engine::levels() {
 
 absl::Status Engine::close_session(const std::string& id, const std::string& who) {
   const absl::StatusOr<SessionInfo> info = sessions.info(id);
-  if (info.ok() && info->session != nullptr) refiner.forget(*info->session);
-  return sessions.close(id, who);
+  const absl::Status closed = sessions.close(id, who);
+  if (closed.ok() && info.ok() && info->session != nullptr) refiner.forget(*info->session);
+  return closed;
 }
 
 void Engine::tell_streams(const Session& session) {
