@@ -118,29 +118,55 @@ void ClientStream::acknowledge(std::uint64_t sequence) {
   }
 }
 
-void ClientStream::start(View next) {
-  if (!next.sample.ok()) {
-    const absl::Status refusal = next.sample.status();
-    return queue_frame(next, refusal);
-  }
-  refined_ = false;
-  next.started = Clock::now();
-  if (next.sample->automatic) next.sample->options.points = pace_.points(*next.sample->automatic);
-  if (wants_key_) claim_.reset();
-  auto held = wants_key_ ? nullptr : held_;  // no frame is queued before this one is settled, unless with an error
-  const absl::Status accepted =
-      hooks_.submit([self = shared_from_this(), session = session_, view = next, held = std::move(held), claim = claim_] {
-        auto answer = guarded([&] { return self->answer(session, view, held, claim); });
-        const std::lock_guard lock(self->mutex_);
-        self->computing_ = false;
-        self->settle(view, std::move(answer));
-        self->advance();
-      });
+bool ClientStream::is_due() const {
+  const bool may_send = unacknowledged_.size() < kMaxUnacknowledged;
+  if (pending_) return may_send || half_closed_;
+  return coarse_ && refined_ && may_send && !half_closed_;
+}
+
+void ClientStream::ask_for_worker() {
+  const absl::Status accepted = hooks_.submit([self = shared_from_this()] { self->work(); });
   if (accepted.ok()) {
     computing_ = true;
-  } else if (next.improvements == 0) {
-    queue_frame(next, accepted);
+  } else if (pending_) {
+    queue_frame(*std::exchange(pending_, std::nullopt), accepted);
+  } else {
+    coarse_.reset();
   }
+}
+
+ClientStream::View ClientStream::take_due() {
+  std::optional<View>& due = pending_ ? pending_ : coarse_;
+  if (!pending_) ++due->improvements;
+  View view = *std::move(due);
+  due.reset();
+  return view;
+}
+
+void ClientStream::work() {
+  std::unique_lock lock(mutex_);
+  if (!ending_ && is_due()) {
+    View view = take_due();
+    refined_ = false;
+    view.started = Clock::now();
+    absl::StatusOr<Answer> made = absl::UnknownError("");
+    if (!view.sample.ok()) {
+      made = view.sample.status();
+    } else {
+      if (view.sample->automatic) view.sample->options.points = pace_.points(*view.sample->automatic);
+      if (wants_key_) claim_.reset();
+      // No frame is queued before this one is settled, unless with an error.
+      const auto held = wants_key_ ? nullptr : held_;
+      const auto claim = claim_;
+      const auto session = session_;
+      lock.unlock();
+      made = guarded([&] { return answer(session, view, held, claim); });
+      lock.lock();
+    }
+    settle(std::move(view), std::move(made));
+  }
+  computing_ = false;
+  advance();
 }
 
 absl::StatusOr<Answer> ClientStream::answer(const std::shared_ptr<const Session>& session, const View& view,
@@ -152,7 +178,8 @@ absl::StatusOr<Answer> ClientStream::answer(const std::shared_ptr<const Session>
   return hooks_.answer(session, {.sample = *view.sample,
                                  .held = held.get(),
                                  .first_bytes = accepts_deltas_ ? view.first_bytes : 0,
-                                 .may_refine = view.improvements < kMaxImprovements});
+                                 .may_refine = view.improvements < kMaxImprovements,
+                                 .cancel = &cancel_});
 }
 
 void ClientStream::settle(View view, absl::StatusOr<Answer> answer) {
@@ -195,17 +222,15 @@ void ClientStream::queue_frame(const View& view, absl::StatusOr<Answer> answer) 
 
 void ClientStream::advance() {
   if (ended_) return;
-  if (!ending_ && pending_ && !computing_ && (unacknowledged_.size() < kMaxUnacknowledged || half_closed_)) {
-    start(*std::exchange(pending_, std::nullopt));
+  // A view that is refused needs no worker.
+  if (!ending_ && !computing_ && is_due() && pending_ && !pending_->sample.ok()) {
+    const View refused = *std::exchange(pending_, std::nullopt);
+    queue_frame(refused, refused.sample.status());
   }
-  if (!ending_ && !half_closed_ && coarse_ && refined_ && !pending_ && !computing_ &&
-      unacknowledged_.size() < kMaxUnacknowledged) {
-    View again = *std::exchange(coarse_, std::nullopt);
-    ++again.improvements;
-    start(std::move(again));
-  }
+  if (!ending_ && !computing_ && is_due()) ask_for_worker();
   if (!ending_ && half_closed_ && !computing_ && outbox_.empty() && !sending_) ending_ = absl::OkStatus();
   if (ending_) {
+    cancel_ = true;
     pending_.reset();
     coarse_.reset();
     outbox_.clear();

@@ -3,6 +3,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <functional>
@@ -16,8 +17,8 @@
 
 namespace curvecast::server {
 
-/// Thread-safe. The newest view wins: one view waits, one is being answered, at most two frames are unacknowledged. Frames with
-/// an error count as frames. Held by shared_ptr, because jobs may outlive the transport.
+/// Thread-safe. The newest view wins: one waits, for a worker too, one is being answered, at most two frames are unacknowledged.
+/// Frames with an error count as frames. Held by shared_ptr, because jobs may outlive the transport.
 class ClientStream : public std::enable_shared_from_this<ClientStream> {
  public:
   /// Called with the stream's lock held, so it must not call the stream back on the same thread.
@@ -38,7 +39,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     std::function<absl::StatusOr<Answer>(const std::shared_ptr<const Session>&, const FrameRequest&)> answer;
     /// What the client says that it has; null where that is not so. Without the lock, on a worker.
     std::function<absl::StatusOr<std::shared_ptr<const HeldPoints>>(const Session&, const HeldClaim&)> restore;
-    /// Has a worker run the job later, never within the call. An error refuses the view.
+    /// Has a worker run the job later, never within the call. An error refuses the newest view.
     std::function<absl::Status(std::function<void()> job)> submit;
     /// Told of bytes of frames that wait to be sent, or are being sent, from then on or (below 0) no more. Called with the lock
     /// held.
@@ -80,7 +81,12 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   void open(const v1::OpenView& request);
   void view(const v1::ViewUpdate& update);
   void acknowledge(std::uint64_t sequence);
-  void start(View next);
+  /// Whether the newest view, or the same one again, is to be answered now.
+  bool is_due() const;
+  void ask_for_worker();
+  /// Answers the view that is due, on a worker.
+  void work();
+  View take_due();
   /// Without the lock.
   absl::StatusOr<Answer> answer(const std::shared_ptr<const Session>& session, const View& view,
                                 std::shared_ptr<const HeldPoints> held, const std::optional<HeldClaim>& claim) const;
@@ -98,7 +104,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   std::optional<HeldClaim> claim_;          // what it has of another stream; until a frame is queued
   FramePace pace_;
   std::optional<View> pending_;
-  bool computing_ = false;
+  bool computing_ = false;                      // or waiting for a worker
   std::optional<View> coarse_;                  // answered, but from a curve that is being refined; newer views replace it
   std::uint64_t coarse_revision_ = 0;           // of the curve that it was answered from
   bool refined_ = false;                        // since the newest answer was begun
@@ -110,6 +116,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   std::optional<std::uint64_t> last_sent_;     // and of the newest frame given to the transport
   bool half_closed_ = false;
   std::optional<absl::Status> ending_;  // set: ends with it as soon as the transport is free
+  std::atomic<bool> cancel_ = false;    // then: nobody waits for the frame in the making
   bool ended_ = false;
 };
 

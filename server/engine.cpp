@@ -11,9 +11,9 @@
 namespace curvecast::server {
 namespace {
 
-constexpr std::size_t kMaxPendingViews = 1024;
+// Jobs that wait, in all and of one connection.
+constexpr std::size_t kMaxWaiting = 1024, kMaxWaitingOfOne = 256;
 constexpr std::chrono::seconds kTendInterval{1};
-constexpr std::size_t kMaxPendingSessions = 1024;
 
 int worker_count(int threads) {
   return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -25,8 +25,13 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
                std::shared_ptr<const Tokens> known)
     : log(std::move(logger)),
       threads(options.threads),
-      views(worker_count(options.threads), kMaxPendingViews),
-      preprocessing(1, kMaxPendingSessions),
+      views({.workers = worker_count(options.threads), .max_waiting = kMaxWaiting, .max_waiting_of_one = kMaxWaitingOfOne}),
+      calls({.workers = worker_count(options.threads) + 1,
+             .max_waiting = kMaxWaiting,
+             .max_waiting_of_one = kMaxWaitingOfOne,
+             .max_running_of_one = worker_count(options.threads),
+             .low_priority = true}),
+      preprocessing({.max_waiting = kMaxWaiting, .low_priority = true}),
       cache(std::move(session_cache)),
       tokens(std::move(known)),
       max_view_rate(options.max_view_rate),
@@ -56,7 +61,7 @@ void Engine::tend(const std::stop_token& stop) {
   }
 }
 
-absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport) {
+absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport, std::string connection) {
   auto stream = std::make_shared<ClientStream>(
       transport,
       ClientStream::Hooks{
@@ -66,7 +71,8 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                 return make_frame(*session, request, view_cache, improve_for(session, request.sample, source));
               },
           .restore = [this](const Session& session, const HeldClaim& claim) { return restore_held(session, claim, view_cache); },
-          .submit = [this](std::function<void()> job) { return submit_view(std::move(job)); },
+          .submit = [this, connection = std::move(connection)](
+                        std::function<void()> job) { return submit_view(std::move(job), connection); },
           .count_queued = [this](std::int64_t bytes) { queued_bytes_ += static_cast<std::uint64_t>(bytes); },
       });
   const std::lock_guard lock(mutex_);
@@ -79,11 +85,11 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
   return stream;
 }
 
-absl::Status Engine::submit_view(std::function<void()> job) {
+absl::Status Engine::submit_view(std::function<void()> job, const std::string& connection) {
   if (queued_bytes_ > max_queued_bytes_) {
     return absl::ResourceExhaustedError("too many frames wait to be read by their clients; try again later");
   }
-  return views.submit(std::move(job)).status();
+  return views.submit(std::move(job), connection);
 }
 
 OnShort Engine::improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source) {
@@ -97,6 +103,7 @@ OnShort Engine::improve_for(const std::shared_ptr<const Session>& session, const
 Levels Engine::levels() {
   Levels out;
   out.waiting_views = views.waiting();
+  out.waiting_calls = calls.waiting();
   out.waiting_preprocessing = preprocessing.waiting();
   for (const SessionInfo& info : sessions.list()) {
     ++out.sessions;

@@ -22,6 +22,7 @@
 #include "server/session_cache.h"
 #include "server/session_store.h"
 #include "server/tokens.h"
+#include "server/view_workers.h"
 
 namespace curvecast::server {
 
@@ -38,9 +39,8 @@ class Engine {
   bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->holds(session_id); }
 
   /// Makes a conversation that stop_streams() reaches; refused with Unavailable after it.
-  absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport);
-  /// A job for a view; ResourceExhausted where too many wait, or too many frames wait to be read.
-  absl::Status submit_view(std::function<void()> job);
+  /// `connection` shares the workers with the others.
+  absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, std::string connection);
   /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined, and more ranked
   /// candidates made.
   OnShort improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
@@ -57,7 +57,8 @@ class Engine {
   Metrics metrics;
   const int threads;                           // of one preprocessing job; 0 = one per core
   ViewCache view_cache;                        // of the jobs in `views`
-  JobQueue views;                              // views, point sets, inspection
+  ViewWorkers views;                           // of streams: each takes milliseconds
+  JobQueue calls;                              // single point sets, inspection: views go before them
   JobQueue preprocessing;                      // one at a time: each uses all cores by itself
   const std::unique_ptr<SessionCache> cache;   // null: none
   const std::shared_ptr<const Tokens> tokens;  // of those who may call; null: everybody
@@ -70,6 +71,7 @@ class Engine {
   RankJobs rank_jobs;
 
  private:
+  absl::Status submit_view(std::function<void()> job, const std::string& connection);
   void tell_streams(const Session& session);
   void tend(const std::stop_token& stop);
 

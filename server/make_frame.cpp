@@ -88,7 +88,8 @@ absl::StatusOr<PackedFrame> pack_delta(SessionSampler& sampler, const Sample& sa
 absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& request, ViewCache& cache,
                                   const OnShort& on_short) {
   const Sample& sample = request.sample;
-  absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, sample, cache, SessionSampler::Wait::kForFirst);
+  absl::StatusOr<SessionSampler> sampler =
+      SessionSampler::open(session, sample, cache, SessionSampler::Wait::kForFirst, request.cancel);
   if (!sampler.ok()) return sampler.status();
   const bool is_in_bytes = sample.max_bytes > 0;
   const HeldPoints* const held =

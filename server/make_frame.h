@@ -3,6 +3,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 
@@ -16,9 +17,10 @@ inline constexpr std::size_t kMaxFrameBytes = std::size_t{32} << 20;
 /// A view to be answered.
 struct FrameRequest {
   const Sample& sample;
-  const HeldPoints* held = nullptr;  // what the client has, for a delta where that pays; null: a key frame
-  std::uint64_t first_bytes = 0;     // above 0: more come in parts, the first of about so many bytes
-  bool may_refine = true;            // what it lacks may be made
+  const HeldPoints* held = nullptr;           // what the client has, for a delta where that pays; null: a key frame
+  std::uint64_t first_bytes = 0;              // above 0: more come in parts, the first of about so many bytes
+  bool may_refine = true;                     // what it lacks may be made
+  const std::atomic<bool>* cancel = nullptr;  // set by anyone: the frame is not wanted any more; may be null
 };
 
 /// An answer to a view, and what its client holds then: null where that is no use for the next frame.
@@ -29,7 +31,8 @@ struct Answer {
 };
 
 /// The sequence number is left to the caller. Does with the ranked candidates that there are. Errors as of curvecast::resample,
-/// and ResourceExhausted for more than kMaxFrameBytes.
+/// ResourceExhausted for more than kMaxFrameBytes, and
+/// Cancelled.
 absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& request, ViewCache& cache, const OnShort& on_short);
 
 /// What a client says that it has of another stream.

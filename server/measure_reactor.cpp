@@ -27,12 +27,12 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
  public:
   MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::MeasureRequest& request)
       : WriteQueue(RequestLog(engine, "Measure", context)) {
-    const absl::Status begun = guarded([&] { return begin(engine, request); });
+    const absl::Status begun = guarded([&] { return begin(engine, request, context.peer()); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 
  private:
-  absl::Status begin(Engine& engine, const v1::MeasureRequest& request) {
+  absl::Status begin(Engine& engine, const v1::MeasureRequest& request, const std::string& connection) {
     auto mesh = find_files(engine.meshes, request.mesh_id(), request.companions());
     if (!mesh.ok()) return mesh.status();
     if (request.sets_size() < 1 || request.sets_size() > kMaxSets) {
@@ -48,9 +48,9 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
     }
     push_progress("queued", 0);
     return engine.preprocessing
-        .submit([this, work = std::move(work), threads = engine.threads] {
-          finish(to_grpc(guarded([&] { return answer(work, threads); })));
-        })
+        .submit([this, work = std::move(work),
+                 threads = engine.threads] { finish(to_grpc(guarded([&] { return answer(work, threads); }))); },
+                connection)
         .status();
   }
 

@@ -86,6 +86,7 @@ struct Metrics::Families {
   std::mutex mutex;  // guards what follows: set and read together
   Family<Gauge>& waiting = gauges(registry, "curvecast_queue_depth", "Jobs that wait for a worker.");
   Gauge& waiting_views = waiting.Add({{"queue", "views"}});
+  Gauge& waiting_calls = waiting.Add({{"queue", "calls"}});
   Gauge& waiting_preprocessing = waiting.Add({{"queue", "preprocessing"}});
   Gauge& sessions = gauges(registry, "curvecast_sessions", "Sessions in memory, those being made too.").Add({});
   Gauge& session_bytes = gauges(registry, "curvecast_session_bytes", "Of their curves.").Add({});
@@ -145,6 +146,7 @@ std::string Metrics::text(const Levels& levels) {
   Families& f = *families_;
   const std::lock_guard lock(f.mutex);
   f.waiting_views.Set(static_cast<double>(levels.waiting_views));
+  f.waiting_calls.Set(static_cast<double>(levels.waiting_calls));
   f.waiting_preprocessing.Set(static_cast<double>(levels.waiting_preprocessing));
   f.sessions.Set(static_cast<double>(levels.sessions));
   f.session_bytes.Set(static_cast<double>(levels.session_bytes));

@@ -17,6 +17,7 @@ namespace curvecast::server {
 /// What there is at a moment, in contrast to what has happened so far.
 struct Levels {
   std::size_t waiting_views = 0;          // jobs that wait for a worker
+  std::size_t waiting_calls = 0;          // ... single point sets and inspection
   std::size_t waiting_preprocessing = 0;  // ... that take all cores
   std::size_t sessions = 0;               // in memory, those being made too
   std::uint64_t session_bytes = 0;        // of their curves and ranked candidates

@@ -16,21 +16,21 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
  public:
   ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
       : WriteQueue(RequestLog(engine, "GetParameterMesh", context)) {
-    const absl::Status begun = guarded([&] { return begin(engine, request); });
+    const absl::Status begun = guarded([&] { return begin(engine, request, context.peer()); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 
  private:
-  absl::Status begin(Engine& engine, const v1::GetParameterMeshRequest& request) {
+  absl::Status begin(Engine& engine, const v1::GetParameterMeshRequest& request, const std::string& connection) {
     auto files = find_files(engine.meshes, request.mesh_id(), request.companions());
     if (!files.ok()) return files.status();
     const auto parameteriser = to_parameteriser("parameteriser", request.parameteriser());
     if (!parameteriser.ok()) return parameteriser.status();
     const PreprocessOptions options{.parameteriser = *parameteriser};
     return engine.preprocessing
-        .submit([this, files = *std::move(files), options, threads = engine.threads] {
-          finish(to_grpc(guarded([&] { return answer(files, options, threads); })));
-        })
+        .submit([this, files = *std::move(files), options,
+                 threads = engine.threads] { finish(to_grpc(guarded([&] { return answer(files, options, threads); }))); },
+                connection)
         .status();
   }
 

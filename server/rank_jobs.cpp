@@ -6,7 +6,6 @@
 
 #include "core/stopwatch.h"
 #include "server/guarded.h"
-#include "server/low_priority.h"
 
 namespace curvecast::server {
 namespace {
@@ -17,7 +16,7 @@ constexpr std::size_t kMaxPending = 1024;
 }  // namespace
 
 RankJobs::RankJobs(OnDone on_done, std::shared_ptr<spdlog::logger> log)
-    : on_done_(std::move(on_done)), log_(std::move(log)), queue_(1, kMaxPending) {}
+    : on_done_(std::move(on_done)), log_(std::move(log)), queue_({.max_waiting = kMaxPending, .low_priority = true}) {}
 
 RankJobs::~RankJobs() { stop(); }
 
@@ -38,7 +37,6 @@ void RankJobs::stop() {
 }
 
 void RankJobs::run(const std::shared_ptr<const Session>& session) {
-  lower_priority();
   for (;;) {
     std::vector<ChunkId> lacking;
     {

@@ -11,7 +11,6 @@
 
 #include "core/stopwatch.h"
 #include "server/guarded.h"
-#include "server/low_priority.h"
 
 namespace curvecast::server {
 namespace {
@@ -68,7 +67,10 @@ struct Refinement {
 };
 
 Refiner::Refiner(std::uint64_t max_vertices, OnDone on_done, std::shared_ptr<spdlog::logger> log)
-    : max_vertices_(max_vertices), on_done_(std::move(on_done)), log_(std::move(log)), queue_(1, kMaxPending) {}
+    : max_vertices_(max_vertices),
+      on_done_(std::move(on_done)),
+      log_(std::move(log)),
+      queue_({.max_waiting = kMaxPending, .low_priority = true}) {}
 
 Refiner::~Refiner() { stop(); }
 
@@ -110,7 +112,6 @@ void Refiner::stop() {
 }
 
 void Refiner::run(const std::shared_ptr<Refinement>& task) {
-  lower_priority();
   bool is_last = false;
   while (!is_last) {
     std::vector<CurveDemand> demands;

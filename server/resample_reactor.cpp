@@ -14,12 +14,12 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
  public:
   ResampleReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
       : WriteQueue(RequestLog(engine, "Resample", context)) {
-    const absl::Status begun = guarded([&] { return begin(engine, request); });
+    const absl::Status begun = guarded([&] { return begin(engine, request, context.peer()); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 
  private:
-  absl::Status begin(Engine& engine, const v1::ResampleRequest& request) {
+  absl::Status begin(Engine& engine, const v1::ResampleRequest& request, const std::string& connection) {
     const std::string& id = request.session_id();
     // What is in memory is held from now on, whoever closes it; what has to be loaded is left to the job.
     std::shared_ptr<const Session> held;
@@ -32,16 +32,18 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
     if (!sample.ok()) return sample.status();
     if (sample->automatic)
       return absl::InvalidArgumentError("sample.automatic is for streams; ask for points, bytes or an error in pixels");
-    return engine.views
-        .submit([this, &engine, id, held = std::move(held), sample = *std::move(sample)]() mutable {
-          finish(to_grpc(guarded([&]() -> absl::Status {
-            // Lets go of the session before the client hears that it is done.
-            absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
-            if (*session == nullptr) session = engine.sessions.find(id);
-            if (!session.ok()) return session.status();
-            return answer(engine, **session, sample, engine.improve_for(*session, sample, engine.new_source()));
-          })));
-        })
+    return engine.calls
+        .submit(
+            [this, &engine, id, held = std::move(held), sample = *std::move(sample)]() mutable {
+              finish(to_grpc(guarded([&]() -> absl::Status {
+                // Lets go of the session before the client hears that it is done.
+                absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
+                if (*session == nullptr) session = engine.sessions.find(id);
+                if (!session.ok()) return session.status();
+                return answer(engine, **session, sample, engine.improve_for(*session, sample, engine.new_source()));
+              })));
+            },
+            connection)
         .status();
   }
 

@@ -159,8 +159,8 @@ SessionCache::SessionCache(std::string folder, std::uint64_t max_bytes, std::sha
     : folder_(std::move(folder)),
       max_bytes_(max_bytes),
       log_(std::move(log)),
-      loading_(1, kMaxPendingLoads),
-      saving_queue_(1, kMaxPendingSaves) {}
+      loading_({.max_waiting = kMaxPendingLoads}),
+      saving_queue_({.max_waiting = kMaxPendingSaves}) {}
 
 SessionCache::~SessionCache() { stop(); }
 

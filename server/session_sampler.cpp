@@ -1,6 +1,7 @@
 #include "server/session_sampler.h"
 
 #include "core/curve/shortfall.h"
+#include "core/execution_context.h"
 #include "core/sample/point_budget.h"
 #include "core/sample/sample_ranked.h"
 #include "core/stopwatch.h"
@@ -50,6 +51,7 @@ absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
   ResampleOptions options = sample_->options;
   options.points = points;
   absl::Status status = resample(*curve_, fixed_.get(), options, *out.workspace, &report);
+  status.Update(wanted());
   if (!status.ok()) return status;
   out.is_short = session_->options.omega * report.most_on_vertex > kShortLoad;
   out.statistics.set_density_seconds(fixed_seconds_ + report.density_seconds);
@@ -73,6 +75,7 @@ absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points) {
     if (!ranked.ok()) return ranked.status();
     ranks_ = ranked->tree;
   }
+  if (absl::Status status = wanted(); !status.ok()) return status;
   if (wait_ == Wait::kForAll && selection.count == 0) return nowhere_to_put_points();
   out.lacks_ranks = !selection.lacking.empty();
   out.statistics.set_density_seconds(fixed_seconds_);

@@ -52,7 +52,7 @@ class SessionSampler {
   /// How long a request waits for ranked candidates: until there are all that it needs, or for the first ones only.
   enum class Wait { kForAll, kForFirst };
 
-  /// Errors as of curvecast::resample. `cancel` may be null.
+  /// Errors as of curvecast::resample, and Cancelled once `cancel` is set, also of the others below; it may be null.
   static absl::StatusOr<SessionSampler> open(const Session& session, const Sample& sample, ViewCache& cache, Wait wait,
                                              const std::atomic<bool>* cancel = nullptr);
 
@@ -71,6 +71,7 @@ class SessionSampler {
  private:
   SessionSampler(const Session& session, const Sample& sample, ViewCache& cache, Wait wait, const std::atomic<bool>* cancel)
       : session_(&session), sample_(&sample), cache_(&cache), wait_(wait), cancel_(cancel) {}
+  absl::Status wanted() const { return ExecutionContext{.cancel = cancel_}.check(); }
 
   const Session* session_;
   const Sample* sample_;

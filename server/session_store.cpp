@@ -34,6 +34,7 @@ absl::Status not_yours(const std::string& id) {
 struct SessionStore::Job {
   std::string id;
   std::string mesh_id;
+  std::string owner;
   PreprocessOptions options;
   MeshFiles files;
   Clock::time_point created = Clock::now();
@@ -84,6 +85,7 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
   auto job = std::make_shared<Job>();
   job->id = id;
   job->mesh_id = files.mesh->id;
+  job->owner = owner;
   job->options = options;
   job->files = std::move(files);
   job->loads = cache_ != nullptr && cache_->holds(id);
@@ -270,8 +272,8 @@ void SessionStore::abandon(Job& job) {
 }
 
 absl::Status SessionStore::submit(const std::shared_ptr<Job>& job) {
-  const absl::StatusOr<std::uint64_t> ticket =
-      job->loads ? cache_->loading().submit([this, job] { run_load(job); }) : queue_.submit([this, job] { run(job); });
+  const absl::StatusOr<std::uint64_t> ticket = job->loads ? cache_->loading().submit([this, job] { run_load(job); })
+                                                          : queue_.submit([this, job] { run(job); }, job->owner);
   if (ticket.ok()) job->ticket = *ticket;
   return ticket.status();
 }

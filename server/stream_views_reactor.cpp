@@ -38,7 +38,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
     absl::StatusOr<Admission::Ticket> ticket = engine_.streams->admit(*caller);
     if (!ticket.ok()) return ticket.status();
     ticket_.emplace(*std::move(ticket));
-    auto stream = engine_.make_stream(this);
+    auto stream = engine_.make_stream(this, context.peer());
     if (stream.ok()) stream_ = *std::move(stream);
     return stream.status();
   }

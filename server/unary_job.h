@@ -29,7 +29,7 @@ class UnaryJob final : public grpc::ServerUnaryReactor {
     const absl::Status begun = guarded([&] {
       absl::StatusOr<Work> work = prepare();
       if (!work.ok()) return work.status();
-      return engine.views.submit([this, work = *std::move(work)] { run(work); }).status();
+      return engine.calls.submit([this, work = *std::move(work)] { run(work); }, context.peer()).status();
     });
     if (!begun.ok()) finish(begun);
   }

@@ -45,11 +45,14 @@ TEST_F(ClientStreamDelta, WhoAsksForAKeyFrameGetsOne) {
   receive(delta_open());
   receive(ranked_request(1));
   run_all();
-  receive(ranked_request(2));  // being answered
   v1::StreamViewsRequest key = ranked_request(3);
   key.mutable_view()->set_key_frame(true);
-  receive(key);
-  receive(ranked_request(4));  // overtakes it
+  on_answer_ = [&] {
+    on_answer_ = nullptr;
+    stream_->receive(key);
+    stream_->receive(ranked_request(4));  // overtakes it
+  };
+  receive(ranked_request(2));
   run_all();
   receive(ack_request(2));
   run_all();

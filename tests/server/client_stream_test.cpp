@@ -40,7 +40,38 @@ TEST_F(ClientStreamTest, TheNewestViewWins) {
   for (std::uint64_t i = 1; i <= 500; ++i) receive(view_request(i));
   ASSERT_EQ(jobs_.size(), 1u);
   run_all();
-  EXPECT_THAT(sequences(), ElementsAre(1, 500));
+  EXPECT_THAT(sequences(), ElementsAre(500)) << "also of those that wait for a worker";
+  on_answer_ = [this] {
+    on_answer_ = nullptr;
+    for (std::uint64_t i = 502; i <= 600; ++i) stream_->receive(view_request(i));
+  };
+  receive(view_request(501));
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(500, 501)) << "the third is not made before one is acknowledged";
+  receive(ack_request(501));
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(500, 501, 600));
+}
+
+TEST_F(ClientStreamTest, WhoHasGoneIsNotAnswered) {
+  receive(open_request("known"));
+  receive(view_request(1));
+  stream_->stop(absl::CancelledError("the client has gone"));
+  on_answer_ = [] { FAIL() << "work for nobody"; };
+  run_all();
+  EXPECT_TRUE(ended_);
+}
+
+TEST_F(ClientStreamTest, AFrameInTheMakingHearsThatItIsNotWanted) {
+  receive(open_request("known"));
+  receive(view_request(1));
+  on_answer_ = [this] {
+    EXPECT_FALSE(*cancel_);
+    stream_->stop(absl::CancelledError("the client has gone"));
+    EXPECT_TRUE(*cancel_);
+  };
+  run_all();
+  EXPECT_TRUE(frames_.empty());
 }
 
 TEST_F(ClientStreamTest, AtMostTwoFramesAreUnacknowledged) {
@@ -369,7 +400,7 @@ TEST(ClientStreamThreads, SurvivesAnyInterleaving) {
   for (int round = 0; round < 50; ++round) {
     ThreadedTransport transport;
     std::atomic<std::int64_t> queued = 0;
-    JobQueue queue(2, 100);
+    JobQueue queue({.workers = 2, .max_waiting = 100});
     auto stream = std::make_shared<ClientStream>(
         &transport,
         ClientStream::Hooks{

@@ -86,6 +86,7 @@ class Conversation : public ClientStream::Transport {
   std::vector<const HeldPoints*> given_;                 // what the client was said to have, answer by answer
   std::vector<std::shared_ptr<const HeldPoints>> held_;  // and what it has with it
   std::function<void()> on_answer_;                      // while a view is being answered
+  const std::atomic<bool>* cancel_ = nullptr;            // of that
   std::int64_t queued_bytes_ = 0;
   int parts_ = 0;                                   // before the whole, of views that may come in parts
   static constexpr std::uint64_t kKnownDigest = 7;  // what a client may claim to have
@@ -111,6 +112,7 @@ class Conversation : public ClientStream::Transport {
                   frame.set_curve_revision(revision_);
                   answer.is_part = request.first_bytes > 0 && parts_-- > 0;
                   frame.mutable_statistics()->set_refining(answer.is_part || (short_ && request.may_refine));
+                  cancel_ = request.cancel;
                   if (on_answer_) on_answer_();
                   return answer;
                 },

@@ -74,6 +74,7 @@ TEST(Metrics, LevelsAreThoseOfTheMoment) {
       metrics.text({.waiting_views = 1, .waiting_preprocessing = 4, .meshes = 5, .cache_bytes = 123'456'789'012});
   EXPECT_TRUE(has_line(text, "curvecast_queue_depth{queue=\"views\"} 1"));
   EXPECT_TRUE(has_line(text, "curvecast_queue_depth{queue=\"preprocessing\"} 4"));
+  EXPECT_TRUE(has_line(text, "curvecast_queue_depth{queue=\"calls\"} 0"));
   EXPECT_TRUE(has_line(text, "curvecast_sessions 0"));
   EXPECT_TRUE(has_line(text, "curvecast_meshes 5"));
   EXPECT_TRUE(has_line(text, "curvecast_cache_bytes 123456789012"));

@@ -126,7 +126,7 @@ class SessionStoreTest : public ::testing::Test {
   bool open_ = false, throws_ = false;
   absl::Status failure_;
   int runs_ = 0, cancelled_ = 0;
-  JobQueue queue_{1, 16};
+  JobQueue queue_{{.max_waiting = 16}};
   std::optional<SessionStore> store_{
       std::in_place,
       queue_,
