@@ -4,8 +4,11 @@
 #include <sys/resource.h>
 
 #include <atomic>
-#include <future>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
 #include <string>
+#include <utility>
 
 namespace curvecast::server {
 namespace {
@@ -16,32 +19,40 @@ constexpr milliseconds kBurst = std::chrono::duration_cast<milliseconds>(ViewWor
 
 class ViewWorkersTest : public ::testing::Test {
  protected:
-  /// Runs a job that takes so long, to its end.
-  void run(const std::string& connection, milliseconds takes) {
-    std::promise<void> done;
+  void submit(const std::string& connection, std::function<void()> job) {
     ASSERT_TRUE(workers_
                     .submit(
-                        [&] {
-                          now_ += milliseconds(takes).count();
-                          priority_ = getpriority(PRIO_PROCESS, 0);
-                          done.set_value();
+                        [this, job = std::move(job)] {
+                          job();
+                          const std::lock_guard lock(mutex_);
+                          ++done_;
+                          changed_.notify_all();
                         },
                         connection)
                     .ok());
-    done.get_future().wait();
-    settle();
+    ++submitted_;
   }
-  /// Waits until the worker of normal priority has booked what it did.
-  void settle() {
-    std::promise<void> done;
-    // Of somebody new: the clock may go on before its own time has been booked.
-    ASSERT_TRUE(workers_.submit([&] { done.set_value(); }, "settle " + std::to_string(++settled_)).ok());
-    done.get_future().wait();
+  void wait_until(const std::function<bool()>& condition) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, condition);
+  }
+  /// Runs a job that takes so long, to its end.
+  void run(const std::string& connection, milliseconds takes) {
+    submit(connection, [this, takes] {
+      now_ += takes.count();
+      priority_ = getpriority(PRIO_PROCESS, 0);
+    });
+    // And another one of somebody new, before which the worker of normal priority books what it did.
+    wait_until([this] { return done_ == submitted_; });
+    submit("nobody " + std::to_string(submitted_), [] {});
+    wait_until([this] { return done_ == submitted_; });
   }
 
   std::atomic<std::int64_t> now_ = 0;  // ms
   std::atomic<int> priority_ = 0;
-  int settled_ = 0;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int done_ = 0, submitted_ = 0;
   ViewWorkers workers_{
       {.workers = 1, .max_waiting = 100, .max_waiting_of_one = 50, .clock = [this] { return milliseconds(now_.load()); }}};
 };
@@ -78,19 +89,17 @@ TEST_F(ViewWorkersTest, WhoStaysWithinItsShareIsServedAtOnceForEver) {
 
 TEST_F(ViewWorkersTest, LongJobsOfOneDoNotHoldUpAnother) {
   run("greedy", kBurst + milliseconds(100));
-  std::promise<void> started, gate, done;
-  ASSERT_TRUE(workers_
-                  .submit(
-                      [&] {
-                        started.set_value();
-                        gate.get_future().wait();
-                      },
-                      "greedy")
-                  .ok());
-  started.get_future().wait();
-  ASSERT_TRUE(workers_.submit([&] { done.set_value(); }, "modest").ok());
-  done.get_future().wait();
-  gate.set_value();
+  const int before = done_;
+  bool is_open = false;
+  submit("greedy", [&] { wait_until([&] { return is_open; }); });
+  submit("modest", [] {});
+  wait_until([&] { return done_ == before + 1; });
+  {
+    const std::lock_guard lock(mutex_);
+    is_open = true;
+    changed_.notify_all();
+  }
+  wait_until([&] { return done_ == before + 2; });
 }
 
 TEST_F(ViewWorkersTest, RunsAllThatWasTaken) {
