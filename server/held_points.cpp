@@ -26,7 +26,7 @@ HeldPoints::HeldPoints(std::shared_ptr<const SurfaceCurve> curve, const RankSele
   const auto is_shown = [&](const RankSelection::Part& part) {
     return std::ranges::any_of(words_of(part), [](std::uint64_t word) { return word != 0; });
   };
-  std::size_t parts = 0, words = 0, runs = 0;
+  std::size_t parts = 0, words = 0;
   for (const RankSelection::Part& part : selection.parts) {
     if (is_shown(part)) ++parts, words += words_of(part).size();
   }
@@ -43,24 +43,29 @@ HeldPoints::HeldPoints(std::shared_ptr<const SurfaceCurve> curve, const RankSele
     digest(name, sizeof(name));
     digest(shown.data(), shown.size_bytes());
   }
-  const auto each_run = [&](const auto& visit) {
-    const std::vector<std::uint8_t>& rungs = selection.rungs;
-    for (std::size_t i = 0, end = 0; i < rungs.size(); i = end) {
-      const std::size_t limit = std::min(rungs.size(), i + std::numeric_limits<std::uint8_t>::max());
-      while (end < limit && rungs[end] == rungs[i]) ++end;
-      visit(Run{rungs[i], static_cast<std::uint8_t>(end - i)});
-    }
-  };
-  each_run([&](const Run&) { ++runs; });
-  discs_.reserve(runs);
-  each_run([&](const Run& run) { discs_.push_back(run); });
+  keep_runs(selection.rungs);
   digest(discs_.data(), discs_.size() * sizeof(Run));
   digest_ = std::max<std::uint64_t>(digest_, 1);
 }
 
+void HeldPoints::keep_runs(std::span<const std::uint8_t> rungs) {
+  constexpr std::size_t kLongest = std::numeric_limits<std::uint8_t>::max();
+  std::size_t changes = 0;
+  for (std::size_t i = 1; i < rungs.size(); ++i) changes += rungs[i] != rungs[i - 1] ? 1 : 0;
+  std::vector<Run> runs;
+  runs.reserve(changes + rungs.size() / kLongest + 1);
+  for (std::size_t i = 0, end = 0; i < rungs.size(); i = end) {
+    const std::size_t limit = std::min(rungs.size(), i + kLongest);
+    while (end < limit && rungs[end] == rungs[i]) ++end;
+    runs.push_back({rungs[i], static_cast<std::uint8_t>(end - i)});
+  }
+  discs_.assign(runs.begin(), runs.end());  // what is kept has no room to spare
+}
+
 void HeldPoints::discs(std::vector<std::uint8_t>& rungs) const {
-  rungs.clear();
-  for (const Run& run : discs_) rungs.insert(rungs.end(), run.count, run.rung);
+  rungs.resize(selection_.count);
+  auto next = rungs.begin();
+  for (const Run& run : discs_) next = std::fill_n(next, run.count, run.rung);
 }
 
 bool HeldPoints::goes_with(const SurfaceCurve& curve, const Sample& sample) const {

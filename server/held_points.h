@@ -38,6 +38,8 @@ class HeldPoints {
     std::uint8_t rung, count;
   };
 
+  void keep_runs(std::span<const std::uint8_t> rungs);
+
   std::shared_ptr<const SurfaceCurve> curve_;
   RankSelection selection_;
   std::vector<Run> discs_;

@@ -1,8 +1,10 @@
 #include "core/sample/rank_delta.h"
 
 #include <bit>
+#include <cstring>
 
 #include "core/sample/place_order.h"
+#include "core/sample/shown_before.h"
 
 namespace curvecast {
 namespace {
@@ -55,6 +57,15 @@ void compare(const RankSelection& earlier, std::span<const std::uint8_t> discs, 
     for (std::size_t w = 0; w < chunk.size() / kWord; ++w) {
       const std::uint64_t was = before != nullptr ? earlier.shown[before->first_bit / kWord + w] : 0;
       const std::uint64_t is = after != nullptr ? later.shown[after->first_bit / kWord + w] : 0;
+      if (was == is) {  // as a rule
+        const auto count = static_cast<std::size_t>(std::popcount(is));
+        if (!has_discs) continue;
+        if (std::memcmp(discs.data() + old_rung, later.rungs.data() + new_rung, count) == 0) {
+          old_rung += count;
+          new_rung += count;
+          continue;
+        }
+      }
       for_each_bit(has_discs ? was | is : was ^ is, 0, [&](std::size_t bit) {
         const auto point = static_cast<std::uint16_t>(w * kWord + bit);
         const bool is_old = (was >> bit & 1) != 0, is_new = (is >> bit & 1) != 0;
@@ -79,30 +90,19 @@ void locate(const RankTree& earlier, const RankSelection& later, RankDelta& delt
   sort_changes(tree, delta.added, itself, out);
   sort_changes(earlier, delta.removed, itself, out);
   sort_changes(tree, delta.resized, point_of, out);
-  out.places.clear();
-  later.for_each_shown(
-      [&](const RankRef& ref, std::size_t) { out.places.push_back(tree.chunks()[ref.chunk]->place[ref.point]); });
   // Where each stands among all that the later list has: no two points share a place.
-  out.queries.clear();
-  const auto ask = [&](const RankTree& in, const auto& changes, const auto& ref_of) {
+  const auto find = [&](const RankTree& in, const auto& changes, const auto& ref_of, std::vector<std::uint32_t>& indices) {
+    out.places.clear();
     for (const auto& change : changes) {
       const RankRef& ref = ref_of(change);
-      out.queries.push_back(in.chunks()[ref.chunk]->place[ref.point]);
+      out.places.push_back(in.chunks()[ref.chunk]->place[ref.point]);
     }
+    indices.resize(out.places.size());
+    count_shown_before(later, out.places, indices);
   };
-  ask(tree, delta.resized, point_of);
-  ask(tree, delta.added, itself);
-  ask(earlier, delta.removed, itself);
-  out.below.resize(out.queries.size());
-  out.counts.count_below(out.places, out.queries, out.below);
-  auto next = out.below.begin();
-  const auto take = [&](std::vector<std::uint32_t>& indices, std::size_t count) {
-    indices.assign(next, next + static_cast<std::ptrdiff_t>(count));
-    next += static_cast<std::ptrdiff_t>(count);
-  };
-  take(out.resized, delta.resized.size());
-  take(out.added, delta.added.size());
-  take(out.removed, delta.removed.size());
+  find(tree, delta.resized, point_of, out.resized);
+  find(tree, delta.added, itself, out.added);
+  find(earlier, delta.removed, itself, out.removed);
   // The earlier list has not yet those that were added, and still those that were removed.
   std::size_t added = 0;
   for (std::size_t i = 0; i < out.removed.size(); ++i) {

@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "core/sample/place_counts.h"
 #include "core/sample/rank_selection.h"
 
 namespace curvecast {
@@ -34,8 +33,7 @@ struct ListDelta {
 
   // locate()'s own affair.
   std::vector<std::uint64_t> keys, scratch;
-  std::vector<std::uint32_t> places, queries, below;
-  PlaceCounts counts;
+  std::vector<std::uint32_t> places;
 };
 
 /// Brings the changes into the order of the curve, and finds out where they stand.
