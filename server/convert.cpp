@@ -11,6 +11,7 @@
 
 #include "server/checker.h"
 #include "server/convert_density.h"
+#include "server/hash.h"
 #include "server/status_payload.h"
 
 namespace curvecast::server {
@@ -200,6 +201,7 @@ absl::StatusOr<Sample> to_sample(const v1::SampleRequest& request) {
   sample.options.seed = request.seed();
   sample.draco = to_core(check, request.encoding());
   if (!check.ok()) return check.status();
+  sample.fingerprint = hash_of(request.SerializeAsString());
   return sample;
 }
 

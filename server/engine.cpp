@@ -57,7 +57,9 @@ void Engine::tend(const std::stop_token& stop) {
   std::condition_variable_any never;
   std::unique_lock lock(mutex);
   while (!never.wait_for(lock, stop, kTendInterval, [] { return false; }) && !stop.stop_requested()) {
-    sessions.tend(std::chrono::steady_clock::now());
+    const auto now = std::chrono::steady_clock::now();
+    sessions.tend(now);
+    frame_cache.forget_before(now - kTendInterval);
   }
 }
 
@@ -68,7 +70,13 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
           .find = [this](const std::string& id) { return sessions.find(id); },
           .answer =
               [this, source = new_source()](const std::shared_ptr<const Session>& session, const FrameRequest& request) {
-                return make_frame(*session, request, view_cache, improve_for(session, request.sample, source));
+                const FrameCache::Key key{.curve = session->curve(),
+                                          .sample = request.sample.fingerprint,
+                                          .points = request.sample.options.points,
+                                          .held = request.held != nullptr ? request.held->digest() : 0,
+                                          .first_bytes = request.first_bytes};
+                return frame_cache.get(
+                    key, [&] { return make_frame(*session, request, view_cache, improve_for(session, request.sample, source)); });
               },
           .restore = [this](const Session& session, const HeldClaim& claim) { return restore_held(session, claim, view_cache); },
           .submit = [this, connection = std::move(connection)](
@@ -103,6 +111,7 @@ OnShort Engine::improve_for(const std::shared_ptr<const Session>& session, const
 Levels Engine::levels() {
   Levels out;
   out.waiting_views = views.waiting();
+  out.shared_frames = frame_cache.shared();
   out.waiting_calls = calls.waiting();
   out.waiting_preprocessing = preprocessing.waiting();
   for (const SessionInfo& info : sessions.list()) {

@@ -13,6 +13,7 @@
 
 #include "server/admission.h"
 #include "server/client_stream.h"
+#include "server/frame_cache.h"
 #include "server/job_queue.h"
 #include "server/mesh_store.h"
 #include "server/metrics.h"
@@ -56,7 +57,8 @@ class Engine {
   const std::shared_ptr<spdlog::logger> log;
   Metrics metrics;
   const int threads;                           // of one preprocessing job; 0 = one per core
-  ViewCache view_cache;                        // of the jobs in `views`
+  ViewCache view_cache;                        // of the jobs in `views` and `calls`
+  FrameCache frame_cache;                      // of streams
   ViewWorkers views;                           // of streams: each takes milliseconds
   JobQueue calls;                              // single point sets, inspection: views go before them
   JobQueue preprocessing;                      // one at a time: each uses all cores by itself

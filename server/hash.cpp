@@ -21,4 +21,9 @@ std::string Hasher::hex() const {
   return absl::BytesToHexString({reinterpret_cast<const char*>(digest.digest), sizeof digest.digest});
 }
 
+std::array<std::uint64_t, 2> hash_of(std::string_view bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return {hash.high64, hash.low64};
+}
+
 }  // namespace curvecast::server

@@ -1,6 +1,8 @@
 // The content hash that names meshes and sessions: XXH3-128.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -23,5 +25,8 @@ class Hasher {
   };
   std::unique_ptr<XXH3_state_s, Free> state_;
 };
+
+/// The same hash as numbers.
+std::array<std::uint64_t, 2> hash_of(std::string_view bytes);
 
 }  // namespace curvecast::server

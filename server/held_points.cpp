@@ -31,6 +31,11 @@ HeldPoints::HeldPoints(std::shared_ptr<const SurfaceCurve> curve, const RankSele
     if (is_shown(part)) ++parts, words += words_of(part).size();
   }
   const auto digest = [this](const void* bytes, std::size_t size) { digest_ = XXH3_64bits_withSeed(bytes, size, digest_); };
+  const auto [position_bits, normal_bits] = bits_of(draco_);
+  const std::uint64_t kind[] = {
+      curve_->revision, static_cast<std::uint64_t>(position_bits), static_cast<std::uint64_t>(normal_bits),
+      std::uint64_t{attributes_.curvatures} << 2 | std::uint64_t{attributes_.rank} << 1 | std::uint64_t{attributes_.surface}};
+  digest(kind, sizeof(kind));
   selection_.parts.reserve(parts);
   selection_.shown.reserve(words);
   for (const RankSelection::Part& part : selection.parts) {

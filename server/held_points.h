@@ -25,7 +25,7 @@ class HeldPoints {
   const RankSelection& selection() const { return selection_; }
   /// The discs, for selection().rungs.
   void discs(std::vector<std::uint8_t>& rungs) const;
-  /// Names the points and their discs to a client; never 0.
+  /// Names the points, their discs and how they were sent to a client; never 0.
   std::uint64_t digest() const { return digest_; }
   /// Whether points of this curve, sent as `sample` asks for, go with these.
   bool goes_with(const SurfaceCurve& curve, const Sample& sample) const;

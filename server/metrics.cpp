@@ -64,6 +64,7 @@ struct Metrics::Families {
           .Add({});
 
   Family<Counter>& frames = counters(registry, "curvecast_frames_total", "Frames sent.");
+  Counter& frames_shared = counters(registry, "curvecast_frames_shared_total", "Frames that had been made for others.").Add({});
   Family<Counter>& frame_bytes = counters(registry, "curvecast_frame_bytes_total", "Bytes of the frames sent, as messages.");
   Family<Counter>& frame_points = counters(registry, "curvecast_frame_points_total", "Points that the frames sent carry.");
   Frames key = of_kind("key"), delta = of_kind("delta"), error = of_kind("error");
@@ -145,6 +146,7 @@ void Metrics::refinement(bool is_finer) { (is_finer ? families_->finer : familie
 std::string Metrics::text(const Levels& levels) {
   Families& f = *families_;
   const std::lock_guard lock(f.mutex);
+  f.frames_shared.Increment(static_cast<double>(levels.shared_frames) - f.frames_shared.Value());
   f.waiting_views.Set(static_cast<double>(levels.waiting_views));
   f.waiting_calls.Set(static_cast<double>(levels.waiting_calls));
   f.waiting_preprocessing.Set(static_cast<double>(levels.waiting_preprocessing));

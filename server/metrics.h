@@ -16,6 +16,7 @@ namespace curvecast::server {
 
 /// What there is at a moment, in contrast to what has happened so far.
 struct Levels {
+  std::uint64_t shared_frames = 0;        // so far: made for somebody else
   std::size_t waiting_views = 0;          // jobs that wait for a worker
   std::size_t waiting_calls = 0;          // ... single point sets and inspection
   std::size_t waiting_preprocessing = 0;  // ... that take all cores

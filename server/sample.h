@@ -1,6 +1,7 @@
 // What a client wants of a point set.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -31,11 +32,12 @@ struct AutomaticBudget {
 struct Sample {
   Sampler sampler = Sampler::kEqualised;
   PointAttributes attributes;
-  ResampleOptions options;                   // `points` as asked for; not used with one of the other budgets
-  double pixel_error = 0;                    // above 0: instead of a number of points
-  std::uint64_t max_bytes = 0;               // above 0: instead of a number of points
-  std::optional<AutomaticBudget> automatic;  // set: instead of a number of points
-  std::optional<DracoOptions> draco;         // bits only; the lattice is the session's. Not set: raw floats
+  ResampleOptions options;                     // `points` as asked for; not used with one of the other budgets
+  double pixel_error = 0;                      // above 0: instead of a number of points
+  std::uint64_t max_bytes = 0;                 // above 0: instead of a number of points
+  std::optional<AutomaticBudget> automatic;    // set: instead of a number of points
+  std::optional<DracoOptions> draco;           // bits only; the lattice is the session's. Not set: raw floats
+  std::array<std::uint64_t, 2> fingerprint{};  // the same for the same request
 };
 
 }  // namespace curvecast::server

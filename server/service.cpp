@@ -14,6 +14,7 @@
 #include "server/import_mesh.h"
 #include "server/log.h"
 #include "server/reactors.h"
+#include "server/render_picture.h"
 #include "server/request_log.h"
 #include "server/unary_job.h"
 
@@ -194,6 +195,20 @@ grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* con
   if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "CloseSession", *context)) return refused;
   return answer(engine_, "CloseSession", context,
                 [&] { return engine_.close_session(request->session_id(), owner_of(engine_, *context)); });
+}
+
+grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, const v1::RenderRequest* request,
+                                          v1::RenderResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "Render", *context)) return refused;
+  return new UnaryJob(engine_, "Render", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    return [this, request, response](const ExecutionContext& job) {
+      const auto session = engine_.sessions.find(request->session_id());
+      if (!session.ok()) return session.status();
+      auto picture = render_picture(**session, *request, engine_.view_cache, job);
+      if (picture.ok()) *response = *std::move(picture);
+      return picture.status();
+    };
+  });
 }
 
 grpc::ServerWriteReactor<v1::MeasureResponse>* Service::Measure(grpc::CallbackServerContext* context,

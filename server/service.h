@@ -35,6 +35,8 @@ class Service final : public v1::CurvecastService::CallbackService {
                                           v1::UpdateSessionResponse* response) override;
   grpc::ServerUnaryReactor* CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
                                          v1::CloseSessionResponse* response) override;
+  grpc::ServerUnaryReactor* Render(grpc::CallbackServerContext* context, const v1::RenderRequest* request,
+                                   v1::RenderResponse* response) override;
   grpc::ServerWriteReactor<v1::MeasureResponse>* Measure(grpc::CallbackServerContext* context,
                                                          const v1::MeasureRequest* request) override;
   grpc::ServerWriteReactor<v1::GetCurveResponse>* GetCurve(grpc::CallbackServerContext* context,

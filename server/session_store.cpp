@@ -176,10 +176,26 @@ absl::StatusOr<SessionInfo> SessionStore::update(const std::string& id, std::opt
   if (found == entries_.end()) return not_found(id);
   if (!found->second.may_change(who)) return not_yours(id);
   SessionInfo& info = found->second.info;
+  if (pinned.value_or(false) && !info.pinned) {
+    if (absl::Status status = may_pin(**ready); !status.ok()) return status;
+  }
   info.pinned = pinned.value_or(info.pinned);
   info.time_to_live = time_to_live.value_or(info.time_to_live);
   log_->info("session {}: {}pinned, time to live {} s", id, info.pinned ? "" : "not ", info.time_to_live);
   return info;
+}
+
+absl::Status SessionStore::may_pin(const Session& session) const {
+  std::uint64_t sessions = 1, bytes = session.memory_bytes();
+  for (const auto& [id, entry] : entries_) {
+    if (!entry.info.pinned || entry.info.session == nullptr) continue;
+    ++sessions;
+    bytes += entry.info.session->memory_bytes();
+  }
+  const std::uint64_t most = std::max<std::uint64_t>(1, limits_.sessions / 2);
+  if (sessions <= most && bytes <= limits_.bytes / 2) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat("no more than half of what the server holds may be pinned, ", most,
+                                                   " sessions and ", limits_.bytes / 2, " bytes; unpin another one"));
 }
 
 std::vector<std::string> SessionStore::tend(Clock::time_point now) {

@@ -71,7 +71,7 @@ class SessionStore {
   /// By id, at most `most` of those after one with this id.
   std::vector<SessionInfo> list(const std::string& after = {}, std::size_t most = std::numeric_limits<std::size_t>::max());
   /// Changes what is set, and tells what became of it. NotFound, FailedPrecondition while it is being made, or PermissionDenied
-  /// where it is somebody else's.
+  /// where it is somebody else's; ResourceExhausted where pinned sessions would take more than half of the limits.
   absl::StatusOr<SessionInfo> update(const std::string& id, std::optional<bool> pinned, std::optional<double> time_to_live,
                                      const std::string& who = {});
   /// Saves a session whose curve has become finer; not one that has been closed or evicted, not even if it has been made anew.
@@ -102,6 +102,8 @@ class SessionStore {
 
   void touch(Entry& entry);
   bool evict(const SessionLimits& limits, Evicted& evicted);
+  /// With the lock.
+  absl::Status may_pin(const Session& session) const;
   absl::Status make_room(Evicted& evicted);
   absl::StatusOr<std::shared_ptr<const Session>> find_here(const std::string& id);
   absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id);

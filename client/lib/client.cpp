@@ -171,6 +171,10 @@ absl::StatusOr<v1::MeshInfo> Client::inspect(const UploadedMesh& mesh, std::stop
   return std::move(*response->mutable_mesh());
 }
 
+absl::StatusOr<v1::RenderResponse> Client::render(const v1::RenderRequest& request, std::stop_token stop) {
+  return connection_->render(request, stop);
+}
+
 absl::StatusOr<ParameterMesh> Client::get_parameter_mesh(const UploadedMesh& mesh, v1::Parameteriser parameteriser,
                                                          std::stop_token stop) {
   v1::GetParameterMeshRequest request;

@@ -97,6 +97,9 @@ class Client {
                                                  std::stop_token stop = {});
   absl::StatusOr<EncodedSample> resample_encoded(const v1::ResampleRequest& request, std::stop_token stop = {});
 
+  /// A picture that the server draws.
+  absl::StatusOr<v1::RenderResponse> render(const v1::RenderRequest& request, std::stop_token stop = {});
+
   /// Sends what the server does not hold yet of the sets, and has them measured on the mesh. `request`: all but mesh and sets.
   absl::StatusOr<v1::Measures> measure(const UploadedMesh& mesh, std::span<const Points> sets, v1::MeasureRequest request,
                                        const StageProgress& on_progress = {}, std::stop_token stop = {});

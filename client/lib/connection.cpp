@@ -187,6 +187,10 @@ class GrpcConnection : public Connection {
     return unary<v1::InspectMeshResponse>(&v1::CurvecastService::Stub::InspectMesh, request, options_.long_timeout, stop);
   }
 
+  absl::StatusOr<v1::RenderResponse> render(const v1::RenderRequest& request, std::stop_token stop) override {
+    return unary<v1::RenderResponse>(&v1::CurvecastService::Stub::Render, request, options_.long_timeout, stop);
+  }
+
   absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> get_parameter_mesh(const v1::GetParameterMeshRequest& request,
                                                                                std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> {

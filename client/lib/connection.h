@@ -62,6 +62,7 @@ class Connection {
   virtual absl::StatusOr<v1::ListMeshReferencesResponse> list_mesh_references(const v1::ListMeshReferencesRequest& request,
                                                                               std::stop_token stop) = 0;
   virtual absl::StatusOr<v1::InspectMeshResponse> inspect_mesh(const v1::InspectMeshRequest& request, std::stop_token stop) = 0;
+  virtual absl::StatusOr<v1::RenderResponse> render(const v1::RenderRequest& request, std::stop_token stop) = 0;
   /// All messages of the answer, in order.
   virtual absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> get_parameter_mesh(const v1::GetParameterMeshRequest& request,
                                                                                        std::stop_token stop) = 0;

@@ -16,6 +16,7 @@ class FakeConnection : public Connection {
               (const v1::ListMeshReferencesRequest&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<v1::InspectMeshResponse>, inspect_mesh, (const v1::InspectMeshRequest&, std::stop_token),
               (override));
+  MOCK_METHOD(absl::StatusOr<v1::RenderResponse>, render, (const v1::RenderRequest&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<std::vector<v1::GetParameterMeshResponse>>, get_parameter_mesh,
               (const v1::GetParameterMeshRequest&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<v1::Session>, create_session, (const v1::CreateSessionRequest&, const OnProgress&, std::stop_token),

@@ -185,6 +185,20 @@ TEST_F(ServerHostileFields, Samples) {
   EXPECT_GT(codes_seen_[grpc::OK], 20);
 }
 
+TEST_F(ServerHostileFields, Pictures) {
+  v1::RenderRequest request;
+  request.set_session_id(session_);
+  request.set_width(16);
+  request.set_height(16);
+  *request.mutable_sample() = rich_sample();
+  codes_seen_.clear();
+  for_all_changes(request, [&](auto& context, const auto& changed) {
+    v1::RenderResponse response;
+    return stub_->Render(&context, changed, &response);
+  });
+  EXPECT_GT(codes_seen_[grpc::INVALID_ARGUMENT], 100);
+}
+
 TEST_F(ServerHostileFields, Views) {
   v1::StreamViewsRequest request;
   request.mutable_view()->set_sequence(1);

@@ -361,6 +361,17 @@ TEST_F(SessionStoreTest, PinnedSessionsStay) {
   EXPECT_EQ(store_->update("nonsense", true, {}).status().code(), Code::kNotFound);
 }
 
+TEST_F(SessionStoreTest, PinsLeaveRoomForOthers) {
+  set_open(true);
+  const std::string a = make_ready("a"), b = make_ready("b");
+  ASSERT_TRUE(store_->update(a, true, std::nullopt).ok());
+  EXPECT_TRUE(store_->update(a, true, std::nullopt).ok()) << "it is pinned already";
+  EXPECT_EQ(store_->update(b, true, std::nullopt).status().code(), Code::kResourceExhausted);
+  EXPECT_FALSE(store_->info(b)->pinned);
+  ASSERT_TRUE(store_->update(a, false, std::nullopt).ok());
+  EXPECT_TRUE(store_->update(b, true, std::nullopt).ok());
+}
+
 TEST_F(SessionStoreTest, TimeToLiveCountsFromTheLastUse) {
   set_open(true);
   const std::string a = make_ready("a"), b = make_ready("b");
