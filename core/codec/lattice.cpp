@@ -41,10 +41,10 @@ Bounds bounds_of(const Lattice& lattice) {
     load_lanes(x, numbers + 4 * part);
     load_lanes(low, &bounds.low[4 * part]);
     load_lanes(high, &bounds.high[4 * part]);
-    is_inside &= ((x - low) + bounds.slack >= 0.0f) & ((high + bounds.slack) - x >= 0.0f);
-    x = x > low ? x : low;
-    x = x < high ? x : high;
-    FloatLanes rounded = (x - low) * bounds.steps + 0.5f;
+    FloatLanes nearest = x > low ? x : low;
+    nearest = nearest < high ? nearest : high;
+    is_inside &= (x - nearest <= bounds.slack) & (nearest - x <= bounds.slack);
+    FloatLanes rounded = (nearest - low) * bounds.steps + 0.5f;
     rounded = rounded < kMost ? rounded : FloatLanes{} + kMost;
     store_lanes(__builtin_convertvector(rounded, IntLanes), coordinates + 4 * part);
   }
