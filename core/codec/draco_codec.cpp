@@ -3,11 +3,12 @@
 #include <absl/strings/str_format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/codec/byte_writer.h"
@@ -48,6 +49,12 @@ void without_alpha(std::span<const Rgba8> colours, std::span<std::int32_t> rgb) 
     const Rgba8& c = colours[i];
     rgb[3 * i] = c.r, rgb[3 * i + 1] = c.g, rgb[3 * i + 2] = c.b;
   }
+}
+
+ValueRange differences(std::span<const std::int32_t> values, int components, std::span<std::uint32_t> symbols) {
+  const ValueRange range = range_of(values);
+  delta_symbols(values, components, range, symbols);
+  return range;
 }
 
 // Codes of Draco's bitstream, version 2.3.
@@ -102,41 +109,35 @@ absl::StatusOr<std::string> encode_draco(const PointSet& points, std::size_t beg
   const auto part = [&](const auto& column) { return std::span(column).subspan(begin, count); };
   const std::span<const float> radii = part(points.radii);
   const bool has_colours = !points.colours.empty();
-  // One block of memory: the values, of one attribute after the other, and the symbols of all.
-  const std::size_t values_of_point = 3, symbols_of_point = 6 + (has_colours ? 3 : 0);
-  const auto memory = std::make_unique_for_overwrite<std::int32_t[]>(count * values_of_point);
-  const auto symbol_memory = std::make_unique_for_overwrite<std::uint32_t[]>(count * symbols_of_point);
-  const std::span values(memory.get(), 3 * count);
+  // The values of one attribute after the other, and the symbols of all.
+  const std::size_t symbols_of_point = 6 + (has_colours ? 3 : 0);
+  const auto value_memory = std::make_unique_for_overwrite<std::int32_t[]>(3 * count);
+  const auto symbol_memory = std::make_unique_for_overwrite<std::uint32_t[]>(symbols_of_point * count);
+  const std::span values(value_memory.get(), 3 * count), codes = values.first(count);
   const std::span symbols(symbol_memory.get(), symbols_of_point * count);
-  const std::span byte_values = values.first(count);
   const auto position_symbols = symbols.first(3 * count), normal_symbols = symbols.subspan(3 * count, 2 * count),
              radius_symbols = symbols.subspan(5 * count, count), colour_symbols = symbols.subspan(6 * count);
 
   const Lattice lattice = lattice_of(options);
   if (absl::Status status = to_lattice(lattice, part(points.positions), values); !status.ok()) return status;
-  const ValueRange position_range = range_of(values);
-  delta_symbols(values, 3, position_range, position_symbols);
-
+  const ValueRange position_range = differences(values, 3, position_symbols);
   const OctahedralLattice octahedron(options.normal_bits);
   octahedral_symbols(octahedron, part(points.normals), normal_symbols);
-
   *radius_max = options.radius_max > 0 ? static_cast<float>(options.radius_max) : *std::max_element(radii.begin(), radii.end());
   *radius_min = *radius_max * std::exp2(-static_cast<float>(kHighestCode) / kCodesPerOctave);
-  radius_codes(radii, *radius_max, byte_values);
-  const ValueRange radius_range = range_of(byte_values);
-  delta_symbols(byte_values, 1, radius_range, radius_symbols);
-
+  radius_codes(radii, *radius_max, codes);
+  const ValueRange radius_range = differences(codes, 1, radius_symbols);
   ValueRange colour_range{};
   if (has_colours) {
     without_alpha(part(points.colours), values);
-    colour_range = range_of(values);
-    delta_symbols(values, 3, colour_range, colour_symbols);
+    colour_range = differences(values, 3, colour_symbols);
   }
 
   SymbolWriter position(position_symbols, 3), normal(normal_symbols, 2), radius(radius_symbols, 1);
   std::optional<SymbolWriter> colour;
   std::vector<RansRun*> runs = {&position.run(), &normal.run(), &radius.run()};
-  if (has_colours) runs.push_back(&colour.emplace(colour_symbols, 3).run());
+  // The two longest side by side.
+  if (has_colours) runs.insert(runs.begin() + 1, &colour.emplace(colour_symbols, 3).run());
   code_runs(runs);
 
   ByteWriter bytes;
