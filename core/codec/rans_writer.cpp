@@ -68,7 +68,7 @@ RansTable::RansTable(std::span<const std::uint32_t> counts, int precision_bits)
     std::uint32_t bits = 0;
     for (; kLeastState * kStateRange * divisor <= kLeastState * precision; divisor *= kStateRange) bits += 8;
     steps_[i] = {.inverse = ~std::uint64_t{0} / divisor + 1,
-                 .threshold = static_cast<std::uint32_t>(kLeastState * kStateRange * divisor),
+                 .last = static_cast<std::uint32_t>(kLeastState * kStateRange * divisor - 1),
                  .start = start,
                  .complement = static_cast<std::uint32_t>(precision) - probability,
                  .bits = bits};
@@ -113,13 +113,14 @@ class RansCoder {
 
   [[gnu::always_inline]] void step() {
     const RansTable::Step& step = steps_[*--next_];
-    const bool gives_more = state_ >= step.threshold;
-    // floor(floor(x / 256) / d) = floor(x / (256 d)), without another multiplication.
-    const auto quotient = static_cast<std::uint32_t>(static_cast<Wide>(step.inverse) * state_ >> 64);
-    const std::uint32_t shift = step.bits + (gives_more ? 8 : 0);
+    // 8 above the last, where the difference has its highest bit set.
+    const std::uint32_t more = (step.last - state_) >> 28 & 8;
+    // floor(floor(x / d) / 256) = floor(x / (256 d)), without another multiplication.
+    const auto quotient = static_cast<std::uint32_t>(static_cast<Wide>(step.inverse) * state_ >> 64) >> more;
+    const std::uint32_t shift = step.bits + more;
     std::memcpy(out_, &state_, sizeof state_);
     out_ += shift / 8;
-    state_ = (state_ >> shift) + step.start + (gives_more ? quotient >> 8 : quotient) * step.complement;
+    state_ = (state_ >> shift) + step.start + quotient * step.complement;
   }
 
   /// The last state, with its own length in the highest two bits.

@@ -25,7 +25,7 @@ class RansTable {
   /// How a symbol changes the state x, where d = probability * 256^k for the fewest bytes k that it always gives off.
   struct Step {
     std::uint64_t inverse;     // of d, in units of 2^-64, rounded up: gives floor(x / d) for all x < 2^30
-    std::uint32_t threshold;   // from here on k + 1 bytes
+    std::uint32_t last;        // the largest state for which it is k; k + 1 above
     std::uint32_t start;       // the probabilities of all symbols below
     std::uint32_t complement;  // 1 - probability
     std::uint32_t bits;        // 8 k
