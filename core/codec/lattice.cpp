@@ -16,6 +16,10 @@ using IntLanes = std::int32_t __attribute__((vector_size(16)));
 // Four points are twelve numbers, and so three times four lanes, in which x, y and z take turns.
 constexpr std::size_t kPoints = 4, kNumbers = 3 * kPoints, kParts = 3;
 
+constexpr IntLanes kAll = {-1, -1, -1, -1};
+
+[[gnu::always_inline]] inline bool are_all(const IntLanes& mask) { return (mask[0] & mask[1] & mask[2] & mask[3]) != 0; }
+
 struct Bounds {
   std::array<float, kNumbers> low, high;
   float slack, steps;  // steps per unit of length
@@ -32,10 +36,11 @@ Bounds bounds_of(const Lattice& lattice) {
   return bounds;
 }
 
-/// Of four points; false where one lies outside.
-[[gnu::always_inline]] inline bool round_four(const float* numbers, const Bounds& bounds, std::int32_t* coordinates) {
-  constexpr float kMost = 1 << 30;  // reached where rounding makes the box larger than it is
-  IntLanes is_inside = {-1, -1, -1, -1};
+/// Of four points; clears lanes of the mask where one lies outside.
+[[gnu::always_inline]] inline void round_four(const float* numbers, const Bounds& bounds, std::int32_t* coordinates,
+                                              IntLanes& are_inside) {
+  // Reached where floats are coarser than the box.
+  const FloatLanes most = FloatLanes{} + static_cast<float>(1 << 30);
   for (std::size_t part = 0; part < kParts; ++part) {
     FloatLanes x, low, high;
     load_lanes(x, numbers + 4 * part);
@@ -43,12 +48,22 @@ Bounds bounds_of(const Lattice& lattice) {
     load_lanes(high, &bounds.high[4 * part]);
     FloatLanes nearest = x > low ? x : low;
     nearest = nearest < high ? nearest : high;
-    is_inside &= (x - nearest <= bounds.slack) & (nearest - x <= bounds.slack);
+    are_inside &= (x - nearest <= bounds.slack) & (nearest - x <= bounds.slack);
     FloatLanes rounded = (nearest - low) * bounds.steps + 0.5f;
-    rounded = rounded < kMost ? rounded : FloatLanes{} + kMost;
+    rounded = rounded < most ? rounded : most;
     store_lanes(__builtin_convertvector(rounded, IntLanes), coordinates + 4 * part);
   }
-  return (is_inside[0] & is_inside[1] & is_inside[2] & is_inside[3]) != 0;
+}
+
+/// As round_four(), of a few.
+bool round_some(std::span<const Vec3f> positions, const Bounds& bounds, std::int32_t* coordinates) {
+  std::array<float, kNumbers> numbers = bounds.low;
+  std::array<std::int32_t, kNumbers> rounded;
+  for (std::size_t i = 0; i < positions.size(); ++i) std::copy_n(positions[i].data(), 3, &numbers[3 * i]);
+  IntLanes are_inside = kAll;
+  round_four(numbers.data(), bounds, rounded.data(), are_inside);
+  std::copy_n(rounded.data(), 3 * positions.size(), coordinates);
+  return are_all(are_inside);
 }
 
 absl::Status refusal(std::size_t i, const Vec3f& p) {
@@ -67,27 +82,15 @@ absl::Status check_lattice(const Lattice& lattice) {
 
 absl::Status to_lattice(const Lattice& lattice, std::span<const Vec3f> positions, std::span<std::int32_t> coordinates) {
   const Bounds bounds = bounds_of(lattice);
-  const std::size_t n = positions.size();
-  // A block that lies outside in part is gone through again, point by point, for the message.
-  const auto find_outside = [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin;; ++i) {
-      std::array<float, kNumbers> four = bounds.low;
-      std::array<std::int32_t, kNumbers> ignored;
-      std::copy_n(positions[i].data(), 3, four.data());
-      if (i + 1 == end || !round_four(four.data(), bounds, ignored.data())) return refusal(i, positions[i]);
-    }
-  };
-  std::size_t i = 0;
-  for (; i + kPoints <= n; i += kPoints) {
-    if (!round_four(positions[i].data(), bounds, &coordinates[3 * i])) return find_outside(i, i + kPoints);
-  }
-  if (i == n) return absl::OkStatus();
-  std::array<float, kNumbers> rest = bounds.low;
-  std::array<std::int32_t, kNumbers> rounded;
-  for (std::size_t j = i; j < n; ++j) std::copy_n(positions[j].data(), 3, &rest[3 * (j - i)]);
-  if (!round_four(rest.data(), bounds, rounded.data())) return find_outside(i, n);
-  std::copy_n(rounded.data(), 3 * (n - i), &coordinates[3 * i]);
-  return absl::OkStatus();
+  const std::size_t n = positions.size(), whole = n - n % kPoints;
+  IntLanes are_inside = kAll;
+  for (std::size_t i = 0; i < whole; i += kPoints) round_four(positions[i].data(), bounds, &coordinates[3 * i], are_inside);
+  const bool is_rest_inside = round_some(positions.subspan(whole), bounds, coordinates.data() + 3 * whole);
+  if (is_rest_inside && are_all(are_inside)) return absl::OkStatus();
+  // Once more, point by point, for the message.
+  std::size_t outside = 0;
+  while (round_some(positions.subspan(outside, 1), bounds, &coordinates[3 * outside])) ++outside;
+  return refusal(outside, positions[outside]);
 }
 
 }  // namespace curvecast
