@@ -1,19 +1,29 @@
 #include "core/codec/draco_codec.h"
 
-#include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
-#include <draco/compression/encode.h>
-#include <draco/point_cloud/point_cloud_builder.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
+#include "core/codec/byte_writer.h"
+#include "core/codec/delta_symbols.h"
+#include "core/codec/lattice.h"
+#include "core/codec/octahedral.h"
+#include "core/codec/symbol_writer.h"
 #include "core/sample/radius_ladder.h"
 
 namespace curvecast {
 namespace {
+
+Lattice lattice_of(const DracoOptions& options) {
+  return {.low = options.box_min.cast<float>(), .size = static_cast<float>(options.box_size), .bits = options.position_bits};
+}
 
 absl::Status check(std::size_t count, const DracoOptions& options) {
   if (count == 0) return absl::InvalidArgumentError("there are no points to encode");
@@ -23,47 +33,67 @@ absl::Status check(std::size_t count, const DracoOptions& options) {
   if (options.normal_bits < 2 || options.normal_bits > 30) {
     return absl::InvalidArgumentError(absl::StrFormat("normal_bits = %d; it must lie in 2 .. 30", options.normal_bits));
   }
-  const auto size = static_cast<float>(options.box_size);
-  if (!options.box_min.cast<float>().allFinite() || !(size > 0) || !std::isfinite(size)) {
-    return absl::InvalidArgumentError("the lattice's box must be finite and larger than nothing, as floats");
-  }
-  return absl::OkStatus();
-}
-
-/// Positions for Draco, which does not survive places outside of its lattice: rounding is put right, all else refused.
-absl::StatusOr<std::vector<Vec3f>> within_box(std::span<const Vec3f> positions, const DracoOptions& options) {
-  const auto size = static_cast<float>(options.box_size);
-  const Vec3f low = options.box_min.cast<float>();
-  const Vec3f high = low + Vec3f::Constant(size);
-  const Vec3f slack = Vec3f::Constant(1e-3f * size);
-  std::vector<Vec3f> inside;
-  inside.reserve(positions.size());
-  for (const Vec3f& p : positions) {
-    if (!((p - low + slack).minCoeff() >= 0 && (high + slack - p).minCoeff() >= 0)) {
-      return absl::InvalidArgumentError(
-          absl::StrFormat("point %d (%g, %g, %g) lies outside of the lattice's box", inside.size(), p.x(), p.y(), p.z()));
-    }
-    inside.push_back(p.cwiseMax(low).cwiseMin(high));
-  }
-  return inside;
+  return check_lattice(lattice_of(options));
 }
 
 // A rung is four codes of 255 for 2^(255 / 8).
 constexpr int kHighestCode = 255, kCodesPerRung = 4, kCodesPerOctave = kCodesPerRung * RadiusLadder::kRungsPerOctave;
 
-std::vector<std::uint8_t> radius_codes(std::span<const float> radii, float largest) {
+void radius_codes(std::span<const float> radii, float largest, std::span<std::int32_t> codes) {
   const RadiusLadder ladder(largest);
-  std::vector<std::uint8_t> codes(radii.size());
-  std::transform(radii.begin(), radii.end(), codes.begin(),
-                 [&](float radius) { return static_cast<std::uint8_t>(kHighestCode - kCodesPerRung * ladder.rung(radius)); });
-  return codes;
+  for (std::size_t i = 0; i < radii.size(); ++i) codes[i] = kHighestCode - kCodesPerRung * ladder.rung(radii[i]);
 }
 
-std::vector<std::array<std::uint8_t, 3>> without_alpha(std::span<const Rgba8> colours) {
-  std::vector<std::array<std::uint8_t, 3>> rgb;
-  rgb.reserve(colours.size());
-  for (const Rgba8& c : colours) rgb.push_back({c.r, c.g, c.b});
-  return rgb;
+void without_alpha(std::span<const Rgba8> colours, std::span<std::int32_t> rgb) {
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    const Rgba8& c = colours[i];
+    rgb[3 * i] = c.r, rgb[3 * i + 1] = c.g, rgb[3 * i + 2] = c.b;
+  }
+}
+
+ValueRange differences(std::span<const std::int32_t> values, int components, std::span<std::uint32_t> symbols) {
+  const ValueRange range = range_of(values);
+  delta_symbols(values, components, range, symbols);
+  return range;
+}
+
+// Codes of Draco's bitstream, version 2.3.
+enum class Transform : std::uint8_t { kWrap = 1, kOctahedral = 3 };
+enum class Type : std::uint8_t { kPosition = 0, kNormal = 1, kColour = 2, kGeneric = 4 };
+enum class DataType : std::uint8_t { kByte = 2, kFloat = 9 };
+enum class Way : std::uint8_t { kInteger = 1, kQuantised = 2, kNormal = 3 };
+
+struct Attribute {
+  Type type;
+  DataType data_type;
+  int components;
+  Way way;
+};
+
+void write_header(ByteWriter& bytes, std::size_t count, std::span<const Attribute> attributes) {
+  constexpr std::uint8_t kHead[] = {'D', 'R', 'A', 'C', 'O', 2, 3, /*point cloud*/ 0, /*sequential*/ 0, /*no metadata*/ 0, 0};
+  bytes.put(kHead);
+  bytes.put(static_cast<std::uint32_t>(count));
+  bytes.put_byte(1);  // group of attributes
+  bytes.put_varint(attributes.size());
+  for (std::size_t i = 0; i < attributes.size(); ++i) {
+    bytes.put(attributes[i].type);
+    bytes.put(attributes[i].data_type);
+    bytes.put_byte(attributes[i].components);
+    bytes.put_byte(0);  // not normalised
+    bytes.put_varint(i);
+  }
+  for (const Attribute& attribute : attributes) bytes.put(attribute.way);
+}
+
+/// Differences to the point before, and the two numbers by which they are undone.
+void write_symbols(ByteWriter& bytes, Transform transform, const SymbolWriter& symbols, std::int32_t first, std::int32_t second) {
+  bytes.put_byte(0);  // predicted to be as before
+  bytes.put(transform);
+  bytes.put_byte(1);  // with an entropy code
+  symbols.write(bytes);
+  bytes.put(first);
+  bytes.put(second);
 }
 
 }  // namespace
@@ -77,39 +107,54 @@ absl::StatusOr<std::string> encode_draco(const PointSet& points, std::size_t beg
                                          const DracoOptions& options, float* radius_min, float* radius_max) {
   if (absl::Status status = check(count, options); !status.ok()) return status;
   const auto part = [&](const auto& column) { return std::span(column).subspan(begin, count); };
-  const absl::StatusOr<std::vector<Vec3f>> positions = within_box(part(points.positions), options);
-  if (!positions.ok()) return positions.status();
   const std::span<const float> radii = part(points.radii);
+  const bool has_colours = !points.colours.empty();
+  // The values of one attribute after the other, and the symbols of all.
+  const std::size_t symbols_of_point = 6 + (has_colours ? 3 : 0);
+  const auto value_memory = std::make_unique_for_overwrite<std::int32_t[]>(3 * count);
+  const auto symbol_memory = std::make_unique_for_overwrite<std::uint32_t[]>(symbols_of_point * count);
+  const std::span values(value_memory.get(), 3 * count), codes = values.first(count);
+  const std::span symbols(symbol_memory.get(), symbols_of_point * count);
+  const auto position_symbols = symbols.first(3 * count), normal_symbols = symbols.subspan(3 * count, 2 * count),
+             radius_symbols = symbols.subspan(5 * count, count), colour_symbols = symbols.subspan(6 * count);
+
+  const Lattice lattice = lattice_of(options);
+  if (absl::Status status = to_lattice(lattice, part(points.positions), values); !status.ok()) return status;
+  const ValueRange position_range = differences(values, 3, position_symbols);
+  const OctahedralLattice octahedron(options.normal_bits);
+  octahedral_symbols(octahedron, part(points.normals), normal_symbols);
   *radius_max = options.radius_max > 0 ? static_cast<float>(options.radius_max) : *std::max_element(radii.begin(), radii.end());
   *radius_min = *radius_max * std::exp2(-static_cast<float>(kHighestCode) / kCodesPerOctave);
-  const std::vector<std::uint8_t> codes = radius_codes(radii, *radius_max);
-  try {
-    draco::PointCloudBuilder builder;
-    builder.Start(static_cast<draco::PointIndex::ValueType>(count));
-    const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
-    const int normal = builder.AddAttribute(draco::GeometryAttribute::NORMAL, 3, draco::DT_FLOAT32);
-    const int radius = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 1, draco::DT_UINT8);
-    builder.SetAttributeValuesForAllPoints(position, positions->data(), sizeof(Vec3f));
-    builder.SetAttributeValuesForAllPoints(normal, part(points.normals).data(), sizeof(Vec3f));
-    builder.SetAttributeValuesForAllPoints(radius, codes.data(), sizeof(std::uint8_t));
-    if (!points.colours.empty()) {
-      const int colour = builder.AddAttribute(draco::GeometryAttribute::COLOR, 3, draco::DT_UINT8);
-      builder.SetAttributeValuesForAllPoints(colour, without_alpha(part(points.colours)).data(), 3);
-    }
-    const std::unique_ptr<draco::PointCloud> cloud = builder.Finalize(/*deduplicate_points=*/false);
-    draco::Encoder encoder;
-    encoder.SetEncodingMethod(draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
-    const Vec3f corner = options.box_min.cast<float>();
-    encoder.SetAttributeExplicitQuantization(draco::GeometryAttribute::POSITION, options.position_bits, 3, corner.data(),
-                                             static_cast<float>(options.box_size));
-    encoder.SetAttributeQuantization(draco::GeometryAttribute::NORMAL, options.normal_bits);
-    draco::EncoderBuffer buffer;
-    const draco::Status status = encoder.EncodePointCloudToBuffer(*cloud, &buffer);
-    if (!status.ok()) return absl::InternalError(absl::StrCat("Draco could not encode the points: ", status.error_msg_string()));
-    return std::string(buffer.data(), buffer.size());
-  } catch (const std::exception& error) {
-    return absl::InternalError(absl::StrCat("Draco could not encode the points: ", error.what()));
+  radius_codes(radii, *radius_max, codes);
+  const ValueRange radius_range = differences(codes, 1, radius_symbols);
+  ValueRange colour_range{};
+  if (has_colours) {
+    without_alpha(part(points.colours), values);
+    colour_range = differences(values, 3, colour_symbols);
   }
+
+  SymbolWriter position(position_symbols, 3), normal(normal_symbols, 2), radius(radius_symbols, 1);
+  std::optional<SymbolWriter> colour;
+  std::vector<RansRun*> runs = {&position.run(), &normal.run(), &radius.run()};
+  // The two longest side by side.
+  if (has_colours) runs.insert(runs.begin() + 1, &colour.emplace(colour_symbols, 3).run());
+  code_runs(runs);
+
+  ByteWriter bytes;
+  std::vector<Attribute> attributes = {{Type::kPosition, DataType::kFloat, 3, Way::kQuantised},
+                                       {Type::kNormal, DataType::kFloat, 3, Way::kNormal},
+                                       {Type::kGeneric, DataType::kByte, 1, Way::kInteger}};
+  if (has_colours) attributes.push_back({Type::kColour, DataType::kByte, 3, Way::kInteger});
+  write_header(bytes, count, attributes);
+  write_symbols(bytes, Transform::kWrap, position, position_range.least, position_range.most);
+  write_symbols(bytes, Transform::kOctahedral, normal, octahedron.modulus, octahedron.center);
+  write_symbols(bytes, Transform::kWrap, radius, radius_range.least, radius_range.most);
+  if (has_colours) write_symbols(bytes, Transform::kWrap, *colour, colour_range.least, colour_range.most);
+  for (const float x : lattice.low) bytes.put(x);
+  bytes.put(lattice.size);
+  bytes.put_byte(lattice.bits);
+  bytes.put_byte(options.normal_bits);
+  return std::move(bytes).take();
 }
 
 }  // namespace curvecast
