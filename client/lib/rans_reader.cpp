@@ -7,61 +7,78 @@
 namespace curvecast::client {
 namespace {
 
-constexpr int kIndexBits = 12;
 constexpr std::uint32_t kZeroRun = 3;  // of the low two bits of a table's byte; other values: how many bytes follow
+constexpr int kNarrowBits = 12;        // an entry of four bytes: frequency - 1, offset, slot
+constexpr std::size_t kMostNarrowSlots = 256;
+constexpr int kMostWideBits = 15;  // beyond, a table would be larger than what is read with it
+constexpr int kIndexBits = 12;
 
 }  // namespace
 
 /// A stream held in registers. Every step appends bytes to the state until it is at least four times the sum of the frequencies,
 /// as long as there are any, and then takes the symbol of its low bits out.
-struct RansReader::Direct {
-  explicit Direct(const RansReader& reader)
-      : table(reader.table_.data()),
-        state(reader.state_),
-        begin(reader.begin_),
-        end(reader.end_),
-        precision(static_cast<std::uint32_t>(reader.precision_)),
-        least(4U << reader.precision_) {}
+struct RansReader::Stream {
+  explicit Stream(const RansReader& reader) : state(reader.state_), begin(reader.begin_), end(reader.end_) {}
 
-  void refill() {
-    // Mostly none or one, which no branch predictor knows; so that byte is taken without a jump. The byte before the stream can
-    // always be read: it is of the stream's length.
-    const std::uint32_t longer = state << 8 | end[-1];
-    const bool takes = state < (end > begin ? least : 0);
-    state = takes ? longer : state;
-    end -= takes ? 1 : 0;
-    while (state < least && end > begin) [[unlikely]] {
-        state = state << 8 | *--end;
-      }
+  /// At most `kMost` bytes, which is enough for precisions up to 8 kMost.
+  template <int kMost>
+  void refill(std::uint32_t least) {
+    if (end - begin < kMost) [[unlikely]] {
+      while (state < least && end > begin) state = state << 8 | *--end;
+      return;
+    }
+    // How many it takes is random: a branch would be foreseen wrongly too often. Four bytes can always be read, for a table and
+    // the stream's length come before it.
+    std::uint32_t next_bytes = 0;
+    std::memcpy(&next_bytes, end - sizeof next_bytes, sizeof next_bytes);
+    int unused = 0;
+    for (int i = 0; i < kMost; ++i) unused += state >= least >> 8 * i;
+    const std::uint64_t appended = std::uint64_t{state} << 8 * kMost | next_bytes >> (32 - 8 * kMost);
+    state = static_cast<std::uint32_t>(appended >> 8 * unused);
+    end -= kMost - unused;
   }
 
+  std::uint32_t state;
+  const std::uint8_t *begin, *end;
+};
+
+struct RansReader::NarrowStream : Stream {
+  explicit NarrowStream(const RansReader& reader) : Stream(reader), table(reader.narrow_.data()), slots(reader.slots_.data()) {}
+
   std::uint32_t next() {
-    refill();
+    constexpr std::uint32_t kLow = (1U << kNarrowBits) - 1;
+    refill<2>(4U << kNarrowBits);
+    const std::uint32_t entry = table[state & kLow], high = state >> kNarrowBits;
+    state = high * (entry & kLow) + (high + (entry >> kNarrowBits & kLow));
+    return slots[entry >> 2 * kNarrowBits].symbol;
+  }
+
+  const std::uint32_t* table;
+  const Slot* slots;
+};
+
+struct RansReader::WideStream : Stream {
+  explicit WideStream(const RansReader& reader) : Stream(reader), table(reader.wide_.data()), precision(reader.precision_) {}
+
+  std::uint32_t next() {
+    refill<2>(4U << precision);
     const Entry entry = table[state & ((1U << precision) - 1)];
     state = (state >> precision) * entry.frequency + entry.offset;
     return entry.symbol;
   }
 
-  void put_back(RansReader& reader) const {
-    reader.state_ = state;
-    reader.end_ = end;
-  }
-
   const Entry* table;
-  std::uint32_t state;
-  const std::uint8_t *begin, *end;
-  std::uint32_t precision, least;
+  int precision;
 };
 
-/// The same for precisions whose table would be larger than what is read with it.
-struct RansReader::Searching : Direct {
-  explicit Searching(const RansReader& reader)
-      : Direct(reader), slots(reader.slots_.data()), first(reader.first_.data()), shift(precision - kIndexBits) {}
+struct RansReader::SearchedStream : Stream {
+  explicit SearchedStream(const RansReader& reader)
+      : Stream(reader), slots(reader.slots_.data()), first(reader.first_.data()), precision(reader.precision_) {}
 
   std::uint32_t next() {
-    refill();
+    refill<3>(4U << precision);
     const std::uint32_t low = state & ((1U << precision) - 1);
-    const Slot* slot = slots + first[low >> shift];
+    const Slot* slot = slots + first[low >> (precision - kIndexBits)];
     while (slot[1].start <= low) ++slot;
     state = (state >> precision) * (slot[1].start - slot[0].start) + (low - slot[0].start);
     return slot->symbol;
@@ -69,20 +86,27 @@ struct RansReader::Searching : Direct {
 
   const Slot* slots;
   const std::uint32_t* first;
-  std::uint32_t shift;
+  int precision;
 };
 
 absl::Status RansReader::open(ByteReader& bytes, int precision_bits) {
   precision_ = precision_bits;
   if (absl::Status status = read_table(bytes); !status.ok()) return status;
+  narrow_.clear();
+  wide_.clear();
+  if (precision_ == kNarrowBits && slots_.size() - 1 <= kMostNarrowSlots) {
+    fill_narrow();
+  } else if (precision_ <= kMostWideBits) {
+    fill_wide();
+  } else {
+    index_slots();
+  }
   return start(bytes);
 }
 
 absl::Status RansReader::read_table(ByteReader& bytes) {
-  std::uint32_t symbols = 0;
+  std::uint32_t symbols = 0, sum = 0;
   if (!bytes.read_varint(symbols) || symbols == 0) return broken_draco("it lacks a table of symbols");
-  sum_ = 0;
-  table_.resize(is_direct() ? std::size_t{1} << precision_ : 0);
   slots_.clear();
   for (std::uint32_t symbol = 0; symbol < symbols; ++symbol) {
     std::uint8_t byte = 0;
@@ -98,33 +122,40 @@ absl::Status RansReader::read_table(ByteReader& bytes) {
       if (!bytes.read(byte)) return broken_draco("it ends within a table of symbols");
       frequency |= static_cast<std::uint32_t>(byte) << (8 * i + 6);
     }
-    if (frequency > (1U << precision_) - sum_) return broken_draco("the frequencies of its symbols are too large");
-    if (frequency > 0) add(symbol, frequency);
+    if (frequency > (1U << precision_) - sum) return broken_draco("the frequencies of its symbols are too large");
+    if (frequency > 0) slots_.push_back({sum, symbol});
+    sum += frequency;
   }
-  if (sum_ != 1U << precision_) return broken_draco("the frequencies of its symbols are too small");
-  if (!is_direct()) index_slots();
+  if (sum != 1U << precision_) return broken_draco("the frequencies of its symbols are too small");
+  slots_.push_back({sum, 0});
   return absl::OkStatus();
 }
 
-void RansReader::add(std::uint32_t symbol, std::uint32_t frequency) {
-  if (is_direct()) {
-    Entry* entry = table_.data() + sum_;
-    for (std::uint32_t i = 0; i < frequency; ++i) {
-      entry[i] = {static_cast<std::uint16_t>(frequency), static_cast<std::uint16_t>(i), symbol};
-    }
-  } else {
-    slots_.push_back({sum_, symbol});
+void RansReader::fill_narrow() {
+  narrow_.resize(std::size_t{1} << precision_);
+  for (std::size_t slot = 0; slot + 1 < slots_.size(); ++slot) {
+    const std::uint32_t start = slots_[slot].start, frequency = slots_[slot + 1].start - start;
+    const std::uint32_t first = static_cast<std::uint32_t>(slot) << 2 * kNarrowBits | (frequency - 1);
+    for (std::uint32_t i = 0; i < frequency; ++i) narrow_[start + i] = first | i << kNarrowBits;
   }
-  sum_ += frequency;
+}
+
+void RansReader::fill_wide() {
+  wide_.resize(std::size_t{1} << precision_);
+  for (std::size_t slot = 0; slot + 1 < slots_.size(); ++slot) {
+    const auto [start, symbol] = slots_[slot];
+    const std::uint32_t frequency = slots_[slot + 1].start - start;
+    for (std::uint32_t i = 0; i < frequency; ++i) {
+      wide_[start + i] = {static_cast<std::uint16_t>(frequency), static_cast<std::uint16_t>(i), symbol};
+    }
+  }
 }
 
 void RansReader::index_slots() {
-  slots_.push_back({sum_, 0});
   first_.resize(std::size_t{1} << kIndexBits);
-  const int shift = precision_ - kIndexBits;
   std::uint32_t slot = 0;
   for (std::uint32_t i = 0; i < first_.size(); ++i) {
-    while (slots_[slot + 1].start <= i << shift) ++slot;
+    while (slots_[slot + 1].start <= i << (precision_ - kIndexBits)) ++slot;
     first_[i] = slot;
   }
 }
@@ -149,35 +180,43 @@ absl::Status RansReader::start(ByteReader& bytes) {
 void RansReader::read(std::size_t count, std::uint32_t* symbols) {
   const auto read_all = [&](auto stream) {
     std::generate(symbols, symbols + count, [&] { return stream.next(); });
-    stream.put_back(*this);
+    put_back(stream);
   };
-  if (is_direct()) {
-    read_all(Direct(*this));
+  if (is_narrow()) {
+    read_all(NarrowStream(*this));
+  } else if (!wide_.empty()) {
+    read_all(WideStream(*this));
   } else {
-    read_all(Searching(*this));
+    read_all(SearchedStream(*this));
   }
 }
 
-bool RansReader::had_enough() {
-  Direct stream(*this);
-  stream.refill();
-  return stream.state >= stream.least;
+void RansReader::put_back(const Stream& stream) {
+  state_ = stream.state;
+  end_ = stream.end;
+}
+
+bool RansReader::had_enough() const {
+  Stream stream(*this);
+  stream.refill<3>(4U << precision_);
+  return stream.state >= 4U << precision_;
 }
 
 void RansReader::read_together(const std::array<RansReader*, 3>& readers, std::size_t count,
                                const std::array<std::uint32_t*, 3>& symbols) {
-  Direct a(*readers[0]), b(*readers[1]), c(*readers[2]);
-  for (std::size_t i = 0; i < count; ++i) {
-    symbols[0][3 * i] = a.next();
-    symbols[1][2 * i] = b.next();
-    symbols[2][i] = c.next();
-    symbols[0][3 * i + 1] = a.next();
-    symbols[1][2 * i + 1] = b.next();
-    symbols[0][3 * i + 2] = a.next();
+  NarrowStream a(*readers[0]), b(*readers[1]), c(*readers[2]);
+  auto [to_a, to_b, to_c] = symbols;
+  for (std::size_t i = 0; i < count; ++i, to_a += 3, to_b += 2) {
+    to_a[0] = a.next();
+    to_b[0] = b.next();
+    to_c[i] = c.next();
+    to_a[1] = a.next();
+    to_b[1] = b.next();
+    to_a[2] = a.next();
   }
-  a.put_back(*readers[0]);
-  b.put_back(*readers[1]);
-  c.put_back(*readers[2]);
+  readers[0]->put_back(a);
+  readers[1]->put_back(b);
+  readers[2]->put_back(c);
 }
 
 }  // namespace curvecast::client

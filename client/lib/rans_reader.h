@@ -25,19 +25,17 @@ class RansReader {
   void read(std::size_t count, std::uint32_t* symbols);
 
   /// False when symbols were read that the bytes did not hold. Ask after the last one.
-  bool had_enough();
+  bool had_enough() const;
 
-  /// Whether one lookup finds a symbol; see read_together().
-  bool is_direct() const { return precision_ <= kMostDirectBits; }
+  /// Whether the table is a small one; see read_together().
+  bool is_narrow() const { return !narrow_.empty(); }
 
   /// Reads 3, 2 and 1 symbols of three streams `count` times: faster than one after the other, because a stream is one chain of
-  /// dependent steps. All must be direct.
+  /// dependent steps. All must be narrow.
   static void read_together(const std::array<RansReader*, 3>& readers, std::size_t count,
                             const std::array<std::uint32_t*, 3>& symbols);
 
  private:
-  static constexpr int kMostDirectBits = 15;
-
   /// What follows from the low bits of a state.
   struct Entry {
     std::uint16_t frequency, offset;
@@ -47,19 +45,24 @@ class RansReader {
   struct Slot {
     std::uint32_t start, symbol;
   };
-  struct Direct;
-  struct Searching;
+  struct Stream;
+  struct NarrowStream;
+  struct WideStream;
+  struct SearchedStream;
 
   absl::Status read_table(ByteReader& bytes);
-  void add(std::uint32_t symbol, std::uint32_t frequency);
+  void fill_narrow();
+  void fill_wide();
   void index_slots();
   absl::Status start(ByteReader& bytes);
+  void put_back(const Stream& stream);
 
-  int precision_ = 0;                 // bits
-  std::uint32_t sum_ = 0;             // of the frequencies so far
-  std::vector<Entry> table_;          // one for every value of the low bits, if they are few
-  std::vector<Slot> slots_;           // otherwise: the symbols that occur, and one behind them
-  std::vector<std::uint32_t> first_;  // the slot of the first value of every 2^-kIndexBits of them
+  int precision_ = 0;        // bits
+  std::vector<Slot> slots_;  // and one behind them
+  // Whatever finds a slot soonest for that many of them and that precision; the others are empty.
+  std::vector<std::uint32_t> narrow_;  // for every value of the low bits
+  std::vector<Entry> wide_;            // for every value of the low bits
+  std::vector<std::uint32_t> first_;   // the first slot for every value of the highest of the low bits
 
   std::uint32_t state_ = 0;
   const std::uint8_t *begin_ = nullptr, *end_ = nullptr;  // what is left of the stream

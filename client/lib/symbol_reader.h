@@ -24,10 +24,10 @@ class SymbolReader {
   void read(std::size_t points, std::uint32_t* symbols);
 
   /// As RansReader::had_enough().
-  bool had_enough() { return coding_ != Coding::kEntropy || rans_.had_enough(); }
+  bool had_enough() const { return coding_ != Coding::kEntropy || rans_.had_enough(); }
 
   /// What RansReader::read_together() takes, or null.
-  RansReader* direct() { return coding_ == Coding::kEntropy && rans_.is_direct() ? &rans_ : nullptr; }
+  RansReader* narrow() { return coding_ == Coding::kEntropy && rans_.is_narrow() ? &rans_ : nullptr; }
 
  private:
   enum class Coding { kBytes, kEntropy, kTagged };
