@@ -74,7 +74,8 @@ absl::Status SymbolReader::open_tagged(ByteReader& bytes, std::size_t points) {
       bits += components_ * part[i];
     }
   }
-  if (!rans_.had_enough() || !bytes.take((bits + 7) / 8, data_)) return broken_draco("it ends within its values");
+  if (!rans_.had_enough()) return broken_draco("its symbols end too early");
+  if (!bytes.take((bits + 7) / 8, data_)) return broken_draco("it ends within its values");
   point_ = bit_ = 0;
   return absl::OkStatus();
 }
