@@ -4,6 +4,7 @@
 #include <draco/compression/expert_encode.h>
 #include <draco/point_cloud/point_cloud_builder.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -32,12 +33,24 @@ int add(draco::PointCloudBuilder& builder, Attribute::Type type, int components,
   return id;
 }
 
+/// Where a point of [-1, 1]^3 lies along a Z curve.
+std::uint32_t place_on_curve(const std::array<float, 3>& p) {
+  std::uint32_t place = 0;
+  for (int bit = 9; bit >= 0; --bit) {
+    for (const float x : p) place = place << 1 | (static_cast<std::uint32_t>(511.5F * (x + 1)) >> bit & 1);
+  }
+  return place;
+}
+
 }  // namespace
 
 std::string draco_cloud(const DracoCloudOptions& options) {
   const std::size_t n = options.points;
   Points points = sphere_points(n);
   std::mt19937 random(static_cast<unsigned>(n));
+  std::sort(points.positions.begin(), points.positions.end(),
+            [](const auto& a, const auto& b) { return place_on_curve(a) < place_on_curve(b); });
+  points.normals = points.positions;
   if (options.scattered) {
     for (std::size_t i = n - 1; i > 0; --i) {
       const std::size_t other = random() % (i + 1);

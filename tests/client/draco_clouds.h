@@ -10,10 +10,10 @@ struct DracoCloudOptions {
   std::size_t points = 1000;
   int position_bits = 11, normal_bits = 8;
   int colour_components = 0;  // 0, 3 or 4
-  int speed = 3;              // 0 .. 10, as Draco counts
+  int speed = 5;              // 0 .. 10, as Draco counts
   bool entropy_coded = true;
   bool all_equal = false;
-  bool scattered = false;  // without the order along a curve that keeps differences small
+  bool scattered = false;  // or else in order along a curve, which keeps differences small
 };
 
 /// Positions, normals, a byte per point and colours.
