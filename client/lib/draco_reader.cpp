@@ -159,7 +159,7 @@ absl::Status DracoReader::read_values(std::size_t points, RadiusRange radii, con
 }
 
 void DracoReader::read_part(std::size_t count) {
-  RansReader *position = position_.symbols.narrow(), *normal = normal_.symbols.narrow(), *radius = radius_.symbols.narrow();
+  RansReader *position = position_.symbols.entropy(), *normal = normal_.symbols.entropy(), *radius = radius_.symbols.entropy();
   const bool together = normal_.present && radius_.present && position != nullptr && normal != nullptr && radius != nullptr;
   if (together) {
     RansReader::read_together({position, normal, radius}, count,

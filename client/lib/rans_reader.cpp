@@ -177,18 +177,22 @@ absl::Status RansReader::start(ByteReader& bytes) {
   return absl::OkStatus();
 }
 
+template <typename Function>
+void RansReader::with_stream(Function&& function) const {
+  if (!narrow_.empty()) {
+    function(NarrowStream(*this));
+  } else if (!wide_.empty()) {
+    function(WideStream(*this));
+  } else {
+    function(SearchedStream(*this));
+  }
+}
+
 void RansReader::read(std::size_t count, std::uint32_t* symbols) {
-  const auto read_all = [&](auto stream) {
+  with_stream([&](auto stream) {
     std::generate(symbols, symbols + count, [&] { return stream.next(); });
     put_back(stream);
-  };
-  if (is_narrow()) {
-    read_all(NarrowStream(*this));
-  } else if (!wide_.empty()) {
-    read_all(WideStream(*this));
-  } else {
-    read_all(SearchedStream(*this));
-  }
+  });
 }
 
 void RansReader::put_back(const Stream& stream) {
@@ -204,19 +208,23 @@ bool RansReader::had_enough() const {
 
 void RansReader::read_together(const std::array<RansReader*, 3>& readers, std::size_t count,
                                const std::array<std::uint32_t*, 3>& symbols) {
-  NarrowStream a(*readers[0]), b(*readers[1]), c(*readers[2]);
-  auto [to_a, to_b, to_c] = symbols;
-  for (std::size_t i = 0; i < count; ++i, to_a += 3, to_b += 2) {
-    to_a[0] = a.next();
-    to_b[0] = b.next();
-    to_c[i] = c.next();
-    to_a[1] = a.next();
-    to_b[1] = b.next();
-    to_a[2] = a.next();
-  }
-  readers[0]->put_back(a);
-  readers[1]->put_back(b);
-  readers[2]->put_back(c);
+  const auto read_all = [&](auto a, auto b, auto c) {
+    auto [to_a, to_b, to_c] = symbols;
+    for (std::size_t i = 0; i < count; ++i, to_a += 3, to_b += 2) {
+      to_a[0] = a.next();
+      to_b[0] = b.next();
+      to_c[i] = c.next();
+      to_a[1] = a.next();
+      to_b[1] = b.next();
+      to_a[2] = a.next();
+    }
+    readers[0]->put_back(a);
+    readers[1]->put_back(b);
+    readers[2]->put_back(c);
+  };
+  readers[0]->with_stream([&](const auto& a) {
+    readers[1]->with_stream([&](const auto& b) { readers[2]->with_stream([&](const auto& c) { read_all(a, b, c); }); });
+  });
 }
 
 }  // namespace curvecast::client

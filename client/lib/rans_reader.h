@@ -27,11 +27,8 @@ class RansReader {
   /// False when symbols were read that the bytes did not hold. Ask after the last one.
   bool had_enough() const;
 
-  /// Whether the table is a small one; see read_together().
-  bool is_narrow() const { return !narrow_.empty(); }
-
   /// Reads 3, 2 and 1 symbols of three streams `count` times: faster than one after the other, because a stream is one chain of
-  /// dependent steps. All must be narrow.
+  /// dependent steps.
   static void read_together(const std::array<RansReader*, 3>& readers, std::size_t count,
                             const std::array<std::uint32_t*, 3>& symbols);
 
@@ -55,6 +52,9 @@ class RansReader {
   void fill_wide();
   void index_slots();
   absl::Status start(ByteReader& bytes);
+  /// Calls the function with the stream, as the table asks for.
+  template <typename Function>
+  void with_stream(Function&& function) const;
   void put_back(const Stream& stream);
 
   int precision_ = 0;        // bits

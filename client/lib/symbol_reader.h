@@ -27,7 +27,7 @@ class SymbolReader {
   bool had_enough() const { return coding_ != Coding::kEntropy || rans_.had_enough(); }
 
   /// What RansReader::read_together() takes, or null.
-  RansReader* narrow() { return coding_ == Coding::kEntropy && rans_.is_narrow() ? &rans_ : nullptr; }
+  RansReader* entropy() { return coding_ == Coding::kEntropy ? &rans_ : nullptr; }
 
  private:
   enum class Coding { kBytes, kEntropy, kTagged };
