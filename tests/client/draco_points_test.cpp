@@ -20,32 +20,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr std::size_t kCountOffset = 11;  // of the point count, in a Draco cloud without metadata
-
-/// Draco data of `count` points without radii, and so without metadata.
-std::string plain_draco(std::size_t count) {
-  Points points = sphere_points(count);
-  points.radii.clear();
-  return *make_drc(points, {});
-}
-
-std::string with_count(std::string bytes, std::int32_t count) {
-  std::memcpy(&bytes[kCountOffset], &count, sizeof count);
-  return bytes;
-}
-
-/// A header and nothing else: `attributes` times `components` of `type`.
-std::string bare_header(std::int32_t points, std::uint8_t attributes, std::uint8_t type, std::uint8_t components) {
-  std::string bytes("DRACO\x02\x03\x00\x00\x00\x00", kCountOffset);
-  bytes.append(reinterpret_cast<const char*>(&points), sizeof points);
-  bytes += '\x01';
-  bytes += static_cast<char>(attributes);
-  for (int i = 0; i < attributes; ++i) {
-    bytes += {'\x00', static_cast<char>(type), static_cast<char>(components), '\x00', static_cast<char>(i)};
-  }
-  return bytes;
-}
-
 double distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
@@ -125,47 +99,6 @@ TEST(DecodeBlock, RefusesWhatIsNotFinite) {
     block.mutable_origin()->set_x(value);
     EXPECT_TRUE(absl::IsDataLoss(decode_block(block).status()));
   }
-}
-
-TEST(CheckDracoHeader, ReadsTheCountOfARealCloud) {
-  const auto header = check_draco_header(plain_draco(1234));
-  ASSERT_TRUE(header.ok()) << header.status();
-  EXPECT_EQ(header->points, 1234U);
-  EXPECT_EQ(header->bytes_per_point, 24U);
-  EXPECT_FALSE(header->radii.valid());
-}
-
-TEST(CheckDracoHeader, RefusesAbsurdCounts) {
-  const std::string bytes = plain_draco(100);
-  for (const std::int32_t count :
-       {0, -1, std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max(), 2'000'000, 1'000'000'000}) {
-    EXPECT_TRUE(absl::IsInvalidArgument(check_draco_header(with_count(bytes, count)).status())) << count;
-    EXPECT_TRUE(absl::IsInvalidArgument(decode_draco(with_count(bytes, count), {}).status())) << count;
-  }
-}
-
-TEST(CheckDracoHeader, RefusesAttributesThatNeedTooMuchMemory) {
-  constexpr std::uint8_t kFloat = 9, kDouble = 10;
-  EXPECT_TRUE(check_draco_header(bare_header(100, 2, kFloat, 3)).ok());
-  EXPECT_FALSE(check_draco_header(bare_header(100, 1, kDouble, 255)).ok());
-  EXPECT_FALSE(check_draco_header(bare_header(100, 200, kFloat, 3)).ok());
-  EXPECT_FALSE(check_draco_header(bare_header(100, 1, 0, 3)).ok());
-  EXPECT_FALSE(check_draco_header(bare_header(100, 1, 99, 3)).ok());
-  EXPECT_FALSE(check_draco_header(bare_header(100, 1, kFloat, 0)).ok());
-}
-
-TEST(CheckDracoHeader, RefusesOtherFormats) {
-  const std::string bytes = plain_draco(100);
-  const auto changed = [&](std::size_t offset, char value) {
-    std::string other = bytes;
-    other[offset] = value;
-    return check_draco_header(other).status();
-  };
-  EXPECT_THAT(std::string(changed(0, 'd').message()), HasSubstr("DRACO"));
-  EXPECT_THAT(std::string(changed(5, 1).message()), HasSubstr("version is 1.3"));
-  EXPECT_THAT(std::string(changed(7, 1).message()), HasSubstr("no point cloud"));
-  EXPECT_THAT(std::string(changed(8, 7).message()), HasSubstr("method"));
-  EXPECT_FALSE(check_draco_header("").ok());
 }
 
 TEST(DecodeDraco, RefusesEveryTruncation) {
