@@ -30,7 +30,9 @@ struct ServerOptions {
   std::size_t max_streams_of_client = 250;                   // of one address
   std::size_t max_uploads = 64;                              // at once
   std::size_t max_uploads_of_client = 8;
-  double max_view_rate = 240;                               // views and acknowledgements a second that are taken from a stream
+  /// Views and acknowledgements a second that are taken from a stream: who waits for each frame sends one of each in a few
+  /// milliseconds.
+  double max_view_rate = 2000;
   std::uint64_t max_queued_bytes = std::uint64_t{1} << 30;  // of all frames that wait to be read by their clients
   /// Of one session, to which a curve is refined at most where views ask for more than it was made for. Also kept within half of
   /// the machine's free memory. 0: no refinement.

@@ -33,6 +33,8 @@ constexpr int kWarmUpViews = 120, kViews = 360;
 constexpr std::uint64_t kAbused = 8;
 constexpr int kMaxMessage = 64 << 20;  // bytes
 constexpr double kKibi = 1024;
+constexpr double kGoldenDegrees = 137.50776;  // from client to client
+constexpr double kRunDegrees = 0.317;         // from run to run
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -152,12 +154,11 @@ struct Crowd {
   std::uint64_t sent = 0, answered = 0;
 };
 
-/// One of many clients: sends views at a fixed rate, whatever comes back.
-absl::Status join_crowd(const Stage& stage, const StreamBenchOptions& options, std::uint64_t number, Crowd& crowd,
+/// One of many clients: sends views at a fixed rate, whatever comes back; `from`: degrees at which it begins.
+absl::Status join_crowd(const Stage& stage, const StreamBenchOptions& options, double from, std::uint64_t number, Crowd& crowd,
                         std::mutex& mutex) {
   const auto connection = stage.connect();
   const auto stream = client::ViewStream::open(*connection, stage.session_id());
-  const double from = 137.5 * static_cast<double>(number);
   absl::StatusOr<client::Frame> first = answer(*stream, stage.view(from, options.crowd_points), true);
   if (!first.ok()) return first.status();
   const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / options.rate));
@@ -196,7 +197,7 @@ absl::Status join_crowd(const Stage& stage, const StreamBenchOptions& options, s
   return absl::OkStatus();
 }
 
-absl::StatusOr<Crowd> stream_crowd(const Stage& stage, const StreamBenchOptions& options, std::uint64_t clients) {
+absl::StatusOr<Crowd> stream_crowd(const Stage& stage, const StreamBenchOptions& options, std::uint64_t clients, int run) {
   Crowd crowd;
   absl::Status failed;
   std::mutex mutex;
@@ -204,7 +205,9 @@ absl::StatusOr<Crowd> stream_crowd(const Stage& stage, const StreamBenchOptions&
   std::vector<std::jthread> threads;
   for (std::uint64_t c = 0; c < clients; ++c) {
     threads.emplace_back([&, c] {
-      absl::Status status = join_crowd(stage, options, c, crowd, mutex);
+      // No two look from the same place: their frames would be made once.
+      const double from = kGoldenDegrees * static_cast<double>(c) + kRunDegrees * run;
+      absl::Status status = join_crowd(stage, options, from, c, crowd, mutex);
       const std::lock_guard lock(mutex);
       failed.Update(status);
     });
@@ -218,7 +221,7 @@ absl::StatusOr<Crowd> stream_crowd(const Stage& stage, const StreamBenchOptions&
 
 /// What clients notice of others that behave badly, and how much memory these cost.
 absl::Status stream_beside_abusers(const Stage& stage, const StreamBenchOptions& options, BenchReport& report) {
-  const absl::StatusOr<Crowd> alone = stream_crowd(stage, options, kAbused);
+  const absl::StatusOr<Crowd> alone = stream_crowd(stage, options, kAbused, 1);
   if (!alone.ok()) return alone.status();
   const std::uint64_t before = stage.server().resident_bytes();
   const auto view = [&](double i) { return stage.view(i, options.points); };
@@ -226,7 +229,7 @@ absl::Status stream_beside_abusers(const Stage& stage, const StreamBenchOptions&
   std::uint64_t after = 0;
   {
     const Abusers abusers(stage.server().address(), stage.session_id(), view);
-    beside = stream_crowd(stage, options, kAbused);
+    beside = stream_crowd(stage, options, kAbused, 2);
     after = stage.server().resident_bytes();
   }
   if (!beside.ok()) return beside.status();
@@ -257,7 +260,7 @@ absl::StatusOr<double> bytes_of_idle(const Stage& stage, const StreamBenchOption
     Idle& client = clients.emplace_back();
     client.connection = stage.connect();
     client.stream = client::ViewStream::open(*client.connection, stage.session_id());
-    const double degrees = 137.5 * static_cast<double>(c);
+    const double degrees = kGoldenDegrees * static_cast<double>(c);
     for (const double further : {0.0, 1.0}) {
       const absl::StatusOr<client::Frame> frame =
           answer(*client.stream, stage.view(degrees + further, options.crowd_points), true);
@@ -300,7 +303,7 @@ absl::StatusOr<BenchReport> bench_stream(const MeshFile& file, const StreamBench
   }
   for (std::uint64_t clients = 1; clients <= options.clients; clients *= 8) {
     if (absl::Status status = context.check(); !status.ok()) return status;
-    absl::StatusOr<Crowd> crowd = stream_crowd(*stage, options, clients);
+    absl::StatusOr<Crowd> crowd = stream_crowd(*stage, options, clients, static_cast<int>(2 + clients));
     if (!crowd.ok()) return crowd.status();
     const std::string name = absl::StrFormat("%d clients, N = %d, %g views/s each", clients, options.crowd_points, options.rate);
     const auto add = [&](const char* what, double value, const char* unit) {
