@@ -96,17 +96,16 @@ TEST_F(ServerViews, TheNewestViewWinsUnderFlood) {
   constexpr std::uint64_t kViews = 1000;
   for (std::uint64_t i = 1; i <= kViews; ++i) send_view(*stream, i, 5000);
   v1::StreamViewsResponse response;
-  ASSERT_TRUE(stream->Read(&response));
-  EXPECT_EQ(response.frame().sequence(), 1u);
-  ASSERT_TRUE(stream->Read(&response));
-  const std::uint64_t second = response.frame().sequence();
-  EXPECT_GT(second, 1u);
-  // The acknowledgement comes after all views, so the third frame can only answer the last one.
-  send_ack(*stream, second);
-  if (second < kViews) {
+  std::uint64_t last = 0;
+  int frames = 0;
+  for (; last < kViews; ++frames) {
     ASSERT_TRUE(stream->Read(&response));
-    EXPECT_EQ(response.frame().sequence(), kViews);
+    EXPECT_GT(response.frame().sequence(), last);
+    last = response.frame().sequence();
+    if (frames == 1) send_ack(*stream, last);
   }
+  // The acknowledgement comes after all views, so the third frame can only answer the last one.
+  EXPECT_LE(frames, 3);
   stream->WritesDone();
   EXPECT_FALSE(stream->Read(&response));
   EXPECT_TRUE(stream->Finish().ok());
