@@ -67,6 +67,7 @@ absl::Status LiveView::follow(const std::stop_token& stop) {
   std::thread sender([&] { send_views(*stream, over.get_token()); });
   absl::Status status = take_frames(*stream, stop);
   over.request_stop();
+  stream->close().IgnoreError();  // drops frames that nobody takes any more: the sender may wait for the end behind them
   sender.join();
   // Without a digest the server cannot go on from the points, but until its next frame they are what is shown.
   std::shared_ptr<const Points> shown = std::move(held_.points);

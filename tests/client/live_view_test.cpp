@@ -121,7 +121,7 @@ TEST_F(LiveViewTest, GoesOnFromWhatItHoldsAndSendsTheNewestViewAgain) {
   EXPECT_EQ(servers_[1]->request(2).view().sequence(), 3U);
 }
 
-TEST_F(LiveViewTest, ABadFrameIsARreasonToBeginAnew) {
+TEST_F(LiveViewTest, ABadFrameIsAReasonToBeginAnew) {
   LiveView view(connection_, "session", events_.callbacks(), kQuick);
   view.look(view_of(5));
   v1::PointFrame good = key_frame(1, 5), bad = key_frame(1, 5);
