@@ -55,7 +55,7 @@ absl::Status orbit(const std::string& address, const std::string& mesh_path, std
     if (!frame.error.ok()) return finish(frame.error);
     // Here a viewer draws frame.points: all that there are now, however few of them came with the frame.
     std::cout << "view " << frame.sequence << ": " << frame.points->size() << " points, " << (frame.is_delta ? "delta" : "key")
-              << " of " << frame.encoded_bytes << " bytes, +" << frame.added << " -" << frame.removed << '\n';
+              << " of " << frame.encoded_bytes << " bytes, +" << frame.added << " -" << frame.removed << std::endl;
     if (frame.statistics.refining()) return;  // a better frame for this view follows by itself
     if (frame.sequence >= views) return finish(absl::OkStatus());
     view.look(sample(frame.sequence + 1));
