@@ -171,8 +171,9 @@ Command add_stream(CLI::App& root, CommonOptions& options) {
   CLI::App* app =
       add_command(root, options, "stream",
                   "Sends the views of a camera path through the streaming API, one after the other, and measures the frames "
-                  "that come back. Every frame is complete so far: added = its points, removed = those of the frame "
-                  "before; delta_bytes_median is over the frames after the first.",
+                  "that come back. A key frame adds all of its points and removes those of the frame before; a delta, which "
+                  "only the progressive sampler has, those that come and go. delta_bytes_median is over the frames after the "
+                  "first, whichever they are.",
                   {"curvecast stream igea.ply --path orbit --frames 120 -n 50000",
                    "curvecast stream igea.ply --path views.txt --frames 10 -n 20000 -o frames/"});
   add_cache_flags(app, options);

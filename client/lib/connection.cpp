@@ -1,6 +1,6 @@
 #include "client/lib/connection.h"
 
-#include <absl/strings/match.h>
+#include <absl/strings/cord.h>
 #include <absl/strings/str_cat.h>
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
@@ -8,14 +8,13 @@
 #include <grpcpp/security/credentials.h>
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
 #include <optional>
-#include <random>
 #include <utility>
 
 #include "client/lib/point_limit.h"
+#include "client/lib/retry.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
+#include "curvecast/v1/status.pb.h"
 #include "proto/tls/pem_files.h"
 
 namespace curvecast::client {
@@ -28,32 +27,20 @@ constexpr int kMaxMessageBytes = 64 << 20;                         // received; 
 constexpr std::uint64_t kMaxAnswerBytes = std::uint64_t{8} << 30;  // of a parameter mesh: about 80 million triangles
 constexpr int kKeepaliveMs = 20'000;         // between pings during a call; servers allow one every 5 seconds
 constexpr int kKeepaliveTimeoutMs = 10'000;  // until a silent server counts as lost
+// Between attempts to reach a server that is not there. gRPC's own are up to two minutes long: until then all calls fail, though
+// the server be back.
+constexpr int kFirstReconnectMs = 100, kLongestReconnectMs = 2'000;
 
-/// The codes of gRPC and of Abseil have the same numbers.
+/// The codes of gRPC and of Abseil have the same numbers. Of the details, when to try again.
 absl::Status to_absl(const grpc::Status& status) {
   if (status.ok()) return absl::OkStatus();
-  return {static_cast<absl::StatusCode>(status.error_code()), status.error_message()};
-}
-
-bool is_retryable(const absl::Status& status) {
-  switch (status.code()) {
-    case absl::StatusCode::kUnavailable:
-    case absl::StatusCode::kCancelled:
-      return true;
-    case absl::StatusCode::kInternal:
-      return absl::StrContains(status.message(), "RST_STREAM");
-    default:
-      return false;
+  absl::Status out(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
+  v1::Status rich;
+  if (!rich.ParseFromString(status.error_details())) return out;
+  for (const google::protobuf::Any& detail : rich.details()) {
+    if (detail.type_url() == kRetryInfo) out.SetPayload(kRetryInfo, absl::Cord(detail.value()));
   }
-}
-
-/// Sleeps; false when `stop` was requested meanwhile.
-bool sleep_for(milliseconds delay, const std::stop_token& stop) {
-  std::mutex mutex;
-  std::condition_variable_any never;
-  std::unique_lock lock(mutex);
-  never.wait_for(lock, stop, delay, [] { return false; });
-  return !stop.stop_requested();
+  return out;
 }
 
 template <typename T>
@@ -64,17 +51,13 @@ absl::Status status_of(const absl::StatusOr<T>& result) {
 /// Calls `attempt` until it succeeds, fails for good, or the policy is exhausted.
 template <typename Attempt>
 auto with_retry(const RetryPolicy& policy, const std::stop_token& stop, const Attempt& attempt) -> decltype(attempt()) {
-  // Jitter only spreads the load of many clients that lost the same server.
-  std::minstd_rand random(static_cast<unsigned>(std::chrono::steady_clock::now().time_since_epoch().count()));
-  milliseconds delay = policy.first_delay;
+  Backoff backoff(policy.first_delay, policy.longest_delay);
   for (int i = 1;; ++i) {
     auto result = attempt();
     if (result.ok()) return result;
     if (stop.stop_requested()) return absl::CancelledError("cancelled");
-    if (i >= policy.attempts || !is_retryable(status_of(result))) return result;
-    const double jitter = std::uniform_real_distribution<double>(0.5, 1.0)(random);
-    if (!sleep_for(std::chrono::duration_cast<milliseconds>(delay * jitter), stop)) return absl::CancelledError("cancelled");
-    delay = std::min(delay * 2, policy.longest_delay);
+    if (i >= policy.attempts || !is_lost(status_of(result))) return result;
+    if (!sleep_for(backoff.next(), stop)) return absl::CancelledError("cancelled");
   }
 }
 
@@ -343,6 +326,8 @@ std::shared_ptr<grpc::Channel> make_channel(const std::string& address,
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
   return grpc::CreateCustomChannel(address, credentials, arguments);
 }
 

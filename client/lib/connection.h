@@ -51,8 +51,8 @@ class ViewCall {
   virtual absl::Status finish() = 0;
 };
 
-/// An interface, so that clients can be tested without a server. Errors are the server's, or Unavailable, DeadlineExceeded,
-/// and Cancelled once `stop` is requested. Thread-safe.
+/// An interface, so that clients can be tested without a server. Errors are the server's (see retry_after() in retry.h), or
+/// Unavailable, DeadlineExceeded, and Cancelled once `stop` is requested. Thread-safe.
 class Connection {
  public:
   virtual ~Connection() = default;
@@ -101,8 +101,7 @@ struct TlsFiles {
 /// turns out at the first call (Unavailable).
 absl::StatusOr<std::shared_ptr<grpc::Channel>> tls_channel(const std::string& address, const TlsFiles& files);
 
-/// Repeats idempotent calls (all but close_session and stream_views) after Unavailable, after Cancelled that nobody here asked
-/// for (a proxy lost its server) and after Internal for a reset HTTP/2 stream.
+/// Repeats idempotent calls (all but close_session and stream_views) that were lost, see is_lost() in retry.h.
 std::shared_ptr<Connection> make_connection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options = {});
 
 }  // namespace curvecast::client

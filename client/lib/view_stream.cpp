@@ -11,6 +11,7 @@
 
 #include "client/lib/draco_points.h"
 #include "client/lib/point_edits.h"
+#include "client/lib/retry.h"
 
 namespace curvecast::client {
 namespace {
@@ -51,11 +52,13 @@ absl::StatusOr<Frame> decode_frame(const v1::PointFrame& message, HeldFrame& hel
   if (message.has_error()) {
     frame.error = absl::Status(static_cast<absl::StatusCode>(message.error().code()), message.error().message());
     if (frame.error.ok()) frame.error = absl::UnknownError(message.error().message());
+    if (message.error().retry_after() > 0)
+      set_retry_after(frame.error, std::chrono::duration<double>(message.error().retry_after()));
     return frame;
   }
   absl::StatusOr<Points> points = decode_points(message, held.get());
   if (!points.ok()) {
-    held_frame = {.points = nullptr};
+    held_frame = {.points = nullptr, .digest = 0};
     return points.status();
   }
   frame.is_delta = message.kind() == v1::FRAME_KIND_DELTA;
@@ -157,15 +160,20 @@ std::unique_ptr<ViewStream> ViewStream::open(Connection& connection, const std::
   return std::unique_ptr<ViewStream>(new ViewStream(std::move(state)));
 }
 
-absl::StatusOr<std::uint64_t> ViewStream::send_view(const v1::SampleRequest& sample, bool key_frame) {
+absl::StatusOr<std::uint64_t> ViewStream::send_view(const v1::SampleRequest& sample, bool key_frame, std::uint64_t sequence) {
   v1::StreamViewsRequest request;
   *request.mutable_view()->mutable_sample() = sample;
   request.mutable_view()->set_key_frame(key_frame);
   request.mutable_view()->set_first_bytes(state_->first_bytes);
   {
     const std::lock_guard lock(state_->write_mutex);
-    request.mutable_view()->set_sequence(++state_->last_sequence);
     if (!state_->writing) return absl::FailedPreconditionError("the stream is closed");
+    if (sequence == 0) sequence = state_->last_sequence + 1;
+    if (sequence <= state_->last_sequence) {
+      return absl::InvalidArgumentError(absl::StrCat("view ", sequence, " after view ", state_->last_sequence));
+    }
+    state_->last_sequence = sequence;
+    request.mutable_view()->set_sequence(sequence);
     state_->sent.push_back(request.view());
     if (state_->sent.size() > kMostRemembered) state_->sent.pop_front();
     if (state_->call->write(request)) return request.view().sequence();

@@ -24,7 +24,7 @@ struct Frame {
   v1::FrameStatistics statistics;
   std::uint64_t encoded_bytes = 0;  // of the points and edits on the wire
   double decode_seconds = 0;
-  absl::Status error;  // why the server refused the view; the stream goes on
+  absl::Status error;  // why the server refused the view, see also retry_after(); the stream goes on
 };
 
 /// What is left of a stream that broke off, for the next one to go on from.
@@ -50,10 +50,10 @@ class ViewStream {
   ViewStream& operator=(const ViewStream&) = delete;
   ~ViewStream();  // closes at once
 
-  /// Asks for a view and returns its sequence number. The newest view wins: one that is overtaken gets no frame. After the
-  /// stream's end, its status.
-  /// With `key_frame` its frame, or that of the view that overtakes it, replaces all points.
-  absl::StatusOr<std::uint64_t> send_view(const v1::SampleRequest& sample, bool key_frame = false);
+  /// Asks for a view and returns its sequence number: `sequence`, or the next one where that is 0. The newest view wins: one that
+  /// is overtaken gets no frame. With `key_frame` its frame, or that of the view that overtakes it, replaces all points. After
+  /// the stream's end, its status. InvalidArgument: not above the numbers before.
+  absl::StatusOr<std::uint64_t> send_view(const v1::SampleRequest& sample, bool key_frame = false, std::uint64_t sequence = 0);
 
   /// Waits for the next frame, acknowledges it, and decodes it. DeadlineExceeded after `timeout`, DataLoss for a frame that
   /// cannot be decoded (deltas after it cannot be taken in until a key frame comes), Aborted when the server has ended the stream

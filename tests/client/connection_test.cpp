@@ -11,7 +11,9 @@
 #include <string>
 #include <thread>
 
+#include "client/lib/retry.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
+#include "curvecast/v1/status.pb.h"
 
 namespace curvecast::client {
 namespace {
@@ -149,6 +151,19 @@ TEST_F(ConnectionTest, DoesNotRepeatWhatStaysWrong) {
     EXPECT_EQ(status.message(), "why");
     EXPECT_EQ(service_.calls(), ++calls);
   }
+}
+
+TEST_F(ConnectionTest, TellsWhenToTryAgain) {
+  v1::RetryInfo info;
+  info.mutable_retry_delay()->set_seconds(7);
+  v1::Status rich;
+  rich.add_details()->set_type_url("type.googleapis.com/google.rpc.BadRequest");
+  rich.add_details()->set_type_url(kRetryInfo);
+  rich.mutable_details(1)->set_value(info.SerializeAsString());
+  service_.fail_with({grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "full", rich.SerializeAsString()),
+                      grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "full", "no details at all")});
+  EXPECT_EQ(retry_after(get_mesh().status()), std::chrono::seconds(7));
+  EXPECT_FALSE(retry_after(get_mesh().status()).has_value());
 }
 
 TEST_F(ConnectionTest, NeverRepeatsCloseSession) {

@@ -31,9 +31,10 @@ std::string new_path(const std::string& kind) {
 
 }  // namespace
 
-Process::Process(const std::vector<std::string>& arguments) : out_path_(new_path(".out")), err_path_(new_path(".err")) {
+Process::Process(const std::vector<std::string>& arguments, const std::string& program)
+    : out_path_(new_path(".out")), err_path_(new_path(".err")) {
   EXPECT_NE(std::getenv("XDG_CACHE_HOME"), nullptr) << "tests leave the user's own cache alone: set another one";
-  std::vector<std::string> words = {CURVECAST_COMMAND};
+  std::vector<std::string> words = {program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -91,6 +92,8 @@ Finished Process::finish() {
   return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), out(), err()};
 }
 
-Finished run(const std::vector<std::string>& arguments) { return Process(arguments).finish(); }
+Finished run(const std::vector<std::string>& arguments, const std::string& program) {
+  return Process(arguments, program).finish();
+}
 
 }  // namespace curvecast::cli

@@ -17,7 +17,8 @@ struct Finished {
 /// Standard output and error go to files, so nothing blocks. Killed when destroyed while running.
 class Process {
  public:
-  explicit Process(const std::vector<std::string>& arguments);
+  /// `program`: another one than the command.
+  explicit Process(const std::vector<std::string>& arguments, const std::string& program = CURVECAST_COMMAND);
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
   ~Process();
@@ -39,7 +40,7 @@ class Process {
   bool running_ = true;
 };
 
-/// Runs the command to its end.
-Finished run(const std::vector<std::string>& arguments);
+/// Runs the command, or another program, to its end.
+Finished run(const std::vector<std::string>& arguments, const std::string& program = CURVECAST_COMMAND);
 
 }  // namespace curvecast::cli

@@ -3,14 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <condition_variable>
-#include <deque>
 #include <memory>
-#include <mutex>
 #include <thread>
-#include <vector>
 
 #include "tests/client/fake_connection.h"
+#include "tests/client/fake_view_call.h"
 #include "tests/client/sphere_points.h"
 
 namespace curvecast::client {
@@ -19,71 +16,6 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using ::testing::NiceMock;
-
-/// The server's end of a call: answers views with what `answer` makes of them.
-struct FakeServer {
-  std::mutex mutex;
-  std::condition_variable changed;
-  std::deque<v1::StreamViewsResponse> frames;
-  std::vector<v1::StreamViewsRequest> requests;
-  bool ended = false;
-  absl::Status end_status;
-
-  void push(const v1::PointFrame& frame) {
-    const std::lock_guard lock(mutex);
-    *frames.emplace_back().mutable_frame() = frame;
-    changed.notify_all();
-  }
-  void end(absl::Status status) {
-    const std::lock_guard lock(mutex);
-    if (!ended) end_status = std::move(status);
-    ended = true;
-    changed.notify_all();
-  }
-  std::vector<std::uint64_t> acks() {
-    const std::lock_guard lock(mutex);
-    std::vector<std::uint64_t> sequences;
-    for (const auto& request : requests) {
-      if (request.has_ack()) sequences.push_back(request.ack().sequence());
-    }
-    return sequences;
-  }
-};
-
-class FakeViewCall : public ViewCall {
- public:
-  explicit FakeViewCall(std::shared_ptr<FakeServer> server) : server_(std::move(server)) {}
-  bool write(const v1::StreamViewsRequest& request) override {
-    const std::lock_guard lock(server_->mutex);
-    if (server_->ended) return false;
-    server_->requests.push_back(request);
-    return true;
-  }
-  bool read(v1::StreamViewsResponse* response) override {
-    std::unique_lock lock(server_->mutex);
-    server_->changed.wait(lock, [&] { return server_->ended || !server_->frames.empty(); });
-    if (server_->frames.empty()) return false;
-    *response = std::move(server_->frames.front());
-    server_->frames.pop_front();
-    return true;
-  }
-  void writes_done() override { server_->end(absl::OkStatus()); }
-  void cancel() override { server_->end(absl::CancelledError("cancelled")); }
-  absl::Status finish() override { return server_->end_status; }
-
- private:
-  std::shared_ptr<FakeServer> server_;
-};
-
-v1::PointFrame key_frame(std::uint64_t sequence, std::size_t points) {
-  v1::PointFrame frame;
-  frame.set_sequence(sequence);
-  frame.set_curve_revision(3);
-  frame.set_kind(v1::FRAME_KIND_KEY);
-  *frame.add_points() = raw_block(sphere_points(points));
-  frame.mutable_statistics()->set_curve_vertices(99);
-  return frame;
-}
 
 class ViewStreamTest : public ::testing::Test {
  protected:
@@ -98,6 +30,7 @@ TEST_F(ViewStreamTest, OpensNumbersViewsAndAcknowledgesFrames) {
   const auto stream = ViewStream::open(connection_, "session");
   EXPECT_EQ(*stream->send_view({}), 1U);
   EXPECT_EQ(*stream->send_view({}), 2U);
+  EXPECT_TRUE(absl::IsInvalidArgument(stream->send_view({}, false, 2).status()));
   EXPECT_TRUE(server_->acks().empty());
   server_->push(key_frame(2, 50));
   const auto frame = stream->next_frame(seconds(60));
@@ -109,6 +42,8 @@ TEST_F(ViewStreamTest, OpensNumbersViewsAndAcknowledgesFrames) {
   EXPECT_EQ(frame->statistics.curve_vertices(), 99U);
   EXPECT_TRUE(frame->error.ok());
   EXPECT_THAT(server_->acks(), ::testing::ElementsAre(2));
+  EXPECT_EQ(*stream->send_view({}, false, 9), 9U);
+  EXPECT_EQ(*stream->send_view({}), 10U);
   EXPECT_TRUE(stream->close().ok());
   EXPECT_EQ(server_->requests.front().open().session_id(), "session");
 }

@@ -1,0 +1,86 @@
+// A view that lives on: frames by callback, over a stream that is opened again when it breaks off.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "client/lib/connection.h"
+#include "client/lib/retry.h"
+#include "client/lib/view_stream.h"
+#include "curvecast/v1/curvecast.pb.h"
+
+namespace curvecast::client {
+
+enum class LiveViewState {
+  kConnecting,  // at the first look(), and after every wait
+  kLive,        // the first frame of a stream has come
+  kWaiting,     // the stream broke off, the status says how; it is opened again in a moment
+  kEnded,       // for good, the status says why; the last call of all
+};
+
+/// Called from a thread of the view's own, one at a time and not before the first look(). They may call look(), and must not
+/// throw or destroy the view.
+struct LiveViewCallbacks {
+  /// A frame taken in. Frame.sequence is what look() gave. One with an error is a view that the server refused: the view lives
+  /// on.
+  std::function<void(const Frame&)> on_frame;
+  std::function<void(LiveViewState, const absl::Status&)> on_state;
+};
+
+struct LiveViewOptions {
+  bool deltas = true;                              // as in ViewStreamOptions
+  std::uint64_t first_bytes = 0;                   // as in ViewStreamOptions
+  std::chrono::milliseconds first_delay{100};      // before a broken stream is opened again; doubles until a frame comes
+  std::chrono::milliseconds longest_delay{5'000};  // the longest of these; a server that asks for a longer one gets it
+};
+
+/// Opens the stream again, goes on from the points that it holds and sends the newest view once more, when the stream ends in a
+/// way that may pass: when it is lost (see is_lost) or ended in order, with Aborted, DeadlineExceeded, DataLoss (a frame that
+/// cannot be decoded), or ResourceExhausted where the server says when to try again. All else ends the view, as NotFound when the
+/// session is no longer there, or Unauthenticated.
+/// Thread-safe.
+class LiveView {
+ public:
+  LiveView(std::shared_ptr<Connection> connection, std::string session_id, LiveViewCallbacks callbacks,
+           const LiveViewOptions& options = {});
+  LiveView(const LiveView&) = delete;
+  LiveView& operator=(const LiveView&) = delete;
+  ~LiveView() = default;  // stops at once, whatever it waits for; a callback that runs is waited for, none comes after
+
+  /// Asks for a view, and returns its number: 1, 2 ... Never blocks. The newest view wins: one that is overtaken gets no frame.
+  std::uint64_t look(v1::SampleRequest sample);
+
+ private:
+  void run(const std::stop_token& stop);
+  absl::Status follow(const std::stop_token& stop);
+  void send_views(ViewStream& stream, const std::stop_token& stop);
+  absl::Status take_frames(ViewStream& stream, const std::stop_token& stop);
+  void tell(LiveViewState state, const absl::Status& status = absl::OkStatus()) const;
+
+  const std::shared_ptr<Connection> connection_;
+  const std::string session_id_;
+  const LiveViewCallbacks callbacks_;
+  const LiveViewOptions options_;
+
+  std::mutex mutex_;
+  std::condition_variable_any looked_;
+  v1::SampleRequest newest_;  // under mutex_
+  std::uint64_t looks_ = 0;   // under mutex_: the number of the newest view
+
+  // Of the thread.
+  HeldFrame held_;
+  Backoff backoff_;
+
+  std::jthread thread_;  // last: it uses all of the above
+};
+
+}  // namespace curvecast::client
