@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <functional>
@@ -16,6 +17,9 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kBurst = std::chrono::duration_cast<milliseconds>(ViewWorkers::kBurst);
+
+/// Of the patient workers, however low the process's own is; lower than 19 there is none.
+int low(int normal) { return std::min(normal + 10, 19); }
 
 class ViewWorkersTest : public ::testing::Test {
  protected:
@@ -62,7 +66,7 @@ TEST_F(ViewWorkersTest, WhoTakesMoreThanItsShareWorksAtLowPriority) {
   run("greedy", kBurst + milliseconds(100));
   EXPECT_EQ(priority_, normal);
   run("greedy", milliseconds(1));
-  EXPECT_GT(priority_, normal);
+  EXPECT_EQ(priority_, low(normal));
   run("modest", milliseconds(1));
   EXPECT_EQ(priority_, normal);
 }
@@ -72,7 +76,7 @@ TEST_F(ViewWorkersTest, WhatIsOwedIsForgivenWithTime) {
   run("greedy", kBurst + milliseconds(100));
   now_ += 300;  // pays for 75
   run("greedy", milliseconds(0));
-  EXPECT_GT(priority_, normal);
+  EXPECT_EQ(priority_, low(normal));
   now_ += 101;
   run("greedy", milliseconds(0));
   EXPECT_EQ(priority_, normal);
