@@ -199,11 +199,16 @@ absl::StatusOr<Frame> ViewStream::next_frame(std::chrono::milliseconds timeout) 
     state_->queue.pop_front();
   }
   state_->changed.notify_all();
-  // Before decoding, so that the server prepares the next frame meanwhile.
-  v1::StreamViewsRequest request;
-  request.mutable_ack()->set_sequence(message.sequence());
-  state_->write(request);
+  const auto acknowledge = [&] {
+    v1::StreamViewsRequest request;
+    request.mutable_ack()->set_sequence(message.sequence());
+    state_->write(request);
+  };
+  // The server prepares the next frame while all points are decoded; a few are decoded as soon as that is said.
+  const bool is_quick = message.kind() == v1::FRAME_KIND_DELTA;
+  if (!is_quick) acknowledge();
   absl::StatusOr<Frame> frame = decode_frame(message, state_->held);
+  if (is_quick) acknowledge();
   if (frame.ok() && frame->error.ok()) state_->held.sample = state_->sample_of(message.sequence(), state_->held.digest);
   return frame;
 }
