@@ -75,8 +75,11 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                                           .points = request.sample.options.points,
                                           .held = request.held != nullptr ? request.held->digest() : 0,
                                           .first_bytes = request.first_bytes};
-                return frame_cache.get(
-                    key, [&] { return make_frame(*session, request, view_cache, improve_for(session, request.sample, source)); });
+                const auto make = [&] {
+                  return make_frame(*session, request, view_cache, improve_for(session, request.sample, source));
+                };
+                // The last improvement says that no better one follows, which is true for its client only.
+                return request.may_refine ? frame_cache.get(key, make) : make();
               },
           .restore = [this](const Session& session, const HeldClaim& claim) { return restore_held(session, claim, view_cache); },
           .submit = [this, connection = std::move(connection)](
