@@ -3,6 +3,8 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -55,22 +57,45 @@ HeldPoints::HeldPoints(std::shared_ptr<const SurfaceCurve> curve, const RankSele
 
 void HeldPoints::keep_runs(std::span<const std::uint8_t> rungs) {
   constexpr std::size_t kLongest = std::numeric_limits<std::uint8_t>::max();
-  std::size_t changes = 0;
-  for (std::size_t i = 1; i < rungs.size(); ++i) changes += rungs[i] != rungs[i - 1] ? 1 : 0;
   std::vector<Run> runs;
-  runs.reserve(changes + rungs.size() / kLongest + 1);
-  for (std::size_t i = 0, end = 0; i < rungs.size(); i = end) {
-    const std::size_t limit = std::min(rungs.size(), i + kLongest);
-    while (end < limit && rungs[end] == rungs[i]) ++end;
-    runs.push_back({rungs[i], static_cast<std::uint8_t>(end - i)});
+  runs.reserve(rungs.size() / 4 + 1);
+  std::size_t begin = 0;
+  const auto end_run = [&](std::size_t end) {
+    for (; end - begin > kLongest; begin += kLongest) runs.push_back({rungs[begin], kLongest});
+    runs.push_back({rungs[begin], static_cast<std::uint8_t>(end - begin)});
+    begin = end;
+  };
+  // Where a disc differs from the one before, found eight at a time.
+  static_assert(std::endian::native == std::endian::little);
+  std::size_t i = 1;
+  for (; i + sizeof(std::uint64_t) <= rungs.size(); i += sizeof(std::uint64_t)) {
+    std::uint64_t these, before;
+    std::memcpy(&these, &rungs[i], sizeof(these));
+    std::memcpy(&before, &rungs[i - 1], sizeof(before));
+    for (std::uint64_t differs = these ^ before; differs != 0;) {
+      const int byte = std::countr_zero(differs) / 8;
+      end_run(i + static_cast<std::size_t>(byte));
+      differs &= ~(std::uint64_t{0xff} << 8 * byte);
+    }
   }
+  for (; i < rungs.size(); ++i) {
+    if (rungs[i] != rungs[i - 1]) end_run(i);
+  }
+  if (!rungs.empty()) end_run(rungs.size());
   discs_.assign(runs.begin(), runs.end());  // what is kept has no room to spare
 }
 
 void HeldPoints::discs(std::vector<std::uint8_t>& rungs) const {
+  // Most runs are short: sixteen are written whatever their length, and those after them written over.
+  constexpr std::size_t kAtOnce = 16;
+  rungs.resize(selection_.count + kAtOnce);
+  std::uint8_t* next = rungs.data();
+  for (const Run& run : discs_) {
+    std::memset(next, run.rung, kAtOnce);
+    if (run.count > kAtOnce) std::memset(next + kAtOnce, run.rung, run.count - kAtOnce);
+    next += run.count;
+  }
   rungs.resize(selection_.count);
-  auto next = rungs.begin();
-  for (const Run& run : discs_) next = std::fill_n(next, run.count, run.rung);
 }
 
 bool HeldPoints::goes_with(const SurfaceCurve& curve, const Sample& sample) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/density/view_factor.h"
+#include "core/lanes.h"
 #include "core/sample/place_order.h"
 #include "core/sample/resample.h"
 #include "core/sample/splat_radius.h"
@@ -19,6 +20,12 @@ void prefetch(const RankTree& tree, const RankRef& ref) {
   for (const std::vector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) __builtin_prefetch(column->data() + ref.point);
   __builtin_prefetch(chunk.rank.data() + ref.point);
   __builtin_prefetch(chunk.vertex.data() + ref.point);
+}
+
+CURVECAST_WIDE void to_rungs(const SplatRadius& radius, const float* __restrict density, std::size_t n,
+                             std::uint8_t* __restrict rungs) {
+  const SplatRadius own = radius;  // which no store to `rungs` changes
+  for (std::size_t i = 0; i < n; ++i) rungs[i] = own.rung(density[i]);
 }
 
 /// The discs of all points that a selection shows.
@@ -39,7 +46,7 @@ void find_rungs(const SurfaceCurve& curve, const RankSelector& selector, std::ve
     });
   }
   selection.rungs.resize(selection.count);
-  for (std::size_t i = 0; i < selection.count; ++i) selection.rungs[i] = radius.rung(density[i]);
+  to_rungs(radius, density.data(), selection.count, selection.rungs.data());
 }
 
 }  // namespace
