@@ -3,11 +3,29 @@
 #include "server/admission.h"
 
 namespace curvecast::server {
+namespace {
+
+std::string_view metadata(const grpc::CallbackServerContext& context, const char* key) {
+  const auto found = context.client_metadata().find(key);
+  return found == context.client_metadata().end() ? "" : std::string_view(found->second.data(), found->second.size());
+}
+
+}  // namespace
+
+std::string peer_of(const grpc::CallbackServerContext& context) {
+  std::string peer = context.peer();
+  if (!peer.starts_with("inproc")) return peer;
+  const std::string_view named = metadata(context, kPeerKey);
+  return named.empty() ? peer : std::string(named);
+}
+
 absl::StatusOr<std::string> caller_of(const Engine& engine, const grpc::CallbackServerContext& context) {
-  if (engine.tokens == nullptr) return client_of_peer(context.peer());
-  const auto found = context.client_metadata().find("authorization");
-  const bool is_there = found != context.client_metadata().end();
-  return engine.tokens->authenticate(is_there ? std::string_view(found->second.data(), found->second.size()) : "");
+  return caller_of(engine, peer_of(context), metadata(context, "authorization"));
+}
+
+absl::StatusOr<std::string> caller_of(const Engine& engine, const std::string& peer, std::string_view authorization) {
+  if (engine.tokens == nullptr) return client_of_peer(peer);
+  return engine.tokens->authenticate(authorization);
 }
 
 std::string owner_of(const Engine& engine, const grpc::CallbackServerContext& context) {

@@ -187,11 +187,14 @@ void ClientStream::settle(View view, absl::StatusOr<Answer> answer) {
   const bool is_part = answer.ok() && answer->is_part;
   const bool is_coarse = answer.ok() && answer->frame.statistics().refining();
   const std::uint64_t revision = answer.ok() ? answer->frame.curve_revision() : 0;
-  // The client has points for this view: only better ones are news, or that there will be none.
-  const bool is_news = !is_again || is_part || (answer.ok() && (revision > coarse_revision_ || !is_coarse));
+  const std::uint64_t points = answer.ok() ? answer->frame.held_points() : 0;
+  // The client has points for this view: only better ones are news, or more, or that there will be none.
+  const bool is_better = revision > coarse_revision_ || points > coarse_points_ || !is_coarse;
+  const bool is_news = !is_again || is_part || (answer.ok() && is_better);
   if (is_again && view.sequence != last_view_) return;  // overtaken meanwhile
   if (is_coarse && view.sequence == last_view_) {
     coarse_revision_ = revision;
+    coarse_points_ = points;
     coarse_ = view;
     refined_ = refined_ || is_part;  // the next part waits for nothing
   }

@@ -107,6 +107,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   bool computing_ = false;                      // or waiting for a worker
   std::optional<View> coarse_;                  // answered, but from a curve that is being refined; newer views replace it
   std::uint64_t coarse_revision_ = 0;           // of the curve that it was answered from
+  std::uint64_t coarse_points_ = 0;             // that it was answered with
   bool refined_ = false;                        // since the newest answer was begun
   std::deque<v1::StreamViewsResponse> outbox_;  // waits for the transport
   bool sending_ = false;

@@ -3,6 +3,10 @@
 #include <absl/status/statusor.h>
 
 #include <memory>
+#include <optional>
+#include <string>
+
+#include "proto/tls/pem_files.h"
 
 namespace grpc {
 class ServerCredentials;
@@ -12,8 +16,16 @@ namespace curvecast::server {
 
 struct ServerOptions;
 
-/// What the options' TLS files say; without any, that there is no encryption. InvalidArgument for one without the other, and
-/// errors as of tls::read_identity().
-absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> make_credentials(const ServerOptions& options);
+/// With what connections are encrypted, as PEM.
+struct ServerTls {
+  tls::Identity identity;
+  std::string client_authorities = {};  // only clients for whom these vouch may connect; empty: all
+};
+
+/// What the options' TLS files hold; none: no encryption. InvalidArgument for one without the other, and errors as of
+/// tls::read_identity().
+absl::StatusOr<std::optional<ServerTls>> read_server_tls(const ServerOptions& options);
+
+std::shared_ptr<grpc::ServerCredentials> make_credentials(const std::optional<ServerTls>& tls);
 
 }  // namespace curvecast::server

@@ -2,6 +2,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/pipeline.h"
+#include "server/caller.h"
 #include "server/convert_measure.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
@@ -27,7 +28,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
  public:
   MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::MeasureRequest& request)
       : WriteQueue(RequestLog(engine, "Measure", context)) {
-    const absl::Status begun = guarded([&] { return begin(engine, request, context.peer()); });
+    const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 

@@ -1,4 +1,5 @@
 // GetParameterMesh: reads, repairs and flattens a mesh, and sends its discs chunk by chunk.
+#include "server/caller.h"
 #include "server/convert.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
@@ -16,7 +17,7 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
  public:
   ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
       : WriteQueue(RequestLog(engine, "GetParameterMesh", context)) {
-    const absl::Status begun = guarded([&] { return begin(engine, request, context.peer()); });
+    const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 

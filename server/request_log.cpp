@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
+#include "server/caller.h"
 #include "server/log.h"
 
 namespace curvecast::server {
@@ -39,8 +41,11 @@ bool is_request_id(std::string_view id) {
 RequestLog::RequestLog(Engine& engine, const char* method, grpc::CallbackServerContext& context)
     : engine_(engine), method_(method), id_(find_id(context)) {
   context.AddInitialMetadata(kIdKey, id_);
-  if (logs_requests(*engine_.log)) peer_ = context.peer();
+  if (logs_requests(*engine_.log)) peer_ = peer_of(context);
 }
+
+RequestLog::RequestLog(Engine& engine, const char* method, std::string peer)
+    : engine_(engine), method_(method), id_(random_id()), peer_(std::move(peer)) {}
 
 void RequestLog::finish(const grpc::Status& status) {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;

@@ -22,6 +22,9 @@ class RequestLog {
   /// sent yet.
   RequestLog(Engine& engine, const char* method, grpc::CallbackServerContext& context);
 
+  /// The same of a call that does not come through gRPC; its id is known to nobody but the log.
+  RequestLog(Engine& engine, const char* method, std::string peer);
+
   void finish(const grpc::Status& status);
 
  private:

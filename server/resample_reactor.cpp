@@ -1,4 +1,5 @@
 // Resample: one point set, packed on a worker and sent block by block.
+#include "server/caller.h"
 #include "server/convert.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
@@ -14,7 +15,7 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
  public:
   ResampleReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
       : WriteQueue(RequestLog(engine, "Resample", context)) {
-    const absl::Status begun = guarded([&] { return begin(engine, request, context.peer()); });
+    const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 

@@ -7,6 +7,7 @@
 #include <spdlog/logger.h>
 
 #include <mutex>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -18,7 +19,9 @@
 #include "server/engine.h"
 #include "server/guarded.h"
 #include "server/service.h"
+#include "server/web_calls.h"
 #include "server/web_gateway.h"
+#include "server/web_routes.h"
 
 namespace curvecast::server {
 namespace {
@@ -100,20 +103,27 @@ class GrpcServer final : public Server {
   }
 
   /// After listen(): whoever finds the HTTP port finds the other one too.
-  absl::Status listen_http(const std::string& address) {
-    WebRoutes routes;
-    routes["/healthz"] = [] { return WebAnswer{.body = "alive\n"}; };
-    routes["/readyz"] = [this] {
-      const std::string reason = unready();
-      return reason.empty() ? WebAnswer{.body = "ready\n"} : WebAnswer{.status = 503, .body = reason + "\n"};
-    };
-    routes["/metrics"] = [this] {
-      return WebAnswer{.body = engine_.metrics.text(engine_.levels()), .type = "text/plain; version=0.0.4; charset=utf-8"};
-    };
-    auto web = WebGateway::start({.listen = address}, std::move(routes), engine_.log);
-    if (!web.ok()) return web.status();
-    web_ = *std::move(web);
-    engine_.log->info("http on {}, port {}", address, web_->port());
+  absl::Status listen_http(const ServerOptions& options, const std::optional<ServerTls>& tls) {
+    grpc::ChannelArguments arguments;
+    arguments.SetMaxReceiveMessageSize(-1);
+    WebGatewayOptions web{.listen = options.http};
+    if (tls) web.tls = {tls->identity.certificates, tls->identity.key, tls->client_authorities};
+    web.sockets = {.path = "/v1/socket",
+                   .maker = web_calls(engine_, grpc_->InProcessChannel(arguments)),
+                   .origins = options.web_origins,
+                   .max_sockets = options.max_streams,
+                   .max_sockets_of_client = options.max_streams_of_client};
+    const WebRoutes routes = make_web_routes(
+        engine_, [this] { return unready(); }, options.pages);
+    auto gateway = WebGateway::start(web, routes, engine_.log);
+    if (absl::IsUnavailable(gateway.status()) && options.http_may_move) {
+      engine_.log->warn("{}; taking a free port", std::string(gateway.status().message()));
+      web.listen = options.http.substr(0, options.http.rfind(':')) + ":0";
+      gateway = WebGateway::start(web, routes, engine_.log);
+    }
+    if (!gateway.ok()) return gateway.status();
+    web_ = *std::move(gateway);
+    engine_.log->info("http on {}, port {}", web.listen, web_->port());
     return absl::OkStatus();
   }
 
@@ -142,6 +152,7 @@ class GrpcServer final : public Server {
         // A conversation has no end of its own to wait for.
         engine_.stop_streams(absl::UnavailableError("the server is shutting down; reconnect"));
         grpc_->Shutdown(std::chrono::system_clock::now() + drain);
+        if (web_ != nullptr) web_->close_sockets();
         engine_.log->info("stopped");
       }
       engine_.refiner.stop();
@@ -188,8 +199,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     if (address->empty()) continue;
     if (const auto parsed = parse_address(*address); !parsed.ok()) return parsed.status();
   }
-  absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> credentials = make_credentials(options);
-  if (!credentials.ok()) return credentials.status();
+  const absl::StatusOr<std::optional<ServerTls>> tls = read_server_tls(options);
+  if (!tls.ok()) return tls.status();
   std::shared_ptr<const Tokens> tokens;
   const std::string own_token = random_token();
   if (!options.tokens.empty()) {
@@ -210,8 +221,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
       cache = *std::move(opened);
     }
     auto server = std::make_unique<GrpcServer>(options, std::move(log), std::move(cache), std::move(tokens), own_token);
-    absl::Status status = server->listen(options.listen, *std::move(credentials));
-    if (status.ok() && !options.http.empty()) status = server->listen_http(options.http);
+    absl::Status status = server->listen(options.listen, make_credentials(*tls));
+    if (status.ok() && !options.http.empty()) status = server->listen_http(options, *tls);
     if (!status.ok()) return status;
     return server;
   });

@@ -6,10 +6,12 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "server/log.h"
+#include "server/web_file.h"
 
 namespace grpc {
 class Channel;
@@ -43,13 +45,17 @@ struct ServerOptions {
   bool verbose = false;                                 // with log: one line per request too
   LogFormat log_format = LogFormat::kText;
   std::vector<std::string> notes = {};  // lines for the beginning of the log
-  /// "host:port" of the HTTP port: /healthz, /readyz, /metrics; port 0 = any free one; empty = none.
+  /// "host:port" of the HTTP port: the viewer, its WebSocket (web_socket.proto), /healthz, /readyz, /metrics; port 0 = any free
+  /// one; empty = none.
   std::string http = {};
-  bool ready = true;  // else not before set_ready()
-  /// PEM files with which connections over TCP are encrypted, HTTP's not: the server's certificate with those that vouch for it,
-  /// and its key. Without: no encryption.
+  bool http_may_move = false;                 // to any free port where that one is in use
+  std::span<const WebFile> pages = {};        // the viewer's, and whatever else the HTTP port shall serve
+  std::vector<std::string> web_origins = {};  // of pages from elsewhere that may connect: "https://example.org"; "*": all
+  bool ready = true;                          // else not before set_ready()
+  /// PEM files with which connections over TCP are encrypted, of both ports: the server's certificate with those that vouch for
+  /// it, and its key. Without: no encryption.
   std::string tls_cert = {}, tls_key = {};
-  std::string tls_client_ca = {};  // PEM: only clients for whose certificates these vouch may connect; empty: all
+  std::string tls_client_ca = {};  // PEM: only clients for whose certificates these vouch may call; empty: all
 };
 
 /// Thread-safe after start(). Frames of StreamViews are up to 32 MiB: let the client's channel receive that much.

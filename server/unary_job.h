@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/execution_context.h"
+#include "server/caller.h"
 #include "server/engine.h"
 #include "server/grpc_status.h"
 #include "server/guarded.h"
@@ -29,7 +30,7 @@ class UnaryJob final : public grpc::ServerUnaryReactor {
     const absl::Status begun = guarded([&] {
       absl::StatusOr<Work> work = prepare();
       if (!work.ok()) return work.status();
-      return engine.calls.submit([this, work = *std::move(work)] { run(work); }, context.peer()).status();
+      return engine.calls.submit([this, work = *std::move(work)] { run(work); }, peer_of(context)).status();
     });
     if (!begun.ok()) finish(begun);
   }

@@ -1,4 +1,4 @@
-// The server's HTTP port, for those who watch over it.
+// The server's HTTP port: pages, what watches over the server asks for, and WebSockets.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -8,7 +8,13 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
+
+#include "server/web_origin.h"
+#include "server/web_socket.h"
 
 namespace spdlog {
 class logger;
@@ -20,28 +26,48 @@ struct WebAnswer {
   int status = 200;
   std::string body = {};
   std::string type = "text/plain; charset=utf-8";
+  std::vector<std::pair<std::string, std::string>> header = {};  // further fields. Cache-Control is no-store without one
 };
 
 /// What answers GET and HEAD of a path, by path. Called on the gateway's thread, one at a time: whatever takes long there delays
 /// all others.
 using WebRoutes = std::map<std::string, std::function<WebAnswer()>, std::less<>>;
 
+/// With which connections are encrypted, as PEM.
+struct WebTls {
+  std::string certificates;  // the server's, then those that vouch for it
+  std::string key;
+  std::string client_authorities = {};  // only clients for whose certificates these vouch may open WebSockets; empty: all
+};
+
+struct WebSocketOptions {
+  std::string path;
+  WebConversationMaker maker;
+  std::vector<std::string> origins = {};    // of other pages that may, see WebOrigins
+  std::size_t max_sockets = 1000;           // at once
+  std::size_t max_sockets_of_client = 250;  // of one address
+};
+
 struct WebGatewayOptions {
   std::string listen;                 // "host:port"; port 0 = any free one
-  std::size_t max_connections = 128;  // further ones wait until one of them has gone
+  std::size_t max_connections = 128;  // that are no WebSockets; further ones wait until one of them has gone
   std::chrono::milliseconds time_out{
       10'000};  // for a request to arrive whole, an answer to be taken, and the next request to come
+  std::optional<WebTls> tls = {};
+  std::optional<WebSocketOptions> sockets = {};
 };
 
 /// HTTP/1.1 with keep-alive, on one thread. Requests have at most 8 KiB of header and no body. Thread-safe.
 class WebGateway {
  public:
-  /// Unavailable (address in use, or not one of this machine's) or InvalidArgument (malformed address).
+  /// Unavailable (address in use, or not one of this machine's) or InvalidArgument (malformed address, TLS files).
   static absl::StatusOr<std::unique_ptr<WebGateway>> start(const WebGatewayOptions& options, WebRoutes routes,
                                                            std::shared_ptr<spdlog::logger> log);
-  virtual ~WebGateway() = default;  // closes all connections at once
+  virtual ~WebGateway() = default;  // ends all connections at once
 
   virtual int port() const = 0;
+  /// Says to those who have WebSockets that the server goes, and opens no more.
+  virtual void close_sockets() = 0;
 };
 
 }  // namespace curvecast::server

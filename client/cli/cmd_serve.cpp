@@ -12,6 +12,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/configuration.h"
 #include "client/cli/session_flags.h"
+#include "client/web/viewer_files.h"
 #include "server/server.h"
 
 namespace curvecast::cli {
@@ -23,8 +24,12 @@ constexpr std::size_t kMostAtOnce = 1'000'000;
 constexpr std::uint64_t kMaxCurveVertices = 1'000'000'000;
 constexpr std::array<std::string_view, 2> kLogFormats = {"text", "json"};
 
+constexpr char kHttp[] = "127.0.0.1:8080";
+constexpr char kNone[] = "none";
+constexpr std::uint64_t kWarmPoints = 32'768;  // as many as a view is first answered with
+
 struct Flags {
-  server::ServerOptions server = {.listen = "127.0.0.1:50051"};
+  server::ServerOptions server = {.listen = "127.0.0.1:50051", .http = kHttp};
   std::vector<std::string> meshes;
   SessionFlags session;
   double drain = 5;  // seconds
@@ -52,10 +57,9 @@ absl::Status announce(const CommonOptions& options, const std::string& line) {
   return absl::OkStatus();
 }
 
-/// With --json, prints `object` with the sessions in it.
-absl::Status open_meshes(const Flags& flags, const CommonOptions& options, server::Server& server, Json object,
-                         const std::stop_token& stop) {
-  client::Client client(client::make_connection(server.in_process_channel()));
+/// With --json, prints `object` with the sessions in it, which are added to `ids`. `viewer`: its address; empty: there is none.
+absl::Status open_meshes(const Flags& flags, const CommonOptions& options, client::Client& client, const std::string& viewer,
+                         Json object, std::vector<std::string>& ids, const std::stop_token& stop) {
   const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, session_points(0));
   if (!session_options.ok()) return session_options.status();
   Json sessions = Json::array();
@@ -63,13 +67,24 @@ absl::Status open_meshes(const Flags& flags, const CommonOptions& options, serve
     absl::StatusOr<OpenedMesh> opened = open_mesh(client, path, *session_options, options.quiet, stop);
     if (!opened.ok()) return opened.status();
     sessions.push_back({{"mesh", path}, {"session_id", opened->session.session_id()}});
-    if (absl::Status status = announce(options, absl::StrCat("session ", opened->session.session_id(), " ", path));
-        !status.ok()) {
-      return status;
-    }
+    const std::string& id = ids.emplace_back(opened->session.session_id());
+    absl::Status status = announce(options, absl::StrCat("session ", id, " ", path));
+    if (status.ok() && !viewer.empty()) status = announce(options, absl::StrCat("look at ", viewer, "#session=", id));
+    if (!status.ok()) return status;
   }
   object["sessions"] = std::move(sessions);
   return options.json ? print_json(object) : absl::OkStatus();
+}
+
+/// Has the points made that the first views of these sessions will want, so that nobody has to wait for them.
+void warm_up(client::Client& client, const std::vector<std::string>& ids, const std::stop_token& stop) {
+  for (const std::string& id : ids) {
+    v1::ResampleRequest request;
+    request.set_session_id(id);
+    request.mutable_sample()->set_points(kWarmPoints);
+    request.mutable_sample()->set_sampler(v1::SAMPLER_PROGRESSIVE);
+    if (!client.resample_encoded(request, stop).ok()) return;  // views will tell whoever asks for them
+  }
 }
 
 /// The lines in the log that say how the server was set up.
@@ -88,13 +103,23 @@ absl::Status serve(const Flags& flags, const CommonOptions& options, const serve
   if (!server.ok()) return server.status();
   Json addresses = {{"address", address_of(server_options.listen, (*server)->port())}, {"port", (*server)->port()}};
   absl::Status status = announce(options, "listening on " + addresses["address"].get<std::string>());
+  std::string viewer;
   if (status.ok() && !server_options.http.empty()) {
-    addresses["http"] = address_of(server_options.http, (*server)->http_port());
-    status = announce(options, "http on " + addresses["http"].get<std::string>());
+    const std::string http = address_of(server_options.http, (*server)->http_port());
+    addresses["http"] = http;
+    status = announce(options, "http on " + http);
+    if (status.ok() && !server_options.pages.empty()) {
+      viewer = absl::StrCat(server_options.tls_cert.empty() ? "http://" : "https://", http, "/");
+      addresses["viewer"] = viewer;
+      status = announce(options, "viewer on " + viewer);
+    }
   }
-  if (status.ok()) status = open_meshes(flags, options, **server, std::move(addresses), stop);
+  client::Client client(client::make_connection((*server)->in_process_channel()));
+  std::vector<std::string> sessions;
+  if (status.ok()) status = open_meshes(flags, options, client, viewer, std::move(addresses), sessions, stop);
   if (status.ok()) {
     (*server)->set_ready();
+    warm_up(client, sessions, stop);
     wait_for(stop);
   }
   (*server)->shutdown(std::chrono::milliseconds(std::lround(1000 * flags.drain)));
@@ -118,6 +143,9 @@ absl::Status run(CLI::App& app, const Flags& flags, const CommonOptions& options
   server_options.ready = flags.meshes.empty();
   server_options.tls_cert = options.tls.cert;
   server_options.tls_key = options.tls.key;
+  if (server_options.http == kNone) server_options.http.clear();
+  server_options.http_may_move = server_options.http == kHttp;  // nobody has asked for this very one
+  server_options.pages = web::viewer_files();
   return serve(flags, options, server_options, stop);
 }
 
@@ -166,16 +194,16 @@ void add_limit_flags(CLI::App* app, server::ServerOptions* server) {
 }  // namespace
 
 Command add_serve(CLI::App& root, CommonOptions& options) {
-  CLI::App* app =
-      add_command(root, options, "serve",
-                  "Keeps meshes prepared for any number of clients (gRPC; encrypted with --tls-cert and --tls-key). Prints its "
-                  "address when it is "
-                  "ready and a line per opened mesh. SIGTERM or Ctrl-C: running calls get --drain seconds to end; status 0. A "
-                  "second one ends it at once; status 130.",
-                  {"curvecast serve --open bunny.obj --open igea.ply",
-                   "curvecast serve --listen 0.0.0.0:50051 --cache /var/cache/curvecast --cache-size 50GB",
-                   "curvecast serve --config /etc/curvecast.toml --http 127.0.0.1:8080",
-                   "CURVECAST_LISTEN=0.0.0.0:50051 curvecast serve --print-config > curvecast.toml"});
+  CLI::App* app = add_command(
+      root, options, "serve",
+      "Keeps meshes prepared for any number of clients, and shows them in browsers (gRPC, and HTTP for the viewer; both "
+      "encrypted with --tls-cert and --tls-key). Prints its addresses when it is "
+      "ready and a line per opened mesh. SIGTERM or Ctrl-C: running calls get --drain seconds to end; status 0. A "
+      "second one ends it at once; status 130.",
+      {"curvecast serve --open bunny.obj --open igea.ply",
+       "curvecast serve --listen 0.0.0.0:50051 --cache /var/cache/curvecast --cache-size 50GB",
+       "curvecast serve --config /etc/curvecast.toml --http 0.0.0.0:8080",
+       "CURVECAST_LISTEN=0.0.0.0:50051 curvecast serve --print-config > curvecast.toml"});
   for (const char* name : {"--server", "--seed", "--json"}) app->get_option(name)->configurable(false);
   for (const char* name : {"--tls-ca", "--token-file"}) app->remove_option(app->get_option(name));
   const auto flags = std::make_shared<Flags>();
@@ -190,9 +218,16 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       ->capture_default_str();
   app->add_option(
          "--http", flags->server.http,
-         "host:port of an HTTP server with /healthz, /readyz (200 when all meshes are open, 503 before and while it ends) "
-         "and /metrics (Prometheus); without it, none")
-      ->type_name("ADDRESS");
+         "host:port of the viewer, for browsers, and of /healthz, /readyz (200 when all meshes are open, 503 before and "
+         "while it ends) and /metrics (Prometheus); another port where the default one is in use; none: nothing of these")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
+  app->add_option(
+         "--web-origin", flags->server.web_origins,
+         "pages from elsewhere that may connect, by the origin that browsers send (https://example.org); repeat for more; "
+         "*: all")
+      ->type_name("ORIGIN")
+      ->allow_extra_args(false);
   app->add_option("--cache", flags->server.cache,
                   "folder where sessions survive a restart; made if missing; several servers may share one; without it, none")
       ->type_name("DIR");

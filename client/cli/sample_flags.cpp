@@ -60,7 +60,7 @@ void add_budget_flags(CLI::App* command, SampleFlags* flags, CLI::Option* count)
   CLI::Option* error =
       command
           ->add_option("--pixel-error", flags->pixel_error,
-                       "instead of -n: as few points as leave none standing for more than so many pixels squared "
+                       "instead of -n: as few points as leave none standing for more than a square of so many pixels' side "
                        "of a picture that is 1,024 pixels high")
           ->check(CLI::Range(1e-3, 1e4))
           ->type_name("PIXELS");

@@ -91,6 +91,27 @@ TEST_F(ServeTest, IsReadyWhenItsMeshesAreOpen) {
   EXPECT_EQ(server.finish().status, 0);
 }
 
+TEST_F(ServeTest, SaysWhereABrowserFindsTheViewer) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--open", write_sphere("viewed.off", 20)});
+  const std::string http = address_of(server, "http on ");
+  ASSERT_TRUE(server.wait_for("session ")) << server.err();
+  const server::HttpClient::Response page = server::HttpClient(std::stoi(http.substr(http.rfind(':') + 1))).get("/");
+  if (page.status == 200) {  // else built without it
+    EXPECT_THAT(page.header, HasSubstr("text/html"));
+    ASSERT_TRUE(server.wait_for("look at http://" + http + "/#session=")) << server.out();
+  }
+  Process second({"serve", "--listen", "127.0.0.1:0"});
+  EXPECT_NE(address_of(second, "http on "), http);  // the default port is taken, at least by the first one
+  Process none({"serve", "--listen", "127.0.0.1:0", "--http", "none", "--open", write_sphere("unviewed.off", 20)});
+  ASSERT_TRUE(none.wait_for("session ")) << none.err();
+  for (Process* process : {&server, &second, &none}) {
+    process->signal(SIGTERM);
+    const Finished finished = process->finish();
+    EXPECT_EQ(finished.status, 0);
+    EXPECT_EQ(finished.out.find("http") == std::string::npos, process == &none) << finished.out;
+  }
+}
+
 TEST_F(ServeTest, TheSecondSignalEndsItAtOnce) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--drain", "3600"});
   const std::string address = address_of(server);

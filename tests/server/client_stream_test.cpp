@@ -332,6 +332,18 @@ TEST_F(StreamRefinement, NothingNewIsNotSent) {
   EXPECT_FALSE(frames_[1].statistics().refining());
 }
 
+TEST_F(StreamRefinement, MorePointsOfTheSameCurveAreNews) {
+  for (const std::uint64_t shown : {100u, 100u, 400u, 400u}) {
+    shown_ = shown;
+    stream_->refined(*session_);
+    run_all();
+    receive(ack_request(1));
+  }
+  ASSERT_THAT(sequences(), ElementsAre(1, 1, 1));
+  EXPECT_EQ(frames_[1].held_points(), 100u);
+  EXPECT_EQ(frames_[2].held_points(), 400u);
+}
+
 TEST_F(StreamRefinement, ComesToAnEnd) {
   for (int i = 0; i < 100; ++i) {
     publish();

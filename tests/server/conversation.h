@@ -83,6 +83,7 @@ class Conversation : public ClientStream::Transport {
   std::shared_ptr<const Session> session_ = std::make_shared<const Session>();
   std::uint64_t revision_ = 1;
   bool short_ = false;                                   // the curve is too coarse for every view
+  std::uint64_t shown_ = 0;                              // points that a frame says that there are
   std::vector<const HeldPoints*> given_;                 // what the client was said to have, answer by answer
   std::vector<std::shared_ptr<const HeldPoints>> held_;  // and what it has with it
   std::function<void()> on_answer_;                      // while a view is being answered
@@ -110,6 +111,7 @@ class Conversation : public ClientStream::Transport {
                   held_.push_back(answer.held);
                   frame.add_points()->set_count(static_cast<std::uint32_t>(points));
                   frame.set_curve_revision(revision_);
+                  frame.set_held_points(shown_);
                   answer.is_part = request.first_bytes > 0 && parts_-- > 0;
                   frame.mutable_statistics()->set_refining(answer.is_part || (short_ && request.may_refine));
                   cancel_ = request.cancel;

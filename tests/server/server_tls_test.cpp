@@ -6,8 +6,10 @@
 #include <string>
 
 #include "client/lib/connection.h"
+#include "http_client.h"
 #include "server/server.h"
 #include "tests/proto/tls/certificate_files.h"
+#include "web_socket_client.h"
 
 namespace curvecast::server {
 namespace {
@@ -56,6 +58,30 @@ TEST_F(ServerTls, RefusesClientsThatNobodyVouchesFor) {
   EXPECT_EQ(call_with({.ca = ca}).code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(call_with({.ca = ca, .cert = files_->cert("other-client"), .key = files_->key("other-client")}).code(),
             absl::StatusCode::kUnavailable);
+}
+
+TEST_F(ServerTls, EncryptsTheHttpPortToo) {
+  start({.http = "127.0.0.1:0", .tls_cert = files_->cert("ca-server"), .tls_key = files_->key("ca-server")});
+  WebSocketClient socket(server_->http_port(), {.ca = files_->cert("ca")});
+  ASSERT_TRUE(socket.is_open());
+  EXPECT_EQ(socket.call("ListSessions", v1::ListSessionsRequest()).code, 0);
+  EXPECT_FALSE(WebSocketClient(server_->http_port(), {.ca = files_->cert("other")}).is_open());
+  EXPECT_FALSE(WebSocketClient(server_->http_port()).is_open());
+  HttpClient plain(server_->http_port());
+  EXPECT_EQ(plain.get("/healthz").status, 0);
+}
+
+TEST_F(ServerTls, WebSocketsWantACertificateOfTheirClientsToo) {
+  start({.http = "127.0.0.1:0",
+         .tls_cert = files_->cert("ca-server"),
+         .tls_key = files_->key("ca-server"),
+         .tls_client_ca = files_->cert("ca")});
+  const std::string ca = files_->cert("ca");
+  const int port = server_->http_port();
+  EXPECT_TRUE(WebSocketClient(port, {.ca = ca, .cert = files_->cert("ca-client"), .key = files_->key("ca-client")}).is_open());
+  EXPECT_EQ(WebSocketClient(port, {.ca = ca}).http_status(), 403);
+  EXPECT_FALSE(
+      WebSocketClient(port, {.ca = ca, .cert = files_->cert("other-client"), .key = files_->key("other-client")}).is_open());
 }
 
 TEST_F(ServerTls, SaysWhatIsWrongWithItsFiles) {

@@ -1,0 +1,7 @@
+#include "client/web/viewer_files.h"
+
+namespace curvecast::web {
+
+std::span<const server::WebFile> viewer_files() { return {}; }
+
+}  // namespace curvecast::web

@@ -1,0 +1,49 @@
+// Strokes of the brush: dabs of density, as many as the server takes.
+
+import { roomForDabs } from "./sample_request";
+import { mostTerms, type Dab, type Settings } from "./settings";
+
+const spacing = 1.2; // of the dabs of a stroke, in radii: they overlap where they fall off
+
+function distance(a: Dab["centre"], b: Dab["centre"]): number {
+  return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+/// Adds to Settings.dabs, and takes away from them.
+export class Brush {
+  private stroke: number | null = null; // under way
+  private isFullTold = false;
+
+  constructor(
+    private readonly settings: Settings,
+    private readonly notice: (text: string) => void,
+  ) {}
+
+  /// The pointer is at `centre`; `done`: it was lifted there. True where that has added a dab.
+  paint(centre: Dab["centre"], radius: number, done: boolean): boolean {
+    const { dabs } = this.settings;
+    this.stroke ??= 1 + (dabs.at(-1)?.stroke ?? -1);
+    const before = dabs.at(-1);
+    const isNear = before !== undefined && before.stroke === this.stroke && distance(before.centre, centre) < spacing * radius;
+    const adds = !isNear && roomForDabs(this.settings) > 0;
+    if (adds) dabs.push({ centre, radius, factor: this.settings.brushFactor, stroke: this.stroke });
+    else if (!isNear && !this.isFullTold) {
+      this.isFullTold = true;
+      this.notice(`A density has ${mostTerms} terms at most: undo or clear strokes to go on.`);
+    }
+    if (done) {
+      this.stroke = null;
+      this.isFullTold = false;
+    }
+    return adds;
+  }
+
+  undo(): void {
+    const last = this.settings.dabs.at(-1)?.stroke;
+    this.settings.dabs = this.settings.dabs.filter(({ stroke }) => stroke !== last);
+  }
+
+  clear(): void {
+    this.settings.dabs = [];
+  }
+}

@@ -1,0 +1,30 @@
+// Shorter ways to make parts of the page.
+
+interface Properties {
+  class?: string;
+  text?: string;
+  title?: string;
+  onClick?: () => void;
+}
+
+/// A new element with what it holds.
+export function element<Tag extends keyof HTMLElementTagNameMap>(
+  tag: Tag,
+  { class: name, text, title, onClick }: Properties = {},
+  children: readonly Node[] = [],
+): HTMLElementTagNameMap[Tag] {
+  const made = document.createElement(tag);
+  if (name !== undefined) made.className = name;
+  if (text !== undefined) made.textContent = text;
+  if (title !== undefined) made.title = title;
+  if (onClick !== undefined) made.addEventListener("click", onClick);
+  made.append(...children);
+  return made;
+}
+
+/// A button that does not submit anything.
+export function button(text: string, onClick: () => void, title?: string): HTMLButtonElement {
+  const made = element("button", { text, onClick, ...(title !== undefined && { title }) });
+  made.type = "button";
+  return made;
+}

@@ -1,0 +1,53 @@
+// What scripts and tests may read of the page.
+
+import type { LiveViewState, PointStore, Session, StatisticsSummary } from "../stream";
+import type { Viewport } from "../view";
+import type { Application } from "./app";
+import type { Settings } from "./settings";
+
+/// `window.curvecast`, for scripts and tests: what there is at the moment. Nothing of it is to be changed but by the viewport's
+/// own functions (`view.camera = ...`).
+export interface Handle {
+  readonly state: LiveViewState | "none"; // none: no session is open
+  readonly session: Session | null;
+  readonly settings: Readonly<Settings>;
+  readonly statistics: StatisticsSummary | null;
+  readonly look: number; // the number of the newest view; FrameReport.sequence of its frames
+  readonly store: PointStore | null; // of the view-dependent points
+  readonly besideStore: PointStore | null; // of the uniform ones in a split view
+  readonly view: Viewport;
+}
+
+declare global {
+  interface Window {
+    curvecast?: Handle;
+  }
+}
+
+/// A handle on an application.
+export function handleOf(app: Application): Handle {
+  return Object.freeze({
+    get state() {
+      return app.streams?.main.state ?? "none";
+    },
+    get session() {
+      return app.session;
+    },
+    get settings() {
+      return Object.freeze({ ...app.settings });
+    },
+    get statistics() {
+      return app.streams?.main.statistics() ?? null;
+    },
+    get look() {
+      return app.streams?.main.lastLook ?? 0;
+    },
+    get store() {
+      return app.streams?.main.store ?? null;
+    },
+    get besideStore() {
+      return app.streams?.beside?.store ?? null;
+    },
+    view: app.viewport,
+  });
+}

@@ -1,0 +1,158 @@
+// The settings, as a panel of lil-gui.
+
+import GUI, { type Controller } from "lil-gui";
+
+import { element } from "./elements";
+import guiStyle from "../../node_modules/lil-gui/dist/lil-gui.min.css?inline";
+import { pointsRange, type Settings } from "./settings";
+
+/// What the panel's buttons do, and whom it tells.
+export interface PanelActions {
+  changed(): void;
+  upload(): void;
+  fit(): void;
+  undoStroke(): void;
+  clearStrokes(): void;
+  screenshot(): void;
+  exportPly(): void;
+  help(): void;
+}
+
+/// Labels to values, as lil-gui wants them.
+const budgets = { points: "points", bytes: "bytes", "error in pixels": "pixels", automatic: "automatic" };
+const sequences = { jittered: "jittered", regular: "regular", "van der Corput": "vanDerCorput", "golden ratio": "goldenRatio" };
+const curvatures = { "– off": "none", Gaussian: "gauss", mean: "mean", largest: "max" };
+const colourings = {
+  shading: "shading",
+  normal: "normal",
+  curvature: "curvature",
+  rank: "rank",
+  density: "density",
+  "mesh's colour": "colour",
+};
+
+/// lil-gui brings a font for a few signs as a data URL, which the page's policy does not allow; other fonts have them too.
+function withoutFonts(style: string): string {
+  return style.replace(/@font-face\s*\{[^}]*\}/g, "");
+}
+
+/// Shows `settings`, writes to them and then calls `changed`. `sessions` is the list to put at the top.
+export class Panel {
+  private readonly gui: GUI;
+  private readonly conditions: { controller: Controller; applies: () => boolean }[] = [];
+
+  constructor(
+    private readonly settings: Settings,
+    actions: PanelActions,
+    sessions: HTMLElement,
+  ) {
+    document.head.prepend(element("style", { text: withoutFonts(guiStyle) }));
+    this.gui = new GUI({ title: "Curvecast", width: 270, injectStyles: false });
+    this.gui.onChange(() => {
+      this.showWhatApplies();
+      actions.changed();
+    });
+    this.addSessions(sessions, actions);
+    this.addPoints();
+    this.addDensity();
+    this.addBrush(actions);
+    this.addPicture(actions);
+    this.addTools(actions);
+    this.gui.onOpenClose(() => this.makeRoom());
+    if (window.innerWidth < 700) this.gui.close();
+    this.makeRoom();
+    this.showWhatApplies();
+  }
+
+  /// After settings were changed elsewhere.
+  refresh(): void {
+    for (const controller of this.gui.controllersRecursive()) controller.updateDisplay();
+    this.showWhatApplies();
+  }
+
+  toggle(): void {
+    this.gui.show(this.gui._hidden);
+    this.makeRoom();
+  }
+
+  /// The page's style leaves the panel its place.
+  private makeRoom(): void {
+    document.body.classList.toggle("with-panel", !this.gui._hidden && !this.gui._closed);
+  }
+
+  private when(controller: Controller, applies: (settings: Settings) => boolean): void {
+    this.conditions.push({ controller, applies: () => applies(this.settings) });
+  }
+
+  private showWhatApplies(): void {
+    for (const { controller, applies } of this.conditions) controller.show(applies());
+  }
+
+  private addSessions(sessions: HTMLElement, actions: PanelActions): void {
+    const folder = this.gui.addFolder("Sessions");
+    folder.$children.append(sessions);
+    folder.add(actions, "upload").name("Open a mesh … (U)");
+  }
+
+  private addPoints(): void {
+    const s = this.settings;
+    const folder = this.gui.addFolder("Points");
+    folder.add(s, "budget", budgets).name("budget");
+    this.when(
+      folder.add(s, "points", pointsRange.least, pointsRange.most, 1000).name("points"),
+      ({ budget }) => budget === "points",
+    );
+    this.when(folder.add(s, "kilobytes", 4, 8192, 4).name("kilobytes"), ({ budget }) => budget === "bytes");
+    this.when(folder.add(s, "pixelError", 1, 40, 0.5).name("pixels per point"), ({ budget }) => budget === "pixels");
+    this.when(folder.add(s, "frameMilliseconds", 10, 500, 1).name("ms per frame"), ({ budget }) => budget === "automatic");
+    folder.add(s, "sampler", { progressive: "progressive", "equalised (the paper's)": "equalised" }).name("sampler");
+    this.when(folder.add(s, "sequence", sequences).name("sequence"), ({ sampler }) => sampler === "equalised");
+  }
+
+  private addDensity(): void {
+    const s = this.settings;
+    const folder = this.gui.addFolder("Density");
+    folder.add(s, "screen").name("even on the screen");
+    folder.add(s, "frustum").name("in the picture only");
+    folder.add(s, "distance").name("less far away");
+    folder.add(s, "silhouette").name("silhouettes");
+    this.when(folder.add(s, "silhouetteFloor", 0.01, 1).name("elsewhere (s0)"), ({ silhouette }) => silhouette);
+    folder.add(s, "curvature", curvatures).name("curvature");
+    this.when(folder.add(s, "curvatureExponent", 0.1, 3).name("exponent"), ({ curvature }) => curvature !== "none");
+    folder.add(s, "split").name("uniform beside it");
+    folder.add(s, "frozen").name("freeze its camera");
+  }
+
+  private addBrush(actions: PanelActions): void {
+    const s = this.settings;
+    const folder = this.gui.addFolder("Brush");
+    folder.add(s, "brush").name("paint density");
+    folder.add(s, "brushSize", 0.5, 30).name("radius, % of size");
+    folder.add(s, "brushFactor", 0, 64).name("factor");
+    folder.add(actions, "undoStroke").name("Undo a stroke (Ctrl Z)");
+    folder.add(actions, "clearStrokes").name("Clear all strokes");
+    folder.close();
+  }
+
+  private addPicture(actions: PanelActions): void {
+    const s = this.settings;
+    const folder = this.gui.addFolder("Picture");
+    folder.add(s, "mode", ["splats", "dots"]).name("draw");
+    folder.add(s, "colouring", colourings).name("colour by");
+    folder.add(s, "edl").name("eye-dome lighting");
+    this.when(folder.add(s, "splatScale", 0.2, 3).name("size of discs"), ({ mode }) => mode === "splats");
+    this.when(folder.add(s, "dotSize", 1, 10).name("size of dots"), ({ mode }) => mode === "dots");
+    folder.add(s, "background", ["light", "dark"]).name("background");
+    folder.add(s, "navigation", ["orbit", "fly"]).name("navigation");
+    folder.add(actions, "fit").name("Show the whole surface (F)");
+  }
+
+  private addTools(actions: PanelActions): void {
+    const folder = this.gui.addFolder("Tools");
+    folder.add(this.settings, "measuring").name("measure distances");
+    folder.add(actions, "screenshot").name("Save the picture (P)");
+    folder.add(actions, "exportPly").name("Save the points as PLY (X)");
+    folder.add(actions, "help").name("Keys (?)");
+    folder.close();
+  }
+}

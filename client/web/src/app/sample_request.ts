@@ -1,0 +1,98 @@
+// Settings and a camera, as the API wants them.
+
+import type { MessageInitShape } from "@bufbuild/protobuf";
+
+import {
+  CurvatureKind,
+  PointAttribute,
+  Sampler,
+  Sequence,
+  type DensityTermSchema,
+  type SampleRequestSchema,
+} from "../gen/curvecast/v1/curvecast_pb";
+import type { CameraState } from "../view";
+import { mostTerms, type Settings } from "./settings";
+
+/// What SampleRequest is made of.
+export type SampleInit = MessageInitShape<typeof SampleRequestSchema>;
+type TermInit = MessageInitShape<typeof DensityTermSchema>;
+
+const kinds = { gauss: CurvatureKind.GAUSS, mean: CurvatureKind.MEAN, max: CurvatureKind.MAX };
+const sequences = {
+  jittered: Sequence.JITTERED,
+  regular: Sequence.REGULAR,
+  vanDerCorput: Sequence.VAN_DER_CORPUT,
+  goldenRatio: Sequence.GOLDEN_RATIO,
+};
+
+function vec3([x, y, z]: readonly [number, number, number]): { x: number; y: number; z: number } {
+  return { x, y, z };
+}
+
+/// The terms but for those of the brush.
+function plainTerms(settings: Settings): TermInit[] {
+  const { curvature } = settings;
+  const terms: TermInit[] = [];
+  if (curvature !== "none") {
+    terms.push({ term: { case: "curvature", value: { kind: kinds[curvature], exponent: settings.curvatureExponent } } });
+  }
+  if (settings.silhouette) terms.push({ term: { case: "view", value: { s0: settings.silhouetteFloor } } });
+  if (settings.distance) terms.push({ term: { case: "distance", value: {} } });
+  if (settings.screen) terms.push({ term: { case: "screen", value: {} } });
+  if (settings.frustum) terms.push({ term: { case: "frustum", value: {} } });
+  return terms;
+}
+
+/// How many more dabs of the brush there is room for.
+export function roomForDabs(settings: Settings): number {
+  return mostTerms - plainTerms(settings).length - settings.dabs.length;
+}
+
+function budgetOf(settings: Settings): NonNullable<SampleInit["budget"]> {
+  switch (settings.budget) {
+    case "points":
+      return { case: "points", value: BigInt(Math.round(settings.points)) };
+    case "bytes":
+      return { case: "maxBytes", value: BigInt(Math.round(1024 * settings.kilobytes)) };
+    case "pixels":
+      return { case: "pixelError", value: settings.pixelError };
+    case "automatic":
+      return { case: "automatic", value: { frameSeconds: settings.frameMilliseconds / 1000 } };
+  }
+}
+
+/// The view that these settings ask for. `uniform`: with an even density, whatever is set. `size`: of the picture, in pixels.
+export function sampleRequest(
+  settings: Settings,
+  camera: CameraState,
+  size: { width: number; height: number },
+  uniform = false,
+): SampleInit {
+  const terms = uniform ? [] : plainTerms(settings);
+  const dabs = uniform ? [] : settings.dabs.slice(0, mostTerms - terms.length);
+  const needsCamera =
+    settings.budget === "pixels" ||
+    (!uniform && (settings.silhouette || settings.distance || settings.screen || settings.frustum));
+  const attributes: PointAttribute[] = [];
+  if (settings.colouring === "curvature") attributes.push(PointAttribute.CURVATURES);
+  if (settings.colouring === "rank" && settings.sampler === "progressive") attributes.push(PointAttribute.RANK);
+  return {
+    budget: budgetOf(settings),
+    density: [
+      ...terms,
+      ...dabs.map(({ centre, radius, factor }): TermInit => ({
+        term: { case: "brush", value: { centre: vec3(centre), radius, factor } },
+      })),
+    ],
+    // Without: moving it makes no other request.
+    cameras: needsCamera
+      ? [{ eye: vec3(camera.eye), target: vec3(camera.target), up: vec3(camera.up), verticalFovDegrees: camera.fov }]
+      : [],
+    ...(needsCamera && {
+      viewport: { width: Math.max(1, Math.round(size.width)), height: Math.max(1, Math.round(size.height)) },
+    }),
+    sampler: settings.sampler === "progressive" ? Sampler.PROGRESSIVE : Sampler.EQUALISED,
+    sequence: sequences[settings.sequence],
+    attributes,
+  };
+}

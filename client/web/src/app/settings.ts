@@ -1,0 +1,82 @@
+// What a user can set. Lengths are in the units of the mesh where nothing else is said.
+
+import type { Background, Colouring, Mode } from "../view";
+
+/// A dab of the brush: the density is multiplied by `factor` within `radius` of the centre. `stroke`: dabs of one movement are
+/// undone together.
+export interface Dab {
+  centre: [number, number, number];
+  radius: number;
+  factor: number;
+  stroke: number;
+}
+
+export interface Settings {
+  budget: "points" | "bytes" | "pixels" | "automatic";
+  points: number;
+  kilobytes: number; // 1,024 bytes
+  pixelError: number; // side of the largest square that a point may stand for, pixels
+  frameMilliseconds: number; // of the automatic budget
+  sampler: "progressive" | "equalised";
+  sequence: "jittered" | "regular" | "vanDerCorput" | "goldenRatio"; // of the equalised sampler
+  curvature: "none" | "gauss" | "mean" | "max";
+  curvatureExponent: number;
+  silhouette: boolean;
+  silhouetteFloor: number; // s0
+  distance: boolean;
+  screen: boolean;
+  frustum: boolean;
+  dabs: Dab[];
+  brush: boolean; // painting instead of orbiting
+  brushSize: number; // radius, % of the diagonal of the mesh's box
+  brushFactor: number;
+  mode: Mode;
+  colouring: Colouring;
+  background: Background;
+  edl: boolean;
+  dotSize: number; // CSS pixels
+  splatScale: number;
+  navigation: "orbit" | "fly";
+  frozen: boolean; // views are sampled for the camera as it was
+  split: boolean; // left: a uniform density, right: the one set; both with the same budget
+  measuring: boolean;
+}
+
+/// The server multiplies at most so many terms.
+export const mostTerms = 16;
+
+export const pointsRange = { least: 1000, most: 1_000_000 };
+
+/// What a page begins with. A renderer without a graphics card takes fewer points.
+export function defaultSettings(isSoftware: boolean, background: Background): Settings {
+  return {
+    budget: "points",
+    points: isSoftware ? 20_000 : 50_000,
+    kilobytes: 256,
+    pixelError: 3,
+    frameMilliseconds: 100,
+    sampler: "progressive",
+    sequence: "jittered",
+    curvature: "none",
+    curvatureExponent: 1,
+    silhouette: false,
+    silhouetteFloor: 0.1,
+    distance: false,
+    screen: true,
+    frustum: true,
+    dabs: [],
+    brush: false,
+    brushSize: 5,
+    brushFactor: 8,
+    mode: "splats",
+    colouring: "shading",
+    background,
+    edl: true,
+    dotSize: 2,
+    splatScale: 1,
+    navigation: "orbit",
+    frozen: false,
+    split: false,
+    measuring: false,
+  };
+}

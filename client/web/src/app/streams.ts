@@ -1,0 +1,84 @@
+// The streams of a page: the one that is looked at, and beside it one of even density where the picture is split.
+
+import { create, toBinary } from "@bufbuild/protobuf";
+
+import {
+  SampleRequestSchema,
+  type Client,
+  type CurvecastError,
+  type FrameReport,
+  type LiveView,
+  type LiveViewState,
+} from "../stream";
+import type { SampleInit } from "./sample_request";
+
+/// Of the stream that is looked at; `onFrame` of both.
+export interface StreamsEvents {
+  onFrame(frame: FrameReport): void;
+  onState(state: LiveViewState, error: CurvecastError | null, delay: number | null): void;
+}
+
+const firstBytes = 48 << 10; // something shows as soon as these have come
+
+function sameBytes(a: Uint8Array, b: Uint8Array): boolean {
+  return a.length === b.length && a.every((byte, i) => byte === b[i]);
+}
+
+/// A view that is asked only for what is new.
+class Asker {
+  private last: Uint8Array = new Uint8Array(0);
+
+  constructor(readonly view: LiveView) {}
+
+  /// Whether it was new.
+  look(sample: SampleInit): boolean {
+    const bytes = toBinary(SampleRequestSchema, create(SampleRequestSchema, sample));
+    if (this.view.lastLook > 0 && sameBytes(bytes, this.last)) return false;
+    this.last = bytes;
+    this.view.look(sample);
+    return true;
+  }
+}
+
+/// Of one session.
+export class Streams {
+  private readonly dependent: Asker;
+  private uniform: Asker | null = null;
+
+  constructor(
+    private readonly client: Client,
+    readonly sessionId: string,
+    private readonly events: StreamsEvents,
+  ) {
+    this.dependent = new Asker(client.view(sessionId, events, { firstBytes }));
+  }
+
+  /// The stream that is looked at.
+  get main(): LiveView {
+    return this.dependent.view;
+  }
+
+  /// The one beside it; null where there is none.
+  get beside(): LiveView | null {
+    return this.uniform?.view ?? null;
+  }
+
+  /// Whether there is one beside it.
+  split(on: boolean): void {
+    if (on === (this.uniform !== null)) return;
+    this.uniform?.view.close();
+    this.uniform = on ? new Asker(this.client.view(this.sessionId, { onFrame: this.events.onFrame }, { firstBytes })) : null;
+  }
+
+  /// `uniform`: what the one beside it is to show. Returns whether points for `sample` are about to come.
+  look(sample: SampleInit, uniform: SampleInit): boolean {
+    this.uniform?.look(uniform);
+    const { state } = this.main;
+    return this.dependent.look(sample) && (state === "streaming" || state === "refining");
+  }
+
+  close(): void {
+    this.dependent.view.close();
+    this.uniform?.view.close();
+  }
+}

@@ -1,0 +1,131 @@
+// From files to a session: dropped or chosen, sent, prepared.
+
+import { asCurvecastError, meshAmong, type Client, type CurvecastError, type NamedFile, type Session } from "../stream";
+import { button, element } from "./elements";
+import { bytes } from "./format";
+
+/// Told of the outcome of each upload.
+export interface UploadEvents {
+  onReady(session: Session, missing: readonly string[]): void;
+  onFailure(what: string, error: CurvecastError): void;
+}
+
+const stages = ["read", "repair", "cut", "parameterise", "curve", "map", "area"];
+const stageWords: Record<string, string> = {
+  queued: "waiting for its turn",
+  load: "taken from the cache",
+  read: "reading",
+  repair: "repairing",
+  cut: "cutting to discs",
+  parameterise: "flattening",
+  curve: "laying the curve",
+  map: "finding the surface",
+  area: "measuring areas",
+};
+const sendingShare = 0.3; // of the bar
+
+/// Of the preparation: it grows from stage to stage. Those that are none of them are nothing yet.
+function preparedShare(stage: string, fraction: number): number {
+  const index = stages.indexOf(stage);
+  return index < 0 ? 0 : (index + fraction) / stages.length;
+}
+
+/// Files may be dropped anywhere on the page. Several uploads may run at once; each has a bar and can be cancelled.
+export class Uploads {
+  private readonly bars = element("div", { class: "uploads" });
+  private readonly input = element("input");
+
+  constructor(
+    parent: HTMLElement,
+    private readonly client: () => Client,
+    private readonly events: UploadEvents,
+  ) {
+    this.input.type = "file";
+    this.input.multiple = true;
+    this.input.hidden = true;
+    this.input.addEventListener("change", () => {
+      this.start([...(this.input.files ?? [])]);
+      this.input.value = "";
+    });
+    parent.append(this.bars, this.input, element("div", { class: "drop" }));
+    this.listen(parent);
+  }
+
+  /// Lets the user choose files.
+  pick(): void {
+    this.input.click();
+  }
+
+  start(files: readonly File[]): void {
+    if (files.length === 0) return;
+    const named: NamedFile[] = files.map((file) => ({ name: file.webkitRelativePath || file.name, data: file }));
+    const mesh = meshAmong(named);
+    if (mesh === null) {
+      const error = asCurvecastError(new Error("none of these files is a mesh: PLY, OBJ, OFF, STL, glTF or GLB"));
+      return this.events.onFailure("Nothing to show", error);
+    }
+    void this.run(
+      mesh,
+      named.filter((file) => file !== mesh),
+    );
+  }
+
+  private async run(mesh: NamedFile, others: readonly NamedFile[]): Promise<void> {
+    const stop = new AbortController();
+    const bar = element("progress");
+    const words = element("span");
+    const row = element("div", { class: "upload" }, [
+      element("strong", { text: mesh.name }),
+      bar,
+      words,
+      button("Cancel", () => stop.abort()),
+    ]);
+    this.bars.append(row);
+    const show = (part: number, text: string) => {
+      bar.value = part;
+      words.textContent = text;
+    };
+    try {
+      const uploaded = await this.client().upload(mesh, others, {
+        signal: stop.signal,
+        onProgress: (sent, total, name) =>
+          show(
+            sendingShare * (sent / Math.max(1, total)),
+            `sending ${name === mesh.name ? "" : name} ${bytes(sent)} of ${bytes(total)}`,
+          ),
+      });
+      const session = await this.client().createSession({
+        meshId: uploaded.meshId,
+        companions: uploaded.companions,
+        signal: stop.signal,
+        onProgress: ({ stage, fraction }) => {
+          show(sendingShare + (1 - sendingShare) * preparedShare(stage, fraction), stageWords[stage] ?? stage);
+        },
+      });
+      this.events.onReady(session, uploaded.missing);
+    } catch (thrown) {
+      const error = asCurvecastError(thrown);
+      if (!stop.signal.aborted) this.events.onFailure(`${mesh.name} could not be opened`, error);
+    } finally {
+      row.remove();
+    }
+  }
+
+  private listen(page: HTMLElement): void {
+    let depth = 0; // of elements that the files are over
+    const over = (change: number) => {
+      depth = Math.max(0, depth + change);
+      page.classList.toggle("dropping", depth > 0);
+    };
+    const hasFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") === true;
+    window.addEventListener("dragenter", (event) => hasFiles(event) && over(1));
+    window.addEventListener("dragleave", (event) => hasFiles(event) && over(-1));
+    window.addEventListener("dragover", (event) => hasFiles(event) && event.preventDefault());
+    window.addEventListener("drop", (event) => {
+      if (!hasFiles(event)) return;
+      event.preventDefault();
+      over(-depth);
+      this.start([...(event.dataTransfer?.files ?? [])]);
+    });
+  }
+}

@@ -1,0 +1,128 @@
+// What the page's address says after #: the session, the camera, and settings that are not the default ones.
+
+import type { CameraState } from "../view";
+import type { Dab, Settings } from "./settings";
+
+/// What an address may hold; all of it is optional.
+export interface UrlState {
+  session: string | null;
+  camera: CameraState | null;
+  settings: Partial<Settings>;
+}
+
+const tokenKey = "curvecast.token";
+// What a visit does, and not how it looks.
+const unsaved: readonly (keyof Settings)[] = ["dabs", "brush", "measuring", "frozen"];
+
+const choices: { [Key in keyof Settings]?: readonly string[] } = {
+  budget: ["points", "bytes", "pixels", "automatic"],
+  sampler: ["progressive", "equalised"],
+  sequence: ["jittered", "regular", "vanDerCorput", "goldenRatio"],
+  curvature: ["none", "gauss", "mean", "max"],
+  mode: ["splats", "dots"],
+  colouring: ["shading", "normal", "curvature", "rank", "density", "colour"],
+  background: ["light", "dark"],
+  navigation: ["orbit", "fly"],
+};
+
+function numbers(text: string, count: number): number[] | null {
+  const values = text.split(",").map(Number);
+  return values.length === count && values.every(Number.isFinite) ? values : null;
+}
+
+/// The shortest text of a number that keeps six digits.
+function short(value: number): string {
+  return String(Number(value.toPrecision(6)));
+}
+
+function readCamera(text: string): CameraState | null {
+  const v = numbers(text, 10);
+  if (v === null) return null;
+  const [ex, ey, ez, tx, ty, tz, ux, uy, uz, fov] = v as [
+    number,
+    number,
+    number,
+    number,
+    number,
+    number,
+    number,
+    number,
+    number,
+    number,
+  ];
+  if (ex === tx && ey === ty && ez === tz) return null;
+  if (!(fov > 0 && fov < 180) || (ux === 0 && uy === 0 && uz === 0)) return null;
+  return { eye: [ex, ey, ez], target: [tx, ty, tz], up: [ux, uy, uz], fov };
+}
+
+function readDabs(text: string): Dab[] {
+  return text.split(";").flatMap((part, stroke) => {
+    const v = numbers(part, 5);
+    return v === null || v[3]! <= 0 || v[4]! < 0
+      ? []
+      : [{ centre: [v[0]!, v[1]!, v[2]!] as [number, number, number], radius: v[3]!, factor: v[4]!, stroke }];
+  });
+}
+
+function readSetting(key: keyof Settings, text: string, like: unknown): unknown {
+  if (typeof like === "boolean") return text === "1" ? true : text === "0" ? false : undefined;
+  if (typeof like === "number") {
+    const value = Number(text);
+    return Number.isFinite(value) && value > 0 ? value : undefined;
+  }
+  return choices[key]?.includes(text) === true ? text : undefined;
+}
+
+/// What cannot be understood is left out. `defaults` tells which settings there are.
+export function readState(hash: string, defaults: Settings): UrlState {
+  const given = new URLSearchParams(hash.replace(/^#/, ""));
+  const settings: Record<string, unknown> = {};
+  for (const [key, like] of Object.entries(defaults) as [keyof Settings, unknown][]) {
+    const text = given.get(key);
+    const value = text === null || unsaved.includes(key) ? undefined : readSetting(key, text, like);
+    if (value !== undefined) settings[key] = value;
+  }
+  const dabs = given.get("dabs");
+  if (dabs !== null) settings.dabs = readDabs(dabs);
+  return {
+    session: given.get("session"),
+    camera: readCamera(given.get("camera") ?? ""),
+    settings: settings as Partial<Settings>,
+  };
+}
+
+/// The same as text, # included.
+export function writeState(session: string | null, camera: CameraState | null, settings: Settings, defaults: Settings): string {
+  const out = new URLSearchParams();
+  if (session !== null) out.set("session", session);
+  if (camera !== null) out.set("camera", [...camera.eye, ...camera.target, ...camera.up, camera.fov].map(short).join(","));
+  for (const key of Object.keys(defaults) as (keyof Settings)[]) {
+    const value = settings[key];
+    if (unsaved.includes(key) || value === defaults[key]) continue;
+    out.set(key, typeof value === "boolean" ? (value ? "1" : "0") : typeof value === "number" ? short(value) : String(value));
+  }
+  if (settings.dabs.length > 0) {
+    out.set(
+      "dabs",
+      settings.dabs.map(({ centre, radius, factor }) => [...centre, radius, factor].map(short).join(",")).join(";"),
+    );
+  }
+  return "#" + out.toString().replaceAll("%2C", ",").replaceAll("%3B", ";");
+}
+
+/// The token of the address, which it does not keep, or that of an earlier page in this tab.
+export function takeToken(): string | undefined {
+  const given = new URLSearchParams(location.hash.replace(/^#/, ""));
+  const token = given.get("token");
+  if (token !== null) {
+    given.delete("token");
+    history.replaceState(null, "", location.pathname + location.search + (given.size > 0 ? `#${given.toString()}` : ""));
+    keepToken(token);
+  }
+  return sessionStorage.getItem(tokenKey) ?? undefined;
+}
+
+/// For the next page in this tab.
+export function keepToken(token: string): void {
+  sessionStorage.setItem(tokenKey, token);
+}

@@ -1,0 +1,133 @@
+// The service as a page uses it.
+
+import type { MessageInitShape } from "@bufbuild/protobuf";
+
+import {
+  CurvecastService,
+  type FrameStatistics,
+  type Progress,
+  type SampleRequestSchema,
+  type Session,
+  type SessionOptionsSchema,
+} from "../gen/curvecast/v1/curvecast_pb";
+import { WorkerDecoder, type Decoder } from "./decoder";
+import { CurvecastError } from "./errors";
+import { LiveView, type LiveViewEvents, type LiveViewOptions } from "./live_view";
+import { uploadMesh, type NamedFile, type UploadedMesh, type UploadOptions } from "./mesh_upload";
+import { StreamedPoints } from "./point_store";
+import { Socket, socketUrl, type Endpoint } from "./socket";
+
+const methods = CurvecastService.method;
+
+/// Where the server is, and who asks. Nothing given: beside the page, without a token.
+export interface ClientOptions extends Partial<Endpoint> {
+  decoder?: Decoder; // default: worker threads of its own
+}
+
+/// What createSession() works on. Stages as in the API's Progress.
+export interface SessionRequest {
+  meshId: string;
+  companions?: Record<string, string>;
+  options?: MessageInitShape<typeof SessionOptionsSchema>;
+  onProgress?(progress: Progress): void;
+  signal?: AbortSignal;
+}
+
+/// All calls share a socket, but for uploads. It is opened when it is needed, and again after it was lost. Calls throw
+/// a CurvecastError.
+export class Client {
+  private readonly endpoint: Endpoint;
+  private readonly decoder: Decoder;
+  private current: Socket | null = null;
+
+  constructor({ url, token, webSocket, decoder }: ClientOptions = {}) {
+    this.endpoint = { url: url ?? socketUrl("."), token, ...(webSocket !== undefined && { webSocket }) };
+    this.decoder = decoder ?? new WorkerDecoder();
+  }
+
+  /// All that the server has in memory, by id.
+  async listSessions(signal?: AbortSignal): Promise<Session[]> {
+    const sessions: Session[] = [];
+    let pageToken = "";
+    do {
+      const page = await this.socket().unary(methods.listSessions, { pageToken }, signal);
+      sessions.push(...page.sessions);
+      pageToken = page.nextPageToken;
+    } while (pageToken !== "");
+    return sessions;
+  }
+
+  /// NOT_FOUND: there is none, in memory or in the server's cache.
+  async getSession(sessionId: string, signal?: AbortSignal): Promise<Session> {
+    return present((await this.socket().unary(methods.getSession, { sessionId }, signal)).session);
+  }
+
+  /// Preprocesses a mesh, or joins the session that there is. Resolves when it is ready.
+  async createSession({ meshId, companions = {}, options, onProgress, signal }: SessionRequest): Promise<Session> {
+    let session: Session | undefined;
+    const request = { meshId, companions, ...(options !== undefined && { options }) };
+    for await (const { update } of this.socket().serverStream(methods.createSession, request, signal)) {
+      if (update.case === "progress") onProgress?.(update.value);
+      if (update.case === "session") session = update.value;
+    }
+    return present(session);
+  }
+
+  /// Pins a session in the server's memory, or lets it go.
+  async pinSession(sessionId: string, pinned: boolean, signal?: AbortSignal): Promise<Session> {
+    return present((await this.socket().unary(methods.updateSession, { sessionId, pinned }, signal)).session);
+  }
+
+  /// The server forgets it, in memory and in its cache.
+  async closeSession(sessionId: string, signal?: AbortSignal): Promise<void> {
+    await this.socket().unary(methods.closeSession, { sessionId }, signal);
+  }
+
+  /// Sends a mesh, and what it refers to where that is among `others`. Over a socket of its own.
+  async upload(mesh: NamedFile, others: readonly NamedFile[] = [], options: UploadOptions = {}): Promise<UploadedMesh> {
+    const socket = new Socket(this.endpoint);
+    try {
+      return await uploadMesh(socket, mesh, others, options);
+    } finally {
+      socket.close();
+    }
+  }
+
+  /// One set of points.
+  async resample(
+    sessionId: string,
+    sample: MessageInitShape<typeof SampleRequestSchema>,
+    signal?: AbortSignal,
+  ): Promise<{ points: StreamedPoints; statistics: FrameStatistics | null }> {
+    const blocks = [];
+    let statistics: FrameStatistics | null = null;
+    for await (const response of this.socket().serverStream(methods.resample, { sessionId, sample }, signal)) {
+      if (response.points !== undefined) blocks.push(response.points);
+      statistics = response.statistics ?? statistics;
+    }
+    const points = new StreamedPoints();
+    points.replace(await this.decoder.decode(blocks));
+    return { points, statistics };
+  }
+
+  /// A conversation about a session: see LiveView.
+  view(sessionId: string, events: LiveViewEvents = {}, options: LiveViewOptions = {}): LiveView {
+    return new LiveView(() => this.socket(), this.decoder, sessionId, events, options);
+  }
+
+  /// Ends all calls and views, and the decoder's threads where they are its own.
+  close(): void {
+    this.current?.close();
+    if (this.decoder instanceof WorkerDecoder) this.decoder.close();
+  }
+
+  private socket(): Socket {
+    if (this.current === null || this.current.error !== null) this.current = new Socket(this.endpoint);
+    return this.current;
+  }
+}
+
+function present(session: Session | undefined): Session {
+  if (session === undefined) throw new CurvecastError("INTERNAL", "the server did not say which session");
+  return session;
+}

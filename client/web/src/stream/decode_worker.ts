@@ -1,0 +1,29 @@
+// A thread that decodes blocks of points.
+
+import { buffersOf, type EncodedBlock } from "./block_decoder";
+import type { DecodedPoints } from "./decoded_points";
+import { asCurvecastError, type ErrorCode } from "./errors";
+import { LoadedDecoder } from "./load_decoder";
+
+/// To the worker, and back from it.
+export interface DecodeRequest {
+  job: number;
+  block: EncodedBlock;
+}
+export type DecodeResponse =
+  { job: number; points: DecodedPoints } | { job: number; error: { code: ErrorCode; message: string } };
+
+const decoder = new LoadedDecoder();
+
+self.onmessage = async (event: MessageEvent<DecodeRequest>) => {
+  const { job, block } = event.data;
+  let response: DecodeResponse;
+  try {
+    await decoder.ready();
+    response = { job, points: decoder.decode(block) };
+  } catch (thrown) {
+    const { code, message } = asCurvecastError(thrown);
+    response = { job, error: { code, message } };
+  }
+  self.postMessage(response, { transfer: "points" in response ? buffersOf(response.points) : [] });
+};

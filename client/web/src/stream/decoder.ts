@@ -1,0 +1,98 @@
+// Decodes the blocks of frames, several at once.
+
+import type { PointBlock } from "../gen/curvecast/v1/curvecast_pb";
+import { buffersOf, encodedBlock } from "./block_decoder";
+import type { DecodeRequest, DecodeResponse } from "./decode_worker";
+import { badPoints, mostPoints, type DecodedPoints } from "./decoded_points";
+import { asCurvecastError, CurvecastError } from "./errors";
+import { LoadedDecoder } from "./load_decoder";
+
+const fewPoints = 4096; // are decoded sooner than another thread, and this one after it, get to their messages
+
+/// What turns the blocks of a message into points. Rejects with a CurvecastError; later calls go on.
+export interface Decoder {
+  decode(blocks: readonly PointBlock[]): Promise<DecodedPoints[]>;
+}
+
+interface Job {
+  worker: Worker;
+  resolve(points: DecodedPoints): void;
+  reject(error: CurvecastError): void;
+}
+
+/// Worker threads, which load the decoder at once; a few points are decoded where they are wanted. Any number of streams may
+/// share one.
+export class WorkerDecoder implements Decoder {
+  private workers: { worker: Worker; load: number }[] = []; // load: points that wait there
+  private readonly jobs = new Map<number, Job>();
+  private lastJob = 0;
+  private readonly here = new LoadedDecoder();
+
+  constructor(private readonly threads = 2) {
+    this.fill();
+  }
+
+  async decode(blocks: readonly PointBlock[]): Promise<DecodedPoints[]> {
+    const total = blocks.reduce((sum, block) => sum + block.count, 0);
+    if (total > mostPoints) throw badPoints(`${total} in a frame`);
+    if (total <= fewPoints && this.here.isReady) return blocks.map((block) => this.here.decode(encodedBlock(block)));
+    return Promise.all(blocks.map((block) => this.decodeBlock(block)));
+  }
+
+  /// Ends the threads; what is being decoded is rejected as CANCELLED.
+  close(): void {
+    for (const { worker } of this.workers) worker.terminate();
+    this.workers = [];
+    const jobs = [...this.jobs.values()];
+    this.jobs.clear();
+    for (const job of jobs) job.reject(new CurvecastError("CANCELLED", "the decoder was closed"));
+  }
+
+  private decodeBlock(block: PointBlock): Promise<DecodedPoints> {
+    return new Promise((resolve, reject) => {
+      const encoded = encodedBlock(block);
+      this.fill();
+      const least = this.workers.reduce((best, other) => (other.load < best.load ? other : best));
+      const job = ++this.lastJob;
+      const done = () => {
+        this.jobs.delete(job);
+        least.load -= block.count;
+      };
+      least.load += block.count;
+      this.jobs.set(job, {
+        worker: least.worker,
+        resolve: (points) => (done(), resolve(points)),
+        reject: (error) => (done(), reject(error)),
+      });
+      least.worker.postMessage({ job, block: encoded } satisfies DecodeRequest, buffersOf(encoded));
+    });
+  }
+
+  private fill(): void {
+    while (this.workers.length < this.threads) this.workers.push({ worker: this.makeWorker(), load: 0 });
+  }
+
+  private makeWorker(): Worker {
+    const worker = new Worker(new URL("./decode_worker.ts", import.meta.url), { type: "module", name: "curvecast-decoder" });
+    worker.onmessage = (event: MessageEvent<DecodeResponse>) => {
+      const response = event.data;
+      const job = this.jobs.get(response.job);
+      if ("points" in response) job?.resolve(response.points);
+      else job?.reject(new CurvecastError(response.error.code, response.error.message));
+    };
+    worker.onerror = (event) => {
+      event.preventDefault();
+      this.replace(worker, asCurvecastError(event.error ?? event.message ?? "a thread of the decoder failed"));
+    };
+    return worker;
+  }
+
+  /// A worker that failed as a whole: the next block gets a new one.
+  private replace(worker: Worker, error: CurvecastError): void {
+    worker.terminate();
+    this.workers = this.workers.filter((other) => other.worker !== worker);
+    for (const job of [...this.jobs.values()]) {
+      if (job.worker === worker) job.reject(new CurvecastError("DATA_LOSS", error.message));
+    }
+  }
+}

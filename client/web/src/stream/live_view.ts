@@ -1,0 +1,287 @@
+// A view that lives on: frames into a store, over a stream that is opened again when it breaks off.
+
+import { create, type MessageInitShape } from "@bufbuild/protobuf";
+
+import {
+  CurvecastService,
+  FrameKind,
+  SampleRequestSchema,
+  type FrameStatistics,
+  type PointFrame,
+  type SampleRequest,
+  type StreamViewsRequestSchema,
+  type StreamViewsResponse,
+  type StreamViewsResponseSchema,
+} from "../gen/curvecast/v1/curvecast_pb";
+import { Backoff } from "./backoff";
+import type { Call } from "./call";
+import type { DecodedPoints } from "./decoded_points";
+import type { Decoder } from "./decoder";
+import { asCurvecastError, boundedDelay, codeName, CurvecastError } from "./errors";
+import { StreamedPoints, type PointDifference } from "./point_store";
+import type { Socket } from "./socket";
+import { Statistics, type FrameReport, type StatisticsSummary } from "./statistics";
+
+/// connecting: at the first look(). streaming: the points are those of the last view, or of one just before it. refining: so
+/// they are, and better ones are being made. reconnecting: the stream broke off and is opened again in a moment; the points stay.
+/// failed: for good.
+export type LiveViewState = "connecting" | "streaming" | "refining" | "reconnecting" | "failed";
+
+/// Called one at a time. They may call look() and close().
+export interface LiveViewEvents {
+  /// A frame is in the store, or a view was refused: see FrameReport.error.
+  onFrame?(frame: FrameReport): void;
+  /// `error`: why, of reconnecting and failed. `delay`: seconds until the next attempt, of reconnecting.
+  onState?(state: LiveViewState, error: CurvecastError | null, delay: number | null): void;
+}
+
+export interface LiveViewOptions {
+  deltas?: boolean; // default: true
+  firstBytes?: number; // see ViewUpdate.first_bytes; default: 0, frames come whole
+  firstDelay?: number; // seconds before a broken stream is opened again, doubles until a frame comes; default: 0.1
+  longestDelay?: number; // seconds; a server that asks for a longer one gets it; default: 5
+}
+
+type ViewCall = Call<typeof StreamViewsRequestSchema, typeof StreamViewsResponseSchema>;
+type Decoded = { points: DecodedPoints[]; seconds: number } | CurvecastError;
+
+interface SentView {
+  sequence: number;
+  sample: SampleRequest;
+  time: number | null; // when it was sent; null once a frame has answered it
+}
+
+const mostRemembered = 256; // views; a frame for an older one can be shown, but not resumed from
+const mostBuffered = 64 << 10; // bytes that wait in the browser before the newest view waits here instead
+const secondsBetweenTries = 0.01;
+
+const now = () => performance.now() / 1000;
+
+/// Whether a stream that ended so is worth opening again. FAILED_PRECONDITION: a server that has come back prepares the session anew.
+function mayPass(error: CurvecastError): boolean {
+  return (
+    ["UNAVAILABLE", "CANCELLED", "ABORTED", "DEADLINE_EXCEEDED", "DATA_LOSS", "FAILED_PRECONDITION"].includes(error.code) ||
+    (error.code === "RESOURCE_EXHAUSTED" && error.retryAfter !== null)
+  );
+}
+
+function secondsOf(statistics: FrameStatistics | undefined): number {
+  return statistics === undefined ? 0 : statistics.densitySeconds + statistics.equaliseSeconds + statistics.encodeSeconds;
+}
+
+/// Acknowledges each frame once its points are in the store. The newest view wins: one that is overtaken gets no frame.
+export class LiveView {
+  readonly store = new StreamedPoints();
+  state: LiveViewState = "connecting";
+  error: CurvecastError | null = null; // why it is reconnecting or has failed
+
+  private readonly counted = new Statistics();
+  private readonly backoff: Backoff;
+  private readonly deltas: boolean;
+  private readonly firstBytes: bigint;
+  private newest: SampleRequest | null = null;
+  private looks = 0; // the number of the newest view
+  private sent = 0; // the number of the view last sent over this stream
+  private views: SentView[] = [];
+  private held: { sample: SampleRequest; digest: bigint } | null = null; // what a new stream can go on from
+  private hasBase = false; // deltas may follow
+  private call: ViewCall | null = null;
+  private socket: Socket | null = null;
+  private taken: Promise<void> = Promise.resolve(); // frames are taken in in their order
+  private timer: ReturnType<typeof setTimeout> | null = null;
+  private closed = false;
+
+  /// `connect`: a socket that is open, or on its way there; a new one after the last was lost.
+  constructor(
+    private readonly connect: () => Socket,
+    private readonly decoder: Decoder,
+    readonly sessionId: string,
+    private readonly events: LiveViewEvents = {},
+    options: LiveViewOptions = {},
+  ) {
+    this.deltas = options.deltas ?? true;
+    this.firstBytes = BigInt(options.firstBytes ?? 0);
+    this.backoff = new Backoff(options.firstDelay ?? 0.1, options.longestDelay ?? 5);
+  }
+
+  /// Asks for a view, and returns its number: 1, 2 ...
+  look(sample: MessageInitShape<typeof SampleRequestSchema>): number {
+    if (this.closed) return this.looks;
+    this.newest = create(SampleRequestSchema, sample);
+    this.looks += 1;
+    if (this.call !== null) this.sendNewest();
+    else if (this.looks === 1) this.open();
+    return this.looks;
+  }
+
+  /// The number of the newest view.
+  get lastLook(): number {
+    return this.looks;
+  }
+
+  statistics(): StatisticsSummary {
+    return this.counted.summary(now());
+  }
+
+  /// Does not wait any longer where it is reconnecting.
+  retryNow(): void {
+    if (this.state !== "reconnecting" || this.closed) return;
+    this.backoff.reset();
+    this.open();
+  }
+
+  /// Ends it. The points stay in the store; no callback comes any more.
+  close(): void {
+    this.closed = true;
+    this.stopTimer();
+    this.call?.cancel();
+    this.call = null;
+  }
+
+  private open(): void {
+    this.stopTimer();
+    if (this.state !== "reconnecting") this.tell("connecting"); // else it is, until a frame comes
+    const socket = this.connect();
+    this.socket = socket;
+    this.hasBase = this.held !== null;
+    this.sent = 0;
+    this.views = []; // of the stream before; it answers them no more
+    const call: ViewCall = socket.start(CurvecastService.method.streamViews, {
+      onMessage: (response, bytes) => this.receive(call, response, bytes),
+      onEnd: (error) => this.afterFrames(() => this.ended(call, error)),
+    });
+    this.call = call;
+    call.send({
+      request: {
+        case: "open",
+        value: {
+          sessionId: this.sessionId,
+          acceptDeltas: this.deltas,
+          ...(this.held !== null && { held: { ...this.held, points: BigInt(this.store.count) } }),
+        },
+      },
+    });
+    this.sendNewest();
+  }
+
+  /// At most one view waits, and only while the socket takes no more.
+  private sendNewest(): void {
+    if (this.call === null || this.newest === null || this.sent === this.looks) return;
+    if (this.timer !== null) return;
+    if (this.socket !== null && this.socket.bufferedBytes > mostBuffered) {
+      this.timer = setTimeout(() => {
+        this.timer = null;
+        this.sendNewest();
+      }, 1000 * secondsBetweenTries);
+      return;
+    }
+    this.sent = this.looks;
+    this.views.push({ sequence: this.sent, sample: this.newest, time: now() });
+    if (this.views.length > mostRemembered) this.views.shift();
+    this.call.send({
+      request: { case: "view", value: { sequence: BigInt(this.sent), sample: this.newest, firstBytes: this.firstBytes } },
+    });
+  }
+
+  /// Decoding begins at once, and ends in any order.
+  private receive(call: ViewCall, { frame }: StreamViewsResponse, bytes: number): void {
+    if (frame === undefined) return;
+    const arrival = now();
+    const decoded: Promise<Decoded> = this.decoder
+      .decode(frame.error === undefined ? frame.points : [])
+      .then((points) => ({ points, seconds: now() - arrival }), asCurvecastError);
+    this.taken = this.taken.then(async () => {
+      const result = await decoded;
+      if (this.call === call) this.take(call, frame, result, bytes);
+    });
+  }
+
+  private afterFrames(then: () => void): void {
+    this.taken = this.taken.then(then);
+  }
+
+  private take(call: ViewCall, frame: PointFrame, decoded: Decoded, bytes: number): void {
+    const sequence = Number(frame.sequence);
+    const view = this.viewOf(sequence);
+    const start = now();
+    let difference: PointDifference = { added: 0, removed: 0, resized: 0 };
+    if (frame.error === undefined) {
+      try {
+        difference = this.apply(frame, decoded);
+      } catch (thrown) {
+        this.held = null;
+        const error = asCurvecastError(thrown);
+        call.cancel(); // it ends as CANCELLED, but this is why
+        return this.ended(call, new CurvecastError(error.code, `frame ${sequence}: ${error.message}`));
+      }
+      this.hasBase = true;
+      this.held = view !== null && frame.digest !== 0n ? { sample: view.sample, digest: frame.digest } : null;
+    }
+    call.send({ request: { case: "ack", value: { sequence: frame.sequence } } });
+    const end = now();
+    const report: FrameReport = {
+      sequence,
+      ...difference,
+      bytes,
+      isDelta: frame.kind === FrameKind.DELTA,
+      points: this.store.count,
+      viewSeconds: view?.time == null ? null : end - view.time,
+      serverSeconds: secondsOf(frame.statistics),
+      decodeSeconds: decoded instanceof CurvecastError ? 0 : decoded.seconds,
+      storeSeconds: end - start,
+      refining: frame.statistics?.refining ?? false,
+      curveRevision: Number(frame.curveRevision),
+      curveVertices: Number(frame.statistics?.curveVertices ?? 0n),
+      error:
+        frame.error === undefined
+          ? null
+          : new CurvecastError(codeName(frame.error.code), frame.error.message, boundedDelay(frame.error.retryAfter)),
+    };
+    if (view !== null) view.time = null;
+    this.counted.add(report, end);
+    this.backoff.reset();
+    const state = report.refining ? "refining" : "streaming";
+    if (state !== this.state) this.tell(state);
+    if (!this.closed) this.events.onFrame?.(report);
+  }
+
+  private apply(frame: PointFrame, decoded: Decoded): PointDifference {
+    if (decoded instanceof CurvecastError) throw decoded;
+    if (frame.kind === FrameKind.KEY) return this.store.replace(decoded.points);
+    if (frame.kind !== FrameKind.DELTA) throw new CurvecastError("DATA_LOSS", `kind ${frame.kind} is not known`);
+    if (!this.hasBase) throw new CurvecastError("DATA_LOSS", "a delta to points that are not there");
+    if (frame.edits === undefined) throw new CurvecastError("DATA_LOSS", "a delta without edits");
+    return this.store.edit(frame.edits, decoded.points, Number(frame.heldPoints));
+  }
+
+  /// The view that a frame answers; null where it is forgotten. Older ones are.
+  private viewOf(sequence: number): SentView | null {
+    while (this.views.length > 0 && this.views[0]!.sequence < sequence) this.views.shift();
+    return this.views[0]?.sequence === sequence ? this.views[0] : null;
+  }
+
+  private ended(call: ViewCall, error: CurvecastError | null): void {
+    if (this.closed || this.call !== call) return;
+    this.call = null;
+    this.stopTimer();
+    const why = error ?? new CurvecastError("ABORTED", "the server has ended the stream");
+    if (!mayPass(why)) {
+      this.closed = true;
+      return this.tell("failed", why);
+    }
+    const delay = Math.max(this.backoff.next(), why.retryAfter ?? 0);
+    this.timer = setTimeout(() => this.open(), 1000 * delay);
+    this.tell("reconnecting", why, delay);
+  }
+
+  private tell(state: LiveViewState, error: CurvecastError | null = null, delay: number | null = null): void {
+    this.state = state;
+    this.error = error;
+    this.events.onState?.(state, error, delay);
+  }
+
+  private stopTimer(): void {
+    if (this.timer !== null) clearTimeout(this.timer);
+    this.timer = null;
+  }
+}

@@ -1,0 +1,197 @@
+// The points of a stream in arrays that go to the graphics card as they are.
+
+import type { PointEdits } from "../gen/curvecast/v1/curvecast_pb";
+import { ChangedSlots } from "./changed_slots";
+import { badPoints, checkAlike, type DecodedPoints } from "./decoded_points";
+import { checkEdits, forEachResized, movedRadius, splice, type CheckedEdits } from "./point_edits";
+
+/// Slots that have changed since they were last asked for.
+export interface PointChanges {
+  /// All of them, or the arrays have been replaced by larger ones.
+  all: boolean;
+  /// [begin, end) pairs, ascending and apart; empty where `all`.
+  ranges: number[];
+}
+
+/// Points live in slots, which are those of the list in no order: a delta touches only the slots of what it changes. Free slots
+/// have radius 0.
+export interface PointStore {
+  /// Add it to every position.
+  readonly origin: readonly [number, number, number];
+  /// Points there are.
+  readonly count: number;
+  /// Slots in use, free ones among them; the arrays may be longer.
+  readonly slots: number;
+  readonly places: Float32Array; // 4 a slot: x, y, z relative to the origin, radius
+  readonly normals: Int8Array; // 4 a slot: x, y, z of the unit normal, 1 = 127; 0
+  readonly colours: Uint8Array | null; // 4 a slot: red, green, blue (sRGB), 255; null where the mesh has none
+  readonly curvatures: Float32Array | null; // 2 a slot: least and largest principal curvature; null where not asked for
+  readonly ranks: Uint32Array | null; // 1 a slot; null where not asked for
+  takeChanges(): PointChanges;
+}
+
+/// How many points a frame has added, removed, and given another radius.
+export interface PointDifference {
+  added: number;
+  removed: number;
+  resized: number;
+}
+
+const fewSlots = 4096; // free ones are not given back below
+
+/// A store that takes frames in. What does not fit is refused with DATA_LOSS, and changes nothing.
+export class StreamedPoints implements PointStore {
+  origin: [number, number, number] = [0, 0, 0];
+  count = 0;
+  slots = 0;
+  places = new Float32Array(0);
+  normals = new Int8Array(0);
+  colours: Uint8Array | null = null;
+  curvatures: Float32Array | null = null;
+  ranks: Uint32Array | null = null;
+
+  private list = new Uint32Array(0); // the slots of the points in the order of the stream, `count` of them
+  private spare = new Uint32Array(0); // the list before; written to next
+  private free: number[] = []; // slots below `slots` without a point
+  private readonly changed = new ChangedSlots();
+
+  takeChanges(): PointChanges {
+    return this.changed.take(this.slots);
+  }
+
+  /// The slots of the points in the order of the stream, which is that along the curve.
+  order(): Uint32Array {
+    return this.list.subarray(0, this.count);
+  }
+
+  /// A key frame: these points, and no others.
+  replace(blocks: readonly DecodedPoints[]): PointDifference {
+    const parts = blocks.filter((block) => block.count > 0);
+    checkAlike(parts);
+    const added = parts.reduce((sum, block) => sum + block.count, 0);
+    const removed = this.count;
+    this.origin = parts[0]?.origin ?? [0, 0, 0];
+    this.makeColumns(added, parts[0]);
+    let slot = 0;
+    for (const part of parts) {
+      this.places.set(part.places, 4 * slot);
+      this.normals.set(part.normals, 4 * slot);
+      if (part.colours !== null) this.colours?.set(part.colours, 4 * slot);
+      if (part.curvatures !== null) this.curvatures?.set(part.curvatures, 2 * slot);
+      if (part.ranks !== null) this.ranks?.set(part.ranks, slot);
+      slot += part.count;
+    }
+    this.list = counted(added);
+    this.free = [];
+    this.count = this.slots = added;
+    this.changed.addAll();
+    return { added, removed, resized: 0 };
+  }
+
+  /// A delta: after it there are `expected` points.
+  edit(edits: PointEdits, blocks: readonly DecodedPoints[], expected: number): PointDifference {
+    const parts = blocks.filter((block) => block.count > 0);
+    checkAlike(this.count > 0 ? [this, ...parts] : parts);
+    const checked = checkEdits(
+      edits,
+      this.count,
+      parts.reduce((sum, block) => sum + block.count, 0),
+    );
+    if (checked.size !== expected) throw badPoints(`${checked.size} after a frame, not ${expected}`);
+    if (this.count === 0) {
+      this.replace(parts);
+    } else {
+      this.remove(checked.removed);
+      this.insert(checked, parts);
+    }
+    forEachResized(edits, (index, step) => {
+      const slot = this.list[index]!;
+      this.places[4 * slot + 3] = movedRadius(this.places[4 * slot + 3]!, step, edits.radiusMax);
+      this.changed.add(slot);
+    });
+    if (this.slots > fewSlots && this.slots > 2 * this.count) this.compact();
+    return { added: checked.added.length, removed: checked.removed.length, resized: edits.resized.length };
+  }
+
+  private remove(removed: Uint32Array): void {
+    for (const index of removed) {
+      const slot = this.list[index]!;
+      this.places[4 * slot + 3] = 0;
+      this.free.push(slot);
+      this.changed.add(slot);
+    }
+  }
+
+  private insert(edits: CheckedEdits, parts: readonly DecodedPoints[]): void {
+    if (this.spare.length < edits.size) this.spare = new Uint32Array(edits.size + (edits.size >> 2));
+    splice(this.list, edits, this.count, this.spare);
+    this.reserve(this.slots + Math.max(0, edits.added.length - this.free.length));
+    let next = 0;
+    for (const part of parts) {
+      for (let i = 0; i < part.count; ++i) {
+        const slot = this.free.pop() ?? this.slots++;
+        this.spare[edits.added[next++]!] = slot;
+        this.write(slot, part, i);
+        this.changed.add(slot);
+      }
+    }
+    [this.list, this.spare] = [this.spare, this.list];
+    this.count = edits.size;
+  }
+
+  private write(slot: number, from: DecodedPoints, i: number): void {
+    for (let k = 0; k < 4; ++k) {
+      this.places[4 * slot + k] = from.places[4 * i + k]!;
+      this.normals[4 * slot + k] = from.normals[4 * i + k]!;
+      if (this.colours !== null) this.colours[4 * slot + k] = from.colours![4 * i + k]!;
+    }
+    if (this.curvatures !== null) this.curvatures.set(from.curvatures!.subarray(2 * i, 2 * i + 2), 2 * slot);
+    if (this.ranks !== null) this.ranks[slot] = from.ranks![i]!;
+  }
+
+  /// New columns of so many slots, those that `like` has.
+  private makeColumns(slots: number, like: Columns | undefined): void {
+    this.places = new Float32Array(4 * slots);
+    this.normals = new Int8Array(4 * slots);
+    this.colours = like?.colours ? new Uint8Array(4 * slots) : null;
+    this.curvatures = like?.curvatures ? new Float32Array(2 * slots) : null;
+    this.ranks = like?.ranks ? new Uint32Array(slots) : null;
+  }
+
+  private reserve(slots: number): void {
+    const capacity = this.places.length / 4;
+    if (slots <= capacity) return;
+    const old = this.columns();
+    this.makeColumns(Math.max(slots, capacity + (capacity >> 1)), old);
+    this.places.set(old.places);
+    this.normals.set(old.normals);
+    if (old.colours !== null) this.colours?.set(old.colours);
+    if (old.curvatures !== null) this.curvatures?.set(old.curvatures);
+    if (old.ranks !== null) this.ranks?.set(old.ranks);
+    this.changed.addAll();
+  }
+
+  /// Gives free slots back: the points move to the first ones, in the order of the stream.
+  private compact(): void {
+    const old = { count: this.count, origin: this.origin, ...this.columns() };
+    this.makeColumns(this.count, old);
+    this.order().forEach((slot, i) => this.write(i, old, slot));
+    this.list = counted(this.count);
+    this.free = [];
+    this.slots = this.count;
+    this.changed.addAll();
+  }
+
+  private columns(): Columns {
+    return { places: this.places, normals: this.normals, colours: this.colours, curvatures: this.curvatures, ranks: this.ranks };
+  }
+}
+
+/// 0, 1, 2 ...
+function counted(count: number): Uint32Array<ArrayBuffer> {
+  const numbers = new Uint32Array(count);
+  for (let i = 0; i < count; ++i) numbers[i] = i;
+  return numbers;
+}
+
+type Columns = Pick<PointStore, "places" | "normals" | "colours" | "curvatures" | "ranks">;

@@ -1,0 +1,238 @@
+// The WebSocket that carries the API: any number of calls at once. See web_socket.proto.
+
+import {
+  create,
+  fromBinary,
+  toBinary,
+  type DescMessage,
+  type DescMethod,
+  type DescMethodServerStreaming,
+  type DescMethodUnary,
+  type MessageInitShape,
+  type MessageShape,
+} from "@bufbuild/protobuf";
+
+import { CallRequestSchema, CallResponseSchema, type CallResponse } from "../gen/curvecast/v1/web_socket_pb";
+import { Call, type CallHandlers } from "./call";
+import { CurvecastError, errorOf } from "./errors";
+
+/// Where a server is, and who asks.
+export interface Endpoint {
+  url: string; // ws: or wss:
+  token?: string | undefined; // bearer token
+  webSocket?: (url: string, protocols: string[]) => WebSocket; // makes the socket; for tests and for other places than browsers
+}
+
+const mostBuffered = 4 << 20; // bytes that wait in the browser before an upload pauses
+const secondsBetweenLooks = 0.01; // at what still waits; nothing tells when it has gone
+
+/// The address of the socket beside a page: `base` is any URL or path below which the server's pages are.
+export function socketUrl(base: string): string {
+  const url = new URL("v1/socket", new URL(base, globalThis.location?.href));
+  url.protocol = url.protocol === "https:" || url.protocol === "wss:" ? "wss:" : "ws:";
+  url.hash = url.search = "";
+  return url.href;
+}
+
+function subprotocols(token: string | undefined): string[] {
+  if (token === undefined || token === "") return ["curvecast.v1"];
+  const bytes = Array.from(new TextEncoder().encode(token), (byte) => String.fromCharCode(byte)).join("");
+  return ["curvecast.v1", "curvecast.bearer." + btoa(bytes).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "")];
+}
+
+/// What a socket that closed means to the calls that were on it.
+export function errorOfClose(code: number, reason: string, wasOpen: boolean): CurvecastError {
+  switch (code) {
+    case 1001:
+      return new CurvecastError("UNAVAILABLE", reason || "the server shuts down");
+    case 1007:
+      return new CurvecastError("INTERNAL", reason || "the server did not understand a message");
+    case 1008:
+      return new CurvecastError(
+        /origin|permi|allow/i.test(reason) ? "PERMISSION_DENIED" : "UNAUTHENTICATED",
+        reason || "the server does not take this caller",
+      );
+    case 1009:
+      return new CurvecastError("INVALID_ARGUMENT", reason || "a message was too large for the server");
+    case 1013:
+      return new CurvecastError("RESOURCE_EXHAUSTED", reason || "the server has no room for another connection", 1);
+    default:
+      return new CurvecastError(
+        "UNAVAILABLE",
+        reason || (wasOpen ? "the connection to the server was lost" : "the server cannot be reached"),
+      );
+  }
+}
+
+/// Opens at once. Calls may be made before it is open; once it is lost or closed, all calls end with an error.
+export class Socket {
+  private readonly socket: WebSocket;
+  private readonly calls = new Map<number, Call<DescMessage, DescMessage>>();
+  private early: Uint8Array[] | null = []; // until it is open
+  private lastCall = 0;
+  private failure: CurvecastError | null = null;
+
+  constructor(endpoint: Endpoint) {
+    const make = endpoint.webSocket ?? ((url, protocols) => new WebSocket(url, protocols));
+    this.socket = make(endpoint.url, subprotocols(endpoint.token));
+    this.socket.binaryType = "arraybuffer";
+    this.socket.onopen = () => this.flush();
+    this.socket.onmessage = (event: MessageEvent<unknown>) => this.receive(event.data);
+    this.socket.onclose = (event) => this.fail(errorOfClose(event.code, event.reason, this.early === null));
+  }
+
+  /// Why no call can be made any more; null while they can.
+  get error(): CurvecastError | null {
+    return this.failure;
+  }
+
+  /// Bytes that were sent and still wait here.
+  get bufferedBytes(): number {
+    return this.socket.bufferedAmount + (this.early ?? []).reduce((sum, bytes) => sum + bytes.length, 0);
+  }
+
+  /// Resolves when little waits to go out, or nothing will any more. Throws what `signal` was aborted with.
+  async drained(signal?: AbortSignal): Promise<void> {
+    while (this.failure === null && this.bufferedBytes > mostBuffered) {
+      signal?.throwIfAborted();
+      await new Promise((resolve) => setTimeout(resolve, 1000 * secondsBetweenLooks));
+    }
+    signal?.throwIfAborted();
+  }
+
+  /// Begins a call of any kind.
+  start<Input extends DescMessage, Output extends DescMessage>(
+    method: DescMethod & { input: Input; output: Output },
+    handlers: CallHandlers<Output>,
+  ): Call<Input, Output> {
+    const number = ++this.lastCall;
+    let name: string | undefined = method.name;
+    const send = (part: { message?: Uint8Array; halfClose?: boolean; cancel?: boolean }) => {
+      if (part.cancel === true) this.calls.delete(number);
+      if (name !== undefined && part.cancel === true) return; // the server has not heard of it
+      this.transmit(
+        toBinary(
+          CallRequestSchema,
+          create(CallRequestSchema, { call: number, ...(name !== undefined && { method: name }), ...part }),
+        ),
+      );
+      name = undefined;
+    };
+    const call = new Call({ send }, method.input, method.output, {
+      onMessage: handlers.onMessage.bind(handlers),
+      onEnd: handlers.onEnd.bind(handlers),
+    });
+    const failure = this.failure;
+    if (failure !== null) {
+      queueMicrotask(() => call.end(failure));
+    } else {
+      this.calls.set(number, call as unknown as Call<DescMessage, DescMessage>);
+    }
+    return call;
+  }
+
+  /// One request, one response.
+  async unary<Input extends DescMessage, Output extends DescMessage>(
+    method: DescMethodUnary<Input, Output>,
+    request: MessageInitShape<Input>,
+    signal?: AbortSignal,
+  ): Promise<MessageShape<Output>> {
+    let last: MessageShape<Output> | null = null;
+    await this.run(method, request, (message) => (last = message), signal);
+    if (last === null) throw new CurvecastError("INTERNAL", `${method.name} ended without a response`);
+    return last;
+  }
+
+  /// One request, any number of responses. Leaving the loop cancels the call.
+  async *serverStream<Input extends DescMessage, Output extends DescMessage>(
+    method: DescMethodServerStreaming<Input, Output>,
+    request: MessageInitShape<Input>,
+    signal?: AbortSignal,
+  ): AsyncGenerator<MessageShape<Output>, void, undefined> {
+    const waiting: MessageShape<Output>[] = [];
+    let wake = () => {};
+    let over = false;
+    const leave = new AbortController();
+    const signals = signal === undefined ? leave.signal : AbortSignal.any([signal, leave.signal]);
+    const ended = this.run(method, request, (message) => (waiting.push(message), wake()), signals).finally(() => {
+      over = true;
+      wake();
+    });
+    ended.catch(() => {}); // told below
+    try {
+      while (true) {
+        for (let message = waiting.shift(); message !== undefined; message = waiting.shift()) yield message;
+        if (over) break;
+        await new Promise<void>((resolve) => (wake = resolve));
+      }
+      await ended;
+    } finally {
+      leave.abort();
+    }
+  }
+
+  /// No call goes on.
+  close(): void {
+    this.socket.close(1000);
+    this.fail(new CurvecastError("CANCELLED", "the connection was closed"));
+  }
+
+  private run<Input extends DescMessage, Output extends DescMessage>(
+    method: DescMethod & { input: Input; output: Output },
+    request: MessageInitShape<Input>,
+    onMessage: (message: MessageShape<Output>) => void,
+    signal: AbortSignal | undefined,
+  ): Promise<void> {
+    return new Promise((resolve, reject) => {
+      if (signal?.aborted) return reject(new CurvecastError("CANCELLED", "cancelled"));
+      const abort = () => call.cancel();
+      const call = this.start(method, {
+        onMessage,
+        onEnd: (error) => {
+          signal?.removeEventListener("abort", abort);
+          if (error === null) resolve();
+          else reject(error);
+        },
+      });
+      signal?.addEventListener("abort", abort, { once: true });
+      call.send(request, true);
+    });
+  }
+
+  private transmit(bytes: Uint8Array): void {
+    if (this.failure !== null) return;
+    if (this.early !== null) this.early.push(bytes);
+    else this.socket.send(bytes as Uint8Array<ArrayBuffer>);
+  }
+
+  private flush(): void {
+    const early = this.early ?? [];
+    this.early = null;
+    for (const bytes of early) this.socket.send(bytes as Uint8Array<ArrayBuffer>);
+  }
+
+  private receive(data: unknown): void {
+    let response: CallResponse;
+    try {
+      if (!(data instanceof ArrayBuffer)) throw new CurvecastError("INTERNAL", "not binary");
+      response = fromBinary(CallResponseSchema, new Uint8Array(data));
+    } catch {
+      this.socket.close(4000, "a message that is none");
+      return this.fail(new CurvecastError("DATA_LOSS", "the server sent a message that is none"));
+    }
+    const call = this.calls.get(response.call);
+    if (call === undefined) return; // cancelled meanwhile
+    if (response.message !== undefined) call.take(response.message, data.byteLength);
+    if (response.status === undefined) return;
+    this.calls.delete(response.call);
+    call.end(errorOf(response.status));
+  }
+
+  private fail(error: CurvecastError): void {
+    if (this.failure !== null) return;
+    this.failure = error;
+    const calls = [...this.calls.values()];
+    this.calls.clear();
+    for (const call of calls) call.end(error);
+  }
+}

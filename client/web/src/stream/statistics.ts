@@ -1,0 +1,83 @@
+// What frames cost, measured where they arrive.
+
+import type { CurvecastError } from "./errors";
+
+/// A frame that was taken in, or that says why its view was refused. Seconds and bytes.
+export interface FrameReport {
+  sequence: number; // what look() returned
+  isDelta: boolean;
+  points: number; // there are after it
+  added: number;
+  removed: number;
+  resized: number;
+  bytes: number; // of the whole message on the socket
+  /// From sending the view to its points in the store; of the first frame of a view only, null of later ones.
+  viewSeconds: number | null;
+  serverSeconds: number; // density, sampling and encoding
+  decodeSeconds: number; // from the message's arrival to decoded points, waiting for earlier frames included
+  storeSeconds: number; // taking them into the store
+  refining: boolean; // better points are to follow
+  curveRevision: number;
+  curveVertices: number;
+  error: CurvecastError | null; // the view was refused; the points are those of the frame before
+}
+
+/// Sums over a stream. Seconds and bytes.
+export interface StatisticsSummary {
+  frames: number;
+  deltas: number;
+  bytes: number;
+  bytesPerSecond: number; // over the last 5 s
+  viewP50: number | null; // view sent -> points in the store, of the last 200 views that were answered
+  viewP99: number | null;
+  last: FrameReport | null; // without error
+}
+
+const viewsKept = 200;
+const rateSeconds = 5;
+
+/// The smallest value that at least a part `q` of `values` does not exceed; null of none.
+export function quantile(values: readonly number[], q: number): number | null {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted[Math.max(0, Math.ceil(q * sorted.length) - 1)] ?? null;
+}
+
+/// Times are seconds of any one clock.
+export class Statistics {
+  private frames = 0;
+  private deltas = 0;
+  private bytes = 0;
+  private views: number[] = [];
+  private recent: { time: number; bytes: number }[] = [];
+  private last: FrameReport | null = null;
+
+  add(frame: FrameReport, time: number): void {
+    this.bytes += frame.bytes;
+    this.recent.push({ time, bytes: frame.bytes });
+    this.forget(time);
+    if (frame.error !== null) return;
+    this.frames += 1;
+    this.deltas += frame.isDelta ? 1 : 0;
+    this.last = frame;
+    if (frame.viewSeconds === null) return;
+    this.views.push(frame.viewSeconds);
+    if (this.views.length > viewsKept) this.views.shift();
+  }
+
+  summary(time: number): StatisticsSummary {
+    this.forget(time);
+    return {
+      frames: this.frames,
+      deltas: this.deltas,
+      bytes: this.bytes,
+      bytesPerSecond: this.recent.reduce((sum, { bytes }) => sum + bytes, 0) / rateSeconds,
+      viewP50: quantile(this.views, 0.5),
+      viewP99: quantile(this.views, 0.99),
+      last: this.last,
+    };
+  }
+
+  private forget(time: number): void {
+    while (this.recent.length > 0 && this.recent[0]!.time <= time - rateSeconds) this.recent.shift();
+  }
+}

@@ -1,0 +1,134 @@
+// How a camera moves: functions of camera states, free of the page. Angles in radians.
+
+import type { CameraState, Vec } from "./types";
+import { add, along, cross, distance, dot, isFinite, length, normalise, perpendicular, rotate, scale, subtract } from "./vector";
+
+/// A box and what follows from it.
+export interface Bounds {
+  min: Vec;
+  max: Vec;
+}
+
+export interface Axes {
+  right: Vec;
+  up: Vec;
+  forward: Vec;
+}
+
+/// Never nearer to the poles of the up direction: beyond, left and right would change places.
+const leastPolarAngle = 0.01;
+
+export const boundsCentre = (bounds: Bounds): Vec => scale(add(bounds.min, bounds.max), 0.5);
+export const boundsRadius = (bounds: Bounds): number => 0.5 * distance(bounds.min, bounds.max) || 1;
+
+/// Unit axes of a camera; some orthogonal ones where its state has no direction.
+export function cameraAxes(camera: CameraState): Axes {
+  const forward = normalise(subtract(camera.target, camera.eye), [0, 0, -1]);
+  const up = normalise(camera.up, [0, 1, 0]);
+  const right = normalise(cross(forward, up), perpendicular(forward));
+  return { right, up: cross(right, forward), forward };
+}
+
+/// Whether it can be drawn with.
+export function isUsable(camera: CameraState): boolean {
+  return (
+    isFinite(camera.eye) &&
+    isFinite(camera.target) &&
+    isFinite(camera.up) &&
+    length(camera.up) > 0 &&
+    distance(camera.eye, camera.target) > 0 &&
+    camera.fov >= 1 &&
+    camera.fov <= 160
+  );
+}
+
+/// Direction of the ray through a place of the picture: x and y from -1 to 1, right and up.
+export function rayDirection(camera: CameraState, aspect: number, x: number, y: number): Vec {
+  const axes = cameraAxes(camera);
+  const tangent = Math.tan((camera.fov * Math.PI) / 360);
+  return normalise(along(along(axes.forward, axes.right, x * tangent * aspect), axes.up, y * tangent), axes.forward);
+}
+
+/// Turns the camera about a pivot: by `yaw` about the up direction, by `pitch` about its own right; short of the poles.
+export function orbit(camera: CameraState, pivot: Vec, yaw: number, pitch: number): CameraState {
+  if (!Number.isFinite(yaw) || !Number.isFinite(pitch)) return camera;
+  const up = normalise(camera.up, [0, 1, 0]);
+  const { right, forward } = cameraAxes(camera);
+  const polar = Math.acos(Math.min(1, Math.max(-1, dot(forward, up))));
+  const turned = Math.min(Math.PI - leastPolarAngle, Math.max(leastPolarAngle, polar - pitch));
+  const turn = (a: Vec): Vec => add(pivot, rotate(rotate(subtract(a, pivot), right, polar - turned), up, yaw));
+  return { ...camera, eye: turn(camera.eye), target: turn(camera.target) };
+}
+
+/// Moves eye and target alike, along the camera's axes; units.
+export function shift(camera: CameraState, right: number, up: number, forward: number): CameraState {
+  if (!Number.isFinite(right + up + forward)) return camera;
+  const axes = cameraAxes(camera);
+  const by = along(along(scale(axes.right, right), axes.up, up), axes.forward, forward);
+  return { ...camera, eye: add(camera.eye, by), target: add(camera.target, by) };
+}
+
+/// Goes towards a point, which stays where it is in the picture, until it is `factor` times as far; within [nearest, farthest] of it.
+export function zoom(camera: CameraState, towards: Vec, factor: number, nearest: number, farthest: number): CameraState {
+  const now = distance(camera.eye, towards);
+  if (!(factor > 0) || !(now > 0) || !Number.isFinite(factor)) return camera;
+  const then = Math.min(Math.max(now * factor, Math.min(nearest, now)), Math.max(farthest, now));
+  const move = (a: Vec): Vec => along(towards, subtract(a, towards), then / now);
+  return { ...camera, eye: move(camera.eye), target: move(camera.target) };
+}
+
+/// Looks at a point from the same side and distance.
+export function centre(camera: CameraState, point: Vec): CameraState {
+  return { ...camera, eye: add(camera.eye, subtract(point, camera.target)), target: point };
+}
+
+/// Between two cameras: t from 0 to 1. Distances change evenly in proportion.
+export function blend(a: CameraState, b: CameraState, t: number): CameraState {
+  if (t >= 1) return b;
+  const mix = (p: Vec, q: Vec): Vec => along(scale(p, 1 - t), q, t);
+  const target = mix(a.target, b.target);
+  const from = subtract(a.eye, a.target);
+  const to = subtract(b.eye, b.target);
+  const reach = length(from) ** (1 - t) * length(to) ** t;
+  const direction = normalise(mix(normalise(from, [0, 0, 1]), normalise(to, [0, 0, 1])), normalise(to, [0, 0, 1]));
+  return {
+    eye: along(target, direction, reach),
+    target,
+    up: normalise(mix(normalise(a.up, [0, 1, 0]), normalise(b.up, [0, 1, 0])), b.up),
+    fov: a.fov + (b.fov - a.fov) * t,
+  };
+}
+
+/// The camera whose picture a box fills, seen from where `camera` stands.
+export function fit(camera: CameraState, bounds: Bounds, aspect: number): CameraState {
+  const axes = cameraAxes(camera);
+  const middle = boundsCentre(bounds);
+  const margin = 0.06;
+  // Surfaces hardly ever reach into the corners of their boxes.
+  const filled = 0.86;
+  const ty = Math.tan((camera.fov * Math.PI) / 360) * (1 - 2 * margin);
+  const tx = ty * aspect;
+  // For each side of the picture how far the eye has to be for all corners to lie within.
+  let [left, right, below, above] = [0, 0, 0, 0];
+  for (let i = 0; i < 8; ++i) {
+    const corner: Vec = [i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1];
+    const p = corner.map((side, k) => side * filled * 0.5 * (bounds.max[k] - bounds.min[k])) as Vec;
+    const [x, y, depth] = [dot(axes.right, p), dot(axes.up, p), -dot(axes.forward, p)];
+    right = Math.max(right, x + tx * depth);
+    left = Math.max(left, -x + tx * depth);
+    above = Math.max(above, y + ty * depth);
+    below = Math.max(below, -y + ty * depth);
+  }
+  const reach = Math.max((left + right) / (2 * tx), (below + above) / (2 * ty), 1e-6 * boundsRadius(bounds));
+  const target = along(along(middle, axes.right, (right - left) / 2), axes.up, (above - below) / 2);
+  return { ...camera, target, eye: along(target, axes.forward, -reach) };
+}
+
+/// Distances of the near and far plane. What is nearer than the near plane is not seen: it stays well before the target.
+export function clipPlanes(camera: CameraState, bounds: Bounds): { near: number; far: number } {
+  const radius = boundsRadius(bounds) * 1.02;
+  const reach = distance(camera.eye, boundsCentre(bounds));
+  const far = Math.max(reach + radius, 1e-3 * radius);
+  const inside = Math.min(0.02 * radius, 0.05 * distance(camera.eye, camera.target));
+  return { near: Math.max(reach - radius, inside, 2e-5 * far), far: far * 1.001 };
+}

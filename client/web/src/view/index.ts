@@ -1,0 +1,6 @@
+// Drawing points: the viewer's picture, and an object for other people's scenes.
+
+export { CurvecastPoints } from "./curvecast_points";
+export { defaultStyle, NoWebGL2Error } from "./types";
+export type { Background, CameraState, Colouring, Mode, Pick, Style, Vec } from "./types";
+export { Viewport } from "./viewport";

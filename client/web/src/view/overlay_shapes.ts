@@ -1,0 +1,39 @@
+// What is drawn over the picture, as lines.
+
+import * as THREE from "three";
+import { cameraAxes } from "./camera_math";
+import type { OverlayLine } from "./overlay_lines";
+import type { Background, CameraState, Vec } from "./types";
+import { along, distance } from "./vector";
+
+const frustumColours: Record<Background, THREE.Color> = { light: new THREE.Color(0x1d5fa8), dark: new THREE.Color(0x7db8f5) };
+const measureColour = new THREE.Color(0xe0531c);
+
+/// A camera's pyramid of sight as far as its target, with a roof on the side that is up.
+export function frustumLines(camera: CameraState, aspect: number, background: Background): OverlayLine[] {
+  const colour = frustumColours[background];
+  const { eye } = camera;
+  const { right, up, forward } = cameraAxes(camera);
+  const reach = distance(eye, camera.target);
+  const top = Math.tan((camera.fov * Math.PI) / 360) * reach;
+  const at = (x: number, y: number): Vec => along(along(along(eye, forward, reach), right, x * top * aspect), up, y * top);
+  const line = (from: Vec, to: Vec, width: number): OverlayLine => ({ from, to, width, colour });
+  const corners = [at(-1, -1), at(1, -1), at(1, 1), at(-1, 1)];
+  return [
+    ...corners.map((corner) => line(eye, corner, 1.4)),
+    ...corners.map((corner, i) => line(corner, corners[(i + 1) % 4], 1.8)),
+    line(at(-0.3, 1), at(0, 1.25), 1.8),
+    line(at(0.3, 1), at(0, 1.25), 1.8),
+    line(eye, eye, 7),
+  ];
+}
+
+/// A line with a dot at both ends.
+export function measureLines(a: Vec, b: Vec): OverlayLine[] {
+  const colour = measureColour;
+  return [
+    { from: a, to: b, width: 2, colour },
+    { from: a, to: a, width: 8, colour },
+    { from: b, to: b, width: 8, colour },
+  ];
+}

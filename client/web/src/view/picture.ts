@@ -1,0 +1,67 @@
+// What is drawn, and the colours around it.
+
+import * as THREE from "three";
+import type { DiscShape, PointsGeometry } from "./points_geometry";
+import type { Background, Style } from "./types";
+
+interface Look {
+  top: THREE.Color;
+  bottom: THREE.Color;
+  clay: THREE.Color;
+  back: THREE.Color;
+  /// Under dots.
+  pale: THREE.Color;
+  dots: THREE.Color;
+}
+
+const colour = (hex: number): THREE.Color => new THREE.Color(hex);
+export const looks: Record<Background, Look> = {
+  light: {
+    top: colour(0xfafbfc),
+    bottom: colour(0xcdd3db),
+    clay: colour(0xd2b79f),
+    back: colour(0x7d8797),
+    pale: colour(0xe9e7e3),
+    dots: colour(0x141822).convertLinearToSRGB(),
+  },
+  dark: {
+    top: colour(0x2b3038),
+    bottom: colour(0x121418),
+    clay: colour(0xd2b79f),
+    back: colour(0x6b7688),
+    pale: colour(0x3d434d),
+    dots: colour(0xf0ead8).convertLinearToSRGB(),
+  },
+};
+
+/// Where on the canvas a picture goes, in its pixels, from below.
+export interface Rectangle {
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+}
+
+export interface Picture {
+  points: PointsGeometry | null;
+  style: Style;
+  camera: THREE.PerspectiveCamera;
+  where: Rectangle;
+  /// Pixels of the canvas to a CSS pixel.
+  pixelRatio: number;
+  /// Rather soon than fine.
+  isQuick: boolean;
+  /// Half the diagonal of the surface's box.
+  sceneRadius: number;
+  brush: { centre: THREE.Vector3; radius: number } | null;
+}
+
+/// A way to draw pictures.
+export interface Passes {
+  /// That the geometry of the points must have.
+  readonly shape: DiscShape;
+  /// Of the surface in the picture drawn last, null: they are not kept.
+  readonly depths: THREE.Texture | null;
+  render(picture: Picture): void;
+  dispose(): void;
+}

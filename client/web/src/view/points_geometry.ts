@@ -1,0 +1,126 @@
+// The points of a store on the graphics card, and the shapes that they are drawn as.
+
+import * as THREE from "three";
+import type { PointStore } from "../stream/point_store";
+import { colourScale, typicalRadius, type ColourScale } from "./colouring";
+import { StoreTexture, type ColumnArray, type ColumnName } from "./store_texture";
+import type { Colouring } from "./types";
+import { mergeRanges } from "./update_ranges";
+
+/// What each point is drawn as: a square in the disc's plane, or a hexagon whose middle stands out, so that neighbours meet halfway.
+export type DiscShape = "square" | "cone";
+
+/// Shapes to an instance; the shaders know it too.
+const blockSlots = 1024;
+const faces: Record<DiscShape, { corners: number; index: number[] }> = {
+  square: { corners: 4, index: [0, 1, 2, 2, 1, 3] },
+  cone: { corners: 7, index: [0, 1, 2, 3, 4, 5].flatMap((i) => [6, i, (i + 1) % 6]) },
+};
+
+/// What the shaders of points read: see `pointFunctions` there.
+export interface PointUniforms {
+  [name: string]: THREE.IUniform;
+  places: THREE.IUniform<THREE.Texture | null>;
+  normalsOf: THREE.IUniform<THREE.Texture | null>;
+  column: THREE.IUniform<THREE.Texture | null>;
+  slots: THREE.IUniform<number>;
+}
+
+export const makePointUniforms = (): PointUniforms => ({
+  places: { value: null },
+  normalsOf: { value: null },
+  column: { value: null },
+  slots: { value: 0 },
+});
+
+export class PointsGeometry {
+  /// Discs of all slots, without attributes: the shaders know the slot by the numbers of vertex and instance.
+  readonly discs = new THREE.InstancedBufferGeometry();
+  /// A vertex for each slot.
+  readonly dots = new THREE.BufferGeometry();
+  private readonly textures = new Map<ColumnName, StoreTexture>();
+  private colouring: Colouring = "shading";
+  private scaleNow: ColourScale;
+  private radiusNow: number;
+  /// Not yet uploaded; null: everything.
+  private pending: number[] | null = null;
+
+  constructor(
+    readonly store: PointStore,
+    shape: DiscShape,
+  ) {
+    const { corners, index } = faces[shape];
+    const all = new Uint16Array(index.length * blockSlots);
+    for (let i = 0; i < blockSlots; ++i) all.set(index.map((corner) => corner + i * corners), i * index.length);
+    this.discs.setIndex(new THREE.BufferAttribute(all, 1));
+    this.scaleNow = colourScale(store, this.colouring);
+    this.radiusNow = typicalRadius(store);
+  }
+
+  /// For the colouring of the last refresh.
+  get scale(): ColourScale {
+    return this.scaleNow;
+  }
+
+  /// The median, units.
+  get typicalRadius(): number {
+    return this.radiusNow;
+  }
+
+  /// Takes the store's changes.
+  refresh(colouring: Colouring): void {
+    const { store } = this;
+    const changes = store.takeChanges();
+    const changed = changes.all || changes.ranges.length > 0;
+    if (changed) {
+      this.radiusNow = typicalRadius(store);
+      // Those that were not uploaded in between are rare.
+      const isFirst = this.pending !== null && this.pending.length === 0;
+      this.pending = changes.all || !isFirst ? null : mergeRanges(changes.ranges, store.slots);
+    }
+    if (changed || colouring !== this.colouring) this.scaleNow = colourScale(store, colouring);
+    this.colouring = colouring;
+    this.discs.instanceCount = Math.ceil(store.slots / blockSlots);
+    this.dots.setDrawRange(0, store.slots);
+  }
+
+  /// Brings what has changed to the graphics card. Before drawing.
+  upload(renderer: THREE.WebGLRenderer): void {
+    const { store, pending } = this;
+    const all = [0, store.slots];
+    const columns: [ColumnName, ColumnArray][] = [
+      ["places", store.places],
+      ["normals", store.normals],
+    ];
+    const { column } = this.scaleNow;
+    const values = column && store[column];
+    if (values) columns.push([column, values]);
+    for (const [name, texture] of this.textures) {
+      if (columns.some(([wanted]) => wanted === name)) continue;
+      texture.dispose();
+      this.textures.delete(name);
+    }
+    for (const [name, array] of columns) {
+      const texture = this.textures.get(name) ?? new StoreTexture(name);
+      this.textures.set(name, texture);
+      const ranges = pending === null || texture.lacks(renderer, array) ? all : pending;
+      if (ranges.length > 0) texture.upload(renderer, array, ranges);
+    }
+    this.pending = [];
+  }
+
+  apply(uniforms: PointUniforms): void {
+    const { column } = this.scaleNow;
+    uniforms.places.value = this.textures.get("places")?.texture ?? null;
+    uniforms.normalsOf.value = this.textures.get("normals")?.texture ?? null;
+    uniforms.column.value = (column && this.textures.get(column)?.texture) ?? null;
+    uniforms.slots.value = this.store.slots;
+  }
+
+  dispose(): void {
+    this.discs.dispose();
+    this.dots.dispose();
+    for (const texture of this.textures.values()) texture.dispose();
+    this.textures.clear();
+  }
+}

@@ -1,0 +1,150 @@
+// GLSL of the passes over the whole picture: from the sums of the discs to colours.
+
+export const screenVertexShader = /* glsl */ `
+precision highp float;
+in vec3 position;
+void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
+`;
+
+/// What the passes share: the visible surface at a pixel.
+export const surfaceFunctions = /* glsl */ `
+precision highp float;
+precision highp int;
+uniform sampler2D normals;
+uniform highp sampler2D depths;
+uniform vec2 clip;         // distances of the near and far plane
+uniform vec2 tangents;     // of half the angles of view
+uniform float leastKernel;  // where the surface ends
+
+float distanceAt(ivec2 p) {
+  return clip.x * clip.y / (clip.y - texelFetch(depths, p, 0).x * (clip.y - clip.x));
+}
+
+// Eye coordinates at distance 1.
+vec3 rayAt(ivec2 p) {
+  vec2 size = vec2(textureSize(depths, 0));
+  return vec3(((vec2(p) + 0.5) / size * 2.0 - 1.0) * tangents, -1.0);
+}
+
+vec3 normalOf(vec3 sum, vec3 view) {
+  float size = length(sum);
+  vec3 n = size > 1e-7 ? sum / size : view;
+  float facing = dot(n, view);
+  if (facing >= 0.0) return n;
+  // The back of an open surface is turned round. At a grazing angle it is the rim of discs that stick out behind the silhouette:
+  // mirrored, so that shading goes on as before the silhouette.
+  return normalize(mix(n - 2.0 * facing * view, -n, smoothstep(0.75, 0.95, -facing)));
+}
+`;
+
+export const shadeFragmentShader = /* glsl */ `
+${surfaceFunctions}
+uniform sampler2D colours;
+uniform ivec2 origin;       // of the picture on the canvas
+uniform float edlStrength;  // 0: none
+uniform float edlReach;     // pixels
+uniform float sceneRadius;
+uniform vec3 clay, backTint, backgroundTop, backgroundBottom;  // linear light
+uniform bool isMatte;
+uniform vec4 brush;          // centre in eye coordinates, radius; 0: none
+uniform float surfaceShift;  // how far behind the surface its depths are, along the ray
+layout(location = 0) out vec4 pixel;
+
+// Eye coordinates: the lights move with the camera.
+const vec3 kKey = normalize(vec3(-0.55, 0.75, 0.70));
+const vec3 kFill = normalize(vec3(0.85, 0.10, 0.55));
+
+float wrapped(vec3 n, vec3 light, float wrap) {
+  float d = max((dot(n, light) + wrap) / (1.0 + wrap), 0.0);
+  return d * d * (1.0 - 0.5 * wrap) + d * 0.5 * wrap;
+}
+
+vec3 shade(vec3 albedo, vec3 n, vec3 view) {
+  float up = 0.5 + 0.5 * n.y;
+  float grazing = 1.0 - max(dot(n, view), 0.0);
+  if (isMatte) {
+    vec3 ambient = mix(vec3(0.26, 0.255, 0.25), vec3(0.38, 0.385, 0.40), up);
+    vec3 light = vec3(0.66 * wrapped(n, kKey, 0.6) + 0.18 * wrapped(n, kFill, 0.6)) + ambient;
+    return albedo * light * (1.0 - 0.3 * grazing * grazing);
+  }
+  vec3 ambient = mix(vec3(0.13, 0.10, 0.085), vec3(0.27, 0.29, 0.33), up);
+  vec3 light = vec3(1.18, 1.12, 1.03) * wrapped(n, kKey, 0.15) + vec3(0.14, 0.17, 0.22) * wrapped(n, kFill, 0.3) + ambient;
+  float sheen = pow(max(dot(n, normalize(kKey + view)), 0.0), 36.0);
+  float rim = grazing * grazing * grazing * (0.35 + 0.65 * up);
+  return albedo * light + vec3(0.09, 0.088, 0.085) * sheen + vec3(0.15, 0.16, 0.18) * rim;
+}
+
+vec3 encoded(vec3 linear) {
+  linear = clamp(linear, 0.0, 1.0);
+  return mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear));
+}
+
+// Eye-dome lighting: how much of what is around stands before a pixel (Boucheny, "Interactive scientific visualization of large
+// datasets: towards a perceptive-based approach", 2009).
+float domeLight(ivec2 p, float here) {
+  ivec2 last = textureSize(depths, 0) - 1;
+  float scale = 1.0 / (0.06 * sceneRadius);
+  float sum = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    float angle = float(i) * 0.78539816;
+    ivec2 tap = clamp(p + ivec2(round(edlReach * vec2(cos(angle), sin(angle)))), ivec2(0), last);
+    float before = max(here - distanceAt(tap), 0.0) * scale;
+    sum += before / (1.0 + before);
+  }
+  // Behind everything around: a gap between discs.
+  return sum > 6.0 ? 1.0 : exp(-edlStrength * sum / 8.0);
+}
+
+// How much of the pixel the surface covers: at the rim the sums fall to nothing, how steeply tells the rest.
+float coverAt(ivec2 p, float kernel) {
+  float cover = clamp((kernel - leastKernel) / max(fwidth(kernel), 1e-4) + 0.5, 0.0, 1.0);
+  if (kernel <= 0.0) return 0.0;
+  if (cover == 1.0) return 1.0;
+  ivec2 last = textureSize(normals, 0) - 1;
+  for (int i = 0; i < 4; ++i) {
+    ivec2 step = ivec2((i & 1) * 2 - 1, (i & 2) - 1);
+    if (texelFetch(normals, clamp(p + step, ivec2(0), last), 0).w <= 0.0) return cover;
+  }
+  return 1.0;  // an edge before more of the surface
+}
+
+void main() {
+  ivec2 p = ivec2(gl_FragCoord.xy) - origin;
+  vec4 sum = texelFetch(normals, p, 0);
+  float height = (float(p.y) + 0.5) / float(textureSize(depths, 0).y);
+  vec3 behind = mix(backgroundBottom, backgroundTop, height);
+  float cover = coverAt(p, sum.w);
+  vec3 colour = behind;
+  if (cover > 0.0) {
+    vec3 ray = rayAt(p);
+    vec3 view = -normalize(ray);
+    float here = distanceAt(p);
+    vec3 n = normalOf(sum.xyz, view);
+    // The rims of discs that stick out behind a sharp bend are no backs.
+    float back = smoothstep(0.55, 0.85, -dot(sum.xyz, view) / max(length(sum.xyz), 1e-7));
+#ifdef HAS_COLOURS
+    vec4 colourSum = texelFetch(colours, p, 0);
+    vec3 albedo = colourSum.rgb / max(colourSum.w, 1e-6);
+    albedo *= mix(1.0, 0.45, back);
+#else
+    vec3 albedo = mix(clay, backTint, back);
+#endif
+    colour = shade(albedo, n, view);
+    // Between the smaller discs that make the depths there is none.
+    if (edlStrength > 0.0 && here < 0.999 * clip.y) colour *= domeLight(p, here);
+    if (brush.w > 0.0) {
+      vec3 place = ray * here + view * surfaceShift;
+      float away = distance(place, brush.xyz);
+      float width = 1.5 * here * 2.0 * tangents.y / float(textureSize(depths, 0).y);
+      float inside = 1.0 - smoothstep(brush.w - width, brush.w + width, away);
+      float ring = 1.0 - smoothstep(width, 2.0 * width, abs(away - brush.w));
+      colour = mix(colour, vec3(0.95, 0.35, 0.05), 0.22 * inside + 0.7 * ring * (1.0 - 0.22 * inside));
+    }
+    colour = mix(behind, colour, cover);
+  }
+  // An ordered pattern of half a step of 8 bits, or the gradient shows its steps.
+  ivec2 cell = ivec2(gl_FragCoord.xy) & 3;
+  float dither = float(((cell.x ^ cell.y) & 1) * 8 + (cell.y & 1) * 4 + (((cell.x ^ cell.y) >> 1) & 1) * 2 + (cell.y >> 1));
+  pixel = vec4(encoded(colour) + ((dither + 0.5) / 16.0 - 0.5) / 255.0, 1.0);
+}
+`;

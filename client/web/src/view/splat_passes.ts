@@ -1,0 +1,238 @@
+// Points as a closed, smoothly shaded surface: Botsch, Hornung, Zwicker, Kobbelt, "High-Quality Surface Splatting on Today's GPUs",
+// PBG 2005. Visibility of the tilted discs, blending of what lies near the visible surface, shading of every pixel.
+
+import * as THREE from "three";
+import { ColourTextures, makeColourUniforms } from "./colour_texture";
+import { makePointUniforms } from "./points_geometry";
+import { looks, type Passes, type Picture } from "./picture";
+import { screenVertexShader, shadeFragmentShader } from "./shade_shaders";
+import {
+  blendFragmentShader,
+  blendVertexShader,
+  depthFragmentShader,
+  depthVertexShader,
+  dotFragmentShader,
+  dotVertexShader,
+} from "./splat_shaders";
+
+// Of the shapes, in radii. Squares about as large as the discs hide what is behind them; larger discs blend, and end where their kernels sum up
+// to what they have there: gaps and the notches of the silhouette between neighbouring discs close.
+const hidingExtent = 0.8;
+const blendExtent = 1.1;
+// How far behind the nearest disc others still blend, in radii along the ray.
+const blendDepth = 0.8;
+/// That a disc has where it ends in the picture.
+const leastKernel = 0.5 * (1 - (0.8 / blendExtent) ** 2) ** 3;
+
+/// Whether sums can be drawn at all: floating point targets that blend.
+export const canBlend = (renderer: THREE.WebGLRenderer): boolean =>
+  renderer.extensions.has("EXT_color_buffer_float") || renderer.extensions.has("EXT_color_buffer_half_float");
+
+/// Needs floating point targets that blend. Pictures may follow each other on parts of one canvas.
+export class SplatPasses implements Passes {
+  readonly shape = "square";
+  private target: THREE.WebGLRenderTarget | null = null;
+  private readonly textures = new ColourTextures();
+  private readonly discUniforms = {
+    ...makePointUniforms(),
+    ...makeColourUniforms(),
+    splatScale: { value: 1 },
+    backShift: { value: 0 },
+    extent: { value: 1 },
+    leastRadius: { value: 0 },
+  };
+  private readonly dotUniforms = {
+    ...makePointUniforms(),
+    ...makeColourUniforms(),
+    depths: { value: null as THREE.Texture | null },
+    clip: { value: new THREE.Vector2() },
+    tolerance: { value: 0.2 },
+    diameter: { value: 3 },
+    splatScale: { value: 1 },
+    plainColour: { value: new THREE.Color() },
+  };
+  private readonly shadeUniforms = {
+    normals: { value: null as THREE.Texture | null },
+    colours: { value: null as THREE.Texture | null },
+    depths: { value: null as THREE.Texture | null },
+    origin: { value: new THREE.Vector2() },
+    clip: { value: new THREE.Vector2() },
+    tangents: { value: new THREE.Vector2() },
+    leastKernel: { value: leastKernel },
+    edlStrength: { value: 0 },
+    edlReach: { value: 1 },
+    sceneRadius: { value: 1 },
+    clay: { value: new THREE.Color() },
+    backTint: { value: new THREE.Color() },
+    backgroundTop: { value: new THREE.Color() },
+    backgroundBottom: { value: new THREE.Color() },
+    isMatte: { value: false },
+    brush: { value: new THREE.Vector4() },
+    surfaceShift: { value: 0 },
+  };
+  private readonly depthMaterial = makeMaterial(depthVertexShader, depthFragmentShader, this.discUniforms, { colorWrite: false });
+  private readonly blendMaterial = makeMaterial(blendVertexShader, blendFragmentShader, this.discUniforms, {
+    depthWrite: false,
+    blending: THREE.CustomBlending,
+    blendSrc: THREE.OneFactor,
+    blendDst: THREE.OneFactor,
+  });
+  /// Instead of both: each pixel shows its nearest disc.
+  private readonly quickMaterial = makeMaterial(blendVertexShader, blendFragmentShader, this.discUniforms, { defines: { QUICK: "" } });
+  private readonly dotMaterial = makeMaterial(dotVertexShader, dotFragmentShader, this.dotUniforms, {
+    depthTest: false,
+    depthWrite: false,
+    transparent: true,
+  });
+  private readonly shadeMaterial = makeMaterial(screenVertexShader, shadeFragmentShader, this.shadeUniforms, {
+    depthTest: false,
+    depthWrite: false,
+  });
+  private readonly discs = new THREE.Mesh<THREE.BufferGeometry, THREE.Material>(new THREE.BufferGeometry(), this.depthMaterial);
+  private readonly dots = new THREE.Points<THREE.BufferGeometry, THREE.Material>(new THREE.BufferGeometry(), this.dotMaterial);
+  private readonly screen = new THREE.Mesh(new THREE.BufferGeometry(), this.shadeMaterial);
+  private readonly noCamera = new THREE.Camera();
+
+  constructor(private readonly renderer: THREE.WebGLRenderer) {
+    this.screen.geometry.setAttribute("position", new THREE.Float32BufferAttribute([-1, -1, 0, 3, -1, 0, -1, 3, 0], 3));
+    this.screen.frustumCulled = false;
+    this.discs.frustumCulled = false;
+    this.dots.frustumCulled = false;
+  }
+
+  get depths(): THREE.Texture | null {
+    return this.target?.depthTexture ?? null;
+  }
+
+  render(picture: Picture): void {
+    const { renderer, discs } = this;
+    const { points, style, where } = picture;
+    const isDots = style.mode === "dots";
+    const hasColours = !isDots && (points?.scale.kind ?? 0) > 0;
+    const target = this.targetOf(where.width, where.height, hasColours);
+    this.prepare(picture, target);
+    renderer.setRenderTarget(target);
+    renderer.setClearColor(0x000000, 0);
+    renderer.clear();
+    if (points) {
+      discs.geometry = points.discs;
+      discs.position.fromArray(points.store.origin);
+      const pass = (material: THREE.Material, extent: number, backShift: number): void => {
+        this.discUniforms.extent.value = extent;
+        this.discUniforms.backShift.value = backShift;
+        discs.material = material;
+        renderer.render(discs, picture.camera);
+      };
+      if (picture.isQuick && !isDots) {
+        pass(this.quickMaterial, hidingExtent, 0);
+      } else {
+        pass(this.depthMaterial, hidingExtent, blendDepth);
+        if (!isDots || style.edl) pass(this.blendMaterial, blendExtent, 0);
+      }
+    }
+    renderer.setRenderTarget(null);
+    renderer.setViewport(where.x, where.y, where.width, where.height);
+    renderer.setScissor(where.x, where.y, where.width, where.height);
+    renderer.render(this.screen, this.noCamera);
+    if (points && isDots) {
+      this.dots.geometry = points.dots;
+      this.dots.position.copy(discs.position);
+      renderer.render(this.dots, picture.camera);
+    }
+  }
+
+  dispose(): void {
+    this.dropTarget();
+    this.textures.dispose();
+    this.screen.geometry.dispose();
+    for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial, this.dotMaterial, this.shadeMaterial]) {
+      material.dispose();
+    }
+  }
+
+  private prepare(picture: Picture, target: THREE.WebGLRenderTarget): void {
+    const { points, style, camera, where, pixelRatio } = picture;
+    const isDots = style.mode === "dots";
+    const look = looks[style.background];
+    const tangent = Math.tan((camera.fov * Math.PI) / 360);
+    const [disc, dot, shade] = [this.discUniforms, this.dotUniforms, this.shadeUniforms];
+
+    disc.splatScale.value = dot.splatScale.value = style.splatScale;
+    // A square as large as a pixel, whichever way it is turned, holds its middle.
+    disc.leastRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
+    if (points) {
+      points.apply(disc);
+      points.apply(dot);
+      this.textures.apply(points.scale, disc);
+      this.textures.apply(points.scale, dot);
+      for (const material of [this.blendMaterial, this.quickMaterial]) define(material, "COLOURING", points.scale.kind);
+      define(this.dotMaterial, "COLOURING", points.scale.kind);
+    }
+
+    dot.depths.value = shade.depths.value = target.depthTexture;
+    dot.clip.value.set(camera.near, camera.far);
+    dot.diameter.value = style.dotSize * pixelRatio;
+    dot.plainColour.value = look.dots;
+
+    shade.normals.value = target.textures[0];
+    shade.colours.value = target.textures[1] ?? null;
+    shade.origin.value.set(where.x, where.y);
+    shade.clip.value.copy(dot.clip.value);
+    shade.tangents.value.set(tangent * camera.aspect, tangent);
+    shade.edlStrength.value = style.edl ? (isDots ? 0.5 : 1.1) : 0;
+    shade.edlReach.value = Math.max(1, 1.3 * pixelRatio);
+    shade.sceneRadius.value = picture.sceneRadius;
+    shade.clay.value = isDots ? look.pale : look.clay;
+    shade.backTint.value = isDots ? look.pale : look.back;
+    shade.backgroundTop.value = look.top;
+    shade.backgroundBottom.value = look.bottom;
+    shade.isMatte.value = isDots || target.textures.length > 1;
+    shade.surfaceShift.value = blendDepth * (points?.typicalRadius ?? 0) * style.splatScale;
+    if (picture.brush) {
+      const centre = picture.brush.centre.clone().applyMatrix4(camera.matrixWorldInverse);
+      shade.brush.value.set(centre.x, centre.y, centre.z, picture.brush.radius);
+    } else {
+      shade.brush.value.w = 0;
+    }
+  }
+
+  private targetOf(width: number, height: number, hasColours: boolean): THREE.WebGLRenderTarget {
+    const count = hasColours ? 2 : 1;
+    if (this.target?.textures.length !== count) {
+      this.dropTarget();
+      for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial, this.shadeMaterial]) {
+        define(material, "HAS_COLOURS", hasColours);
+      }
+      const nearest = { minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter } as const;
+      this.target = new THREE.WebGLRenderTarget(width, height, { count, type: THREE.HalfFloatType, ...nearest });
+      this.target.depthTexture = new THREE.DepthTexture(width, height, THREE.FloatType);
+    }
+    this.target.setSize(width, height);
+    return this.target;
+  }
+
+  private dropTarget(): void {
+    this.target?.depthTexture?.dispose();
+    this.target?.dispose();
+    this.target = null;
+  }
+}
+
+function makeMaterial(
+  vertexShader: string,
+  fragmentShader: string,
+  uniforms: Record<string, THREE.IUniform>,
+  more: THREE.ShaderMaterialParameters,
+): THREE.RawShaderMaterial {
+  const glslVersion = THREE.GLSL3;
+  return new THREE.RawShaderMaterial({ vertexShader, fragmentShader, uniforms, glslVersion, side: THREE.DoubleSide, defines: {}, ...more });
+}
+
+/// Sets a constant of a material's shaders; false: not defined.
+function define(material: THREE.ShaderMaterial, name: string, value: number | boolean): void {
+  const now = material.defines[name] as number | string | undefined;
+  if (now === (value === true ? "" : value === false ? undefined : value)) return;
+  if (value === false) delete material.defines[name];
+  else material.defines[name] = value === true ? "" : value;
+  material.needsUpdate = true;
+}

@@ -1,0 +1,287 @@
+// GLSL of what is drawn for each point. `COLOURING` is the kind of a ColourScale.
+
+/// A point by its slot. In vertex shaders; the numbers are those of store_texture and points_geometry.
+const pointFunctions = /* glsl */ `
+uniform highp sampler2D places;
+uniform highp sampler2D normalsOf;
+uniform int slots;
+
+vec4 place;  // relative to the store's origin; w: radius
+vec3 axis;   // the normal
+
+ivec2 texelOf(int slot) { return ivec2(slot & 2047, slot >> 11); }
+
+// False: there is none.
+bool readPoint(int slot) {
+  if (slot >= slots) return false;
+  place = texelFetch(places, texelOf(slot), 0);
+  axis = texelFetch(normalsOf, texelOf(slot), 0).xyz;
+  return place.w > 0.0;
+}
+`;
+
+/// Colour of a point, as squares of sRGB: nearly linear light.
+const splatColour = /* glsl */ `
+#if COLOURING == 3
+uniform highp usampler2D column;
+#elif COLOURING == 1 || COLOURING == 2
+uniform highp sampler2D column;
+#endif
+#if COLOURING >= 2 && COLOURING <= 4
+uniform sampler2D map;
+uniform float mapScale, mapOffset;
+#endif
+
+vec3 splatColour(int slot) {
+#if COLOURING == 1
+  vec3 c = texelFetch(column, texelOf(slot), 0).rgb;
+  return c * c;
+#elif COLOURING == 5
+  vec3 c = 0.5 + 0.5 * axis;
+  return c * c;
+#elif COLOURING >= 2
+#if COLOURING == 2
+  vec2 curvatures = texelFetch(column, texelOf(slot), 0).xy;
+  float v = 0.5 * (curvatures.x + curvatures.y) / mapScale;
+  float t = 0.5 + 0.5 * v / (0.7 + abs(v));
+#elif COLOURING == 3
+  float t = float(texelFetch(column, texelOf(slot), 0).x) / mapScale;
+#else
+  float t = (-2.0 * log2(place.w) - mapOffset) / mapScale;
+#endif
+  vec3 c = texture(map, vec2(t, 0.5)).rgb;
+  return c * c;
+#else
+  return vec3(1.0);
+#endif
+}
+`;
+
+/// What three.js declares by itself in shaders that are not raw.
+const declarations = /* glsl */ `
+precision highp float;
+precision highp int;
+uniform mat4 modelViewMatrix, projectionMatrix;
+`;
+
+/// A disc in its tangent plane: a corner of a square, or of a hexagon whose middle stands out by CONE radii.
+const discFunctions = /* glsl */ `
+${pointFunctions}
+uniform float splatScale;
+uniform float backShift;    // along the ray, in radii
+uniform float extent;       // of the shape, in radii
+uniform float leastRadius;  // at distance 1
+
+#ifdef CONE
+const int kCorners = 7;
+const vec2 kPlaces[7] = vec2[7](vec2(1.0, 0.0), vec2(0.5, 0.8660254), vec2(-0.5, 0.8660254), vec2(-1.0, 0.0),
+                                vec2(-0.5, -0.8660254), vec2(0.5, -0.8660254), vec2(0.0));
+#else
+const int kCorners = 4;
+const vec2 kPlaces[4] = vec2[4](vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(-1.0, 1.0), vec2(1.0, 1.0));
+#endif
+
+int slot;
+vec2 inShape;     // where the corner is: of the square around the unit circle, or of the hexagon in it
+vec3 corner;      // in eye coordinates
+vec3 discNormal;  // the same
+float facing;
+
+// False: there is nothing to draw.
+bool placeCorner() {
+  int shape = gl_VertexID / kCorners;
+  slot = gl_InstanceID * 1024 + shape;
+  if (!readPoint(slot)) return false;
+  int which = gl_VertexID - shape * kCorners;
+  inShape = kPlaces[which];
+  vec3 center = (modelViewMatrix * vec4(place.xyz, 1.0)).xyz;
+  if (center.z >= 0.0) return false;
+  vec3 view = -normalize(center);
+  discNormal = mat3(modelViewMatrix) * axis;
+  discNormal = dot(discNormal, discNormal) > 0.01 ? normalize(discNormal) : view;
+  facing = dot(discNormal, view);
+  vec3 lean = discNormal - facing * view;  // where the disc leans, seen by the eye
+  if (dot(lean, lean) < 1e-8) lean = cross(view, abs(view.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0));
+  lean = normalize(lean);
+  vec3 major = cross(view, lean);
+  vec3 minor = cross(discNormal, major);
+  // A disc thinner than a pixel turns a little to the eye: it is never lost between pixels.
+  float least = leastRadius * -center.z;
+  float radius = max(place.w * splatScale * length(modelViewMatrix[0].xyz), least);
+  float lost = max(least - radius * abs(facing), 0.0);
+  minor = radius * minor - (facing < 0.0 ? -lost : lost) * lean;
+  vec2 disc = extent * inShape;
+  corner = center + disc.x * minor + disc.y * radius * major;
+#ifdef CONE
+  if (which == 6) corner += CONE * radius * view;
+#endif
+  corner *= 1.0 + backShift * radius / length(corner);
+  return true;
+}
+`;
+
+/// Depth alone: squares about as large as the discs, so that no pixel is discarded.
+export const depthVertexShader = /* glsl */ `
+${declarations}
+${discFunctions}
+void main() {
+  gl_Position = placeCorner() ? projectionMatrix * vec4(corner, 1.0) : vec4(0.0, 0.0, 2.0, 1.0);
+}
+`;
+
+export const depthFragmentShader = /* glsl */ `
+precision mediump float;
+layout(location = 0) out vec4 unused;
+#ifdef HAS_COLOURS
+layout(location = 1) out vec4 unusedToo;
+#endif
+void main() {
+  unused = vec4(0.0);
+#ifdef HAS_COLOURS
+  unusedToo = vec4(0.0);
+#endif
+}
+`;
+
+/// Sums of normals and colours over the discs that lie near the visible surface.
+export const blendVertexShader = /* glsl */ `
+${declarations}
+${discFunctions}
+#ifdef HAS_COLOURS
+${splatColour}
+flat out vec3 colour;
+#endif
+out vec2 inDisc;
+flat out vec4 normalWeight;
+
+void main() {
+  if (!placeCorner()) {
+    gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+    return;
+  }
+  gl_Position = projectionMatrix * vec4(corner, 1.0);
+  inDisc = inShape;
+  // Back faces count only where nothing faces the eye: through the holes of an open surface, not behind its rim.
+  normalWeight = vec4(discNormal, mix(0.002, 1.0, smoothstep(-0.15, 0.15, facing)));
+#ifdef HAS_COLOURS
+  colour = splatColour(slot);
+#endif
+}
+`;
+
+export const blendFragmentShader = /* glsl */ `
+precision highp float;
+in vec2 inDisc;
+flat in vec4 normalWeight;
+layout(location = 0) out vec4 normalSum;  // w: sum of the kernels, whichever way they face
+#ifdef HAS_COLOURS
+flat in vec3 colour;
+layout(location = 1) out vec4 colourSum;  // w: sum of the weights
+#endif
+void main() {
+#ifdef QUICK
+  float kernel = 1.0;  // the nearest disc is all there is
+#else
+  float t = max(1.0 - dot(inDisc, inDisc), 0.0);
+  float kernel = t * t * t;  // like a Gaussian, and 0 at the edge
+#endif
+  float weight = normalWeight.w * kernel;
+  normalSum = vec4(normalWeight.xyz * weight, kernel);
+#ifdef HAS_COLOURS
+  colourSum = vec4(colour, 1.0) * weight;
+#endif
+}
+`;
+
+/// Dots of one size, those before the surface only; each is kept or hidden as a whole.
+export const dotVertexShader = /* glsl */ `
+${declarations}
+${pointFunctions}
+uniform highp sampler2D depths;
+uniform vec2 clip;       // near and far
+uniform float tolerance;  // in radii
+uniform float diameter;  // pixels
+uniform float splatScale;
+uniform vec3 plainColour;
+${splatColour}
+flat out vec3 colour;
+
+float distanceOf(float depth) { return clip.x * clip.y / (clip.y - depth * (clip.y - clip.x)); }
+
+void main() {
+  int slot = gl_VertexID;
+  gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+  gl_PointSize = 1.0;
+  if (!readPoint(slot)) return;
+  vec3 center = (modelViewMatrix * vec4(place.xyz, 1.0)).xyz;
+  if (center.z >= 0.0) return;
+  vec4 where = projectionMatrix * vec4(center, 1.0);
+  vec2 size = vec2(textureSize(depths, 0));
+  ivec2 pixel = ivec2(clamp((0.5 + 0.5 * where.xy / where.w) * size, vec2(0.0), size - 1.0));
+  float surface = distanceOf(texelFetch(depths, pixel, 0).x);
+  if (-center.z > surface + tolerance * place.w * splatScale) return;
+  gl_Position = where;
+  gl_PointSize = diameter + 1.0;
+  vec3 n = mat3(modelViewMatrix) * axis;
+  float facing = dot(n, -normalize(center)) / max(length(n), 0.01);
+#if COLOURING == 0
+  colour = plainColour;
+#else
+  colour = sqrt(splatColour(slot));
+#endif
+  if (facing < -0.1) colour = mix(colour, vec3(0.5), 0.4);
+}
+`;
+
+export const dotFragmentShader = /* glsl */ `
+precision highp float;
+uniform float diameter;
+flat in vec3 colour;
+layout(location = 0) out vec4 pixel;
+void main() {
+  float distance = length(gl_PointCoord - 0.5) * (diameter + 1.0);
+  float cover = clamp(0.5 * diameter - distance + 0.5, 0.0, 1.0);
+  if (cover <= 0.0) discard;
+  pixel = vec4(colour, cover);
+}
+`;
+
+/// One pass, discs that hide each other: for any scene, and where sums cannot be drawn. Lit by a light at the eye.
+export const solidVertexShader = /* glsl */ `
+#define CONE 0.3
+${discFunctions}
+${splatColour}
+uniform float dotDiameter;  // pixels; 0: discs
+uniform vec2 pixels;        // of the picture
+uniform vec3 plainColour;   // linear light
+out vec2 inDisc;
+flat out vec3 colour;
+
+void main() {
+  if (!placeCorner() || (dotDiameter > 0.0 && facing < -0.1)) {
+    gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+    return;
+  }
+  gl_Position = projectionMatrix * vec4(corner, 1.0);
+  if (dotDiameter > 0.0) {
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(place.xyz, 1.0);
+    gl_Position.xy += inShape * 1.1547 * dotDiameter / pixels * gl_Position.w;
+  }
+  inDisc = inShape * 1.1547;
+  float lit = abs(facing);
+  vec3 albedo = COLOURING == 0 ? plainColour : splatColour(slot);
+  if (facing < 0.0) albedo *= vec3(0.42, 0.46, 0.55);
+  colour = albedo * (0.28 + 0.72 * lit) + 0.05 * pow(lit, 24.0);
+}
+`;
+
+export const solidFragmentShader = /* glsl */ `
+in vec2 inDisc;
+flat in vec3 colour;
+void main() {
+  if (dot(inDisc, inDisc) > 1.0) discard;
+  gl_FragColor = vec4(colour, 1.0);
+  #include <tonemapping_fragment>
+  #include <colorspace_fragment>
+}
+`;

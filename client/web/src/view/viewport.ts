@@ -1,0 +1,397 @@
+// The viewer's picture: points of one or two stores, what is drawn over them, and the pointer's tools.
+
+import * as THREE from "three";
+import type { PointStore } from "../stream/point_store";
+import { CameraControls, type ControlsHost } from "./camera_controls";
+import { type Bounds, boundsRadius, clipPlanes, fit, isUsable, rayDirection } from "./camera_math";
+import { DrawingWatch } from "./drawing_watch";
+import { FrameClock } from "./frame_clock";
+import { OverlayLines, type OverlayLine } from "./overlay_lines";
+import { frustumLines, measureLines } from "./overlay_shapes";
+import { pick, type Ray } from "./picking";
+import type { Passes, Rectangle } from "./picture";
+import { PointsGeometry } from "./points_geometry";
+import { SolidPasses } from "./solid_passes";
+import { canBlend, SplatPasses } from "./splat_passes";
+import { type CameraState, defaultStyle, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
+import { distance } from "./vector";
+
+/// From the front, a little from above and from the right, like the pictures that the server renders.
+const firstCamera: CameraState = { eye: [0.55, 0.35, 1], target: [0, 0, 0], up: [0, 1, 0], fov: 30 };
+/// Of a picture that waits for its points, where the processor draws; ms.
+const longestHold = 120;
+/// CSS pixels around a point that still count as it.
+const pickReach = 8;
+
+/// One canvas. Draws on demand, when something has changed; while it changes, on slow machines, with fewer pixels.
+export class Viewport {
+  /// It moved, whoever moved it.
+  onCamera: (() => void) | null = null;
+  /// The brush paints here; `done` with the last of a stroke.
+  onBrush: ((centre: Vec, done: boolean) => void) | null = null;
+  /// Two places have been clicked; distance in units.
+  onMeasure: ((a: Vec, b: Vec, distance: number) => void) | null = null;
+  /// What isDrawing told of is over.
+  onDrawn: (() => void) | null = null;
+  /// Drawn by software: slowly.
+  readonly isSoftware: boolean;
+
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly passes: Passes;
+  private readonly overlay = new OverlayLines();
+  private readonly clock: FrameClock;
+  private readonly watch: DrawingWatch;
+  private readonly controls: CameraControls;
+  private readonly drawn = new THREE.PerspectiveCamera();
+  private readonly geometries = new Map<PointStore, PointsGeometry>();
+  private readonly resizing: ResizeObserver;
+  private readonly ended = new AbortController();
+
+  private stores: (PointStore | null)[] = [null];
+  private styleNow: Style = { ...defaultStyle };
+  private cameraNow: CameraState = { ...firstCamera };
+  private bounds: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
+  private frozen: { camera: CameraState; aspect: number } | null = null;
+  private brushRadius: number | null = null;
+  private isMeasuring = false;
+  private measured: Vec[] = [];
+  private hover: { x: number; y: number } | null = null;
+  private hovered: Pick | null = null;
+  private stroke: Vec | null = null;
+  private isLost = false;
+
+  /// Throws NoWebGL2Error.
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    const context = canvas.getContext("webgl2", { antialias: false, alpha: false, depth: true, powerPreference: "high-performance" });
+    if (!context) throw new NoWebGL2Error();
+    const info = context.getExtension("WEBGL_debug_renderer_info");
+    const name = String(context.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : context.RENDERER));
+    this.isSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+    this.renderer = new THREE.WebGLRenderer({ canvas, context });
+    this.renderer.autoClear = false;
+    this.passes = canBlend(this.renderer) ? new SplatPasses(this.renderer) : new SolidPasses(this.renderer);
+    this.clock = new FrameClock((now, scale) => this.drawFrame(now, scale), this.isSoftware);
+    this.watch = new DrawingWatch(context, () => (this.clock.settle(), this.onDrawn?.()));
+    this.controls = new CameraControls(canvas, this.makeHost());
+    this.controls.onClick = (x, y) => this.click(x, y);
+    this.controls.onHover = (at) => this.hoverAt(at);
+    this.resizing = new ResizeObserver(() => this.invalidate());
+    this.resizing.observe(canvas);
+    const { signal } = this.ended;
+    canvas.addEventListener("webglcontextlost", () => this.lose(true), { signal });
+    canvas.addEventListener("webglcontextrestored", () => this.lose(false), { signal });
+    this.invalidate();
+  }
+
+  /// One store, or two side by side, seen by the same camera. The viewport is the one that takes their changes.
+  setStores(left: PointStore | null, right?: PointStore | null): void {
+    this.stores = right === undefined ? [left] : [left, right];
+    for (const [store, points] of this.geometries) {
+      if (this.stores.includes(store)) continue;
+      points.dispose();
+      this.geometries.delete(store);
+    }
+    for (const store of this.stores) {
+      if (store && !this.geometries.has(store)) this.geometries.set(store, new PointsGeometry(store, this.passes.shape));
+    }
+    this.invalidate();
+  }
+
+  get style(): Style {
+    return this.styleNow;
+  }
+
+  set style(style: Style) {
+    this.styleNow = style;
+    this.invalidate();
+  }
+
+  get camera(): CameraState {
+    return this.cameraNow;
+  }
+
+  /// One that cannot be drawn with is ignored.
+  set camera(camera: CameraState) {
+    this.controls.stop();
+    this.moveTo(camera);
+  }
+
+  get navigation(): "orbit" | "fly" {
+    return this.controls.navigation;
+  }
+
+  set navigation(navigation: "orbit" | "fly") {
+    this.controls.navigation = navigation;
+  }
+
+  /// Of the last frames while something moved.
+  get framesPerSecond(): number {
+    return this.clock.framesPerSecond;
+  }
+
+  /// Of one picture, device pixels: in split view half of the canvas.
+  get size(): { width: number; height: number } {
+    const ratio = this.pixelRatio(1);
+    const width = Math.max(1, Math.round(this.canvas.clientWidth * ratio));
+    return {
+      width: Math.max(1, Math.floor(width / this.stores.length)),
+      height: Math.max(1, Math.round(this.canvas.clientHeight * ratio)),
+    };
+  }
+
+  /// Corners of the surface's box.
+  setBounds(min: Vec, max: Vec): void {
+    this.bounds = { min: [...min], max: [...max] };
+    this.invalidate();
+  }
+
+  /// Shows the whole surface, from the side that is seen now. `isSmooth`: within a third of a second.
+  frame(isSmooth = false): void {
+    const { width, height } = this.size;
+    const camera = fit(this.cameraNow, this.bounds, width / height);
+    if (isSmooth) this.controls.flyTo(camera);
+    else this.camera = camera;
+  }
+
+  /// Draws the frustum of the camera that points are sampled for; null: none. `aspect`: of its picture.
+  setFrozenCamera(camera: CameraState | null, aspect = 1): void {
+    this.frozen = camera ? { camera, aspect } : null;
+    this.invalidate();
+  }
+
+  /// The surface, or the nearest visible point, at a place of the canvas in CSS pixels.
+  pick(x: number, y: number): Pick | null {
+    const { store } = this.partAt(x);
+    if (!store) return null;
+    const { near } = clipPlanes(this.cameraNow, this.bounds);
+    const tangent = Math.tan((this.cameraNow.fov * Math.PI) / 360);
+    const tolerance = (pickReach * 2 * tangent) / (this.canvas.clientHeight || 1);
+    return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale);
+  }
+
+  /// Where a point is on the canvas, CSS pixels, in the left picture of two; null: behind the camera.
+  project(point: Vec): { x: number; y: number } | null {
+    const { width } = this.partAt(0);
+    this.aim(width / (this.canvas.clientHeight || 1));
+    const p = new THREE.Vector3(...point).applyMatrix4(this.drawn.matrixWorldInverse);
+    if (p.z >= 0) return null;
+    p.applyMatrix4(this.drawn.projectionMatrix);
+    return { x: (0.5 + 0.5 * p.x) * width, y: (0.5 - 0.5 * p.y) * this.canvas.clientHeight };
+  }
+
+  /// With a radius, in units, the pointer paints instead of turning the picture.
+  setBrush(radius: number | null): void {
+    this.brushRadius = radius;
+    this.controls.tool =
+      radius === null
+        ? null
+        : { press: (x, y) => this.paint(x, y), drag: (x, y) => this.paint(x, y), release: () => this.endStroke() };
+    this.hoverAt(this.hover);
+  }
+
+  /// Two clicks make a line, which stays until the next click or until measuring ends.
+  setMeasuring(on: boolean): void {
+    this.isMeasuring = on;
+    this.measured = [];
+    this.invalidate();
+  }
+
+  invalidate(): void {
+    this.clock.invalidate(false);
+  }
+
+  /// The processor is drawing, or about to, and everything else takes its time until onDrawn. Never so with a graphics card.
+  get isDrawing(): boolean {
+    return this.watch.isDrawing || this.clock.isDue;
+  }
+
+  /// Points for this camera are on their way. Where the processor draws, it first leaves its time to those who make them.
+  expectPoints(): void {
+    if (this.isSoftware) this.clock.hold(longestHold);
+  }
+
+  /// Points of the stores have changed: draws a frame soon.
+  pointsChanged(): void {
+    this.clock.release();
+    this.clock.invalidate(true);
+  }
+
+  /// Takes the stores' changes into the buffers of the graphics card now instead of with the next frame. Milliseconds that took.
+  uploadNow(): number {
+    const begin = performance.now();
+    for (const points of this.geometries.values()) {
+      points.refresh(this.styleNow.colouring);
+      points.upload(this.renderer);
+    }
+    this.pointsChanged();
+    return performance.now() - begin;
+  }
+
+  /// A PNG of the picture as it is, with all its pixels.
+  screenshot(): Promise<Blob> {
+    this.render(1);
+    return new Promise((resolve, reject) => {
+      this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture cannot be read."))), "image/png");
+    });
+  }
+
+  dispose(): void {
+    this.clock.pause(true);
+    this.ended.abort();
+    this.resizing.disconnect();
+    this.controls.dispose();
+    this.setStores(null);
+    this.clock.pause(true);
+    this.overlay.dispose();
+    this.passes.dispose();
+    this.renderer.dispose();
+  }
+
+  private makeHost(): ControlsHost {
+    const get = (): CameraState => this.cameraNow;
+    const set = (camera: CameraState): void => this.moveTo(camera);
+    const bounds = (): Bounds => this.bounds;
+    return {
+      get camera() {
+        return get();
+      },
+      set camera(camera) {
+        set(camera);
+      },
+      get bounds() {
+        return bounds();
+      },
+      surfaceAt: (x, y) => this.pick(x, y)?.point ?? null,
+      rayAt: (x, y) => this.rayAt(x, y),
+      wake: () => this.clock.invalidate(true),
+    };
+  }
+
+  private moveTo(camera: CameraState): void {
+    if (!isUsable(camera)) return;
+    this.cameraNow = camera;
+    this.clock.invalidate(true);
+    this.onCamera?.();
+  }
+
+  private lose(isLost: boolean): void {
+    this.isLost = isLost;
+    this.clock.pause(isLost);
+  }
+
+  /// The picture under a place of the canvas: what it shows, where it begins and ends; CSS pixels.
+  private partAt(x: number): { store: PointStore | null; left: number; width: number } {
+    const width = (this.canvas.clientWidth || 1) / this.stores.length;
+    const index = Math.min(this.stores.length - 1, Math.max(0, Math.floor(x / width)));
+    return { store: this.stores[index], left: index * width, width };
+  }
+
+  private rayAt(x: number, y: number): Ray {
+    const { left, width } = this.partAt(x);
+    const height = this.canvas.clientHeight || 1;
+    const direction = rayDirection(this.cameraNow, width / height, (2 * (x - left)) / width - 1, 1 - (2 * y) / height);
+    return { origin: this.cameraNow.eye, direction };
+  }
+
+  private click(x: number, y: number): void {
+    if (!this.isMeasuring) return;
+    const place = this.pick(x, y);
+    if (!place) return;
+    if (this.measured.length === 2) this.measured = [];
+    this.measured.push(place.point);
+    const [a, b] = this.measured;
+    if (b) this.onMeasure?.(a, b, distance(a, b));
+    this.invalidate();
+  }
+
+  private hoverAt(at: { x: number; y: number } | null): void {
+    this.hover = at;
+    const isNeeded = this.brushRadius !== null || (this.isMeasuring && this.measured.length === 1);
+    const found = at && isNeeded ? this.pick(at.x, at.y) : null;
+    if (found || this.hovered) this.invalidate();
+    this.hovered = found;
+  }
+
+  private paint(x: number, y: number): void {
+    const place = this.pick(x, y);
+    if (!place || this.brushRadius === null) return;
+    if (this.stroke && distance(this.stroke, place.point) < 0.25 * this.brushRadius) return;
+    this.stroke = place.point;
+    this.onBrush?.(place.point, false);
+  }
+
+  private endStroke(): void {
+    const last = this.stroke;
+    this.stroke = null;
+    if (last) this.onBrush?.(last, true);
+  }
+
+  private pixelRatio(scale: number): number {
+    return Math.min(window.devicePixelRatio || 1, this.isSoftware ? 1 : 2) * scale;
+  }
+
+  private aim(aspect: number): void {
+    const { drawn, cameraNow } = this;
+    drawn.position.fromArray(cameraNow.eye);
+    drawn.up.fromArray(cameraNow.up);
+    drawn.lookAt(...cameraNow.target);
+    drawn.fov = cameraNow.fov;
+    drawn.aspect = aspect;
+    Object.assign(drawn, clipPlanes(cameraNow, this.bounds));
+    drawn.updateProjectionMatrix();
+    drawn.updateMatrixWorld();
+  }
+
+  private overlayLines(): OverlayLine[] {
+    const lines: OverlayLine[] = [];
+    if (this.frozen) lines.push(...frustumLines(this.frozen.camera, this.frozen.aspect, this.styleNow.background));
+    if (this.isMeasuring) {
+      const [a, b] = this.measured;
+      if (a) lines.push(...measureLines(a, b ?? this.hovered?.point ?? a));
+    }
+    return lines;
+  }
+
+  /// What FrameClock calls.
+  private drawFrame(now: number, scale: number): boolean {
+    const moves = this.controls.tick(now);
+    if (!this.isLost) this.render(scale);
+    return moves;
+  }
+
+  private render(scale: number): void {
+    const { renderer, canvas } = this;
+    const ratio = this.pixelRatio(scale);
+    const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+    const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    if (canvas.width !== width || canvas.height !== height) renderer.setSize(width, height, false);
+    for (const points of this.geometries.values()) {
+      points.refresh(this.styleNow.colouring);
+      points.upload(renderer);
+    }
+    this.overlay.set(this.overlayLines());
+    renderer.setScissorTest(true);
+    const count = this.stores.length;
+    for (const [i, store] of this.stores.entries()) {
+      const x = Math.round((i * width) / count);
+      const where: Rectangle = { x, y: 0, width: Math.max(1, Math.round(((i + 1) * width) / count) - x), height };
+      this.aim(where.width / height);
+      const brush = this.hovered && this.brushRadius !== null ? this.hovered.point : null;
+      const points = store ? (this.geometries.get(store) ?? null) : null;
+      this.passes.render({
+        points,
+        style: this.styleNow,
+        camera: this.drawn,
+        where,
+        pixelRatio: ratio,
+        isQuick: this.isSoftware && scale < 1,
+        sceneRadius: boundsRadius(this.bounds),
+        brush: brush ? { centre: new THREE.Vector3(...brush), radius: this.brushRadius ?? 0 } : null,
+      });
+      const tolerance = 0.5 * (points?.typicalRadius ?? 0) * this.styleNow.splatScale;
+      this.overlay.render(renderer, this.drawn, where, ratio, points ? this.passes.depths : null, tolerance);
+    }
+    renderer.setScissorTest(false);
+    if (this.isSoftware) this.watch.begin();
+  }
+}

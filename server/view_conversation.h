@@ -1,0 +1,51 @@
+// A stream of views as the server sees it, whatever carries it: admitted, counted, and held to its rate.
+#pragma once
+
+#include <absl/status/statusor.h>
+#include <grpcpp/alarm.h>
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "server/admission.h"
+#include "server/client_stream.h"
+#include "server/engine.h"
+#include "server/rate_limit.h"
+#include "server/view_tally.h"
+
+namespace curvecast::server {
+
+/// Begun and given messages by one transport, one message at a time.
+class ViewConversation {
+ public:
+  /// `caller` as of caller_of(), `peer` shares the workers with the others. ResourceExhausted where there are too many,
+  /// Unavailable while the server shuts down.
+  static absl::StatusOr<std::unique_ptr<ViewConversation>> begin(Engine& engine, ClientStream::Transport* transport,
+                                                                 const std::string& caller, const std::string& peer);
+
+  ClientStream& stream() { return *stream_; }
+
+  /// Takes a message in, and calls `on_taken` once the next one may come, as the last thing: within the call, or later on another
+  /// thread. Until then the request and this stay where they are.
+  void take(const v1::StreamViewsRequest& request, std::function<void()> on_taken);
+  /// A pause that a message is held to ends at once; there are no others. The stream is over.
+  void end_pause();
+  /// A message that is about to be sent.
+  void count(const v1::StreamViewsResponse& response);
+
+ private:
+  ViewConversation(Engine& engine, Admission::Ticket ticket, std::shared_ptr<ClientStream> stream);
+
+  Engine& engine_;
+  const Admission::Ticket ticket_;
+  const std::shared_ptr<ClientStream> stream_;
+  ViewTally tally_;
+  RateLimit rate_;
+  std::mutex mutex_;
+  bool is_over_ = false;
+  grpc::Alarm alarm_;
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,16 @@
+// A file that the HTTP port serves.
+#pragma once
+
+#include <string_view>
+
+namespace curvecast::server {
+
+/// In memory for as long as the process lives.
+struct WebFile {
+  std::string_view path;  // "/assets/viewer.js"
+  std::string_view type;  // as in Content-Type
+  std::string_view gzip;  // its bytes, compressed
+  bool is_immutable;      // never changes under this name: its name has a hash in it
+};
+
+}  // namespace curvecast::server

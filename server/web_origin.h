@@ -1,0 +1,20 @@
+// Which pages may open a WebSocket: a browser sends the origin of the page, and lets any page try.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace curvecast::server {
+
+struct WebOrigins {
+  std::vector<std::string> others = {};  // besides our own pages: "https://example.org", as browsers write it; "*": all
+  /// The port listens on the loopback only. Then our own pages are those whose host is a name of the loopback: any other name may
+  /// be one that somebody else lets point here.
+  bool is_loopback = false;
+};
+
+/// `origin` and `host` as in the request's header; no origin, as of programs that are no browsers, is allowed.
+bool is_allowed(const WebOrigins& origins, std::string_view origin, std::string_view host);
+
+}  // namespace curvecast::server
