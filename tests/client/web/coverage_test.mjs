@@ -1,0 +1,147 @@
+// How much of a surface its splats cover, and what silhouettes gain by their density. Against pictures of the mesh's triangles.
+
+import assert from "node:assert/strict";
+import { execFile } from "node:child_process";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, describe, it } from "node:test";
+import { promisify } from "node:util";
+
+import { closeBrowser, WatchedPage } from "./support/browser.mjs";
+import { command, sharedMesh } from "./support/environment.mjs";
+import { libraryMesh } from "./support/meshes.mjs";
+import { countOf, decode, difference, eroded, filled, writeBeside } from "./support/pictures.mjs";
+import { Server, temporaryFolder } from "./support/server.mjs";
+
+const size = { width: 400, height: 400 };
+const fov = 30; // degrees
+const views = 20;
+const points = 20_000;
+const outlineViews = 4;
+const fewPoints = 5000; // of the silhouettes
+const leastCovered = 0.995;
+const edge = 2; // pixels at the outline that do not count: the mesh's lines are a pixel wide
+const execute = promisify(execFile);
+
+/// Directions evenly over the sphere.
+function directions(count) {
+  const golden = Math.PI * (3 - Math.sqrt(5));
+  return Array.from({ length: count }, (_, i) => {
+    const y = 1 - (2 * i + 1) / count;
+    const r = Math.sqrt(1 - y * y);
+    return [r * Math.cos(i * golden), y, r * Math.sin(i * golden)];
+  });
+}
+
+/// The corners of the mesh's box.
+const box = ({ session }) => {
+  const { boxMin, boxMax } = session.report.mesh;
+  const plain = ({ x, y, z }) => ({ x, y, z });
+  return { boxMin: plain(boxMin), boxMax: plain(boxMax) };
+};
+
+/// Cameras from which the whole box can be seen.
+function camerasAround({ boxMin, boxMax }, count) {
+  const axes = ["x", "y", "z"];
+  const target = axes.map((axis) => (boxMin[axis] + boxMax[axis]) / 2);
+  const radius = Math.hypot(...axes.map((axis) => boxMax[axis] - boxMin[axis])) / 2;
+  const distance = (1.02 * radius) / Math.sin((fov * Math.PI) / 360);
+  return directions(count).map((direction) => ({
+    eye: target.map((value, k) => value + distance * direction[k]), target, up: Math.abs(direction[1]) > 0.9 ? [0, 0, 1] : [0, 1, 0], fov,
+  }));
+}
+
+/// A picture of the mesh's triangles.
+async function drawMesh(mesh, { eye, target, up }) {
+  const file = join(temporaryFolder(), "mesh.png");
+  await execute(command, ["render", mesh, "--what", "mesh", "--no-cache", "--quiet", "--size", `${size.width}x${size.height}`,
+                          "--camera", `eye=${eye},target=${target},up=${up},fov=${fov}`, "-o", file]);
+  return decode(readFileSync(file));
+}
+
+/// What draws masks of the pixels that the mesh's triangles cover.
+async function masksOf(mesh, camera) {
+  const away = await drawMesh(mesh, { ...camera, target: camera.eye.map((value, k) => 2 * value - camera.target[k]) });
+  return async (each) => filled(difference(await drawMesh(mesh, each), away, 2), size.width);
+}
+
+/// A page of a server that has only this mesh, in a picture of `size`.
+async function withMesh(mesh, hash, run) {
+  const server = await Server.start("--open", mesh);
+  const page = await WatchedPage.open(`${server.url}#frustum=1&edl=0&${hash}`, { viewport: size });
+  await page.answered();
+  try {
+    await run(page);
+    await page.close();
+  } finally {
+    await server.stop();
+  }
+}
+
+async function maskOfSplats(page, empty, name) {
+  const picture = await page.picture(name);
+  return { picture, mask: difference(picture, empty, 0) };
+}
+
+/// Looks from a camera, with all points there; better ones may follow, but these have to do.
+async function look(page, camera) {
+  await page.change(() => page.evaluate((c, wanted) => (c.view.camera = wanted), camera));
+}
+
+function print(mesh, text) {
+  console.log(`# ${mesh.split("/").at(-1).padEnd(22)} ${text}`);
+}
+
+const meshes = [sharedMesh("spot.obj"), sharedMesh("igea.ply"), libraryMesh("armadillo.off")].filter((mesh) => mesh !== null);
+
+describe(`splats of ${points} points`, { skip: meshes.length === 0 && "no meshes" }, () => {
+  after(closeBrowser);
+
+  for (const mesh of meshes) {
+    it(`cover ${mesh.split("/").at(-1)}`, () => withMesh(mesh, `points=${points}`, async (page) => {
+      const empty = await page.emptyPicture();
+      const shares = [];
+      const cameras = camerasAround(await page.evaluate(box), views);
+      const maskOfMesh = await masksOf(mesh, cameras[0]);
+      for (const [i, camera] of cameras.entries()) {
+        const [whole] = await Promise.all([maskOfMesh(camera), look(page, camera)]);
+        const { mask } = await maskOfSplats(page, empty);
+        const interior = eroded(whole, size.width, edge);
+        const covered = interior.map((value, at) => value & mask[at]);
+        shares.push(countOf(covered) / countOf(interior));
+        if (shares.at(-1) < leastCovered) await page.picture(`uncovered_${i}.png`);
+      }
+      const mean = shares.reduce((sum, value) => sum + value, 0) / shares.length;
+      print(mesh, `covered, of ${views} views: least ${(100 * Math.min(...shares)).toFixed(3)} %, mean ${(100 * mean).toFixed(3)} %`);
+      assert.ok(Math.min(...shares) >= leastCovered, `${shares}`);
+    }));
+  }
+
+  it(`follow the outline better where the density does, at ${fewPoints} points`, async () => {
+    for (const mesh of meshes) {
+      await withMesh(mesh, `points=${fewPoints}&silhouetteFloor=0.05`, async (page) => {
+        const empty = await page.emptyPicture();
+        const errors = { even: 0, silhouettes: 0 };
+        const cameras = camerasAround(await page.evaluate(box), outlineViews);
+        const maskOfMesh = await masksOf(mesh, cameras[0]);
+        for (const [i, camera] of cameras.entries()) {
+          const wanted = await maskOfMesh(camera);
+          const pictures = [];
+          for (const kind of ["even", "silhouettes"]) {
+            await page.set("silhouettes", kind === "silhouettes");
+            await look(page, camera);
+            const { picture, mask } = await maskOfSplats(page, empty);
+            pictures.push(picture);
+            errors[kind] += countOf(mask.map((value, at) => value ^ wanted[at]));
+            await page.evaluate((c, from) => (c.view.camera = { ...from, fov: from.fov + 1 }), camera); // so that the next is new
+            await page.answered();
+          }
+          if (i === 0) writeBeside(`silhouettes_${mesh.split("/").at(-1)}.png`, ...pictures);
+        }
+        print(mesh, `wrong pixels at the outline, ${outlineViews} views: even ${errors.even}, silhouettes ${errors.silhouettes}, ` +
+                    `ratio ${(errors.silhouettes / errors.even).toFixed(2)}`);
+        assert.ok(errors.silhouettes < errors.even);
+      });
+    }
+  });
+});

@@ -1,0 +1,39 @@
+// Meshes that the tests make themselves, and those that Debian has.
+
+import { execFileSync } from "node:child_process";
+import { existsSync } from "node:fs";
+import { join } from "node:path";
+
+import { temporaryFolder } from "./server.mjs";
+
+const library = "/usr/share/doc/libcgal-dev/data.tar.gz"; // of libcgal-demo
+
+/// A mesh of CGAL's examples; null where they are not installed.
+export function libraryMesh(name) {
+  if (!existsSync(library)) return null;
+  const folder = temporaryFolder();
+  execFileSync("tar", ["-xzf", library, "-C", folder, `data/meshes/${name}`]);
+  return join(folder, "data/meshes", name);
+}
+
+/// A bumpy torus around the z axis, radii 1 and 0.45, as an OFF file without colours, or with a colour at each vertex.
+export function bumpyTorus(columns = 120, rows = 48, isColoured = false) {
+  const lines = [isColoured ? "COFF" : "OFF", `${columns * rows} ${2 * columns * rows} 0`];
+  for (let i = 0; i < columns; ++i) {
+    for (let j = 0; j < rows; ++j) {
+      const u = (2 * Math.PI * i) / columns, v = (2 * Math.PI * j) / rows;
+      const tube = 0.4 + 0.05 * Math.sin(7 * u) * Math.cos(3 * v);
+      const place = [(1 + tube * Math.cos(v)) * Math.cos(u), (1 + tube * Math.cos(v)) * Math.sin(u), tube * Math.sin(v)];
+      const colour = isColoured ? [127 + 127 * Math.sin(u), 127 + 127 * Math.cos(u), 127 + 127 * Math.sin(v)].map(Math.round) : [];
+      lines.push([...place.map((value) => value.toFixed(6)), ...colour, ...(isColoured ? [255] : [])].join(" "));
+    }
+  }
+  const index = (i, j) => (i % columns) * rows + (j % rows);
+  for (let i = 0; i < columns; ++i) {
+    for (let j = 0; j < rows; ++j) {
+      lines.push(`3 ${index(i, j)} ${index(i + 1, j)} ${index(i + 1, j + 1)}`);
+      lines.push(`3 ${index(i, j)} ${index(i + 1, j + 1)} ${index(i, j + 1)}`);
+    }
+  }
+  return Buffer.from(lines.join("\n") + "\n");
+}

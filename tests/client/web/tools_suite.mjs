@@ -1,0 +1,224 @@
+// The tools: brush, frozen camera, split view, measuring, files, the address; touch; other people's pages.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { after, afterEach, before, describe, it } from "node:test";
+
+import { WatchedPage } from "./support/browser.mjs";
+import { countOf, decode, difference } from "./support/pictures.mjs";
+import { openTorus, sharedServer } from "./support/shared_server.mjs";
+
+const points = 5000;
+
+/// Places of the page on the surface, near the middle of the picture's left and right half: [x, y, point].
+const places = (c) => {
+  const found = [];
+  for (const [from, to] of [[60, 300], [340, 580]]) {
+    for (let x = from; x < to; x += 8) {
+      const pick = c.view.pick(x, 240);
+      if (pick === null) continue;
+      found.push([x, 240, pick.point]);
+      break;
+    }
+  }
+  return found;
+};
+
+/// Sums that no two sets of points have in common.
+const fingerprint = (c) => {
+  let sum = 0;
+  for (const slot of c.store.order()) {
+    for (let k = 0; k < 4; ++k) sum += (k + 1) * c.store.places[4 * slot + k] ** 2;
+  }
+  return [c.store.count, sum];
+};
+
+const within = (c, { centre, radius }) => {
+  let count = 0;
+  for (const slot of c.store.order()) {
+    const d = centre.map((value, k) => value - c.store.origin[k] - c.store.places[4 * slot + k]);
+    if (Math.hypot(...d) < radius) ++count;
+  }
+  return count;
+};
+
+describe("the tools", () => {
+  let torus;
+  before(async () => (torus = await openTorus()));
+  afterEach(() => torus.assertFine());
+  after(() => torus.close());
+
+  it("paints density with the brush, and takes it back", async () => {
+    const even = await torus.evaluate(fingerprint);
+    const [[x, y]] = await torus.evaluate(places);
+    await torus.set("radius, % of size", 6);
+    await torus.page.keyboard.press("b");
+    const counts = await torus.evaluate((c) => c.view.camera);
+    await torus.page.mouse.move(x + 12, y);
+    await torus.change(() => torus.drag([[x + 12, y], [x + 14, y + 40]]));
+    assert.deepEqual(await torus.evaluate((c) => c.view.camera), counts, "the picture does not turn");
+    const dabs = await torus.evaluate((c) => c.settings.dabs);
+    assert.ok(dabs.length >= 1);
+    const painted = await torus.evaluate(within, dabs[0]);
+    await torus.screenshot("brush.png");
+    assert.equal(await torus.evaluate((c) => c.store.count), points);
+    await torus.change(() => torus.page.keyboard.press("Control+z"));
+    await torus.settled();
+    const before = await torus.evaluate(within, dabs[0]);
+    assert.ok(painted > 2 * before && before > 0, `${painted} points under the brush, ${before} without it`);
+    assert.deepEqual(await torus.evaluate(fingerprint), even, "the points of before");
+    await torus.page.keyboard.press("b");
+  });
+
+  it("keeps the points of a frozen camera while it is looked at from elsewhere", async () => {
+    const view = await torus.evaluate((c) => c.view.camera);
+    await torus.page.keyboard.press("z");
+    await torus.settled();
+    const [look, sum, picture] = [await torus.evaluate((c) => c.look), await torus.evaluate(fingerprint), await torus.picture()];
+    await torus.drag([[320, 20], [480, 60]]);
+    await torus.answered();
+    assert.notDeepEqual(await torus.evaluate((c) => c.view.camera), view);
+    assert.equal(await torus.evaluate((c) => c.look), look, "no view is asked for");
+    assert.deepEqual(await torus.evaluate(fingerprint), sum);
+    const aside = await torus.picture("frozen.png");
+    assert.ok(countOf(difference(picture, aside)) > 0.02 * aside.width * aside.height, "the picture has changed");
+    await torus.change(() => torus.page.keyboard.press("z"));
+    assert.notDeepEqual(await torus.evaluate(fingerprint), sum, "points for the camera of now");
+  });
+
+  it("shows uniform points beside, as many", async () => {
+    await torus.settled();
+    const single = await torus.evaluate(fingerprint);
+    await torus.change(() => torus.page.keyboard.press("v"));
+    await torus.until((c, count) => c.besideStore?.count === count, points);
+    await torus.settled();
+    const sum = await torus.evaluate(fingerprint);
+    const picture = await torus.picture("split.png");
+    const mask = difference(picture, await torus.emptyPicture(), 0);
+    const halves = [0, 0];
+    mask.forEach((value, i) => (halves[i % picture.width < picture.width / 2 ? 0 : 1] += value));
+    assert.ok(halves[0] > 5000 && halves[1] > 5000, `pixels of the surface in both halves: ${halves}`);
+    assert.ok(Math.abs(halves[0] / halves[1] - 1) < 0.05, "of the same size");
+    await torus.screenshot("split_page.png");
+    const camera = await torus.evaluate((c) => c.view.camera);
+    await torus.change(() => torus.page.keyboard.press("ArrowLeft"));
+    await torus.change(() => torus.evaluate((c, before) => (c.view.camera = before), camera));
+    await torus.settled();
+    assert.deepEqual(await torus.evaluate(fingerprint), sum, "the points of before");
+    await torus.change(() => torus.page.keyboard.press("v"));
+    await torus.until((c) => c.besideStore === null);
+    await torus.settled();
+    assert.deepEqual(await torus.evaluate(fingerprint), single, "the points of one picture");
+  });
+
+  it("measures between two clicks", async () => {
+    await torus.page.keyboard.press("f");
+    await torus.answered();
+    const [[ax, ay, a], [bx, by, b]] = await torus.evaluate(places);
+    await torus.page.keyboard.press("m");
+    await torus.page.mouse.click(ax, ay);
+    await torus.page.mouse.click(bx, by);
+    const notice = torus.page.getByText(/^distance /);
+    const distance = Number.parseFloat((await notice.textContent()).replace("distance ", ""));
+    const wanted = Math.hypot(...a.map((value, k) => value - b[k]));
+    assert.ok(Math.abs(distance / wanted - 1) < 0.01, `${distance}, and not ${wanted}`);
+    await torus.screenshot("measure.png");
+    await torus.page.keyboard.press("m");
+  });
+
+  it("saves the points as PLY", async () => {
+    const [download] = await Promise.all([torus.page.waitForEvent("download"), torus.page.keyboard.press("x")]);
+    assert.equal(download.suggestedFilename(), `torus-${points}.ply`);
+    const bytes = readFileSync(await download.path());
+    const end = bytes.indexOf("end_header\n") + "end_header\n".length;
+    const header = bytes.subarray(0, end).toString();
+    assert.match(header, new RegExp(`element vertex ${points}\n`));
+    const stride = 4 * header.match(/property float/g).length + header.match(/property uchar/g).length;
+    assert.equal(bytes.length, end + points * stride);
+    for (let i = 0; i < points; ++i) {
+      const [x, y, z, nx, ny, nz, radius] = [0, 1, 2, 3, 4, 5, 6].map((k) => bytes.readFloatLE(end + i * stride + 4 * k));
+      const around = Math.hypot(Math.hypot(x, y) - 1, z); // from the middle of the torus's tube
+      assert.ok(around > 0.3 && around < 0.5 && radius > 0 && Math.abs(Math.hypot(nx, ny, nz) - 1) < 0.02, `point ${i}`);
+    }
+  });
+
+  it("saves the picture", async () => {
+    const [download] = await Promise.all([torus.page.waitForEvent("download"), torus.page.keyboard.press("p")]);
+    assert.match(download.suggestedFilename(), /\.png$/);
+    const { width, height } = decode(readFileSync(await download.path()));
+    assert.deepEqual([width, height], [640, 480]);
+  });
+
+  it("lists its keys", async () => {
+    const list = torus.page.getByRole("dialog", { name: "Keys" });
+    await torus.page.keyboard.press("?");
+    await list.waitFor({ state: "visible" });
+    await torus.screenshot("keys.png");
+    assert.match(await list.innerText(), /turn[\s\S]*nearer, farther/);
+    await torus.page.keyboard.press("Escape");
+    await list.waitFor({ state: "hidden" });
+  });
+
+  it("keeps camera and settings in the address", async () => {
+    await torus.change(() => torus.drag([[320, 20], [400, 90]]));
+    await torus.change(() => torus.set("points", 4000));
+    await torus.change(() => torus.set("silhouettes", true));
+    const [camera, settings] = [await torus.evaluate((c) => c.view.camera), await torus.evaluate((c) => c.settings)];
+    await torus.until((c, eye) => {
+      const kept = new URLSearchParams(location.hash.slice(1)).get("camera")?.split(",").map(Number) ?? [];
+      return location.hash.includes("silhouette=1") && Math.hypot(...eye.map((value, k) => value - kept[k])) < 1e-4;
+    }, camera.eye);
+    await torus.page.reload();
+    await torus.until((c) => c.statistics !== null);
+    await torus.answered();
+    assert.deepEqual(await torus.evaluate((c) => c.settings), settings);
+    const again = await torus.evaluate((c) => c.view.camera);
+    for (const part of ["eye", "target", "up"]) {
+      assert.ok(Math.hypot(...camera[part].map((value, k) => value - again[part][k])) < 1e-4, part);
+    }
+    assert.equal(await torus.evaluate((c) => c.store.count), 4000);
+  });
+});
+
+describe("a finger, and two", () => {
+  it("turn, move and zoom", async () => {
+    const torus = await openTorus(`points=${points}`, { hasTouch: true, isMobile: true, viewport: { width: 400, height: 500 } });
+    const session = await torus.context.newCDPSession(torus.page);
+    const touch = async (...steps) => {
+      for (const [i, fingers] of steps.entries()) {
+        const touchPoints = fingers.map(([x, y], id) => ({ x, y, id }));
+        await session.send("Input.dispatchTouchEvent", { type: i === 0 ? "touchStart" : "touchMove", touchPoints });
+      }
+      await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+    };
+    const distanceOf = ({ eye, target }) => Math.hypot(...eye.map((value, k) => value - target[k]));
+    const from = await torus.evaluate((c) => c.view.camera);
+    await torus.change(() => touch([[200, 250]], [[215, 255]], [[240, 260]]));
+    const turned = await torus.evaluate((c) => c.view.camera);
+    assert.notDeepEqual(turned.eye, from.eye);
+    await torus.change(() => touch([[180, 250], [220, 250]], [[170, 250], [230, 250]], [[160, 250], [240, 250]]));
+    const near = await torus.evaluate((c) => c.view.camera);
+    assert.ok(distanceOf(near) < 0.7 * distanceOf(turned), "nearer");
+    await torus.change(() => touch([[180, 250], [220, 250]], [[180, 280], [220, 280]], [[180, 310], [220, 310]]));
+    const moved = await torus.evaluate((c) => c.view.camera);
+    assert.notDeepEqual(moved.target, near.target);
+    assert.ok(Math.abs(distanceOf(moved) / distanceOf(near) - 1) < 0.01, "as near");
+    await torus.screenshot("touch.png");
+    await torus.close();
+  });
+});
+
+describe("another page", () => {
+  it("has the session in its own scene", async () => {
+    const { url } = await sharedServer();
+    const example = await WatchedPage.open(`${url}example.html`, { viewport: { width: 320, height: 240 } });
+    const isDrawn = async () => {
+      const { data, width, height } = decode(await example.page.screenshot(), "example.png");
+      let bright = 0;
+      for (let i = 0; i < width * height; ++i) if (data[4 * i] + data[4 * i + 1] + data[4 * i + 2] > 150) ++bright;
+      return bright > 0.03 * width * height;
+    };
+    while (!(await isDrawn())) example.assertFine(); // until the time of the test is over
+    await example.close();
+  });
+});

@@ -1,0 +1,118 @@
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+
+import { create } from "@bufbuild/protobuf";
+import createDecoder from "draco3d/draco_decoder_nodejs.js";
+import { beforeAll, describe, expect, it } from "vitest";
+
+import { PointBlockSchema } from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
+import { BlockDecoder, buffersOf, encodedBlock, type EncodedBlock } from "../../../../client/web/src/stream/block_decoder";
+import { dracoBlock } from "./draco_block";
+
+const require = createRequire(new URL("../../../../client/web/package.json", import.meta.url));
+const wasm = readFileSync(require.resolve("draco3d/draco_decoder.wasm"));
+
+let decoder: BlockDecoder;
+
+beforeAll(async () => {
+  decoder = new BlockDecoder(
+    await createDecoder({ wasmBinary: wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.length) as ArrayBuffer }),
+  );
+});
+
+function block(data = dracoBlock.data, count = dracoBlock.count): EncodedBlock {
+  const { radius } = dracoBlock;
+  return encodedBlock(
+    create(PointBlockSchema, {
+      count,
+      origin: { x: 1, y: 2, z: 3 },
+      data: { case: "draco", value: { data, radiusMin: radius, radiusMax: radius } },
+    }),
+  );
+}
+
+function rawBlock(count: number, change: (floats: Float32Array) => void = () => {}): EncodedBlock {
+  const positions = Float32Array.from({ length: 3 * count }, (_, i) => i / 8);
+  change(positions);
+  const bytes = (array: Float32Array) => new Uint8Array(array.buffer);
+  return encodedBlock(
+    create(PointBlockSchema, {
+      count,
+      data: {
+        case: "raw",
+        value: {
+          positions: bytes(positions),
+          normals: bytes(Float32Array.from({ length: 3 * count }, (_, i) => (i % 3 === 2 ? -1 : 0))),
+          radii: bytes(new Float32Array(count).fill(0.25)),
+          colours: new Uint8Array(3 * count).fill(7),
+        },
+      },
+    }),
+  );
+}
+
+describe("Draco blocks", () => {
+  it("hold places, normals and radii", () => {
+    const points = decoder.decode(block());
+    expect(points.count).toBe(48);
+    expect(points.origin).toEqual([1, 2, 3]);
+    expect(points.colours).toBeNull();
+    for (const [index, expected] of [
+      [0, dracoBlock.first],
+      [47, dracoBlock.last],
+    ] as const) {
+      const slot = 4 * index;
+      for (let axis = 0; axis < 3; ++axis) {
+        expect(points.places[slot + axis]).toBeCloseTo(expected[axis]!, 2);
+        expect(Math.abs(points.normals[slot + axis]! / 127 - expected[3 + axis]!)).toBeLessThan(0.03);
+      }
+      expect(points.places[slot + 3]).toBeCloseTo(dracoBlock.radius, 6);
+    }
+    expect(buffersOf(points).length).toBe(2);
+  });
+
+  it("are refused where their bytes are cut off, and the decoder goes on", () => {
+    for (let length = 0; length < dracoBlock.data.length - 1; length += 7) {
+      expect(() => decoder.decode(block(dracoBlock.data.slice(0, length)))).toThrow(/bad points/);
+    }
+    expect(decoder.decode(block()).count).toBe(48);
+  });
+
+  it("never give anything but finite points when bits are flipped", () => {
+    for (let bit = 0; bit < 8 * dracoBlock.data.length; bit += 5) {
+      const data = dracoBlock.data.slice();
+      data[bit >> 3]! ^= 1 << (bit & 7);
+      try {
+        const points = decoder.decode(block(data));
+        expect(points.places.every(Number.isFinite)).toBe(true);
+      } catch (thrown) {
+        expect(String(thrown)).toMatch(/bad points/);
+      }
+    }
+    expect(decoder.decode(block()).count).toBe(48);
+  });
+
+  it("may claim neither another number of points than the block nor an absurd one", () => {
+    expect(() => decoder.decode(block(dracoBlock.data, 47))).toThrow(/48 points in a block of 47/);
+    const absurd = dracoBlock.data.slice();
+    new DataView(absurd.buffer).setInt32(11, 2_000_000_000, true);
+    expect(() => decoder.decode(block(absurd, 2_000_000_000))).toThrow(/claims 2000000000 points/);
+  });
+});
+
+describe("raw blocks", () => {
+  it("are taken as they are", () => {
+    const points = decoder.decode(rawBlock(5));
+    expect([...points.places.subarray(16, 20)]).toEqual([12 / 8, 13 / 8, 14 / 8, 0.25]);
+    expect([...points.normals.subarray(0, 4)]).toEqual([0, 0, -127, 0]);
+    expect([...points.colours!.subarray(0, 4)]).toEqual([7, 7, 7, 255]);
+  });
+
+  it("are refused where values are not finite or bytes are lacking", () => {
+    expect(() => decoder.decode(rawBlock(5, (floats) => (floats[7] = NaN)))).toThrow(/not finite/);
+    expect(() => decoder.decode(rawBlock(5, (floats) => (floats[0] = -Infinity)))).toThrow(/not finite/);
+    expect(() => decoder.decode({ ...rawBlock(5), count: 6 })).toThrow(/bytes of radii where 24 belong/);
+    expect(() => decoder.decode({ ...rawBlock(5), ranks: new Uint8Array(19) })).toThrow(/19 bytes of ranks/);
+    expect(() => decoder.decode({ ...rawBlock(5), raw: null })).toThrow(/neither/);
+  });
+});

@@ -1,0 +1,111 @@
+import { create, toBinary } from "@bufbuild/protobuf";
+import { describe, expect, it } from "vitest";
+
+import { Brush } from "../../../../client/web/src/app/brush";
+import { roomForDabs, sampleRequest } from "../../../../client/web/src/app/sample_request";
+import { defaultSettings, type Settings } from "../../../../client/web/src/app/settings";
+import {
+  CurvatureKind,
+  PointAttribute,
+  Sampler,
+  SampleRequestSchema,
+  Sequence,
+} from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
+
+const camera = { eye: [0, 1, 5], target: [0, 0, 0], up: [0, 1, 0], fov: 30 } as const;
+const size = { width: 640.4, height: 480 };
+
+function settings(changes: Partial<Settings> = {}): Settings {
+  return { ...defaultSettings(false, "light"), dabs: [], ...changes };
+}
+
+function request(changes: Partial<Settings> = {}, uniform = false) {
+  const { eye, target, up, fov } = camera;
+  return create(
+    SampleRequestSchema,
+    sampleRequest(settings(changes), { eye: [...eye], target: [...target], up: [...up], fov }, size, uniform),
+  );
+}
+
+const terms = (changes: Partial<Settings>, uniform = false) => request(changes, uniform).density.map(({ term }) => term.case);
+
+describe("a request", () => {
+  it("asks for 50,000 progressive points of the picture, 20,000 without a graphics card", () => {
+    const sample = request();
+    expect(sample.budget).toEqual({ case: "points", value: 50_000n });
+    expect(sample.sampler).toBe(Sampler.PROGRESSIVE);
+    expect(sample.density.map(({ term }) => term.case)).toEqual(["screen", "frustum"]);
+    expect(sample.cameras[0]).toMatchObject({ eye: { x: 0, y: 1, z: 5 }, up: { x: 0, y: 1, z: 0 }, verticalFovDegrees: 30 });
+    expect(sample.viewport).toMatchObject({ width: 640, height: 480 });
+    expect(defaultSettings(true, "dark")).toMatchObject({ points: 20_000, background: "dark" });
+  });
+
+  it("has the budget that was chosen", () => {
+    expect(request({ budget: "bytes", kilobytes: 64 }).budget).toEqual({ case: "maxBytes", value: 65_536n });
+    expect(request({ budget: "pixels", pixelError: 9 }).budget).toEqual({ case: "pixelError", value: 9 });
+    expect(request({ budget: "automatic", frameMilliseconds: 50 }).budget).toMatchObject({
+      case: "automatic",
+      value: { frameSeconds: 0.05 },
+    });
+  });
+
+  it("has the terms that were chosen, with their values", () => {
+    const sample = request({ curvature: "mean", curvatureExponent: 2, silhouette: true, silhouetteFloor: 0.3, distance: true });
+    expect(sample.density.map(({ term }) => term.case)).toEqual(["curvature", "view", "distance", "screen", "frustum"]);
+    expect(sample.density[0]!.term.value).toMatchObject({ kind: CurvatureKind.MEAN, exponent: 2 });
+    expect(sample.density[1]!.term.value).toMatchObject({ s0: 0.3 });
+  });
+
+  it("is the same for every camera where nothing depends on it", () => {
+    const still = { screen: false, frustum: false };
+    expect(request(still).cameras).toEqual([]);
+    expect(request(still).viewport).toBeUndefined();
+    expect(request({}, true).cameras).toEqual([]);
+    expect(request({ ...still, budget: "pixels" }).cameras.length).toBe(1);
+    expect(terms({ curvature: "max" }, true)).toEqual([]);
+  });
+
+  it("asks for what colours are made of", () => {
+    expect(request().attributes).toEqual([]);
+    expect(request({ colouring: "curvature" }).attributes).toEqual([PointAttribute.CURVATURES]);
+    expect(request({ colouring: "rank" }).attributes).toEqual([PointAttribute.RANK]);
+    expect(request({ colouring: "rank", sampler: "equalised" }).attributes).toEqual([]);
+    expect(request({ sequence: "goldenRatio" }).sequence).toBe(Sequence.GOLDEN_RATIO);
+  });
+
+  it("never has more than 16 terms", () => {
+    const dabs = Array.from({ length: 20 }, (_, i) => ({
+      centre: [i, 0, 0] as [number, number, number],
+      radius: 1,
+      factor: 4,
+      stroke: i,
+    }));
+    expect(terms({ dabs }).length).toBe(16);
+    expect(terms({ dabs, curvature: "gauss" }).filter((name) => name === "brush").length).toBe(13);
+    const sample = request({ dabs: dabs.slice(0, 1) });
+    expect(sample.density.at(-1)!.term.value).toMatchObject({ centre: { x: 0, y: 0, z: 0 }, radius: 1, factor: 4 });
+    expect(toBinary(SampleRequestSchema, sample).length).toBeLessThan(250);
+  });
+});
+
+describe("the brush", () => {
+  it("leaves dabs apart, until the density is full, and takes strokes back whole", () => {
+    const s = settings();
+    const notices: string[] = [];
+    const brush = new Brush(s, (text) => notices.push(text));
+    expect(brush.paint([0, 0, 0], 1, false)).toBe(true);
+    expect(brush.paint([0.5, 0, 0], 1, false)).toBe(false);
+    expect(brush.paint([1.5, 0, 0], 1, true)).toBe(true);
+    expect(brush.paint([1.5, 0, 0], 1, true)).toBe(true); // another stroke, at the same place
+    expect(s.dabs.map(({ stroke }) => stroke)).toEqual([0, 0, 1]);
+    brush.undo();
+    brush.undo();
+    expect(s.dabs).toEqual([]);
+    for (let i = 0; i < 30; ++i) brush.paint([2 * i, 0, 0], 1, false);
+    expect(s.dabs.length).toBe(14);
+    expect(roomForDabs(s)).toBe(0);
+    expect(notices.length).toBe(1);
+    brush.clear();
+    expect(roomForDabs(s)).toBe(14);
+  });
+});

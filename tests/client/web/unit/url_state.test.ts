@@ -1,0 +1,55 @@
+import { describe, expect, it } from "vitest";
+
+import { defaultSettings, type Settings } from "../../../../client/web/src/app/settings";
+import { readState, writeState } from "../../../../client/web/src/app/url_state";
+
+const defaults = defaultSettings(false, "light");
+const camera = { eye: [1.5, -2, 3], target: [0, 0.25, 0], up: [0, 1, 0], fov: 30 } as {
+  eye: [number, number, number];
+  target: [number, number, number];
+  up: [number, number, number];
+  fov: number;
+};
+
+describe("the address", () => {
+  it("keeps a session, the camera and what is not as usual", () => {
+    const settings: Settings = {
+      ...defaults,
+      points: 12_345,
+      mode: "dots",
+      screen: false,
+      curvature: "max",
+      splatScale: 1.25,
+      dabs: [
+        { centre: [1, 2, 3], radius: 0.5, factor: 0, stroke: 0 },
+        { centre: [4, 5, 6], radius: 0.25, factor: 8, stroke: 1 },
+      ],
+    };
+    const hash = writeState("abc", camera, settings, defaults);
+    expect(hash.startsWith("#session=abc&camera=1.5,-2,3,0,0.25,0,0,1,0,30&")).toBe(true);
+    const state = readState(hash, defaults);
+    expect(state.session).toBe("abc");
+    expect(state.camera).toEqual(camera);
+    expect({ ...defaults, ...state.settings }).toEqual(settings);
+  });
+
+  it("is short where all is as usual", () => {
+    expect(writeState("abc", null, { ...defaults }, defaults)).toBe("#session=abc");
+    expect(readState("", defaults)).toEqual({ session: null, camera: null, settings: {} });
+  });
+
+  it("does not keep tools, nor take them", () => {
+    expect(writeState(null, null, { ...defaults, brush: true, measuring: true, frozen: true }, defaults)).toBe("#");
+    expect(readState("#brush=1&frozen=1", defaults).settings).toEqual({});
+  });
+
+  it("leaves out what makes no sense", () => {
+    const hash =
+      "#points=many&splatScale=-1&mode=cubes&edl=yes&sampler=equalised&camera=1,2,3,1,2,3,0,1,0,30" +
+      "&dabs=1,2;1,2,3,-1,2;x&__proto__=1";
+    expect(readState(hash, defaults)).toEqual({ session: null, camera: null, settings: { sampler: "equalised", dabs: [] } });
+    for (const text of ["1,2,3", "0,0,1,0,0,0,0,0,0,30", "0,0,1,0,0,0,0,1,0,180", "0,0,1,0,0,0,0,1,0,NaN"]) {
+      expect(readState(`#camera=${text}`, defaults).camera).toBeNull();
+    }
+  });
+});

@@ -1,0 +1,119 @@
+import { describe, expect, test } from "vitest";
+import { blend, cameraAxes, clipPlanes, fit, isUsable, orbit, rayDirection, shift, zoom } from "../../../../client/web/src/view/camera_math";
+import type { CameraState, Vec } from "../../../../client/web/src/view/types";
+import { cross, distance, dot, length, subtract } from "../../../../client/web/src/view/vector";
+
+const camera: CameraState = { eye: [3, 2, 5], target: [0.5, 0, 0], up: [0, 1, 0], fov: 40 };
+
+/// Where a point is in the picture, from -1 to 1.
+function project(state: CameraState, point: Vec, aspect: number): [number, number] {
+  const axes = cameraAxes(state);
+  const p = subtract(point, state.eye);
+  const t = Math.tan((state.fov * Math.PI) / 360) * dot(p, axes.forward);
+  return [dot(p, axes.right) / (t * aspect), dot(p, axes.up) / t];
+}
+
+function expectSame(a: readonly number[], b: readonly number[]): void {
+  a.forEach((value, i) => expect(value).toBeCloseTo(b[i], 9));
+}
+
+describe("orbit", () => {
+  test("keeps the distance to the pivot, and the pivot's place in the picture", () => {
+    const pivot: Vec = [1, 0.5, -0.3];
+    const turned = orbit(camera, pivot, 0.7, 0.2);
+    expect(distance(turned.eye, pivot)).toBeCloseTo(distance(camera.eye, pivot), 9);
+    expect(distance(turned.eye, turned.target)).toBeCloseTo(distance(camera.eye, camera.target), 9);
+    expectSame(project(orbit(camera, camera.target, 0.7, 0.2), camera.target, 1.5), [0, 0]);
+  });
+
+  test("stops before the poles, whichever way and however far", () => {
+    for (const pitch of [0.1, -0.1, 10, -10]) {
+      let state = camera;
+      for (let i = 0; i < 50; ++i) state = orbit(state, state.target, 0.3, pitch);
+      expect(isUsable(state)).toBe(true);
+      const { right, forward } = cameraAxes(state);
+      expect(Math.abs(dot(right, state.up))).toBeLessThan(1e-9);
+      expect(length(cross(forward, state.up))).toBeGreaterThan(0.009);
+    }
+  });
+
+  test("turns there and back", () => {
+    const back = orbit(orbit(camera, [0, 0, 0], 0.4, 0), [0, 0, 0], -0.4, 0);
+    expectSame([...back.eye, ...back.target], [...camera.eye, ...camera.target]);
+  });
+
+  test("ignores what is no number", () => {
+    expect(orbit(camera, [0, 0, 0], NaN, 0)).toBe(camera);
+    expect(shift(camera, Infinity, 0, 0)).toBe(camera);
+    expect(zoom(camera, [0, 0, 0], NaN, 0, 1)).toBe(camera);
+  });
+});
+
+describe("zoom", () => {
+  test("keeps a point where it is in the picture", () => {
+    const point: Vec = [0.9, 0.4, 0.7];
+    const nearer = zoom(camera, point, 0.3, 1e-3, 100);
+    expectSame(project(nearer, point, 1.3), project(camera, point, 1.3));
+    expect(distance(nearer.eye, point)).toBeCloseTo(0.3 * distance(camera.eye, point), 9);
+  });
+
+  test("stays within its limits for ever", () => {
+    let [near, far] = [camera, camera];
+    for (let i = 0; i < 500; ++i) {
+      near = zoom(near, [0, 0, 0], 0.5, 0.01, 50);
+      far = zoom(far, [0, 0, 0], 2, 0.01, 50);
+    }
+    expect(length(near.eye)).toBeCloseTo(0.01, 9);
+    expect(length(far.eye)).toBeCloseTo(50, 6);
+    expect(isUsable(near) && isUsable(far)).toBe(true);
+  });
+});
+
+test("rays go through the places that they are asked for", () => {
+  const direction = rayDirection(camera, 1.7, 0.6, -0.4);
+  expect(length(direction)).toBeCloseTo(1, 12);
+  expectSame(project(camera, [0, 1, 2].map((k) => camera.eye[k] + 3 * direction[k]) as Vec, 1.7), [0.6, -0.4]);
+});
+
+test("a camera along its up direction still has axes", () => {
+  const { right, up, forward } = cameraAxes({ ...camera, eye: [0, 5, 0], target: [0, 0, 0] });
+  for (const [a, b] of [[right, up], [up, forward], [forward, right]]) expect(dot(a, b)).toBeCloseTo(0, 12);
+  for (const a of [right, up, forward]) expect(length(a)).toBeCloseTo(1, 12);
+});
+
+test("fit shows the whole box, large, from where the camera stands", () => {
+  const bounds = { min: [-2, 10, 100] as Vec, max: [3, 11, 104] as Vec };
+  for (const aspect of [0.5, 1, 2]) {
+    const fitted = fit(camera, bounds, aspect);
+    expectSame(cameraAxes(fitted).forward, cameraAxes(camera).forward);
+    // Nearly into the corners, as surfaces do.
+    let largest = 0;
+    for (let i = 0; i < 8; ++i) {
+      const corner = [0, 1, 2].map((k) => {
+        const half = 0.43 * (bounds.max[k] - bounds.min[k]);
+        return (bounds.min[k] + bounds.max[k]) / 2 + ((i >> k) & 1 ? half : -half);
+      }) as Vec;
+      largest = Math.max(largest, ...project(fitted, corner, aspect).map(Math.abs));
+    }
+    expect(largest).toBeLessThan(0.9);
+    expect(largest).toBeGreaterThan(0.8);
+  }
+});
+
+test("clip planes hold the box, from outside and from within", () => {
+  const bounds = { min: [-1, -1, -1] as Vec, max: [1, 1, 1] as Vec };
+  for (const reach of [1e-3, 0.5, 3, 1000]) {
+    const { near, far } = clipPlanes({ ...camera, eye: [0, 0, reach], target: [0, 0, 0] }, bounds);
+    expect(near).toBeGreaterThan(0);
+    expect(far).toBeGreaterThanOrEqual(reach + Math.sqrt(3));
+    expect(near).toBeLessThan(far);
+    if (reach > 2) expect(near).toBeLessThanOrEqual(reach - Math.sqrt(3));
+  }
+});
+
+test("blending ends in the second camera and is usable on the way", () => {
+  const other: CameraState = { eye: [-3, -2, -5], target: [0, 0, 0], up: [0, 0, 1], fov: 30 };
+  expect(blend(camera, other, 1)).toBe(other);
+  for (const t of [0, 0.2, 0.5, 0.9]) expect(isUsable(blend(camera, other, t))).toBe(true);
+  expectSame(blend(camera, other, 0).eye, camera.eye);
+});

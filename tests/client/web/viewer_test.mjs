@@ -1,0 +1,14 @@
+// The viewer in a real browser, with a real server. Prints where pictures of it are.
+
+import { after } from "node:test";
+
+import { pictureFile } from "./support/environment.mjs";
+import { endAll } from "./support/shared_server.mjs";
+
+import "./picture_suite.mjs";
+import "./tools_suite.mjs";
+import "./server_suite.mjs";
+import "./leak_suite.mjs";
+
+console.log(`# pictures: ${pictureFile("")}`);
+after(endAll);
