@@ -1,9 +1,8 @@
 // A thread that decodes blocks of points.
 
-import { buffersOf, type EncodedBlock } from "./block_decoder";
+import { BlockDecoder, buffersOf, type EncodedBlock } from "./block_decoder";
 import type { DecodedPoints } from "./decoded_points";
 import { asCurvecastError, type ErrorCode } from "./errors";
-import { LoadedDecoder } from "./load_decoder";
 
 /// To the worker, and back from it.
 export interface DecodeRequest {
@@ -13,14 +12,13 @@ export interface DecodeRequest {
 export type DecodeResponse =
   { job: number; points: DecodedPoints } | { job: number; error: { code: ErrorCode; message: string } };
 
-const decoder = new LoadedDecoder();
+const decoder = new BlockDecoder();
 
 self.onmessage = async (event: MessageEvent<DecodeRequest>) => {
   const { job, block } = event.data;
   let response: DecodeResponse;
   try {
-    await decoder.ready();
-    response = { job, points: decoder.decode(block) };
+    response = { job, points: await decoder.decode(block) };
   } catch (thrown) {
     const { code, message } = asCurvecastError(thrown);
     response = { job, error: { code, message } };

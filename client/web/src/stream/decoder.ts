@@ -1,11 +1,10 @@
 // Decodes the blocks of frames, several at once.
 
 import type { PointBlock } from "../gen/curvecast/v1/curvecast_pb";
-import { buffersOf, encodedBlock } from "./block_decoder";
+import { BlockDecoder, buffersOf, encodedBlock } from "./block_decoder";
 import type { DecodeRequest, DecodeResponse } from "./decode_worker";
 import { badPoints, mostPoints, type DecodedPoints } from "./decoded_points";
 import { asCurvecastError, CurvecastError } from "./errors";
-import { LoadedDecoder } from "./load_decoder";
 
 const fewPoints = 4096; // are decoded sooner than another thread, and this one after it, get to their messages
 
@@ -20,13 +19,12 @@ interface Job {
   reject(error: CurvecastError): void;
 }
 
-/// Worker threads, which load the decoder at once; a few points are decoded where they are wanted. Any number of streams may
-/// share one.
+/// Worker threads; a few points are decoded where they are wanted. Any number of streams may share one.
 export class WorkerDecoder implements Decoder {
   private workers: { worker: Worker; load: number }[] = []; // load: points that wait there
   private readonly jobs = new Map<number, Job>();
   private lastJob = 0;
-  private readonly here = new LoadedDecoder();
+  private readonly here = new BlockDecoder();
 
   constructor(private readonly threads = 2) {
     this.fill();
@@ -35,7 +33,7 @@ export class WorkerDecoder implements Decoder {
   async decode(blocks: readonly PointBlock[]): Promise<DecodedPoints[]> {
     const total = blocks.reduce((sum, block) => sum + block.count, 0);
     if (total > mostPoints) throw badPoints(`${total} in a frame`);
-    if (total <= fewPoints && this.here.isReady) return blocks.map((block) => this.here.decode(encodedBlock(block)));
+    if (total <= fewPoints) return Promise.all(blocks.map((block) => this.here.decode(encodedBlock(block))));
     return Promise.all(blocks.map((block) => this.decodeBlock(block)));
   }
 

@@ -1,24 +1,14 @@
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
-
 import { create } from "@bufbuild/protobuf";
-import createDecoder from "draco3d/draco_decoder_nodejs.js";
-import { beforeAll, describe, expect, it } from "vitest";
+import { describe, expect, it } from "vitest";
 
 import { PointBlockSchema } from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
 import { BlockDecoder, buffersOf, encodedBlock, type EncodedBlock } from "../../../../client/web/src/stream/block_decoder";
+import { CurvecastError } from "../../../../client/web/src/stream/errors";
+import { DracoLibrary } from "../../../../client/web/src/stream/draco/library";
 import { dracoBlock } from "./draco_block";
+import { encodedCloud, loadDecoder } from "./draco_modules";
 
-const require = createRequire(new URL("../../../../client/web/package.json", import.meta.url));
-const wasm = readFileSync(require.resolve("draco3d/draco_decoder.wasm"));
-
-let decoder: BlockDecoder;
-
-beforeAll(async () => {
-  decoder = new BlockDecoder(
-    await createDecoder({ wasmBinary: wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.length) as ArrayBuffer }),
-  );
-});
+const decoder = new BlockDecoder(new DracoLibrary(loadDecoder));
 
 function block(data = dracoBlock.data, count = dracoBlock.count): EncodedBlock {
   const { radius } = dracoBlock;
@@ -52,8 +42,8 @@ function rawBlock(count: number, change: (floats: Float32Array) => void = () => 
 }
 
 describe("Draco blocks", () => {
-  it("hold places, normals and radii", () => {
-    const points = decoder.decode(block());
+  it("hold places, normals and radii", async () => {
+    const points = await decoder.decode(block());
     expect(points.count).toBe(48);
     expect(points.origin).toEqual([1, 2, 3]);
     expect(points.colours).toBeNull();
@@ -71,48 +61,73 @@ describe("Draco blocks", () => {
     expect(buffersOf(points).length).toBe(2);
   });
 
-  it("are refused where their bytes are cut off, and the decoder goes on", () => {
+  it("are refused where their bytes are cut off, and the decoder goes on", async () => {
     for (let length = 0; length < dracoBlock.data.length - 1; length += 7) {
-      expect(() => decoder.decode(block(dracoBlock.data.slice(0, length)))).toThrow(/bad points/);
+      await expect(decoder.decode(block(dracoBlock.data.slice(0, length)))).rejects.toThrow(/bad points/);
     }
-    expect(decoder.decode(block()).count).toBe(48);
+    expect((await decoder.decode(block())).count).toBe(48);
   });
 
-  it("never give anything but finite points when bits are flipped", () => {
+  it("never give anything but finite points when bits are flipped", async () => {
     for (let bit = 0; bit < 8 * dracoBlock.data.length; bit += 5) {
       const data = dracoBlock.data.slice();
       data[bit >> 3]! ^= 1 << (bit & 7);
       try {
-        const points = decoder.decode(block(data));
+        const points = await decoder.decode(block(data));
         expect(points.places.every(Number.isFinite)).toBe(true);
       } catch (thrown) {
         expect(String(thrown)).toMatch(/bad points/);
       }
     }
-    expect(decoder.decode(block()).count).toBe(48);
+    expect((await decoder.decode(block())).count).toBe(48);
   });
 
-  it("may claim neither another number of points than the block nor an absurd one", () => {
-    expect(() => decoder.decode(block(dracoBlock.data, 47))).toThrow(/48 points in a block of 47/);
+  it("may claim neither another number of points than the block nor an absurd one", async () => {
+    await expect(decoder.decode(block(dracoBlock.data, 47))).rejects.toThrow(/48 points in a block of 47/);
     const absurd = dracoBlock.data.slice();
     new DataView(absurd.buffer).setInt32(11, 2_000_000_000, true);
-    expect(() => decoder.decode(block(absurd, 2_000_000_000))).toThrow(/claims 2000000000 points/);
+    await expect(decoder.decode(block(absurd, 2_000_000_000))).rejects.toThrow(/claims 2000000000 points/);
+  });
+});
+
+describe("Draco blocks of another kind", () => {
+  it("are decoded by Draco's own decoder, which is loaded anew where it could not be", async () => {
+    const data = await encodedCloud({
+      points: 500,
+      positionBits: 11,
+      normalBits: 7,
+      speed: 5,
+      noise: 0.1,
+      colours: true,
+      others: true,
+    });
+    let loads = 0;
+    const late = new BlockDecoder(
+      new DracoLibrary(() => (++loads === 1 ? Promise.reject(new CurvecastError("UNAVAILABLE", "gone")) : loadDecoder())),
+    );
+    await expect(late.decode(block(data, 500))).rejects.toThrow(/gone/);
+    const [points, again] = await Promise.all([late.decode(block(data, 500)), late.decode(block(data, 500))]);
+    expect(loads).toBe(2);
+    expect(points).toEqual(again);
+    expect(points.colours!.length).toBe(2000);
+    expect(Math.hypot(...[0, 1, 2].map((axis) => points.places[axis]! + 3))).toBeCloseTo(10, 1);
+    expect(points.places[3]).toBeCloseTo(dracoBlock.radius, 6);
   });
 });
 
 describe("raw blocks", () => {
-  it("are taken as they are", () => {
-    const points = decoder.decode(rawBlock(5));
+  it("are taken as they are", async () => {
+    const points = await decoder.decode(rawBlock(5));
     expect([...points.places.subarray(16, 20)]).toEqual([12 / 8, 13 / 8, 14 / 8, 0.25]);
     expect([...points.normals.subarray(0, 4)]).toEqual([0, 0, -127, 0]);
     expect([...points.colours!.subarray(0, 4)]).toEqual([7, 7, 7, 255]);
   });
 
-  it("are refused where values are not finite or bytes are lacking", () => {
-    expect(() => decoder.decode(rawBlock(5, (floats) => (floats[7] = NaN)))).toThrow(/not finite/);
-    expect(() => decoder.decode(rawBlock(5, (floats) => (floats[0] = -Infinity)))).toThrow(/not finite/);
-    expect(() => decoder.decode({ ...rawBlock(5), count: 6 })).toThrow(/bytes of radii where 24 belong/);
-    expect(() => decoder.decode({ ...rawBlock(5), ranks: new Uint8Array(19) })).toThrow(/19 bytes of ranks/);
-    expect(() => decoder.decode({ ...rawBlock(5), raw: null })).toThrow(/neither/);
+  it("are refused where values are not finite or bytes are lacking", async () => {
+    await expect(decoder.decode(rawBlock(5, (floats) => (floats[7] = NaN)))).rejects.toThrow(/not finite/);
+    await expect(decoder.decode(rawBlock(5, (floats) => (floats[0] = -Infinity)))).rejects.toThrow(/not finite/);
+    await expect(decoder.decode({ ...rawBlock(5), count: 6 })).rejects.toThrow(/bytes of radii where 24 belong/);
+    await expect(decoder.decode({ ...rawBlock(5), ranks: new Uint8Array(19) })).rejects.toThrow(/19 bytes of ranks/);
+    await expect(decoder.decode({ ...rawBlock(5), raw: null })).rejects.toThrow(/neither/);
   });
 });
