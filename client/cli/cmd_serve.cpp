@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <csignal>
 #include <memory>
 #include <mutex>
 #include <string_view>
@@ -50,11 +51,14 @@ void wait_for(const std::stop_token& stop) {
   never.wait(lock, stop, [] { return false; });
 }
 
-/// With --json, the lines go to standard error and the object follows when all meshes are open.
-absl::Status announce(const CommonOptions& options, const std::string& line) {
-  if (!options.json) return print_text(line + "\n");
-  if (!options.quiet) std::fprintf(stderr, "%s\n", line.c_str());
-  return absl::OkStatus();
+/// With --json, the lines go to standard error and the object follows when all meshes are open. A server that nobody listens to
+/// serves on.
+void announce(const CommonOptions& options, const std::string& line) {
+  if (!options.json) {
+    print_text(line + "\n").IgnoreError();
+  } else if (!options.quiet) {
+    std::fprintf(stderr, "%s\n", line.c_str());
+  }
 }
 
 /// With --json, prints `object` with the sessions in it, which are added to `ids`. `viewer`: its address; empty: there is none.
@@ -68,12 +72,12 @@ absl::Status open_meshes(const Flags& flags, const CommonOptions& options, clien
     if (!opened.ok()) return opened.status();
     sessions.push_back({{"mesh", path}, {"session_id", opened->session.session_id()}});
     const std::string& id = ids.emplace_back(opened->session.session_id());
-    absl::Status status = announce(options, absl::StrCat("session ", id, " ", path));
-    if (status.ok() && !viewer.empty()) status = announce(options, absl::StrCat("look at ", viewer, "#session=", id));
-    if (!status.ok()) return status;
+    announce(options, absl::StrCat("session ", id, " ", path));
+    if (!viewer.empty()) announce(options, absl::StrCat("look at ", viewer, "#session=", id));
   }
   object["sessions"] = std::move(sessions);
-  return options.json ? print_json(object) : absl::OkStatus();
+  if (options.json) print_json(object).IgnoreError();
+  return absl::OkStatus();
 }
 
 /// Has the points made that the first views of these sessions will want, so that nobody has to wait for them.
@@ -99,24 +103,25 @@ std::vector<std::string> describe(const std::vector<Setting>& settings) {
 
 absl::Status serve(const Flags& flags, const CommonOptions& options, const server::ServerOptions& server_options,
                    const std::stop_token& stop) {
+  std::signal(SIGPIPE, SIG_IGN);  // where its lines go to may end before it
   absl::StatusOr<std::unique_ptr<server::Server>> server = server::Server::start(server_options);
   if (!server.ok()) return server.status();
   Json addresses = {{"address", address_of(server_options.listen, (*server)->port())}, {"port", (*server)->port()}};
-  absl::Status status = announce(options, "listening on " + addresses["address"].get<std::string>());
+  announce(options, "listening on " + addresses["address"].get<std::string>());
   std::string viewer;
-  if (status.ok() && !server_options.http.empty()) {
+  if (!server_options.http.empty()) {
     const std::string http = address_of(server_options.http, (*server)->http_port());
     addresses["http"] = http;
-    status = announce(options, "http on " + http);
-    if (status.ok() && !server_options.pages.empty()) {
+    announce(options, "http on " + http);
+    if (!server_options.pages.empty()) {
       viewer = absl::StrCat(server_options.tls_cert.empty() ? "http://" : "https://", http, "/");
       addresses["viewer"] = viewer;
-      status = announce(options, "viewer on " + viewer);
+      announce(options, "viewer on " + viewer);
     }
   }
   client::Client client(client::make_connection((*server)->in_process_channel()));
   std::vector<std::string> sessions;
-  if (status.ok()) status = open_meshes(flags, options, client, viewer, std::move(addresses), sessions, stop);
+  absl::Status status = open_meshes(flags, options, client, viewer, std::move(addresses), sessions, stop);
   if (status.ok()) {
     (*server)->set_ready();
     warm_up(client, sessions, stop);

@@ -54,6 +54,24 @@ TEST_F(ServeTest, JsonFollowsWhenAllIsOpen) {
   EXPECT_EQ(server.finish().status, 0);
 }
 
+TEST_F(ServeTest, ServesOnWhenNobodyReadsItsLines) {
+  const std::string second = write_sphere("second_served.off", 20);
+  Process reader({"-c", R"(("$0" serve --listen 127.0.0.1:0 --open "$1" --open "$2" & echo "pid $!"; wait) | head -n 2)",
+                  CURVECAST_COMMAND, sphere_, second},
+                 "/bin/sh");
+  const std::string address = address_of(reader);
+  const auto pid = static_cast<pid_t>(std::stol(address_of(reader, "pid ")));
+  Finished sessions;
+  do {  // the second mesh is opened once the lines of the first are written
+    sessions = run({"sessions", "--server", address});
+  } while (sessions.status == 0 && sessions.out.find("second_served") == std::string::npos);
+  EXPECT_EQ(sessions.status, 0) << sessions.err;
+  if (sessions.status == 0) {
+    EXPECT_EQ(::kill(pid, SIGTERM), 0);
+  }
+  reader.finish();
+}
+
 TEST_F(ServeTest, StopsWhileItOpensAMesh) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--open", write_sphere("big_served.off", 400)});
   ASSERT_TRUE(server.wait_for("big_served.off: ")) << server.err();
