@@ -6,6 +6,7 @@ export default defineConfig({
   build: {
     target: "es2022",
     sourcemap: false,
+    modulePreload: { polyfill: false }, // every browser with WebGL 2 has it
     chunkSizeWarningLimit: 1500,
     rollupOptions: { input: { viewer: "index.html", example: "example.html" } },
   },

@@ -98,7 +98,9 @@ transport + server + decode + store + upload; waiting: before it was sent; first
 with all of the points.`);
 for (const [width, height] of rounds) {
   console.log(`\n${width} x ${height}`);
-  const options = { viewport: { width, height }, prepare: (page) => page.addInitScript(noteFirstPoints) };
+  // A new window first loads what the browser shows around pages.
+  const prepare = async (page) => (await page.addInitScript(noteFirstPoints), await page.waitForTimeout(1500));
+  const options = { viewport: { width, height }, prepare };
   const firsts = [];
   for (let i = 0; i < navigations; ++i) {
     const page = await WatchedPage.open(server.url, options);

@@ -2,8 +2,8 @@
 
 import {
   asCurvecastError,
-  Client,
   SessionState,
+  type Client,
   type CurvecastError,
   type FrameReport,
   type LiveViewState,
@@ -12,6 +12,7 @@ import {
 import { Viewport, type CameraState } from "../view";
 import { Brush } from "./brush";
 import { download, plyOf } from "./export_ply";
+import type { FirstAnswers } from "./first_answers";
 import { length } from "./format";
 import { Hud } from "./hud";
 import { Messages } from "./messages";
@@ -28,6 +29,7 @@ const secondsBetweenLists = 5;
 const secondsUntilReady = 1; // between questions whether a session is prepared
 const secondsBeforeSave = 0.4; // of the address, after the last change
 const secondsBetweenTries = 2; // where the server cannot be reached
+const longestStart = 500; // ms without a picture
 const noticeableDelay = 0.3; // seconds; a shorter loss of the connection is not spoken of
 
 /// Its mesh's name without what tells the format.
@@ -43,17 +45,18 @@ export class Application {
   session: Session | null = null;
 
   private readonly defaults: Settings;
-  private readonly client: Client;
   private readonly panel: Panel;
   private readonly hud: Hud;
   private readonly list: SessionList;
   private readonly uploads: Uploads;
   private readonly brush: Brush;
   private wanted: { id: string; camera: CameraState | null } | null; // the session to show, until it is
+  private isOpening = false; // that session was asked for, and its answer is awaited
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
   private shown: unknown[] = []; // the stores that the viewport draws
   private isLookDue = false;
   private hasLooked = false; // since the last picture
+  private retryTimer: ReturnType<typeof setTimeout> | undefined;
   private saveTimer: ReturnType<typeof setTimeout> | undefined;
   private uploadMilliseconds = 0;
 
@@ -61,10 +64,12 @@ export class Application {
     canvas: HTMLCanvasElement,
     page: HTMLElement,
     private readonly messages: Messages,
+    private readonly client: Client,
+    answers: FirstAnswers,
     private readonly token: string | undefined,
   ) {
     this.viewport = new Viewport(canvas);
-    this.client = new Client({ token });
+    this.viewport.expectPoints(longestStart); // the server is asked for them first, and works while an empty picture is drawn
     this.defaults = defaultSettings(
       this.viewport.isSoftware,
       matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
@@ -99,7 +104,8 @@ export class Application {
     );
     this.listen(canvas);
     this.changed();
-    void this.refreshSessions();
+    if (this.wanted !== null) void this.open(this.wanted.id, this.wanted.camera, answers.session ?? undefined);
+    void this.refreshSessions(answers.sessions);
   }
 
   private listen(canvas: HTMLCanvasElement): void {
@@ -196,17 +202,17 @@ export class Application {
     }, 1000 * secondsBeforeSave);
   }
 
-  private async refreshSessions(): Promise<void> {
+  private async refreshSessions(answer = this.client.listSessions()): Promise<void> {
     let sessions: Session[];
     try {
-      sessions = await this.client.listSessions();
+      sessions = await answer;
     } catch (thrown) {
       return this.listFailed(asCurvecastError(thrown));
     }
-    if (this.streams === null) this.messages.hideBanner();
+    if (this.streams === null && !this.isOpening) this.messages.hideBanner();
     this.list.show(sessions, this.session?.sessionId ?? null);
-    if (this.wanted !== null) return this.open(this.wanted.id, this.wanted.camera);
-    if (this.session !== null) return;
+    if (this.wanted !== null && !this.isOpening) return this.open(this.wanted.id, this.wanted.camera);
+    if (this.wanted !== null || this.session !== null) return;
     const first = firstReady(sessions);
     if (first !== null) this.show(first, null); // the list tells all of it
     else this.messages.invite(() => this.uploads.pick());
@@ -216,7 +222,8 @@ export class Application {
     if (error.code === "UNAUTHENTICATED" || error.code === "PERMISSION_DENIED") return this.refused(error);
     if (this.streams !== null) return; // the stream tells, and tries again
     this.messages.showBanner(`${error.message}. Trying again …`);
-    setTimeout(() => void this.refreshSessions(), 1000 * secondsBetweenTries);
+    clearTimeout(this.retryTimer);
+    this.retryTimer = setTimeout(() => void this.refreshSessions(), 1000 * secondsBetweenTries);
   }
 
   private refused(error: CurvecastError): void {
@@ -233,13 +240,15 @@ export class Application {
   }
 
   /// Shows a session once it is ready, unless another is chosen meanwhile.
-  private async open(id: string, camera: CameraState | null): Promise<void> {
+  private async open(id: string, camera: CameraState | null, answer = this.client.getSession(id)): Promise<void> {
+    this.isOpening = true;
     let session: Session;
     try {
-      session = await this.client.getSession(id);
+      session = await answer;
     } catch (thrown) {
       const error = asCurvecastError(thrown);
       if (this.wanted?.id !== id) return;
+      this.isOpening = false;
       if (error.code !== "NOT_FOUND") return this.listFailed(error);
       this.wanted = null;
       return this.messages.missingSession(id);
@@ -251,6 +260,7 @@ export class Application {
       return;
     }
     this.wanted = null;
+    this.isOpening = false;
     this.show(session, camera);
   }
 
@@ -274,6 +284,7 @@ export class Application {
     else this.viewport.frame();
     this.change((settings) => (settings.frozen = false));
     this.look();
+    this.viewport.pointsChanged();
     void this.refreshSessions();
   }
 

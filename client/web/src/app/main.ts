@@ -1,16 +1,12 @@
 import "./style.css";
 
-import { NoWebGL2Error } from "../view";
-import { Application } from "./app";
-import { handleOf } from "./handle";
-import { Messages } from "./messages";
-import { takeToken } from "./url_state";
+import { Client } from "../stream";
+import { askFirst } from "./first_answers";
+import { readSession, takeToken } from "./url_state";
 
-const canvas = document.querySelector("canvas")!;
-const messages = new Messages(document.body);
-try {
-  window.curvecast = handleOf(new Application(canvas, document.body, messages, takeToken()));
-} catch (thrown) {
-  if (!(thrown instanceof NoWebGL2Error)) throw thrown;
-  messages.noWebGL2();
-}
+const token = takeToken();
+const client = new Client({ token });
+const answers = askFirst(client, readSession(location.hash));
+// The larger part of the page, which loads meanwhile.
+const { open } = await import("./open");
+open(client, answers, token);

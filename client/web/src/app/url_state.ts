@@ -73,6 +73,11 @@ function readSetting(key: keyof Settings, text: string, like: unknown): unknown 
   return choices[key]?.includes(text) === true ? text : undefined;
 }
 
+/// The session that an address asks for.
+export function readSession(hash: string): string | null {
+  return new URLSearchParams(hash.replace(/^#/, "")).get("session");
+}
+
 /// What cannot be understood is left out. `defaults` tells which settings there are.
 export function readState(hash: string, defaults: Settings): UrlState {
   const given = new URLSearchParams(hash.replace(/^#/, ""));
@@ -85,7 +90,7 @@ export function readState(hash: string, defaults: Settings): UrlState {
   const dabs = given.get("dabs");
   if (dabs !== null) settings.dabs = readDabs(dabs);
   return {
-    session: given.get("session"),
+    session: readSession(hash),
     camera: readCamera(given.get("camera") ?? ""),
     settings: settings as Partial<Settings>,
   };

@@ -205,9 +205,10 @@ export class Viewport {
     return this.watch.isDrawing || this.clock.isDue;
   }
 
-  /// Points for this camera are on their way. Where the processor draws, it first leaves its time to those who make them.
-  expectPoints(): void {
-    if (this.isSoftware) this.clock.hold(longestHold);
+  /// Points for this camera are on their way. Where the processor draws, it first leaves its time to those who make them, for so
+  /// many milliseconds or until pointsChanged().
+  expectPoints(longest = longestHold): void {
+    if (this.isSoftware) this.clock.hold(longest);
   }
 
   /// Points of the stores have changed: draws a frame soon.

@@ -1,0 +1,20 @@
+// Begins the page once all of it is loaded.
+
+import type { Client } from "../stream";
+import { NoWebGL2Error } from "../view";
+import { Application } from "./app";
+import type { FirstAnswers } from "./first_answers";
+import { handleOf } from "./handle";
+import { Messages } from "./messages";
+
+/// `token`: that the client has.
+export function open(client: Client, answers: FirstAnswers, token: string | undefined): void {
+  const canvas = document.querySelector("canvas")!;
+  const messages = new Messages(document.body);
+  try {
+    window.curvecast = handleOf(new Application(canvas, document.body, messages, client, answers, token));
+  } catch (thrown) {
+    if (!(thrown instanceof NoWebGL2Error)) throw thrown;
+    messages.noWebGL2();
+  }
+}
