@@ -30,6 +30,7 @@ constexpr int kKeepaliveMs = 30'000;         // between pings to a silent client
 constexpr int kKeepaliveTimeoutMs = 10'000;  // until it counts as gone
 constexpr int kMinPingIntervalMs = 5'000;    // what a client may do
 constexpr int kMaxCallsPerConnection = 256;
+constexpr std::chrono::milliseconds kCloseTime{1000};  // for what is on its way over WebSockets when the server ends
 
 /// Printable, and not to be guessed.
 std::string random_token() {
@@ -110,7 +111,8 @@ class GrpcServer final : public Server {
     if (tls) web.tls = {tls->identity.certificates, tls->identity.key, tls->client_authorities};
     web.sockets = {.path = "/v1/socket",
                    .maker = web_calls(engine_, grpc_->InProcessChannel(arguments)),
-                   .origins = options.web_origins,
+                   .origins = {.others = options.web_origins,
+                               .any_name = engine_.tokens != nullptr || (tls && !tls->client_authorities.empty())},
                    .max_sockets = options.max_streams,
                    .max_sockets_of_client = options.max_streams_of_client};
     const WebRoutes routes = make_web_routes(
@@ -152,7 +154,7 @@ class GrpcServer final : public Server {
         // A conversation has no end of its own to wait for.
         engine_.stop_streams(absl::UnavailableError("the server is shutting down; reconnect"));
         grpc_->Shutdown(std::chrono::system_clock::now() + drain);
-        if (web_ != nullptr) web_->close_sockets();
+        if (web_ != nullptr) web_->close_sockets(kCloseTime);
         engine_.log->info("stopped");
       }
       engine_.refiner.stop();

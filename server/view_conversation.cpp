@@ -41,11 +41,22 @@ void ViewConversation::take(const v1::StreamViewsRequest& request, std::function
   {
     const std::lock_guard lock(mutex_);
     if (wait > RateLimit::Clock::duration::zero() && !is_over_) {
-      // Not reading is what slows the client down: its messages wait with itself.
-      return alarm_.Set(std::chrono::system_clock::now() + wait, [on_taken = std::move(on_taken)](bool) { on_taken(); });
+      // Not reading is what slows the client down: its messages wait with itself. The alarm keeps the function that it is given
+      // after it has gone off: that one must hold nothing.
+      on_taken_ = std::move(on_taken);
+      return alarm_.Set(std::chrono::system_clock::now() + wait, [this](bool) { go_on(); });
     }
   }
   on_taken();
+}
+
+void ViewConversation::go_on() {
+  std::function<void()> on_taken;
+  {
+    const std::lock_guard lock(mutex_);
+    on_taken.swap(on_taken_);
+  }
+  on_taken();  // this may go at once
 }
 
 void ViewConversation::end_pause() {

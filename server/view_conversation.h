@@ -37,6 +37,8 @@ class ViewConversation {
 
  private:
   ViewConversation(Engine& engine, Admission::Ticket ticket, std::shared_ptr<ClientStream> stream);
+  /// A pause is over.
+  void go_on();
 
   Engine& engine_;
   const Admission::Ticket ticket_;
@@ -45,6 +47,7 @@ class ViewConversation {
   RateLimit rate_;
   std::mutex mutex_;
   bool is_over_ = false;
+  std::function<void()> on_taken_;  // of the message that a pause follows; null: there is no pause
   grpc::Alarm alarm_;
 };
 

@@ -72,6 +72,9 @@ class WebCalls final : public WebConversation {
     if (!request.ParseFromArray(message.data(), static_cast<int>(message.size())) || request.call() == 0) {
       return socket_->close(WebSocketClose::kBadMessage, "a message is no CallRequest");
     }
+    if (!request.method().empty()) {
+      if (const absl::Status allowed = check(request); !allowed.ok()) return refuse(request.call(), allowed);
+    }
     const std::shared_ptr<WebCall> call = request.method().empty() ? open_->find(request.call()) : begin(request);
     if (call == nullptr) return socket_->read_on();  // it has ended: its client is being told
     if (request.cancel()) call->cancel();
@@ -86,11 +89,6 @@ class WebCalls final : public WebConversation {
  private:
   std::shared_ptr<WebCall> begin(const v1::CallRequest& request) {
     const std::uint32_t number = request.call();
-    const absl::Status allowed = check(request);
-    if (!allowed.ok()) {
-      socket_->send(status_response(number, to_grpc(allowed)), [](bool /*ok*/) {});
-      return nullptr;
-    }
     last_ = number;
     open_->reserve(number);
     WebCallContext context{socket_, number, peer_, [open = open_, number] { open->remove(number); }};
@@ -99,6 +97,11 @@ class WebCalls final : public WebConversation {
                                                         : begin_grpc_call(channel_, path, std::move(context));
     open_->add(number, call);
     return call;
+  }
+
+  /// Nothing is read until the client has taken the answer: otherwise they could pile up.
+  void refuse(std::uint32_t number, const absl::Status& why) {
+    socket_->send(status_response(number, to_grpc(why)), [socket = socket_](bool /*ok*/) { socket->read_on(); });
   }
 
   absl::Status check(const v1::CallRequest& request) const {

@@ -1,5 +1,6 @@
 #include "server/web_connection_beast.h"
 
+#include <absl/strings/ascii.h>
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_split.h>
@@ -7,6 +8,7 @@
 #include <openssl/ssl.h>
 #include <spdlog/logger.h>
 
+#include <algorithm>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -26,6 +28,7 @@ using asio::ip::tcp;
 
 constexpr std::uint32_t kMaxHeader = 8 * 1024;        // bytes
 constexpr std::size_t kMaxBuffered = 2 * kMaxHeader;  // requests that come before the answer to the one before
+constexpr std::size_t kLeastRate = 16 * 1024;         // bytes a second at which an answer must be taken, after the first while
 
 using PlainResponse = http::response<http::string_body>;
 
@@ -38,19 +41,30 @@ PlainResponse plain(http::status status, std::string body) {
 
 std::string_view text(beast::string_view view) { return {view.data(), view.size()}; }
 
+/// As gRPC writes it, so that a client is one whichever way it comes.
 std::string name_of(const tcp::socket& socket) {
   boost::system::error_code error;
   const tcp::endpoint peer = socket.remote_endpoint(error);
   if (error) return "unknown:0";
   const auto address = peer.address();
   if (address.is_v4()) return absl::StrCat("ipv4:", address.to_string(), ":", peer.port());
-  return absl::StrCat("ipv6:[", address.to_string(), "]:", peer.port());
+  if (address.to_v6().is_v4_mapped()) {
+    return absl::StrCat("ipv4:", asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string(), ":", peer.port());
+  }
+  return absl::StrCat("ipv6:%5B", address.to_string(), "%5D:", peer.port());
 }
 
 struct Offer {
   bool has_ours = false;           // the subprotocol that we speak
   std::string authorization = {};  // of the token that came with it
 };
+
+/// Empty where it can be no token: it goes on to gRPC, which ends the process when it is given anything but printable ASCII.
+std::string authorization_of(absl::string_view token) {
+  token = absl::StripAsciiWhitespace(token);
+  const bool is_text = std::all_of(token.begin(), token.end(), [](char c) { return absl::ascii_isprint(c); });
+  return is_text && !token.empty() ? absl::StrCat("Bearer ", token) : "";
+}
 
 Offer read_offer(std::string_view subprotocols) {
   Offer offer;
@@ -59,13 +73,19 @@ Offer read_offer(std::string_view subprotocols) {
     if (name == kSubprotocol) offer.has_ours = true;
     std::string token;
     if (absl::ConsumePrefix(&name, kBearerSubprotocol) && absl::WebSafeBase64Unescape(name, &token)) {
-      offer.authorization = "Bearer " + token;
+      offer.authorization = authorization_of(token);
     }
   }
   return offer;
 }
 
 }  // namespace
+
+void WebHub::forget(BeastWebSocket& socket) {
+  sockets.erase(&socket);
+  if (!sockets.empty() || on_no_sockets == nullptr) return;
+  std::exchange(on_no_sockets, nullptr)();
+}
 
 WebConnection::WebConnection(WebHub& hub, tcp::socket socket, std::function<void(WebConnection*)> on_gone)
     : hub_(hub),
@@ -87,6 +107,7 @@ void WebConnection::begin() {
 void WebConnection::abort() { stream_.next_layer().close(); }
 
 void WebConnection::read() {
+  waiting_since_ = Clock::now();
   parser_.emplace();
   parser_->header_limit(kMaxHeader);
   parser_->body_limit(std::numeric_limits<std::uint64_t>::max());  // none is read
@@ -96,6 +117,7 @@ void WebConnection::read() {
 }
 
 void WebConnection::take(Error error) {
+  waiting_since_.reset();
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
     return refuse(http::status::request_header_fields_too_large, "the header is too long\n");
   }
@@ -109,6 +131,7 @@ void WebConnection::take(Error error) {
     response = is_upgrade(request) ? upgrade(request) : answer(request, has_body);
   } catch (const std::exception& failure) {  // of the standard library, such as bad_alloc
     hub_.log->error("http: {}", failure.what());
+    if (!stream_.is_there()) return;  // it was to become a WebSocket
     response = plain(http::status::internal_server_error, "the server failed\n");
   }
   if (!response) return;
@@ -150,7 +173,7 @@ std::optional<WebConnection::Response> WebConnection::upgrade(const Request& req
     response.set(http::field::upgrade, "websocket");
     return response;
   }
-  if (!is_allowed(hub_.origins, text(request[http::field::origin]), text(request[http::field::host]))) {
+  if (!is_allowed(hub_.options.sockets->origins, text(request[http::field::origin]), text(request[http::field::host]))) {
     return refused(http::status::forbidden, "pages of this origin may not connect");
   }
   if (hub_.options.tls && !hub_.options.tls->client_authorities.empty()) {
@@ -164,7 +187,7 @@ std::optional<WebConnection::Response> WebConnection::upgrade(const Request& req
   absl::StatusOr<Admission::Ticket> ticket = hub_.admission->admit(client_of_peer(address_));
   if (!ticket.ok()) return refused(http::status::too_many_requests, std::string(ticket.status().message()));
   const auto socket = std::make_shared<BeastWebSocket>(hub_.io, std::move(stream_), *std::move(ticket),
-                                                       [&hub = hub_](BeastWebSocket& over) { hub.sockets.erase(&over); });
+                                                       [&hub = hub_](BeastWebSocket& over) { hub.forget(over); });
   hub_.sockets.insert(socket.get());
   socket->accept(request, {.address = address_, .authorization = offer.authorization}, hub_.options.sockets->maker);
   return std::nullopt;
@@ -182,7 +205,7 @@ void WebConnection::write(Response response, bool is_head) {
   response.content_length(response.body().size());
   if (is_head) response.body().clear();
   response_ = std::move(response);
-  stream_.next_layer().expires_after(hub_.options.time_out);
+  stream_.next_layer().expires_after(hub_.options.time_out + std::chrono::seconds(response_.body().size() / kLeastRate));
   http::async_write(stream_, response_, [self = shared_from_this()](Error error, std::size_t /*bytes*/) {
     if (error || self->response_.need_eof()) return self->close();
     self->read();

@@ -26,16 +26,20 @@ struct WebHub {
   const WebGatewayOptions options;
   const WebRoutes routes;
   const std::shared_ptr<spdlog::logger> log;
-  WebOrigins origins = {};
   boost::asio::ssl::context* tls = nullptr;   // null: not encrypted
   std::shared_ptr<Admission> admission = {};  // of WebSockets
   std::set<BeastWebSocket*> sockets = {};
   bool takes_sockets = true;
+  std::function<void()> on_no_sockets = {};  // called once, when the last one has gone; null: nobody waits for that
+
+  void forget(BeastWebSocket& socket);
 };
 
 /// Lives as long as an operation of it is under way. All of it on the gateway's thread.
 class WebConnection : public std::enable_shared_from_this<WebConnection> {
  public:
+  using Clock = std::chrono::steady_clock;
+
   /// `on_gone`: it has ended, or is a WebSocket.
   WebConnection(WebHub& hub, boost::asio::ip::tcp::socket socket, std::function<void(WebConnection*)> on_gone);
   ~WebConnection();
@@ -43,6 +47,8 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   void begin();
   /// Ends it, whatever is under way.
   void abort();
+  /// When it began to wait for the request that is to come; null while it answers one.
+  std::optional<Clock::time_point> waiting_since() const { return waiting_since_; }
 
  private:
   using Error = boost::system::error_code;
@@ -64,6 +70,7 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   const std::string address_;  // of the other end, as gRPC writes it
   const std::function<void(WebConnection*)> on_gone_;
   boost::beast::flat_buffer buffer_;
+  std::optional<Clock::time_point> waiting_since_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;  // of the request that comes or is
                                                                                               // being answered
   Response response_;                                                                         // being written

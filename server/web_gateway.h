@@ -43,14 +43,14 @@ struct WebTls {
 struct WebSocketOptions {
   std::string path;
   WebConversationMaker maker;
-  std::vector<std::string> origins = {};    // of other pages that may, see WebOrigins
+  WebOrigins origins = {};                  // of pages that may
   std::size_t max_sockets = 1000;           // at once
   std::size_t max_sockets_of_client = 250;  // of one address
 };
 
 struct WebGatewayOptions {
   std::string listen;                 // "host:port"; port 0 = any free one
-  std::size_t max_connections = 128;  // that are no WebSockets; further ones wait until one of them has gone
+  std::size_t max_connections = 128;  // that are no WebSockets; for one more, the one goes that has waited longest for a request
   std::chrono::milliseconds time_out{
       10'000};  // for a request to arrive whole, an answer to be taken, and the next request to come
   std::optional<WebTls> tls = {};
@@ -66,8 +66,9 @@ class WebGateway {
   virtual ~WebGateway() = default;  // ends all connections at once
 
   virtual int port() const = 0;
-  /// Says to those who have WebSockets that the server goes, and opens no more.
-  virtual void close_sockets() = 0;
+  /// Says to those who have WebSockets that the server goes, and opens no more. Returns when all have closed, or after
+  /// `patience`.
+  virtual void close_sockets(std::chrono::milliseconds patience) = 0;
 };
 
 }  // namespace curvecast::server

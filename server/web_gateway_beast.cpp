@@ -9,6 +9,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <future>
 #include <set>
 #include <thread>
 #include <utility>
@@ -24,6 +25,7 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
+constexpr char kSessionContext[] = "curvecast";
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);  // when there are no descriptors left, say
 
 absl::Status configure(const WebTls& tls, asio::ssl::context& context) {
@@ -35,6 +37,9 @@ absl::Status configure(const WebTls& tls, asio::ssl::context& context) {
     if (!tls.client_authorities.empty()) {
       context.add_certificate_authority(asio::buffer(tls.client_authorities));
       context.set_verify_mode(asio::ssl::verify_peer);  // of those who show one
+      // Without a name of their own, sessions that are resumed are refused where certificates are looked at.
+      SSL_CTX_set_session_id_context(context.native_handle(), reinterpret_cast<const unsigned char*>(kSessionContext),
+                                     sizeof kSessionContext - 1);
     }
   } catch (const std::exception& error) {
     return absl::InvalidArgumentError(absl::StrCat("the HTTP port cannot be encrypted: ", error.what()));
@@ -80,7 +85,7 @@ class BeastGateway final : public WebGateway {
     if (error) {
       return absl::UnavailableError(absl::StrCat("cannot listen on ", hub_.options.listen, ": ", error.message()));
     }
-    prepare_for(acceptor_.local_endpoint().address().is_loopback());
+    prepare();
     accept();
     thread_ = std::thread([this] { run(); });
     return absl::OkStatus();
@@ -88,20 +93,22 @@ class BeastGateway final : public WebGateway {
 
   int port() const override { return port_; }
 
-  void close_sockets() override {
-    asio::post(*hub_.io, [this] {
+  void close_sockets(std::chrono::milliseconds patience) override {
+    const auto closed = std::make_shared<std::promise<void>>();
+    asio::post(*hub_.io, [this, closed] {
       hub_.takes_sockets = false;
+      if (hub_.sockets.empty()) return closed->set_value();
+      hub_.on_no_sockets = [closed] { closed->set_value(); };
       for (BeastWebSocket* socket : hub_.sockets) socket->close(WebSocketClose::kGoingAway, "the server is shutting down");
     });
+    closed->get_future().wait_for(patience);
   }
 
  private:
-  void prepare_for(bool is_loopback) {
+  void prepare() {
     if (hub_.options.tls) hub_.tls = &tls_;
-    hub_.origins.is_loopback = is_loopback;
     if (!hub_.options.sockets) return;
     const WebSocketOptions& sockets = *hub_.options.sockets;
-    hub_.origins.others = sockets.origins;
     hub_.admission = std::make_shared<Admission>("WebSockets", sockets.max_sockets, sockets.max_sockets_of_client);
   }
 
@@ -128,6 +135,7 @@ class BeastGateway final : public WebGateway {
       const auto connection =
           std::make_shared<WebConnection>(hub_, std::move(socket), [this](WebConnection* gone) { note_gone(gone); });
       connections_.insert(connection.get());
+      if (connections_.size() > hub_.options.max_connections) end_idlest();
       connection->begin();
     });
   }
@@ -141,7 +149,17 @@ class BeastGateway final : public WebGateway {
   }
 
   void accept_more() {
-    if (!stopped_ && !accepting_ && connections_.size() < hub_.options.max_connections) accept();
+    if (!stopped_ && !accepting_ && connections_.size() <= hub_.options.max_connections) accept();
+  }
+
+  /// The connection that has waited longest for a request, if any does, gives way to a new one.
+  void end_idlest() {
+    WebConnection* idlest = nullptr;
+    for (WebConnection* connection : connections_) {
+      if (!connection->waiting_since()) continue;
+      if (idlest == nullptr || *connection->waiting_since() < *idlest->waiting_since()) idlest = connection;
+    }
+    if (idlest != nullptr) idlest->abort();
   }
 
   void note_gone(WebConnection* connection) {

@@ -9,7 +9,6 @@ namespace curvecast::server {
 namespace {
 
 constexpr std::array<std::string_view, 2> kSchemes = {"http://", "https://"};
-constexpr std::array<std::string_view, 3> kLoopbackNames = {"localhost", "127.0.0.1", "[::1]"};
 
 absl::string_view to_absl(std::string_view text) { return {text.data(), text.size()}; }
 
@@ -20,6 +19,12 @@ std::string_view name_of(std::string_view host) {
   const std::size_t colon = host.rfind(':');
   const std::size_t bracket = host.rfind(']');
   return colon == std::string_view::npos || (bracket != std::string_view::npos && bracket > colon) ? host : host.substr(0, colon);
+}
+
+/// An address, or a name that nobody else can let point here.
+bool is_local(std::string_view name) {
+  if (name.starts_with('[') || name.find_first_not_of("0123456789.") == std::string_view::npos) return true;
+  return name.find('.') == std::string_view::npos || absl::EndsWithIgnoreCase(to_absl(name), ".local");
 }
 
 }  // namespace
@@ -33,9 +38,7 @@ bool is_allowed(const WebOrigins& origins, std::string_view origin, std::string_
   const bool is_own = !host.empty() && std::any_of(kSchemes.begin(), kSchemes.end(), [&](std::string_view scheme) {
     return origin.starts_with(scheme) && is_same(origin.substr(scheme.size()), host);
   });
-  if (!is_own || !origins.is_loopback) return is_own;
-  const std::string_view name = name_of(host);
-  return std::any_of(kLoopbackNames.begin(), kLoopbackNames.end(), [&](std::string_view known) { return is_same(known, name); });
+  return is_own && (origins.any_name || is_local(name_of(host)));
 }
 
 }  // namespace curvecast::server

@@ -9,9 +9,10 @@ namespace curvecast::server {
 
 struct WebOrigins {
   std::vector<std::string> others = {};  // besides our own pages: "https://example.org", as browsers write it; "*": all
-  /// The port listens on the loopback only. Then our own pages are those whose host is a name of the loopback: any other name may
-  /// be one that somebody else lets point here.
-  bool is_loopback = false;
+  /// Whoever connects proves who it is. Else our own pages are only those that were asked for by an address, by a name without
+  /// dots, or by one in .local: any other name may be one that somebody else lets point here, so that their page seems to be ours
+  /// (DNS rebinding).
+  bool any_name = false;
 };
 
 /// `origin` and `host` as in the request's header; no origin, as of programs that are no browsers, is allowed.

@@ -8,7 +8,8 @@ namespace {
 constexpr char kIndex[] = "/index.html";
 // Everything comes from this server, whatever a page is made to say. WebAssembly decodes Draco.
 constexpr char kContentPolicy[] =
-    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; connect-src 'self' ws: wss:; "
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; connect-src 'self'; frame-ancestors "
+    "'self'; "
     "img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; base-uri 'none'; form-action 'none'";
 
 WebAnswer to_answer(const WebFile& file) {

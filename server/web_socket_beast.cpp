@@ -17,6 +17,7 @@ namespace websocket = boost::beast::websocket;
 
 constexpr std::size_t kMaxMessage = std::size_t{2} << 20;      // received
 constexpr std::size_t kMaxIdleBuffer = std::size_t{64} << 10;  // kept from one message to the next
+constexpr std::size_t kPiece = std::size_t{64} << 10;          // of a message sent
 constexpr std::size_t kMaxReason = 123;                        // bytes, of RFC 6455
 constexpr auto kHandshakeTime = std::chrono::seconds(10);
 constexpr auto kIdleTime = std::chrono::seconds(60);  // halfway through, a ping is sent; without an answer it is over
@@ -38,17 +39,32 @@ void BeastWebSocket::accept(const Request& request, const WebPeer& peer, const W
       [](websocket::response_type& response) { response.set(http::field::sec_websocket_protocol, kSubprotocol); }));
   stream_.set_option(websocket::permessage_deflate());  // off: Draco's bytes do not get smaller
   stream_.read_message_max(kMaxMessage);
-  stream_.auto_fragment(false);  // a frame of points is one frame of the protocol
+  // Pings, whose answers keep the connection alive, can go between the pieces of a message that takes long.
+  stream_.auto_fragment(true);
+  stream_.write_buffer_bytes(kPiece);
   stream_.binary(true);
   stream_.async_accept(request, [self = shared_from_this(), peer, maker](Error error) {
     if (error) return self->abort();
-    self->begin(peer, maker);
+    self->guarded([&] { self->begin(peer, maker); });
   });
 }
 
 void BeastWebSocket::begin(const WebPeer& peer, const WebConversationMaker& maker) {
+  if (is_over_) return;
+  is_open_ = true;
+  if (closing_) return close_now();
   conversation_ = maker(shared_from_this(), peer);
   if (conversation_ != nullptr) read();
+}
+
+template <typename Work>
+void BeastWebSocket::guarded(Work&& work) {
+  try {
+    work();
+  } catch (...) {  // of the standard library, such as bad_alloc
+    abort();
+    throw;
+  }
 }
 
 void BeastWebSocket::send(std::string message, std::function<void(bool)> on_sent) {
@@ -71,7 +87,7 @@ void BeastWebSocket::close(WebSocketClose code, std::string reason) {
     if (self->is_over_ || self->closing_) return;
     self->closing_.emplace(static_cast<websocket::close_code>(code),
                            beast::string_view(reason.data(), std::min(reason.size(), kMaxReason)));
-    if (self->queue_.empty()) self->close_now();
+    if (self->is_open_ && self->queue_.empty()) self->close_now();
   });
 }
 
@@ -85,7 +101,7 @@ void BeastWebSocket::take(Error error) {
   if (error) return abort();
   if (conversation_ == nullptr) return;  // it is being closed
   if (!stream_.got_binary()) return close(WebSocketClose::kBadMessage, "messages are binary");
-  conversation_->receive({static_cast<const char*>(received_.data().data()), received_.size()});
+  guarded([&] { conversation_->receive({static_cast<const char*>(received_.data().data()), received_.size()}); });
 }
 
 void BeastWebSocket::write() {

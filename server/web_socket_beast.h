@@ -49,6 +49,9 @@ class BeastWebSocket final : public WebSocket, public std::enable_shared_from_th
   };
 
   void begin(const WebPeer& peer, const WebConversationMaker& maker);
+  /// What is thrown ends the connection, and goes on.
+  template <typename Work>
+  void guarded(Work&& work);
   void read();
   void take(Error error);
   void write();
@@ -64,6 +67,7 @@ class BeastWebSocket final : public WebSocket, public std::enable_shared_from_th
   std::unique_ptr<WebConversation> conversation_;  // null: before it begins and once the socket is over
   std::deque<Message> queue_;                      // the first is being written
   std::optional<boost::beast::websocket::close_reason> closing_;
+  bool is_open_ = false;  // accepted; stays so
   bool is_over_ = false;
 };
 

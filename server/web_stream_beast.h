@@ -30,6 +30,9 @@ class WebStream {
     }
   }
 
+  /// False once it was moved from.
+  bool is_there() const { return tcp_ != nullptr || tls_ != nullptr; }
+
   executor_type get_executor() { return next_layer().get_executor(); }
   Tcp& next_layer() { return tls_ != nullptr ? tls_->next_layer() : *tcp_; }
   const Tcp& next_layer() const { return tls_ != nullptr ? tls_->next_layer() : *tcp_; }

@@ -29,9 +29,9 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
   void receive(std::string message, std::function<void()> on_taken) override {
     {
       const std::lock_guard lock(mutex_);
-      if (ended_ || conversation_ == nullptr) return on_taken();
-      taking_ = true;
+      taking_ = !ended_ && conversation_ != nullptr;
     }
+    if (!taking_) return on_taken();
     if (!request_.ParseFromString(message)) {
       conversation_->stream().stop(absl::InvalidArgumentError("a message is no StreamViewsRequest"));
       return go_on(on_taken);

@@ -227,10 +227,10 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
          "while it ends) and /metrics (Prometheus); another port where the default one is in use; none: nothing of these")
       ->type_name("ADDRESS")
       ->capture_default_str();
-  app->add_option(
-         "--web-origin", flags->server.web_origins,
-         "pages from elsewhere that may connect, by the origin that browsers send (https://example.org); repeat for more; "
-         "*: all")
+  app->add_option("--web-origin", flags->server.web_origins,
+                  "pages from elsewhere that may connect, or the viewer under a name with dots where callers need no token, by "
+                  "the origin that "
+                  "browsers send (https://example.org); repeat for more; *: all")
       ->type_name("ORIGIN")
       ->allow_extra_args(false);
   app->add_option("--cache", flags->server.cache,

@@ -73,7 +73,8 @@ class KillTest : public ::testing::Test {
   }
 
   std::unique_ptr<cli::Process> serve() const {
-    return std::make_unique<cli::Process>(std::vector<std::string>{"serve", "--listen", "127.0.0.1:0", "--cache", cache_.path()});
+    return std::make_unique<cli::Process>(
+        std::vector<std::string>{"serve", "--listen", "127.0.0.1:0", "--http", "none", "--cache", cache_.path()});
   }
   std::unique_ptr<Stub> connect(cli::Process& server) const {
     EXPECT_TRUE(server.wait_for("listening on 127.0.0.1:")) << server.err();

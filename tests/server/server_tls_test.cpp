@@ -1,7 +1,9 @@
 // Encrypted connections, and who is refused.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <openssl/ssl.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -82,6 +84,42 @@ TEST_F(ServerTls, WebSocketsWantACertificateOfTheirClientsToo) {
   EXPECT_EQ(WebSocketClient(port, {.ca = ca}).http_status(), 403);
   EXPECT_FALSE(
       WebSocketClient(port, {.ca = ca, .cert = files_->cert("other-client"), .key = files_->key("other-client")}).is_open());
+}
+
+/// Asks for /healthz, going on with `session` where it is not null, and keeps the session that it then has there. The answer's
+/// bytes; empty: there was none. As browsers do, which open several connections to a server.
+std::string get_again(SSL_CTX* context, int port, std::unique_ptr<SSL_SESSION, decltype(&SSL_SESSION_free)>& session) {
+  const std::unique_ptr<BIO, decltype(&BIO_free_all)> connection(BIO_new_ssl_connect(context), &BIO_free_all);
+  SSL* ssl = nullptr;
+  BIO_get_ssl(connection.get(), &ssl);
+  BIO_set_conn_hostname(connection.get(), ("127.0.0.1:" + std::to_string(port)).c_str());
+  if (session != nullptr) {
+    EXPECT_EQ(SSL_set_session(ssl, session.get()), 1);
+  }
+  if (BIO_do_connect(connection.get()) <= 0) return "";
+  BIO_puts(connection.get(), "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  char answer[512];
+  const int length = BIO_read(connection.get(), answer, sizeof answer);
+  EXPECT_EQ(SSL_session_reused(ssl) != 0, session != nullptr);
+  session.reset(SSL_get1_session(ssl));
+  return {answer, static_cast<std::size_t>(std::max(length, 0))};
+}
+
+TEST_F(ServerTls, ConnectionsGoOnWithTheSessionOfTheOneBefore) {
+  start({.http = "127.0.0.1:0",
+         .tls_cert = files_->cert("ca-server"),
+         .tls_key = files_->key("ca-server"),
+         .tls_client_ca = files_->cert("ca")});
+  for (const int version : {TLS1_2_VERSION, TLS1_3_VERSION}) {
+    const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_client_method()), &SSL_CTX_free);
+    SSL_CTX_set_max_proto_version(context.get(), version);
+    ASSERT_EQ(SSL_CTX_load_verify_locations(context.get(), files_->cert("ca").c_str(), nullptr), 1);
+    ASSERT_EQ(SSL_CTX_use_certificate_chain_file(context.get(), files_->cert("ca-client").c_str()), 1);
+    ASSERT_EQ(SSL_CTX_use_PrivateKey_file(context.get(), files_->key("ca-client").c_str(), SSL_FILETYPE_PEM), 1);
+    std::unique_ptr<SSL_SESSION, decltype(&SSL_SESSION_free)> session(nullptr, &SSL_SESSION_free);
+    EXPECT_THAT(get_again(context.get(), server_->http_port(), session), HasSubstr("200 OK")) << version;
+    EXPECT_THAT(get_again(context.get(), server_->http_port(), session), HasSubstr("200 OK")) << version;
+  }
 }
 
 TEST_F(ServerTls, SaysWhatIsWrongWithItsFiles) {

@@ -6,7 +6,7 @@ namespace curvecast::server {
 namespace {
 
 TEST(WebOrigin, OwnPagesMayConnect) {
-  const WebOrigins own;
+  const WebOrigins own{.any_name = true};
   EXPECT_TRUE(is_allowed(own, "", "example.org"));
   EXPECT_TRUE(is_allowed(own, "http://example.org:8080", "example.org:8080"));
   EXPECT_TRUE(is_allowed(own, "https://example.org", "EXAMPLE.org"));
@@ -27,13 +27,15 @@ TEST(WebOrigin, OthersWhereTheyAreNamed) {
   EXPECT_TRUE(is_allowed({.others = {"*"}}, "https://any.example", "here"));
 }
 
-TEST(WebOrigin, OnTheLoopbackOnlyItsNamesAreOurs) {
-  const WebOrigins loopback{.is_loopback = true};
-  for (const char* host : {"localhost:8080", "127.0.0.1", "[::1]:8080", "[::1]", "LOCALHOST"}) {
-    EXPECT_TRUE(is_allowed(loopback, std::string("http://") + host, host)) << host;
+TEST(WebOrigin, NamesOfOthersAreNotOursUnlessCallersAreKnown) {
+  for (const char* host : {"localhost:8080", "127.0.0.1", "127.0.1.1:80", "[::1]:8080", "[::1]", "LOCALHOST", "192.168.1.7:8080",
+                           "workstation:8080", "workstation.local"}) {
+    EXPECT_TRUE(is_allowed({}, std::string("http://") + host, host)) << host;
   }
-  for (const char* host : {"rebound.example", "localhost.evil.example:8080", "127.0.0.1.evil.example"}) {
-    EXPECT_FALSE(is_allowed(loopback, std::string("http://") + host, host)) << host;
+  for (const char* host :
+       {"rebound.example", "localhost.evil.example:8080", "127.0.0.1.evil.example", "evil.example.", "local.evil.example:80"}) {
+    EXPECT_FALSE(is_allowed({}, std::string("http://") + host, host)) << host;
+    EXPECT_TRUE(is_allowed({.any_name = true}, std::string("http://") + host, host)) << host;
   }
 }
 
