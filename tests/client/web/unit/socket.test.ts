@@ -122,7 +122,7 @@ describe("a socket", () => {
     [1006, "", "UNAVAILABLE"],
     [1001, "shutting down", "UNAVAILABLE"],
     [1008, "unknown token", "UNAUTHENTICATED"],
-    [1008, "origin http://evil is not allowed", "PERMISSION_DENIED"],
+    [1008, "this origin is not allowed", "UNAUTHENTICATED"],
     [1007, "", "INTERNAL"],
     [1009, "", "INVALID_ARGUMENT"],
   ])("that closes with %i %s ends its calls, and those to come, as it says", async (code, reason, name) => {
@@ -135,6 +135,21 @@ describe("a socket", () => {
     if (reason !== "") expect(error.message).toBe(reason);
     expect(socket.error).toBe(error);
     expect((await failure(socket.unary(getSession, {}))).code).toBe(name);
+  });
+
+  it("stops an iteration by a signal, before it begins or while it waits", async () => {
+    const [socket, server] = connect();
+    server.open();
+    const stop = new AbortController();
+    const loop = (async () => {
+      for await (const _ of socket.serverStream(createSession, { meshId: "m" }, stop.signal));
+    })();
+    await settle();
+    stop.abort(new Error("of another kind"));
+    expect((await failure(loop)).code).toBe("CANCELLED");
+    expect(server.requests.at(-1)).toMatchObject({ call: 1, cancel: true });
+    expect((await failure(socket.serverStream(createSession, {}, stop.signal).next())).code).toBe("CANCELLED");
+    expect(server.requests.length).toBe(2);
   });
 
   it("closes on bytes that are no message, and ends a call with a broken one", async () => {
@@ -178,7 +193,7 @@ describe("an upload", () => {
     await until(() => server.requests.length === 2);
     await settle(50);
     expect(server.sent(UploadMeshRequestSchema).length).toBe(2);
-    stop.abort();
+    stop.abort(new Error("of another kind"));
     expect((await failure(upload)).code).toBe("CANCELLED");
     expect(server.requests.at(-1)!.cancel).toBe(true);
   });
