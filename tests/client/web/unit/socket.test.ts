@@ -172,7 +172,7 @@ describe("an upload", () => {
     const [socket, server] = connect();
     server.open();
     const progress: number[] = [];
-    const upload = uploadFile(socket, file, { onProgress: (sent) => progress.push(sent) });
+    const upload = uploadFile(() => socket, file, { onProgress: (sent) => progress.push(sent) });
     await until(() => server.requests.at(-1)?.halfClose === true);
     const parts = server
       .sent(UploadMeshRequestSchema)
@@ -189,7 +189,7 @@ describe("an upload", () => {
     server.open();
     server.bufferedAmount = 5 << 20;
     const stop = new AbortController();
-    const upload = uploadFile(socket, file, { signal: stop.signal });
+    const upload = uploadFile(() => socket, file, { signal: stop.signal });
     await until(() => server.requests.length === 2);
     await settle(50);
     expect(server.sent(UploadMeshRequestSchema).length).toBe(2);
@@ -201,7 +201,7 @@ describe("an upload", () => {
   it("ends at once when the server refuses it", async () => {
     const [socket, server] = connect();
     server.open();
-    const upload = uploadFile(socket, file);
+    const upload = uploadFile(() => socket, file);
     server.end(1, { code: 8, message: "larger than the limit" });
     expect(await failure(upload)).toMatchObject({ code: "RESOURCE_EXHAUSTED", message: "larger than the limit" });
   });
@@ -210,7 +210,7 @@ describe("an upload", () => {
     const [socket, server] = connect();
     server.open();
     const small = (name: string) => ({ name, data: new Blob([name]) });
-    const upload = uploadMesh(socket, small("cow.obj"), [
+    const upload = uploadMesh(() => socket, small("cow.obj"), [
       small("cow.obj"),
       small("Cow.mtl"),
       small("skin.png"),
