@@ -2,11 +2,13 @@
 
 import { create, fromBinary, toBinary, type DescMessage, type MessageInitShape, type MessageShape } from "@bufbuild/protobuf";
 
-import { asCurvecastError, CurvecastError } from "./errors";
+import { asCurvecastError, cancelled, CurvecastError } from "./errors";
 
-/// What carries the messages of calls; Socket is the one.
-export interface CallTransport {
-  send(part: { message?: Uint8Array; halfClose?: boolean; cancel?: boolean }): void;
+/// What is sent of a call at once.
+export interface CallPart {
+  message?: Uint8Array;
+  halfClose?: boolean;
+  cancel?: boolean;
 }
 
 /// Told of a call's responses, in their order, as they come in; `bytes`: of the WebSocket message.
@@ -21,7 +23,7 @@ export class Call<Input extends DescMessage, Output extends DescMessage> {
   private over = false;
 
   constructor(
-    private readonly transport: CallTransport,
+    private readonly transmit: (part: CallPart) => void,
     private readonly input: Input,
     private readonly output: Output,
     private readonly handlers: CallHandlers<Output>,
@@ -35,35 +37,35 @@ export class Call<Input extends DescMessage, Output extends DescMessage> {
   send(message: MessageInitShape<Input>, last = false): void {
     if (this.over) return;
     const bytes = toBinary(this.input, create(this.input, message));
-    this.transport.send(last ? { message: bytes, halfClose: true } : { message: bytes });
+    this.transmit(last ? { message: bytes, halfClose: true } : { message: bytes });
   }
 
   halfClose(): void {
-    if (!this.over) this.transport.send({ halfClose: true });
+    if (!this.over) this.transmit({ halfClose: true });
   }
 
   /// Ends the call as CANCELLED, at once.
   cancel(): void {
     if (this.over) return;
-    this.transport.send({ cancel: true });
-    this.end(new CurvecastError("CANCELLED", "cancelled"));
+    this.transmit({ cancel: true });
+    this.end(cancelled());
   }
 
-  /// Of the transport: a response message has come.
+  /// Of the socket: a response message has come.
   take(message: Uint8Array, bytes: number): void {
     if (this.over) return;
     let response: MessageShape<Output>;
     try {
       response = fromBinary(this.output, message);
     } catch (thrown) {
-      this.transport.send({ cancel: true });
+      this.transmit({ cancel: true });
       this.end(new CurvecastError("DATA_LOSS", `the server sent a broken message: ${asCurvecastError(thrown).message}`));
       return;
     }
     this.handlers.onMessage(response, bytes);
   }
 
-  /// Of the transport: the call is over.
+  /// Of the socket: the call is over.
   end(error: CurvecastError | null): void {
     if (this.over) return;
     this.over = true;

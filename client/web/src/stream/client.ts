@@ -12,16 +12,18 @@ import {
 } from "../gen/curvecast/v1/curvecast_pb";
 import { WorkerDecoder, type Decoder } from "./decoder";
 import { CurvecastError } from "./errors";
+import { Line } from "./line";
 import { LiveView, type LiveViewEvents, type LiveViewOptions } from "./live_view";
 import { uploadMesh, type NamedFile, type UploadedMesh, type UploadOptions } from "./mesh_upload";
 import { StreamedPoints } from "./point_store";
-import { Socket, socketUrl, type Endpoint } from "./socket";
+import { repeat } from "./repeat";
+import { socketUrl, type Endpoint } from "./socket";
 
 const methods = CurvecastService.method;
 
 /// Where the server is, and who asks. Nothing given: beside the page, without a token.
 export interface ClientOptions extends Partial<Endpoint> {
-  decoder?: Decoder; // default: worker threads of its own
+  decoder?: Decoder; // is not closed with the client; default: worker threads of its own
 }
 
 /// What createSession() works on. Stages as in the API's Progress.
@@ -38,11 +40,15 @@ export interface SessionRequest {
 export class Client {
   private readonly endpoint: Endpoint;
   private readonly decoder: Decoder;
-  private current: Socket | null = null;
+  private readonly line: Line;
+  private readonly closing = new Set<{ close(): void }>(); // what ends with it
 
   constructor({ url, token, webSocket, decoder }: ClientOptions = {}) {
     this.endpoint = { url: url ?? socketUrl("."), token, ...(webSocket !== undefined && { webSocket }) };
-    this.decoder = decoder ?? new WorkerDecoder();
+    this.line = new Line(this.endpoint);
+    if (decoder === undefined) this.closing.add((decoder = new WorkerDecoder()));
+    this.decoder = decoder;
+    this.closing.add(this.line);
   }
 
   /// All that the server has in memory, by id.
@@ -50,8 +56,11 @@ export class Client {
     const sessions: Session[] = [];
     let pageToken = "";
     do {
-      const page = await this.socket().unary(methods.listSessions, { pageToken }, signal);
+      const page = await this.line.socket().unary(methods.listSessions, { pageToken }, signal);
       sessions.push(...page.sessions);
+      if (page.nextPageToken !== "" && page.nextPageToken === pageToken) {
+        throw new CurvecastError("DATA_LOSS", "the server's pages of sessions do not end");
+      }
       pageToken = page.nextPageToken;
     } while (pageToken !== "");
     return sessions;
@@ -59,37 +68,45 @@ export class Client {
 
   /// NOT_FOUND: there is none, in memory or in the server's cache.
   async getSession(sessionId: string, signal?: AbortSignal): Promise<Session> {
-    return present((await this.socket().unary(methods.getSession, { sessionId }, signal)).session);
+    return present((await this.line.socket().unary(methods.getSession, { sessionId }, signal)).session);
   }
 
-  /// Preprocesses a mesh, or joins the session that there is. Resolves when it is ready.
+  /// Preprocesses a mesh, or joins the session that there is. Resolves when it is ready. Joins again where the connection is lost
+  /// meanwhile: UNAVAILABLE only once it was for a minute.
   async createSession({ meshId, companions = {}, options, onProgress, signal }: SessionRequest): Promise<Session> {
-    let session: Session | undefined;
     const request = { meshId, companions, ...(options !== undefined && { options }) };
-    for await (const { update } of this.socket().serverStream(methods.createSession, request, signal)) {
-      if (update.case === "progress") onProgress?.(update.value);
-      if (update.case === "session") session = update.value;
-    }
-    return present(session);
+    return repeat(async (gotThrough) => {
+      let session: Session | undefined;
+      for await (const { update } of this.line.socket().serverStream(methods.createSession, request, signal)) {
+        gotThrough();
+        if (update.case === "progress") onProgress?.(update.value);
+        if (update.case === "session") session = update.value;
+      }
+      return present(session);
+    }, signal);
   }
 
   /// Pins a session in the server's memory, or lets it go.
   async pinSession(sessionId: string, pinned: boolean, signal?: AbortSignal): Promise<Session> {
-    return present((await this.socket().unary(methods.updateSession, { sessionId, pinned }, signal)).session);
+    return present((await this.line.socket().unary(methods.updateSession, { sessionId, pinned }, signal)).session);
   }
 
   /// The server forgets it, in memory and in its cache.
   async closeSession(sessionId: string, signal?: AbortSignal): Promise<void> {
-    await this.socket().unary(methods.closeSession, { sessionId }, signal);
+    await this.line.socket().unary(methods.closeSession, { sessionId }, signal);
   }
 
-  /// Sends a mesh, and what it refers to where that is among `others`. Over a socket of its own.
+  /// Sends a mesh, and what it refers to where that is among `others`. Over a socket of its own, or several where one is lost: see
+  /// uploadFile().
   async upload(mesh: NamedFile, others: readonly NamedFile[] = [], options: UploadOptions = {}): Promise<UploadedMesh> {
-    const socket = new Socket(this.endpoint);
+    this.line.checkOpen();
+    const line = new Line(this.endpoint);
+    this.closing.add(line);
     try {
-      return await uploadMesh(socket, mesh, others, options);
+      return await uploadMesh(() => line.socket(), mesh, others, options);
     } finally {
-      socket.close();
+      line.close();
+      this.closing.delete(line);
     }
   }
 
@@ -101,7 +118,7 @@ export class Client {
   ): Promise<{ points: StreamedPoints; statistics: FrameStatistics | null }> {
     const blocks = [];
     let statistics: FrameStatistics | null = null;
-    for await (const response of this.socket().serverStream(methods.resample, { sessionId, sample }, signal)) {
+    for await (const response of this.line.socket().serverStream(methods.resample, { sessionId, sample }, signal)) {
       if (response.points !== undefined) blocks.push(response.points);
       statistics = response.statistics ?? statistics;
     }
@@ -112,18 +129,23 @@ export class Client {
 
   /// A conversation about a session: see LiveView.
   view(sessionId: string, events: LiveViewEvents = {}, options: LiveViewOptions = {}): LiveView {
-    return new LiveView(() => this.socket(), this.decoder, sessionId, events, options);
+    this.line.checkOpen();
+    const view = new LiveView(
+      () => this.line.socket(),
+      this.decoder,
+      sessionId,
+      events,
+      options,
+      (over) => this.closing.delete(over),
+    );
+    this.closing.add(view);
+    return view;
   }
 
-  /// Ends all calls and views, and the decoder's threads where they are its own.
+  /// Ends all calls, uploads and views, and the decoder's threads where they are its own. For good: later calls are CANCELLED.
   close(): void {
-    this.current?.close();
-    if (this.decoder instanceof WorkerDecoder) this.decoder.close();
-  }
-
-  private socket(): Socket {
-    if (this.current === null || this.current.error !== null) this.current = new Socket(this.endpoint);
-    return this.current;
+    for (const one of this.closing) one.close();
+    this.closing.clear();
   }
 }
 

@@ -25,25 +25,28 @@ export class WorkerDecoder implements Decoder {
   private readonly jobs = new Map<number, Job>();
   private lastJob = 0;
   private readonly here = new BlockDecoder();
+  private isClosed = false;
 
   constructor(private readonly threads = 2) {
     this.fill();
   }
 
   async decode(blocks: readonly PointBlock[]): Promise<DecodedPoints[]> {
+    if (this.isClosed) throw closed();
     const total = blocks.reduce((sum, block) => sum + block.count, 0);
     if (total > mostPoints) throw badPoints(`${total} in a frame`);
     if (total <= fewPoints) return Promise.all(blocks.map((block) => this.here.decode(encodedBlock(block))));
     return Promise.all(blocks.map((block) => this.decodeBlock(block)));
   }
 
-  /// Ends the threads; what is being decoded is rejected as CANCELLED.
+  /// Ends the threads; what is being decoded, and all that comes later, is rejected as CANCELLED.
   close(): void {
+    this.isClosed = true;
     for (const { worker } of this.workers) worker.terminate();
     this.workers = [];
     const jobs = [...this.jobs.values()];
     this.jobs.clear();
-    for (const job of jobs) job.reject(new CurvecastError("CANCELLED", "the decoder was closed"));
+    for (const job of jobs) job.reject(closed());
   }
 
   private decodeBlock(block: PointBlock): Promise<DecodedPoints> {
@@ -93,4 +96,8 @@ export class WorkerDecoder implements Decoder {
       if (job.worker === worker) job.reject(new CurvecastError("DATA_LOSS", error.message));
     }
   }
+}
+
+function closed(): CurvecastError {
+  return new CurvecastError("CANCELLED", "the decoder was closed");
 }

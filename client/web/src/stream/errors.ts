@@ -58,10 +58,15 @@ export function errorOf(status: Status): CurvecastError | null {
   return status.code === 0 ? null : new CurvecastError(codeName(status.code), status.message, retryAfterOf(status));
 }
 
+/// What the caller wanted to end.
+export function cancelled(): CurvecastError {
+  return new CurvecastError("CANCELLED", "cancelled");
+}
+
 /// Anything that was thrown, as an error of this kind.
 export function asCurvecastError(thrown: unknown): CurvecastError {
   if (thrown instanceof CurvecastError) return thrown;
-  if (thrown instanceof DOMException && thrown.name === "AbortError") return new CurvecastError("CANCELLED", "cancelled");
+  if (thrown instanceof DOMException && thrown.name === "AbortError") return cancelled();
   return new CurvecastError("UNKNOWN", thrown instanceof Error ? thrown.message : String(thrown));
 }
 

@@ -15,6 +15,7 @@ import {
 } from "../gen/curvecast/v1/curvecast_pb";
 import { Backoff } from "./backoff";
 import type { Call } from "./call";
+import { callBack } from "./call_back";
 import type { DecodedPoints } from "./decoded_points";
 import type { Decoder } from "./decoder";
 import { asCurvecastError, boundedDelay, codeName, CurvecastError } from "./errors";
@@ -27,7 +28,7 @@ import { Statistics, type FrameReport, type StatisticsSummary } from "./statisti
 /// failed: for good.
 export type LiveViewState = "connecting" | "streaming" | "refining" | "reconnecting" | "failed";
 
-/// Called one at a time. They may call look() and close().
+/// Called one at a time. They may call look() and close(). What they throw is told as an error of the page.
 export interface LiveViewEvents {
   /// A frame is in the store, or a view was refused: see FrameReport.error.
   onFrame?(frame: FrameReport): void;
@@ -38,7 +39,7 @@ export interface LiveViewEvents {
 export interface LiveViewOptions {
   deltas?: boolean; // default: true
   firstBytes?: number; // see ViewUpdate.first_bytes; default: 0, frames come whole
-  firstDelay?: number; // seconds before a broken stream is opened again, doubles until a frame comes; default: 0.1
+  firstDelay?: number; // seconds before a broken stream is opened again, doubles until one lives for a while; default: 0.1
   longestDelay?: number; // seconds; a server that asks for a longer one gets it; default: 5
 }
 
@@ -54,6 +55,7 @@ interface SentView {
 const mostRemembered = 256; // views; a frame for an older one can be shown, but not resumed from
 const mostBuffered = 64 << 10; // bytes that wait in the browser before the newest view waits here instead
 const secondsBetweenTries = 0.01;
+const healthySeconds = 1; // a stream that breaks off sooner after its first frame may do so again and again
 
 const now = () => performance.now() / 1000;
 
@@ -85,19 +87,22 @@ export class LiveView {
   private views: SentView[] = [];
   private held: { sample: SampleRequest; digest: bigint } | null = null; // what a new stream can go on from
   private hasBase = false; // deltas may follow
+  private firstFrameAt: number | null = null; // of this stream, in the store
   private call: ViewCall | null = null;
   private socket: Socket | null = null;
   private taken: Promise<void> = Promise.resolve(); // frames are taken in in their order
   private timer: ReturnType<typeof setTimeout> | null = null;
   private closed = false;
 
-  /// `connect`: a socket that is open, or on its way there; a new one after the last was lost.
+  /// `connect`: a socket that is open, or on its way there; a new one after the last was lost. `onOver`: called once it is closed or
+  /// has failed, for the one who made it.
   constructor(
     private readonly connect: () => Socket,
     private readonly decoder: Decoder,
     readonly sessionId: string,
     private readonly events: LiveViewEvents = {},
     options: LiveViewOptions = {},
+    private readonly onOver: (view: LiveView) => void = () => {},
   ) {
     this.deltas = options.deltas ?? true;
     this.firstBytes = BigInt(options.firstBytes ?? 0);
@@ -127,12 +132,12 @@ export class LiveView {
   retryNow(): void {
     if (this.state !== "reconnecting" || this.closed) return;
     this.backoff.reset();
-    this.open();
+    if (this.call === null) this.open(); // else the next attempt is under way
   }
 
   /// Ends it. The points stay in the store; no callback comes any more.
   close(): void {
-    this.closed = true;
+    this.leave();
     this.stopTimer();
     this.call?.cancel();
     this.call = null;
@@ -141,9 +146,11 @@ export class LiveView {
   private open(): void {
     this.stopTimer();
     if (this.state !== "reconnecting") this.tell("connecting"); // else it is, until a frame comes
+    if (this.closed) return;
     const socket = this.connect();
     this.socket = socket;
     this.hasBase = this.held !== null;
+    this.firstFrameAt = null;
     this.sent = 0;
     this.views = []; // of the stream before; it answers them no more
     const call: ViewCall = socket.start(CurvecastService.method.streamViews, {
@@ -190,13 +197,13 @@ export class LiveView {
     const decoded: Promise<Decoded> = this.decoder
       .decode(frame.error === undefined ? frame.points : [])
       .then((points) => ({ points, seconds: now() - arrival }), asCurvecastError);
-    this.taken = this.taken.then(async () => {
+    this.afterFrames(async () => {
       const result = await decoded;
       if (this.call === call) this.take(call, frame, result, bytes);
     });
   }
 
-  private afterFrames(then: () => void): void {
+  private afterFrames(then: () => void | Promise<void>): void {
     this.taken = this.taken.then(then);
   }
 
@@ -239,10 +246,10 @@ export class LiveView {
     };
     if (view !== null) view.time = null;
     this.counted.add(report, end);
-    this.backoff.reset();
+    this.firstFrameAt ??= end;
     const state = report.refining ? "refining" : "streaming";
     if (state !== this.state) this.tell(state);
-    if (!this.closed) this.events.onFrame?.(report);
+    if (!this.closed) callBack(() => this.events.onFrame?.(report));
   }
 
   private apply(frame: PointFrame, decoded: Decoded): PointDifference {
@@ -264,9 +271,10 @@ export class LiveView {
     if (this.closed || this.call !== call) return;
     this.call = null;
     this.stopTimer();
+    if (this.firstFrameAt !== null && now() - this.firstFrameAt >= healthySeconds) this.backoff.reset();
     const why = error ?? new CurvecastError("ABORTED", "the server has ended the stream");
     if (!mayPass(why)) {
-      this.closed = true;
+      this.leave();
       return this.tell("failed", why);
     }
     const delay = Math.max(this.backoff.next(), why.retryAfter ?? 0);
@@ -277,7 +285,13 @@ export class LiveView {
   private tell(state: LiveViewState, error: CurvecastError | null = null, delay: number | null = null): void {
     this.state = state;
     this.error = error;
-    this.events.onState?.(state, error, delay);
+    callBack(() => this.events.onState?.(state, error, delay));
+  }
+
+  private leave(): void {
+    if (this.closed) return;
+    this.closed = true;
+    this.onOver(this);
   }
 
   private stopTimer(): void {

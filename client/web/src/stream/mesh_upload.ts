@@ -1,14 +1,13 @@
 // Sends a mesh file and the files that it refers to.
 
-import type { DescMessage } from "@bufbuild/protobuf";
-
 import { CurvecastService, type UploadMeshResponse } from "../gen/curvecast/v1/curvecast_pb";
-import type { Call } from "./call";
 import { asCurvecastError, CurvecastError } from "./errors";
+import { repeat } from "./repeat";
 import type { Socket } from "./socket";
 
 const chunkBytes = 256 << 10;
 const mostCompanions = 256;
+const mostRows = 4; // of failures of a file (see repeat()): it may be too large for a line that breaks again and again
 const referring = /\.(obj|gltf|glb|ply)$/i;
 const companion = /\.(mtl|bin|png|jpe?g|bmp|tga|gif|webp|ktx2)$/i;
 
@@ -20,7 +19,8 @@ export interface NamedFile {
 
 /// What is under way, and how to stop it.
 export interface UploadOptions {
-  onProgress?(sent: number, total: number, name: string): void; // bytes of the file `name` that have left
+  /// Bytes of the file `name` that have left; again from 0 where the connection was lost.
+  onProgress?(sent: number, total: number, name: string): void;
   signal?: AbortSignal;
 }
 
@@ -40,28 +40,46 @@ export function meshAmong(files: readonly NamedFile[]): NamedFile | null {
   );
 }
 
-/// Sends one file, and returns its mesh_id. A long one deserves a socket of its own.
-export async function uploadFile(socket: Socket, file: NamedFile, { onProgress, signal }: UploadOptions = {}): Promise<string> {
+/// Sends one file, and returns its mesh_id. A long one deserves a socket of its own. Sent again from its start, over the next socket,
+/// where one is lost: what the server has kept of it can only be gone on from by a client that knows the file's hash. `connect`: a
+/// socket that is open, or on its way there; a new one after the last was lost.
+export async function uploadFile(connect: () => Socket, file: NamedFile, options: UploadOptions = {}): Promise<string> {
+  let rows = 0;
+  return repeat((gotThrough) => {
+    let hasLeft = false;
+    const onLeft = () => {
+      if (hasLeft) return;
+      hasLeft = true;
+      if (++rows <= mostRows) gotThrough();
+    };
+    return sendFile(connect(), file, onLeft, options);
+  }, options.signal);
+}
+
+/// `onLeft`: some of it has.
+async function sendFile(
+  socket: Socket,
+  file: NamedFile,
+  onLeft: () => void,
+  { onProgress, signal }: UploadOptions,
+): Promise<string> {
   let response: UploadMeshResponse | null = null;
-  let call!: Call<DescMessage, DescMessage>;
-  const cancel = () => call.cancel();
-  const ended = new Promise<void>((resolve, reject) => {
-    const started = socket.start(CurvecastService.method.uploadMesh, {
-      onMessage: (message) => (response = message),
-      onEnd: (error) => (error === null ? resolve() : reject(error)),
-    });
-    call = started as unknown as Call<DescMessage, DescMessage>;
-    started.send({ part: { case: "header", value: { name: file.name, size: BigInt(file.data.size) } } });
-  });
+  let onEnd!: (error: CurvecastError | null) => void;
+  const ended = new Promise<void>((resolve, reject) => (onEnd = (error) => (error === null ? resolve() : reject(error))));
   ended.catch(() => {}); // told below
+  const call = socket.start(CurvecastService.method.uploadMesh, { onMessage: (message) => (response = message), onEnd });
+  const cancel = () => call.cancel();
   signal?.addEventListener("abort", cancel, { once: true });
+  if (signal?.aborted) cancel();
   try {
-    if (signal?.aborted) throw new CurvecastError("CANCELLED", "cancelled");
+    call.send({ part: { case: "header", value: { name: file.name, size: BigInt(file.data.size) } } });
     for (let begin = 0; begin < file.data.size && !call.ended; begin += chunkBytes) {
       const chunk = new Uint8Array(await file.data.slice(begin, begin + chunkBytes).arrayBuffer());
       call.send({ part: { case: "chunk", value: chunk } });
       await socket.drained(signal);
-      onProgress?.(Math.max(0, begin + chunk.length - socket.bufferedBytes), file.data.size, file.name);
+      const left = Math.max(0, begin + chunk.length - socket.bufferedBytes);
+      if (left > 0) onLeft();
+      onProgress?.(left, file.data.size, file.name);
     }
     call.halfClose();
     await ended;
@@ -80,28 +98,30 @@ export async function uploadFile(socket: Socket, file: NamedFile, { onProgress, 
   return result.meshId;
 }
 
-/// Sends a mesh, then those of `others` that it refers to, and those that these refer to.
+/// Sends a mesh, then those of `others` that it refers to, and those that these refer to. `connect` as for uploadFile().
 export async function uploadMesh(
-  socket: Socket,
+  connect: () => Socket,
   mesh: NamedFile,
   others: readonly NamedFile[],
   options: UploadOptions = {},
 ): Promise<UploadedMesh> {
-  const uploaded: UploadedMesh = { meshId: await uploadFile(socket, mesh, options), companions: {}, missing: [] };
+  const uploaded: UploadedMesh = { meshId: await uploadFile(connect, mesh, options), companions: {}, missing: [] };
   if (!referring.test(mesh.name)) return uploaded;
   while (true) {
-    const { missing } = await socket.unary(
-      CurvecastService.method.listMeshReferences,
-      { meshId: uploaded.meshId, companions: uploaded.companions },
+    const { meshId, companions } = uploaded;
+    const { listMeshReferences } = CurvecastService.method;
+    const { missing } = await repeat(
+      () => connect().unary(listMeshReferences, { meshId, companions }, options.signal),
       options.signal,
     );
-    const found = missing.flatMap((name) => {
+    const unknown = missing.filter((name) => !Object.hasOwn(companions, name)); // else there would be no end
+    const found = unknown.flatMap((name) => {
       const file = fileFor(name, others);
       return file === null ? [] : [{ name, file }];
     });
     uploaded.missing = missing.filter((name) => !found.some((other) => other.name === name));
     if (found.length === 0 || Object.keys(uploaded.companions).length + found.length > mostCompanions) return uploaded;
-    for (const { name, file } of found) uploaded.companions[name] = await uploadFile(socket, file, options);
+    for (const { name, file } of found) uploaded.companions[name] = await uploadFile(connect, file, options);
   }
 }
 

@@ -12,9 +12,11 @@ import {
   type MessageShape,
 } from "@bufbuild/protobuf";
 
+import { CurvecastService } from "../gen/curvecast/v1/curvecast_pb";
 import { CallRequestSchema, CallResponseSchema, type CallResponse } from "../gen/curvecast/v1/web_socket_pb";
-import { Call, type CallHandlers } from "./call";
-import { CurvecastError, errorOf } from "./errors";
+import { Call, type CallHandlers, type CallPart } from "./call";
+import { cancelled, CurvecastError, errorOf } from "./errors";
+import { SilenceWatch } from "./silence";
 
 /// Where a server is, and who asks.
 export interface Endpoint {
@@ -22,6 +24,9 @@ export interface Endpoint {
   token?: string | undefined; // bearer token
   webSocket?: (url: string, protocols: string[]) => WebSocket; // makes the socket; for tests and for other places than browsers
 }
+
+/// Seconds without a sign of the server before it is asked for one.
+export const usualPatience = 15;
 
 const mostBuffered = 4 << 20; // bytes that wait in the browser before an upload pauses
 const secondsBetweenLooks = 0.01; // at what still waits; nothing tells when it has gone
@@ -40,22 +45,17 @@ function subprotocols(token: string | undefined): string[] {
   return ["curvecast.v1", "curvecast.bearer." + btoa(bytes).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "")];
 }
 
-/// What a socket that closed means to the calls that were on it.
-export function errorOfClose(code: number, reason: string, wasOpen: boolean): CurvecastError {
+/// What a socket that closed means to the calls that were on it. A browser does not tell of an HTTP answer that refused it: 1006.
+function errorOfClose(code: number, reason: string, wasOpen: boolean): CurvecastError {
   switch (code) {
     case 1001:
       return new CurvecastError("UNAVAILABLE", reason || "the server shuts down");
     case 1007:
       return new CurvecastError("INTERNAL", reason || "the server did not understand a message");
     case 1008:
-      return new CurvecastError(
-        /origin|permi|allow/i.test(reason) ? "PERMISSION_DENIED" : "UNAUTHENTICATED",
-        reason || "the server does not take this caller",
-      );
+      return new CurvecastError("UNAUTHENTICATED", reason || "the server does not take this caller");
     case 1009:
       return new CurvecastError("INVALID_ARGUMENT", reason || "a message was too large for the server");
-    case 1013:
-      return new CurvecastError("RESOURCE_EXHAUSTED", reason || "the server has no room for another connection", 1);
     default:
       return new CurvecastError(
         "UNAVAILABLE",
@@ -64,18 +64,31 @@ export function errorOfClose(code: number, reason: string, wasOpen: boolean): Cu
   }
 }
 
-/// Opens at once. Calls may be made before it is open; once it is lost or closed, all calls end with an error.
+/// Opens at once. Calls may be made before it is open; once it is lost or closed, all calls end with an error. It is lost, too, where
+/// the server gives no sign of life for `patience` seconds and then leaves a question unanswered: UNAVAILABLE.
 export class Socket {
+  fellSilent = false; // it was open, and was lost because the server said nothing any more
+
   private readonly socket: WebSocket;
   private readonly calls = new Map<number, Call<DescMessage, DescMessage>>();
   private early: Uint8Array[] | null = []; // until it is open
+  private sentBytes = 0; // also those that wait
   private lastCall = 0;
   private failure: CurvecastError | null = null;
+  private readonly silence: SilenceWatch; // runs while there are calls
 
-  constructor(endpoint: Endpoint) {
+  constructor(endpoint: Endpoint, patience = usualPatience) {
     const make = endpoint.webSocket ?? ((url, protocols) => new WebSocket(url, protocols));
     this.socket = make(endpoint.url, subprotocols(endpoint.token));
     this.socket.binaryType = "arraybuffer";
+    this.silence = new SilenceWatch(
+      {
+        bytes: () => ({ sent: this.sentBytes, waiting: this.bufferedBytes }),
+        probe: () => this.probe(),
+        dead: () => this.giveUp(),
+      },
+      patience,
+    );
     this.socket.onopen = () => this.flush();
     this.socket.onmessage = (event: MessageEvent<unknown>) => this.receive(event.data);
     this.socket.onclose = (event) => this.fail(errorOfClose(event.code, event.reason, this.early === null));
@@ -91,13 +104,13 @@ export class Socket {
     return this.socket.bufferedAmount + (this.early ?? []).reduce((sum, bytes) => sum + bytes.length, 0);
   }
 
-  /// Resolves when little waits to go out, or nothing will any more. Throws what `signal` was aborted with.
+  /// Resolves when little waits to go out, or nothing will any more. Throws CANCELLED once `signal` is aborted.
   async drained(signal?: AbortSignal): Promise<void> {
     while (this.failure === null && this.bufferedBytes > mostBuffered) {
-      signal?.throwIfAborted();
+      if (signal?.aborted) throw cancelled();
       await new Promise((resolve) => setTimeout(resolve, 1000 * secondsBetweenLooks));
     }
-    signal?.throwIfAborted();
+    if (signal?.aborted) throw cancelled();
   }
 
   /// Begins a call of any kind.
@@ -107,8 +120,8 @@ export class Socket {
   ): Call<Input, Output> {
     const number = ++this.lastCall;
     let name: string | undefined = method.name;
-    const send = (part: { message?: Uint8Array; halfClose?: boolean; cancel?: boolean }) => {
-      if (part.cancel === true) this.calls.delete(number);
+    const transmit = (part: CallPart) => {
+      if (part.cancel === true) this.forget(number);
       if (name !== undefined && part.cancel === true) return; // the server has not heard of it
       this.transmit(
         toBinary(
@@ -118,7 +131,7 @@ export class Socket {
       );
       name = undefined;
     };
-    const call = new Call({ send }, method.input, method.output, {
+    const call = new Call(transmit, method.input, method.output, {
       onMessage: handlers.onMessage.bind(handlers),
       onEnd: handlers.onEnd.bind(handlers),
     });
@@ -127,6 +140,7 @@ export class Socket {
       queueMicrotask(() => call.end(failure));
     } else {
       this.calls.set(number, call as unknown as Call<DescMessage, DescMessage>);
+      this.silence.start();
     }
     return call;
   }
@@ -153,8 +167,10 @@ export class Socket {
     let wake = () => {};
     let over = false;
     const leave = new AbortController();
-    const signals = signal === undefined ? leave.signal : AbortSignal.any([signal, leave.signal]);
-    const ended = this.run(method, request, (message) => (waiting.push(message), wake()), signals).finally(() => {
+    const abort = () => leave.abort(); // without AbortSignal.any(), which is too new for some browsers
+    signal?.addEventListener("abort", abort, { once: true });
+    if (signal?.aborted) abort();
+    const ended = this.run(method, request, (message) => (waiting.push(message), wake()), leave.signal).finally(() => {
       over = true;
       wake();
     });
@@ -167,7 +183,8 @@ export class Socket {
       }
       await ended;
     } finally {
-      leave.abort();
+      signal?.removeEventListener("abort", abort);
+      abort();
     }
   }
 
@@ -184,7 +201,7 @@ export class Socket {
     signal: AbortSignal | undefined,
   ): Promise<void> {
     return new Promise((resolve, reject) => {
-      if (signal?.aborted) return reject(new CurvecastError("CANCELLED", "cancelled"));
+      if (signal?.aborted) return reject(cancelled());
       const abort = () => call.cancel();
       const call = this.start(method, {
         onMessage,
@@ -201,6 +218,7 @@ export class Socket {
 
   private transmit(bytes: Uint8Array): void {
     if (this.failure !== null) return;
+    this.sentBytes += bytes.length;
     if (this.early !== null) this.early.push(bytes);
     else this.socket.send(bytes as Uint8Array<ArrayBuffer>);
   }
@@ -208,10 +226,24 @@ export class Socket {
   private flush(): void {
     const early = this.early ?? [];
     this.early = null;
+    this.silence.heard();
     for (const bytes of early) this.socket.send(bytes as Uint8Array<ArrayBuffer>);
   }
 
+  /// Any answer will do; this one is the cheapest.
+  private probe(): void {
+    if (this.early === null) this.unary(CurvecastService.method.listSessions, { pageSize: 1 }).catch(() => {});
+  }
+
+  private giveUp(): void {
+    const wasOpen = this.early === null;
+    this.fellSilent = wasOpen;
+    this.socket.close(4001, "the server does not answer");
+    this.fail(new CurvecastError("UNAVAILABLE", wasOpen ? "the server does not answer" : "the server cannot be reached"));
+  }
+
   private receive(data: unknown): void {
+    this.silence.heard();
     let response: CallResponse;
     try {
       if (!(data instanceof ArrayBuffer)) throw new CurvecastError("INTERNAL", "not binary");
@@ -224,13 +256,20 @@ export class Socket {
     if (call === undefined) return; // cancelled meanwhile
     if (response.message !== undefined) call.take(response.message, data.byteLength);
     if (response.status === undefined) return;
-    this.calls.delete(response.call);
+    this.forget(response.call);
     call.end(errorOf(response.status));
+  }
+
+  /// A call that is over.
+  private forget(call: number): void {
+    this.calls.delete(call);
+    if (this.calls.size === 0) this.silence.stop();
   }
 
   private fail(error: CurvecastError): void {
     if (this.failure !== null) return;
     this.failure = error;
+    this.silence.stop();
     const calls = [...this.calls.values()];
     this.calls.clear();
     for (const call of calls) call.end(error);

@@ -14,7 +14,7 @@ export interface FrameReport {
   /// From sending the view to its points in the store; of the first frame of a view only, null of later ones.
   viewSeconds: number | null;
   serverSeconds: number; // density, sampling and encoding
-  decodeSeconds: number; // from the message's arrival to decoded points, waiting for earlier frames included
+  decodeSeconds: number; // from the message's arrival to decoded points, waiting for a free thread included
   storeSeconds: number; // taking them into the store
   refining: boolean; // better points are to follow
   curveRevision: number;
@@ -27,7 +27,7 @@ export interface StatisticsSummary {
   frames: number;
   deltas: number;
   bytes: number;
-  bytesPerSecond: number; // over the last 5 s
+  bytesPerSecond: number; // over the last 5 s, or since the first frame where that is sooner
   viewP50: number | null; // view sent -> points in the store, of the last 200 views that were answered
   viewP99: number | null;
   last: FrameReport | null; // without error
@@ -35,6 +35,7 @@ export interface StatisticsSummary {
 
 const viewsKept = 200;
 const rateSeconds = 5;
+const leastSeconds = 1; // that a rate is over
 
 /// The smallest value that at least a part `q` of `values` does not exceed; null of none.
 export function quantile(values: readonly number[], q: number): number | null {
@@ -48,10 +49,12 @@ export class Statistics {
   private deltas = 0;
   private bytes = 0;
   private views: number[] = [];
+  private begin: number | null = null; // when the first frame came
   private recent: { time: number; bytes: number }[] = [];
   private last: FrameReport | null = null;
 
   add(frame: FrameReport, time: number): void {
+    this.begin ??= time;
     this.bytes += frame.bytes;
     this.recent.push({ time, bytes: frame.bytes });
     this.forget(time);
@@ -66,11 +69,12 @@ export class Statistics {
 
   summary(time: number): StatisticsSummary {
     this.forget(time);
+    const seconds = Math.min(Math.max(time - (this.begin ?? time), leastSeconds), rateSeconds);
     return {
       frames: this.frames,
       deltas: this.deltas,
       bytes: this.bytes,
-      bytesPerSecond: this.recent.reduce((sum, { bytes }) => sum + bytes, 0) / rateSeconds,
+      bytesPerSecond: this.recent.reduce((sum, { bytes }) => sum + bytes, 0) / seconds,
       viewP50: quantile(this.views, 0.5),
       viewP99: quantile(this.views, 0.99),
       last: this.last,

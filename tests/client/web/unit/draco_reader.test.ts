@@ -73,6 +73,14 @@ describe("other data", () => {
     expect(theirs.places.some((value) => value !== 0)).toBe(true);
   });
 
+  it.each([16, 24])("with normals of %i bits is left to it, too", async (normalBits) => {
+    const options = { ...usual, positionBits: 27, noise: 3, normalBits };
+    const { understood, ours, theirs } = await readBoth(await encodedCloud(options));
+    expect(understood).toBe(false);
+    expect([...ours.places, ...ours.normals].every((value) => value === 0)).toBe(true);
+    for (let axis = 0; axis < 3; ++axis) expect((theirs.places[axis]! + 3) / 10).toBeCloseTo(theirs.normals[axis]! / 127, 1);
+  });
+
   it("is refused where an attribute of a block is lacking or of another type", async () => {
     const bytes = await encodedCloud(usual);
     const kindOfRadii = readHeader(bytes).size - 5;

@@ -1,5 +1,5 @@
 import type { MessageInitShape } from "@bufbuild/protobuf";
-import { beforeEach, describe, expect, it } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 
 import {
   FrameKind,
@@ -10,7 +10,12 @@ import {
 } from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
 import { badPoints, type DecodedPoints } from "../../../../client/web/src/stream/decoded_points";
 import type { CurvecastError } from "../../../../client/web/src/stream/errors";
-import { LiveView, type LiveViewOptions, type LiveViewState } from "../../../../client/web/src/stream/live_view";
+import {
+  LiveView,
+  type LiveViewEvents,
+  type LiveViewOptions,
+  type LiveViewState,
+} from "../../../../client/web/src/stream/live_view";
 import { Socket } from "../../../../client/web/src/stream/socket";
 import type { FrameReport } from "../../../../client/web/src/stream/statistics";
 import { FakeWebSocket, settle, until } from "./fake_web_socket";
@@ -43,7 +48,8 @@ interface Followed {
   errors: (CurvecastError | null)[];
 }
 
-function follow(options: LiveViewOptions = { firstDelay: 0.001, longestDelay: 0.001 }): Followed {
+/// `also`: called after what is noted here.
+function follow(options: LiveViewOptions = { firstDelay: 0.001, longestDelay: 0.001 }, also: LiveViewEvents = {}): Followed {
   let socket: Socket | null = null;
   const connect = () => {
     if (socket === null || socket.error !== null) socket = new Socket({ url: "ws://host", webSocket: FakeWebSocket.make });
@@ -57,8 +63,8 @@ function follow(options: LiveViewOptions = { firstDelay: 0.001, longestDelay: 0.
     new FakeDecoder(),
     "session",
     {
-      onFrame: (frame) => frames.push(frame),
-      onState: (state, error) => (states.push(state), errors.push(error)),
+      onFrame: (frame) => (frames.push(frame), also.onFrame?.(frame)),
+      onState: (state, error, delay) => (states.push(state), errors.push(error), also.onState?.(state, error, delay)),
     },
     options,
   );
@@ -99,6 +105,7 @@ function requests(server: FakeWebSocket, call = 1): string[] {
 const server = (index = 0) => FakeWebSocket.made[index]!;
 
 beforeEach(() => (FakeWebSocket.made = []));
+afterEach(() => void vi.unstubAllGlobals());
 
 describe("a live view", () => {
   it("connects at the first look, and acknowledges frames once their points are there", async () => {
@@ -254,7 +261,69 @@ describe("a live view", () => {
     expect(FakeWebSocket.made.length).toBe(1);
     view.retryNow();
     expect(FakeWebSocket.made.length).toBe(2);
+    view.retryNow(); // it is about to
+    view.retryNow();
+    expect(FakeWebSocket.made.length).toBe(2);
+    expect(
+      server(1)
+        .open()
+        .requests.filter(({ method }) => method === "StreamViews").length,
+    ).toBe(1);
     view.close();
+  });
+
+  it("waits longer and longer while streams break off after their first frame, and not after one that lived", async () => {
+    vi.useFakeTimers();
+    try {
+      const delays: number[] = [];
+      const onState = (_: LiveViewState, __: unknown, delay: number | null) => void (delay !== null && delays.push(delay));
+      const { view } = follow({ firstDelay: 0.1, longestDelay: 5 }, { onState });
+      view.look(points(5));
+      server().open();
+      for (let call = 1; call <= 8; ++call) {
+        push(server(), key(1n, 5), call);
+        push(server(), key(1n, badCount), call);
+        await vi.advanceTimersByTimeAsync(5100);
+      }
+      expect(delays.length).toBe(8);
+      expect(delays[7]).toBeGreaterThan(2.4);
+      push(server(), key(1n, 5), 9);
+      await vi.advanceTimersByTimeAsync(1500);
+      server().end(9, { code: 10, message: "the session was closed" });
+      await vi.advanceTimersByTimeAsync(10);
+      expect(delays[8]).toBeLessThanOrEqual(0.1);
+      view.close();
+    } finally {
+      vi.useRealTimers();
+    }
+  });
+
+  it("lives on after callbacks that throw, and reports what they do", async () => {
+    const reported: unknown[] = [];
+    vi.stubGlobal("reportError", (thrown: unknown) => reported.push(thrown));
+    const fail = () => {
+      throw new Error("of the page");
+    };
+    const { view, frames, states } = follow(undefined, { onFrame: fail, onState: fail });
+    view.look(points(5));
+    server().open();
+    push(server(), key(1n, 5));
+    push(server(), key(1n, 6));
+    await settle(10);
+    server().lose(1006);
+    await until(() => FakeWebSocket.made.length === 2);
+    push(server(1).open(), key(1n, 7));
+    await settle(10);
+    expect(frames.map((frame) => frame.points)).toEqual([5, 6, 7]);
+    expect(states).toEqual(["connecting", "streaming", "reconnecting", "streaming"]);
+    expect(reported.length).toBe(7);
+    view.close();
+  });
+
+  it("opens nothing where it is closed as it begins", () => {
+    const { view } = follow(undefined, { onState: () => view.close() });
+    view.look(points(5));
+    expect(FakeWebSocket.made).toEqual([]);
   });
 
   it("says nothing after it was closed", async () => {

@@ -122,7 +122,7 @@ describe("a socket", () => {
     [1006, "", "UNAVAILABLE"],
     [1001, "shutting down", "UNAVAILABLE"],
     [1008, "unknown token", "UNAUTHENTICATED"],
-    [1008, "origin http://evil is not allowed", "PERMISSION_DENIED"],
+    [1008, "this origin is not allowed", "UNAUTHENTICATED"],
     [1007, "", "INTERNAL"],
     [1009, "", "INVALID_ARGUMENT"],
   ])("that closes with %i %s ends its calls, and those to come, as it says", async (code, reason, name) => {
@@ -135,6 +135,21 @@ describe("a socket", () => {
     if (reason !== "") expect(error.message).toBe(reason);
     expect(socket.error).toBe(error);
     expect((await failure(socket.unary(getSession, {}))).code).toBe(name);
+  });
+
+  it("stops an iteration by a signal, before it begins or while it waits", async () => {
+    const [socket, server] = connect();
+    server.open();
+    const stop = new AbortController();
+    const loop = (async () => {
+      for await (const _ of socket.serverStream(createSession, { meshId: "m" }, stop.signal));
+    })();
+    await settle();
+    stop.abort(new Error("of another kind"));
+    expect((await failure(loop)).code).toBe("CANCELLED");
+    expect(server.requests.at(-1)).toMatchObject({ call: 1, cancel: true });
+    expect((await failure(socket.serverStream(createSession, {}, stop.signal).next())).code).toBe("CANCELLED");
+    expect(server.requests.length).toBe(2);
   });
 
   it("closes on bytes that are no message, and ends a call with a broken one", async () => {
@@ -157,7 +172,7 @@ describe("an upload", () => {
     const [socket, server] = connect();
     server.open();
     const progress: number[] = [];
-    const upload = uploadFile(socket, file, { onProgress: (sent) => progress.push(sent) });
+    const upload = uploadFile(() => socket, file, { onProgress: (sent) => progress.push(sent) });
     await until(() => server.requests.at(-1)?.halfClose === true);
     const parts = server
       .sent(UploadMeshRequestSchema)
@@ -174,11 +189,11 @@ describe("an upload", () => {
     server.open();
     server.bufferedAmount = 5 << 20;
     const stop = new AbortController();
-    const upload = uploadFile(socket, file, { signal: stop.signal });
+    const upload = uploadFile(() => socket, file, { signal: stop.signal });
     await until(() => server.requests.length === 2);
     await settle(50);
     expect(server.sent(UploadMeshRequestSchema).length).toBe(2);
-    stop.abort();
+    stop.abort(new Error("of another kind"));
     expect((await failure(upload)).code).toBe("CANCELLED");
     expect(server.requests.at(-1)!.cancel).toBe(true);
   });
@@ -186,7 +201,7 @@ describe("an upload", () => {
   it("ends at once when the server refuses it", async () => {
     const [socket, server] = connect();
     server.open();
-    const upload = uploadFile(socket, file);
+    const upload = uploadFile(() => socket, file);
     server.end(1, { code: 8, message: "larger than the limit" });
     expect(await failure(upload)).toMatchObject({ code: "RESOURCE_EXHAUSTED", message: "larger than the limit" });
   });
@@ -195,7 +210,7 @@ describe("an upload", () => {
     const [socket, server] = connect();
     server.open();
     const small = (name: string) => ({ name, data: new Blob([name]) });
-    const upload = uploadMesh(socket, small("cow.obj"), [
+    const upload = uploadMesh(() => socket, small("cow.obj"), [
       small("cow.obj"),
       small("Cow.mtl"),
       small("skin.png"),

@@ -49,4 +49,14 @@ describe("statistics", () => {
     expect(summary.viewP99).toBe(997);
     expect(statistics.summary(100).bytesPerSecond).toBe(0);
   });
+
+  it("have the rate of a young stream", () => {
+    const statistics = new Statistics();
+    expect(statistics.summary(50).bytesPerSecond).toBe(0);
+    statistics.add(frame(600, null), 50);
+    expect(statistics.summary(50).bytesPerSecond).toBe(600); // not more than in a second
+    statistics.add(frame(600, null), 51);
+    expect(statistics.summary(52).bytesPerSecond).toBe(600);
+    expect(statistics.summary(54).bytesPerSecond).toBe(300);
+  });
 });

@@ -38,7 +38,9 @@ export class DracoReader {
       const octahedral = kind === normal.kind;
       if (from.i8() !== predictDifference || from.i8() !== (octahedral ? correctOctahedral : correctWrapped)) return false;
       this.readers.get(kind)!.open(from, header.points, octahedral ? 2 : components);
-      values.set(kind, octahedral ? OctahedralValues.read(from) : WrappedValues.read(from));
+      const read = octahedral ? OctahedralValues.read(from) : WrappedValues.read(from);
+      if (read === null) return false;
+      values.set(kind, read);
     }
     for (const { kind } of header.attributes) {
       const of = values.get(kind)!;

@@ -5,7 +5,8 @@ import { badPoints } from "../decoded_points";
 import type { ByteReader } from "./byte_reader";
 
 const mostComponents = 4;
-const mostNormalBits = 15;
+const mostNormalBits = 30;
+const mostDecodedBits = 15; // turnInsideOut() has room for no more
 const mostKnownBits = 8; // normals of so many bits are kept: 256 KiB
 
 /// Whole numbers, all between two bounds; a sum that leaves them re-enters on the other side.
@@ -60,13 +61,13 @@ export class OctahedralValues {
     this.s = this.t = -centre;
   }
 
-  /// Takes the bounds off the front of the bytes.
-  static read(bytes: ByteReader): OctahedralValues {
+  /// Takes the bounds off the front of the bytes. Null where these are of more bits than decode() can do.
+  static read(bytes: ByteReader): OctahedralValues | null {
     const largest = bytes.i32(); // 2^bits - 1; then half of that
     bytes.i32();
     const bits = 32 - Math.clz32(largest);
     if (bits < 2 || bits > mostNormalBits || (largest & 1) === 0) throw badPoints("Draco normals of impossible bounds");
-    return new OctahedralValues(bits, 2 ** (bits - 1) - 1);
+    return bits > mostDecodedBits ? null : new OctahedralValues(bits, 2 ** (bits - 1) - 1);
   }
 
   /// Turns the symbols of the next points, two for each, into normals as packNormal() gives them. Throws where a symbol is outside
