@@ -1,6 +1,7 @@
 #include "client/lib/live_view.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace curvecast::client {
@@ -8,6 +9,8 @@ namespace {
 
 // Of next_frame(): a view that nobody moves gets no frames. A lost server is noticed by the connection.
 constexpr std::chrono::hours kForever{24 * 365};
+constexpr std::chrono::seconds kSound{1};  // a stream that has lasted so long was a good one
+using Clock = std::chrono::steady_clock;
 
 /// Whether a stream that ended so is worth opening again.
 bool may_pass(const absl::Status& status) {
@@ -91,12 +94,17 @@ void LiveView::send_views(ViewStream& stream, const std::stop_token& stop) {
 }
 
 absl::Status LiveView::take_frames(ViewStream& stream, const std::stop_token& stop) {
-  for (bool is_first = true;; is_first = false) {
+  std::optional<Clock::time_point> began;  // the first frame came
+  while (true) {
     const absl::StatusOr<Frame> frame = stream.next_frame(kForever);
-    if (!frame.ok()) return frame.status();
+    if (!frame.ok()) {
+      // One that fails at once after each first frame is no better than one that sends none.
+      if (began && Clock::now() - *began >= kSound) backoff_.reset();
+      return frame.status();
+    }
     if (stop.stop_requested()) return absl::CancelledError("stopped");
-    if (is_first) {
-      backoff_.reset();
+    if (!began) {
+      began = Clock::now();
       tell(LiveViewState::kLive);
     }
     held_.points = frame->points;

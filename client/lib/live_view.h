@@ -39,7 +39,7 @@ struct LiveViewCallbacks {
 struct LiveViewOptions {
   bool deltas = true;                              // as in ViewStreamOptions
   std::uint64_t first_bytes = 0;                   // as in ViewStreamOptions
-  std::chrono::milliseconds first_delay{100};      // before a broken stream is opened again; doubles until a frame comes
+  std::chrono::milliseconds first_delay{100};      // before a broken stream is opened again; doubles until one has lasted
   std::chrono::milliseconds longest_delay{5'000};  // the longest of these; a server that asks for a longer one gets it
 };
 

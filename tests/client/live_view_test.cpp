@@ -147,6 +147,22 @@ TEST_F(LiveViewTest, ABadFrameIsAReasonToBeginAnew) {
   EXPECT_EQ(events_.frame(2).removed, 5U);
 }
 
+TEST_F(LiveViewTest, AServerThatFailsAfterEachFirstFrameIsAskedLessAndLessOften) {
+  constexpr std::size_t kStreams = 9;
+  servers_.resize(kStreams);
+  for (auto& server : servers_) server = std::make_shared<FakeServer>();
+  const auto begin = std::chrono::steady_clock::now();
+  LiveView view(connection_, "session", events_.callbacks(), {.first_delay = milliseconds(1), .longest_delay = hours(1)});
+  view.look(view_of(5));
+  for (const auto& server : servers_) {
+    server->request(1);
+    server->push(key_frame(1, 5));
+    server->end(absl::UnavailableError("gone"));
+  }
+  // Each pause is at least half of 1, 2, 4 ... ms.
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(127));
+}
+
 TEST_F(LiveViewTest, WhatMayPassIsWaitedFor) {
   for (const absl::Status& status :
        {absl::UnavailableError("a"), absl::AbortedError("b"), absl::DeadlineExceededError("c"), absl::CancelledError("d"),
