@@ -26,7 +26,7 @@ export class DrawingWatch {
   private look(): void {
     const { gl, sync } = this;
     if (sync === null) return;
-    const isOver = gl.isContextLost() || gl.getSyncParameter(sync, gl.SYNC_STATUS) === gl.SIGNALED;
+    const isOver = gl.isContextLost() || gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.UNSIGNALED; // null: of a context that was lost
     if (!isOver) {
       setTimeout(() => this.look(), betweenLooks);
       return;
