@@ -19,7 +19,7 @@ import { Messages } from "./messages";
 import { Panel } from "./panel";
 import { sampleRequest } from "./sample_request";
 import { firstReady, nameOf, SessionList } from "./session_list";
-import { defaultSettings, pointsRange, type Settings } from "./settings";
+import { defaultSettings, withinRange, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
 import { Streams } from "./streams";
 import { Uploads } from "./upload";
@@ -345,7 +345,7 @@ export class Application {
     const scalePoints = (factor: number) => () =>
       this.change((s) => {
         s.budget = "points";
-        s.points = Math.min(Math.max(Math.round(s.points * factor), pointsRange.least), pointsRange.most);
+        s.points = withinRange("points", Math.round(s.points * factor));
       });
     const colourings = ["shading", "normal", "curvature", "rank", "density", "colour"] as const;
     return [
