@@ -4,8 +4,8 @@ import type { NamedFile } from "../stream";
 
 const mostFiles = 2000;
 
-/// Files that were dropped, and all below folders that were: those are named by their paths below the folder. To be called while the
-/// drop is handled. At most 2,000, those of the upper folders first; hidden ones are left out. Rejects where one cannot be read.
+/// Files that were dropped, and all below folders that were: those are named by their paths below the folder. To be called while
+/// the drop is handled. At most 2,000, those of the upper folders first; hidden ones are left out. Rejects where one cannot be read.
 export function droppedFiles(transfer: DataTransfer): Promise<NamedFile[]> {
   const items = [...transfer.items].filter(({ kind }) => kind === "file");
   const entries = items.map((item) => item.webkitGetAsEntry());
@@ -42,7 +42,8 @@ async function childrenOf(folder: FileSystemDirectoryEntry, most: number): Promi
   const reader = folder.createReader();
   const children: FileSystemEntry[] = [];
   while (children.length < most) {
-    const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject)); // a hundred at a time
+    // A hundred at a time.
+    const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
     if (some.length === 0) break;
     children.push(...some);
   }

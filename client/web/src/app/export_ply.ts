@@ -34,8 +34,8 @@ function put(view: DataView, at: number, type: Property["type"], value: number):
   else view.setUint8(at, value);
 }
 
-/// Little-endian: x y z nx ny nz, red green blue where there are colours, radius, then curvatures and ranks where there are any. In the
-/// mesh's own frame, with double precision where the points have an origin; in the order of the curve. As the command writes them.
+/// Little-endian: x y z nx ny nz, red green blue where there are colours, radius, then curvatures and ranks where there are any. In
+/// the mesh's own frame, as doubles where the points have an origin; in the order of the curve. As the command writes them.
 export function plyOf(store: StreamedPoints): Blob {
   const properties = propertiesOf(store);
   const lines = properties.map(({ name, type }) => `property ${type} ${name}\n`).join("");

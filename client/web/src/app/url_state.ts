@@ -60,10 +60,10 @@ function readCamera(text: string): CameraState | null {
 
 function readDabs(text: string): Dab[] {
   return text.split(";").flatMap((part, stroke) => {
-    const v = numbers(part, 5);
-    return v === null || v[3]! <= 0 || v[4]! < 0
-      ? []
-      : [{ centre: [v[0]!, v[1]!, v[2]!] as [number, number, number], radius: v[3]!, factor: withinRange("brushFactor", v[4]!), stroke }];
+    const v = numbers(part, 5) as [number, number, number, number, number] | null;
+    if (v === null || v[3] <= 0 || v[4] < 0) return [];
+    const [x, y, z, radius, factor] = v;
+    return [{ centre: [x, y, z] as Dab["centre"], radius, factor: withinRange("brushFactor", factor), stroke }];
   });
 }
 

@@ -22,13 +22,15 @@ const namesOf = (files: { name: string }[]) => files.map(({ name }) => name);
 
 describe("what was dropped", () => {
   it("are files, and those below folders by their paths there", async () => {
-    const tree = folder("spot", folder("maps", file("a.png"), folder("deep", file("b.png"))), file(".hidden"), file("c.mtl"), file("d.obj"));
+    const maps = folder("maps", file("a.png"), folder("deep", file("b.png")));
+    const tree = folder("spot", maps, file(".hidden"), file("c.mtl"), file("d.obj"));
     expect(namesOf(await filesBelow([tree, file("e.ply")]))).toEqual(["e.ply", "c.mtl", "d.obj", "maps/a.png", "maps/deep/b.png"]);
   });
 
   it("ends, however much there is", async () => {
     const endless: FileSystemEntry = folder("endless");
-    Object.assign(endless, { createReader: () => ({ readEntries: (take: (some: FileSystemEntry[]) => void) => take([endless, endless]) }) });
+    const readEntries = (take: (some: FileSystemEntry[]) => void) => take([endless, endless]);
+    Object.assign(endless, { createReader: () => ({ readEntries }) });
     expect(await filesBelow([endless], 50)).toEqual([]);
     const full = folder("full", ...Array.from({ length: 80 }, (_, i) => file(`${i}.png`)));
     expect((await filesBelow([full], 50)).length).toBe(50);
