@@ -150,7 +150,9 @@ describe("a token", () => {
 describe("an address of a session that is not there", () => {
   it("is told of, and nothing else is shown before the user chooses it", async () => {
     const { url } = await sharedServer();
-    const page = await WatchedPage.open(`${url}#session=0123456789abcdef0123456789abcdef&points=${points}`);
+    const page = await WatchedPage.open(`${url}#session=0123456789abcdef0123456789abcdef&points=${points}`, {
+      viewport: { width: 1000, height: 480 }, // with the panel
+    });
     const card = page.page.getByText("This session is not there");
     await card.waitFor();
     const row = page.page.locator(".session button").first();

@@ -178,14 +178,17 @@ describe("the tools", () => {
   });
 
   it("obeys keys while a checkbox of the panel has the focus, and a key that is held down only once", async () => {
-    const edl = await torus.evaluate((c) => c.settings.edl);
-    await torus.page.locator(".lil-gui .controller", { hasText: "eye-dome lighting" }).locator("input").focus();
-    await torus.page.keyboard.down("o");
-    await torus.page.keyboard.down("o"); // repeats
-    await torus.page.keyboard.up("o");
-    assert.equal(await torus.evaluate((c) => c.settings.edl), !edl);
-    await torus.page.keyboard.press("o");
-    await torus.evaluate(() => document.querySelector("canvas").focus());
+    const press = (row, repeat = false) => torus.evaluate((c, [label, repeated]) => {
+      const rows = [...document.querySelectorAll(".lil-gui .controller")];
+      const input = rows.find(({ textContent }) => textContent.startsWith(label)).querySelector("input");
+      input.dispatchEvent(new KeyboardEvent("keydown", { key: "o", repeat: repeated, bubbles: true, cancelable: true }));
+      return c.settings.edl;
+    }, [row, repeat]);
+    const { edl } = await torus.evaluate((c) => c.settings);
+    assert.equal(await press("eye-dome lighting"), !edl);
+    assert.equal(await press("eye-dome lighting", true), !edl, "it is still held down");
+    assert.equal(await press("points"), !edl, "a field keeps its keys");
+    assert.equal(await press("eye-dome lighting"), edl);
   });
 
   it("keeps camera and settings in the address", async () => {
