@@ -50,7 +50,7 @@ export class Shortcuts {
       ]),
     );
     parent.append(this.overlay);
-    window.addEventListener("keydown", (event) => this.press(event));
+    window.addEventListener("keydown", (event) => this.press(event), { capture: true }); // the panel lets none of its own up again
   }
 
   /// It takes the focus, and gives it back.
@@ -63,9 +63,8 @@ export class Shortcuts {
     } else if (this.focusBefore instanceof HTMLElement) this.focusBefore.focus({ preventScroll: true });
   }
 
-  /// Nothing else hears the keys meanwhile. The focus has nowhere to go within.
+  /// Nothing else takes the keys meanwhile: see isTyping(). The focus has nowhere to go within.
   private pressInHelp(event: KeyboardEvent): void {
-    event.stopPropagation();
     if (event.key === "Tab") event.preventDefault();
     if (event.key === "Escape" || (event.key === "?" && !event.repeat)) this.toggleHelp();
   }

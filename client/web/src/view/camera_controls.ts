@@ -64,8 +64,9 @@ export class CameraControls {
     canvas.addEventListener("wheel", (event) => this.wheel(event), { signal, passive: false });
     canvas.addEventListener("dblclick", (event) => this.lookAt(event), { signal });
     canvas.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
-    window.addEventListener("keydown", (event) => this.keyDown(event), { signal });
-    window.addEventListener("keyup", (event) => this.keys.delete(event.code), { signal });
+    // While they are on their way down: panels let none of their own up again.
+    window.addEventListener("keydown", (event) => this.keyDown(event), { signal, capture: true });
+    window.addEventListener("keyup", (event) => this.keys.delete(event.code), { signal, capture: true });
     window.addEventListener("blur", () => this.keys.clear(), { signal });
   }
 
