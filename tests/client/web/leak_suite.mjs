@@ -6,7 +6,7 @@ import { describe, it } from "node:test";
 import { openTorus } from "./support/shared_server.mjs";
 
 const updates = 500;
-const fewListeners = 20; // the list of sessions is made anew now and then
+const fewListeners = 20; // rows of the list of sessions change now and then
 const mostGrowth = 2 << 20; // bytes of JavaScript's heap; statistics keep some history
 
 /// So many views, one degree apart, each awaited.

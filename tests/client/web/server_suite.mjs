@@ -10,8 +10,10 @@ import { WatchedPage } from "./support/browser.mjs";
 import { sharedMesh } from "./support/environment.mjs";
 import { bumpyTorus } from "./support/meshes.mjs";
 import { Server, temporaryFolder } from "./support/server.mjs";
+import { sharedServer } from "./support/shared_server.mjs";
 
 const points = 3000;
+const moreThanPoll = 5.5; // seconds; the page asks for the list of sessions every 5
 const lostConnection = /WebSocket connection|ERR_CONNECTION_REFUSED|net::ERR/; // said by Chromium itself
 
 /// A server without meshes.
@@ -40,6 +42,9 @@ describe("uploads", () => {
     const page = await WatchedPage.open(`${url}#points=${points}`);
     await page.page.getByText("Drop a mesh here").waitFor();
     await page.screenshot("invitation.png");
+    const offer = await page.page.$(".card button");
+    await page.page.waitForTimeout(1000 * moreThanPoll);
+    assert.ok(await offer.evaluate((element) => element.isConnected), "it stays what it is while the list is asked for again");
     await page.page.evaluate(() => {
       window.seen = [];
       new MutationObserver(() => document.querySelectorAll(".upload progress").forEach((bar) => window.seen.push(bar.value)))
@@ -73,10 +78,14 @@ describe("uploads", () => {
       transfer.items.add(new File([text], "ring.off"));
       return transfer;
     }, bumpyTorus(48, 20).toString()); // another one than might have been chosen before
+    await page.page.keyboard.press("z");
     for (const type of ["dragenter", "dragover", "drop"]) await page.page.dispatchEvent("canvas", type, { dataTransfer: data });
     await page.until((c, old) => c.session.sessionId !== old, session);
     await page.settled();
+    assert.equal(await page.evaluate((c) => c.settings.frozen), false);
+    assert.equal(await page.evaluate((c) => c.look), 1, "it was never asked for what the camera of before sees");
     await page.page.waitForFunction(() => document.querySelectorAll(".session").length === 2);
+    assert.equal(await page.page.locator("body.dropping").count(), 0);
     assert.match(await page.page.title(), /ring\.off/);
     await page.close();
   }));
@@ -118,6 +127,9 @@ describe("a token", () => {
       const input = page.page.getByLabel("Token");
       await input.waitFor();
       await page.screenshot("token.png");
+      await input.fill("half a");
+      await page.page.waitForTimeout(1000 * moreThanPoll);
+      assert.equal(await input.inputValue(), "half a", "what was typed stays");
       await input.fill("wrong");
       await Promise.all([page.page.waitForEvent("load"), page.page.keyboard.press("Enter")]);
       await input.waitFor();
@@ -133,6 +145,57 @@ describe("a token", () => {
       await direct.close();
     });
   });
+});
+
+describe("an address of a session that is not there", () => {
+  it("is told of, and nothing else is shown before the user chooses it", async () => {
+    const { url } = await sharedServer();
+    const page = await WatchedPage.open(`${url}#session=0123456789abcdef0123456789abcdef&points=${points}`, {
+      viewport: { width: 1000, height: 480 }, // with the panel
+    });
+    const card = page.page.getByText("This session is not there");
+    await card.waitFor();
+    const row = page.page.locator(".session button").first();
+    await row.focus();
+    await page.page.waitForTimeout(1000 * moreThanPoll);
+    assert.ok(await card.isVisible());
+    assert.equal(await page.evaluate((c) => c.state), "none");
+    assert.match(page.page.url(), /session=0123456789abcdef/, "the address stays");
+    assert.ok(await row.evaluate((element) => element === document.activeElement), "rows of the list keep the focus");
+    await row.click();
+    await page.settled();
+    assert.equal(await card.isVisible(), false);
+    await page.close();
+  });
+});
+
+describe("a page in another scene", () => {
+  it("says where there is no session", () => withServer([], async ({ url }) => {
+    const page = await WatchedPage.open(`${url}example.html`);
+    await page.page.getByText("no session that is ready").waitFor();
+    await page.close();
+  }));
+});
+
+describe("a page of which a part does not load", () => {
+  it("says so", () => withServer([], async ({ url }) => {
+    const page = await WatchedPage.open(url, { prepare: (opened) => opened.route(/\/open-[^/]*\.js$/, (route) => route.abort()) });
+    page.expect(/net::ERR|Failed to load/); // said by Chromium itself
+    await page.page.getByText("could not be loaded").waitFor();
+    await page.close();
+  }));
+});
+
+describe("a browser that keeps nothing for pages", () => {
+  it("shows the page all the same", () => withServer([], async ({ url }) => {
+    const page = await WatchedPage.open(url, {
+      prepare: (opened) => opened.addInitScript(() => {
+        Object.defineProperty(window, "sessionStorage", { get: () => { throw new DOMException("blocked", "SecurityError"); } });
+      }),
+    });
+    await page.page.getByText("Drop a mesh here").waitFor();
+    await page.close();
+  }));
 });
 
 describe("a browser without WebGL 2", () => {

@@ -118,12 +118,17 @@ describe("the tools", () => {
     await torus.page.keyboard.press("m");
     await torus.page.mouse.click(ax, ay);
     await torus.page.mouse.click(bx, by);
-    const notice = torus.page.getByText(/^distance /);
-    const distance = Number.parseFloat((await notice.textContent()).replace("distance ", ""));
+    const row = torus.page.locator(".hud dd.asked");
+    await row.waitFor({ state: "visible" });
+    const distance = Number.parseFloat(await row.textContent());
     const wanted = Math.hypot(...a.map((value, k) => value - b[k]));
     assert.ok(Math.abs(distance / wanted - 1) < 0.01, `${distance}, and not ${wanted}`);
     await torus.screenshot("measure.png");
+    await torus.page.keyboard.press("o"); // another setting leaves the line alone
+    await torus.page.keyboard.press("o");
+    assert.ok(await row.isVisible());
     await torus.page.keyboard.press("m");
+    await row.waitFor({ state: "hidden" });
   });
 
   it("saves the points as PLY", async () => {
@@ -133,10 +138,19 @@ describe("the tools", () => {
     const end = bytes.indexOf("end_header\n") + "end_header\n".length;
     const header = bytes.subarray(0, end).toString();
     assert.match(header, new RegExp(`element vertex ${points}\n`));
-    const stride = 4 * header.match(/property float/g).length + header.match(/property uchar/g).length;
+    const read = { float: "readFloatLE", double: "readDoubleLE", uchar: "readUInt8", uint: "readUInt32LE" };
+    const sizes = { float: 4, double: 8, uchar: 1, uint: 4 };
+    const properties = [...header.matchAll(/property (\w+) (\w+)/g)].map(([, type, name]) => ({ type, name }));
+    const stride = properties.reduce((sum, { type }) => sum + sizes[type], 0);
     assert.equal(bytes.length, end + points * stride);
     for (let i = 0; i < points; ++i) {
-      const [x, y, z, nx, ny, nz, radius] = [0, 1, 2, 3, 4, 5, 6].map((k) => bytes.readFloatLE(end + i * stride + 4 * k));
+      let at = end + i * stride;
+      const value = {};
+      for (const { type, name } of properties) {
+        value[name] = bytes[read[type]](at);
+        at += sizes[type];
+      }
+      const { x, y, z, nx, ny, nz, radius } = value;
       const around = Math.hypot(Math.hypot(x, y) - 1, z); // from the middle of the torus's tube
       assert.ok(around > 0.3 && around < 0.5 && radius > 0 && Math.abs(Math.hypot(nx, ny, nz) - 1) < 0.02, `point ${i}`);
     }
@@ -155,8 +169,26 @@ describe("the tools", () => {
     await list.waitFor({ state: "visible" });
     await torus.screenshot("keys.png");
     assert.match(await list.innerText(), /turn[\s\S]*nearer, farther/);
+    assert.ok(await list.evaluate((element) => element === document.activeElement), "it has the focus");
+    const { mode } = await torus.evaluate((c) => c.settings);
+    await torus.page.keyboard.press("2");
+    assert.equal(await torus.evaluate((c) => c.settings.mode), mode, "other keys do nothing meanwhile");
     await torus.page.keyboard.press("Escape");
     await list.waitFor({ state: "hidden" });
+  });
+
+  it("obeys keys while a checkbox of the panel has the focus, and a key that is held down only once", async () => {
+    const press = (row, repeat = false) => torus.evaluate((c, [label, repeated]) => {
+      const rows = [...document.querySelectorAll(".lil-gui .controller")];
+      const input = rows.find(({ textContent }) => textContent.startsWith(label)).querySelector("input");
+      input.dispatchEvent(new KeyboardEvent("keydown", { key: "o", repeat: repeated, bubbles: true, cancelable: true }));
+      return c.settings.edl;
+    }, [row, repeat]);
+    const { edl } = await torus.evaluate((c) => c.settings);
+    assert.equal(await press("eye-dome lighting"), !edl);
+    assert.equal(await press("eye-dome lighting", true), !edl, "it is still held down");
+    assert.equal(await press("points"), !edl, "a field keeps its keys");
+    assert.equal(await press("eye-dome lighting"), edl);
   });
 
   it("keeps camera and settings in the address", async () => {
@@ -177,6 +209,39 @@ describe("the tools", () => {
       assert.ok(Math.hypot(...camera[part].map((value, k) => value - again[part][k])) < 1e-4, part);
     }
     assert.equal(await torus.evaluate((c) => c.store.count), 4000);
+  });
+});
+
+describe("two pictures of an odd width", () => {
+  it("are of the same size", async () => {
+    const torus = await openTorus("points=1000&split=1", { viewport: { width: 641, height: 300 } });
+    await torus.until((c) => c.besideStore?.count === 1000);
+    const widths = await torus.evaluate((c) => {
+      void c.view.screenshot(); // draws at once
+      return [document.querySelector("canvas").width, c.view.size.width];
+    });
+    assert.equal(widths[0], 2 * widths[1]);
+    await torus.close();
+  });
+});
+
+describe("a graphics card that is lost", () => {
+  it("is told, and the picture is there again once it is back", async () => {
+    const torus = await openTorus(`points=${points}`);
+    torus.expect(/context.?lost/i); // said by Chromium itself
+    const before = await torus.picture();
+    await torus.evaluate(() => {
+      window.loser = document.querySelector("canvas").getContext("webgl2").getExtension("WEBGL_lose_context");
+      window.loser.loseContext();
+    });
+    const banner = torus.page.getByRole("alert");
+    await banner.getByText("graphics card was lost").waitFor();
+    assert.equal(await torus.evaluate((c) => c.view.uploadNow()), 0);
+    await torus.evaluate(() => window.loser.restoreContext());
+    await banner.waitFor({ state: "hidden" });
+    await torus.settled();
+    assert.equal(countOf(difference(before, await torus.picture("restored.png"))), 0);
+    await torus.close();
   });
 });
 

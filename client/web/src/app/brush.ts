@@ -1,13 +1,10 @@
 // Strokes of the brush: dabs of density, as many as the server takes.
 
+import { distance } from "../view/vector";
 import { roomForDabs } from "./sample_request";
 import { mostTerms, type Dab, type Settings } from "./settings";
 
 const spacing = 1.2; // of the dabs of a stroke, in radii: they overlap where they fall off
-
-function distance(a: Dab["centre"], b: Dab["centre"]): number {
-  return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
 
 /// Adds to Settings.dabs, and takes away from them.
 export class Brush {

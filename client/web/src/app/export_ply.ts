@@ -2,27 +2,53 @@
 
 import type { StreamedPoints } from "../stream";
 
-/// Little-endian: x y z nx ny nz radius, and red green blue where there are colours. In the mesh's own frame,
-/// in the order of the curve.
+/// A value of each point: how it is written, and where its bytes are.
+interface Property {
+  name: string;
+  type: "double" | "float" | "uchar" | "uint";
+  valueOf: (slot: number) => number;
+}
+
+const sizes = { double: 8, float: 4, uchar: 1, uint: 4 };
+
+function propertiesOf({ places, normals, colours, curvatures, ranks, origin }: StreamedPoints): Property[] {
+  const isFar = origin.some((value) => value !== 0);
+  const column = (names: string[], type: Property["type"], valueAt: (slot: number, i: number) => number) =>
+    names.map((name, i): Property => ({ name, type, valueOf: (slot) => valueAt(slot, i) }));
+  return [
+    ...column(["x", "y", "z"], isFar ? "double" : "float", (slot, axis) => places[4 * slot + axis]! + origin[axis]!),
+    ...column(["nx", "ny", "nz"], "float", (slot, axis) => normals[4 * slot + axis]! / 127),
+    ...(colours === null ? [] : column(["red", "green", "blue"], "uchar", (slot, channel) => colours[4 * slot + channel]!)),
+    ...column(["radius"], "float", (slot) => places[4 * slot + 3]!),
+    ...(curvatures === null
+      ? []
+      : column(["curvature_min", "curvature_max"], "float", (slot, i) => curvatures[2 * slot + i]!)),
+    ...(ranks === null ? [] : column(["rank"], "uint", (slot) => ranks[slot]!)),
+  ];
+}
+
+function put(view: DataView, at: number, type: Property["type"], value: number): void {
+  if (type === "double") view.setFloat64(at, value, true);
+  else if (type === "float") view.setFloat32(at, value, true);
+  else if (type === "uint") view.setUint32(at, value, true);
+  else view.setUint8(at, value);
+}
+
+/// Little-endian: x y z nx ny nz, red green blue where there are colours, radius, then curvatures and ranks where there are any. In
+/// the mesh's own frame, as doubles where the points have an origin; in the order of the curve. As the command writes them.
 export function plyOf(store: StreamedPoints): Blob {
-  const { places, normals, colours, origin } = store;
-  const properties =
-    ["x", "y", "z", "nx", "ny", "nz", "radius"].map((name) => `property float ${name}\n`).join("") +
-    (colours === null ? "" : ["red", "green", "blue"].map((name) => `property uchar ${name}\n`).join(""));
+  const properties = propertiesOf(store);
+  const lines = properties.map(({ name, type }) => `property ${type} ${name}\n`).join("");
   const format = "ply\nformat binary_little_endian 1.0\ncomment Curvecast\n";
-  const header = `${format}element vertex ${store.count}\n${properties}end_header\n`;
-  const stride = 28 + (colours === null ? 0 : 3);
+  const header = `${format}element vertex ${store.count}\n${lines}end_header\n`;
+  const stride = properties.reduce((sum, { type }) => sum + sizes[type], 0);
   const view = new DataView(new ArrayBuffer(store.count * stride));
   let at = 0;
   for (const slot of store.order()) {
-    for (let axis = 0; axis < 3; ++axis) {
-      view.setFloat32(at + 4 * axis, places[4 * slot + axis]! + origin[axis]!, true);
-      view.setFloat32(at + 12 + 4 * axis, normals[4 * slot + axis]! / 127, true);
+    for (const { type, valueOf } of properties) {
+      put(view, at, type, valueOf(slot));
+      at += sizes[type];
     }
-    view.setFloat32(at + 24, places[4 * slot + 3]!, true);
-    for (let channel = 0; colours !== null && channel < 3; ++channel)
-      view.setUint8(at + 28 + channel, colours[4 * slot + channel]!);
-    at += stride;
   }
   return new Blob([header, view], { type: "application/octet-stream" });
 }

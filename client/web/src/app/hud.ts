@@ -1,8 +1,9 @@
 // Figures over the picture.
 
-import type { LiveView, LiveViewState } from "../stream";
+import type { LiveViewState } from "../stream";
 import { element } from "./elements";
-import { bytes, count, seconds } from "./format";
+import { bytes, count, length, seconds } from "./format";
+import type { Streams } from "./streams";
 
 const words: Record<LiveViewState, string> = {
   connecting: "connecting …",
@@ -21,12 +22,14 @@ export class Hud {
   constructor(parent: HTMLElement) {
     this.root.append(this.state);
     const list = element("dl");
-    for (const name of ["points", "update", "traffic", "view → points", "server", "frames", "curve"]) {
-      const value = element("dd", { text: "–" });
+    for (const name of ["points", "update", "traffic", "view → points", "server", "frames", "curve", "distance"]) {
+      const kind = name === "distance" ? { class: "asked" } : {};
+      const value = element("dd", { text: "–", ...kind });
       this.rows.set(name, value);
-      list.append(element("dt", { text: name }), value);
+      list.append(element("dt", { text: name, ...kind }), value);
     }
     this.root.append(list);
+    this.distance = null;
     parent.append(this.root);
   }
 
@@ -34,14 +37,25 @@ export class Hud {
     this.root.hidden = !visible;
   }
 
-  show(view: LiveView, framesPerSecond: number, uploadMilliseconds: number): void {
-    const { last, viewP50, viewP99, bytesPerSecond } = view.statistics();
+  /// Of the line that is measured, units; null: there is none, and nothing is said of it.
+  set distance(distance: number | null) {
+    const row = this.rows.get("distance")!;
+    row.hidden = distance === null;
+    (row.previousElementSibling as HTMLElement).hidden = distance === null;
+    if (distance !== null) this.set("distance", length(distance));
+  }
+
+  /// `framesPerSecond`: 0 where nothing moves.
+  show(streams: Streams, framesPerSecond: number, uploadMilliseconds: number): void {
+    const view = streams.main;
+    const { last, viewP50, viewP99 } = view.statistics();
     this.state.textContent = words[view.state];
     this.state.dataset.state = view.state;
     this.set("points", count(view.store.count));
     this.set("view → points", `${seconds(viewP50)}, p99 ${seconds(viewP99)}`);
-    this.set("frames", `${framesPerSecond.toFixed(0)} per second, upload ${uploadMilliseconds.toFixed(1)} ms`);
-    this.set("traffic", `${bytes(bytesPerSecond)} per second`);
+    const frames = framesPerSecond > 0 ? framesPerSecond.toFixed(0) : "–";
+    this.set("frames", `${frames} per second, upload ${uploadMilliseconds.toFixed(1)} ms`);
+    this.set("traffic", `${bytes(streams.bytesPerSecond)} per second`);
     if (last === null) return;
     const resized = last.resized > 0 ? ` ~${count(last.resized)}` : "";
     this.set("update", `+${count(last.added)} −${count(last.removed)}${resized}, ${bytes(last.bytes)}`);

@@ -8,5 +8,6 @@ const token = takeToken();
 const client = new Client({ token });
 const answers = askFirst(client, readSession(location.hash));
 // The larger part of the page, which loads meanwhile.
-const { open } = await import("./open");
-open(client, answers, token);
+const page = await import("./open").catch(() => null);
+if (page !== null) page.open(client, answers, token);
+else document.body.textContent = "A part of this page could not be loaded. Load the page again.";

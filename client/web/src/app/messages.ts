@@ -8,13 +8,21 @@ interface Action {
   run: () => void;
 }
 
-const noticeSeconds = 5;
+/// What a banner may be about.
+export type Concern = "session" | "stream" | "beside" | "graphics";
 
-/// At most one banner and one card; notices go by themselves.
+const noticeSeconds = 5;
+const mostNotices = 4;
+
+/// At most one banner and one card; notices go by themselves. What is said already is not said anew.
 export class Messages {
   private readonly notices = element("div", { class: "notices" });
   private readonly banner = element("div", { class: "banner" });
   private readonly card = element("div", { class: "card" });
+  private readonly said = new Map<string, { notice: HTMLElement; timer?: ReturnType<typeof setTimeout> }>(); // oldest first
+  private readonly concerns = new Map<Concern, { text: string; action: Action | undefined }>(); // the newest is shown
+  private bannerText = ""; // with that of its button
+  private cardText: string | null = null;
 
   constructor(parent: HTMLElement) {
     this.notices.setAttribute("role", "status");
@@ -24,32 +32,38 @@ export class Messages {
   }
 
   notice(text: string): void {
-    const made = element("div", { class: "notice", text });
-    this.notices.append(made);
-    setTimeout(() => made.remove(), 1000 * noticeSeconds);
+    if (!this.said.has(text)) this.say(text, element("div", { class: "notice", text }));
+    const entry = this.said.get(text)!;
+    clearTimeout(entry.timer);
+    entry.timer = setTimeout(() => this.unsay(text), 1000 * noticeSeconds);
   }
 
   /// Something failed; the user closes it.
   failure(what: string, error: CurvecastError): void {
-    const made = element("div", { class: "notice failure" }, [
-      element("div", {}, [element("strong", { text: what }), element("span", { text: error.message })]),
-      button("×", () => made.remove(), "Close"),
-    ]);
-    this.notices.append(made);
+    const text = `${what}: ${error.message}`;
+    if (this.said.has(text)) return;
+    this.say(
+      text,
+      element("div", { class: "notice failure" }, [
+        element("div", {}, [element("strong", { text: what }), element("span", { text: error.message })]),
+        button("×", () => this.unsay(text), "Close"),
+      ]),
+    );
   }
 
-  showBanner(text: string, action?: Action): void {
-    this.banner.replaceChildren(element("span", { text }));
-    if (action !== undefined) this.banner.append(button(action.text, action.run));
-    this.banner.hidden = false;
+  /// Stays until hideBanner().
+  showBanner(about: Concern, text: string, action?: Action): void {
+    this.concerns.set(about, { text, action });
+    this.refreshBanner();
   }
 
-  hideBanner(): void {
-    this.banner.hidden = true;
+  hideBanner(about: Concern): void {
+    if (this.concerns.delete(about)) this.refreshBanner();
   }
 
   hideCard(): void {
     this.card.hidden = true;
+    this.cardText = null;
   }
 
   /// There is no session yet.
@@ -58,57 +72,85 @@ export class Messages {
       "Drop a mesh here",
       "PLY, OBJ, OFF, STL, glTF or GLB, together with its materials and textures. It is prepared once; " +
         "then its points follow your camera.",
-      [button("Choose files …", pick)],
+      () => [button("Choose files …", pick)],
     );
   }
 
   /// A session of the address that the server has not.
   missingSession(id: string): void {
-    this.showCard(
-      "This session is not there",
-      `The server knows no session ${id}. Choose another in the panel, or drop a mesh.`,
-      [],
-    );
+    this.showCard("This session is not there", `The server knows no session ${id}. Choose another in the panel, or drop a mesh.`);
   }
 
   noWebGL2(): void {
     this.showCard(
       "This browser shows no WebGL 2",
       "Curvecast draws with WebGL 2. Switch hardware acceleration on, or try another browser.",
-      [],
     );
   }
 
   /// The server does not take this caller; `use` is given another token. `why`: what is wrong with the one before, if there
   /// was one.
   askToken(why: string | null, use: (token: string) => void): void {
-    const input = element("input");
-    input.type = "password";
-    input.autocomplete = "off";
-    input.placeholder = "Token";
-    input.setAttribute("aria-label", "Token");
-    const submit = button("Continue", () => {});
-    submit.type = "submit";
-    const form = element("form", {}, [input, submit]);
-    form.addEventListener("submit", (event) => {
-      event.preventDefault();
-      if (input.value.trim() !== "") use(input.value.trim());
-    });
-    this.showCard(
+    const isNew = this.showCard(
       "The server asks who you are",
       `${why === null ? "" : `Sorry: ${why}. `}Enter the token that you were given; it stays in this tab.`,
-      [form],
+      () => [tokenForm(use)],
     );
-    input.focus();
+    if (isNew) this.card.querySelector("input")?.focus();
   }
 
   /// Nothing can be done here about what is wrong.
   refuse(error: CurvecastError): void {
-    this.showCard("The server does not take this page", error.message, []);
+    this.showCard("The server does not take this page", error.message);
   }
 
-  private showCard(title: string, text: string, parts: readonly Node[]): void {
-    this.card.replaceChildren(element("h1", { text: title }), element("p", { text }), ...parts);
-    this.card.hidden = false;
+  private say(text: string, notice: HTMLElement): void {
+    const [oldest] = this.said.keys();
+    if (oldest !== undefined && this.said.size >= mostNotices) this.unsay(oldest);
+    this.said.set(text, { notice });
+    this.notices.append(notice);
   }
+
+  private unsay(text: string): void {
+    const entry = this.said.get(text);
+    clearTimeout(entry?.timer);
+    entry?.notice.remove();
+    this.said.delete(text);
+  }
+
+  private refreshBanner(): void {
+    const newest = [...this.concerns.values()].at(-1);
+    this.banner.hidden = newest === undefined;
+    if (newest === undefined) return;
+    const all = `${newest.text} ${newest.action?.text ?? ""}`;
+    if (all === this.bannerText) return;
+    this.bannerText = all;
+    this.banner.replaceChildren(element("span", { text: newest.text }));
+    if (newest.action !== undefined) this.banner.append(button(newest.action.text, newest.action.run));
+  }
+
+  /// The one that is there stays as it is, with what was typed into it; returns whether it is another.
+  private showCard(title: string, text: string, makeParts: () => readonly Node[] = () => []): boolean {
+    if (this.cardText === title + text) return false;
+    this.cardText = title + text;
+    this.card.replaceChildren(element("h1", { text: title }), element("p", { text }), ...makeParts());
+    this.card.hidden = false;
+    return true;
+  }
+}
+
+function tokenForm(use: (token: string) => void): HTMLFormElement {
+  const input = element("input");
+  input.type = "password";
+  input.autocomplete = "off";
+  input.placeholder = "Token";
+  input.setAttribute("aria-label", "Token");
+  const submit = button("Continue", () => {});
+  submit.type = "submit";
+  const form = element("form", {}, [input, submit]);
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    if (input.value.trim() !== "") use(input.value.trim());
+  });
+  return form;
 }

@@ -4,7 +4,7 @@ import GUI, { type Controller } from "lil-gui";
 
 import { element } from "./elements";
 import guiStyle from "../../node_modules/lil-gui/dist/lil-gui.min.css?inline";
-import { pointsRange, type Settings } from "./settings";
+import { ranges, type Settings } from "./settings";
 
 /// What the panel's buttons do, and whom it tells.
 export interface PanelActions {
@@ -88,6 +88,11 @@ export class Panel {
     for (const { controller, applies } of this.conditions) controller.show(applies());
   }
 
+  private addNumber(folder: GUI, key: keyof typeof ranges): Controller {
+    const { least, most, step }: { least: number; most: number; step?: number } = ranges[key];
+    return folder.add(this.settings, key, least, most, step);
+  }
+
   private addSessions(sessions: HTMLElement, actions: PanelActions): void {
     const folder = this.gui.addFolder("Sessions");
     folder.$children.append(sessions);
@@ -98,13 +103,10 @@ export class Panel {
     const s = this.settings;
     const folder = this.gui.addFolder("Points");
     folder.add(s, "budget", budgets).name("budget");
-    this.when(
-      folder.add(s, "points", pointsRange.least, pointsRange.most, 1000).name("points"),
-      ({ budget }) => budget === "points",
-    );
-    this.when(folder.add(s, "kilobytes", 4, 8192, 4).name("kilobytes"), ({ budget }) => budget === "bytes");
-    this.when(folder.add(s, "pixelError", 1, 40, 0.5).name("pixels per point"), ({ budget }) => budget === "pixels");
-    this.when(folder.add(s, "frameMilliseconds", 10, 500, 1).name("ms per frame"), ({ budget }) => budget === "automatic");
+    this.when(this.addNumber(folder, "points").name("points"), ({ budget }) => budget === "points");
+    this.when(this.addNumber(folder, "kilobytes").name("kilobytes"), ({ budget }) => budget === "bytes");
+    this.when(this.addNumber(folder, "pixelError").name("pixels per point"), ({ budget }) => budget === "pixels");
+    this.when(this.addNumber(folder, "frameMilliseconds").name("ms per frame"), ({ budget }) => budget === "automatic");
     folder.add(s, "sampler", { progressive: "progressive", "equalised (the paper's)": "equalised" }).name("sampler");
     this.when(folder.add(s, "sequence", sequences).name("sequence"), ({ sampler }) => sampler === "equalised");
   }
@@ -116,9 +118,9 @@ export class Panel {
     folder.add(s, "frustum").name("in the picture only");
     folder.add(s, "distance").name("less far away");
     folder.add(s, "silhouette").name("silhouettes");
-    this.when(folder.add(s, "silhouetteFloor", 0.01, 1).name("elsewhere (s0)"), ({ silhouette }) => silhouette);
+    this.when(this.addNumber(folder, "silhouetteFloor").name("elsewhere (s0)"), ({ silhouette }) => silhouette);
     folder.add(s, "curvature", curvatures).name("curvature");
-    this.when(folder.add(s, "curvatureExponent", 0.1, 3).name("exponent"), ({ curvature }) => curvature !== "none");
+    this.when(this.addNumber(folder, "curvatureExponent").name("exponent"), ({ curvature }) => curvature !== "none");
     folder.add(s, "split").name("uniform beside it");
     folder.add(s, "frozen").name("freeze its camera");
   }
@@ -127,8 +129,8 @@ export class Panel {
     const s = this.settings;
     const folder = this.gui.addFolder("Brush");
     folder.add(s, "brush").name("paint density");
-    folder.add(s, "brushSize", 0.5, 30).name("radius, % of size");
-    folder.add(s, "brushFactor", 0, 64).name("factor");
+    this.addNumber(folder, "brushSize").name("radius, % of size");
+    this.addNumber(folder, "brushFactor").name("factor");
     folder.add(actions, "undoStroke").name("Undo a stroke (Ctrl Z)");
     folder.add(actions, "clearStrokes").name("Clear all strokes");
     folder.close();
@@ -140,8 +142,8 @@ export class Panel {
     folder.add(s, "mode", ["splats", "dots"]).name("draw");
     folder.add(s, "colouring", colourings).name("colour by");
     folder.add(s, "edl").name("eye-dome lighting");
-    this.when(folder.add(s, "splatScale", 0.2, 3).name("size of discs"), ({ mode }) => mode === "splats");
-    this.when(folder.add(s, "dotSize", 1, 10).name("size of dots"), ({ mode }) => mode === "dots");
+    this.when(this.addNumber(folder, "splatScale").name("size of discs"), ({ mode }) => mode === "splats");
+    this.when(this.addNumber(folder, "dotSize").name("size of dots"), ({ mode }) => mode === "dots");
     folder.add(s, "background", ["light", "dark"]).name("background");
     folder.add(s, "navigation", ["orbit", "fly"]).name("navigation");
     folder.add(actions, "fit").name("Show the whole surface (F)");

@@ -35,23 +35,76 @@ function detailsOf(session: Session): string {
   }
 }
 
+/// One session, whatever becomes of it.
+class Row {
+  private readonly name = element("strong");
+  private readonly details = element("small");
+  private readonly open: HTMLButtonElement;
+  private readonly forget: HTMLButtonElement;
+  readonly root: HTMLElement;
+
+  constructor(
+    actions: SessionActions,
+    private session: Session,
+  ) {
+    this.open = button("", () => actions.open(this.session), session.sessionId);
+    this.open.append(this.name, this.details);
+    this.forget = button("×", () => actions.forget(this.session));
+    this.root = element("div", { class: "session" }, [this.open, this.forget]);
+  }
+
+  show(session: Session, isCurrent: boolean): void {
+    this.session = session;
+    this.name.textContent = nameOf(session);
+    this.details.textContent = detailsOf(session);
+    this.open.disabled = session.state !== SessionState.READY;
+    if (isCurrent) this.open.setAttribute("aria-current", "true");
+    else this.open.removeAttribute("aria-current");
+    this.forget.title = `Forget ${nameOf(session)}, on the server too`;
+  }
+}
+
 /// `root` is to be put somewhere.
 export class SessionList {
   readonly root = element("div", { class: "sessions" });
+  private readonly none = element("p", { text: "none yet" });
+  private readonly rows = new Map<string, Row>(); // by their sessions' ids
+  private sessions: readonly Session[] = [];
+  private currentId: string | null = null;
 
   constructor(private readonly actions: SessionActions) {}
 
-  show(sessions: readonly Session[], current: string | null): void {
-    this.root.replaceChildren(...sessions.map((session) => this.row(session, session.sessionId === current)));
-    if (sessions.length === 0) this.root.append(element("p", { text: "none yet" }));
+  show(sessions: readonly Session[]): void {
+    this.sessions = sessions;
+    this.refresh();
   }
 
-  private row(session: Session, isCurrent: boolean): HTMLElement {
-    const open = button("", () => this.actions.open(session), session.sessionId);
-    open.append(element("strong", { text: nameOf(session) }), element("small", { text: detailsOf(session) }));
-    open.disabled = session.state !== SessionState.READY;
-    if (isCurrent) open.setAttribute("aria-current", "true");
-    const forget = button("×", () => this.actions.forget(session), `Forget ${nameOf(session)}, on the server too`);
-    return element("div", { class: "session" }, [open, forget]);
+  /// The id of the session that is shown.
+  set current(id: string) {
+    this.currentId = id;
+    this.refresh();
+  }
+
+  /// Rows that stay keep their elements, with focus and presses.
+  private refresh(): void {
+    const { rows, root, sessions } = this;
+    const gone = new Set(rows.keys());
+    for (const session of sessions) {
+      const id = session.sessionId;
+      gone.delete(id);
+      const row = rows.get(id) ?? new Row(this.actions, session);
+      rows.set(id, row);
+      row.show(session, id === this.currentId);
+    }
+    for (const id of gone) {
+      rows.get(id)!.root.remove();
+      rows.delete(id);
+    }
+    this.none.remove();
+    sessions.forEach(({ sessionId }, i) => {
+      const row = rows.get(sessionId)!.root;
+      if (row !== root.children[i]) root.insertBefore(row, root.children[i] ?? null);
+    });
+    if (sessions.length === 0) root.append(this.none);
   }
 }

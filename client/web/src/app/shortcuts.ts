@@ -1,5 +1,6 @@
 // Keys, and the overlay that lists them.
 
+import { isTyping } from "../view";
 import { element } from "./elements";
 
 /// A key as KeyboardEvent.key has it, in lower case; "mod+" before it: control or command.
@@ -7,6 +8,8 @@ export interface Shortcut {
   key: string;
   what: string;
   run: () => void;
+  /// Also while the key is held down.
+  repeats?: boolean;
 }
 
 // What the picture itself understands.
@@ -22,15 +25,19 @@ const pointer: readonly (readonly [string, string])[] = [
 /// Listens until the page ends. Keys in fields are theirs.
 export class Shortcuts {
   private readonly overlay = element("div", { class: "help" });
+  private focusBefore: Element | null = null; // the list was opened
 
   constructor(
     parent: HTMLElement,
     private readonly shortcuts: readonly Shortcut[],
   ) {
     this.overlay.hidden = true;
+    this.overlay.tabIndex = -1;
     this.overlay.setAttribute("role", "dialog");
+    this.overlay.setAttribute("aria-modal", "true");
     this.overlay.setAttribute("aria-label", "Keys");
-    this.overlay.addEventListener("click", () => (this.overlay.hidden = true));
+    this.overlay.addEventListener("click", () => this.toggleHelp());
+    this.overlay.addEventListener("keydown", (event) => this.pressInHelp(event));
     const rows = [...shortcuts.map(({ key, what }) => [keyName(key), what] as const), ["?", "this list"] as const, ...pointer];
     this.overlay.append(
       element("div", { class: "sheet" }, [
@@ -43,26 +50,34 @@ export class Shortcuts {
       ]),
     );
     parent.append(this.overlay);
-    window.addEventListener("keydown", (event) => this.press(event));
+    window.addEventListener("keydown", (event) => this.press(event), { capture: true }); // the panel lets none of its own up again
   }
 
+  /// It takes the focus, and gives it back.
   toggleHelp(): void {
-    this.overlay.hidden = !this.overlay.hidden;
+    const { overlay } = this;
+    overlay.hidden = !overlay.hidden;
+    if (!overlay.hidden) {
+      this.focusBefore = document.activeElement;
+      overlay.focus();
+    } else if (this.focusBefore instanceof HTMLElement) this.focusBefore.focus({ preventScroll: true });
+  }
+
+  /// Nothing else takes the keys meanwhile: see isTyping(). The focus has nowhere to go within.
+  private pressInHelp(event: KeyboardEvent): void {
+    if (event.key === "Tab") event.preventDefault();
+    if (event.key === "Escape" || (event.key === "?" && !event.repeat)) this.toggleHelp();
   }
 
   private press(event: KeyboardEvent): void {
-    if (
-      event.altKey ||
-      (event.target instanceof HTMLElement && event.target.closest("input, select, textarea, [contenteditable]"))
-    )
-      return;
+    if (event.altKey || isTyping(event.target)) return;
     const key = (event.ctrlKey || event.metaKey ? "mod+" : "") + event.key.toLowerCase();
-    if (key === "?") return this.toggleHelp();
+    if (key === "?" && !event.repeat) return this.toggleHelp();
     if (key === "escape" && !this.overlay.hidden) return this.toggleHelp();
     const found = this.shortcuts.find((shortcut) => shortcut.key === key);
     if (found === undefined) return;
     event.preventDefault();
-    found.run();
+    if (!event.repeat || found.repeats === true) found.run();
   }
 }
 
@@ -70,6 +85,5 @@ function keyName(key: string): string {
   return key
     .replace("mod+", "Ctrl ")
     .replace("delete", "Del")
-    .replace("escape", "Esc")
     .replace(/\b[a-z]$/, (letter) => letter.toUpperCase());
 }

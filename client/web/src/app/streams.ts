@@ -12,10 +12,13 @@ import {
 } from "../stream";
 import type { SampleInit } from "./sample_request";
 
-/// Of the stream that is looked at; `onFrame` of both.
+/// The stream that is looked at, or the one beside it.
+export type Which = "stream" | "beside";
+
+/// Of both; as those of LiveView.
 export interface StreamsEvents {
   onFrame(frame: FrameReport): void;
-  onState(state: LiveViewState, error: CurvecastError | null, delay: number | null): void;
+  onState(which: Which, state: LiveViewState, error: CurvecastError | null, delay: number | null): void;
 }
 
 const firstBytes = 48 << 10; // something shows as soon as these have come
@@ -50,7 +53,7 @@ export class Streams {
     readonly sessionId: string,
     private readonly events: StreamsEvents,
   ) {
-    this.dependent = new Asker(client.view(sessionId, events, { firstBytes }));
+    this.dependent = this.open("stream");
   }
 
   /// The stream that is looked at.
@@ -67,7 +70,18 @@ export class Streams {
   split(on: boolean): void {
     if (on === (this.uniform !== null)) return;
     this.uniform?.view.close();
-    this.uniform = on ? new Asker(this.client.view(this.sessionId, { onFrame: this.events.onFrame }, { firstBytes })) : null;
+    this.uniform = on ? this.open("beside") : null;
+  }
+
+  /// Of both, over the last seconds.
+  get bytesPerSecond(): number {
+    return this.main.statistics().bytesPerSecond + (this.beside?.statistics().bytesPerSecond ?? 0);
+  }
+
+  /// Those that are reconnecting do not wait any longer.
+  retryNow(): void {
+    this.main.retryNow();
+    this.beside?.retryNow();
   }
 
   /// `uniform`: what the one beside it is to show. Returns whether points for `sample` are about to come.
@@ -80,5 +94,14 @@ export class Streams {
   close(): void {
     this.dependent.view.close();
     this.uniform?.view.close();
+  }
+
+  private open(which: Which): Asker {
+    const { events } = this;
+    const told = {
+      onFrame: (frame: FrameReport) => events.onFrame(frame),
+      onState: (...how: [LiveViewState, CurvecastError | null, number | null]) => events.onState(which, ...how),
+    };
+    return new Asker(this.client.view(this.sessionId, told, { firstBytes }));
   }
 }

@@ -1,6 +1,7 @@
 // From files to a session: dropped or chosen, sent, prepared.
 
 import { asCurvecastError, meshAmong, type Client, type CurvecastError, type NamedFile, type Session } from "../stream";
+import { droppedFiles } from "./dropped_files";
 import { button, element } from "./elements";
 import { bytes } from "./format";
 
@@ -23,6 +24,7 @@ const stageWords: Record<string, string> = {
   area: "measuring areas",
 };
 const sendingShare = 0.3; // of the bar
+const dropLinger = 700; // ms; while files are over the page, it is told so every 350 ms at least
 
 /// Of the preparation: it grows from stage to stage. Those that are none of them are nothing yet.
 function preparedShare(stage: string, fraction: number): number {
@@ -44,7 +46,7 @@ export class Uploads {
     this.input.multiple = true;
     this.input.hidden = true;
     this.input.addEventListener("change", () => {
-      this.start([...(this.input.files ?? [])]);
+      this.start([...(this.input.files ?? [])].map((file) => ({ name: file.name, data: file })));
       this.input.value = "";
     });
     parent.append(this.bars, this.input, element("div", { class: "drop" }));
@@ -56,17 +58,15 @@ export class Uploads {
     this.input.click();
   }
 
-  start(files: readonly File[]): void {
-    if (files.length === 0) return;
-    const named: NamedFile[] = files.map((file) => ({ name: file.webkitRelativePath || file.name, data: file }));
-    const mesh = meshAmong(named);
+  private start(files: readonly NamedFile[]): void {
+    const mesh = meshAmong(files);
     if (mesh === null) {
       const error = asCurvecastError(new Error("none of these files is a mesh: PLY, OBJ, OFF, STL, glTF or GLB"));
       return this.events.onFailure("Nothing to show", error);
     }
     void this.run(
       mesh,
-      named.filter((file) => file !== mesh),
+      files.filter((file) => file !== mesh),
     );
   }
 
@@ -112,20 +112,26 @@ export class Uploads {
   }
 
   private listen(page: HTMLElement): void {
-    let depth = 0; // of elements that the files are over
-    const over = (change: number) => {
-      depth = Math.max(0, depth + change);
-      page.classList.toggle("dropping", depth > 0);
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const showTarget = (isShown: boolean) => {
+      clearTimeout(timer);
+      page.classList.toggle("dropping", isShown);
+      if (isShown) timer = setTimeout(() => showTarget(false), dropLinger);
     };
     const hasFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") === true;
-    window.addEventListener("dragenter", (event) => hasFiles(event) && over(1));
-    window.addEventListener("dragleave", (event) => hasFiles(event) && over(-1));
-    window.addEventListener("dragover", (event) => hasFiles(event) && event.preventDefault());
+    window.addEventListener("dragover", (event) => {
+      if (!hasFiles(event)) return;
+      event.preventDefault();
+      showTarget(true);
+    });
     window.addEventListener("drop", (event) => {
       if (!hasFiles(event)) return;
       event.preventDefault();
-      over(-depth);
-      this.start([...(event.dataTransfer?.files ?? [])]);
+      showTarget(false);
+      droppedFiles(event.dataTransfer!).then(
+        (files) => this.start(files),
+        (thrown) => this.events.onFailure("What was dropped cannot be read", asCurvecastError(thrown)),
+      );
     });
   }
 }

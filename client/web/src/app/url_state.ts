@@ -1,7 +1,8 @@
-// What the page's address says after #: the session, the camera, and settings that are not the default ones.
+// What the page's address says after #: the session, the camera, and settings that need not be the default ones elsewhere.
 
+import { isUsable } from "../view/camera_math";
 import type { CameraState } from "../view";
-import type { Dab, Settings } from "./settings";
+import { ranges, withinRange, type Dab, type Settings } from "./settings";
 
 /// What an address may hold; all of it is optional.
 export interface UrlState {
@@ -11,6 +12,9 @@ export interface UrlState {
 }
 
 const tokenKey = "curvecast.token";
+const digits = 12; // of a number: coordinates may lie far from 0, and cameras near to what they show
+// Written even where they are the default ones, which are not the same for every machine.
+const always: readonly (keyof Settings)[] = ["points", "background"];
 // What a visit does, and not how it looks.
 const unsaved: readonly (keyof Settings)[] = ["dabs", "brush", "measuring", "frozen"];
 
@@ -30,9 +34,9 @@ function numbers(text: string, count: number): number[] | null {
   return values.length === count && values.every(Number.isFinite) ? values : null;
 }
 
-/// The shortest text of a number that keeps six digits.
+/// The shortest text of a number that keeps its digits.
 function short(value: number): string {
-  return String(Number(value.toPrecision(6)));
+  return String(Number(value.toPrecision(digits)));
 }
 
 function readCamera(text: string): CameraState | null {
@@ -50,25 +54,24 @@ function readCamera(text: string): CameraState | null {
     number,
     number,
   ];
-  if (ex === tx && ey === ty && ez === tz) return null;
-  if (!(fov > 0 && fov < 180) || (ux === 0 && uy === 0 && uz === 0)) return null;
-  return { eye: [ex, ey, ez], target: [tx, ty, tz], up: [ux, uy, uz], fov };
+  const camera: CameraState = { eye: [ex, ey, ez], target: [tx, ty, tz], up: [ux, uy, uz], fov };
+  return isUsable(camera) ? camera : null;
 }
 
 function readDabs(text: string): Dab[] {
   return text.split(";").flatMap((part, stroke) => {
-    const v = numbers(part, 5);
-    return v === null || v[3]! <= 0 || v[4]! < 0
-      ? []
-      : [{ centre: [v[0]!, v[1]!, v[2]!] as [number, number, number], radius: v[3]!, factor: v[4]!, stroke }];
+    const v = numbers(part, 5) as [number, number, number, number, number] | null;
+    if (v === null || v[3] <= 0 || v[4] < 0) return [];
+    const [x, y, z, radius, factor] = v;
+    return [{ centre: [x, y, z] as Dab["centre"], radius, factor: withinRange("brushFactor", factor), stroke }];
   });
 }
 
 function readSetting(key: keyof Settings, text: string, like: unknown): unknown {
   if (typeof like === "boolean") return text === "1" ? true : text === "0" ? false : undefined;
-  if (typeof like === "number") {
-    const value = Number(text);
-    return Number.isFinite(value) && value > 0 ? value : undefined;
+  if (key in ranges) {
+    const value = text.trim() === "" ? NaN : Number(text);
+    return Number.isFinite(value) ? withinRange(key as keyof typeof ranges, value) : undefined;
   }
   return choices[key]?.includes(text) === true ? text : undefined;
 }
@@ -103,7 +106,7 @@ export function writeState(session: string | null, camera: CameraState | null, s
   if (camera !== null) out.set("camera", [...camera.eye, ...camera.target, ...camera.up, camera.fov].map(short).join(","));
   for (const key of Object.keys(defaults) as (keyof Settings)[]) {
     const value = settings[key];
-    if (unsaved.includes(key) || value === defaults[key]) continue;
+    if (unsaved.includes(key) || (value === defaults[key] && !always.includes(key))) continue;
     out.set(key, typeof value === "boolean" ? (value ? "1" : "0") : typeof value === "number" ? short(value) : String(value));
   }
   if (settings.dabs.length > 0) {
@@ -121,13 +124,35 @@ export function takeToken(): string | undefined {
   const token = given.get("token");
   if (token !== null) {
     given.delete("token");
-    history.replaceState(null, "", location.pathname + location.search + (given.size > 0 ? `#${given.toString()}` : ""));
-    keepToken(token);
+    replaceHash(given);
+    store(token);
   }
-  return sessionStorage.getItem(tokenKey) ?? undefined;
+  try {
+    return token ?? sessionStorage.getItem(tokenKey) ?? undefined;
+  } catch {
+    return undefined;
+  }
 }
 
-/// For the next page in this tab.
+/// For the next page in this tab, which is to be loaded at once: it may be in the address until then.
 export function keepToken(token: string): void {
-  sessionStorage.setItem(tokenKey, token);
+  if (store(token)) return;
+  const given = new URLSearchParams(location.hash.replace(/^#/, ""));
+  given.set("token", token);
+  replaceHash(given);
+}
+
+/// False where the browser keeps nothing for pages.
+function store(token: string): boolean {
+  try {
+    sessionStorage.setItem(tokenKey, token);
+    return true;
+  } catch {
+    return false;
+  }
+}
+
+function replaceHash(parameters: URLSearchParams): void {
+  const text = parameters.toString();
+  history.replaceState(null, "", location.pathname + location.search + (text === "" ? "" : `#${text}`));
 }

@@ -2,9 +2,10 @@
 // fingers: pan; wheel or pinch: zoom to the pointer; double click: look there; arrows: orbit, with shift pan; + and -: zoom.
 // Flying: W A S D Q E move, dragging looks around, shift is faster.
 
-import { type Bounds, blend, boundsCentre, boundsRadius, centre, orbit, shift, zoom } from "./camera_math";
+import { type Bounds, blend, boundsRadius, centre, farthestRadii, mayMove, orbit, shift, zoom } from "./camera_math";
 import type { Ray } from "./picking";
 import type { CameraState, Vec } from "./types";
+import { isTyping } from "./typing";
 import { along, distance, dot, subtract } from "./vector";
 
 /// What the controls need of the picture. Coordinates are CSS pixels of the canvas.
@@ -63,8 +64,9 @@ export class CameraControls {
     canvas.addEventListener("wheel", (event) => this.wheel(event), { signal, passive: false });
     canvas.addEventListener("dblclick", (event) => this.lookAt(event), { signal });
     canvas.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
-    window.addEventListener("keydown", (event) => this.keyDown(event), { signal });
-    window.addEventListener("keyup", (event) => this.keys.delete(event.code), { signal });
+    // While they are on their way down: panels let none of their own up again.
+    window.addEventListener("keydown", (event) => this.keyDown(event), { signal, capture: true });
+    window.addEventListener("keyup", (event) => this.keys.delete(event.code), { signal, capture: true });
     window.addEventListener("blur", () => this.keys.clear(), { signal });
   }
 
@@ -188,7 +190,7 @@ export class CameraControls {
   private zoomTo(point: Vec, factor: number): void {
     const { host } = this;
     const radius = boundsRadius(host.bounds);
-    host.camera = zoom(host.camera, point, factor, 1e-4 * radius, 40 * radius);
+    host.camera = zoom(host.camera, point, factor, 1e-4 * radius, farthestRadii * radius);
   }
 
   private wheel(event: WheelEvent): void {
@@ -209,9 +211,7 @@ export class CameraControls {
   }
 
   private keyDown(event: KeyboardEvent): void {
-    const element = event.target as HTMLElement | null;
-    const isTyping = element?.closest?.("input, textarea, select, [contenteditable]") != null;
-    if (isTyping || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+    if (isTyping(event.target) || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     const arrow = arrows[event.key];
     if (arrow) {
       this.stop();
@@ -246,6 +246,6 @@ export class CameraControls {
     const isFast = keys.has("ShiftLeft") || keys.has("ShiftRight");
     const step = 0.5 * radius * (isFast ? 4 : 1) * seconds;
     const moved = shift(host.camera, step * axis("KeyD", "KeyA"), step * axis("KeyE", "KeyQ"), step * axis("KeyW", "KeyS"));
-    if (distance(moved.eye, boundsCentre(host.bounds)) < 40 * radius) host.camera = moved;
+    if (mayMove(host.camera.eye, moved.eye, host.bounds)) host.camera = moved;
   }
 }

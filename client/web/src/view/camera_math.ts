@@ -15,10 +15,13 @@ export interface Axes {
   forward: Vec;
 }
 
+/// How far away a camera goes, in radii of the box.
+export const farthestRadii = 40;
+
 /// Never nearer to the poles of the up direction: beyond, left and right would change places.
 const leastPolarAngle = 0.01;
 
-export const boundsCentre = (bounds: Bounds): Vec => scale(add(bounds.min, bounds.max), 0.5);
+const boundsCentre = (bounds: Bounds): Vec => scale(add(bounds.min, bounds.max), 0.5);
 export const boundsRadius = (bounds: Bounds): number => 0.5 * distance(bounds.min, bounds.max) || 1;
 
 /// Unit axes of a camera; some orthogonal ones where its state has no direction.
@@ -66,6 +69,13 @@ export function shift(camera: CameraState, right: number, up: number, forward: n
   const axes = cameraAxes(camera);
   const by = along(along(scale(axes.right, right), axes.up, up), axes.forward, forward);
   return { ...camera, eye: add(camera.eye, by), target: add(camera.target, by) };
+}
+
+/// Whether a camera may go on from one place to another: not far away from the surface, unless it comes nearer.
+export function mayMove(from: Vec, to: Vec, bounds: Bounds): boolean {
+  const middle = boundsCentre(bounds);
+  const reach = distance(to, middle);
+  return reach < farthestRadii * boundsRadius(bounds) || reach < distance(from, middle);
 }
 
 /// Goes towards a point, which stays where it is in the picture, until it is `factor` times as far; within [nearest, farthest] of it.
@@ -129,6 +139,7 @@ export function clipPlanes(camera: CameraState, bounds: Bounds): { near: number;
   const radius = boundsRadius(bounds) * 1.02;
   const reach = distance(camera.eye, boundsCentre(bounds));
   const far = Math.max(reach + radius, 1e-3 * radius);
-  const inside = Math.min(0.02 * radius, 0.05 * distance(camera.eye, camera.target));
+  // Walls nearby are seen from within, too; a depth buffer of 32 bits still tells 1e-4 radii apart on the far side.
+  const inside = Math.min(0.003 * radius, 0.05 * distance(camera.eye, camera.target));
   return { near: Math.max(reach - radius, inside, 2e-5 * far), far: far * 1.001 };
 }

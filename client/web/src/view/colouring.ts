@@ -5,7 +5,7 @@ import type { MapName } from "./colour_maps";
 import type { Colouring } from "./types";
 
 /// A column of a store that goes to the graphics card beside places and normals.
-export type PointColumn = "colours" | "curvatures" | "ranks";
+type PointColumn = "colours" | "curvatures" | "ranks";
 
 /// How the shaders colour points: see `splatColour` there.
 export interface ColourScale {

@@ -26,7 +26,8 @@ export class DrawingWatch {
   private look(): void {
     const { gl, sync } = this;
     if (sync === null) return;
-    const isOver = gl.isContextLost() || gl.getSyncParameter(sync, gl.SYNC_STATUS) === gl.SIGNALED;
+    // Of a context that was lost there is no status.
+    const isOver = gl.isContextLost() || gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.UNSIGNALED;
     if (!isOver) {
       setTimeout(() => this.look(), betweenLooks);
       return;

@@ -5,13 +5,16 @@ const slowFrame = 42; // ms
 const fastFrame = 19;
 const quiet = 160; // ms until a moving picture counts as still
 const coarsest = 0.35;
+const longestGap = 1000; // ms; frames farther apart do not follow each other
 
 export class FrameClock {
   private request = 0;
   private settling: ReturnType<typeof setTimeout> | undefined;
   private lastFrame = -Infinity;
   private lastMotion = -Infinity;
-  private interval = 0;
+  private measured = 0; // ms between frames while something moves; 0: not known
+  private expected = 0; // the same as the choice of the scale takes it
+  private isMoving = false; // in the last frame
   private scaleNow: number;
   private isStopped = false;
   private heldUntil = -Infinity;
@@ -28,9 +31,10 @@ export class FrameClock {
     this.scaleNow = isSlow ? 0.5 : 1;
   }
 
-  /// Of the frames that followed each other; 0 before there are any.
+  /// Of the frames that followed each other; 0 where nothing has moved for a second.
   get framesPerSecond(): number {
-    return this.interval > 0 ? 1000 / this.interval : 0;
+    const isStale = performance.now() - this.lastMotion > longestGap;
+    return this.measured > 0 && !isStale ? 1000 / this.measured : 0;
   }
 
   /// Has a frame drawn. `isMotion`: one of several, which has to come soon rather than be fine.
@@ -75,7 +79,9 @@ export class FrameClock {
     const gap = now - this.lastFrame;
     this.lastFrame = now;
     const isMoving = performance.now() - this.lastMotion < quiet;
-    if (isMoving && gap < 1000) this.measure(gap);
+    if (gap >= longestGap) this.measured = 0;
+    else if (isMoving && this.isMoving) this.measure(gap);
+    this.isMoving = isMoving;
     clearTimeout(this.settling);
     if (this.draw(now, isMoving ? this.scaleNow : 1)) this.invalidate(true);
     this.isCoarse = isMoving && this.scaleNow < 1;
@@ -90,11 +96,13 @@ export class FrameClock {
   }
 
   private measure(gap: number): void {
-    this.interval = this.interval > 0 ? 0.8 * this.interval + 0.2 * gap : gap;
-    if (this.interval > slowFrame && this.scaleNow > coarsest) {
+    const smooth = (before: number): number => (before > 0 ? 0.8 * before + 0.2 * gap : gap);
+    this.measured = smooth(this.measured);
+    this.expected = smooth(this.expected);
+    if (this.expected > slowFrame && this.scaleNow > coarsest) {
       this.scaleNow = Math.max(coarsest, this.scaleNow * 0.8);
-      this.interval *= 0.7;
-    } else if (this.interval < fastFrame && this.scaleNow < 1) {
+      this.expected *= 0.7; // that coarser frames will take
+    } else if (this.expected < fastFrame && this.scaleNow < 1) {
       this.scaleNow = Math.min(1, this.scaleNow * 1.02);
     }
   }

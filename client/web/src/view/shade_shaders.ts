@@ -7,7 +7,7 @@ void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
 `;
 
 /// What the passes share: the visible surface at a pixel.
-export const surfaceFunctions = /* glsl */ `
+const surfaceFunctions = /* glsl */ `
 precision highp float;
 precision highp int;
 uniform sampler2D normals;

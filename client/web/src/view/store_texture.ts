@@ -44,7 +44,8 @@ export class StoreTexture {
 
   /// Whether the graphics card lacks all of an array: it is new, or the context has been lost.
   lacks(renderer: THREE.WebGLRenderer, array: ColumnArray): boolean {
-    return array !== this.array || this.textureNow === null || this.handleOf(renderer, this.textureNow) !== this.handle;
+    const handle = this.textureNow && this.handleOf(renderer, this.textureNow);
+    return array !== this.array || handle === null || handle !== this.handle;
   }
 
   /// Uploads slots of an array: [begin, end) pairs.

@@ -29,8 +29,10 @@ export class Viewport {
   onCamera: (() => void) | null = null;
   /// The brush paints here; `done` with the last of a stroke.
   onBrush: ((centre: Vec, done: boolean) => void) | null = null;
-  /// Two places have been clicked; distance in units.
-  onMeasure: ((a: Vec, b: Vec, distance: number) => void) | null = null;
+  /// A line between two clicked places is there, of this length in units; null: it is no longer.
+  onMeasure: ((distance: number | null) => void) | null = null;
+  /// The graphics card is lost, and there is no picture; false: it is back.
+  onLost: ((isLost: boolean) => void) | null = null;
   /// What isDrawing told of is over.
   onDrawn: (() => void) | null = null;
   /// Drawn by software: slowly.
@@ -97,10 +99,6 @@ export class Viewport {
     this.invalidate();
   }
 
-  get style(): Style {
-    return this.styleNow;
-  }
-
   set style(style: Style) {
     this.styleNow = style;
     this.invalidate();
@@ -116,27 +114,18 @@ export class Viewport {
     this.moveTo(camera);
   }
 
-  get navigation(): "orbit" | "fly" {
-    return this.controls.navigation;
-  }
-
   set navigation(navigation: "orbit" | "fly") {
     this.controls.navigation = navigation;
   }
 
-  /// Of the last frames while something moved.
+  /// Of the last frames while something moved; 0 where nothing has for a second.
   get framesPerSecond(): number {
     return this.clock.framesPerSecond;
   }
 
   /// Of one picture, device pixels: in split view half of the canvas.
   get size(): { width: number; height: number } {
-    const ratio = this.pixelRatio(1);
-    const width = Math.max(1, Math.round(this.canvas.clientWidth * ratio));
-    return {
-      width: Math.max(1, Math.floor(width / this.stores.length)),
-      height: Math.max(1, Math.round(this.canvas.clientHeight * ratio)),
-    };
+    return this.sizeAt(this.pixelRatio(1));
   }
 
   /// Corners of the surface's box.
@@ -145,12 +134,10 @@ export class Viewport {
     this.invalidate();
   }
 
-  /// Shows the whole surface, from the side that is seen now. `isSmooth`: within a third of a second.
-  frame(isSmooth = false): void {
+  /// Shows the whole surface, from the side that is seen now.
+  frame(): void {
     const { width, height } = this.size;
-    const camera = fit(this.cameraNow, this.bounds, width / height);
-    if (isSmooth) this.controls.flyTo(camera);
-    else this.camera = camera;
+    this.camera = fit(this.cameraNow, this.bounds, width / height);
   }
 
   /// Draws the frustum of the camera that points are sampled for; null: none. `aspect`: of its picture.
@@ -169,16 +156,6 @@ export class Viewport {
     return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale);
   }
 
-  /// Where a point is on the canvas, CSS pixels, in the left picture of two; null: behind the camera.
-  project(point: Vec): { x: number; y: number } | null {
-    const { width } = this.partAt(0);
-    this.aim(width / (this.canvas.clientHeight || 1));
-    const p = new THREE.Vector3(...point).applyMatrix4(this.drawn.matrixWorldInverse);
-    if (p.z >= 0) return null;
-    p.applyMatrix4(this.drawn.projectionMatrix);
-    return { x: (0.5 + 0.5 * p.x) * width, y: (0.5 - 0.5 * p.y) * this.canvas.clientHeight };
-  }
-
   /// With a radius, in units, the pointer paints instead of turning the picture.
   setBrush(radius: number | null): void {
     this.brushRadius = radius;
@@ -191,8 +168,15 @@ export class Viewport {
 
   /// Two clicks make a line, which stays until the next click or until measuring ends.
   setMeasuring(on: boolean): void {
+    if (on === this.isMeasuring) return;
     this.isMeasuring = on;
+    this.forgetMeasured();
+  }
+
+  /// As if nothing had been clicked yet.
+  forgetMeasured(): void {
     this.measured = [];
+    this.onMeasure?.(null);
     this.invalidate();
   }
 
@@ -218,7 +202,9 @@ export class Viewport {
   }
 
   /// Takes the stores' changes into the buffers of the graphics card now instead of with the next frame. Milliseconds that took.
+  /// Without a graphics card they stay where they are.
   uploadNow(): number {
+    if (this.isLost) return 0;
     const begin = performance.now();
     for (const points of this.geometries.values()) {
       points.refresh(this.styleNow.colouring);
@@ -228,8 +214,9 @@ export class Viewport {
     return performance.now() - begin;
   }
 
-  /// A PNG of the picture as it is, with all its pixels.
+  /// A PNG of the picture as it is, with all its pixels. Rejects where there is none.
   screenshot(): Promise<Blob> {
+    if (this.isLost) return Promise.reject(new Error("The graphics card was lost."));
     this.render(1);
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture cannot be read."))), "image/png");
@@ -278,6 +265,9 @@ export class Viewport {
   private lose(isLost: boolean): void {
     this.isLost = isLost;
     this.clock.pause(isLost);
+    // What was on it is gone, and made anew when it is drawn next.
+    if (isLost) for (const part of [this.passes, this.overlay, ...this.geometries.values()]) part.dispose();
+    this.onLost?.(isLost);
   }
 
   /// The picture under a place of the canvas: what it shows, where it begins and ends; CSS pixels.
@@ -298,10 +288,10 @@ export class Viewport {
     if (!this.isMeasuring) return;
     const place = this.pick(x, y);
     if (!place) return;
-    if (this.measured.length === 2) this.measured = [];
+    if (this.measured.length === 2) this.forgetMeasured();
     this.measured.push(place.point);
     const [a, b] = this.measured;
-    if (b) this.onMeasure?.(a, b, distance(a, b));
+    if (b) this.onMeasure?.(distance(a, b));
     this.invalidate();
   }
 
@@ -329,6 +319,15 @@ export class Viewport {
 
   private pixelRatio(scale: number): number {
     return Math.min(window.devicePixelRatio || 1, this.isSoftware ? 1 : 2) * scale;
+  }
+
+  /// Of one picture, in pixels of the canvas: all are of the same size.
+  private sizeAt(ratio: number): { width: number; height: number } {
+    const { clientWidth, clientHeight } = this.canvas;
+    return {
+      width: Math.max(1, Math.round((clientWidth * ratio) / this.stores.length)),
+      height: Math.max(1, Math.round(clientHeight * ratio)),
+    };
   }
 
   private aim(aspect: number): void {
@@ -363,19 +362,17 @@ export class Viewport {
   private render(scale: number): void {
     const { renderer, canvas } = this;
     const ratio = this.pixelRatio(scale);
-    const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-    const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-    if (canvas.width !== width || canvas.height !== height) renderer.setSize(width, height, false);
+    const { width, height } = this.sizeAt(ratio);
+    const canvasWidth = width * this.stores.length;
+    if (canvas.width !== canvasWidth || canvas.height !== height) renderer.setSize(canvasWidth, height, false);
     for (const points of this.geometries.values()) {
       points.refresh(this.styleNow.colouring);
       points.upload(renderer);
     }
     this.overlay.set(this.overlayLines());
     renderer.setScissorTest(true);
-    const count = this.stores.length;
     for (const [i, store] of this.stores.entries()) {
-      const x = Math.round((i * width) / count);
-      const where: Rectangle = { x, y: 0, width: Math.max(1, Math.round(((i + 1) * width) / count) - x), height };
+      const where: Rectangle = { x: i * width, y: 0, width, height };
       this.aim(where.width / height);
       const brush = this.hovered && this.brushRadius !== null ? this.hovered.point : null;
       const points = store ? (this.geometries.get(store) ?? null) : null;

@@ -1,39 +1,75 @@
 import { describe, expect, it } from "vitest";
 
 import { plyOf } from "../../../../client/web/src/app/export_ply";
+import type { DecodedPoints } from "../../../../client/web/src/stream/decoded_points";
 import { StreamedPoints } from "../../../../client/web/src/stream/point_store";
 
-function store(colours: Uint8Array | null): StreamedPoints {
+/// Two points.
+function store(more: Partial<DecodedPoints> = {}): StreamedPoints {
   const points = new StreamedPoints();
   points.replace([
     {
       count: 2,
-      origin: [10, 20, 30],
+      origin: [0, 0, 0],
       places: Float32Array.of(1, 2, 3, 0.5, 4, 5, 6, 0.25),
       normals: Int8Array.of(127, 0, 0, 0, 0, -127, 0, 0),
-      colours,
+      colours: null,
       curvatures: null,
       ranks: null,
+      ...more,
     },
   ]);
   return points;
 }
 
+/// The lines of the header, and the data behind it.
+async function parse(points: StreamedPoints): Promise<{ lines: string[]; data: DataView }> {
+  const bytes = new Uint8Array(await plyOf(points).arrayBuffer());
+  const header = new TextDecoder().decode(bytes).split("end_header\n")[0]! + "end_header\n";
+  return { lines: header.split("\n"), data: new DataView(bytes.slice(header.length).buffer) };
+}
+
+const properties = (lines: string[]) =>
+  lines.filter((line) => line.startsWith("property")).map((line) => line.slice("property ".length));
+
 describe("a PLY file", () => {
-  it("holds places in the mesh's frame, normals and radii", async () => {
-    const bytes = new Uint8Array(await plyOf(store(null)).arrayBuffer());
-    const header = new TextDecoder().decode(bytes).split("end_header\n")[0]! + "end_header\n";
-    expect(header).toContain("format binary_little_endian 1.0\n");
-    expect(header).toContain("element vertex 2\n");
-    expect(header).not.toContain("red");
-    const floats = new Float32Array(bytes.slice(header.length).buffer);
-    expect([...floats]).toEqual([11, 22, 33, 1, 0, 0, 0.5, 14, 25, 36, 0, -1, 0, 0.25]);
+  it("holds places, normals and radii", async () => {
+    const { lines, data } = await parse(store());
+    expect(lines).toContain("format binary_little_endian 1.0");
+    expect(lines).toContain("element vertex 2");
+    expect(properties(lines)).toEqual(["x", "y", "z", "nx", "ny", "nz", "radius"].map((name) => `float ${name}`));
+    expect([...new Float32Array(data.buffer)]).toEqual([1, 2, 3, 1, 0, 0, 0.5, 4, 5, 6, 0, -1, 0, 0.25]);
   });
 
-  it("holds colours where there are any", async () => {
-    const bytes = new Uint8Array(await plyOf(store(Uint8Array.of(1, 2, 3, 255, 4, 5, 6, 255))).arrayBuffer());
-    expect(new TextDecoder().decode(bytes)).toContain("property uchar blue\n");
-    expect([...bytes.subarray(-3)]).toEqual([4, 5, 6]);
-    expect([...bytes.subarray(-34, -31)]).toEqual([1, 2, 3]);
+  it("holds places in the mesh's frame as doubles where they have an origin", async () => {
+    const { lines, data } = await parse(store({ origin: [4_500_000.1, 0, -2e7] }));
+    expect(properties(lines).slice(0, 4)).toEqual(["double x", "double y", "double z", "float nx"]);
+    expect([0, 8, 16].map((at) => data.getFloat64(40 + at, true))).toEqual([4_500_004.1, 5, -2e7 + 6]);
+    expect(data.getFloat32(40 + 36, true)).toBe(0.25);
+    expect(data.byteLength).toBe(80);
+  });
+
+  it("holds colours, curvatures and ranks where there are any, in the order of the command's files", async () => {
+    const { lines, data } = await parse(
+      store({
+        colours: Uint8Array.of(1, 2, 3, 255, 4, 5, 6, 255),
+        curvatures: Float32Array.of(-1, 2, -3, 4),
+        ranks: Uint32Array.of(7, 4_000_000_000),
+      }),
+    );
+    expect(properties(lines).slice(6)).toEqual([
+      "uchar red",
+      "uchar green",
+      "uchar blue",
+      "float radius",
+      "float curvature_min",
+      "float curvature_max",
+      "uint rank",
+    ]);
+    const stride = 43;
+    expect(data.byteLength).toBe(2 * stride);
+    expect([24, 25, 26].map((at) => data.getUint8(stride + at))).toEqual([4, 5, 6]);
+    expect([27, 31, 35].map((at) => data.getFloat32(stride + at, true))).toEqual([0.25, -3, 4]);
+    expect(data.getUint32(stride + 39, true)).toBe(4_000_000_000);
   });
 });

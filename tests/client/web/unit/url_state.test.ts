@@ -34,21 +34,53 @@ describe("the address", () => {
   });
 
   it("is short where all is as usual", () => {
-    expect(writeState("abc", null, { ...defaults }, defaults)).toBe("#session=abc");
+    expect(writeState("abc", null, { ...defaults }, defaults)).toBe("#session=abc&points=50000&background=light");
     expect(readState("", defaults)).toEqual({ session: null, camera: null, settings: {} });
   });
 
   it("does not keep tools, nor take them", () => {
-    expect(writeState(null, null, { ...defaults, brush: true, measuring: true, frozen: true }, defaults)).toBe("#");
+    expect(writeState(null, null, { ...defaults, brush: true, measuring: true, frozen: true }, defaults)).toBe(
+      "#points=50000&background=light",
+    );
     expect(readState("#brush=1&frozen=1", defaults).settings).toEqual({});
+  });
+
+  it("means the same on another machine", () => {
+    const state = readState(writeState(null, null, defaults, defaults), defaultSettings(true, "dark"));
+    expect(state.settings).toEqual({ points: defaults.points, background: "light" });
+  });
+
+  it("keeps twelve digits", () => {
+    const far = { ...camera, eye: [4_512_345.67891, -2, 5.25e-7] as [number, number, number] };
+    const dab = { centre: [4_512_345.67891, 1, 2] as [number, number, number], radius: 1e-9, factor: 2, stroke: 0 };
+    const state = readState(writeState("abc", far, { ...defaults, dabs: [dab] }, defaults), defaults);
+    expect(state.camera).toEqual(far);
+    expect(state.settings.dabs).toEqual([dab]);
+  });
+
+  it("takes numbers within their ranges only", () => {
+    const read = (hash: string) => readState(hash, defaults).settings;
+    expect(read("#points=1e20&kilobytes=-5&splatScale=0&brushFactor=0&dotSize=11")).toEqual({
+      points: 1_000_000,
+      kilobytes: 4,
+      splatScale: 0.2,
+      brushFactor: 0,
+      dotSize: 10,
+    });
+    expect(read("#points=Infinity&kilobytes=&dotSize=%20&dabs=0,0,0,1,1e9")).toEqual({
+      dabs: [{ centre: [0, 0, 0], radius: 1, factor: 64, stroke: 0 }],
+    });
+    const settings = { ...defaults, brushFactor: 0 };
+    expect(read(writeState(null, null, settings, defaults)).brushFactor).toBe(0);
   });
 
   it("leaves out what makes no sense", () => {
     const hash =
-      "#points=many&splatScale=-1&mode=cubes&edl=yes&sampler=equalised&camera=1,2,3,1,2,3,0,1,0,30" +
+      "#points=many&splatScale=x&mode=cubes&edl=yes&sampler=equalised&camera=1,2,3,1,2,3,0,1,0,30" +
       "&dabs=1,2;1,2,3,-1,2;x&__proto__=1";
     expect(readState(hash, defaults)).toEqual({ session: null, camera: null, settings: { sampler: "equalised", dabs: [] } });
-    for (const text of ["1,2,3", "0,0,1,0,0,0,0,0,0,30", "0,0,1,0,0,0,0,1,0,180", "0,0,1,0,0,0,0,1,0,NaN"]) {
+    for (const fov of ["180", "NaN", "0.5", "170"]) expect(readState(`#camera=0,0,1,0,0,0,0,1,0,${fov}`, defaults).camera).toBeNull();
+    for (const text of ["1,2,3", "0,0,1,0,0,0,0,0,0,30"]) {
       expect(readState(`#camera=${text}`, defaults).camera).toBeNull();
     }
   });

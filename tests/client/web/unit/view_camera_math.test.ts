@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { blend, cameraAxes, clipPlanes, fit, isUsable, orbit, rayDirection, shift, zoom } from "../../../../client/web/src/view/camera_math";
+import { blend, cameraAxes, clipPlanes, fit, isUsable, mayMove, orbit, rayDirection, shift, zoom } from "../../../../client/web/src/view/camera_math";
 import type { CameraState, Vec } from "../../../../client/web/src/view/types";
 import { cross, distance, dot, length, subtract } from "../../../../client/web/src/view/vector";
 
@@ -109,6 +109,23 @@ test("clip planes hold the box, from outside and from within", () => {
     expect(near).toBeLessThan(far);
     if (reach > 2) expect(near).toBeLessThanOrEqual(reach - Math.sqrt(3));
   }
+});
+
+test("walls nearby are not cut away within the box, wherever the target is", () => {
+  const bounds = { min: [-1, -1, -1] as Vec, max: [1, 1, 1] as Vec };
+  const { near, far } = clipPlanes({ ...camera, eye: [0, 0, 0.9], target: [0, 0, -30] }, bounds);
+  expect(near).toBeLessThan(0.004 * Math.sqrt(3));
+  // Depths are n / z below 1, as single floats: what they tell apart at the far plane.
+  expect((far * far * 2 ** -24) / near).toBeLessThan(2e-4 * Math.sqrt(3));
+});
+
+test("a camera stays near the surface, and comes back where it does not", () => {
+  const bounds = { min: [-1, -1, -1] as Vec, max: [1, 1, 1] as Vec };
+  const at = (z: number): Vec => [0, 0, z];
+  expect(mayMove(at(10), at(60), bounds)).toBe(true);
+  expect(mayMove(at(60), at(75), bounds)).toBe(false);
+  expect(mayMove(at(90), at(100), bounds)).toBe(false);
+  expect(mayMove(at(100), at(90), bounds)).toBe(true);
 });
 
 test("blending ends in the second camera and is usable on the way", () => {

@@ -1,0 +1,51 @@
+// The files of a drop, those in folders included.
+
+import type { NamedFile } from "../stream";
+
+const mostFiles = 2000;
+
+/// Files that were dropped, and all below folders that were: those are named by their paths below the folder. To be called while
+/// the drop is handled. At most 2,000, those of the upper folders first; hidden ones are left out. Rejects where one cannot be read.
+export function droppedFiles(transfer: DataTransfer): Promise<NamedFile[]> {
+  const items = [...transfer.items].filter(({ kind }) => kind === "file");
+  const entries = items.map((item) => item.webkitGetAsEntry());
+  if (!entries.every((entry) => entry !== null)) {
+    return Promise.resolve([...transfer.files].map((file) => ({ name: file.name, data: file })));
+  }
+  return filesBelow(entries);
+}
+
+/// As droppedFiles().
+export async function filesBelow(entries: readonly FileSystemEntry[], most = mostFiles): Promise<NamedFile[]> {
+  const files: NamedFile[] = [];
+  const waiting = entries.map((entry) => ({ entry, path: entry.isFile ? entry.name : "" }));
+  let seen = 0; // also empty folders come to an end
+  for (let next = waiting.shift(); next !== undefined && files.length < most && seen < 2 * most; next = waiting.shift()) {
+    const { entry, path } = next;
+    seen += 1;
+    if (entry.name.startsWith(".")) continue;
+    if (entry.isFile) files.push({ name: path, data: await fileOf(entry as FileSystemFileEntry) });
+    else {
+      const children = await childrenOf(entry as FileSystemDirectoryEntry, most);
+      const below = path === "" ? "" : `${path}/`;
+      waiting.push(...children.map((child) => ({ entry: child, path: below + child.name })));
+    }
+  }
+  return files;
+}
+
+function fileOf(entry: FileSystemFileEntry): Promise<File> {
+  return new Promise((resolve, reject) => entry.file(resolve, reject));
+}
+
+async function childrenOf(folder: FileSystemDirectoryEntry, most: number): Promise<FileSystemEntry[]> {
+  const reader = folder.createReader();
+  const children: FileSystemEntry[] = [];
+  while (children.length < most) {
+    // A hundred at a time.
+    const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
+    if (some.length === 0) break;
+    children.push(...some);
+  }
+  return children;
+}
