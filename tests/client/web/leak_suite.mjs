@@ -26,9 +26,10 @@ const orbit = async (c, count) => {
   c.view.camera = { ...rest, eye };
 };
 
-/// What there is after a garbage collection.
+/// What there is after a garbage collection, once a picture of each kind has been drawn: programs are made when they are first needed.
 async function inventory(page, session) {
   await page.settled();
+  await page.evaluate(({ view }) => view.screenshot().then(() => {}));
   await session.send("HeapProfiler.collectGarbage");
   const { metrics } = await session.send("Performance.getMetrics");
   const metric = (name) => metrics.find((each) => each.name === name).value;
