@@ -110,8 +110,12 @@ bool placeCorner() {
   float radius = max(place.w * splatScale * length(modelViewMatrix[0].xyz), least);
   float lost = max(least - radius * abs(facing), 0.0);
   minor = radius * minor - (facing < 0.0 ? -lost : lost) * lean;
+  // Where a surface is rough, discs seen from their edges would stick out as needles. Next to a smooth one's rim only its last pixels
+  // are theirs alone.
+  float slim = min(1.0, 2.2 * sqrt(abs(facing)));
+  major *= max(radius * slim, least);
   vec2 disc = extent * inShape;
-  corner = center + disc.x * minor + disc.y * radius * major;
+  corner = center + disc.x * minor + disc.y * major;
 #ifdef CONE
   if (which == 6) corner += CONE * radius * view;
 #endif
