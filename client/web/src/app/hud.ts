@@ -53,8 +53,8 @@ export class Hud {
     this.state.dataset.state = view.state;
     this.set("points", count(view.store.count));
     this.set("view → points", `${seconds(viewP50)}, p99 ${seconds(viewP99)}`);
-    const frames = framesPerSecond > 0 ? framesPerSecond.toFixed(0) : "–";
-    this.set("frames", `${frames} per second, upload ${uploadMilliseconds.toFixed(1)} ms`);
+    const frames = framesPerSecond > 0 ? `${framesPerSecond.toFixed(0)} per second` : "–";
+    this.set("frames", `${frames}, upload ${uploadMilliseconds.toFixed(1)} ms`);
     this.set("traffic", `${bytes(streams.bytesPerSecond)} per second`);
     if (last === null) return;
     const resized = last.resized > 0 ? ` ~${count(last.resized)}` : "";

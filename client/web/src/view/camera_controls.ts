@@ -113,7 +113,6 @@ export class CameraControls {
 
   private press(event: PointerEvent): void {
     const at = this.at(event);
-    this.canvas.focus({ preventScroll: true });
     this.canvas.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, at);
     this.stop();
