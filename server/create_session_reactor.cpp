@@ -14,7 +14,7 @@ namespace {
 class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>, public SessionWaiter {
  public:
   CreateSessionReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request)
-      : WriteQueue(RequestLog(engine, "CreateSession", context)), engine_(engine) {
+      : WriteQueue(RequestLog(engine, "CreateSession", context), engine.queued), engine_(engine) {
     // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
     const absl::Status begun = guarded([&] { return begin(context, request); });
     if (!begun.ok()) finish(to_grpc(begun));

@@ -25,6 +25,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
                std::shared_ptr<const Tokens> known)
     : log(std::move(logger)),
       threads(options.threads),
+      queued(options.max_queued_bytes),
       views({.workers = worker_count(options.threads), .max_waiting = kMaxWaiting, .max_waiting_of_one = kMaxWaitingOfOne}),
       calls({.workers = worker_count(options.threads) + 1,
              .max_waiting = kMaxWaiting,
@@ -49,7 +50,6 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
           },
           log),
       rank_jobs([this](const Session& session) { tell_streams(session); }, log),
-      max_queued_bytes_(options.max_queued_bytes),
       housekeeper_([this](const std::stop_token& stop) { tend(stop); }) {}
 
 void Engine::tend(const std::stop_token& stop) {
@@ -84,7 +84,7 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
           .restore = [this](const Session& session, const HeldClaim& claim) { return restore_held(session, claim, view_cache); },
           .submit = [this, connection = std::move(connection)](
                         std::function<void()> job) { return submit_view(std::move(job), connection); },
-          .count_queued = [this](std::int64_t bytes) { queued_bytes_ += static_cast<std::uint64_t>(bytes); },
+          .count_queued = [this](std::int64_t bytes) { queued.add(bytes); },
       });
   const std::lock_guard lock(mutex_);
   if (stopped_) return absl::UnavailableError("the server is shutting down");
@@ -97,9 +97,7 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
 }
 
 absl::Status Engine::submit_view(std::function<void()> job, const std::string& connection) {
-  if (queued_bytes_ > max_queued_bytes_) {
-    return absl::ResourceExhaustedError("too many frames wait to be read by their clients; try again later");
-  }
+  if (absl::Status status = queued.check(); !status.ok()) return status;
   return views.submit(std::move(job), connection);
 }
 

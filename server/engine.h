@@ -18,6 +18,7 @@
 #include "server/mesh_store.h"
 #include "server/metrics.h"
 #include "server/point_blocks.h"
+#include "server/queued_bytes.h"
 #include "server/rank_jobs.h"
 #include "server/refiner.h"
 #include "server/session_cache.h"
@@ -57,6 +58,7 @@ class Engine {
   const std::shared_ptr<spdlog::logger> log;
   Metrics metrics;
   const int threads;                           // of one preprocessing job; 0 = one per core
+  QueuedBytes queued;                          // before all that sends
   ViewCache view_cache;                        // of the jobs in `views` and `calls`
   FrameCache frame_cache;                      // of streams
   ViewWorkers views;                           // of streams: each takes milliseconds
@@ -77,8 +79,6 @@ class Engine {
   void tell_streams(const Session& session);
   void tend(const std::stop_token& stop);
 
-  const std::uint64_t max_queued_bytes_;
-  std::atomic<std::uint64_t> queued_bytes_ = 0;
   std::atomic<std::uint64_t> sources_ = 0;
   std::mutex mutex_;
   std::vector<std::weak_ptr<ClientStream>> streams_;

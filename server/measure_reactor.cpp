@@ -27,7 +27,7 @@ struct Work {
 class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
  public:
   MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::MeasureRequest& request)
-      : WriteQueue(RequestLog(engine, "Measure", context)) {
+      : WriteQueue(RequestLog(engine, "Measure", context), engine.queued) {
     const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
     if (!begun.ok()) finish(to_grpc(begun));
   }

@@ -16,7 +16,7 @@ namespace {
 class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshResponse> {
  public:
   ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
-      : WriteQueue(RequestLog(engine, "GetParameterMesh", context)) {
+      : WriteQueue(RequestLog(engine, "GetParameterMesh", context), engine.queued) {
     const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
@@ -41,10 +41,12 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
     context.threads = threads;
     const auto flattened = flatten_mesh(files.file(), options, context);
     if (!flattened.ok()) return flattened.status();
-    return make_chunks(*flattened, files.mesh->name, [this](v1::GetParameterMeshResponse response) {
-      push(std::move(response));
-      return !cancelled();
+    absl::Status offered;
+    const absl::Status made = make_chunks(*flattened, files.mesh->name, [&](v1::GetParameterMeshResponse response) {
+      offered = offer(std::move(response));
+      return offered.ok();
     });
+    return offered.ok() ? made : offered;
   }
 };
 

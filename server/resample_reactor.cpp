@@ -14,7 +14,7 @@ namespace {
 class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
  public:
   ResampleReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
-      : WriteQueue(RequestLog(engine, "Resample", context)) {
+      : WriteQueue(RequestLog(engine, "Resample", context), engine.queued) {
     const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
@@ -50,11 +50,14 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
 
   absl::Status answer(Engine& engine, const Session& session, const Sample& sample, const OnShort& on_short) {
     if (cancelled()) return absl::CancelledError("the client has gone");
-    return make_blocks(session, sample, engine.view_cache, on_short, &cancel_flag(), [&](v1::ResampleResponse block) {
-      if (block.has_statistics()) engine.metrics.stages(block.statistics());
-      push(std::move(block));
-      return !cancelled();
-    });
+    absl::Status offered;
+    const absl::Status made =
+        make_blocks(session, sample, engine.view_cache, on_short, &cancel_flag(), [&](v1::ResampleResponse block) {
+          if (block.has_statistics()) engine.metrics.stages(block.statistics());
+          offered = offer(std::move(block));
+          return offered.ok();
+        });
+    return offered.ok() ? made : offered;
   }
 };
 

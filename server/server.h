@@ -35,7 +35,7 @@ struct ServerOptions {
   /// Views and acknowledgements a second that are taken from a stream: who waits for each frame sends one of each in a few
   /// milliseconds.
   double max_view_rate = 2000;
-  std::uint64_t max_queued_bytes = std::uint64_t{1} << 30;  // of all frames that wait to be read by their clients
+  std::uint64_t max_queued_bytes = std::uint64_t{1} << 30;  // of all that waits to be read by its clients
   /// Of one session, to which a curve is refined at most where views ask for more than it was made for. Also kept within half of
   /// the machine's free memory. 0: no refinement.
   std::uint64_t max_curve_vertices = 20'000'000;

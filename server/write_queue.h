@@ -4,11 +4,13 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <atomic>
+#include <cstdint>
 #include <deque>
 #include <mutex>
 #include <optional>
 #include <utility>
 
+#include "server/queued_bytes.h"
 #include "server/request_log.h"
 
 namespace curvecast::server {
@@ -18,7 +20,9 @@ namespace curvecast::server {
 template <class Response>
 class WriteQueue : public grpc::ServerWriteReactor<Response> {
  public:
-  explicit WriteQueue(RequestLog log) : log_(std::move(log)) {}
+  /// `queued` counts the messages that wait.
+  WriteQueue(RequestLog log, QueuedBytes& queued) : log_(std::move(log)), queued_(queued) {}
+  ~WriteQueue() override { queued_.add(-waiting_); }
 
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
@@ -28,11 +32,20 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     const std::lock_guard lock(mutex_);
     if (cancelled()) return;
     if (!queue_.empty() && replaces(message, queue_.back())) {
-      queue_.back() = std::move(message);
-    } else {
-      queue_.push_back(std::move(message));
+      count(-bytes_of(queue_.back()));
+      queue_.pop_back();
     }
+    count(bytes_of(message));
+    queue_.push_back(std::move(message));
     write_next();
+  }
+
+  /// push() for messages that are large: fails, and the call with it, when the client has gone or too much waits for others.
+  absl::Status offer(Response message) {
+    if (cancelled()) return absl::CancelledError("the client has gone");
+    absl::Status status = queued_.check();
+    if (status.ok()) push(std::move(message));
+    return status;
   }
 
   /// The end, after all messages queued; at once when the client has gone.
@@ -54,13 +67,23 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   void OnWriteDone(bool ok) final {
     std::unique_lock lock(mutex_);
     writing_ = false;
+    count(-bytes_of(current_));
     if (!ok) cancelled_ = true;
-    if (cancelled()) queue_.clear();
+    if (cancelled()) {
+      queue_.clear();
+      count(-waiting_);
+    }
     write_next();
     finish_when_idle(std::move(lock));
   }
 
   void OnDone() final { delete this; }
+
+  static std::int64_t bytes_of(const Response& message) { return static_cast<std::int64_t>(message.ByteSizeLong()); }
+  void count(std::int64_t bytes) {
+    waiting_ += bytes;
+    queued_.add(bytes);
+  }
 
   void write_next() {
     if (writing_ || queue_.empty()) return;
@@ -79,6 +102,8 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   }
 
   RequestLog log_;
+  QueuedBytes& queued_;
+  std::int64_t waiting_ = 0;  // bytes of the queue and of the message being written
   std::atomic<bool> cancelled_ = false;
   std::mutex mutex_;
   std::deque<Response> queue_;

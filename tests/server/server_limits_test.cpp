@@ -172,6 +172,28 @@ TEST_F(ServerLimits, FramesThatNobodyReadsDoNotPileUp) {
   }
 }
 
+TEST_F(ServerLimits, PointSetsThatNobodyReadsDoNotPileUp) {
+  start({.max_queued_bytes = 100'000});
+  const std::string session = make_session();
+  const auto stub = client();
+  v1::ResampleRequest request;
+  request.set_session_id(session);
+  request.mutable_sample()->set_points(400'000);
+  request.mutable_sample()->mutable_encoding()->mutable_raw();
+  grpc::ClientContext context;
+  set_patience(context);
+  // 13 MB in blocks, made sooner than they are taken.
+  const auto lazy = stub->Resample(&context, request);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  v1::ResampleResponse block;
+  while (lazy->Read(&block)) {
+  }
+  EXPECT_EQ(lazy->Finish().error_code(), grpc::RESOURCE_EXHAUSTED);
+  // It has ended, and there is room again.
+  request.mutable_sample()->set_points(1000);
+  EXPECT_TRUE(resample(*stub, session, request.sample()).status.ok());
+}
+
 TEST_F(ServerLimits, AnUploadGoesOnWhereItBrokeOff) {
   const std::string bytes = sphere_off(5);
   Hasher hasher;
