@@ -1,8 +1,10 @@
 // `curvecast serve` as a process.
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "tests/client/cli_fixture.h"
 #include "tests/proto/tls/certificate_files.h"
@@ -70,6 +72,31 @@ TEST_F(ServeTest, ServesOnWhenNobodyReadsItsLines) {
     EXPECT_EQ(::kill(pid, SIGTERM), 0);
   }
   reader.finish();
+}
+
+/// The one child of a process; 0: there is none yet.
+pid_t child_of(pid_t pid) {
+  const std::string task = std::to_string(pid);
+  pid_t child = 0;
+  std::ifstream("/proc/" + task + "/task/" + task + "/children") >> child;
+  return child;
+}
+
+bool is_running(pid_t pid) {
+  std::string field, state;
+  std::ifstream(("/proc/" + std::to_string(pid) + "/stat")) >> field >> field >> state;
+  return !state.empty() && state != "Z";
+}
+
+TEST_F(ServeTest, TheServerOfABenchmarkEndsWithIt) {
+  Process bench({"bench", "stream", sphere_, "--seconds", "600"});
+  ASSERT_TRUE(bench.wait_for(": upload")) << bench.err();  // to its server
+  const pid_t server = child_of(bench.pid());
+  ASSERT_GT(server, 0);
+  EXPECT_TRUE(is_running(server));
+  bench.signal(SIGKILL);
+  bench.finish();
+  while (is_running(server)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
 TEST_F(ServeTest, StopsWhileItOpensAMesh) {

@@ -4,18 +4,17 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_split.h>
 #include <signal.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 #include <utility>
 #include <vector>
-
-extern char** environ;
 
 namespace curvecast::cli {
 namespace {
@@ -59,18 +58,22 @@ absl::StatusOr<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::s
   argv.push_back(nullptr);
   std::array<int, 2> pipe;
   if (::pipe(pipe.data()) != 0) return absl::UnavailableError(absl::StrCat("no pipe: ", std::strerror(errno)));
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
-  posix_spawn_file_actions_addclose(&actions, pipe[0]);
-  posix_spawn_file_actions_addclose(&actions, pipe[1]);
-  pid_t pid = 0;
-  const int error = posix_spawn(&pid, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
+  const pid_t parent = ::getpid(), pid = ::fork();
+  if (pid == 0) {
+    // Only calls that are safe between fork and exec. However this process ends, the server does not stay behind.
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (::getppid() != parent) ::_exit(127);
+    ::dup2(pipe[1], STDOUT_FILENO);
+    ::close(pipe[0]);
+    ::close(pipe[1]);
+    ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+  const int error = errno;
   ::close(pipe[1]);
-  std::string address = error == 0 ? read_address(pipe[0]) : "";
+  std::string address = pid > 0 ? read_address(pipe[0]) : "";
   ::close(pipe[0]);
-  if (error != 0) return absl::UnavailableError(absl::StrCat("the server cannot be run: ", std::strerror(error)));
+  if (pid < 0) return absl::UnavailableError(absl::StrCat("the server cannot be run: ", std::strerror(error)));
   std::unique_ptr<ServerProcess> server(new ServerProcess(pid, std::move(address)));
   if (server->address_.empty()) return absl::UnavailableError("the server ended before it was ready");
   return server;
