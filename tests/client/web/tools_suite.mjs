@@ -60,7 +60,9 @@ describe("the tools", () => {
     const dabs = await torus.evaluate((c) => c.settings.dabs);
     assert.ok(dabs.length >= 1);
     const painted = await torus.evaluate(within, dabs[0]);
-    await torus.screenshot("brush.png");
+    await torus.page.keyboard.press("2"); // dots show the density
+    await torus.picture("brush.png");
+    await torus.page.keyboard.press("1");
     assert.equal(await torus.evaluate((c) => c.store.count), points);
     await torus.change(() => torus.page.keyboard.press("Control+z"));
     await torus.settled();
