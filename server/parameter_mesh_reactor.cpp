@@ -41,12 +41,7 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
     context.threads = threads;
     const auto flattened = flatten_mesh(files.file(), options, context);
     if (!flattened.ok()) return flattened.status();
-    absl::Status offered;
-    const absl::Status made = make_chunks(*flattened, files.mesh->name, [&](v1::GetParameterMeshResponse response) {
-      offered = offer(std::move(response));
-      return offered.ok();
-    });
-    return offered.ok() ? made : offered;
+    return push_all([&](const auto& push_chunk) { return make_chunks(*flattened, files.mesh->name, push_chunk); });
   }
 };
 

@@ -50,14 +50,12 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
 
   absl::Status answer(Engine& engine, const Session& session, const Sample& sample, const OnShort& on_short) {
     if (cancelled()) return absl::CancelledError("the client has gone");
-    absl::Status offered;
-    const absl::Status made =
-        make_blocks(session, sample, engine.view_cache, on_short, &cancel_flag(), [&](v1::ResampleResponse block) {
-          if (block.has_statistics()) engine.metrics.stages(block.statistics());
-          offered = offer(std::move(block));
-          return offered.ok();
-        });
-    return offered.ok() ? made : offered;
+    return push_all([&](const auto& push_block) {
+      return make_blocks(session, sample, engine.view_cache, on_short, &cancel_flag(), [&](v1::ResampleResponse block) {
+        if (block.has_statistics()) engine.metrics.stages(block.statistics());
+        return push_block(std::move(block));
+      });
+    });
   }
 };
 

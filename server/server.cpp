@@ -40,6 +40,13 @@ std::string random_token() {
   return token;
 }
 
+/// Of channels to this process: results are as large as they are.
+grpc::ChannelArguments within_process() {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);
+  return arguments;
+}
+
 /// Sends a token with every call.
 class TokenSender final : public grpc::experimental::ClientInterceptorFactoryInterface {
  public:
@@ -105,12 +112,9 @@ class GrpcServer final : public Server {
 
   /// After listen(): whoever finds the HTTP port finds the other one too.
   absl::Status listen_http(const ServerOptions& options, const std::optional<ServerTls>& tls) {
-    grpc::ChannelArguments arguments;
-    arguments.SetMaxReceiveMessageSize(-1);
-    WebGatewayOptions web{.listen = options.http};
-    if (tls) web.tls = {tls->identity.certificates, tls->identity.key, tls->client_authorities};
+    WebGatewayOptions web{.listen = options.http, .tls = tls};
     web.sockets = {.path = "/v1/socket",
-                   .maker = web_calls(engine_, grpc_->InProcessChannel(arguments)),
+                   .maker = web_calls(engine_, grpc_->InProcessChannel(within_process())),
                    .origins = {.others = options.web_origins,
                                .any_name = engine_.tokens != nullptr || (tls && !tls->client_authorities.empty())},
                    .max_sockets = options.max_streams,
@@ -138,11 +142,9 @@ class GrpcServer final : public Server {
   }
 
   std::shared_ptr<grpc::Channel> in_process_channel() override {
-    grpc::ChannelArguments arguments;
-    arguments.SetMaxReceiveMessageSize(-1);
     std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> interceptors;
     interceptors.push_back(std::make_unique<TokenSender>(own_token_));
-    return grpc_->experimental().InProcessChannelWithInterceptors(arguments, std::move(interceptors));
+    return grpc_->experimental().InProcessChannelWithInterceptors(within_process(), std::move(interceptors));
   }
 
   void shutdown(std::chrono::milliseconds drain) override {

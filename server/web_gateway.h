@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/credentials.h"
 #include "server/web_origin.h"
 #include "server/web_socket.h"
 
@@ -33,13 +34,6 @@ struct WebAnswer {
 /// all others.
 using WebRoutes = std::map<std::string, std::function<WebAnswer()>, std::less<>>;
 
-/// With which connections are encrypted, as PEM.
-struct WebTls {
-  std::string certificates;  // the server's, then those that vouch for it
-  std::string key;
-  std::string client_authorities = {};  // only clients for whose certificates these vouch may open WebSockets; empty: all
-};
-
 struct WebSocketOptions {
   std::string path;
   WebConversationMaker maker;
@@ -52,8 +46,8 @@ struct WebGatewayOptions {
   std::string listen;                 // "host:port"; port 0 = any free one
   std::size_t max_connections = 128;  // that are no WebSockets; for one more, the one goes that has waited longest for a request
   std::chrono::milliseconds time_out{
-      10'000};  // for a request to arrive whole, an answer to be taken, and the next request to come
-  std::optional<WebTls> tls = {};
+      10'000};                        // for a request to arrive whole, an answer to be taken, and the next request to come
+  std::optional<ServerTls> tls = {};  // with client_authorities, only clients for whom these vouch may open WebSockets
   std::optional<WebSocketOptions> sockets = {};
 };
 

@@ -28,12 +28,12 @@ using boost::system::error_code;
 constexpr char kSessionContext[] = "curvecast";
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);  // when there are no descriptors left, say
 
-absl::Status configure(const WebTls& tls, asio::ssl::context& context) {
+absl::Status configure(const ServerTls& tls, asio::ssl::context& context) {
   try {
     context.set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_sslv2 | asio::ssl::context::no_sslv3 |
                         asio::ssl::context::no_tlsv1 | asio::ssl::context::no_tlsv1_1);
-    context.use_certificate_chain(asio::buffer(tls.certificates));
-    context.use_private_key(asio::buffer(tls.key), asio::ssl::context::pem);
+    context.use_certificate_chain(asio::buffer(tls.identity.certificates));
+    context.use_private_key(asio::buffer(tls.identity.key), asio::ssl::context::pem);
     if (!tls.client_authorities.empty()) {
       context.add_certificate_authority(asio::buffer(tls.client_authorities));
       context.set_verify_mode(asio::ssl::verify_peer);  // of those who show one

@@ -40,12 +40,17 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     write_next();
   }
 
-  /// push() for messages that are large: fails, and the call with it, when the client has gone or too much waits for others.
-  absl::Status offer(Response message) {
-    if (cancelled()) return absl::CancelledError("the client has gone");
-    absl::Status status = queued_.check();
-    if (status.ok()) push(std::move(message));
-    return status;
+  /// Queues what `make` makes, as long as the client has not gone and not too much waits for clients to read it. `make` is given
+  /// the function that takes each message, false: no more of them, and returns how it ended.
+  template <typename Make>
+  absl::Status push_all(Make&& make) {
+    absl::Status refused;
+    const absl::Status made = make([&](Response message) {
+      refused = cancelled() ? absl::CancelledError("the client has gone") : queued_.check();
+      if (refused.ok()) push(std::move(message));
+      return refused.ok();
+    });
+    return refused.ok() ? made : refused;
   }
 
   /// The end, after all messages queued; at once when the client has gone.

@@ -70,7 +70,7 @@ export class Application {
       open: (chosen) => this.choice.choose(chosen.sessionId),
       forget: (chosen) => void this.forget(chosen),
     });
-    this.uploads = new Uploads(page, () => this.client, {
+    this.uploads = new Uploads(page, this.client, {
       onReady: (ready, missing) => this.uploaded(ready, missing),
       onFailure: (what, error) => this.messages.failure(what, error),
     });

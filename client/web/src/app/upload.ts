@@ -39,7 +39,7 @@ export class Uploads {
 
   constructor(
     parent: HTMLElement,
-    private readonly client: () => Client,
+    private readonly client: Client,
     private readonly events: UploadEvents,
   ) {
     this.input.type = "file";
@@ -86,7 +86,7 @@ export class Uploads {
       words.textContent = text;
     };
     try {
-      const uploaded = await this.client().upload(mesh, others, {
+      const uploaded = await this.client.upload(mesh, others, {
         signal: stop.signal,
         onProgress: (sent, total, name) =>
           show(
@@ -94,7 +94,7 @@ export class Uploads {
             `sending ${name === mesh.name ? "" : name} ${bytes(sent)} of ${bytes(total)}`,
           ),
       });
-      const session = await this.client().createSession({
+      const session = await this.client.createSession({
         meshId: uploaded.meshId,
         companions: uploaded.companions,
         signal: stop.signal,

@@ -16,6 +16,7 @@ import {
 import { Backoff } from "./backoff";
 import type { Call } from "./call";
 import { callBack } from "./call_back";
+import { now } from "./clock";
 import type { DecodedPoints } from "./decoded_points";
 import type { Decoder } from "./decoder";
 import { asCurvecastError, boundedDelay, codeName, CurvecastError } from "./errors";
@@ -56,8 +57,6 @@ const mostRemembered = 256; // views; a frame for an older one can be shown, but
 const mostBuffered = 64 << 10; // bytes that wait in the browser before the newest view waits here instead
 const secondsBetweenTries = 0.01;
 const healthySeconds = 1; // a stream that breaks off sooner after its first frame may do so again and again
-
-const now = () => performance.now() / 1000;
 
 /// Whether a stream that ended so is worth opening again. FAILED_PRECONDITION: a server that has come back prepares the session anew.
 function mayPass(error: CurvecastError): boolean {

@@ -1,13 +1,12 @@
 // Repeats what the network has spoilt.
 
 import { Backoff } from "./backoff";
+import { now } from "./clock";
 import { asCurvecastError, cancelled } from "./errors";
 
 const firstDelay = 0.1; // seconds, and so are those below
 const longestDelay = 5;
 const patience = 60; // of failures in a row
-
-const now = () => performance.now() / 1000;
 
 /// Calls `attempt` until it succeeds, fails otherwise than with UNAVAILABLE, or has failed for a minute. `gotThrough`: the server
 /// was heard, so that a failure is the first of a new row. Throws a CurvecastError: that of the last attempt, or CANCELLED.

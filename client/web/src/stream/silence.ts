@@ -1,5 +1,7 @@
 // Notices that the other end is gone although nothing has told so: a browser does not see the pings of a server.
 
+import { now } from "./clock";
+
 /// What is watched.
 export interface Watched {
   /// Bytes that were given to be sent, all told, and those of them that still wait. That some have left is a sign of life while others
@@ -14,8 +16,6 @@ export interface Watched {
 const secondsBetweenLooks = 1;
 const secondsForAnswer = 10; // to a probe
 const lateSeconds = 5; // a timer may be late: hidden tabs have slow ones, and computers sleep
-
-const now = () => performance.now() / 1000;
 
 /// Probes after `patience` seconds without a sign of life. Has a timer only while it runs.
 export class SilenceWatch {
