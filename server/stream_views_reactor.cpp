@@ -51,6 +51,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   }
 
   void finish(const absl::Status& status) {
+    if (conversation_ != nullptr) conversation_->leave();
     log_.finish(to_grpc(status));
     Finish(to_grpc(status));
   }

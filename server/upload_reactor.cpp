@@ -43,6 +43,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   }
 
   void finish(const absl::Status& status) {
+    ticket_.reset();  // who hears of the end may begin again at once
     log_.finish(to_grpc(status));
     Finish(to_grpc(status));
   }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "server/admission.h"
@@ -32,6 +33,8 @@ class ViewConversation {
   void take(const v1::StreamViewsRequest& request, std::function<void()> on_taken);
   /// A pause that a message is held to ends at once; there are no others. The stream is over.
   void end_pause();
+  /// Counts no more, so that who hears of the end may begin again at once. Called once, when nothing is taken in any more.
+  void leave() { ticket_.reset(); }
   /// A message that is about to be sent.
   void count(const v1::StreamViewsResponse& response);
 
@@ -41,7 +44,7 @@ class ViewConversation {
   void go_on();
 
   Engine& engine_;
-  const Admission::Ticket ticket_;
+  std::optional<Admission::Ticket> ticket_;
   const std::shared_ptr<ClientStream> stream_;
   ViewTally tally_;
   RateLimit rate_;

@@ -75,6 +75,7 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
   }
 
   void finish(const absl::Status& status) {
+    if (conversation_ != nullptr) conversation_->leave();
     log_.finish(to_grpc(status));
     const std::shared_ptr<WebSocket> socket = context_.socket;  // this may go at once
     socket->send(status_response(context_.number, to_grpc(status)),

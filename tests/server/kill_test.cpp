@@ -67,7 +67,7 @@ class KillTest : public ::testing::Test {
       const Created created = create(*stub, upload(*stub, wanted.off), wanted.max_points);
       ASSERT_TRUE(created.status.ok()) << created.status.error_message();
       wanted.id = created.session.session_id();
-      wanted.bytes = resample(*stub, wanted.id, raw_view()).bytes();
+      wanted.bytes = resample_settled(*stub, wanted.id, raw_view()).bytes();
     }
     window_ = 1.5 * std::chrono::duration<double>(Clock::now() - start);  // in which all of them are made and written
   }
@@ -103,7 +103,7 @@ class KillTest : public ::testing::Test {
     for (const Wanted& wanted : sessions_) {
       if (!cached_.contains(wanted.id)) continue;
       EXPECT_TRUE(is_cached(stub, wanted.id)) << wanted.id << " is lost";
-      const Resampled sample = resample(stub, wanted.id, raw_view());
+      const Resampled sample = resample_settled(stub, wanted.id, raw_view());
       EXPECT_TRUE(sample.status.ok()) << sample.status.error_message();
       EXPECT_EQ(sample.bytes(), wanted.bytes);
     }
@@ -134,7 +134,7 @@ class KillTest : public ::testing::Test {
       const Created created = create(stub, uploaded.response.mesh_id(), wanted->max_points);
       if (!created.status.ok()) return;
       EXPECT_EQ(created.session.session_id(), wanted->id);
-      const Resampled sample = resample(stub, wanted->id, raw_view());
+      const Resampled sample = resample_settled(stub, wanted->id, raw_view());
       if (!sample.status.ok()) return;
       EXPECT_EQ(sample.bytes(), wanted->bytes);
     }
@@ -207,7 +207,7 @@ TEST_F(KillTest, NothingThatWasCachedIsLost) {
   expect_kept(*stub);
   for (const Wanted& wanted : sessions_) {
     ASSERT_TRUE(create(*stub, upload(*stub, wanted.off), wanted.max_points).status.ok());
-    EXPECT_EQ(resample(*stub, wanted.id, raw_view()).bytes(), wanted.bytes);
+    EXPECT_EQ(resample_settled(*stub, wanted.id, raw_view()).bytes(), wanted.bytes);
   }
   server->signal(SIGTERM);
   EXPECT_EQ(server->finish().status, 0);

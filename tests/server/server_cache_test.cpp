@@ -71,9 +71,9 @@ class ServerCache : public ServerFixture {
 TEST_F(ServerCache, SessionsSurviveARestart) {
   const v1::Session made = make_cached(*client(), 3);
   const std::string& id = made.session_id();
-  const std::string bytes = resample(*client(), id, view_of(900)).bytes();
+  const std::string bytes = resample_settled(*client(), id, view_of(900)).bytes();
   restart();
-  const Resampled again = resample(*client(), id, view_of(900));
+  const Resampled again = resample_settled(*client(), id, view_of(900));
   ASSERT_TRUE(again.status.ok()) << again.status.error_message();
   EXPECT_EQ(again.bytes(), bytes);
   restart();
@@ -139,7 +139,7 @@ TEST_F(ServerCache, CreateSessionLoadsInsteadOfPreprocessing) {
 
 TEST_F(ServerCache, DamagedFilesAreRebuilt) {
   const std::string id = make_cached(*client(), 3).session_id();
-  const std::string bytes = resample(*client(), id, view_of(900)).bytes();
+  const std::string bytes = resample_settled(*client(), id, view_of(900)).bytes();
   const std::string good = bytes_of(curve_path());
   std::string flipped = good;
   flipped[good.size() / 2] ^= 1;
@@ -151,9 +151,9 @@ TEST_F(ServerCache, DamagedFilesAreRebuilt) {
     const Created again = create(*stub, upload(*stub, sphere_off(3)), 1000);
     ASSERT_TRUE(again.status.ok()) << again.status.error_message();
     EXPECT_THAT(stages(again), ::testing::IsSupersetOf({"load", "read", "map"}));
-    EXPECT_EQ(resample(*stub, id, view_of(900)).bytes(), bytes);
+    EXPECT_EQ(resample_settled(*stub, id, view_of(900)).bytes(), bytes);
     wait_until_cached(*stub, id);
-    EXPECT_EQ(resample(*stub, id, view_of(900)).bytes(), bytes);
+    EXPECT_EQ(resample_settled(*stub, id, view_of(900)).bytes(), bytes);
   }
   server_.reset();
   write_file(folder_ / (id + ".v1.curve"), flipped);
@@ -199,13 +199,13 @@ TEST_F(ServerCache, TwoServersShareOneFolder) {
   const auto other = v1::CurvecastService::NewStub((*other_server)->in_process_channel());
   const auto stub = client();
   const std::string id = make_cached(*stub, 2).session_id();
-  EXPECT_EQ(resample(*other, id, view_of(900)).bytes(), resample(*stub, id, view_of(900)).bytes());
+  EXPECT_EQ(resample_settled(*other, id, view_of(900)).bytes(), resample_settled(*stub, id, view_of(900)).bytes());
   // Both make and write the same sessions at once.
   for (int levels = 3; levels < 5; ++levels) {
     std::thread thread([&] { make_cached(*other, levels); });
     const std::string both = make_cached(*stub, levels).session_id();
     thread.join();
-    EXPECT_EQ(resample(*other, both, view_of(900)).bytes(), resample(*stub, both, view_of(900)).bytes());
+    EXPECT_EQ(resample_settled(*other, both, view_of(900)).bytes(), resample_settled(*stub, both, view_of(900)).bytes());
   }
 }
 
