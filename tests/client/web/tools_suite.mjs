@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { after, afterEach, before, describe, it } from "node:test";
 
 import { WatchedPage } from "./support/browser.mjs";
-import { countOf, decode, difference } from "./support/pictures.mjs";
+import { boxOf, countOf, decode, difference } from "./support/pictures.mjs";
 import { openTorus, sharedServer } from "./support/shared_server.mjs";
 
 const points = 5000;
@@ -86,6 +86,27 @@ describe("the tools", () => {
     assert.ok(countOf(difference(picture, aside)) > 0.02 * aside.width * aside.height, "the picture has changed");
     await torus.change(() => torus.page.keyboard.press("z"));
     assert.notDeepEqual(await torus.evaluate(fingerprint), sum, "points for the camera of now");
+  });
+
+  it("cuts off what discs reach out of a frozen camera's picture", async () => {
+    const view = await torus.evaluate((c) => c.view.camera);
+    const near = { ...view, eye: view.eye.map((x, k) => view.target[k] + 0.4 * (x - view.target[k])) };
+    await torus.change(() => torus.evaluate((c, camera) => (c.view.camera = camera), near));
+    await torus.set("size of discs", 3);
+    await torus.page.keyboard.press("z");
+    await torus.settled();
+    // From the same place with a wider angle, the frozen picture is the middle of this one.
+    const wide = (2 * Math.atan(2 * Math.tan((view.fov * Math.PI) / 360)) * 180) / Math.PI;
+    await torus.evaluate((c, camera) => (c.view.camera = camera), { ...near, fov: wide });
+    const picture = await torus.picture();
+    const { width, height } = picture;
+    const { left, top, right, bottom } = boxOf(difference(picture, await torus.emptyPicture()), width);
+    assert.ok(left >= width / 4 - 2 && right < 0.75 * width + 2, `from ${left} to ${right} of ${width} pixels`);
+    assert.ok(top >= height / 4 - 2 && bottom < 0.75 * height + 2, `from ${top} to ${bottom} of ${height} pixels`);
+    assert.ok(bottom - top > 0.45 * height, "the surface goes from border to border");
+    await torus.page.keyboard.press("z");
+    await torus.set("size of discs", 1);
+    await torus.change(() => torus.evaluate((c, camera) => (c.view.camera = camera), view));
   });
 
   it("shows uniform points beside, as many", async () => {

@@ -145,12 +145,12 @@ export class Application {
     viewport.setBrush(settings.brush && this.session !== null ? this.brushRadius() : null);
     if (settings.frozen !== (this.frozen !== null)) {
       this.frozen = settings.frozen ? { camera: viewport.camera, size: viewport.size } : null;
-      viewport.setFrozenCamera(
-        this.frozen?.camera ?? null,
-        this.frozen === null ? undefined : this.frozen.size.width / this.frozen.size.height,
-      );
     }
-    viewport.invalidate();
+    viewport.frozenCamera = this.frozen && {
+      camera: this.frozen.camera,
+      aspect: this.frozen.size.width / this.frozen.size.height,
+      isCut: settings.frustum,
+    };
     this.lookSoon();
   }
 

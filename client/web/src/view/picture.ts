@@ -54,6 +54,8 @@ export interface Picture {
   /// Half the diagonal of the surface's box.
   sceneRadius: number;
   brush: { centre: THREE.Vector3; radius: number } | null;
+  /// Nothing outside of what this one sees is drawn; null: all is.
+  cut: THREE.PerspectiveCamera | null;
 }
 
 /// A way to draw pictures.

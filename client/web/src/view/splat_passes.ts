@@ -40,6 +40,7 @@ export class SplatPasses implements Passes {
     backShift: { value: 0 },
     extent: { value: 1 },
     leastRadius: { value: 0 },
+    cut: { value: new THREE.Matrix4() },
   };
   private readonly dotUniforms = {
     ...makePointUniforms(),
@@ -159,6 +160,11 @@ export class SplatPasses implements Passes {
 
     disc.splatScale.value = dot.splatScale.value = style.splatScale;
     // A square as large as a pixel, whichever way it is turned, holds its middle.
+    for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial]) define(material, "IS_CUT", picture.cut !== null);
+    if (picture.cut) {
+      const { projectionMatrix, matrixWorldInverse } = picture.cut;
+      disc.cut.value.multiplyMatrices(projectionMatrix, matrixWorldInverse).multiply(camera.matrixWorld);
+    }
     disc.leastRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
     if (points) {
       points.apply(disc);

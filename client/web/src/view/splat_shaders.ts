@@ -124,22 +124,45 @@ bool placeCorner() {
 }
 `;
 
+/// What lies outside of a pyramid of sight is cut off: discs would stand over its border. Defined with IS_CUT.
+const cutVertex = /* glsl */ `
+#ifdef IS_CUT
+uniform mat4 cut;  // eye coordinates to the pyramid's clip space
+out vec4 inPyramid;
+#define CUT inPyramid = cut * vec4(corner, 1.0);
+#else
+#define CUT
+#endif
+`;
+const cutFragment = /* glsl */ `
+#ifdef IS_CUT
+in highp vec4 inPyramid;
+#define CUT if (any(greaterThan(abs(inPyramid.xy), inPyramid.ww))) discard;
+#else
+#define CUT
+#endif
+`;
+
 /// Depth alone: squares about as large as the discs, so that no pixel is discarded.
 export const depthVertexShader = /* glsl */ `
 ${declarations}
 ${discFunctions}
+${cutVertex}
 void main() {
   gl_Position = placeCorner() ? projectionMatrix * vec4(corner, 1.0) : vec4(0.0, 0.0, 2.0, 1.0);
+  CUT
 }
 `;
 
 export const depthFragmentShader = /* glsl */ `
 precision mediump float;
+${cutFragment}
 layout(location = 0) out vec4 unused;
 #ifdef HAS_COLOURS
 layout(location = 1) out vec4 unusedToo;
 #endif
 void main() {
+  CUT
   unused = vec4(0.0);
 #ifdef HAS_COLOURS
   unusedToo = vec4(0.0);
@@ -155,11 +178,14 @@ ${discFunctions}
 ${splatColour}
 flat out vec3 colour;
 #endif
+${cutVertex}
 out vec2 inDisc;
 flat out vec4 normalWeight;
 
 void main() {
-  if (!placeCorner()) {
+  bool isPoint = placeCorner();
+  CUT
+  if (!isPoint) {
     gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
     return;
   }
@@ -175,6 +201,7 @@ void main() {
 
 export const blendFragmentShader = /* glsl */ `
 precision highp float;
+${cutFragment}
 in vec2 inDisc;
 flat in vec4 normalWeight;
 layout(location = 0) out vec4 normalSum;  // w: sum of the kernels, whichever way they face
@@ -183,6 +210,7 @@ flat in vec3 colour;
 layout(location = 1) out vec4 colourSum;  // w: sum of the weights
 #endif
 void main() {
+  CUT
 #ifdef QUICK
   float kernel = 1.0;  // the nearest disc is all there is
 #else

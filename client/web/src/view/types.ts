@@ -13,6 +13,15 @@ export interface CameraState {
   fov: number;
 }
 
+/// A camera that points are sampled for, whatever the picture is seen from.
+export interface FrozenCamera {
+  camera: CameraState;
+  /// Of its picture.
+  aspect: number;
+  /// Of the last store there are points in its picture only, and what of their discs reaches out of it is not drawn.
+  isCut: boolean;
+}
+
 /// A closed surface of discs, or the points alone.
 export type Mode = "splats" | "dots";
 /// What the colours tell; "colour" are the mesh's own. Where the points lack what is asked for, they are shaded.

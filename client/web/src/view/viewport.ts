@@ -13,7 +13,7 @@ import type { Passes, Rectangle } from "./picture";
 import { PointsGeometry } from "./points_geometry";
 import { SolidPasses } from "./solid_passes";
 import { canBlend, SplatPasses } from "./splat_passes";
-import { type CameraState, defaultStyle, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
+import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
 import { distance } from "./vector";
 
 /// From the front, a little from above and from the right, like the pictures that the server renders.
@@ -45,6 +45,7 @@ export class Viewport {
   private readonly watch: DrawingWatch;
   private readonly controls: CameraControls;
   private readonly drawn = new THREE.PerspectiveCamera();
+  private readonly cutting = new THREE.PerspectiveCamera();
   private readonly geometries = new Map<PointStore, PointsGeometry>();
   private readonly resizing: ResizeObserver;
   private readonly ended = new AbortController();
@@ -53,7 +54,7 @@ export class Viewport {
   private styleNow: Style = { ...defaultStyle };
   private cameraNow: CameraState = { ...firstCamera };
   private bounds: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
-  private frozen: { camera: CameraState; aspect: number } | null = null;
+  private frozen: FrozenCamera | null = null;
   private brushRadius: number | null = null;
   private isMeasuring = false;
   private measured: Vec[] = [];
@@ -140,9 +141,9 @@ export class Viewport {
     this.camera = fit(this.cameraNow, this.bounds, width / height);
   }
 
-  /// Draws the frustum of the camera that points are sampled for; null: none. `aspect`: of its picture.
-  setFrozenCamera(camera: CameraState | null, aspect = 1): void {
-    this.frozen = camera ? { camera, aspect } : null;
+  /// Draws the frustum of the camera that points are sampled for; null: none.
+  set frozenCamera(frozen: FrozenCamera | null) {
+    this.frozen = frozen;
     this.invalidate();
   }
 
@@ -330,16 +331,16 @@ export class Viewport {
     };
   }
 
-  private aim(aspect: number): void {
-    const { drawn, cameraNow } = this;
-    drawn.position.fromArray(cameraNow.eye);
-    drawn.up.fromArray(cameraNow.up);
-    drawn.lookAt(...cameraNow.target);
-    drawn.fov = cameraNow.fov;
+  private aim(drawn: THREE.PerspectiveCamera, camera: CameraState, aspect: number): THREE.PerspectiveCamera {
+    drawn.position.fromArray(camera.eye);
+    drawn.up.fromArray(camera.up);
+    drawn.lookAt(...camera.target);
+    drawn.fov = camera.fov;
     drawn.aspect = aspect;
-    Object.assign(drawn, clipPlanes(cameraNow, this.bounds));
+    Object.assign(drawn, clipPlanes(camera, this.bounds));
     drawn.updateProjectionMatrix();
     drawn.updateMatrixWorld();
+    return drawn;
   }
 
   private overlayLines(): OverlayLine[] {
@@ -370,10 +371,11 @@ export class Viewport {
       points.upload(renderer);
     }
     this.overlay.set(this.overlayLines());
+    const cut = this.frozen?.isCut ? this.aim(this.cutting, this.frozen.camera, this.frozen.aspect) : null;
     renderer.setScissorTest(true);
     for (const [i, store] of this.stores.entries()) {
       const where: Rectangle = { x: i * width, y: 0, width, height };
-      this.aim(where.width / height);
+      this.aim(this.drawn, this.cameraNow, where.width / height);
       const brush = this.hovered && this.brushRadius !== null ? this.hovered.point : null;
       const points = store ? (this.geometries.get(store) ?? null) : null;
       this.passes.render({
@@ -384,6 +386,7 @@ export class Viewport {
         pixelRatio: ratio,
         isQuick: this.isSoftware && scale < 1,
         sceneRadius: boundsRadius(this.bounds),
+        cut: i === this.stores.length - 1 ? cut : null,
         brush: brush ? { centre: new THREE.Vector3(...brush), radius: this.brushRadius ?? 0 } : null,
       });
       const tolerance = 0.5 * (points?.typicalRadius ?? 0) * this.styleNow.splatScale;
