@@ -150,6 +150,7 @@ export class Application {
       camera: this.frozen.camera,
       aspect: this.frozen.size.width / this.frozen.size.height,
       isCut: settings.frustum,
+      isEven: settings.screen,
     };
     this.lookSoon();
   }

@@ -54,8 +54,8 @@ export interface Picture {
   /// Half the diagonal of the surface's box.
   sceneRadius: number;
   brush: { centre: THREE.Vector3; radius: number } | null;
-  /// Nothing outside of what this one sees is drawn; null: all is.
-  cut: THREE.PerspectiveCamera | null;
+  /// The camera that the points are for, where it is not the picture's; the rest as of FrozenCamera.
+  frozen: { camera: THREE.PerspectiveCamera; isCut: boolean; isEven: boolean } | null;
 }
 
 /// A way to draw pictures.

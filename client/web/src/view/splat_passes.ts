@@ -13,6 +13,7 @@ import {
   depthVertexShader,
   dotFragmentShader,
   dotVertexShader,
+  slimness,
 } from "./splat_shaders";
 
 // Of the shapes, in radii. Squares about as large as the discs hide what is behind them; larger discs blend, and end where their kernels sum up
@@ -21,6 +22,8 @@ const hidingExtent = 0.8;
 const blendExtent = 1.1;
 // How far behind the nearest disc others still blend, in radii along the ray.
 const blendDepth = 0.8;
+/// A projection that has every place in the middle of its picture.
+const everything = new THREE.Matrix4().set(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
 /// That a disc has where it ends in the picture.
 const leastKernel = 0.5 * (1 - (0.8 / blendExtent) ** 2) ** 3;
 
@@ -40,7 +43,9 @@ export class SplatPasses implements Passes {
     backShift: { value: 0 },
     extent: { value: 1 },
     leastRadius: { value: 0 },
-    cut: { value: new THREE.Matrix4() },
+    frozenClip: { value: new THREE.Matrix4() },
+    frozenEye: { value: new THREE.Vector3() },
+    frozenSlim: { value: 0 },
   };
   private readonly dotUniforms = {
     ...makePointUniforms(),
@@ -160,10 +165,13 @@ export class SplatPasses implements Passes {
 
     disc.splatScale.value = dot.splatScale.value = style.splatScale;
     // A square as large as a pixel, whichever way it is turned, holds its middle.
-    for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial]) define(material, "IS_CUT", picture.cut !== null);
-    if (picture.cut) {
-      const { projectionMatrix, matrixWorldInverse } = picture.cut;
-      disc.cut.value.multiplyMatrices(projectionMatrix, matrixWorldInverse).multiply(camera.matrixWorld);
+    for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial]) define(material, "IS_FROZEN", picture.frozen !== null);
+    if (picture.frozen) {
+      const { camera: sampled, isCut, isEven } = picture.frozen;
+      disc.frozenClip.value.copy(everything);
+      if (isCut) disc.frozenClip.value.multiplyMatrices(sampled.projectionMatrix, sampled.matrixWorldInverse).multiply(camera.matrixWorld);
+      disc.frozenEye.value.copy(sampled.position).applyMatrix4(camera.matrixWorldInverse);
+      disc.frozenSlim.value = isEven ? slimness : 1e6;
     }
     disc.leastRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
     if (points) {

@@ -64,13 +64,22 @@ precision highp int;
 uniform mat4 modelViewMatrix, projectionMatrix;
 `;
 
+/// Discs seen from their edges are no longer than this times the square root of their cosine, in radii: those that are even on the
+/// screen, and the larger the more they lean, are all about as long.
+export const slimness = 2.2;
+
 /// A disc in its tangent plane: a corner of a square, or of a hexagon whose middle stands out by CONE radii.
 const discFunctions = /* glsl */ `
 ${pointFunctions}
+const float SLIMNESS = ${slimness.toFixed(2)};
 uniform float splatScale;
 uniform float backShift;    // along the ray, in radii
 uniform float extent;       // of the shape, in radii
 uniform float leastRadius;  // at distance 1
+#ifdef IS_FROZEN
+uniform vec3 frozenEye;    // of the camera that the points are for, in eye coordinates
+uniform float frozenSlim;  // as SLIMNESS
+#endif
 
 #ifdef CONE
 const int kCorners = 7;
@@ -108,11 +117,14 @@ bool placeCorner() {
   // A disc thinner than a pixel turns a little to the eye: it is never lost between pixels.
   float least = leastRadius * -center.z;
   float radius = max(place.w * splatScale * length(modelViewMatrix[0].xyz), least);
+#ifdef IS_FROZEN
+  radius = max(radius * min(1.0, frozenSlim * sqrt(abs(dot(discNormal, normalize(frozenEye - center))))), least);
+#endif
   float lost = max(least - radius * abs(facing), 0.0);
   minor = radius * minor - (facing < 0.0 ? -lost : lost) * lean;
   // Where a surface is rough, discs seen from their edges would stick out as needles. Next to a smooth one's rim only its last pixels
   // are theirs alone.
-  float slim = min(1.0, 2.2 * sqrt(abs(facing)));
+  float slim = min(1.0, SLIMNESS * sqrt(abs(facing)));
   major *= max(radius * slim, least);
   vec2 disc = extent * inShape;
   corner = center + disc.x * minor + disc.y * major;
@@ -124,20 +136,20 @@ bool placeCorner() {
 }
 `;
 
-/// What lies outside of a pyramid of sight is cut off: discs would stand over its border. Defined with IS_CUT.
+/// What lies outside of a frozen camera's picture is cut off: discs would stand over its border.
 const cutVertex = /* glsl */ `
-#ifdef IS_CUT
-uniform mat4 cut;  // eye coordinates to the pyramid's clip space
-out vec4 inPyramid;
-#define CUT inPyramid = cut * vec4(corner, 1.0);
+#ifdef IS_FROZEN
+uniform mat4 frozenClip;  // eye coordinates to that camera's clip space
+out vec4 inFrozen;
+#define CUT inFrozen = frozenClip * vec4(corner, 1.0);
 #else
 #define CUT
 #endif
 `;
 const cutFragment = /* glsl */ `
-#ifdef IS_CUT
-in highp vec4 inPyramid;
-#define CUT if (any(greaterThan(abs(inPyramid.xy), inPyramid.ww))) discard;
+#ifdef IS_FROZEN
+in highp vec4 inFrozen;
+#define CUT if (any(greaterThan(abs(inFrozen.xy), inFrozen.ww))) discard;
 #else
 #define CUT
 #endif

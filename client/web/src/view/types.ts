@@ -18,8 +18,10 @@ export interface FrozenCamera {
   camera: CameraState;
   /// Of its picture.
   aspect: number;
-  /// Of the last store there are points in its picture only, and what of their discs reaches out of it is not drawn.
+  /// There are points in its picture only: what of their discs reaches out of it is not drawn.
   isCut: boolean;
+  /// They are even on its screen: discs on what it sees from the side are far too large from elsewhere.
+  isEven: boolean;
 }
 
 /// A closed surface of discs, or the points alone.

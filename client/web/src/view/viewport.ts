@@ -45,7 +45,7 @@ export class Viewport {
   private readonly watch: DrawingWatch;
   private readonly controls: CameraControls;
   private readonly drawn = new THREE.PerspectiveCamera();
-  private readonly cutting = new THREE.PerspectiveCamera();
+  private readonly sampled = new THREE.PerspectiveCamera();
   private readonly geometries = new Map<PointStore, PointsGeometry>();
   private readonly resizing: ResizeObserver;
   private readonly ended = new AbortController();
@@ -331,7 +331,7 @@ export class Viewport {
     };
   }
 
-  private aim(drawn: THREE.PerspectiveCamera, camera: CameraState, aspect: number): THREE.PerspectiveCamera {
+  private aim(drawn: THREE.PerspectiveCamera, camera: CameraState, aspect: number): void {
     drawn.position.fromArray(camera.eye);
     drawn.up.fromArray(camera.up);
     drawn.lookAt(...camera.target);
@@ -340,7 +340,6 @@ export class Viewport {
     Object.assign(drawn, clipPlanes(camera, this.bounds));
     drawn.updateProjectionMatrix();
     drawn.updateMatrixWorld();
-    return drawn;
   }
 
   private overlayLines(): OverlayLine[] {
@@ -371,7 +370,8 @@ export class Viewport {
       points.upload(renderer);
     }
     this.overlay.set(this.overlayLines());
-    const cut = this.frozen?.isCut ? this.aim(this.cutting, this.frozen.camera, this.frozen.aspect) : null;
+    if (this.frozen) this.aim(this.sampled, this.frozen.camera, this.frozen.aspect);
+    const frozen = this.frozen && { ...this.frozen, camera: this.sampled };
     renderer.setScissorTest(true);
     for (const [i, store] of this.stores.entries()) {
       const where: Rectangle = { x: i * width, y: 0, width, height };
@@ -386,7 +386,7 @@ export class Viewport {
         pixelRatio: ratio,
         isQuick: this.isSoftware && scale < 1,
         sceneRadius: boundsRadius(this.bounds),
-        cut: i === this.stores.length - 1 ? cut : null,
+        frozen: i === this.stores.length - 1 ? frozen : null, // the other's points are even on the surface
         brush: brush ? { centre: new THREE.Vector3(...brush), radius: this.brushRadius ?? 0 } : null,
       });
       const tolerance = 0.5 * (points?.typicalRadius ?? 0) * this.styleNow.splatScale;
