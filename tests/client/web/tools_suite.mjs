@@ -91,10 +91,11 @@ describe("the tools", () => {
   it("cuts off what discs reach out of a frozen camera's picture", async () => {
     const view = await torus.evaluate((c) => c.view.camera);
     const near = { ...view, eye: view.eye.map((x, k) => view.target[k] + 0.4 * (x - view.target[k])) };
+    await torus.change(() => torus.set("sampler", "equalised (the paper's)")); // which has points for any view at once
     await torus.change(() => torus.evaluate((c, camera) => (c.view.camera = camera), near));
     await torus.set("size of discs", 3);
     await torus.page.keyboard.press("z");
-    await torus.settled();
+    await torus.answered();
     // From the same place with a wider angle, the frozen picture is the middle of this one.
     const wide = (2 * Math.atan(2 * Math.tan((view.fov * Math.PI) / 360)) * 180) / Math.PI;
     await torus.evaluate((c, camera) => (c.view.camera = camera), { ...near, fov: wide });
@@ -107,6 +108,7 @@ describe("the tools", () => {
     await torus.page.keyboard.press("z");
     await torus.set("size of discs", 1);
     await torus.change(() => torus.evaluate((c, camera) => (c.view.camera = camera), view));
+    await torus.change(() => torus.set("sampler", "progressive"));
   });
 
   it("shows uniform points beside, as many", async () => {
@@ -132,6 +134,15 @@ describe("the tools", () => {
     await torus.until((c) => c.besideStore === null);
     await torus.settled();
     assert.deepEqual(await torus.evaluate(fingerprint), single, "the points of one picture");
+  });
+
+  it("folds its figures down to the state", async () => {
+    const figures = torus.page.locator(".hud dl");
+    await torus.page.keyboard.press("i");
+    await figures.waitFor({ state: "hidden" });
+    assert.equal(await torus.page.locator(".hud .state").innerText(), "live");
+    await torus.page.locator(".hud summary").click();
+    await figures.waitFor({ state: "visible" });
   });
 
   it("measures between two clicks", async () => {

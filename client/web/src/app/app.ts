@@ -82,8 +82,8 @@ export class Application {
       screenshot: () => void this.saveScreenshot(),
       exportPly: () => this.savePly(),
     };
-    const togglePanel = () => this.panel.toggle();
-    const shortcuts = new Shortcuts(page, keyTable({ ...actions, change: (how) => this.change(how), togglePanel }));
+    const toggles = { togglePanel: () => this.panel.toggle(), toggleFigures: () => this.hud.toggle() };
+    const shortcuts = new Shortcuts(page, keyTable({ ...actions, change: (how) => this.change(how), ...toggles }));
     this.panel = new Panel(
       this.settings,
       { ...actions, changed: () => this.changed(), help: () => shortcuts.toggleHelp() },

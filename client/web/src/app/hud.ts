@@ -13,14 +13,15 @@ const words: Record<LiveViewState, string> = {
   failed: "ended",
 };
 
-/// Shows what it is given; asks nobody.
+/// Shows what it is given; asks nobody. Folded, the state alone stays.
 export class Hud {
   private readonly state = element("span", { class: "state" });
   private readonly rows = new Map<string, HTMLElement>();
-  private readonly root = element("div", { class: "hud" });
+  private readonly root = element("details", { class: "hud" });
 
   constructor(parent: HTMLElement) {
-    this.root.append(this.state);
+    this.root.open = true;
+    this.root.append(element("summary", { title: "Fold or unfold the figures (I)" }, [this.state]));
     const list = element("dl");
     for (const name of ["points", "update", "traffic", "view → points", "server", "frames", "curve", "distance"]) {
       const kind = name === "distance" ? { class: "asked" } : {};
@@ -37,12 +38,18 @@ export class Hud {
     this.root.hidden = !visible;
   }
 
+  toggle(): void {
+    this.root.open = !this.root.open;
+  }
+
   /// Of the line that is measured, units; null: there is none, and nothing is said of it.
   set distance(distance: number | null) {
     const row = this.rows.get("distance")!;
     row.hidden = distance === null;
     (row.previousElementSibling as HTMLElement).hidden = distance === null;
-    if (distance !== null) this.set("distance", length(distance));
+    if (distance === null) return;
+    this.set("distance", length(distance));
+    this.root.open = true;
   }
 
   /// `framesPerSecond`: 0 where nothing moves.

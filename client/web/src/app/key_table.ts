@@ -13,6 +13,7 @@ export interface KeyActions {
   screenshot(): void;
   exportPly(): void;
   togglePanel(): void;
+  toggleFigures(): void;
 }
 
 const colourings = ["shading", "normal", "curvature", "rank", "density", "colour"] as const;
@@ -50,5 +51,6 @@ export function keyTable(actions: KeyActions): Shortcut[] {
     { key: "p", what: "save the picture", run: () => actions.screenshot() },
     { key: "x", what: "save the points as PLY", run: () => actions.exportPly() },
     { key: "h", what: "panel", run: () => actions.togglePanel() },
+    { key: "i", what: "figures", run: () => actions.toggleFigures() },
   ];
 }

@@ -75,7 +75,7 @@ export class WatchedPage {
   /// Waits until `condition(c, argument)` holds in the page, c being window.curvecast.
   async until(condition, argument) {
     try {
-      return await this.page.waitForFunction(withHandle(condition), argument ?? null, { timeout: 60_000 });
+      return await this.page.waitForFunction(withHandle(condition), argument ?? null, { timeout: 180_000 });
     } catch (error) {
       if (!/Timeout/.test(error.message)) throw error;
       const now = await this.page.evaluate(() => ({
@@ -124,6 +124,7 @@ export class WatchedPage {
       const control = row?.querySelector("select, input, button");
       if (control instanceof HTMLSelectElement) {
         control.selectedIndex = [...control.options].findIndex(({ text }) => text === wanted);
+        if (control.selectedIndex < 0) return false;
         control.dispatchEvent(new Event("change"));
       } else if (control instanceof HTMLInputElement && control.type === "checkbox") {
         if (control.checked !== wanted) control.click();
@@ -135,7 +136,7 @@ export class WatchedPage {
       }
       return control !== undefined && control !== null;
     }, [label, value]);
-    assert.ok(found, `the panel has "${label}"`);
+    assert.ok(found, `the panel has "${label}", and it ${value}`);
   }
 
   /// Moves the pointer, with a button pressed, through places of the page in CSS pixels.
