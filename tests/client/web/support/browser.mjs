@@ -136,7 +136,7 @@ export class WatchedPage {
       }
       return control !== undefined && control !== null;
     }, [label, value]);
-    assert.ok(found, `the panel has "${label}", and it ${value}`);
+    assert.ok(found, `the panel has "${label}"${value === null ? "" : `, to be set to ${value}`}`);
   }
 
   /// Moves the pointer, with a button pressed, through places of the page in CSS pixels.
