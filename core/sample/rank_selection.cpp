@@ -211,13 +211,19 @@ void RankSelector::finish(const View& view, std::size_t count, RankSelection& ou
   out.rungs.clear();
   out.parts.clear();
   out.lacking.clear();
+  out.is_exhausted = false;
   for (std::size_t v = 0; v < visited_.size(); ++v) {
     out.parts.push_back({visited_[v].chunk, static_cast<std::uint32_t>(visited_[v].first_key)});
     const ChunkId& id = chunks[visited_[v].chunk]->id;
     for (std::size_t q = 0; q < 4; ++q) {
-      if (view.tree.child(visited_[v].chunk, q) != RankTree::kNone || id.level == view.tree.deepest()) continue;
+      if (view.tree.child(visited_[v].chunk, q) != RankTree::kNone) continue;
       const float* const most = &most_[v * kChunkRuns + 4 * q];
-      if (!needs_none(id.child(q), *std::max_element(most, most + 4), out.scale)) out.lacking.push_back(id.child(q));
+      if (needs_none(id.child(q), *std::max_element(most, most + 4), out.scale)) continue;
+      if (id.level == view.tree.deepest()) {
+        out.is_exhausted = true;
+      } else {
+        out.lacking.push_back(id.child(q));
+      }
     }
   }
 }

@@ -48,6 +48,8 @@ struct RankSelection {
   /// Chunks that may have points to be shown and are not there yet; where none, the selection is what it would be with all
   /// candidates.
   std::vector<ChunkId> lacking;
+  /// Somewhere more points are wanted than the deepest ranks have.
+  bool is_exhausted = false;
 
   /// Calls visit(RankRef, its bit) for every point shown: chunk by chunk, each along the curve.
   template <typename Visit>

@@ -34,7 +34,7 @@ void find_rungs(const SurfaceCurve& curve, const RankSelector& selector, std::ve
   selector.densities(selection, density);
   // With scale s a point stands for 1 / (s density) of the area.
   const SplatRadius radius(curve, curve.total_area / static_cast<double>(selection.scale));
-  if (!selection.lacking.empty()) {
+  if (!selection.lacking.empty() || selection.is_exhausted) {
     // Those that there are have to do.
     const RankTree& tree = *selection.tree;
     std::size_t i = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "core/measure/coverage.h"
@@ -64,6 +65,20 @@ PointSet all_points_of(RankGrower& grower, const Density& density, std::uint64_t
     EXPECT_TRUE(grower.grow(workspace.selection.lacking, 4'000'000).ok());
   }
   return std::move(workspace.points);
+}
+
+TEST(SampleRanked, WhereRanksEndDiscsGrow) {
+  const auto grower = ball_grower(6);
+  const double least = 1.25 * std::sqrt(ball_curve()->total_area / std::ldexp(1.0, 2 * grower->tree()->deepest()));
+  // All of the view is too near, or its nearest part alone: grazing the ball.
+  const Camera above{.eye = Vec3d(0, 0, 1.2), .target = Vec3d(0, 0, 1), .fov = 0.4};
+  const Camera grazing{.eye = Vec3d(0, 0, 1.02), .target = Vec3d(0, 1, 0.9), .up = Vec3d::UnitZ(), .fov = 1.2};
+  for (const auto& [camera, wanted, is_all] : {std::tuple(above, 20'000u, false), std::tuple(grazing, 1'500u, true)}) {
+    const PointSet points = all_points_of(*grower, {{ScreenTerm{}, FrustumTerm{}}, {camera}}, wanted);
+    ASSERT_EQ(points.size() == wanted, is_all) << points.size();
+    ASSERT_GT(points.size(), 300u);
+    EXPECT_GE(*std::min_element(points.radii.begin(), points.radii.end()), least * 0.9999);
+  }
 }
 
 TEST(SampleRanked, ShowsWhatTheCameraSeesAndNothingElse) {
