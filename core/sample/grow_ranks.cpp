@@ -11,7 +11,7 @@
 namespace curvecast {
 namespace {
 
-constexpr std::uint64_t kRangeChunks = 256;  // that are made in one go
+constexpr std::size_t kMostChunks = 256;  // that are made in one go
 // Of a level's chunks: where more are lacking, all of it is made at once, which is less work for each and takes all threads.
 constexpr std::uint64_t kMostParts = 3;
 
@@ -77,13 +77,16 @@ absl::Status RankGrower::make_whole(int level, const ExecutionContext& context) 
   return absl::OkStatus();
 }
 
-absl::Status RankGrower::make_range(int level, std::uint64_t first, std::uint64_t last, std::vector<RankTree::Chunk>& out,
-                                    const ExecutionContext& context) const {
-  const auto points = ranks_->deepen(level, first * kChunkStrata, last * kChunkStrata, context);
+/// All of one level.
+absl::Status RankGrower::make_chunks(std::span<const ChunkId> wanted, std::vector<RankTree::Chunk>& out,
+                                     const ExecutionContext& context) const {
+  std::vector<StrataRange> ranges;
+  for (const ChunkId& id : wanted) ranges.push_back({id.index * kChunkStrata, (id.index + 1) * kChunkStrata});
+  const auto points = ranks_->deepen(wanted.front().level, ranges, context);
   if (!points.ok()) return points.status();
-  for (std::uint64_t i = first; i < last; ++i) {
-    const auto own = std::span(*points).subspan((i - first) * kChunkStrata, kChunkStrata);
-    out.push_back(std::make_shared<const RankChunk>(make_chunk({level, i}, own, bounds_)));
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const auto own = std::span(*points).subspan(i * kChunkStrata, kChunkStrata);
+    out.push_back(std::make_shared<const RankChunk>(make_chunk(wanted[i], own, bounds_)));
   }
   return absl::OkStatus();
 }
@@ -109,10 +112,9 @@ absl::Status RankGrower::grow(std::span<const ChunkId> lacking, std::uint64_t ma
       begin = end;
     }
     while (begin < end) {
-      std::size_t last = begin + 1;
-      while (last < end && wanted[last].index == wanted[last - 1].index + 1 && last - begin < kRangeChunks) ++last;
-      if (absl::Status s = make_range(level, wanted[begin].index, wanted[last - 1].index + 1, made, context); !s.ok()) return s;
-      begin = last;
+      const auto some = std::span(wanted).subspan(begin, std::min(end - begin, kMostChunks));
+      if (absl::Status status = make_chunks(some, made, context); !status.ok()) return status;
+      begin += some.size();
     }
   }
   tree_ = std::make_shared<const RankTree>(tree_->with(made));

@@ -36,8 +36,8 @@ class RankGrower {
  private:
   RankGrower(std::shared_ptr<const SurfaceCurve> curve, const ProgressiveOptions& options);
   absl::Status make_whole(int level, const ExecutionContext& context);
-  absl::Status make_range(int level, std::uint64_t first, std::uint64_t last, std::vector<RankTree::Chunk>& out,
-                          const ExecutionContext& context) const;
+  absl::Status make_chunks(std::span<const ChunkId> wanted, std::vector<RankTree::Chunk>& out,
+                           const ExecutionContext& context) const;
 
   const std::shared_ptr<const SurfaceCurve> curve_;
   const std::uint64_t seed_;

@@ -180,32 +180,41 @@ absl::Status ProgressiveRanks::fill(int last, const ExecutionContext& context) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<RankedPoint>> ProgressiveRanks::deepen(int level, std::uint64_t first, std::uint64_t last,
+absl::StatusOr<std::vector<RankedPoint>> ProgressiveRanks::deepen(int level, std::span<const StrataRange> ranges,
                                                                   const ExecutionContext& context) const {
   if (level < options_.level || level > kMaxRankLevel) {
     return absl::InvalidArgumentError(
         absl::StrFormat("points of level %d asked for; there are those of %d to %d", level, options_.level, kMaxRankLevel));
   }
-  if (first > last || last > std::uint64_t{1} << 2 * level) {
-    return absl::InvalidArgumentError(absl::StrFormat("points of strata %d to %d of level %d asked for; there are %d", first,
-                                                      last, level, std::uint64_t{1} << 2 * level));
+  const std::uint64_t strata = std::uint64_t{1} << 2 * level;
+  std::uint64_t count = 0;
+  for (const auto [first, last] : ranges) {
+    if (first > last || last > strata) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("points of strata %d to %d of level %d asked for; there are %d", first, last, level, strata));
+    }
+    count += last - first;
   }
-  if (last - first > kMaxDeepened) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("%d points asked for; at most %d are made in one go", last - first, kMaxDeepened));
+  if (count > kMaxDeepened) {
+    return absl::InvalidArgumentError(absl::StrFormat("%d points asked for; at most %d are made in one go", count, kMaxDeepened));
   }
-  const auto at = [&](std::uint64_t i) { return points_.begin() + static_cast<std::ptrdiff_t>(i); };
-  if (level == options_.level) return std::vector<RankedPoint>(at(first), at(last));
   std::vector<RankedPoint> points;
-  points.reserve(last - first);
+  points.reserve(count);
   DeepBlocks blocks(*strata_, *order_, options_, points_);
-  const std::uint64_t size = 4 * RankBlock{level - 1, 0}.size();
-  for (std::uint64_t i = first; i < last;) {
-    if (absl::Status status = context.check(); !status.ok()) return status;
-    const std::uint64_t block = i / size, next = std::min(last, (block + 1) * size);
-    const std::span<const RankedPoint> filled = blocks.filled(level - 1, block).subspan(i - block * size, next - i);
-    points.insert(points.end(), filled.begin(), filled.end());
-    i = next;
+  for (const auto [first, last] : ranges) {
+    if (level == options_.level) {
+      const std::span<const RankedPoint> own = std::span(points_).subspan(first, last - first);
+      points.insert(points.end(), own.begin(), own.end());
+      continue;
+    }
+    const std::uint64_t size = 4 * RankBlock{level - 1, 0}.size();
+    for (std::uint64_t i = first; i < last;) {
+      if (absl::Status status = context.check(); !status.ok()) return status;
+      const std::uint64_t block = i / size, next = std::min(last, (block + 1) * size);
+      const std::span<const RankedPoint> filled = blocks.filled(level - 1, block).subspan(i - block * size, next - i);
+      points.insert(points.end(), filled.begin(), filled.end());
+      i = next;
+    }
   }
   return points;
 }

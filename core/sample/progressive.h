@@ -28,6 +28,11 @@ struct ProgressiveOptions {
   std::uint64_t seed = 0;  // of their places
 };
 
+/// The strata [first, last) of a level.
+struct StrataRange {
+  std::uint64_t first, last;
+};
+
 /// Points on the whole curve, made at once down to a level and in parts of it as deep as one likes. For every l the points of the
 /// 4^l lowest ranks have one in each stratum of level l. The same for any number of threads. Immutable: any number of threads may
 /// ask.
@@ -46,10 +51,11 @@ class ProgressiveRanks {
   /// 4^level() points in curve order: the i-th lies in stratum i of that level.
   std::span<const RankedPoint> points() const { return points_; }
 
-  /// Of a deeper level the points of the strata [first, last) of that level, one in each, in curve order. They are what making
-  /// all at once down to that level would give. InvalidArgument: a level not in level() .. kMaxRankLevel, strata that there are
-  /// not, more than kMaxDeepened points. Cancelled.
-  absl::StatusOr<std::vector<RankedPoint>> deepen(int level, std::uint64_t first, std::uint64_t last,
+  /// Of a deeper level the points of some strata, one in each, range by range, each in curve order. They are what making all at
+  /// once down to that level would give. What is near is made only once: rather ask for many ranges in one call.
+  /// InvalidArgument: a level not in level() .. kMaxRankLevel, strata that there are not, more than kMaxDeepened points.
+  /// Cancelled.
+  absl::StatusOr<std::vector<RankedPoint>> deepen(int level, std::span<const StrataRange> ranges,
                                                   const ExecutionContext& context = {}) const;
 
  private:
