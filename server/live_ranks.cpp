@@ -33,12 +33,13 @@ absl::Status LiveRanks::grow(std::span<const ChunkId> lacking, const ExecutionCo
   if (absl::IsResourceExhausted(status)) full_ = true;
   const std::lock_guard lock(mutex_);
   newest_.tree = grower_->tree();
+  grower_bytes_ = grower_->byte_size();
   return status;
 }
 
 std::uint64_t LiveRanks::byte_size() {
   const std::lock_guard lock(mutex_);
-  return newest_.tree != nullptr ? newest_.tree->byte_size() : 0;
+  return newest_.tree != nullptr ? newest_.tree->byte_size() + grower_bytes_ : 0;
 }
 
 }  // namespace curvecast::server

@@ -32,7 +32,7 @@ class LiveRanks {
   /// Makes what is lacking, if it still is; one caller after the other. Errors as of RankGrower::grow(). Precondition: take().
   absl::Status grow(std::span<const ChunkId> lacking, const ExecutionContext& context);
 
-  /// Of the candidates.
+  /// Of the candidates, and of what growing keeps.
   std::uint64_t byte_size();
 
   /// Something could not be made for want of room: views that lack it do with what there is.
@@ -44,6 +44,7 @@ class LiveRanks {
   std::unique_ptr<RankGrower> grower_;
   std::mutex mutex_;
   RankedCurve newest_;
+  std::uint64_t grower_bytes_ = 0;
 };
 
 }  // namespace curvecast::server

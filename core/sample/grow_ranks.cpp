@@ -11,7 +11,8 @@
 namespace curvecast {
 namespace {
 
-constexpr std::size_t kMostChunks = 256;  // that are made in one go
+constexpr std::size_t kMostChunks = 256;      // that are made in one go
+constexpr std::size_t kMostKept = 1'000'000;  // points of blocks made before
 // Of a level's chunks: where more are lacking, all of it is made at once, which is less work for each and takes all threads.
 constexpr std::uint64_t kMostParts = 3;
 
@@ -79,10 +80,11 @@ absl::Status RankGrower::make_whole(int level, const ExecutionContext& context) 
 
 /// All of one level.
 absl::Status RankGrower::make_chunks(std::span<const ChunkId> wanted, std::vector<RankTree::Chunk>& out,
-                                     const ExecutionContext& context) const {
+                                     const ExecutionContext& context) {
   std::vector<StrataRange> ranges;
   for (const ChunkId& id : wanted) ranges.push_back({id.index * kChunkStrata, (id.index + 1) * kChunkStrata});
-  const auto points = ranks_->deepen(wanted.front().level, ranges, context);
+  const auto points = ranks_->deepen(wanted.front().level, ranges, made_, context);
+  if (made_.points > kMostKept) made_ = {};
   if (!points.ok()) return points.status();
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const auto own = std::span(*points).subspan(i * kChunkStrata, kChunkStrata);

@@ -28,6 +28,8 @@ class RankGrower {
   const SurfaceCurve& curve() const { return *curve_; }
   /// What there is by now.
   std::shared_ptr<const RankTree> tree() const { return tree_; }
+  /// Of what is kept from one grow() to the next besides the tree: at most some 50 MB.
+  std::size_t byte_size() const { return made_.points * sizeof(RankedPoint); }
 
   /// Makes what is lacking, and with it what that continues; nothing deeper than tree()->deepest(), where a curve vertex has
   /// eight points to itself. ResourceExhausted: the tree would have more than `max_points`. Cancelled.
@@ -36,14 +38,14 @@ class RankGrower {
  private:
   RankGrower(std::shared_ptr<const SurfaceCurve> curve, const ProgressiveOptions& options);
   absl::Status make_whole(int level, const ExecutionContext& context);
-  absl::Status make_chunks(std::span<const ChunkId> wanted, std::vector<RankTree::Chunk>& out,
-                           const ExecutionContext& context) const;
+  absl::Status make_chunks(std::span<const ChunkId> wanted, std::vector<RankTree::Chunk>& out, const ExecutionContext& context);
 
   const std::shared_ptr<const SurfaceCurve> curve_;
   const std::uint64_t seed_;
   const CurveStrata strata_;
   const StratumBounds bounds_;
   std::optional<ProgressiveRanks> ranks_;
+  DeepBlocks made_;  // for what will be asked for next
   std::shared_ptr<const RankTree> tree_;
 };
 

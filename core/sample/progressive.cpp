@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "core/sample/random.h"
@@ -63,28 +62,24 @@ std::vector<Blocks> waves_of(int level, std::span<const Blocks> near) {
 }
 
 /// Makes blocks as they are needed, and those that they need.
-class DeepBlocks {
+class BlockMaker {
  public:
-  DeepBlocks(const CurveStrata& strata, const BlockOrder& order, const ProgressiveOptions& options,
-             std::span<const RankedPoint> points)
-      : strata_(strata), order_(order), options_(options), points_(points) {}
+  BlockMaker(const CurveStrata& strata, const BlockOrder& order, const ProgressiveOptions& options,
+             std::span<const RankedPoint> points, DeepBlocks& made)
+      : strata_(strata), order_(order), options_(options), points_(points), made_(made) {}
 
   std::span<const RankedPoint> filled(int level, std::uint64_t index) {
-    const auto [at, is_new] = filled_.try_emplace({level, index});
-    std::vector<RankedPoint>& points = at->second;
-    if (is_new) {
-      const RankBlock block{level, index};
-      points.resize(4 * block.size());
-      make_block(
-          strata_, order_, block, near(level, index), options_.seed, [&](std::uint64_t i) { return base(level, i); },
-          [&](std::uint64_t i) { return filled(level, i); }, points);
-    }
-    return points;
+    if (const auto found = made_.filled.find({level, index}); found != made_.filled.end()) return found->second;
+    const RankBlock block{level, index};
+    std::vector<RankedPoint> points(4 * block.size());
+    make_block(
+        strata_, order_, block, near(level, index), options_.seed, [&](std::uint64_t i) { return base(level, i); },
+        [&](std::uint64_t i) { return filled(level, i); }, points);
+    made_.points += points.size();
+    return made_.filled.emplace(DeepBlocks::Key(level, index), std::move(points)).first->second;
   }
 
  private:
-  using Key = std::pair<int, std::uint64_t>;
-
   std::span<const RankedPoint> base(int level, std::uint64_t index) {
     const std::size_t size = RankBlock{level, index}.size();
     if (level == options_.level) return points_.subspan(index * size, size);
@@ -92,20 +87,17 @@ class DeepBlocks {
   }
 
   const Blocks& near(int level, std::uint64_t index) {
-    const auto [at, is_new] = near_.try_emplace({level, index});
-    if (is_new) {
-      const bool is_whole = BlockOrder::blocks(level) == 1;
-      at->second = order_.near({level, index}, is_whole ? Blocks{0} : near(level - 1, index / 4));
-    }
-    return at->second;
+    if (const auto found = made_.near.find({level, index}); found != made_.near.end()) return found->second;
+    const bool is_whole = BlockOrder::blocks(level) == 1;
+    Blocks blocks = order_.near({level, index}, is_whole ? Blocks{0} : near(level - 1, index / 4));
+    return made_.near.emplace(DeepBlocks::Key(level, index), std::move(blocks)).first->second;
   }
 
   const CurveStrata& strata_;
   const BlockOrder& order_;
   const ProgressiveOptions& options_;
   std::span<const RankedPoint> points_;
-  std::map<Key, std::vector<RankedPoint>> filled_;
-  std::map<Key, Blocks> near_;
+  DeepBlocks& made_;
 };
 
 absl::Status check_area(const SurfaceCurve& curve) {
@@ -181,7 +173,7 @@ absl::Status ProgressiveRanks::fill(int last, const ExecutionContext& context) {
 }
 
 absl::StatusOr<std::vector<RankedPoint>> ProgressiveRanks::deepen(int level, std::span<const StrataRange> ranges,
-                                                                  const ExecutionContext& context) const {
+                                                                  DeepBlocks& made, const ExecutionContext& context) const {
   if (level < options_.level || level > kMaxRankLevel) {
     return absl::InvalidArgumentError(
         absl::StrFormat("points of level %d asked for; there are those of %d to %d", level, options_.level, kMaxRankLevel));
@@ -200,7 +192,7 @@ absl::StatusOr<std::vector<RankedPoint>> ProgressiveRanks::deepen(int level, std
   }
   std::vector<RankedPoint> points;
   points.reserve(count);
-  DeepBlocks blocks(*strata_, *order_, options_, points_);
+  BlockMaker blocks(*strata_, *order_, options_, points_, made);
   for (const auto [first, last] : ranges) {
     if (level == options_.level) {
       const std::span<const RankedPoint> own = std::span(points_).subspan(first, last - first);

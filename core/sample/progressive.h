@@ -4,9 +4,12 @@
 
 #include <absl/status/statusor.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/curve/surface_curve.h"
@@ -33,6 +36,14 @@ struct StrataRange {
   std::uint64_t first, last;
 };
 
+/// Blocks of deep levels that were made on the way to parts of these: most of the work for parts nearby. Of one ProgressiveRanks.
+struct DeepBlocks {
+  using Key = std::pair<int, std::uint64_t>;  // level and index
+  std::map<Key, std::vector<RankedPoint>> filled;
+  std::map<Key, std::vector<std::uint64_t>> near;
+  std::size_t points = 0;
+};
+
 /// Points on the whole curve, made at once down to a level and in parts of it as deep as one likes. For every l the points of the
 /// 4^l lowest ranks have one in each stratum of level l. The same for any number of threads. Immutable: any number of threads may
 /// ask.
@@ -52,10 +63,10 @@ class ProgressiveRanks {
   std::span<const RankedPoint> points() const { return points_; }
 
   /// Of a deeper level the points of some strata, one in each, range by range, each in curve order. They are what making all at
-  /// once down to that level would give. What is near is made only once: rather ask for many ranges in one call.
-  /// InvalidArgument: a level not in level() .. kMaxRankLevel, strata that there are not, more than kMaxDeepened points.
-  /// Cancelled.
-  absl::StatusOr<std::vector<RankedPoint>> deepen(int level, std::span<const StrataRange> ranges,
+  /// once down to that level would give. What lies around them has to be made too, but for what is in `made`, to which it is
+  /// added: rather ask for many ranges in one call. InvalidArgument: a level not in level() .. kMaxRankLevel, strata that there
+  /// are not, more than kMaxDeepened points. Cancelled.
+  absl::StatusOr<std::vector<RankedPoint>> deepen(int level, std::span<const StrataRange> ranges, DeepBlocks& made,
                                                   const ExecutionContext& context = {}) const;
 
  private:

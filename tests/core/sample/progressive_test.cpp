@@ -129,16 +129,17 @@ TEST(ProgressiveRanks, PartsAreWhatTheWholeWouldBe) {
   const ProgressiveRanks whole = ranks_of(ball().curve, {.level = kDeep});
   for (const int level : {0, 2, 4, 5, 7}) {
     const ProgressiveRanks ranks = ranks_of(ball().curve, {.level = level});
+    DeepBlocks made;
     const std::uint64_t strata = ranks.points().size(), part = whole.points().size() / strata;
     for (const std::uint64_t first : {std::uint64_t{0}, strata / 3, strata - 1}) {
       const std::uint64_t last = std::min(strata, first + 1 + first % 2);
-      const auto points = ranks.deepen(kDeep, std::vector<StrataRange>{{first * part, last * part}});
+      const auto points = ranks.deepen(kDeep, std::vector<StrataRange>{{first * part, last * part}}, made);
       ASSERT_TRUE(points.ok()) << points.status();
       EXPECT_TRUE(same(*points, whole.points().subspan(first * part, (last - first) * part))) << level << ' ' << first;
     }
-    const auto none = ranks.deepen(kDeep, std::vector<StrataRange>{{strata * part, strata * part}});
+    const auto none = ranks.deepen(kDeep, std::vector<StrataRange>{{strata * part, strata * part}}, made);
     EXPECT_TRUE(none.ok() && none->empty());
-    const auto both = ranks.deepen(kDeep, std::vector<StrataRange>{{4000, 4900}, {100, 333}});
+    const auto both = ranks.deepen(kDeep, std::vector<StrataRange>{{4000, 4900}, {100, 333}}, made);
     ASSERT_TRUE(both.ok()) << both.status();
     EXPECT_TRUE(same(std::span(*both).first(900), whole.points().subspan(4000, 900)));
     EXPECT_TRUE(same(std::span(*both).subspan(900), whole.points().subspan(100, 233)));
@@ -159,9 +160,10 @@ TEST(ProgressiveRanks, WhatIsExtendedIsWhatTheWholeWouldBe) {
 
 TEST(ProgressiveRanks, ZoomingInNeverRunsOut) {
   const ProgressiveRanks ranks = ranks_of(flat_curve(5), {.level = 4});
+  DeepBlocks made;
   for (int level = 5; level <= 12; ++level) {
     const std::uint64_t first = std::uint64_t{77} << 2 * (level - 4);
-    const auto points = ranks.deepen(level, std::vector<StrataRange>{{first, first + (level < 10 ? 500 : 0)}});
+    const auto points = ranks.deepen(level, std::vector<StrataRange>{{first, first + (level < 10 ? 500 : 0)}}, made);
     ASSERT_TRUE(points.ok()) << points.status();
     for (std::size_t i = 0; i < points->size(); ++i) EXPECT_EQ((*points)[i].coordinate >> (64 - 2 * level), first + i);
   }
@@ -200,9 +202,11 @@ TEST(ProgressiveRanks, RefusesWhatCannotBe) {
     EXPECT_EQ(ProgressiveRanks::make(curve, {.level = 2}).status().code(), absl::StatusCode::kInvalidArgument);
   }
   const ProgressiveRanks ranks = ranks_of(ball().curve, {.level = 3});
+  DeepBlocks made;
   for (const auto& [level, first, last] :
        {std::tuple{2, 0u, 1u}, {16, 0u, 1u}, {4, 2u, 1u}, {4, 0u, 257u}, {15, 0u, 4'000'001u}}) {
-    EXPECT_EQ(ranks.deepen(level, std::vector<StrataRange>{{first, last}}).status().code(), absl::StatusCode::kInvalidArgument)
+    EXPECT_EQ(ranks.deepen(level, std::vector<StrataRange>{{first, last}}, made).status().code(),
+              absl::StatusCode::kInvalidArgument)
         << level;
   }
 }
@@ -213,7 +217,8 @@ TEST(ProgressiveRanks, CanBeCancelled) {
   context.cancel = &cancel;
   EXPECT_EQ(ProgressiveRanks::make(ball().curve, {.level = 4}, context).status().code(), absl::StatusCode::kCancelled);
   const ProgressiveRanks ranks = ranks_of(ball().curve, {.level = 3});
-  EXPECT_EQ(ranks.deepen(5, std::vector<StrataRange>{{0, 64}}, context).status().code(), absl::StatusCode::kCancelled);
+  DeepBlocks made;
+  EXPECT_EQ(ranks.deepen(5, std::vector<StrataRange>{{0, 64}}, made, context).status().code(), absl::StatusCode::kCancelled);
 }
 
 }  // namespace
