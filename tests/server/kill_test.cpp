@@ -59,7 +59,7 @@ class KillTest : public ::testing::Test {
       for (const std::uint64_t points : {500, 5000, 15000}) sessions_.push_back({sphere_off(levels), points});
     }
     // What an undisturbed server without a cache makes of them.
-    const auto server = Server::start({.log = false});
+    const auto server = Server::start({.max_curve_vertices = 0, .log = false});
     ASSERT_TRUE(server.ok()) << server.status();
     const auto stub = v1::CurvecastService::NewStub((*server)->in_process_channel());
     const Clock::time_point start = Clock::now();
@@ -67,14 +67,14 @@ class KillTest : public ::testing::Test {
       const Created created = create(*stub, upload(*stub, wanted.off), wanted.max_points);
       ASSERT_TRUE(created.status.ok()) << created.status.error_message();
       wanted.id = created.session.session_id();
-      wanted.bytes = resample_settled(*stub, wanted.id, raw_view()).bytes();
+      wanted.bytes = resample(*stub, wanted.id, raw_view()).bytes();
     }
     window_ = 1.5 * std::chrono::duration<double>(Clock::now() - start);  // in which all of them are made and written
   }
 
   std::unique_ptr<cli::Process> serve() const {
-    return std::make_unique<cli::Process>(
-        std::vector<std::string>{"serve", "--listen", "127.0.0.1:0", "--http", "none", "--cache", cache_.path()});
+    return std::make_unique<cli::Process>(std::vector<std::string>{"serve", "--listen", "127.0.0.1:0", "--http", "none",
+                                                                   "--max-curve-vertices", "0", "--cache", cache_.path()});
   }
   std::unique_ptr<Stub> connect(cli::Process& server) const {
     EXPECT_TRUE(server.wait_for("listening on 127.0.0.1:")) << server.err();
@@ -103,7 +103,7 @@ class KillTest : public ::testing::Test {
     for (const Wanted& wanted : sessions_) {
       if (!cached_.contains(wanted.id)) continue;
       EXPECT_TRUE(is_cached(stub, wanted.id)) << wanted.id << " is lost";
-      const Resampled sample = resample_settled(stub, wanted.id, raw_view());
+      const Resampled sample = resample(stub, wanted.id, raw_view());
       EXPECT_TRUE(sample.status.ok()) << sample.status.error_message();
       EXPECT_EQ(sample.bytes(), wanted.bytes);
     }
@@ -134,7 +134,7 @@ class KillTest : public ::testing::Test {
       const Created created = create(stub, uploaded.response.mesh_id(), wanted->max_points);
       if (!created.status.ok()) return;
       EXPECT_EQ(created.session.session_id(), wanted->id);
-      const Resampled sample = resample_settled(stub, wanted->id, raw_view());
+      const Resampled sample = resample(stub, wanted->id, raw_view());
       if (!sample.status.ok()) return;
       EXPECT_EQ(sample.bytes(), wanted->bytes);
     }
@@ -207,7 +207,7 @@ TEST_F(KillTest, NothingThatWasCachedIsLost) {
   expect_kept(*stub);
   for (const Wanted& wanted : sessions_) {
     ASSERT_TRUE(create(*stub, upload(*stub, wanted.off), wanted.max_points).status.ok());
-    EXPECT_EQ(resample_settled(*stub, wanted.id, raw_view()).bytes(), wanted.bytes);
+    EXPECT_EQ(resample(*stub, wanted.id, raw_view()).bytes(), wanted.bytes);
   }
   server->signal(SIGTERM);
   EXPECT_EQ(server->finish().status, 0);

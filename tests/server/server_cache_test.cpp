@@ -18,7 +18,7 @@ using testing::write_file;
 class ServerCache : public ServerFixture {
  protected:
   void SetUp() override { restart(); }
-  void restart() { start({.max_sessions = max_sessions_, .cache = folder_.path()}); }
+  void restart() { start({.max_sessions = max_sessions_, .max_curve_vertices = max_curve_vertices_, .cache = folder_.path()}); }
 
   static std::pair<grpc::Status, v1::Session> get(Stub& stub, const std::string& id) {
     grpc::ClientContext context;
@@ -66,14 +66,15 @@ class ServerCache : public ServerFixture {
 
   TemporaryFolder folder_;
   std::uint64_t max_sessions_ = 64;
+  std::uint64_t max_curve_vertices_ = 0;  // no curve is refined: points stay what they are
 };
 
 TEST_F(ServerCache, SessionsSurviveARestart) {
   const v1::Session made = make_cached(*client(), 3);
   const std::string& id = made.session_id();
-  const std::string bytes = resample_settled(*client(), id, view_of(900)).bytes();
+  const std::string bytes = resample(*client(), id, view_of(900)).bytes();
   restart();
-  const Resampled again = resample_settled(*client(), id, view_of(900));
+  const Resampled again = resample(*client(), id, view_of(900));
   ASSERT_TRUE(again.status.ok()) << again.status.error_message();
   EXPECT_EQ(again.bytes(), bytes);
   restart();
@@ -139,7 +140,7 @@ TEST_F(ServerCache, CreateSessionLoadsInsteadOfPreprocessing) {
 
 TEST_F(ServerCache, DamagedFilesAreRebuilt) {
   const std::string id = make_cached(*client(), 3).session_id();
-  const std::string bytes = resample_settled(*client(), id, view_of(900)).bytes();
+  const std::string bytes = resample(*client(), id, view_of(900)).bytes();
   const std::string good = bytes_of(curve_path());
   std::string flipped = good;
   flipped[good.size() / 2] ^= 1;
@@ -151,9 +152,9 @@ TEST_F(ServerCache, DamagedFilesAreRebuilt) {
     const Created again = create(*stub, upload(*stub, sphere_off(3)), 1000);
     ASSERT_TRUE(again.status.ok()) << again.status.error_message();
     EXPECT_THAT(stages(again), ::testing::IsSupersetOf({"load", "read", "map"}));
-    EXPECT_EQ(resample_settled(*stub, id, view_of(900)).bytes(), bytes);
+    EXPECT_EQ(resample(*stub, id, view_of(900)).bytes(), bytes);
     wait_until_cached(*stub, id);
-    EXPECT_EQ(resample_settled(*stub, id, view_of(900)).bytes(), bytes);
+    EXPECT_EQ(resample(*stub, id, view_of(900)).bytes(), bytes);
   }
   server_.reset();
   write_file(folder_ / (id + ".v1.curve"), flipped);
@@ -164,6 +165,7 @@ TEST_F(ServerCache, DamagedFilesAreRebuilt) {
 
 TEST_F(ServerCache, EvictionCostsNothing) {
   max_sessions_ = 1;
+  max_curve_vertices_ = ServerOptions().max_curve_vertices;
   restart();
   const auto stub = client();
   const std::string a = make_cached(*stub, 2).session_id();
@@ -194,18 +196,18 @@ TEST_F(ServerCache, CloseForgetsTheFilesToo) {
 }
 
 TEST_F(ServerCache, TwoServersShareOneFolder) {
-  const auto other_server = Server::start({.cache = folder_.path(), .log = false});
+  const auto other_server = Server::start({.max_curve_vertices = 0, .cache = folder_.path(), .log = false});
   ASSERT_TRUE(other_server.ok()) << other_server.status();
   const auto other = v1::CurvecastService::NewStub((*other_server)->in_process_channel());
   const auto stub = client();
   const std::string id = make_cached(*stub, 2).session_id();
-  EXPECT_EQ(resample_settled(*other, id, view_of(900)).bytes(), resample_settled(*stub, id, view_of(900)).bytes());
+  EXPECT_EQ(resample(*other, id, view_of(900)).bytes(), resample(*stub, id, view_of(900)).bytes());
   // Both make and write the same sessions at once.
   for (int levels = 3; levels < 5; ++levels) {
     std::thread thread([&] { make_cached(*other, levels); });
     const std::string both = make_cached(*stub, levels).session_id();
     thread.join();
-    EXPECT_EQ(resample_settled(*other, both, view_of(900)).bytes(), resample_settled(*stub, both, view_of(900)).bytes());
+    EXPECT_EQ(resample(*other, both, view_of(900)).bytes(), resample(*stub, both, view_of(900)).bytes());
   }
 }
 

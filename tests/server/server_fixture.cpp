@@ -135,14 +135,6 @@ Resampled resample(Stub& stub, const std::string& session_id, const v1::SampleRe
   return out;
 }
 
-Resampled resample_settled(Stub& stub, const std::string& session_id, const v1::SampleRequest& sample) {
-  Resampled out;
-  do {
-    out = resample(stub, session_id, sample);
-  } while (out.status.ok() && out.blocks.back().statistics().refining());
-  return out;
-}
-
 v1::SampleRequest view_of(std::uint64_t points) {
   v1::SampleRequest sample;
   sample.set_points(points);

@@ -60,9 +60,6 @@ struct Resampled {
 };
 Resampled resample(Stub& stub, const std::string& session_id, const v1::SampleRequest& sample);
 
-/// Once the curve is as fine as these points want it: the same bytes from then on.
-Resampled resample_settled(Stub& stub, const std::string& session_id, const v1::SampleRequest& sample);
-
 /// N points with a silhouette view from (0, 0, 3).
 v1::SampleRequest view_of(std::uint64_t points);
 
