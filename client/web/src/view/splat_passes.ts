@@ -164,7 +164,6 @@ export class SplatPasses implements Passes {
     const [disc, dot, shade] = [this.discUniforms, this.dotUniforms, this.shadeUniforms];
 
     disc.splatScale.value = dot.splatScale.value = style.splatScale;
-    // A square as large as a pixel, whichever way it is turned, holds its middle.
     for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial]) define(material, "IS_FROZEN", picture.frozen !== null);
     if (picture.frozen) {
       const { camera: sampled, isCut, isEven } = picture.frozen;
@@ -173,6 +172,7 @@ export class SplatPasses implements Passes {
       disc.frozenEye.value.copy(sampled.position).applyMatrix4(camera.matrixWorldInverse);
       disc.frozenSlim.value = isEven ? slimness : 1e6;
     }
+    // A square as large as a pixel, whichever way it is turned, holds its middle.
     disc.leastRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
     if (points) {
       points.apply(disc);
