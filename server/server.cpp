@@ -13,15 +13,15 @@
 #include <utility>
 #include <vector>
 
-#include "server/address.h"
-#include "server/build_info.h"
-#include "server/credentials.h"
-#include "server/engine.h"
-#include "server/guarded.h"
-#include "server/service.h"
-#include "server/web_calls.h"
-#include "server/web_gateway.h"
-#include "server/web_routes.h"
+#include "server/base/address.h"
+#include "server/base/build_info.h"
+#include "server/base/guarded.h"
+#include "server/engine/engine.h"
+#include "server/grpc/service.h"
+#include "server/web/credentials.h"
+#include "server/web/web_calls.h"
+#include "server/web/web_gateway.h"
+#include "server/web/web_routes.h"
 
 namespace curvecast::server {
 namespace {

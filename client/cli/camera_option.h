@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 #include "curvecast/v1/curvecast.pb.h"
 
 namespace curvecast::cli {

@@ -9,7 +9,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/exit_status.h"
 #include "client/cli/signals.h"
-#include "server/build_info.h"
+#include "server/base/build_info.h"
 
 namespace curvecast::cli {
 namespace {

@@ -11,7 +11,7 @@
 #include "client/cli/common.h"
 #include "client/cli/sample_flags.h"
 #include "client/cli/session_flags.h"
-#include "core/image.h"
+#include "core/base/image.h"
 #include "core/render/splat_renderer.h"
 
 namespace curvecast::cli {

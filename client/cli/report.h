@@ -4,7 +4,7 @@
 #include <string>
 
 #include "client/cli/common.h"
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast::cli {
 

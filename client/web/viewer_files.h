@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "server/web_file.h"
+#include "server/base/web_file.h"
 
 namespace curvecast::web {
 

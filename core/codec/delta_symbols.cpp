@@ -1,6 +1,6 @@
 #include "core/codec/delta_symbols.h"
 
-#include "core/lanes.h"
+#include "core/base/lanes.h"
 
 namespace curvecast {
 namespace {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/lanes.h"
+#include "core/base/lanes.h"
 
 namespace curvecast {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

@@ -5,8 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "core/base/lanes.h"
 #include "core/codec/bit_writer.h"
-#include "core/lanes.h"
 
 namespace curvecast {
 namespace {

@@ -9,9 +9,9 @@
 #include <limits>
 #include <vector>
 
-#include "core/branchless.h"
+#include "core/base/branchless.h"
+#include "core/base/lanes.h"
 #include "core/curve/triangle_bins.h"
-#include "core/lanes.h"
 
 namespace curvecast {
 namespace {

@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <span>
 
-#include "core/column.h"
+#include "core/base/column.h"
+#include "core/base/execution_context.h"
+#include "core/base/vec.h"
 #include "core/curve/hilbert.h"
 #include "core/curve/parameter_triangle.h"
-#include "core/execution_context.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

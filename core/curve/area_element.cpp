@@ -6,8 +6,8 @@
 
 #include <functional>
 
-#include "core/branchless.h"
-#include "core/lanes.h"
+#include "core/base/branchless.h"
+#include "core/base/lanes.h"
 
 namespace curvecast {
 namespace {

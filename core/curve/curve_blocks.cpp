@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/lanes.h"
 #include "core/curve/surface_curve.h"
-#include "core/lanes.h"
 
 namespace curvecast {
 namespace {

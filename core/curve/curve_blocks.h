@@ -11,8 +11,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/column.h"
-#include "core/vec.h"
+#include "core/base/column.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

@@ -9,9 +9,9 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/float4.h"
 #include "core/curve/hilbert.h"
 #include "core/curve/surface_curve.h"
-#include "core/float4.h"
 
 namespace curvecast {
 namespace {

@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/column.h"
+#include "core/base/column.h"
+#include "core/base/packed.h"
+#include "core/base/vec.h"
 #include "core/curve/curvature_measure.h"
-#include "core/packed.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstddef>
 
+#include "core/base/vec.h"
 #include "core/curve/hilbert.h"
 #include "core/curve/surface_curve.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

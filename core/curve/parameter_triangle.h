@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "core/column.h"
+#include "core/base/column.h"
+#include "core/base/vec.h"
 #include "core/flatten/flatten.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

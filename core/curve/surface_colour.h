@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/colour.h"
+#include "core/base/colour.h"
 #include "core/mesh/mesh_attributes.h"
 #include "core/mesh/triangle_mesh.h"
 

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "core/colour.h"
-#include "core/column.h"
+#include "core/base/colour.h"
+#include "core/base/column.h"
+#include "core/base/packed.h"
+#include "core/base/vec.h"
 #include "core/curve/curvature_measure.h"
 #include "core/curve/curve_blocks.h"
 #include "core/curve/curve_hierarchy.h"
-#include "core/packed.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/lanes.h"
 #include "core/curve/deepest_triangle.h"
 #include "core/curve/tangent_frame.h"
-#include "core/lanes.h"
 
 namespace curvecast {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

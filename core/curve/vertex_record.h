@@ -1,7 +1,7 @@
 // What the mapper mixes of a mesh vertex, together in memory and in a form that mixes linearly.
 #pragma once
 
-#include "core/column.h"
+#include "core/base/column.h"
 #include "core/curve/tangent_frame.h"
 #include "core/mesh/curvature.h"
 

@@ -4,7 +4,7 @@
 #include <bit>
 #include <limits>
 
-#include "core/lanes.h"
+#include "core/base/lanes.h"
 
 namespace curvecast {
 namespace {

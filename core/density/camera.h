@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

@@ -11,9 +11,9 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/vec.h"
 #include "core/curve/surface_curve.h"
 #include "core/density/camera.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/lanes.h"
+#include "core/base/lanes.h"
 
 namespace curvecast {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "core/column.h"
+#include "core/base/column.h"
 #include "core/curve/curve_blocks.h"
 #include "core/density/density.h"
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "core/lanes.h"
+#include "core/base/lanes.h"
 
 namespace curvecast {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/lanes.h"
 #include "core/density/density.h"
-#include "core/lanes.h"
 
 namespace curvecast {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/lanes.h"
+#include "core/base/lanes.h"
 
 namespace curvecast {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/measure/triangle_distance.h"
+#include "core/mesh/triangle_distance.h"
 
 namespace curvecast {
 namespace {

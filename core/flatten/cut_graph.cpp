@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/flatten/edge_paths.h"
+#include "core/flatten/union_find.h"
 #include "core/mesh/topology.h"
-#include "core/union_find.h"
 
 namespace curvecast {
 namespace {

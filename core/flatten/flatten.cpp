@@ -9,6 +9,7 @@
 #include <optional>
 #include <string_view>
 
+#include "core/base/stopwatch.h"
 #include "core/flatten/cut_to_disc.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/face_set.h"
@@ -17,7 +18,6 @@
 #include "core/flatten/parameterise_cgal.h"
 #include "core/flatten/piece.h"
 #include "core/mesh/topology.h"
-#include "core/stopwatch.h"
 
 namespace curvecast {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

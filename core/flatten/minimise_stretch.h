@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "core/execution_context.h"
+#include "core/base/execution_context.h"
 #include "core/flatten/disc_mesh.h"
 
 namespace curvecast {

@@ -1,7 +1,7 @@
 // Exact sign of a triangle's area in the plane.
 #pragma once
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

@@ -13,7 +13,7 @@
 #include <exception>
 #include <new>
 
-#include "core/stopwatch.h"
+#include "core/base/stopwatch.h"
 
 namespace curvecast {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

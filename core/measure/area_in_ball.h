@@ -1,7 +1,7 @@
 // The part of a triangle that lies in a ball.
 #pragma once
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

@@ -8,10 +8,10 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/base/random.h"
 #include "core/measure/area_in_ball.h"
 #include "core/measure/kd_order.h"
 #include "core/measure/random_surface_points.h"
-#include "core/sample/random.h"
 
 namespace curvecast {
 namespace {

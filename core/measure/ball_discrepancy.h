@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/execution_context.h"
+#include "core/base/execution_context.h"
 #include "core/measure/discrepancy.h"
 #include "core/mesh/triangle_mesh.h"
 

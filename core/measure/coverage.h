@@ -1,7 +1,7 @@
 // The largest hole that points leave in a surface.
 #pragma once
 
-#include "core/execution_context.h"
+#include "core/base/execution_context.h"
 #include "core/measure/point_cloud.h"
 #include "core/mesh/triangle_mesh.h"
 

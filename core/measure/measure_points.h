@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/density/density.h"
-#include "core/execution_context.h"
 #include "core/measure/discrepancy.h"
 #include "core/measure/spacing.h"
 #include "core/mesh/mesh_attributes.h"

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/curve/neighbours.h"
+#include "core/measure/neighbours.h"
 
 namespace curvecast {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "core/branchless.h"
+#include "core/base/branchless.h"
 #include "core/measure/kd_order.h"
-#include "core/measure/triangle_distance.h"
+#include "core/mesh/triangle_distance.h"
 
 namespace curvecast {
 namespace {

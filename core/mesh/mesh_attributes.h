@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/colour.h"
-#include "core/image.h"
-#include "core/vec.h"
+#include "core/base/colour.h"
+#include "core/base/image.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/vec.h"
 #include "core/mesh/mesh_attributes.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

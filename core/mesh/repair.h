@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "core/execution_context.h"
+#include "core/base/execution_context.h"
 #include "core/mesh/polygon_soup.h"
 #include "core/mesh/triangle_mesh.h"
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

@@ -5,9 +5,9 @@
 
 #include <span>
 
-#include "core/image.h"
+#include "core/base/image.h"
+#include "core/base/vec.h"
 #include "core/render/splat_renderer.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/image.h"
+#include "core/base/image.h"
 
 namespace curvecast {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

@@ -12,9 +12,9 @@
 #include <optional>
 #include <span>
 
-#include "core/image.h"
+#include "core/base/image.h"
+#include "core/base/vec.h"
 #include "core/render/render_camera.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

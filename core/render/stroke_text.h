@@ -3,9 +3,9 @@
 
 #include <string_view>
 
-#include "core/image.h"
+#include "core/base/image.h"
+#include "core/base/vec.h"
 #include "core/render/splat_renderer.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

@@ -1,9 +1,9 @@
 // Squares of one size in a grid: where the discs of a picture of the parameter square lie.
 #pragma once
 
-#include "core/image.h"
+#include "core/base/image.h"
+#include "core/base/vec.h"
 #include "core/render/splat_renderer.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

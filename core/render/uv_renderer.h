@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <span>
 
-#include "core/image.h"
+#include "core/base/image.h"
+#include "core/base/vec.h"
 #include "core/render/splat_renderer.h"
-#include "core/vec.h"
 
 namespace curvecast {
 

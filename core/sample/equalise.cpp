@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/branchless.h"
-#include "core/lanes.h"
+#include "core/base/branchless.h"
+#include "core/base/lanes.h"
 
 namespace curvecast {
 namespace {

@@ -1,10 +1,12 @@
 // Inverts the cumulative density along the curve, like histogram equalisation (paper, section 3.4).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/base/capacity.h"
 #include "core/curve/curve_blocks.h"
 #include "core/sample/view_mass.h"
 
@@ -13,6 +15,12 @@ namespace curvecast {
 /// Memory that equalise() uses again; what it holds is equalise()'s own affair.
 struct EqualiseScratch {
   std::vector<std::uint32_t> block;  // at most N + 1
+
+  /// Bytes allocated, in use or not.
+  std::size_t byte_size() const {
+    const auto& [b] = *this;
+    return capacity_bytes(b);
+  }
 };
 
 /// For each q_i (ascending, in [0, 1)) the curve vertex on which the cumulative mass exceeds q_i times the whole; written to

@@ -1,11 +1,13 @@
 // Samples of a surface, in curve order.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "core/colour.h"
-#include "core/vec.h"
+#include "core/base/capacity.h"
+#include "core/base/colour.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 
@@ -22,6 +24,11 @@ struct PointSet {
   std::vector<Rgba8> colours;           // N, or empty when the mesh has none
 
   std::size_t size() const { return positions.size(); }
+  /// Bytes allocated, in use or not.
+  std::size_t byte_size() const {
+    const auto& [o, p, n, r, v, k, c] = *this;
+    return capacity_bytes(p, n, r, v, k, c);
+  }
 };
 
 }  // namespace curvecast

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/stopwatch.h"
 #include "core/density/view_factor.h"
 #include "core/sample/equalise.h"
 #include "core/sample/splat_radius.h"
 #include "core/sample/view_mass.h"
-#include "core/stopwatch.h"
 
 namespace curvecast {
 namespace {

@@ -6,9 +6,9 @@
 #include <tuple>
 #include <utility>
 
-#include "core/lanes.h"
-#include "core/sample/random.h"
-#include "core/sample/reversed_bits.h"
+#include "core/base/lanes.h"
+#include "core/base/random.h"
+#include "core/base/reversed_bits.h"
 
 namespace curvecast {
 namespace {

@@ -2,11 +2,13 @@
 // moves a point (paper, section 3.4: the terms of the cumulative sum).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
 
+#include "core/base/capacity.h"
 #include "core/curve/surface_curve.h"
 #include "core/density/view_factor.h"
 
@@ -24,6 +26,11 @@ struct ViewMass {
   std::vector<float> moved;          // B: how much of a block's mass would lie elsewhere at most, if it counted as its middle
   std::vector<std::uint32_t> close;  // the blocks that were looked at closely come first, ascending
 
+  /// Bytes allocated, in use or not.
+  std::size_t byte_size() const {
+    const auto& [t, l, s, c, o, m, k] = *this;
+    return capacity_bytes(s, c, o, m, k);
+  }
   std::span<const float> sums(const BlockMass& fixed) const { return sum.empty() ? std::span<const float>(fixed.sum) : sum; }
   const MassCodes& codes_of(const BlockMass& fixed, std::size_t block) const {
     if (codes.empty()) return fixed.codes[block];

@@ -20,7 +20,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/vec.h"
+#include "core/base/vec.h"
 
 namespace curvecast {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <variant>
 
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 #include "core/storage/archive.h"
 
 namespace curvecast {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 
 namespace curvecast {
 

@@ -11,8 +11,8 @@
 #include <numeric>
 #include <string>
 
-#include "core/curve/curve_file.h"
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
+#include "core/storage/curve_file.h"
 #include "core/storage/surface_file.h"
 
 namespace curvecast {

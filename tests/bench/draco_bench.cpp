@@ -9,7 +9,7 @@
 #include "core/codec/lattice.h"
 #include "core/codec/octahedral.h"
 #include "core/codec/symbol_writer.h"
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 #include "core/sample/resample.h"
 #include "tests/support/draco_reference.h"
 #include "tests/support/shapes.h"

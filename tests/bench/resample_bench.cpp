@@ -9,7 +9,7 @@
 
 #include "client/cli/bench/read_bytes.h"
 #include "core/codec/draco_codec.h"
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 #include "core/sample/equalise.h"
 #include "core/sample/resample.h"
 #include "core/sample/view_mass.h"

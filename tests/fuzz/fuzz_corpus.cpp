@@ -5,7 +5,7 @@
 #include <iostream>
 #include <map>
 
-#include "core/mesh/mesh_io.h"
+#include "core/mesh_io/mesh_io.h"
 #include "tests/fuzz/fuzz_mesh.h"
 #include "tests/support/hostile_files.h"
 #include "tests/support/mesh_samples.h"

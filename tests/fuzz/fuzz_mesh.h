@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/mesh/mesh_companions.h"
-#include "core/mesh/mesh_io.h"
 #include "core/mesh/repair.h"
+#include "core/mesh_io/mesh_companions.h"
+#include "core/mesh_io/mesh_io.h"
 #include "tests/fuzz/fuzz_expect.h"
 #include "tests/support/mesh_promises.h"
 

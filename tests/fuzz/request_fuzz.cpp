@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
-#include "server/client_stream.h"
-#include "server/convert.h"
-#include "server/convert_measure.h"
+#include "server/convert/convert.h"
+#include "server/convert/convert_measure.h"
+#include "server/frame/client_stream.h"
 #include "tests/fuzz/fuzz_expect.h"
 
 namespace curvecast::fuzzing {

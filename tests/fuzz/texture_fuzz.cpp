@@ -1,4 +1,4 @@
-#include "core/mesh/texture_image.h"
+#include "core/mesh_io/texture_image.h"
 #include "tests/fuzz/fuzz_mesh.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

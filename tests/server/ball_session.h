@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "server/session.h"
+#include "server/session/session.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast::server {

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "server_fixture.h"
-#include "tests/server/frame_points.h"
+#include "tests/server/frame/frame_points.h"
 #include "tests/support/temporary_folder.h"
 
 namespace curvecast::server {

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "tests/server/frame_points.h"
+#include "tests/server/frame/frame_points.h"
 #include "tests/server/hostile_fields.h"
 #include "tests/server/server_fixture.h"
 

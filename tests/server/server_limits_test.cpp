@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "curvecast/v1/status.pb.h"
-#include "server/hash.h"
-#include "tests/server/frame_points.h"
+#include "server/base/hash.h"
+#include "tests/server/frame/frame_points.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
 

@@ -6,8 +6,8 @@
 #include <functional>
 #include <limits>
 
-#include "core/sample/random.h"
-#include "core/vec.h"
+#include "core/base/random.h"
+#include "core/base/vec.h"
 #include "server_fixture.h"
 
 namespace curvecast::server {

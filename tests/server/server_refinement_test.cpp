@@ -9,7 +9,7 @@
 
 #include "server_fixture.h"
 
-#include "tests/server/frame_points.h"
+#include "tests/server/frame/frame_points.h"
 
 namespace curvecast::server {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "has_line.h"
 #include "http_client.h"
-#include "server/request_log.h"
+#include "server/engine/request_log.h"
 #include "server_fixture.h"
 
 namespace curvecast::server {

@@ -1,7 +1,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "tests/core/mesh/gltf_writer.h"
+#include "tests/core/mesh_io/gltf_writer.h"
 #include "tests/support/hostile_files.h"
 
 namespace curvecast::testing {

@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "tests/core/mesh/mesh_writers.h"
+#include "tests/core/mesh_io/mesh_writers.h"
 #include "tests/support/hostile_files.h"
 
 namespace curvecast::testing {

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "tests/core/mesh/gltf_writer.h"
-#include "tests/core/mesh/image_writers.h"
+#include "tests/core/mesh_io/gltf_writer.h"
+#include "tests/core/mesh_io/image_writers.h"
 #include "tests/support/hostile_files.h"
 
 namespace curvecast::testing {

@@ -1,8 +1,8 @@
 #include "tests/support/mesh_samples.h"
 
-#include "tests/core/mesh/gltf_writer.h"
-#include "tests/core/mesh/image_writers.h"
-#include "tests/core/mesh/mesh_writers.h"
+#include "tests/core/mesh_io/gltf_writer.h"
+#include "tests/core/mesh_io/image_writers.h"
+#include "tests/core/mesh_io/mesh_writers.h"
 
 namespace curvecast::testing {
 namespace {

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/random.h"
 #include "core/mesh/repair.h"
-#include "core/sample/random.h"
 
 namespace curvecast::testing {
 namespace {

@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "client/cli/bench/disc_leaves.h"
+#include "core/base/random.h"
+#include "core/base/stopwatch.h"
 #include "core/curve/surface_map.h"
-#include "core/curve/voronoi_area.h"
 #include "core/measure/gradient.h"
 #include "core/measure/ring_discrepancy.h"
+#include "core/reference/voronoi_area.h"
 #include "core/sample/equalise.h"
-#include "core/sample/random.h"
 #include "core/sample/sequence.h"
-#include "core/stopwatch.h"
 
 namespace curvecast::cli {
 namespace {

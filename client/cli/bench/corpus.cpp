@@ -15,10 +15,10 @@
 
 #include "client/cli/bench/local_mesh.h"
 #include "client/cli/bench/peak_memory.h"
-#include "core/measure/triangle_distance.h"
-#include "core/mesh/mesh_io.h"
+#include "core/base/stopwatch.h"
+#include "core/mesh/triangle_distance.h"
+#include "core/mesh_io/mesh_io.h"
 #include "core/sample/resample.h"
-#include "core/stopwatch.h"
 
 namespace curvecast::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "client/cli/bench/bench_report.h"
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 
 namespace curvecast::cli {
 

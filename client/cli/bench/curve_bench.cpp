@@ -15,10 +15,10 @@
 #include "client/cli/bench/median.h"
 #include "client/cli/bench/peak_memory.h"
 #include "client/cli/bench/stages.h"
-#include "core/column.h"
-#include "core/curve/curve_base.h"
-#include "core/curve/raise_levels.h"
-#include "core/stopwatch.h"
+#include "core/base/column.h"
+#include "core/base/stopwatch.h"
+#include "core/refine/curve_base.h"
+#include "core/refine/raise_levels.h"
 
 namespace curvecast::cli {
 namespace {

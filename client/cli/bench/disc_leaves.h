@@ -7,7 +7,7 @@
 
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/parameter_triangle.h"
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 
 namespace curvecast::cli {
 

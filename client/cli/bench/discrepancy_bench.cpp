@@ -18,10 +18,10 @@
 #include "core/measure/gradient.h"
 #include "core/measure/ring_discrepancy.h"
 #include "core/measure/spacing.h"
-#include "core/pipeline.h"
-#include "core/sample/grow_ranks.h"
+#include "core/pipeline/pipeline.h"
+#include "core/progressive/grow_ranks.h"
+#include "core/progressive/sample_ranked.h"
 #include "core/sample/resample.h"
-#include "core/sample/sample_ranked.h"
 
 namespace curvecast::cli {
 namespace {
@@ -60,7 +60,7 @@ class Sampler {
       const ResampleOptions options{.points = n, .density = density_, .sequence = *sampling.sequence, .seed = seed_};
       return resample(*curve_, options);
     }
-    ResampleWorkspace workspace;
+    RankedWorkspace workspace;
     while (true) {
       absl::Status status = sample_ranked(*curve_, grower_->tree(), fixed_.get(), density_, n, workspace);
       if (!status.ok()) return status;

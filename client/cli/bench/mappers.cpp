@@ -7,9 +7,9 @@
 
 #include "client/cli/bench/disc_leaves.h"
 #include "client/cli/bench/median.h"
-#include "core/curve/id_buffer.h"
+#include "core/base/stopwatch.h"
 #include "core/curve/surface_map.h"
-#include "core/stopwatch.h"
+#include "core/reference/id_buffer.h"
 
 namespace curvecast::cli {
 namespace {

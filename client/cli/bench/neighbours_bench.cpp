@@ -16,11 +16,11 @@
 #include <vector>
 
 #include "client/cli/bench/median.h"
-#include "core/curve/neighbours.h"
-#include "core/pipeline.h"
-#include "core/sample/random.h"
+#include "core/base/random.h"
+#include "core/base/stopwatch.h"
+#include "core/measure/neighbours.h"
+#include "core/pipeline/pipeline.h"
 #include "core/sample/resample.h"
-#include "core/stopwatch.h"
 
 namespace curvecast::cli {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "client/cli/bench/bench_report.h"
-#include "core/execution_context.h"
-#include "core/mesh/mesh_file.h"
+#include "core/base/execution_context.h"
+#include "core/mesh_io/mesh_file.h"
 
 namespace curvecast::cli {
 

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "client/cli/bench/median.h"
-#include "core/sample/grow_ranks.h"
-#include "core/sample/rank_delta.h"
-#include "core/sample/rank_selection.h"
-#include "core/sample/sample_ranked.h"
-#include "core/stopwatch.h"
+#include "core/base/stopwatch.h"
+#include "core/progressive/grow_ranks.h"
+#include "core/progressive/rank_delta.h"
+#include "core/progressive/rank_selection.h"
+#include "core/progressive/sample_ranked.h"
 
 namespace curvecast::cli {
 namespace {
@@ -68,7 +68,7 @@ absl::Status bench_ranks(const std::shared_ptr<const SurfaceCurve>& curve, const
     if (status = grower->grow(before.lacking, 4 * kMaxPoints, context); !status.ok()) return status;
   }
   RankDelta delta;
-  ResampleWorkspace workspace;
+  RankedWorkspace workspace;
   std::vector<double> select, compare_both, step, whole;
   double added = 0, removed = 0;
   const int steps = 3 * options.repeats;

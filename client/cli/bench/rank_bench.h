@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "client/cli/bench/sample_bench.h"
+#include "core/base/execution_context.h"
 #include "core/curve/surface_curve.h"
 #include "core/density/camera.h"
-#include "core/execution_context.h"
 
 namespace curvecast::cli {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/lanes.h"
+#include "core/base/lanes.h"
 
 namespace curvecast::cli {
 

@@ -11,9 +11,9 @@
 #include "client/cli/bench/median.h"
 #include "client/cli/bench/rank_bench.h"
 #include "client/cli/bench/read_bytes.h"
-#include "core/pipeline.h"
+#include "core/base/stopwatch.h"
+#include "core/pipeline/pipeline.h"
 #include "core/sample/resample.h"
-#include "core/stopwatch.h"
 
 namespace curvecast::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 
 namespace curvecast::cli {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 
 namespace curvecast {
 namespace {

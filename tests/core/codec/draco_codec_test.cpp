@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "core/pipeline.h"
+#include "core/base/random.h"
+#include "core/pipeline/pipeline.h"
 #include "core/sample/radius_ladder.h"
-#include "core/sample/random.h"
 #include "core/sample/resample.h"
 #include "tests/support/shapes.h"
 

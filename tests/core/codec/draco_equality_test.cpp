@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/random.h"
 #include "core/codec/draco_codec.h"
-#include "core/pipeline.h"
-#include "core/sample/random.h"
+#include "core/pipeline/pipeline.h"
 #include "core/sample/resample.h"
 #include "tests/support/draco_reference.h"
 #include "tests/support/shapes.h"

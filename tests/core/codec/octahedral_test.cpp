@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 
 namespace curvecast {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "core/sample/random.h"
-#include "tests/core/curve/refined.h"
+#include "core/base/random.h"
+#include "tests/core/refine/refined.h"
 
 namespace curvecast {
 namespace {

@@ -10,8 +10,8 @@
 #include <iterator>
 #include <limits>
 
-#include "core/pipeline.h"
-#include "core/sample/random.h"
+#include "core/base/random.h"
+#include "core/pipeline/pipeline.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 #include "tests/support/analytic_directions.h"
 
 namespace curvecast {

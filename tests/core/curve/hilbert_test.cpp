@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 
 namespace curvecast {
 namespace {

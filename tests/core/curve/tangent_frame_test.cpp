@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/packed.h"
-#include "core/sample/random.h"
+#include "core/base/packed.h"
+#include "core/base/random.h"
 
 namespace curvecast {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 #include "tests/core/curve/charts.h"
 
 namespace curvecast {

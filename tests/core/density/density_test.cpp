@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 #include "tests/core/density/sphere_curve.h"
 #include "tests/support/views.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 
 namespace curvecast {
 namespace {

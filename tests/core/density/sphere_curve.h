@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "core/base/random.h"
 #include "core/curve/surface_curve.h"
-#include "core/sample/random.h"
 
 namespace curvecast::testing {
 

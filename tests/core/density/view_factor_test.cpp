@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 #include "tests/core/density/sphere_curve.h"
 #include "tests/support/shapes.h"
 #include "tests/support/views.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {

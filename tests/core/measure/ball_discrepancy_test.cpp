@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/random.h"
 #include "core/measure/gradient.h"
 #include "core/measure/random_surface_points.h"
-#include "core/sample/random.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/measure/random_surface_points.h"
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 #include "core/sample/resample.h"
 #include "tests/support/shapes.h"
 

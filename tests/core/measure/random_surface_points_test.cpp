@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/measure/triangle_distance.h"
+#include "core/mesh/triangle_distance.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {

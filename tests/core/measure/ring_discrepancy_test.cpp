@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/random.h"
 #include "core/measure/gradient.h"
-#include "core/sample/random.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {

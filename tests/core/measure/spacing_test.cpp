@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 
 namespace curvecast {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
+#include "core/base/random.h"
 #include "core/measure/random_surface_points.h"
-#include "core/measure/triangle_distance.h"
-#include "core/sample/random.h"
+#include "core/mesh/triangle_distance.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {

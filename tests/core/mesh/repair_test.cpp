@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/random.h"
+#include "core/flatten/union_find.h"
 #include "core/mesh/topology.h"
-#include "core/sample/random.h"
-#include "core/union_find.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 #include "core/sample/sequence.h"
 
 namespace curvecast {

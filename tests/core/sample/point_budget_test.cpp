@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/density/view_factor.h"
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 #include "core/sample/resample.h"
 #include "tests/support/shapes.h"
 #include "tests/support/views.h"

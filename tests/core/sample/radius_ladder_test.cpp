@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 
 namespace curvecast {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 #include "tests/support/shapes.h"
 #include "tests/support/views.h"
 

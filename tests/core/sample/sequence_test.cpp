@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/sample/random.h"
+#include "core/base/random.h"
 
 namespace curvecast {
 namespace {

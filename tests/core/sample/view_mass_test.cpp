@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 #include "tests/support/shapes.h"
 #include "tests/support/views.h"
 

@@ -1,4 +1,4 @@
-#include "core/curve/curve_file.h"
+#include "core/storage/curve_file.h"
 
 #include <gmock/gmock.h>
 
@@ -10,7 +10,7 @@
 
 #include "core/curve/curve_columns.h"
 #include "core/curve/hilbert.h"
-#include "core/pipeline.h"
+#include "core/pipeline/pipeline.h"
 #include "core/sample/resample.h"
 #include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"

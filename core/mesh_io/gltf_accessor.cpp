@@ -1,0 +1,140 @@
+#include "core/mesh_io/gltf_accessor.h"
+
+#include <absl/strings/str_format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "core/mesh_io/mesh_reading.h"
+
+namespace curvecast {
+namespace {
+
+/// 0 for types that there are not.
+std::uint64_t component_bytes(GltfComponent component) {
+  switch (component) {
+    case GltfComponent::kInt8:
+    case GltfComponent::kUint8:
+      return 1;
+    case GltfComponent::kInt16:
+    case GltfComponent::kUint16:
+      return 2;
+    case GltfComponent::kUint32:
+    case GltfComponent::kFloat:
+      return 4;
+  }
+  return 0;
+}
+
+}  // namespace
+
+absl::Status gltf_has_no(std::string_view what, std::int64_t index, std::size_t count) {
+  return absl::InvalidArgumentError(absl::StrFormat("there is no %s %d (the file has %d)", what, index, count));
+}
+
+std::uint64_t GltfAccessors::most_elements() const {
+  constexpr std::uint64_t kAnyway = 4'000'000;
+  constexpr std::uint64_t kBytesEach = 4;
+  return std::min<std::uint64_t>(kAnyway + (file_bytes_ + buffers_.bytes_used()) / kBytesEach, UINT32_MAX / 3);
+}
+
+absl::StatusOr<GltfAccessor> GltfAccessors::find(std::int64_t index, int least, int most, std::string_view what) {
+  if (index < 0 || index >= static_cast<std::int64_t>(claims_.size())) return gltf_has_no("accessor", index, claims_.size());
+  const GltfClaim& claim = claims_[static_cast<std::size_t>(index)];
+  absl::Status status;
+  if (claim.components < least || claim.components > most) {
+    status = absl::InvalidArgumentError("it has the wrong number of components");
+  } else if (const auto known = known_.find(index); known != known_.end()) {
+    return known->second;
+  } else {
+    absl::StatusOr<GltfAccessor> found = resolve(claim);
+    if (found.ok()) return known_[index] = *found;
+    status = found.status();
+  }
+  return absl::InvalidArgumentError(absl::StrFormat("accessor %d (%s): %s", index, what, status.message()));
+}
+
+absl::StatusOr<std::span<const char>> GltfAccessors::view(std::int64_t index) {
+  if (index < 0 || index >= static_cast<std::int64_t>(views_.size())) return gltf_has_no("buffer view", index, views_.size());
+  const GltfView& view = views_[static_cast<std::size_t>(index)];
+  return buffers_.slice(view.buffer, view.offset, view.length);
+}
+
+absl::StatusOr<GltfAccessor> GltfAccessors::resolve(const GltfClaim& claim) {
+  const std::uint64_t size = component_bytes(claim.place.component);
+  if (size == 0) return absl::InvalidArgumentError("its numbers are of an unknown type");
+  if (claim.count == 0) return absl::InvalidArgumentError("it is empty");
+  if (claim.place.view < 0 && claim.replaced == 0) return absl::InvalidArgumentError("it has no buffer view");
+  const std::uint64_t element = size * static_cast<std::uint64_t>(claim.components);
+  GltfAccessor found{.count = claim.count,
+                     .stride = element,
+                     .components = claim.components,
+                     .component = claim.place.component,
+                     .normalised = claim.normalised};
+  if (claim.place.view >= 0) {
+    if (claim.place.view < static_cast<std::int64_t>(views_.size())) {
+      const std::uint64_t stride = views_[static_cast<std::size_t>(claim.place.view)].stride;
+      if (stride != 0) found.stride = stride;
+    }
+    const absl::StatusOr<const char*> data = elements(claim.place, found.count, element, found.stride);
+    if (!data.ok()) return data.status();
+    found.data = *data;
+  }
+  if (claim.replaced > 0) {
+    if (absl::Status status = replace(claim, element, found); !status.ok()) return status;
+  }
+  return found;
+}
+
+// Where the elements begin: `count` of `element` bytes, `stride` apart.
+absl::StatusOr<const char*> GltfAccessors::elements(const GltfPlace& place, std::uint64_t count, std::uint64_t element,
+                                                    std::uint64_t stride) {
+  const absl::StatusOr<std::span<const char>> bytes = view(place.view);
+  if (!bytes.ok()) return bytes.status();
+  const std::uint64_t size = bytes->size();
+  if (stride < element) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("its elements of %d bytes overlap: the buffer view's stride is %d", element, stride));
+  }
+  if (place.offset > size || size - place.offset < element || (size - place.offset - element) / stride < count - 1) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%d elements, %d bytes apart, at %d reach beyond buffer view %d of %d bytes", count, stride, place.offset,
+                        place.view, size));
+  }
+  return bytes->data() + place.offset;
+}
+
+// By a copy of the elements, zero without a buffer view, with some replaced.
+absl::Status GltfAccessors::replace(const GltfClaim& claim, std::uint64_t element, GltfAccessor& found) {
+  if (claim.replaced > claim.count) return absl::InvalidArgumentError("it replaces more elements than it has");
+  // Without a buffer view they cost the file nothing, and hardly any file has them.
+  constexpr std::uint64_t kAnyway = 65'536;
+  const std::uint64_t most = kAnyway + file_bytes_ + buffers_.bytes_used();
+  if (claim.count > most || (copied_ += claim.count) > most) {
+    return absl::InvalidArgumentError("sparse accessors claim more elements than are in proportion to the file");
+  }
+  GltfAccessor places{.count = claim.replaced,
+                      .stride = component_bytes(claim.indices.component),
+                      .components = 1,
+                      .component = claim.indices.component};
+  if (!places.is_index()) return absl::InvalidArgumentError("its sparse indices are of no type for indices");
+  const absl::StatusOr<const char*> indices = elements(claim.indices, claim.replaced, places.stride, places.stride);
+  if (!indices.ok()) return indices.status();
+  const absl::StatusOr<const char*> values = elements(claim.values, claim.replaced, element, element);
+  if (!values.ok()) return values.status();
+  places.data = *indices;
+  std::vector<char>& copy = copies_.emplace_back(claim.count * element);
+  for (std::uint64_t i = 0; found.data != nullptr && i < claim.count; ++i) {
+    std::copy_n(found.data + i * found.stride, element, copy.data() + i * element);
+  }
+  for (std::uint64_t i = 0; i < claim.replaced; ++i) {
+    const std::uint32_t place = places.index(i);
+    if (place >= claim.count) return absl::InvalidArgumentError(index_out_of_range(place, claim.count));
+    std::copy_n(*values + i * element, element, copy.data() + place * element);
+  }
+  found.data = copy.data();
+  found.stride = element;
+  return absl::OkStatus();
+}
+
+}  // namespace curvecast

@@ -1,0 +1,85 @@
+#include "core/mesh_io/gltf_nodes.h"
+
+#include <absl/strings/str_format.h>
+
+#include "core/base/vec.h"
+#include "core/mesh_io/gltf_accessor.h"
+
+namespace curvecast {
+namespace {
+
+bool is_there(const std::vector<GltfNode>& nodes, int index) {
+  return index >= 0 && index < static_cast<std::int64_t>(nodes.size());
+}
+
+absl::StatusOr<Eigen::Affine3d> transform_of(const GltfNode& node, int number) {
+  const auto fits = [](const std::vector<double>& values, std::size_t size) { return values.empty() || values.size() == size; };
+  if (!fits(node.matrix, 16) || !fits(node.translation, 3) || !fits(node.rotation, 4) || !fits(node.scale, 3)) {
+    return absl::InvalidArgumentError(absl::StrFormat("node %d has a transform of the wrong number of values", number));
+  }
+  Eigen::Affine3d transform = Eigen::Affine3d::Identity();
+  if (!node.matrix.empty()) {
+    transform.matrix().topRows<3>() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data()).topRows<3>();
+    return transform;
+  }
+  if (!node.translation.empty()) transform.translate(Vec3d(node.translation[0], node.translation[1], node.translation[2]));
+  if (!node.rotation.empty()) {
+    const Eigen::Quaterniond q(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+    if (q.squaredNorm() > 0) transform.rotate(q.normalized());
+  }
+  if (!node.scale.empty()) transform.scale(Vec3d(node.scale[0], node.scale[1], node.scale[2]));
+  return transform;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<int>> gltf_roots(const std::vector<GltfNode>& nodes) {
+  std::vector<bool> is_child(nodes.size(), false);
+  for (const GltfNode& node : nodes) {
+    for (const int child : node.children) {
+      if (is_there(nodes, child)) is_child[static_cast<std::size_t>(child)] = true;
+    }
+  }
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < is_child.size(); ++i) {
+    if (!is_child[i]) roots.push_back(static_cast<int>(i));
+  }
+  if (!roots.empty() || nodes.empty()) return roots;
+  return absl::InvalidArgumentError("every node is a child of another: nodes are their own ancestors");
+}
+
+absl::StatusOr<std::vector<GltfInstance>> gltf_instances(const std::vector<GltfNode>& nodes, const std::vector<int>& roots) {
+  struct Visit {
+    int node;
+    Eigen::Affine3d parent;
+  };
+  std::vector<GltfInstance> instances;
+  std::vector<Visit> stack;
+  std::vector<bool> reached(nodes.size(), false);
+  const auto push = [&](const std::vector<int>& children, const Eigen::Affine3d& parent) {
+    for (auto child = children.rbegin(); child != children.rend(); ++child) {
+      if (!is_there(nodes, *child)) return gltf_has_no("node", *child, nodes.size());
+      if (reached[static_cast<std::size_t>(*child)]) {
+        return absl::InvalidArgumentError(absl::StrFormat(
+            "node %d is reached twice: it is its own ancestor or has two parents, but nodes have to form trees", *child));
+      }
+      reached[static_cast<std::size_t>(*child)] = true;
+      stack.push_back({*child, parent});
+    }
+    return absl::OkStatus();
+  };
+  if (absl::Status status = push(roots, Eigen::Affine3d::Identity()); !status.ok()) return status;
+  while (!stack.empty()) {
+    const Visit visit = stack.back();
+    stack.pop_back();
+    const GltfNode& node = nodes[static_cast<std::size_t>(visit.node)];
+    const absl::StatusOr<Eigen::Affine3d> own = transform_of(node, visit.node);
+    if (!own.ok()) return own.status();
+    const Eigen::Affine3d world = visit.parent * *own;
+    if (node.mesh >= 0) instances.push_back({node.mesh, world});
+    if (absl::Status status = push(node.children, world); !status.ok()) return status;
+  }
+  return instances;
+}
+
+}  // namespace curvecast

@@ -1,0 +1,400 @@
+#include "core/mesh_io/gltf_reader.h"
+#include "core/base/colour.h"
+
+#include <absl/strings/str_format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "core/base/srgb.h"
+#include "core/mesh_io/companion_name.h"
+#include "core/mesh_io/gltf_accessor.h"
+#include "core/mesh_io/gltf_document.h"
+#include "core/mesh_io/gltf_nodes.h"
+#include "core/mesh_io/mesh_reading.h"
+#include "core/mesh_io/texture_loader.h"
+
+// Debian's Draco exports another version of tinygltf under the same names, and the linker would mix the two: so this one is
+// compiled in, under a name of its own, without anything that opens files or decodes images.
+#define tinygltf curvecast_tinygltf
+#define TINYGLTF_IMPLEMENTATION
+#define TINYGLTF_NO_FS
+#define TINYGLTF_NO_EXTERNAL_IMAGE
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_INCLUDE_JSON
+#include <tiny_gltf.h>
+
+namespace curvecast {
+namespace {
+
+template <class T>
+bool has(const std::vector<T>& items, std::int64_t index) {
+  return index >= 0 && index < static_cast<std::int64_t>(items.size());
+}
+
+std::vector<GltfView> views_of(const tinygltf::Model& model) {
+  std::vector<GltfView> views;
+  views.reserve(model.bufferViews.size());
+  for (const tinygltf::BufferView& from : model.bufferViews) {
+    views.push_back({.buffer = from.buffer, .offset = from.byteOffset, .length = from.byteLength, .stride = from.byteStride});
+  }
+  return views;
+}
+
+std::vector<GltfClaim> claims_of(const tinygltf::Model& model) {
+  const auto offset_of = [](int offset) { return offset < 0 ? UINT64_MAX : static_cast<std::uint64_t>(offset); };
+  std::vector<GltfClaim> claims;
+  claims.reserve(model.accessors.size());
+  for (const tinygltf::Accessor& from : model.accessors) {
+    GltfClaim& to = claims.emplace_back();
+    to.place = {.view = from.bufferView, .offset = from.byteOffset, .component = static_cast<GltfComponent>(from.componentType)};
+    to.count = from.count;
+    to.components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(from.type));
+    to.normalised = from.normalized;
+    if (!from.sparse.isSparse) continue;
+    to.replaced = std::max(0, from.sparse.count);
+    to.indices = {.view = from.sparse.indices.bufferView,
+                  .offset = offset_of(from.sparse.indices.byteOffset),
+                  .component = static_cast<GltfComponent>(from.sparse.indices.componentType)};
+    to.values = {.view = from.sparse.values.bufferView,
+                 .offset = offset_of(from.sparse.values.byteOffset),
+                 .component = to.place.component};
+  }
+  return claims;
+}
+
+std::vector<GltfNode> nodes_of(const tinygltf::Model& model) {
+  std::vector<GltfNode> nodes;
+  nodes.reserve(model.nodes.size());
+  for (const tinygltf::Node& node : model.nodes) {
+    nodes.push_back({node.mesh, node.children, node.matrix, node.translation, node.rotation, node.scale});
+  }
+  return nodes;
+}
+
+/// Texture coordinates and how the material moves them.
+struct TexturePlaces {
+  GltfAccessor places;
+  Eigen::Affine2d frame;
+};
+
+/// The extension KHR_texture_transform: scaled, turned clockwise (v grows downwards), moved.
+Eigen::Affine2d texture_transform(const tinygltf::Value& extension) {
+  const auto number = [](const tinygltf::Value& value) { return value.IsNumber() ? value.GetNumberAsDouble() : 0.0; };
+  const auto pair = [&](const char* key, const Vec2d& otherwise) {
+    const tinygltf::Value& value = extension.Get(key);
+    return value.IsArray() && value.ArrayLen() == 2 ? Vec2d(number(value.Get(0)), number(value.Get(1))) : otherwise;
+  };
+  const double angle = number(extension.Get("rotation"));
+  Eigen::Matrix2d turn;
+  turn << std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle);
+  Eigen::Affine2d frame = Eigen::Affine2d::Identity();
+  frame.translate(pair("offset", Vec2d::Zero())).rotate(turn).scale(pair("scale", Vec2d::Ones()));
+  return frame;
+}
+
+/// Parsed without a look at any file: buffers and images are not in this JSON.
+absl::StatusOr<tinygltf::Model> parse_model(const GltfDocument& document) {
+  constexpr std::size_t kMostBytes = UINT32_MAX;
+  if (document.json.size() > kMostBytes) return absl::InvalidArgumentError("the JSON has more than 4 GiB; split the scene");
+  tinygltf::TinyGLTF parser;
+  tinygltf::Model model;
+  std::string error, warning;
+  const auto length = static_cast<unsigned int>(document.json.size());
+  if (!parser.LoadASCIIFromString(&model, &error, &warning, document.json.c_str(), length, "", tinygltf::NO_REQUIRE)) {
+    return absl::InvalidArgumentError(absl::StrFormat("malformed glTF: %s", display_name(error.substr(0, error.find('\n')))));
+  }
+  return model;
+}
+
+/// Extensions that change where triangles are cannot be passed over; those that change looks can.
+absl::Status check_extensions(const tinygltf::Model& model, std::vector<std::string>& warnings) {
+  for (const std::string& name : model.extensionsRequired) {
+    if (name == "KHR_mesh_quantization" || name == "KHR_texture_transform") continue;
+    const bool looks_only = name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_") ||
+                            name.starts_with("EXT_texture_") || name.starts_with("KHR_lights_");
+    if (!looks_only) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("the file requires the extension %s, which is not supported; export it without", display_name(name)));
+    }
+    add_warning(warnings, absl::StrFormat("The extension %s, which the file requires, is ignored.", display_name(name)));
+  }
+  return absl::OkStatus();
+}
+
+class GltfReader {
+ public:
+  GltfReader(const MeshFile& file, const ExecutionContext& context, const GltfDocument& document, const tinygltf::Model& model)
+      : document_(document),
+        model_(model),
+        accessors_(file, document, views_of(model), claims_of(model)),
+        textures_(file, soup_.warnings),
+        context_(context) {
+    soup_.shares_vertices = false;
+    soup_.polygon_begin.push_back(0);
+  }
+
+  absl::StatusOr<PolygonSoup> read() {
+    if (absl::Status status = check_extensions(model_, soup_.warnings); !status.ok()) return status;
+    if (absl::Status status = read_scene(); !status.ok()) return status;
+    MeshAttributes& attributes = soup_.attributes;
+    if (!attributes.colours.empty()) attributes.colours.resize(soup_.positions.size());
+    if (!attributes.normals.empty()) attributes.normals.resize(soup_.positions.size(), Vec3f::Zero());
+    if (!attributes.uv.empty()) attributes.uv.resize(soup_.indices.size(), Vec2f::Zero());
+    if (!attributes.material_of_face.empty()) read_materials();
+    return std::move(soup_);
+  }
+
+ private:
+  absl::Status read_scene() {
+    std::vector<int> roots;
+    const std::vector<GltfNode> nodes = nodes_of(model_);
+    if (model_.defaultScene >= 0) {
+      if (!has(model_.scenes, model_.defaultScene)) return gltf_has_no("scene", model_.defaultScene, model_.scenes.size());
+      roots = model_.scenes[static_cast<std::size_t>(model_.defaultScene)].nodes;
+    } else if (absl::StatusOr<std::vector<int>> found = gltf_roots(nodes); found.ok()) {
+      roots = *std::move(found);
+    } else {
+      return found.status();
+    }
+    absl::StatusOr<std::vector<GltfInstance>> instances = gltf_instances(nodes, roots);
+    if (!instances.ok()) return instances.status();
+    for (std::size_t mesh = 0; nodes.empty() && mesh < model_.meshes.size(); ++mesh) {
+      instances->push_back({static_cast<std::int64_t>(mesh), Eigen::Affine3d::Identity()});
+    }
+    monitor_.emplace(context_, std::max<std::size_t>(1, instances->size()));
+    for (const GltfInstance& instance : *instances) {
+      if (absl::Status status = read_instance(instance); !status.ok()) return status;
+      if (!monitor_->tick(++instances_done_)) return monitor_->status();
+    }
+    return absl::OkStatus();
+  }
+
+  // ------------------------------------------------------------------------------------------------------------ primitives
+
+  absl::Status read_instance(const GltfInstance& instance) {
+    if (!has(model_.meshes, instance.mesh)) return gltf_has_no("mesh", instance.mesh, model_.meshes.size());
+    const std::vector<tinygltf::Primitive>& primitives = model_.meshes[static_cast<std::size_t>(instance.mesh)].primitives;
+    blocks_.clear();
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      const absl::Status status = read_primitive(primitives[i], instance.world);
+      if (status.ok()) continue;
+      if (absl::IsCancelled(status)) return status;
+      return absl::Status(status.code(), absl::StrFormat("mesh %d, primitive %d: %s", instance.mesh, i, status.message()));
+    }
+    return absl::OkStatus();
+  }
+
+  static int attribute_of(const tinygltf::Primitive& primitive, const std::string& name) {
+    const auto found = primitive.attributes.find(name);
+    return found == primitive.attributes.end() ? -1 : found->second;
+  }
+
+  absl::Status read_primitive(const tinygltf::Primitive& primitive, const Eigen::Affine3d& world) {
+    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    if (mode < TINYGLTF_MODE_TRIANGLES) return absl::OkStatus();  // points and lines
+    if (mode > TINYGLTF_MODE_TRIANGLE_FAN) return absl::InvalidArgumentError(absl::StrFormat("there is no mode %d", mode));
+    const int position = attribute_of(primitive, "POSITION");
+    if (position < 0) return absl::OkStatus();  // the format lets extensions supply it
+    const absl::StatusOr<GltfAccessor> positions = accessors_.find(position, 3, 3, "POSITION");
+    if (!positions.ok()) return positions.status();
+    const absl::StatusOr<std::size_t> first = read_vertices(primitive, *positions, world);
+    if (!first.ok()) return first.status();
+
+    std::optional<GltfAccessor> indices;
+    if (primitive.indices >= 0) {
+      const absl::StatusOr<GltfAccessor> found = accessors_.find(primitive.indices, 1, 1, "the indices");
+      if (!found.ok()) return found.status();
+      if (!found->is_index())
+        return absl::InvalidArgumentError(absl::StrFormat("accessor %d holds no indices", primitive.indices));
+      indices = *found;
+    }
+    return read_triangles(primitive, mode, *first, positions->count, indices, world.linear().determinant() < 0);
+  }
+
+  // The number of the first vertex. Primitives of a mesh often share their vertices and differ in material only.
+  absl::StatusOr<std::size_t> read_vertices(const tinygltf::Primitive& primitive, const GltfAccessor& positions,
+                                            const Eigen::Affine3d& world) {
+    const std::array<int, 3> key = {attribute_of(primitive, "POSITION"), attribute_of(primitive, "NORMAL"),
+                                    attribute_of(primitive, "COLOR_0")};
+    const auto [known, is_new] = blocks_.try_emplace(key, soup_.positions.size());
+    if (!is_new) return known->second;
+    const std::size_t first = soup_.positions.size();
+    if (absl::Status status = check_room(first + positions.count, "vertices"); !status.ok()) return status;
+    grow(soup_.positions, first + positions.count);
+    for (std::size_t i = 0; i < positions.count; ++i) {
+      if (!monitor_->tick(instances_done_)) return monitor_->status();
+      const Vec3d p = world * Vec3d(positions.number(i, 0), positions.number(i, 1), positions.number(i, 2));
+      if (!is_finite(p)) return absl::InvalidArgumentError(absl::StrFormat("vertex %d: %s", i, kNotFinite));
+      soup_.positions.push_back(p);
+    }
+    MeshAttributes& attributes = soup_.attributes;
+    if (key[1] >= 0) {
+      const absl::StatusOr<GltfAccessor> normals = accessors_.find(key[1], 3, 3, "NORMAL");
+      if (!normals.ok()) return normals.status();
+      const Eigen::Matrix3d turn = world.linear().inverse().transpose();
+      attributes.normals.resize(first, Vec3f::Zero());
+      for (std::size_t i = 0; i < std::min(positions.count, normals->count); ++i) {
+        const Vec3d n = turn * Vec3d(normals->number(i, 0), normals->number(i, 1), normals->number(i, 2));
+        attributes.normals.push_back(n.normalized().cast<float>());
+      }
+      attributes.normals.resize(soup_.positions.size(), Vec3f::Zero());
+    }
+    if (key[2] >= 0) {
+      const absl::StatusOr<GltfAccessor> colours = accessors_.find(key[2], 3, 4, "COLOR_0");
+      if (!colours.ok()) return colours.status();
+      const auto encoded = [&](std::size_t i, int c) { return srgb_byte(colours->number(i, c)); };
+      attributes.colours.resize(first);
+      for (std::size_t i = 0; i < std::min(positions.count, colours->count); ++i) {
+        const std::uint8_t alpha = colours->components == 4 ? unit_to_byte(colours->number(i, 3)) : std::uint8_t{255};
+        attributes.colours.push_back({encoded(i, 0), encoded(i, 1), encoded(i, 2), alpha});
+      }
+      attributes.colours.resize(soup_.positions.size());
+    }
+    return first;
+  }
+
+  absl::Status read_triangles(const tinygltf::Primitive& primitive, int mode, std::size_t first, std::size_t vertices,
+                              const std::optional<GltfAccessor>& indices, bool mirrored) {
+    const std::size_t count = indices ? indices->count : vertices;
+    const std::size_t triangles = mode == TINYGLTF_MODE_TRIANGLES ? count / 3 : count < 3 ? 0 : count - 2;
+    if (absl::Status status = check_room(soup_.indices.size() / 3 + triangles, "triangles"); !status.ok()) return status;
+    const absl::StatusOr<std::optional<TexturePlaces>> uv = uv_of(primitive);
+    if (!uv.ok()) return uv.status();
+    MeshAttributes& attributes = soup_.attributes;
+    const std::size_t old_size = soup_.indices.size();
+    grow(soup_.indices, old_size + 3 * triangles);
+    if (*uv) attributes.uv.resize(old_size, Vec2f::Zero());
+    for (std::size_t t = 0; t < triangles; ++t) {
+      if (!monitor_->tick(instances_done_)) return monitor_->status();
+      std::array<std::size_t, 3> corners = {3 * t, 3 * t + 1, 3 * t + 2};
+      if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) corners = {t, t + 1 + t % 2, t + 2 - t % 2};
+      if (mode == TINYGLTF_MODE_TRIANGLE_FAN) corners = {0, t + 1, t + 2};
+      if (mirrored) std::swap(corners[1], corners[2]);
+      for (const std::size_t corner : corners) {
+        const std::size_t vertex = indices ? indices->index(corner) : corner;
+        if (vertex >= vertices)
+          return absl::InvalidArgumentError(index_out_of_range(static_cast<std::int64_t>(vertex), vertices));
+        soup_.indices.push_back(static_cast<std::uint32_t>(first + vertex));
+        if (*uv) attributes.uv.push_back(place(**uv, vertex));
+      }
+      soup_.polygon_begin.push_back(static_cast<std::uint32_t>(soup_.indices.size()));
+    }
+    if (primitive.material >= 0 && !has(model_.materials, primitive.material)) {
+      return gltf_has_no("material", primitive.material, model_.materials.size());
+    }
+    if (!model_.materials.empty()) {
+      attributes.material_of_face.resize(soup_.polygon_count(), primitive.material < 0
+                                                                    ? MeshAttributes::kNoMaterial
+                                                                    : static_cast<std::uint32_t>(primitive.material));
+    }
+    return absl::OkStatus();
+  }
+
+  // Pictures of glTF have v downwards. Vertices without texture coordinates, which there should be none of, are at 0 0.
+  static Vec2f place(const TexturePlaces& uv, std::size_t vertex) {
+    if (vertex >= uv.places.count) return Vec2f::Zero();
+    const Vec2d p = uv.frame * Vec2d(uv.places.number(vertex, 0), uv.places.number(vertex, 1));
+    return Vec2d(p.x(), 1 - p.y()).cast<float>();
+  }
+
+  // The texture coordinates that the base colour's texture asks for.
+  absl::StatusOr<std::optional<TexturePlaces>> uv_of(const tinygltf::Primitive& primitive) {
+    int set = 0;
+    Eigen::Affine2d frame = Eigen::Affine2d::Identity();
+    if (has(model_.materials, primitive.material)) {
+      const tinygltf::TextureInfo& texture =
+          model_.materials[static_cast<std::size_t>(primitive.material)].pbrMetallicRoughness.baseColorTexture;
+      set = texture.texCoord;
+      const auto found = texture.extensions.find("KHR_texture_transform");
+      if (found != texture.extensions.end() && found->second.IsObject()) {
+        frame = texture_transform(found->second);
+        if (const tinygltf::Value& own = found->second.Get("texCoord"); own.IsInt()) set = own.GetNumberAsInt();
+      }
+    }
+    const int index = attribute_of(primitive, absl::StrFormat("TEXCOORD_%d", set));
+    if (index < 0) return std::optional<TexturePlaces>();
+    const absl::StatusOr<GltfAccessor> found = accessors_.find(index, 2, 2, "texture coordinates");
+    if (!found.ok()) return found.status();
+    return std::optional(TexturePlaces{*found, frame});
+  }
+
+  // ------------------------------------------------------------------------------------------------------------- materials
+
+  void read_materials() {
+    std::map<int, std::shared_ptr<const Image>> images;
+    for (std::size_t i = 0; i < model_.materials.size(); ++i) {
+      const tinygltf::Material& from = model_.materials[i];
+      Material& to = soup_.attributes.materials.emplace_back();
+      to.name = display_name(from.name);
+      const std::vector<double>& factor = from.pbrMetallicRoughness.baseColorFactor;
+      if (factor.size() >= 3) to.colour = {srgb_byte(factor[0]), srgb_byte(factor[1]), srgb_byte(factor[2]), 255};
+      if (factor.size() >= 4) to.colour.a = unit_to_byte(factor[3]);
+      const int texture = from.pbrMetallicRoughness.baseColorTexture.index;
+      if (texture < 0) continue;
+      const int image = has(model_.textures, texture) ? model_.textures[static_cast<std::size_t>(texture)].source : -1;
+      const auto [known, is_new] = images.try_emplace(image);
+      if (is_new) known->second = load_image(image, absl::StrFormat("material %d", i));
+      to.texture = known->second;
+    }
+  }
+
+  std::shared_ptr<const Image> load_image(int index, const std::string& where) {
+    const std::string name = absl::StrFormat("image %d", index);
+    absl::Status fault = absl::InvalidArgumentError("is not in the file");
+    if (has(document_.images, index)) {
+      const GltfSource& source = document_.images[static_cast<std::size_t>(index)];
+      if (!source.file.empty()) return textures_.load(source.file, "", where);
+      if (source.buffer_view >= 0) {
+        const absl::StatusOr<std::span<const char>> bytes = accessors_.view(source.buffer_view);
+        if (bytes.ok()) return textures_.decode(*bytes, name, where);
+        fault = bytes.status();
+      } else if (const absl::StatusOr<std::string> bytes = decode_data_uri(source.data_uri); bytes.ok()) {
+        return textures_.decode(*bytes, name, where);
+      }
+    }
+    add_warning(soup_.warnings,
+                absl::StrFormat("%s: the texture '%s' cannot be read (%s), so it is left out.", where, name, fault.message()));
+    return nullptr;
+  }
+
+  // Nodes can repeat a mesh, and accessors the same bytes, any number of times.
+  absl::Status check_room(std::uint64_t count, std::string_view what) const {
+    const std::uint64_t most = accessors_.most_elements();
+    if (count <= most) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        absl::StrFormat("the scene repeats its meshes until it has more than %d %s; split it", most, what));
+  }
+
+  const GltfDocument& document_;
+  const tinygltf::Model& model_;
+  PolygonSoup soup_;
+  GltfAccessors accessors_;
+  TextureLoader textures_;
+  const ExecutionContext& context_;
+  std::optional<ReadMonitor> monitor_;  // counts instances
+  std::size_t instances_done_ = 0;
+  std::map<std::array<int, 3>, std::size_t> blocks_;  // of the mesh at hand: first vertex by accessors
+};
+
+}  // namespace
+
+absl::StatusOr<PolygonSoup> read_gltf(const MeshFile& file, const ExecutionContext& context) {
+  const absl::StatusOr<GltfDocument> document = parse_gltf(file.text());
+  if (!document.ok()) return document.status();
+  const absl::StatusOr<tinygltf::Model> model = parse_model(*document);
+  if (!model.ok()) return model.status();
+  return GltfReader(file, context, *document, *model).read();
+}
+
+}  // namespace curvecast

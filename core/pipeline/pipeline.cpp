@@ -1,0 +1,301 @@
+#include "core/pipeline/pipeline.h"
+
+#include <absl/strings/str_format.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/base/stopwatch.h"
+#include "core/curve/adaptive_quadtree.h"
+#include "core/curve/area_element.h"
+#include "core/curve/surface_colour.h"
+#include "core/curve/surface_map.h"
+#include "core/density/face_density.h"
+#include "core/mesh/curvature.h"
+#include "core/mesh/topology.h"
+#include "core/mesh_io/mesh_io.h"
+#include "core/reference/id_buffer.h"
+#include "core/reference/voronoi_area.h"
+
+namespace curvecast {
+namespace {
+
+constexpr double kMaxOmega = 1000;
+// Leaves to allow for each vertex wanted: powers of four and mixed neighbourhoods cost a factor of 3 or so.
+constexpr double kLeavesPerVertex = 64;
+constexpr double kMostLeaves = 1e9;
+
+absl::Status check(const PreprocessOptions& options) {
+  if (options.points < 1 || options.points > kMaxPoints) {
+    return absl::InvalidArgumentError(absl::StrFormat("max_points = %d; it must lie in 1 .. %d", options.points, kMaxPoints));
+  }
+  if (!(options.omega >= 1 && options.omega <= kMaxOmega)) {
+    return absl::InvalidArgumentError(absl::StrFormat("omega = %g; it must lie in 1 .. %g", options.omega, kMaxOmega));
+  }
+  return absl::OkStatus();
+}
+
+/// A message that says which file it is about.
+absl::Status about(std::string_view name, const absl::Status& status) {
+  return absl::Status(status.code(), absl::StrFormat("%s: %s", name, status.message()));
+}
+
+/// What there is, in words.
+std::vector<std::string> names_of(const MeshAttributes& attributes) {
+  std::vector<std::string> names;
+  if (!attributes.colours.empty()) names.emplace_back("colours");
+  if (!attributes.face_colours.empty()) names.emplace_back("face colours");
+  if (!attributes.normals.empty()) names.emplace_back("normals");
+  if (!attributes.uv.empty()) names.emplace_back("uv");
+  if (!attributes.materials.empty()) names.emplace_back("materials");
+  const auto has_texture = [](const Material& material) { return material.texture != nullptr; };
+  if (std::any_of(attributes.materials.begin(), attributes.materials.end(), has_texture)) names.emplace_back("textures");
+  for (const ScalarAttribute& scalar : attributes.scalars) names.push_back("scalar " + scalar.name);
+  return names;
+}
+
+absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& context, StageSeconds& seconds) {
+  Stopwatch watch;
+  context.progress("read", 0);
+  absl::StatusOr<PolygonSoup> soup = read_mesh(file, context);
+  if (!soup.ok()) return soup.status();
+  const absl::StatusOr<MeshFormat> format = detect_mesh_format(file.name, file.bytes);
+  if (!format.ok()) return format.status();
+  context.progress("read", 1);
+  seconds.read = watch.lap();
+  absl::StatusOr<RepairedMesh> repaired = repair(*soup, context);
+  if (!repaired.ok()) return about(file.name, repaired.status());
+  LoadedMesh loaded;
+  loaded.mesh = std::move(repaired->mesh);
+  loaded.attributes = std::move(repaired->attributes);
+  const Topology topology = analyse_topology(loaded.mesh);
+  constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl", "gltf"};
+  loaded.info = {.format = kFormatNames[static_cast<int>(*format)],
+                 .file_vertices = soup->positions.size(),
+                 .file_polygons = soup->polygon_count(),
+                 .vertices = loaded.mesh.vertex_count(),
+                 .faces = loaded.mesh.face_count(),
+                 .components = topology.components,
+                 .genus = topology.genus,
+                 .boundary_loops = topology.boundary_loops,
+                 .area = surface_area(loaded.mesh),
+                 .box = bounding_box(loaded.mesh),
+                 .repairs = repaired->report,
+                 .attributes = names_of(loaded.attributes),
+                 .warnings = std::move(soup->warnings)};
+  seconds.repair = watch.lap();
+  return loaded;
+}
+
+/// Where positions are taken relative to: the box's centre if floats would be too coarse so far out.
+Vec3d choose_origin(const Box3d& box) {
+  constexpr double kFarOut = 100;
+  const double reach = std::max(box.min.norm(), box.max.norm());
+  return reach > kFarOut * box.diagonal() ? box.center() : Vec3d(Vec3d::Zero());
+}
+
+Distortion measure_distortion(const std::vector<Chart>& charts) {
+  std::vector<AreaShare> shares;
+  for (const Chart& chart : charts) {
+    const double mean = surface_area(chart.disc);  // the square's area is 1
+    for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
+      shares.push_back({uv_area(chart.disc, chart.uv, t) * chart.area_ratio[t], chart.area_ratio[t] / mean});
+    }
+  }
+  return summarise_distortion(std::move(shares));
+}
+
+/// omega N: what the curve is to have of vertices.
+double wanted_vertices(const PreprocessOptions& options) { return options.omega * static_cast<double>(options.points); }
+
+absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions& options, const ExecutionContext& context,
+                         SurfaceCurve& curve, PreprocessReport& report) {
+  Stopwatch watch;
+  const LoadedMesh& loaded = flattened.loaded;
+  const std::vector<Chart>& charts = flattened.charts;
+  const absl::StatusOr<std::vector<double>> demand_of_face =
+      face_demand(loaded.mesh, flattened.geometry, loaded.attributes.scalars, options.density, wanted_vertices(options));
+  if (!demand_of_face.ok()) return demand_of_face.status();
+  std::vector<Column<ParameterTriangle>> triangles;
+  std::vector<QuadtreeLeaves> leaves;
+  curve.disc_begin.assign(1, 0);
+  std::size_t count = 0;
+  for (const Chart& chart : charts) {
+    context.progress("curve", static_cast<double>(leaves.size()) / static_cast<double>(charts.size()));
+    triangles.push_back(parameter_triangles(chart));
+    std::vector<double> demand(chart.area_ratio.size());
+    double share = 0;
+    for (std::size_t t = 0; t < demand.size(); ++t) {
+      demand[t] = (*demand_of_face)[chart.disc.face_of[t]] * chart.area_ratio[t];
+      share += triangles.back()[t].uv_area() * demand[t];
+    }
+    const auto most = static_cast<std::size_t>(std::min(kLeavesPerVertex * share + 1e6, kMostLeaves));
+    absl::StatusOr<QuadtreeLeaves> built = build_quadtree(triangles.back(), demand, most, context);
+    if (!built.ok()) return built.status();
+    leaves.push_back(*std::move(built));
+    count += leaves.back().size();
+    if (count >= kNone) return absl::ResourceExhaustedError("the curve would need more than 2^32 vertices: ask for fewer points");
+    curve.disc_begin.push_back(static_cast<std::uint32_t>(count));
+  }
+  report.seconds.curve = watch.lap();
+
+  context.progress("map", 0);
+  std::optional<SurfaceColour> colour;
+  if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
+  for (const ScalarAttribute& scalar : loaded.attributes.scalars) curve.scalars.push_back({scalar.name, {}});
+  curve.resize(count, colour.has_value());
+  const SurfaceData data{loaded.mesh, flattened.geometry, loaded.attributes, colour ? &*colour : nullptr};
+  std::unique_ptr<IdBuffer> id_buffer;
+  if (options.mapper == Mapper::kIdBuffer) {
+    absl::StatusOr<std::unique_ptr<IdBuffer>> made = IdBuffer::create();
+    if (!made.ok()) return made.status();
+    id_buffer = *std::move(made);
+  }
+  std::vector<Column<std::uint32_t>> under(charts.size());
+  for (std::size_t d = 0; d < charts.size(); ++d) {
+    under[d].resize(leaves[d].size());
+    if (id_buffer != nullptr) {
+      absl::Status status = id_buffer->locate(charts[d], triangles[d], leaves[d], under[d], context);
+      if (!status.ok()) return status;
+    } else {
+      locate_centres(triangles[d], leaves[d], under[d]);
+    }
+    map_to_surface(data, charts[d], triangles[d], leaves[d], under[d], curve.disc_begin[d], curve);
+  }
+  report.max_level = *std::max_element(curve.level.begin(), curve.level.end());
+  report.seconds.map = watch.lap();
+  if (absl::Status status = context.check(); !status.ok()) return status;
+
+  context.progress("area", 0);
+  double sum = 0;
+  for (std::size_t d = 0; d < charts.size(); ++d) {
+    const auto of_disc = [&](Column<float>& column) { return std::span(column).subspan(curve.disc_begin[d], leaves[d].size()); };
+    if (options.area_element == AreaElement::kVoronoi) {
+      const LeafVertices vertices{of_disc(curve.x), of_disc(curve.y), of_disc(curve.z), under[d], curve.origin};
+      sum += voronoi_areas(charts[d], triangles[d], leaves[d], vertices, of_disc(curve.area));
+    } else {
+      sum += area_elements(triangles[d], leaves[d], of_disc(curve.area));
+    }
+  }
+  report.area_error = std::abs(sum / curve.total_area - 1);
+  normalise_areas(curve.total_area, curve.area);
+  curve.reference_curvature = reference_curvatures(loaded.mesh, flattened.geometry);
+  curve.finish();
+  context.progress("area", 1);
+  report.seconds.area = watch.lap();
+  return absl::OkStatus();
+}
+
+/// Keys hold kMaxLevel levels. Has discs divided where the map squeezes together what wants vertices until it would need more.
+void limit_levels(std::span<const double> demand, double area, FlattenOptions& options) {
+  const double highest = area * *std::max_element(demand.begin(), demand.end());  // per uv area, where the map is even
+  const double most = std::ldexp(1.0, 2 * kMaxLevel);
+  options.max_area_ratio = std::clamp(most / highest, 2.0, options.max_area_ratio);
+}
+
+absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds& seconds, const PreprocessOptions& options,
+                                           const ExecutionContext& context) {
+  Stopwatch watch;
+  FlattenedMesh flattened{std::move(loaded)};
+  const TriangleMesh& mesh = flattened.loaded.mesh;
+  // Beside cutting, which keeps only one thread busy for most of its time.
+  tbb::task_group beside;
+  beside.run([&] { flattened.geometry = differential_geometry(mesh); });
+  FlattenOptions flatten_options{.parameteriser = options.parameteriser};
+  if (!options.density.empty()) {
+    beside.wait();
+    const absl::StatusOr<std::vector<double>> demand =
+        face_demand(mesh, flattened.geometry, flattened.loaded.attributes.scalars, options.density, wanted_vertices(options));
+    if (!demand.ok()) return demand.status();
+    limit_levels(*demand, flattened.loaded.info.area, flatten_options);
+  }
+  FlattenTimes times;
+  absl::StatusOr<std::vector<Chart>> charts = flatten(mesh, flatten_options, context, times);
+  beside.wait();
+  if (!charts.ok()) return charts.status();
+  flattened.charts = *std::move(charts);
+  PreprocessReport& report = flattened.report;
+  report.mesh = flattened.loaded.info;
+  report.discs = static_cast<std::uint32_t>(flattened.charts.size());
+  for (const Chart& chart : flattened.charts) {
+    report.flipped_triangles += count_flipped(chart.disc, chart.uv);
+    report.fallback_discs +=
+        chart.parameterisation != Parameterisation::kLeastStretch && chart.parameterisation != Parameterisation::kCgal;
+  }
+  report.distortion = measure_distortion(flattened.charts);
+  report.seconds = seconds;
+  report.seconds.cut = times.cut;
+  report.seconds.parameterise = times.parameterise;
+  report.seconds.total = seconds.read + seconds.repair + watch.lap();
+  return flattened;
+}
+
+absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
+                                            const ExecutionContext& context) {
+  Stopwatch watch;
+  PreprocessReport report = flattened->report;
+  auto curve = std::make_shared<SurfaceCurve>();
+  curve->total_area = report.mesh.area;
+  curve->box = report.mesh.box;
+  curve->origin = choose_origin(report.mesh.box);
+  curve->max_points = options.points;
+  const absl::Status built = build_curve(*flattened, options, context, *curve, report);
+  if (!built.ok()) return built;
+  report.curve_vertices = curve->size();
+  report.curve_bytes = curve->byte_size();
+  report.seconds.total += watch.lap();
+  return Preprocessed{std::move(curve), report, std::move(flattened)};
+}
+
+/// Runs the stages on as many threads as the context allows.
+template <typename Function>
+auto with_threads(const ExecutionContext& context, Function&& function) {
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  return arena.execute(std::forward<Function>(function));
+}
+
+}  // namespace
+
+absl::StatusOr<LoadedMesh> load_mesh(const MeshFile& file, const ExecutionContext& context) {
+  StageSeconds seconds;
+  return load(file, context, seconds);
+}
+
+absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context) {
+  absl::StatusOr<LoadedMesh> loaded = load_mesh(file, context);
+  if (!loaded.ok()) return loaded.status();
+  return loaded->info;
+}
+
+absl::StatusOr<FlattenedMesh> flatten_mesh(const MeshFile& file, const PreprocessOptions& options,
+                                           const ExecutionContext& context) {
+  if (absl::Status status = check(options); !status.ok()) return status;
+  return with_threads(context, [&]() -> absl::StatusOr<FlattenedMesh> {
+    StageSeconds seconds;
+    absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds);
+    if (!loaded.ok()) return loaded.status();
+    return flatten_here(*std::move(loaded), seconds, options, context);
+  });
+}
+
+absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOptions& options, const ExecutionContext& context) {
+  if (absl::Status status = check(options); !status.ok()) return status;
+  return with_threads(context, [&] { return flatten_here(std::move(loaded), {}, options, context); });
+}
+
+absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
+                                       const ExecutionContext& context) {
+  if (absl::Status status = check(options); !status.ok()) return status;
+  return with_threads(context, [&] { return lay_curve_here(std::move(flattened), options, context); });
+}
+
+absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options, const ExecutionContext& context) {
+  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(file, options, context);
+  if (!flattened.ok()) return flattened.status();
+  return lay_curve(std::make_shared<const FlattenedMesh>(*std::move(flattened)), options, context);
+}
+
+}  // namespace curvecast

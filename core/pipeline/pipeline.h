@@ -1,0 +1,107 @@
+// Composes the stages from a mesh file to the curve on its surface. No algorithm of its own.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/execution_context.h"
+#include "core/curve/area_element.h"
+#include "core/curve/surface_curve.h"
+#include "core/curve/surface_map.h"
+#include "core/density/density.h"
+#include "core/flatten/distortion.h"
+#include "core/flatten/flatten.h"
+#include "core/mesh/curvature.h"
+#include "core/mesh/repair.h"
+#include "core/mesh_io/mesh_file.h"
+#include "core/sample/point_set.h"
+
+namespace curvecast {
+
+struct PreprocessOptions {
+  std::uint64_t points = 65'536;  // N for which the curve is made fine enough, 1 .. kMaxPoints
+  double omega = 10;              // curve vertices per point (paper, section 3.2), 1 .. 1000
+  Parameteriser parameteriser = Parameteriser::kOwn;
+  Mapper mapper = Mapper::kExact;
+  AreaElement area_element = AreaElement::kExact;
+  std::vector<DensityTerm> density;  // base density for which the curve is made, without camera terms; none = uniform
+};
+
+/// What a file holds and what repair made of it.
+struct MeshInfo {
+  std::string format;  // "ply", "obj", "off", "stl" or "gltf" (GLB too)
+  std::uint64_t file_vertices = 0;
+  std::uint64_t file_polygons = 0;
+  std::uint64_t vertices = 0;  // after repair
+  std::uint64_t faces = 0;     // after repair
+  std::uint32_t components = 0;
+  std::uint32_t genus = 0;  // sum over the components
+  std::uint32_t boundary_loops = 0;
+  double area = 0;  // squared units of the file
+  Box3d box;
+  RepairReport repairs;
+  std::vector<std::string> attributes;  // what the mesh carries: "colours", "normals", "uv", "scalar quality" ...
+  std::vector<std::string> warnings;    // what was left out and why; whole sentences
+};
+
+struct StageSeconds {
+  double read = 0, repair = 0, cut = 0, parameterise = 0, curve = 0, map = 0, area = 0, total = 0;
+};
+
+struct PreprocessReport {
+  MeshInfo mesh;
+  std::uint32_t discs = 0;
+  std::uint64_t curve_vertices = 0;
+  std::uint32_t max_level = 0;          // deepest quadtree level used
+  std::uint64_t flipped_triangles = 0;  // in the parameter mesh; always 0, counted all the same
+  double area_error = 0;                // |sum of area elements / surface area - 1| before normalisation
+  Distortion distortion;
+  std::uint32_t fallback_discs = 0;  // whose least-stretch map failed, see Parameterisation
+  std::uint64_t curve_bytes = 0;
+  StageSeconds seconds;
+};
+
+struct LoadedMesh {
+  TriangleMesh mesh;  // repaired
+  MeshAttributes attributes;
+  MeshInfo info;
+};
+
+/// Half of the way: the parameter mesh.
+struct FlattenedMesh {
+  LoadedMesh loaded;
+  std::vector<Chart> charts;
+  PreprocessReport report;        // of the stages so far
+  DifferentialGeometry geometry;  // of the loaded mesh
+};
+
+struct Preprocessed {
+  std::shared_ptr<const SurfaceCurve> curve;
+  PreprocessReport report;
+  std::shared_ptr<const FlattenedMesh> flattened;  // what the curve lies on: refinement starts from it
+};
+
+/// Reads and repairs only.
+absl::StatusOr<LoadedMesh> load_mesh(const MeshFile& file, const ExecutionContext& context = {});
+absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context = {});
+
+/// The first half: reads, repairs, cuts, parameterises. Errors as of preprocess().
+absl::StatusOr<FlattenedMesh> flatten_mesh(const MeshFile& file, const PreprocessOptions& options,
+                                           const ExecutionContext& context = {});
+/// The same for a mesh that has been repaired.
+absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOptions& options,
+                                           const ExecutionContext& context = {});
+/// The second half, with the same options.
+absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
+                                       const ExecutionContext& context = {});
+
+/// The whole way. InvalidArgument for a bad file (see read_mesh, repair) or options out of range; Cancelled.
+absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options,
+                                        const ExecutionContext& context = {});
+
+}  // namespace curvecast

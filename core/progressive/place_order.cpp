@@ -1,0 +1,49 @@
+#include "core/progressive/place_order.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace curvecast {
+
+void sort_by_place(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& scratch) {
+  // The upper digits leave next to nothing to do to those who compare neighbours.
+  constexpr int kLowest = 42, kPasses = 2, kBits = 11;
+  constexpr std::size_t kBins = std::size_t{1} << kBits;
+  std::array<std::array<std::uint32_t, kBins>, kPasses> begin{};
+  const auto bin = [](std::uint64_t key, int pass) { return key >> (kLowest + pass * kBits) & (kBins - 1); };
+  for (const std::uint64_t key : keys) {
+    for (int pass = 0; pass < kPasses; ++pass) ++begin[static_cast<std::size_t>(pass)][bin(key, pass)];
+  }
+  scratch.resize(keys.size());
+  for (int pass = 0; pass < kPasses; ++pass) {
+    auto& to = begin[static_cast<std::size_t>(pass)];
+    std::uint32_t sum = 0;
+    for (std::uint32_t& count : to) {
+      const std::uint32_t before = sum;
+      sum += count;
+      count = before;
+    }
+    for (const std::uint64_t key : keys) scratch[to[bin(key, pass)]++] = key;
+    keys.swap(scratch);
+  }
+  // Runs with the same upper digits are short, unless somebody sends other places than a curve's.
+  constexpr std::size_t kShort = 32;
+  const auto same_bins = [](std::uint64_t a, std::uint64_t b) { return a >> kLowest == b >> kLowest; };
+  const auto before = [](std::uint64_t a, std::uint64_t b) { return a >> 32 < b >> 32; };
+  for (std::size_t first = 0; first < keys.size();) {
+    std::size_t end = first + 1;
+    while (end < keys.size() && same_bins(keys[first], keys[end])) ++end;
+    if (end - first > kShort) {
+      std::stable_sort(keys.begin() + static_cast<std::ptrdiff_t>(first), keys.begin() + static_cast<std::ptrdiff_t>(end),
+                       before);
+    } else {
+      for (std::size_t i = first + 1; i < end; ++i) {
+        for (std::size_t k = i; k > first && before(keys[k], keys[k - 1]); --k) std::swap(keys[k], keys[k - 1]);
+      }
+    }
+    first = end;
+  }
+}
+
+}  // namespace curvecast

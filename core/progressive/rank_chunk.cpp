@@ -1,0 +1,45 @@
+#include "core/progressive/rank_chunk.h"
+
+namespace curvecast {
+namespace {
+
+void fill_bounds(const StratumBounds& bounds, RankChunk& chunk) {
+  CurveBlocks& out = chunk.bounds;
+  for (Column<float>* column : {&out.x, &out.y, &out.z, &out.radius, &out.nx, &out.ny, &out.nz, &out.spread}) {
+    column->resize(kChunkRuns);
+  }
+  constexpr int kRunLevels = 2;
+  static_assert(kChunkRuns == 1u << 2 * kRunLevels);
+  for (std::size_t r = 0; r < kChunkRuns; ++r) {
+    const StratumBound bound = bounds.of(chunk.id.level - kChunkLevels + kRunLevels, chunk.id.index * kChunkRuns + r);
+    out.x[r] = bound.center.x(), out.y[r] = bound.center.y(), out.z[r] = bound.center.z();
+    out.nx[r] = bound.normal.x(), out.ny[r] = bound.normal.y(), out.nz[r] = bound.normal.z();
+    out.radius[r] = bound.radius;
+    out.spread[r] = bound.spread;
+    chunk.first_vertex[r] = bound.first_vertex;
+    chunk.last_vertex[r] = bound.last_vertex;
+  }
+}
+
+}  // namespace
+
+RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, const StratumBounds& bounds) {
+  RankChunk chunk;
+  chunk.id = id;
+  for (const RankedPoint& p : points) {
+    if (p.rank < id.first_rank()) continue;
+    chunk.x.push_back(p.position[0]);
+    chunk.y.push_back(p.position[1]);
+    chunk.z.push_back(p.position[2]);
+    chunk.nx.emplace_back(p.normal[0]);
+    chunk.ny.emplace_back(p.normal[1]);
+    chunk.nz.emplace_back(p.normal[2]);
+    chunk.rank.push_back(p.rank);
+    chunk.vertex.push_back(p.vertex);
+    chunk.place.push_back(static_cast<std::uint32_t>(p.coordinate >> 32));
+  }
+  fill_bounds(bounds, chunk);
+  return chunk;
+}
+
+}  // namespace curvecast

@@ -1,0 +1,178 @@
+#include "core/progressive/rank_relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "core/base/lanes.h"
+
+namespace curvecast {
+namespace {
+
+// Each point moves as near to the middle of its stratum as others allow, kCentralSweeps times; then those below kEnough go where
+// they have most, kSweeps times, and those below kPoor look for places for themselves and a neighbour within kAround at once.
+constexpr float kPoor = 0.54f, kAround = 0.8f;  // relative radius, lattice distances
+constexpr int kCentralSweeps = 2, kSweeps = 1, kPairSweeps = 3;
+
+/// Points in columns, to be searched from end to end.
+struct PointColumns {
+  std::vector<float> x, y, z;
+  std::vector<float> root;    // of the number of points there are when it is the last
+  std::vector<float> radius;  // how far it may move
+
+  explicit PointColumns(std::size_t n) : x(n), y(n), z(n), root(n), radius(n) {}
+};
+
+/// Which points come as near as `reach` over the root of their number to a place that is `radius` about p at most.
+CURVECAST_WIDE void mark_near(const PointColumns& points, const Vec3f& p, float radius, float own_root, float reach,
+                              std::int32_t* is_near) {
+  const float px = p.x(), py = p.y(), pz = p.z();
+  const std::size_t n = points.x.size();
+  const float *xs = points.x.data(), *ys = points.y.data(), *zs = points.z.data(), *roots = points.root.data(),
+              *radii = points.radius.data();
+  for (std::size_t i = 0; i < n; ++i) {
+    const float x = xs[i] - px, y = ys[i] - py, z = zs[i] - pz;
+    const float root = roots[i] > own_root ? roots[i] : own_root;
+    const float most = reach + (radii[i] + radius) * root;
+    is_near[i] = (x * x + y * y + z * z) * root * root < most * most;
+  }
+}
+
+class Relaxation {
+ public:
+  Relaxation(RankPlaces& places, std::span<const RankedPoint> near, std::span<RankedPoint> points)
+      : places_(places),
+        points_(points),
+        near_(near),
+        n_(std::uint64_t{1} << 2 * places.block().level),
+        unit_(lattice_distance(places.total_area(), 1)) {
+    find_neighbours();
+  }
+
+  void run() {
+    std::vector<std::pair<std::uint32_t, std::size_t>> by_rank;
+    for (std::size_t c = 0; c < points_.size(); ++c) {
+      if (points_[c].rank >= n_) by_rank.emplace_back(points_[c].rank, c);
+    }
+    std::sort(by_rank.begin(), by_rank.end());
+    for (int sweep = 0; sweep < kCentralSweeps + kSweeps; ++sweep) {
+      for (std::size_t i = 0; i < by_rank.size(); ++i) {
+        const std::size_t c = (sweep % 2 ? by_rank[i] : by_rank[by_rank.size() - 1 - i]).second;
+        if (sweep < kCentralSweeps) {
+          const BestPlace best = farthest_place(c, kNobody);
+          move(c, central_place(places_.places(c), places_.places(c).before, 1, enough(best)));
+        } else if (spacing_of(c) < kEnough) {
+          move(c, farthest_place(c, kNobody).place);
+        }
+      }
+    }
+    for (int sweep = 0; sweep < kPairSweeps; ++sweep) {
+      for (const auto& [rank, c] : by_rank) {
+        if (spacing_of(c) < kPoor) move_with_neighbour(c);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
+
+  /// Moves a point and one that is near at once, if that does more good than harm.
+  void move_with_neighbour(std::size_t c) {
+    const RankedPoint before = points_[c];
+    BestPlace most{spacing_of(c), 0};
+    std::size_t best_neighbour = kNobody, best_place_there = 0;
+    for (const std::uint32_t j : neighbours_of(c)) {
+      if (j >= points_.size() || points_[j].rank < n_) continue;
+      const RankedPoint before_there = points_[j];
+      const BestPlace here = farthest_place(c, j);
+      move(c, here.place);
+      const BestPlace there = farthest_place(j, kNobody);
+      move(j, there.place);
+      const float value = std::min(spacing_of(c), spacing_of(j));
+      if (value > most.value) most = {value, here.place}, best_neighbour = j, best_place_there = there.place;
+      points_[j] = before_there;
+      points_[c] = before;
+    }
+    if (best_neighbour == kNobody) return;
+    move(c, most.place);
+    move(best_neighbour, best_place_there);
+  }
+
+  float enough(const BestPlace& best) const { return std::min(kEnough * kEnough * unit(), kMost * best.value); }
+
+  const RankedPoint& point(std::size_t i) const { return i < points_.size() ? points_[i] : near_[i - points_.size()]; }
+  float unit() const { return unit_ * unit_; }
+
+  void find_neighbours() {
+    PointColumns columns(points_.size() + near_.size());
+    for (std::size_t i = 0; i < columns.x.size(); ++i) {
+      const RankedPoint& p = point(i);
+      const bool moves = i < points_.size() && p.rank >= n_;
+      const Vec3f at = moves ? places_.child(i).center : Vec3f(p.position[0], p.position[1], p.position[2]);
+      columns.x[i] = at.x(), columns.y[i] = at.y(), columns.z[i] = at.z();
+      columns.root[i] = std::sqrt(static_cast<float>(p.rank + 1));
+      columns.radius[i] = moves ? places_.child(i).radius : 0;
+    }
+    std::vector<std::int32_t> is_near(columns.x.size());
+    const float reach = kAround * unit_;
+    first_neighbour_.assign(points_.size() + 1, 0);
+    for (std::size_t c = 0; c < points_.size(); ++c) {
+      if (points_[c].rank >= n_) {
+        mark_near(columns, places_.child(c).center, places_.child(c).radius, columns.root[c], reach, is_near.data());
+        is_near[c] = 0;
+        for (std::size_t i = 0; i < is_near.size(); ++i) {
+          if (is_near[i]) neighbours_.push_back(static_cast<std::uint32_t>(i));
+        }
+      }
+      first_neighbour_[c + 1] = neighbours_.size();
+    }
+  }
+  std::span<const std::uint32_t> neighbours_of(std::size_t c) const {
+    return std::span(neighbours_).subspan(first_neighbour_[c], first_neighbour_[c + 1] - first_neighbour_[c]);
+  }
+
+  /// A point's relative radius, when it comes and ever after.
+  float spacing_of(std::size_t c) const {
+    const RankedPoint& p = points_[c];
+    float least = kFar;
+    for (const std::uint32_t j : neighbours_of(c)) {
+      const RankedPoint& q = point(j);
+      const float x = p.position[0] - q.position[0], y = p.position[1] - q.position[1], z = p.position[2] - q.position[2];
+      const float cosine = p.normal[0] * q.normal[0] + p.normal[1] * q.normal[1] + p.normal[2] * q.normal[2];
+      const float d = (x * x + y * y + z * z) * static_cast<float>(std::max(p.rank, q.rank) + 1);
+      if (d < least && cosine >= kSameSide) least = d;
+    }
+    return std::sqrt(least) / unit_;
+  }
+
+  /// Where in its stratum a point would be farthest from all others but one.
+  BestPlace farthest_place(std::size_t c, std::size_t but) {
+    float* least = places_.places(c).before;
+    std::fill_n(least, kPlaces, kFar);
+    for (const std::uint32_t j : neighbours_of(c)) {
+      const RankedPoint& p = point(j);
+      if (j != but) places_.take_nearer(c, p, static_cast<float>(std::max(p.rank, points_[c].rank) + 1), least);
+    }
+    return best_place(least, least, 1);
+  }
+
+  void move(std::size_t c, std::size_t place) { points_[c] = places_.point(c, place, points_[c].rank); }
+
+  RankPlaces& places_;
+  std::span<RankedPoint> points_;
+  std::span<const RankedPoint> near_;
+  std::uint64_t n_;                        // strata of the level
+  float unit_;                             // lattice distance of one point
+  std::vector<std::uint32_t> neighbours_;  // of all children, one after the other
+  std::vector<std::size_t> first_neighbour_;
+};
+
+}  // namespace
+
+void relax_ranks(RankPlaces& places, std::span<const RankedPoint> near, std::span<RankedPoint> points) {
+  Relaxation(places, near, points).run();
+}
+
+}  // namespace curvecast

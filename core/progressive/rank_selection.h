@@ -1,0 +1,134 @@
+// Which of the ranked candidates a density shows: a point is there where the scale is at least (rank + 1) / density. A greater
+// density or scale only adds points, a smaller one only removes some.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/capacity.h"
+#include "core/density/fixed_density.h"
+#include "core/density/view_factor.h"
+#include "core/progressive/rank_tree.h"
+
+namespace curvecast {
+
+/// A point that a selection shows.
+struct RankRef {
+  std::uint32_t chunk;  // of the selection's tree
+  std::uint16_t point;  // of the chunk
+  std::uint8_t rung;    // of its disc; 0 where that is not known
+};
+static_assert(kChunkStrata <= std::uint64_t{1} << 16);
+
+/// Calls visit(i) for every bit i that is set in a word, ascending, counted from `first`.
+template <typename Visit>
+void for_each_bit(std::uint64_t word, std::size_t first, const Visit& visit) {
+  for (; word != 0; word &= word - 1) visit(first + static_cast<std::size_t>(std::countr_zero(word)));
+}
+
+/// Kept from frame to frame, so that its memory is used again.
+struct RankSelection {
+  static constexpr std::size_t kWord = 64;
+
+  struct Part {
+    std::uint32_t chunk;      // of tree->chunks()
+    std::uint32_t first_bit;  // of the chunk's points in `shown`; a multiple of 64
+  };
+
+  std::shared_ptr<const RankTree> tree;
+  std::vector<Part> parts;           // the chunks with points that are shown, and maybe others, ascending
+  std::vector<std::uint64_t> shown;  // a bit for each of their points
+  std::size_t count = 0;             // of points shown
+  // Where they are known, what discs the points shown have, in the order of their bits: rungs of the curve's RadiusLadder.
+  std::vector<std::uint8_t> rungs;
+  float scale = 0;  // where fewer points are shown than were asked for: a guess of what all would need
+  /// Chunks that may have points to be shown and are not there yet; where none, the selection is what it would be with all
+  /// candidates.
+  std::vector<ChunkId> lacking;
+  /// Somewhere more points are wanted than the deepest ranks have.
+  bool is_exhausted = false;
+
+  /// Bytes allocated, in use or not; the tree is shared and not counted.
+  std::size_t byte_size() const {
+    const auto& [t, p, s, c, r, f, l, e] = *this;
+    return capacity_bytes(p, s, r, l);
+  }
+
+  /// Calls visit(RankRef, its bit) for every point shown: chunk by chunk, each along the curve.
+  template <typename Visit>
+  void for_each_shown(const Visit& visit) const {
+    std::size_t i = 0;
+    for (const Part& part : parts) {
+      const std::size_t words = tree->chunks()[part.chunk]->size() / kWord;
+      for (std::size_t w = 0; w < words; ++w) {
+        for_each_bit(shown[part.first_bit / kWord + w], w * kWord, [&](std::size_t point) {
+          const std::uint8_t rung = rungs.empty() ? std::uint8_t{0} : rungs[i++];
+          visit(RankRef{part.chunk, static_cast<std::uint16_t>(point), rung}, part.first_bit + point);
+        });
+      }
+    }
+  }
+};
+
+/// Selects for one view after another; not for several threads at once.
+class RankSelector {
+ public:
+  /// The n points that need the least scale under a density, the fixed one (null: 1 everywhere) times the view's; of those that
+  /// need the same those of the lowest ranks; fewer where fewer of the tree's have a density. Precondition: n > 0.
+  void select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, std::uint64_t n,
+              RankSelection& out);
+
+  /// All points that are shown at a scale.
+  void select_at(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, float scale,
+                 RankSelection& out);
+
+  /// The density at the points that the last selection shows, selection.count of them in the order of their bits.
+  void densities(const RankSelection& selection, std::span<float> out) const;
+
+  /// Held, whether in use or not.
+  std::size_t byte_size() const;
+
+ private:
+  struct Visited {
+    std::uint32_t chunk;
+    std::size_t first_key;
+  };
+  /// A point near the end of the selection.
+  struct Candidate {
+    float key;
+    std::uint32_t rank, key_index;
+    bool operator<(const Candidate& other) const { return key < other.key || (key == other.key && rank < other.rank); }
+  };
+
+  struct View {
+    const RankTree& tree;
+    const FixedDensity* density;
+    const ViewFactor& factor;
+  };
+
+  /// About as many as n points are shown at it, rather more.
+  float guess_scale(const View& view, std::uint64_t n);
+  /// Finds out what scale each point needs that may be shown at this one. Returns whether that is all points.
+  bool visit(const View& view, float scale);
+  void evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, float* keys);
+  /// Marks as shown the points that need `above` at most, and puts those that need up to `upto` into the window. Returns how many
+  /// it marked.
+  std::size_t collect(const View& view, float above, float upto);
+  void finish(const View& view, std::size_t count, RankSelection& out);
+
+  enum class Visit : std::uint8_t { kLater, kNow, kNever };  // kNever: there is no density at all
+
+  std::vector<Visit> visit_;  // of each chunk
+  std::vector<Visited> visited_;
+  std::vector<float> most_;  // density, at most, of each run of the visited chunks
+  std::vector<float> keys_;  // the scale that each point of the visited chunks needs
+  std::vector<float> factor_;
+  std::vector<std::uint64_t> shown_, bits_;  // of each key
+  std::vector<Candidate> window_;
+};
+
+}  // namespace curvecast

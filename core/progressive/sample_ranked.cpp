@@ -1,0 +1,114 @@
+#include "core/progressive/sample_ranked.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/lanes.h"
+#include "core/density/view_factor.h"
+#include "core/progressive/place_order.h"
+#include "core/sample/resample.h"
+#include "core/sample/splat_radius.h"
+
+namespace curvecast {
+namespace {
+
+constexpr std::size_t kAhead = 12;  // points whose data the memory brings beforehand
+
+void prefetch(const RankTree& tree, const RankRef& ref) {
+  const RankChunk& chunk = *tree.chunks()[ref.chunk];
+  for (const std::vector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) __builtin_prefetch(column->data() + ref.point);
+  for (const std::vector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) __builtin_prefetch(column->data() + ref.point);
+  __builtin_prefetch(chunk.rank.data() + ref.point);
+  __builtin_prefetch(chunk.vertex.data() + ref.point);
+}
+
+CURVECAST_WIDE void to_rungs(const SplatRadius& radius, const float* __restrict density, std::size_t n,
+                             std::uint8_t* __restrict rungs) {
+  const SplatRadius own = radius;  // which no store to `rungs` changes
+  for (std::size_t i = 0; i < n; ++i) rungs[i] = own.rung(density[i]);
+}
+
+/// The discs of all points that a selection shows.
+void find_rungs(const SurfaceCurve& curve, const RankSelector& selector, std::vector<float>& density, RankSelection& selection) {
+  density.resize(selection.count);
+  selector.densities(selection, density);
+  // With scale s a point stands for 1 / (s density) of the area.
+  const SplatRadius radius(curve, curve.total_area / static_cast<double>(selection.scale));
+  if (!selection.lacking.empty() || selection.is_exhausted) {
+    // Those that there are have to do.
+    const RankTree& tree = *selection.tree;
+    std::size_t i = 0;
+    selection.for_each_shown([&](const RankRef& ref, std::size_t) {
+      const int level = tree.level_at(ref.chunk, tree.chunks()[ref.chunk]->place[ref.point]);
+      const float most = static_cast<float>(std::ldexp(1.0, 2 * level)) / selection.scale;
+      density[i] = std::min(density[i], most);
+      ++i;
+    });
+  }
+  selection.rungs.resize(selection.count);
+  to_rungs(radius, density.data(), selection.count, selection.rungs.data());
+}
+
+}  // namespace
+
+absl::Status select_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
+                           const Density& density, std::uint64_t n, RankedWorkspace& workspace) {
+  if (absl::Status status = check_sample(n, density); !status.ok()) return status;
+  RankSelection& selection = workspace.selection;
+  workspace.selector.select(tree, fixed, ViewFactor(curve, density), n, selection);
+  if (selection.count == 0 && selection.lacking.empty()) return nowhere_to_put_points();
+  find_rungs(curve, workspace.selector, workspace.density, selection);
+  return absl::OkStatus();
+}
+
+void gather_ranked(const SurfaceCurve& curve, const RankTree& tree, std::span<const RankRef> refs, PointSet& points) {
+  const std::size_t n = refs.size();
+  points.origin = curve.origin;
+  points.positions.resize(n);
+  points.normals.resize(n);
+  points.radii.resize(n);
+  points.vertices.resize(n);
+  points.ranks.resize(n);
+  const RadiusLadder ladder(SplatRadius::largest(curve));
+  // A point between the vertices of a coarse curve may stand a little off the surface: not outside of the box, which all
+  // that encode points count on.
+  const Vec3f low = (curve.box.min - curve.origin).cast<float>(), high = (curve.box.max - curve.origin).cast<float>();
+  for (std::size_t i = 0; i < n; ++i) {
+    prefetch(tree, refs[std::min(i + kAhead, n - 1)]);
+    const RankChunk& chunk = *tree.chunks()[refs[i].chunk];
+    const std::uint16_t p = refs[i].point;
+    points.positions[i] = Vec3f(chunk.x[p], chunk.y[p], chunk.z[p]).cwiseMax(low).cwiseMin(high);
+    points.normals[i] = {chunk.nx[p], chunk.ny[p], chunk.nz[p]};
+    points.radii[i] = ladder.radius(refs[i].rung);
+    points.vertices[i] = chunk.vertex[p];
+    points.ranks[i] = chunk.rank[p];
+  }
+  points.colours.resize(curve.colour.empty() ? 0 : n);
+  for (std::size_t i = 0; i < points.colours.size(); ++i) points.colours[i] = curve.colour[points.vertices[i]];
+}
+
+void list_ranked(const SurfaceCurve& curve, RankedWorkspace& workspace) {
+  const RankSelection& selection = workspace.selection;
+  const RankTree& tree = *selection.tree;
+  std::vector<RankRef>& shown = workspace.shown;
+  std::vector<std::uint64_t>& keys = workspace.list_delta.keys;
+  shown.clear();
+  keys.clear();
+  selection.for_each_shown([&](const RankRef& ref, std::size_t) {
+    keys.push_back(std::uint64_t{tree.chunks()[ref.chunk]->place[ref.point]} << 32 | shown.size());
+    shown.push_back(ref);
+  });
+  sort_by_place(keys, workspace.list_delta.scratch);
+  workspace.refs.resize(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) workspace.refs[i] = shown[static_cast<std::uint32_t>(keys[i])];
+  gather_ranked(curve, tree, workspace.refs, workspace.points);
+}
+
+absl::Status sample_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
+                           const Density& density, std::uint64_t n, RankedWorkspace& workspace) {
+  if (absl::Status status = select_ranked(curve, tree, fixed, density, n, workspace); !status.ok()) return status;
+  list_ranked(curve, workspace);
+  return absl::OkStatus();
+}
+
+}  // namespace curvecast

@@ -1,0 +1,68 @@
+#include "core/progressive/stratum_bounds.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/curve/curve_blocks.h"
+#include "core/curve/leaf_frame.h"
+
+namespace curvecast {
+namespace {
+
+constexpr std::size_t kGrain = 512;  // blocks
+constexpr float kSlack = 1.0001f;    // for rounding
+
+/// From a leaf's vertex to its farthest place.
+float extent(const LeafFrame& frame) { return 0.5f * (frame.along_x.norm() + frame.along_y.norm()); }
+
+}  // namespace
+
+StratumBounds::StratumBounds(const CurveStrata& strata) : strata_(&strata), extent_(block_count(strata.curve().size())) {
+  const std::size_t vertices = strata.curve().size();
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, extent_.size(), kGrain), [&](const auto& range) {
+    LeafFrames frames(strata.curve());
+    for (std::size_t b = range.begin(); b < range.end(); ++b) {
+      const std::size_t end = std::min((b + 1) * kBlockSize, vertices);
+      for (std::size_t l = b * kBlockSize; l < end; ++l) extent_[b] = std::max(extent_[b], extent(frames.of(l)));
+    }
+  });
+}
+
+StratumBound StratumBounds::of(int level, std::uint64_t stratum) const {
+  const SurfaceCurve& curve = strata_->curve();
+  StratumBound bound;
+  bound.first_vertex = strata_->vertex_at(std::ldexp(static_cast<double>(stratum), -2 * level));
+  bound.last_vertex = strata_->vertex_at(std::ldexp(static_cast<double>(stratum + 1), -2 * level));
+  // Few vertices are looked at one by one, many by their blocks.
+  const bool is_short = bound.last_vertex - bound.first_vertex < 4 * kBlockSize;
+  const std::size_t step = is_short ? 1 : kBlockSize;
+  const std::size_t begin = bound.first_vertex / step, end = bound.last_vertex / step + 1;
+  const CurveBlocks& blocks = curve.blocks;
+  const auto position = [&](std::size_t i) {
+    return is_short ? curve.position(i) : Vec3f(blocks.x[i], blocks.y[i], blocks.z[i]);
+  };
+  const auto normal = [&](std::size_t i) { return is_short ? curve.normal(i) : Vec3f(blocks.nx[i], blocks.ny[i], blocks.nz[i]); };
+  Eigen::AlignedBox3f box;
+  Vec3f normals = Vec3f::Zero();
+  for (std::size_t i = begin; i < end; ++i) {
+    box.extend(position(i));
+    normals += normal(i);
+  }
+  bound.center = box.center();
+  const float length = normals.norm();
+  bound.normal = length > 0 ? Vec3f(normals / length) : normal(begin);
+  for (std::size_t i = begin; i < end; ++i) {
+    const float radius = is_short ? extent_[i / kBlockSize] : blocks.radius[i] + extent_[i];
+    const float spread = is_short ? 0 : blocks.spread[i];
+    bound.radius = std::max(bound.radius, (position(i) - bound.center).norm() + radius);
+    bound.spread = std::max(bound.spread, (normal(i) - bound.normal).norm() + spread);
+  }
+  bound.radius *= kSlack;
+  bound.spread *= kSlack;
+  return bound;
+}
+
+}  // namespace curvecast

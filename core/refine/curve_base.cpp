@@ -1,0 +1,27 @@
+#include "core/refine/curve_base.h"
+
+namespace curvecast {
+
+CurveBase::CurveBase(const SurfaceData& surface, const std::vector<Chart>& all_charts)
+    : data(surface), charts(all_charts), triangle_of(surface.mesh.face_count()) {
+  triangles.reserve(charts.size());
+  for (const Chart& chart : charts) {
+    triangles.push_back(parameter_triangles(chart));
+    const std::vector<std::uint32_t>& faces = chart.disc.face_of;
+    for (std::size_t t = faces.size(); t-- > 0;) triangle_of[faces[t]] = static_cast<std::uint32_t>(t);
+  }
+}
+
+SurfaceCurve next_revision(const SurfaceCurve& curve) {
+  SurfaceCurve next;
+  next.origin = curve.origin;
+  for (const ScalarColumn& scalar : curve.scalars) next.scalars.push_back({scalar.name, {}});
+  next.reference_curvature = curve.reference_curvature;
+  next.total_area = curve.total_area;
+  next.box = curve.box;
+  next.max_points = curve.max_points;
+  next.revision = curve.revision + 1;
+  return next;
+}
+
+}  // namespace curvecast

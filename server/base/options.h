@@ -1,0 +1,54 @@
+// What a server is started with.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/base/log.h"
+#include "server/base/web_file.h"
+
+namespace curvecast::server {
+
+struct ServerOptions {
+  std::string listen = {};                                   // "host:port"; port 0 = any free one; empty = this process only
+  int threads = 0;                                           // for preprocessing and views; 0 = one per core
+  std::uint64_t max_upload_bytes = std::uint64_t{2} << 30;   // of one mesh file
+  std::uint64_t max_mesh_bytes = std::uint64_t{4} << 30;     // of all mesh files held; the least recently used go first
+  std::uint64_t max_sessions = 64;                           // held at once
+  std::uint64_t max_session_bytes = std::uint64_t{8} << 30;  // of all of them; the least recently used go first, to the cache
+  std::string tokens = {};                                   // file of those who may call, see Tokens; empty = everybody
+  std::string mesh_folder = {};                              // of which clients may import meshes; empty = none
+  std::size_t max_streams = 1000;                            // of views, at once
+  std::size_t max_streams_of_client = 250;                   // of one address
+  std::size_t max_uploads = 64;                              // at once
+  std::size_t max_uploads_of_client = 8;
+  /// Views and acknowledgements a second that are taken from a stream: who waits for each frame sends one of each in a few
+  /// milliseconds.
+  double max_view_rate = 2000;
+  std::uint64_t max_queued_bytes = std::uint64_t{1} << 30;  // of all that waits to be read by its clients
+  /// Of one session, to which a curve is refined at most where views ask for more than it was made for. Also kept within half of
+  /// the machine's free memory. 0: no refinement.
+  std::uint64_t max_curve_vertices = 20'000'000;
+  std::string cache = {};                               // folder where sessions survive a restart; made if missing; empty = none
+  std::uint64_t cache_bytes = std::uint64_t{10} << 30;  // of all files there; the least recently used sessions go first
+  bool log = true;                                      // one line per state change and error, to standard error
+  bool verbose = false;                                 // with log: one line per request too
+  LogFormat log_format = LogFormat::kText;
+  std::vector<std::string> notes = {};  // lines for the beginning of the log
+  /// "host:port" of the HTTP port: the viewer, its WebSocket (web_socket.proto), /healthz, /readyz, /metrics; port 0 = any free
+  /// one; empty = none.
+  std::string http = {};
+  bool http_may_move = false;                 // to any free port where that one is in use
+  std::span<const WebFile> pages = {};        // the viewer's, and whatever else the HTTP port shall serve
+  std::vector<std::string> web_origins = {};  // of pages from elsewhere that may connect: "https://example.org"; "*": all
+  bool ready = true;                          // else not before set_ready()
+  /// PEM files with which connections over TCP are encrypted, of both ports: the server's certificate with those that vouch for
+  /// it, and its key. Without: no encryption.
+  std::string tls_cert = {}, tls_key = {};
+  std::string tls_client_ca = {};  // PEM: only clients for whose certificates these vouch may call; empty: all
+};
+
+}  // namespace curvecast::server

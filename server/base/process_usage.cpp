@@ -1,0 +1,38 @@
+#include "server/base/process_usage.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+namespace curvecast::server {
+namespace {
+
+std::uint64_t count_entries(const char* folder) {
+  std::error_code error;
+  std::uint64_t count = 0;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) ++count;
+  return count;
+}
+
+double seconds(const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); }
+
+}  // namespace
+
+ProcessUsage process_usage() {
+  ProcessUsage out;
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  out.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  std::uint64_t total_pages = 0, resident_pages = 0;
+  if (std::ifstream("/proc/self/statm") >> total_pages >> resident_pages) {
+    out.resident_bytes = resident_pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  }
+  out.open_files = count_entries("/proc/self/fd");
+  out.threads = count_entries("/proc/self/task");
+  return out;
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,101 @@
+#include "server/convert/convert_measure.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "core/sample/point_set.h"
+#include "server/convert/checker.h"
+#include "server/convert/convert.h"
+#include "server/convert/convert_density.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr std::uint64_t kMaxAllPoints = 8'000'000;
+using Floats = std::array<float, 3>;
+
+v1::Discrepancy to_proto(const Discrepancy& in) {
+  v1::Discrepancy out;
+  out.set_max(in.max);
+  out.set_rms(in.rms);
+  out.set_rms_relative(in.rms_relative);
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<MeasureOptions> to_measure_options(const v1::MeasureRequest& request) {
+  Checker check;
+  MeasureOptions options;
+  const auto count = [&](const char* field, std::uint32_t value, int* option) {
+    if (value != 0) *option = static_cast<int>(check.in_range(field, value, 1u, std::uint32_t{kMaxRegions}));
+  };
+  count("ring_seeds", request.ring_seeds(), &options.ring_seeds);
+  count("ball_centres", request.ball_centres(), &options.ball_centres);
+  options.seed = request.seed();
+  options.density = to_density(check, "density", request.density(), to_cameras(check, "cameras", request.cameras()),
+                               "needs a camera, which the request does not have");
+  if (!check.ok()) return check.status();
+  return options;
+}
+
+absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureRequest& request,
+                                                              const std::vector<std::shared_ptr<const Mesh>>& files) {
+  static_assert(std::endian::native == std::endian::little);
+  Checker check;
+  std::uint64_t all = 0;
+  for (std::size_t s = 0; s < files.size(); ++s) {
+    const std::uint64_t points = files[s]->size / sizeof(Floats);
+    if (files[s]->size % sizeof(Floats) != 0) {
+      check.fail(absl::StrCat("sets[", s, "].points_id"),
+                 absl::StrCat("names ", files[s]->size, " bytes; points have ", sizeof(Floats), " each"));
+    }
+    all += points;
+    if (points <= kMaxPoints && all <= kMaxAllPoints) continue;
+    return absl::OutOfRangeError(absl::StrCat("sets[", s, "] has ", points, " points, ", all, " with those before it; at most ",
+                                              kMaxPoints, " are measured in a set, and ", kMaxAllPoints, " at once"));
+  }
+  std::vector<std::vector<Vec3d>> sets(files.size());
+  for (std::size_t s = 0; check.ok() && s < files.size(); ++s) {
+    const Vec3d origin = check.vector(absl::StrCat("sets[", s, "].origin"), request.sets(static_cast<int>(s)).origin());
+    sets[s].reserve(files[s]->size / sizeof(Floats));
+    for (std::size_t at = 0; at < files[s]->size; at += sizeof(Floats)) {
+      Floats p;
+      std::memcpy(&p, files[s]->bytes().data() + at, sizeof p);
+      sets[s].emplace_back(origin + Vec3d(p[0], p[1], p[2]));
+    }
+  }
+  if (!check.ok()) return check.status();
+  return sets;
+}
+
+v1::Measures to_proto(const MeasureReport& report, double diagonal) {
+  v1::Measures out;
+  for (const PointMeasures& in : report.sets) {
+    v1::PointMeasures& set = *out.add_sets();
+    set.set_points(in.points);
+    set.mutable_on_surface()->set_max(100 * in.surface_max / diagonal);
+    set.mutable_on_surface()->set_mean(100 * in.surface_mean / diagonal);
+    *set.mutable_ring_discrepancy() = to_proto(in.ring);
+    *set.mutable_ball_discrepancy() = to_proto(in.ball);
+    v1::Spacing& spacing = *set.mutable_spacing();
+    spacing.set_rho(in.spacing.min);
+    spacing.set_nn_mean(in.spacing.mean);
+    spacing.set_nn_max(in.spacing.max);
+    spacing.set_coverage(in.coverage);
+    spacing.set_rho_same_side(in.spacing_on_side.min);
+  }
+  if (report.gradient) {
+    v1::MeasureGradients& gradient = *out.mutable_gradient();
+    gradient.set_ring_max(report.gradient->ring_max);
+    gradient.set_ring_rms(report.gradient->ring_rms);
+    gradient.set_ball_max(report.gradient->ball_max);
+    gradient.set_ball_rms(report.gradient->ball_rms);
+  }
+  return out;
+}
+
+}  // namespace curvecast::server

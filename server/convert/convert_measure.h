@@ -1,0 +1,25 @@
+// Measures between core and proto.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <vector>
+
+#include "core/measure/measure_points.h"
+#include "curvecast/v1/curvecast.pb.h"
+#include "server/session/mesh_store.h"
+
+namespace curvecast::server {
+
+/// Everything but mesh and points; defaults are filled in. InvalidArgument names the field at fault and its value.
+absl::StatusOr<MeasureOptions> to_measure_options(const v1::MeasureRequest& request);
+
+/// The points of all sets in absolute coordinates, from the files that hold them, one for each. InvalidArgument and OutOfRange
+/// name the set at fault.
+absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureRequest& request,
+                                                              const std::vector<std::shared_ptr<const Mesh>>& files);
+
+/// `diagonal`: of the mesh's box.
+v1::Measures to_proto(const MeasureReport& report, double diagonal);
+
+}  // namespace curvecast::server

@@ -1,0 +1,97 @@
+#include "server/convert/convert_points.h"
+
+#include <array>
+#include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/sample/splat_radius.h"
+#include "server/convert/convert.h"
+#include "server/convert/little_endian.h"
+
+namespace curvecast::server {
+namespace {
+
+std::string rgb_bytes(const std::vector<Rgba8>& colours, std::size_t begin, std::size_t count) {
+  std::string bytes;
+  bytes.reserve(3 * count);
+  for (std::size_t i = begin; i < begin + count; ++i) {
+    for (const std::uint8_t value : {colours[i].r, colours[i].g, colours[i].b}) bytes += static_cast<char>(value);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
+                             const PointAttributes& wanted) {
+  const auto column = [&](const auto& value_of) {
+    std::vector<decltype(value_of(std::uint32_t{}))> values(count);
+    for (std::size_t i = 0; i < count; ++i) values[i] = value_of(points.vertices[begin + i]);
+    return little_endian(values, 0, count);
+  };
+  v1::PointAttributes out;
+  if (wanted.curvatures) {
+    out.set_curvatures(column([&](std::uint32_t l) {
+      return std::array<float, 2>{curve.curvature_min[l], curve.curvature_max[l]};
+    }));
+  }
+  if (wanted.rank) out.set_ranks(little_endian(points.ranks, begin, count));
+  if (wanted.surface) {
+    out.set_faces(column([&](std::uint32_t l) { return curve.triangle[l]; }));
+    out.set_barycentric(column([&](std::uint32_t l) { return std::array<float, 2>{curve.weight_1[l], curve.weight_2[l]}; }));
+  }
+  return out;
+}
+
+absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
+                                        const std::optional<DracoOptions>& draco) {
+  v1::PointBlock block;
+  block.set_count(static_cast<std::uint32_t>(count));
+  *block.mutable_origin() = to_proto(points.origin);
+  if (!draco) {
+    v1::RawPoints& raw = *block.mutable_raw();
+    raw.set_positions(little_endian(points.positions, begin, count));
+    raw.set_normals(little_endian(points.normals, begin, count));
+    raw.set_radii(little_endian(points.radii, begin, count));
+    if (!points.colours.empty()) raw.set_colours(rgb_bytes(points.colours, begin, count));
+    return block;
+  }
+  // The session's own box, not the block's: all frames and blocks share one lattice.
+  DracoOptions options = *draco;
+  options.box_min = curve.box.min - points.origin;
+  options.box_size = (curve.box.max - curve.box.min).maxCoeff();
+  options.radius_max = static_cast<double>(SplatRadius::largest(curve));
+  float radius_min = 0, radius_max = 0;
+  absl::StatusOr<std::string> data = encode_draco(points, begin, count, options, &radius_min, &radius_max);
+  if (!data.ok()) return data.status();
+  v1::DracoPoints& out = *block.mutable_draco();
+  out.set_data(*std::move(data));
+  out.set_radius_min(radius_min);
+  out.set_radius_max(radius_max);
+  return block;
+}
+
+v1::PointEdits to_proto(const RankDelta& delta, const ListDelta& places, const SurfaceCurve& curve) {
+  v1::PointEdits edits;
+  const auto write = [](const std::vector<std::uint32_t>& indices, auto& out) {
+    out.Reserve(static_cast<int>(indices.size()));
+    std::uint32_t last = 0;
+    for (const std::uint32_t i : indices) out.Add(i - std::exchange(last, i));
+  };
+  write(places.removed, *edits.mutable_removed());
+  write(places.added, *edits.mutable_added());
+  std::uint32_t last = 0;
+  for (std::size_t i = 0; i < places.resized.size(); ++i) {
+    const int steps = int{delta.resized[i].point.rung} - int{delta.resized[i].from};
+    for (int step = 0; step < std::abs(steps); ++step) {
+      const std::uint32_t gap = places.resized[i] - std::exchange(last, places.resized[i]);
+      edits.add_resized(2 * gap + (steps > 0 ? 1 : 0));
+    }
+  }
+  edits.set_radius_max(SplatRadius::largest(curve));
+  return edits;
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,159 @@
+#include "server/engine/engine.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <thread>
+#include <utility>
+
+#include "server/base/options.h"
+
+namespace curvecast::server {
+namespace {
+
+// Jobs that wait, in all and of one connection.
+constexpr std::size_t kMaxWaiting = 1024, kMaxWaitingOfOne = 256;
+constexpr std::chrono::seconds kTendInterval{1};
+
+int worker_count(int threads) {
+  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+}  // namespace
+
+Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
+               std::shared_ptr<const Tokens> known)
+    : log(std::move(logger)),
+      threads(options.threads),
+      queued(options.max_queued_bytes),
+      views({.workers = worker_count(options.threads), .max_waiting = kMaxWaiting, .max_waiting_of_one = kMaxWaitingOfOne}),
+      calls({.workers = worker_count(options.threads) + 1,
+             .max_waiting = kMaxWaiting,
+             .max_waiting_of_one = kMaxWaitingOfOne,
+             .max_running_of_one = worker_count(options.threads),
+             .low_priority = true}),
+      preprocessing({.max_waiting = kMaxWaiting, .low_priority = true}),
+      cache(std::move(session_cache)),
+      tokens(std::move(known)),
+      max_view_rate(options.max_view_rate),
+      streams(std::make_shared<Admission>("streams of views", options.max_streams, options.max_streams_of_client)),
+      uploads(std::make_shared<Admission>("uploads", options.max_uploads, options.max_uploads_of_client)),
+      mesh_folder(options.mesh_folder),
+      meshes(options.max_mesh_bytes, options.max_upload_bytes),
+      sessions(preprocessing, preprocess, {options.max_sessions, options.max_session_bytes}, options.threads, log, cache.get()),
+      refiner(
+          options.max_curve_vertices,
+          [this](const Session& session, bool is_finer) {
+            metrics.refinement(is_finer);
+            if (is_finer) sessions.save(session);
+            tell_streams(session);
+          },
+          log),
+      rank_jobs([this](const Session& session) { tell_streams(session); }, log),
+      housekeeper_([this](const std::stop_token& stop) { tend(stop); }) {}
+
+void Engine::tend(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  while (!never.wait_for(lock, stop, kTendInterval, [] { return false; }) && !stop.stop_requested()) {
+    const auto now = std::chrono::steady_clock::now();
+    sessions.tend(now);
+    frame_cache.forget_before(now - kTendInterval);
+  }
+}
+
+absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport, std::string connection) {
+  auto stream = std::make_shared<ClientStream>(
+      transport,
+      ClientStream::Hooks{
+          .find = [this](const std::string& id) { return sessions.find(id); },
+          .answer =
+              [this, source = new_source()](const std::shared_ptr<const Session>& session, const FrameRequest& request) {
+                const FrameCache::Key key{.curve = session->curve(),
+                                          .sample = request.sample.fingerprint,
+                                          .points = request.sample.options.points,
+                                          .held = request.held != nullptr ? request.held->digest() : 0,
+                                          .first_bytes = request.first_bytes};
+                const auto make = [&] {
+                  return make_frame(*session, request, view_cache, improve_for(session, request.sample, source));
+                };
+                // The last improvement says that no better one follows, which is true for its client only.
+                return request.may_refine ? frame_cache.get(key, make) : make();
+              },
+          .restore = [this](const Session& session, const HeldClaim& claim) { return restore_held(session, claim, view_cache); },
+          .submit = [this, connection = std::move(connection)](
+                        std::function<void()> job) { return submit_view(std::move(job), connection); },
+          .count_queued = [this](std::int64_t bytes) { queued.add(bytes); },
+      });
+  const std::lock_guard lock(mutex_);
+  if (stopped_) return absl::UnavailableError("the server is shutting down");
+  if (streams_.size() >= sweep_at_) {
+    std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });
+    sweep_at_ = std::max<std::size_t>(64, 2 * streams_.size());
+  }
+  streams_.push_back(stream);
+  return stream;
+}
+
+absl::Status Engine::submit_view(std::function<void()> job, const std::string& connection) {
+  if (absl::Status status = queued.check(); !status.ok()) return status;
+  return views.submit(std::move(job), connection);
+}
+
+OnShort Engine::improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source) {
+  return {.finer_curve =
+              [this, session, source, density = sample.options.density](const SurfaceCurve& curve, std::uint64_t points) {
+                return refiner.request(session, curve, source, {points, density});
+              },
+          .more_ranks = [this, session](std::span<const ChunkId> lacking) { return rank_jobs.request(session, lacking); }};
+}
+
+Levels Engine::levels() {
+  Levels out;
+  out.waiting_views = views.waiting();
+  out.shared_frames = frame_cache.shared();
+  out.waiting_calls = calls.waiting();
+  out.waiting_preprocessing = preprocessing.waiting();
+  for (const SessionInfo& info : sessions.list()) {
+    ++out.sessions;
+    if (info.session != nullptr) out.session_bytes += info.session->memory_bytes();
+  }
+  const MeshStore::Usage held = meshes.usage();
+  out.meshes = held.meshes;
+  out.mesh_bytes = held.bytes;
+  if (cache != nullptr) out.cache_bytes = cache->used_bytes();
+  return out;
+}
+
+absl::Status Engine::close_session(const std::string& id, const std::string& who) {
+  const absl::StatusOr<SessionInfo> info = sessions.info(id);
+  const absl::Status closed = sessions.close(id, who);
+  if (closed.ok() && info.ok() && info->session != nullptr) refiner.forget(*info->session);
+  return closed;
+}
+
+void Engine::tell_streams(const Session& session) {
+  std::vector<std::weak_ptr<ClientStream>> all;
+  {
+    const std::lock_guard lock(mutex_);
+    all = streams_;
+  }
+  for (const auto& weak : all) {
+    if (const auto stream = weak.lock()) stream->refined(session);
+  }
+}
+
+void Engine::stop_streams(const absl::Status& reason) {
+  std::vector<std::weak_ptr<ClientStream>> all;
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    all = std::exchange(streams_, {});
+  }
+  for (const auto& weak : all) {
+    if (const auto stream = weak.lock()) stream->stop(reason);
+  }
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,90 @@
+// What all calls share: the stores, the workers, the log. No transport.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/base/admission.h"
+#include "server/base/job_queue.h"
+#include "server/base/queued_bytes.h"
+#include "server/base/tokens.h"
+#include "server/base/view_workers.h"
+#include "server/engine/metrics.h"
+#include "server/frame/client_stream.h"
+#include "server/frame/frame_cache.h"
+#include "server/frame/point_blocks.h"
+#include "server/session/mesh_store.h"
+#include "server/session/rank_jobs.h"
+#include "server/session/refiner.h"
+#include "server/session/session_cache.h"
+#include "server/session/session_store.h"
+
+namespace curvecast::server {
+
+struct ServerOptions;
+
+/// Thread-safe. Members are public because it is only the place where they meet, in the order in which they need each other.
+class Engine {
+ public:
+  /// `cache` may be null.
+  Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
+         std::shared_ptr<const Tokens> known = nullptr);
+
+  /// Whether the session would survive a restart.
+  bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->holds(session_id); }
+
+  /// Makes a conversation that stop_streams() reaches; refused with Unavailable after it.
+  /// `connection` shares the workers with the others.
+  absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, std::string connection);
+  /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined, and more ranked
+  /// candidates made.
+  OnShort improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
+  /// A number for a conversation or a call.
+  std::uint64_t new_source() { return ++sources_; }
+  /// What is held and what waits at this moment.
+  Levels levels();
+  /// SessionStore::close(), and no more refinement.
+  absl::Status close_session(const std::string& id, const std::string& who);
+  /// Ends all conversations and refuses new ones.
+  void stop_streams(const absl::Status& reason);
+
+  const std::shared_ptr<spdlog::logger> log;
+  Metrics metrics;
+  const int threads;                           // of one preprocessing job; 0 = one per core
+  QueuedBytes queued;                          // before all that sends
+  ViewCache view_cache;                        // of the jobs in `views` and `calls`
+  FrameCache frame_cache;                      // of streams
+  ViewWorkers views;                           // of streams: each takes milliseconds
+  JobQueue calls;                              // single point sets, inspection: views go before them
+  JobQueue preprocessing;                      // one at a time: each uses all cores by itself
+  const std::unique_ptr<SessionCache> cache;   // null: none
+  const std::shared_ptr<const Tokens> tokens;  // of those who may call; null: everybody
+  const double max_view_rate;                  // of a stream, per second
+  const std::shared_ptr<Admission> streams, uploads;
+  const std::string mesh_folder;  // of which clients may import meshes; empty: none
+  MeshStore meshes;
+  SessionStore sessions;
+  Refiner refiner;
+  RankJobs rank_jobs;
+
+ private:
+  absl::Status submit_view(std::function<void()> job, const std::string& connection);
+  void tell_streams(const Session& session);
+  void tend(const std::stop_token& stop);
+
+  std::atomic<std::uint64_t> sources_ = 0;
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<ClientStream>> streams_;
+  std::size_t sweep_at_ = 64;  // number of streams at which those that have gone are forgotten
+  bool stopped_ = false;
+  std::jthread housekeeper_;  // last: it uses the others
+};
+
+}  // namespace curvecast::server

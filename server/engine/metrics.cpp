@@ -1,0 +1,166 @@
+#include "server/engine/metrics.h"
+
+#include <absl/status/status.h>
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <chrono>
+#include <mutex>
+#include <vector>
+
+#include "curvecast/v1/curvecast.pb.h"
+#include "server/base/build_info.h"
+#include "server/base/process_usage.h"
+
+namespace curvecast::server {
+namespace {
+
+using prometheus::Counter;
+using prometheus::Family;
+using prometheus::Gauge;
+using prometheus::Histogram;
+using prometheus::Registry;
+
+const std::vector<double> kRequestSeconds = {0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300};
+const std::vector<double> kStageSeconds = {0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01,
+                                           0.025,  0.05,    0.1,    0.25,  0.5,    1,     5};
+
+Family<Counter>& counters(Registry& registry, const std::string& name, const std::string& help) {
+  return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
+}
+
+Family<Gauge>& gauges(Registry& registry, const std::string& name, const std::string& help) {
+  return prometheus::BuildGauge().Name(name).Help(help).Register(registry);
+}
+
+Family<Histogram>& histograms(Registry& registry, const std::string& name, const std::string& help) {
+  return prometheus::BuildHistogram().Name(name).Help(help).Register(registry);
+}
+
+double now() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
+
+}  // namespace
+
+struct Metrics::Families {
+  /// Frames of one kind.
+  struct Frames {
+    Counter &count, &bytes, &points;
+  };
+
+  Registry registry;
+  Family<Counter>& requests = counters(registry, "curvecast_requests_total", "Requests that are over, by gRPC status code.");
+  Family<Histogram>& request_seconds = histograms(registry, "curvecast_request_seconds",
+                                                  "From the start of a request to its end; of StreamViews, the conversation.");
+
+  Gauge& open_streams = gauges(registry, "curvecast_open_streams", "Conversations of views and frames.").Add({});
+  Counter& views_received = counters(registry, "curvecast_views_received_total", "Views that streams have brought.").Add({});
+  Counter& views_answered =
+      counters(registry, "curvecast_views_answered_total", "Views to which a first frame was sent, be it an error.").Add({});
+  Counter& views_overtaken =
+      counters(registry, "curvecast_views_overtaken_total", "Views never answered: a newer one or the stream's end came first.")
+          .Add({});
+
+  Family<Counter>& frames = counters(registry, "curvecast_frames_total", "Frames sent.");
+  Counter& frames_shared = counters(registry, "curvecast_frames_shared_total", "Frames that had been made for others.").Add({});
+  Family<Counter>& frame_bytes = counters(registry, "curvecast_frame_bytes_total", "Bytes of the frames sent, as messages.");
+  Family<Counter>& frame_points = counters(registry, "curvecast_frame_points_total", "Points that the frames sent carry.");
+  Frames key = of_kind("key"), delta = of_kind("delta"), error = of_kind("error");
+
+  Family<Histogram>& stage_seconds =
+      histograms(registry, "curvecast_stage_seconds", "Of one answer to a view or of a point set.");
+  Histogram& density = stage_seconds.Add({{"stage", "density"}}, kStageSeconds);
+  Histogram& equalise = stage_seconds.Add({{"stage", "equalise"}}, kStageSeconds);
+  Histogram& encode = stage_seconds.Add({{"stage", "encode"}}, kStageSeconds);
+
+  Family<Counter>& refinements = counters(registry, "curvecast_refinements_total", "Refinements of curves that are over.");
+  Counter& finer = refinements.Add({{"result", "finer"}});
+  Counter& unchanged = refinements.Add({{"result", "unchanged"}});
+
+  Frames of_kind(const char* kind) {
+    const prometheus::Labels labels = {{"kind", kind}};
+    return {frames.Add(labels), frame_bytes.Add(labels), frame_points.Add(labels)};
+  }
+
+  std::mutex mutex;  // guards what follows: set and read together
+  Family<Gauge>& waiting = gauges(registry, "curvecast_queue_depth", "Jobs that wait for a worker.");
+  Gauge& waiting_views = waiting.Add({{"queue", "views"}});
+  Gauge& waiting_calls = waiting.Add({{"queue", "calls"}});
+  Gauge& waiting_preprocessing = waiting.Add({{"queue", "preprocessing"}});
+  Gauge& sessions = gauges(registry, "curvecast_sessions", "Sessions in memory, those being made too.").Add({});
+  Gauge& session_bytes = gauges(registry, "curvecast_session_bytes", "Of their curves.").Add({});
+  Gauge& meshes = gauges(registry, "curvecast_meshes", "Mesh files held.").Add({});
+  Gauge& mesh_bytes = gauges(registry, "curvecast_mesh_bytes", "Of mesh files held and being received.").Add({});
+  Gauge& cache_bytes = gauges(registry, "curvecast_cache_bytes", "Of the files in the cache's folder.").Add({});
+  Gauge& resident = gauges(registry, "process_resident_memory_bytes", "Resident memory size in bytes.").Add({});
+  Gauge& open_files = gauges(registry, "process_open_fds", "Number of open file descriptors.").Add({});
+  Gauge& threads = gauges(registry, "process_threads", "Number of threads.").Add({});
+  Counter& cpu = counters(registry, "process_cpu_seconds_total", "Total user and system CPU time spent in seconds.").Add({});
+};
+
+Metrics::Metrics() : families_(std::make_unique<Families>()) {
+  Registry& registry = families_->registry;
+  const BuildInfo build = build_info();
+  gauges(registry, "curvecast_build_info", "Always 1; the labels tell.")
+      .Add({{"version", build.version}, {"compiler", build.compiler}, {"build_type", build.type}})
+      .Set(1);
+  gauges(registry, "curvecast_start_time_seconds", "When the server was started, since the epoch.").Add({}).Set(now());
+}
+
+Metrics::~Metrics() = default;
+
+void Metrics::request(std::string_view method, int code, double seconds) {
+  const std::string name(method);
+  families_->requests.Add({{"method", name}, {"code", absl::StatusCodeToString(static_cast<absl::StatusCode>(code))}})
+      .Increment();
+  families_->request_seconds.Add({{"method", name}}, kRequestSeconds).Observe(seconds);
+}
+
+void Metrics::stream_opened() { families_->open_streams.Increment(); }
+void Metrics::stream_closed() { families_->open_streams.Decrement(); }
+void Metrics::view_received() { families_->views_received.Increment(); }
+void Metrics::view_answered() { families_->views_answered.Increment(); }
+void Metrics::views_overtaken(std::size_t count) { families_->views_overtaken.Increment(static_cast<double>(count)); }
+
+void Metrics::frame(const v1::PointFrame& frame) {
+  const bool is_delta = frame.kind() == v1::FRAME_KIND_DELTA;
+  Families::Frames& kind = frame.has_error() ? families_->error : is_delta ? families_->delta : families_->key;
+  kind.count.Increment();
+  kind.bytes.Increment(static_cast<double>(frame.ByteSizeLong()));
+  std::uint64_t points = 0;
+  for (const v1::PointBlock& block : frame.points()) points += block.count();
+  kind.points.Increment(static_cast<double>(points));
+  if (!frame.has_error()) stages(frame.statistics());
+}
+
+void Metrics::stages(const v1::FrameStatistics& statistics) {
+  families_->density.Observe(statistics.density_seconds());
+  families_->equalise.Observe(statistics.equalise_seconds());
+  families_->encode.Observe(statistics.encode_seconds());
+}
+
+void Metrics::refinement(bool is_finer) { (is_finer ? families_->finer : families_->unchanged).Increment(); }
+
+std::string Metrics::text(const Levels& levels) {
+  Families& f = *families_;
+  const std::lock_guard lock(f.mutex);
+  f.frames_shared.Increment(static_cast<double>(levels.shared_frames) - f.frames_shared.Value());
+  f.waiting_views.Set(static_cast<double>(levels.waiting_views));
+  f.waiting_calls.Set(static_cast<double>(levels.waiting_calls));
+  f.waiting_preprocessing.Set(static_cast<double>(levels.waiting_preprocessing));
+  f.sessions.Set(static_cast<double>(levels.sessions));
+  f.session_bytes.Set(static_cast<double>(levels.session_bytes));
+  f.meshes.Set(static_cast<double>(levels.meshes));
+  f.mesh_bytes.Set(static_cast<double>(levels.mesh_bytes));
+  f.cache_bytes.Set(static_cast<double>(levels.cache_bytes));
+  const ProcessUsage usage = process_usage();
+  f.resident.Set(static_cast<double>(usage.resident_bytes));
+  f.open_files.Set(static_cast<double>(usage.open_files));
+  f.threads.Set(static_cast<double>(usage.threads));
+  f.cpu.Increment(usage.cpu_seconds - f.cpu.Value());
+  return prometheus::TextSerializer().Serialize(f.registry.Collect());
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,73 @@
+#include "server/engine/view_conversation.h"
+
+#include <chrono>
+#include <utility>
+
+#include "server/base/guarded.h"
+
+namespace curvecast::server {
+
+absl::StatusOr<std::unique_ptr<ViewConversation>> ViewConversation::begin(Engine& engine, ClientStream::Transport* transport,
+                                                                          const std::string& caller, const std::string& peer) {
+  absl::StatusOr<Admission::Ticket> ticket = engine.streams->admit(caller);
+  if (!ticket.ok()) return ticket.status();
+  auto stream = engine.make_stream(transport, peer);
+  if (!stream.ok()) return stream.status();
+  return std::unique_ptr<ViewConversation>(new ViewConversation(engine, *std::move(ticket), *std::move(stream)));
+}
+
+ViewConversation::ViewConversation(Engine& engine, Admission::Ticket ticket, std::shared_ptr<ClientStream> stream)
+    : engine_(engine),
+      ticket_(std::move(ticket)),
+      stream_(std::move(stream)),
+      tally_(engine.metrics),
+      rate_(engine.max_view_rate) {}
+
+void ViewConversation::take(const v1::StreamViewsRequest& request, std::function<void()> on_taken) {
+  if (request.has_view()) tally_.received(request.view().sequence());
+  if (request.has_open() && engine_.sessions.must_load(request.open().session_id())) {
+    // By a thread that may wait for the disk, before the stream hears of it.
+    const auto submitted = engine_.cache->loading().submit([this, &request, on_taken] {
+      const auto held = guarded([&] { return engine_.sessions.find(request.open().session_id()); });
+      stream_->receive(request);  // finds it in memory, or an error
+      on_taken();
+    });
+    if (submitted.ok()) return;
+    stream_->stop(submitted.status());
+    return on_taken();
+  }
+  stream_->receive(request);
+  const RateLimit::Clock::duration wait = rate_.take(RateLimit::Clock::now());
+  {
+    const std::lock_guard lock(mutex_);
+    if (wait > RateLimit::Clock::duration::zero() && !is_over_) {
+      // Not reading is what slows the client down: its messages wait with itself. The alarm keeps the function that it is given
+      // after it has gone off: that one must hold nothing.
+      on_taken_ = std::move(on_taken);
+      return alarm_.Set(std::chrono::system_clock::now() + wait, [this](bool) { go_on(); });
+    }
+  }
+  on_taken();
+}
+
+void ViewConversation::go_on() {
+  std::function<void()> on_taken;
+  {
+    const std::lock_guard lock(mutex_);
+    on_taken.swap(on_taken_);
+  }
+  on_taken();  // this may go at once
+}
+
+void ViewConversation::end_pause() {
+  const std::lock_guard lock(mutex_);
+  is_over_ = true;
+  alarm_.Cancel();
+}
+
+void ViewConversation::count(const v1::StreamViewsResponse& response) {
+  tally_.answered(response.frame().sequence());
+  engine_.metrics.frame(response.frame());
+}
+
+}  // namespace curvecast::server

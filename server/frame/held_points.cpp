@@ -1,0 +1,110 @@
+#include "server/frame/held_points.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace curvecast::server {
+namespace {
+
+std::pair<int, int> bits_of(const std::optional<DracoOptions>& draco) {
+  return draco ? std::pair(draco->position_bits, draco->normal_bits) : std::pair(0, 0);
+}
+
+}  // namespace
+
+HeldPoints::HeldPoints(std::shared_ptr<const SurfaceCurve> curve, const RankSelection& selection, const Sample& sample)
+    : curve_(std::move(curve)), draco_(sample.draco), attributes_(sample.attributes) {
+  selection_.tree = selection.tree;
+  selection_.count = selection.count;
+  const auto words_of = [&](const RankSelection::Part& part) {
+    return std::span(selection.shown)
+        .subspan(part.first_bit / RankSelection::kWord, selection.tree->chunks()[part.chunk]->size() / RankSelection::kWord);
+  };
+  const auto is_shown = [&](const RankSelection::Part& part) {
+    return std::ranges::any_of(words_of(part), [](std::uint64_t word) { return word != 0; });
+  };
+  std::size_t parts = 0, words = 0;
+  for (const RankSelection::Part& part : selection.parts) {
+    if (is_shown(part)) ++parts, words += words_of(part).size();
+  }
+  const auto digest = [this](const void* bytes, std::size_t size) { digest_ = XXH3_64bits_withSeed(bytes, size, digest_); };
+  const auto [position_bits, normal_bits] = bits_of(draco_);
+  const std::uint64_t kind[] = {
+      curve_->revision, static_cast<std::uint64_t>(position_bits), static_cast<std::uint64_t>(normal_bits),
+      std::uint64_t{attributes_.curvatures} << 2 | std::uint64_t{attributes_.rank} << 1 | std::uint64_t{attributes_.surface}};
+  digest(kind, sizeof(kind));
+  selection_.parts.reserve(parts);
+  selection_.shown.reserve(words);
+  for (const RankSelection::Part& part : selection.parts) {
+    if (!is_shown(part)) continue;
+    selection_.parts.push_back({part.chunk, static_cast<std::uint32_t>(selection_.shown.size() * RankSelection::kWord)});
+    const std::span<const std::uint64_t> shown = words_of(part);
+    selection_.shown.insert(selection_.shown.end(), shown.begin(), shown.end());
+    const ChunkId& id = selection.tree->chunks()[part.chunk]->id;
+    const std::uint64_t name[] = {static_cast<std::uint64_t>(id.level), id.index};
+    digest(name, sizeof(name));
+    digest(shown.data(), shown.size_bytes());
+  }
+  keep_runs(selection.rungs);
+  digest(discs_.data(), discs_.size() * sizeof(Run));
+  digest_ = std::max<std::uint64_t>(digest_, 1);
+}
+
+void HeldPoints::keep_runs(std::span<const std::uint8_t> rungs) {
+  constexpr std::size_t kLongest = std::numeric_limits<std::uint8_t>::max();
+  std::vector<Run> runs;
+  runs.reserve(rungs.size() / 4 + 1);
+  std::size_t begin = 0;
+  const auto end_run = [&](std::size_t end) {
+    for (; end - begin > kLongest; begin += kLongest) runs.push_back({rungs[begin], kLongest});
+    runs.push_back({rungs[begin], static_cast<std::uint8_t>(end - begin)});
+    begin = end;
+  };
+  // Where a disc differs from the one before, found eight at a time.
+  static_assert(std::endian::native == std::endian::little);
+  std::size_t i = 1;
+  for (; i + sizeof(std::uint64_t) <= rungs.size(); i += sizeof(std::uint64_t)) {
+    std::uint64_t these, before;
+    std::memcpy(&these, &rungs[i], sizeof(these));
+    std::memcpy(&before, &rungs[i - 1], sizeof(before));
+    for (std::uint64_t differs = these ^ before; differs != 0;) {
+      const int byte = std::countr_zero(differs) / 8;
+      end_run(i + static_cast<std::size_t>(byte));
+      differs &= ~(std::uint64_t{0xff} << 8 * byte);
+    }
+  }
+  for (; i < rungs.size(); ++i) {
+    if (rungs[i] != rungs[i - 1]) end_run(i);
+  }
+  if (!rungs.empty()) end_run(rungs.size());
+  discs_.assign(runs.begin(), runs.end());  // what is kept has no room to spare
+}
+
+void HeldPoints::discs(std::vector<std::uint8_t>& rungs) const {
+  // Most runs are short: sixteen are written whatever their length, and those after them written over.
+  constexpr std::size_t kAtOnce = 16;
+  rungs.resize(selection_.count + kAtOnce);
+  std::uint8_t* next = rungs.data();
+  for (const Run& run : discs_) {
+    std::memset(next, run.rung, kAtOnce);
+    if (run.count > kAtOnce) std::memset(next + kAtOnce, run.rung, run.count - kAtOnce);
+    next += run.count;
+  }
+  rungs.resize(selection_.count);
+}
+
+bool HeldPoints::goes_with(const SurfaceCurve& curve, const Sample& sample) const {
+  return curve_.get() == &curve && bits_of(draco_) == bits_of(sample.draco) && attributes_ == sample.attributes;
+}
+
+std::size_t HeldPoints::byte_size() const {
+  return sizeof(*this) + selection_.parts.capacity() * sizeof(RankSelection::Part) +
+         selection_.shown.capacity() * sizeof(std::uint64_t) + discs_.capacity() * sizeof(Run);
+}
+
+}  // namespace curvecast::server

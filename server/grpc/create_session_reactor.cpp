@@ -1,0 +1,73 @@
+// CreateSession: waits for a session and tells how far it is.
+#include "server/base/grpc_status.h"
+#include "server/base/guarded.h"
+#include "server/convert/convert.h"
+#include "server/engine/caller.h"
+#include "server/grpc/reactors.h"
+#include "server/grpc/write_queue.h"
+#include "server/session/mesh_files.h"
+
+namespace curvecast::server {
+namespace {
+
+// Either the store's on_done or a successful leave() finishes, never both.
+class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>, public SessionWaiter {
+ public:
+  CreateSessionReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request)
+      : WriteQueue(RequestLog(engine, "CreateSession", context), engine.queued), engine_(engine) {
+    // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
+    const absl::Status begun = guarded([&] { return begin(context, request); });
+    if (!begun.ok()) finish(to_grpc(begun));
+  }
+
+ private:
+  absl::Status begin(const grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request) {
+    auto files = find_files(engine_.meshes, request.mesh_id(), request.companions());
+    if (!files.ok()) return files.status();
+    const auto options = to_preprocess_options(request.options());
+    if (!options.ok()) return options.status();
+    auto id = engine_.sessions.join(*std::move(files), *options, this, owner_of(engine_, context));
+    if (id.ok()) id_ = *std::move(id);
+    return id.status();
+  }
+
+  void on_progress(std::string_view stage, double fraction) override {
+    v1::CreateSessionResponse response;
+    response.mutable_progress()->set_stage(std::string(stage));
+    response.mutable_progress()->set_fraction(fraction);
+    push(std::move(response));
+  }
+
+  void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) override {
+    if (session.ok()) {
+      v1::CreateSessionResponse response;
+      *response.mutable_session() = to_proto(**session);
+      response.mutable_session()->set_cached(engine_.is_cached((*session)->id));
+      push(std::move(response));
+    }
+    finish(to_grpc(session.status()));
+  }
+
+  // A client that reads slowly gets the start and the newest state of every stage.
+  bool replaces(const v1::CreateSessionResponse& newer, const v1::CreateSessionResponse& older) const override {
+    return newer.has_progress() && older.has_progress() && newer.progress().stage() == older.progress().stage() &&
+           older.progress().fraction() > 0;
+  }
+
+  void OnCancel() override {
+    WriteQueue::OnCancel();
+    if (engine_.sessions.leave(id_, this)) finish(grpc::Status::CANCELLED);
+  }
+
+  Engine& engine_;
+  std::string id_;
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::CreateSessionResponse>* create_session(Engine& engine, grpc::CallbackServerContext& context,
+                                                                    const v1::CreateSessionRequest& request) {
+  return new CreateSessionReactor(engine, context, request);
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,64 @@
+// GetCurve: sends a session's curve chunk by chunk.
+#include <memory>
+#include <utility>
+
+#include "server/base/grpc_status.h"
+#include "server/base/guarded.h"
+#include "server/convert/curve_chunks.h"
+#include "server/engine/request_log.h"
+#include "server/grpc/reactors.h"
+
+namespace curvecast::server {
+namespace {
+
+// Packs a chunk when the one before has gone, which takes about a millisecond: a client that reads slowly, or not at all, never
+// makes the server hold more than one. The curve is that of the beginning, whatever becomes of its session.
+class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse> {
+ public:
+  CurveReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetCurveRequest& request)
+      : log_(engine, "GetCurve", context) {
+    const absl::Status begun = guarded([&] {
+      const auto session = engine.sessions.find(request.session_id());
+      if (!session.ok()) return session.status();
+      curve_ = (*session)->curve();
+      *message_.mutable_info() = to_curve_info(*curve_);
+      return absl::OkStatus();
+    });
+    begun.ok() ? StartWrite(&message_) : end(begun);
+  }
+
+ private:
+  void OnWriteDone(bool ok) override {
+    if (!ok) return end(absl::CancelledError("the client has gone"));
+    if (next_ == curve_->size()) return end(absl::OkStatus());
+    const absl::Status packed = guarded([&] {
+      message_.Clear();
+      *message_.mutable_chunk() = to_curve_chunk(*curve_, next_);
+      next_ += message_.chunk().count();
+      return absl::OkStatus();
+    });
+    packed.ok() ? StartWrite(&message_) : end(packed);
+  }
+
+  void OnDone() override { delete this; }
+
+  void end(const absl::Status& status) {
+    const grpc::Status sent = to_grpc(status);
+    log_.finish(sent);
+    Finish(sent);
+  }
+
+  RequestLog log_;
+  std::shared_ptr<const SurfaceCurve> curve_;
+  v1::GetCurveResponse message_;  // being written
+  std::size_t next_ = 0;          // vertex
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::GetCurveResponse>* get_curve(Engine& engine, grpc::CallbackServerContext& context,
+                                                          const v1::GetCurveRequest& request) {
+  return new CurveReactor(engine, context, request);
+}
+
+}  // namespace curvecast::server

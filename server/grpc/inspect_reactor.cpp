@@ -1,0 +1,38 @@
+// InspectMesh and ListMeshReferences: read a mesh on a worker.
+#include "core/mesh_io/mesh_companions.h"
+#include "server/convert/convert.h"
+#include "server/grpc/reactors.h"
+#include "server/grpc/unary_job.h"
+#include "server/session/mesh_files.h"
+
+namespace curvecast::server {
+
+grpc::ServerUnaryReactor* inspect_mesh(Engine& engine, grpc::CallbackServerContext& context,
+                                       const v1::InspectMeshRequest& request, v1::InspectMeshResponse* response) {
+  return new UnaryJob(engine, "InspectMesh", context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    absl::StatusOr<MeshFiles> files = find_files(engine.meshes, request.mesh_id(), request.companions());
+    if (!files.ok()) return files.status();
+    return [files = *std::move(files), response](const ExecutionContext& job) {
+      const auto info = curvecast::inspect_mesh(files.file(), job);
+      if (info.ok()) *response->mutable_mesh() = to_proto(*info, files.mesh->name);
+      return info.status();
+    };
+  });
+}
+
+grpc::ServerUnaryReactor* list_mesh_references(Engine& engine, grpc::CallbackServerContext& context,
+                                               const v1::ListMeshReferencesRequest& request,
+                                               v1::ListMeshReferencesResponse* response) {
+  return new UnaryJob(engine, "ListMeshReferences", context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    absl::StatusOr<MeshFiles> files = find_files(engine.meshes, request.mesh_id(), request.companions());
+    if (!files.ok()) return files.status();
+    return [files = *std::move(files), response](const ExecutionContext& /*job*/) {
+      const auto names = mesh_companions(files.file());
+      if (!names.ok()) return names.status();
+      for (const std::string& name : *names) response->add_missing(name);
+      return absl::OkStatus();
+    };
+  });
+}
+
+}  // namespace curvecast::server

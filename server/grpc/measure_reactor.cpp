@@ -1,0 +1,92 @@
+// Measure: measures uploaded points on a mesh, and tells how far it is.
+#include <absl/strings/str_cat.h>
+
+#include "core/pipeline/pipeline.h"
+#include "server/base/grpc_status.h"
+#include "server/base/guarded.h"
+#include "server/convert/convert_measure.h"
+#include "server/engine/caller.h"
+#include "server/grpc/reactors.h"
+#include "server/grpc/write_queue.h"
+#include "server/session/mesh_files.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr int kMaxSets = 64;
+
+struct Work {
+  MeshFiles mesh;
+  std::vector<std::shared_ptr<const Mesh>> points;
+  MeasureOptions options;
+  v1::MeasureRequest request;
+};
+
+// The job is the only one that finishes, so the reactor outlives it. It queues with the preprocessing jobs, for it takes all
+// cores as well.
+class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
+ public:
+  MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::MeasureRequest& request)
+      : WriteQueue(RequestLog(engine, "Measure", context), engine.queued) {
+    const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
+    if (!begun.ok()) finish(to_grpc(begun));
+  }
+
+ private:
+  absl::Status begin(Engine& engine, const v1::MeasureRequest& request, const std::string& connection) {
+    auto mesh = find_files(engine.meshes, request.mesh_id(), request.companions());
+    if (!mesh.ok()) return mesh.status();
+    if (request.sets_size() < 1 || request.sets_size() > kMaxSets) {
+      return absl::InvalidArgumentError(absl::StrCat("sets has ", request.sets_size(), " entries; it must have 1 to ", kMaxSets));
+    }
+    const auto options = to_measure_options(request);
+    if (!options.ok()) return options.status();
+    Work work{*std::move(mesh), {}, *options, request};
+    for (const v1::UploadedPoints& set : request.sets()) {
+      auto file = engine.meshes.find(set.points_id());
+      if (!file.ok()) return file.status();
+      work.points.push_back(*std::move(file));
+    }
+    push_progress("queued", 0);
+    return engine.preprocessing
+        .submit([this, work = std::move(work),
+                 threads = engine.threads] { finish(to_grpc(guarded([&] { return answer(work, threads); }))); },
+                connection)
+        .status();
+  }
+
+  absl::Status answer(const Work& work, int threads) {
+    ExecutionContext context;
+    context.cancel = &cancel_flag();
+    context.threads = threads;
+    context.on_progress = [this](std::string_view stage, double fraction) { push_progress(stage, fraction); };
+    const auto sets = to_point_sets(work.request, work.points);
+    if (!sets.ok()) return sets.status();
+    const auto mesh = load_mesh(work.mesh.file(), context);
+    if (!mesh.ok()) return mesh.status();
+    MeasureOptions options = work.options;
+    options.scalars = mesh->attributes.scalars;
+    const auto report = measure_points(mesh->mesh, *sets, options, context);
+    if (!report.ok()) return report.status();
+    v1::MeasureResponse response;
+    *response.mutable_measures() = to_proto(*report, mesh->info.box.diagonal());
+    push(std::move(response));
+    return absl::OkStatus();
+  }
+
+  void push_progress(std::string_view stage, double fraction) {
+    v1::MeasureResponse response;
+    response.mutable_progress()->set_stage(std::string(stage));
+    response.mutable_progress()->set_fraction(fraction);
+    push(std::move(response));
+  }
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::MeasureResponse>* measure(Engine& engine, grpc::CallbackServerContext& context,
+                                                       const v1::MeasureRequest& request) {
+  return new MeasureReactor(engine, context, request);
+}
+
+}  // namespace curvecast::server

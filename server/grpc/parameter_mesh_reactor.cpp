@@ -1,0 +1,55 @@
+// GetParameterMesh: reads, repairs and flattens a mesh, and sends its discs chunk by chunk.
+#include "server/base/grpc_status.h"
+#include "server/base/guarded.h"
+#include "server/convert/convert.h"
+#include "server/convert/parameter_mesh_chunks.h"
+#include "server/engine/caller.h"
+#include "server/grpc/reactors.h"
+#include "server/grpc/write_queue.h"
+#include "server/session/mesh_files.h"
+
+namespace curvecast::server {
+namespace {
+
+// The job is the only one that finishes, so the reactor outlives it. It queues with the preprocessing jobs, whose work is the
+// same.
+class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshResponse> {
+ public:
+  ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
+      : WriteQueue(RequestLog(engine, "GetParameterMesh", context), engine.queued) {
+    const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
+    if (!begun.ok()) finish(to_grpc(begun));
+  }
+
+ private:
+  absl::Status begin(Engine& engine, const v1::GetParameterMeshRequest& request, const std::string& connection) {
+    auto files = find_files(engine.meshes, request.mesh_id(), request.companions());
+    if (!files.ok()) return files.status();
+    const auto parameteriser = to_parameteriser("parameteriser", request.parameteriser());
+    if (!parameteriser.ok()) return parameteriser.status();
+    const PreprocessOptions options{.parameteriser = *parameteriser};
+    return engine.preprocessing
+        .submit([this, files = *std::move(files), options,
+                 threads = engine.threads] { finish(to_grpc(guarded([&] { return answer(files, options, threads); }))); },
+                connection)
+        .status();
+  }
+
+  absl::Status answer(const MeshFiles& files, const PreprocessOptions& options, int threads) {
+    ExecutionContext context;
+    context.cancel = &cancel_flag();
+    context.threads = threads;
+    const auto flattened = flatten_mesh(files.file(), options, context);
+    if (!flattened.ok()) return flattened.status();
+    return push_all([&](const auto& push_chunk) { return make_chunks(*flattened, files.mesh->name, push_chunk); });
+  }
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* get_parameter_mesh(Engine& engine, grpc::CallbackServerContext& context,
+                                                                           const v1::GetParameterMeshRequest& request) {
+  return new ParameterMeshReactor(engine, context, request);
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,69 @@
+// Resample: one point set, packed on a worker and sent block by block.
+#include "server/base/grpc_status.h"
+#include "server/base/guarded.h"
+#include "server/convert/convert.h"
+#include "server/engine/caller.h"
+#include "server/frame/point_blocks.h"
+#include "server/grpc/reactors.h"
+#include "server/grpc/write_queue.h"
+
+namespace curvecast::server {
+namespace {
+
+// The job is the only one that finishes, so the reactor outlives it.
+class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
+ public:
+  ResampleReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
+      : WriteQueue(RequestLog(engine, "Resample", context), engine.queued) {
+    const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
+    if (!begun.ok()) finish(to_grpc(begun));
+  }
+
+ private:
+  absl::Status begin(Engine& engine, const v1::ResampleRequest& request, const std::string& connection) {
+    const std::string& id = request.session_id();
+    // What is in memory is held from now on, whoever closes it; what has to be loaded is left to the job.
+    std::shared_ptr<const Session> held;
+    if (!engine.sessions.must_load(id)) {
+      auto session = engine.sessions.find(id);
+      if (!session.ok()) return session.status();
+      held = *std::move(session);
+    }
+    auto sample = to_sample(request.sample());
+    if (!sample.ok()) return sample.status();
+    if (sample->automatic)
+      return absl::InvalidArgumentError("sample.automatic is for streams; ask for points, bytes or an error in pixels");
+    return engine.calls
+        .submit(
+            [this, &engine, id, held = std::move(held), sample = *std::move(sample)]() mutable {
+              finish(to_grpc(guarded([&]() -> absl::Status {
+                // Lets go of the session before the client hears that it is done.
+                absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
+                if (*session == nullptr) session = engine.sessions.find(id);
+                if (!session.ok()) return session.status();
+                return answer(engine, **session, sample, engine.improve_for(*session, sample, engine.new_source()));
+              })));
+            },
+            connection)
+        .status();
+  }
+
+  absl::Status answer(Engine& engine, const Session& session, const Sample& sample, const OnShort& on_short) {
+    if (cancelled()) return absl::CancelledError("the client has gone");
+    return push_all([&](const auto& push_block) {
+      return make_blocks(session, sample, engine.view_cache, on_short, &cancel_flag(), [&](v1::ResampleResponse block) {
+        if (block.has_statistics()) engine.metrics.stages(block.statistics());
+        return push_block(std::move(block));
+      });
+    });
+  }
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::ResampleResponse>* resample(Engine& engine, grpc::CallbackServerContext& context,
+                                                         const v1::ResampleRequest& request) {
+  return new ResampleReactor(engine, context, request);
+}
+
+}  // namespace curvecast::server

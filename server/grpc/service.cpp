@@ -1,0 +1,237 @@
+#include "server/grpc/service.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "server/base/grpc_status.h"
+#include "server/base/guarded.h"
+#include "server/base/log.h"
+#include "server/convert/convert.h"
+#include "server/engine/caller.h"
+#include "server/engine/request_log.h"
+#include "server/frame/render_picture.h"
+#include "server/grpc/reactors.h"
+#include "server/grpc/unary_job.h"
+#include "server/session/import_mesh.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr std::uint32_t kPageSize = 100, kMostOnPage = 1000;
+
+bool is_id(const std::string& text) {
+  return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+// Answers on the spot.
+template <class Answer>
+grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::CallbackServerContext* context, Answer&& work) {
+  RequestLog log(engine, method, *context);
+  const grpc::Status status = to_grpc(guarded(work));
+  log.finish(status);
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(status);
+  return reactor;
+}
+
+/// A call that ends as it begins.
+template <class Reactor>
+class Refusal final : public Reactor {
+ public:
+  explicit Refusal(const grpc::Status& status) { this->Finish(status); }
+
+ private:
+  void OnDone() override { delete this; }
+};
+
+/// Null where the caller is known, or need not be.
+template <class Reactor>
+Reactor* refuse(Engine& engine, const char* method, grpc::CallbackServerContext& context) {
+  const absl::Status status = caller_of(engine, context).status();
+  if (status.ok()) return nullptr;
+  RequestLog(engine, method, context).finish(to_grpc(status));
+  return new Refusal<Reactor>(to_grpc(status));
+}
+
+}  // namespace
+
+v1::Session Service::with_cached(v1::Session session) const {
+  session.set_cached(engine_.is_cached(session.session_id()));
+  return session;
+}
+
+grpc::ServerReadReactor<v1::UploadMeshRequest>* Service::UploadMesh(grpc::CallbackServerContext* context,
+                                                                    v1::UploadMeshResponse* response) {
+  return upload_mesh(engine_, *context, response);
+}
+
+grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
+                                           v1::GetMeshResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "GetMesh", *context)) return refused;
+  return answer(engine_, "GetMesh", context, [&] {
+    const auto mesh = engine_.meshes.find(request->mesh_id());
+    if (!mesh.ok()) return mesh.status();
+    response->set_mesh_id((*mesh)->id);
+    response->set_name((*mesh)->name);
+    response->set_size((*mesh)->size);
+    return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* Service::GetUpload(grpc::CallbackServerContext* context, const v1::GetUploadRequest* request,
+                                             v1::GetUploadResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "GetUpload", *context)) return refused;
+  return answer(engine_, "GetUpload", context, [&] {
+    response->set_received(engine_.meshes.received(request->mesh_id()));
+    return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* Service::ImportMesh(grpc::CallbackServerContext* context, const v1::ImportMeshRequest* request,
+                                              v1::ImportMeshResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "ImportMesh", *context)) return refused;
+  return new UnaryJob(engine_, "ImportMesh", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    return [this, path = request->path(), response](const ExecutionContext& job) {
+      const auto mesh = import_mesh(engine_.meshes, engine_.mesh_folder, path, job);
+      if (!mesh.ok()) return mesh.status();
+      response->set_mesh_id((*mesh)->id);
+      response->set_size((*mesh)->size);
+      return absl::OkStatus();
+    };
+  });
+}
+
+grpc::ServerUnaryReactor* Service::InspectMesh(grpc::CallbackServerContext* context, const v1::InspectMeshRequest* request,
+                                               v1::InspectMeshResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "InspectMesh", *context)) return refused;
+  return inspect_mesh(engine_, *context, *request, response);
+}
+
+grpc::ServerUnaryReactor* Service::ListMeshReferences(grpc::CallbackServerContext* context,
+                                                      const v1::ListMeshReferencesRequest* request,
+                                                      v1::ListMeshReferencesResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "ListMeshReferences", *context)) return refused;
+  return list_mesh_references(engine_, *context, *request, response);
+}
+
+grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* Service::GetParameterMesh(grpc::CallbackServerContext* context,
+                                                                                  const v1::GetParameterMeshRequest* request) {
+  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::GetParameterMeshResponse>>(engine_, "GetParameterMesh", *context))
+    return refused;
+  return get_parameter_mesh(engine_, *context, *request);
+}
+
+grpc::ServerWriteReactor<v1::CreateSessionResponse>* Service::CreateSession(grpc::CallbackServerContext* context,
+                                                                            const v1::CreateSessionRequest* request) {
+  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::CreateSessionResponse>>(engine_, "CreateSession", *context))
+    return refused;
+  return create_session(engine_, *context, *request);
+}
+
+grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* context, const v1::GetSessionRequest* request,
+                                              v1::GetSessionResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "GetSession", *context)) return refused;
+  const std::string& id = request->session_id();
+  if (engine_.sessions.must_load(id)) {
+    return new UnaryJob(engine_, "GetSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+      return [this, id, response](const ExecutionContext& /*job*/) {
+        const auto session = engine_.sessions.find(id);
+        if (session.ok()) *response->mutable_session() = with_cached(to_proto(**session));
+        return session.status();
+      };
+    });
+  }
+  return answer(engine_, "GetSession", context, [&] {
+    const auto info = engine_.sessions.info(id);
+    if (info.ok()) *response->mutable_session() = with_cached(to_proto(*info));
+    return info.status();
+  });
+}
+
+grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* context, const v1::ListSessionsRequest* request,
+                                                v1::ListSessionsResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "ListSessions", *context)) return refused;
+  return answer(engine_, "ListSessions", context, [&] {
+    // A token is the last session_id of the page before.
+    const std::string& token = request->page_token();
+    if (!token.empty() && !is_id(token)) {
+      return absl::InvalidArgumentError(absl::StrCat("page_token \"", printable(token), "\" is none that this server has given"));
+    }
+    const std::size_t size = request->page_size() == 0 ? kPageSize : std::min(request->page_size(), kMostOnPage);
+    std::vector<SessionInfo> sessions = engine_.sessions.list(token, size + 1);
+    if (sessions.size() > size) {
+      sessions.pop_back();
+      response->set_next_page_token(sessions.back().id);
+    }
+    for (const SessionInfo& info : sessions) *response->add_sessions() = with_cached(to_proto(info));
+    return absl::OkStatus();
+  });
+}
+
+grpc::ServerUnaryReactor* Service::UpdateSession(grpc::CallbackServerContext* context, const v1::UpdateSessionRequest* request,
+                                                 v1::UpdateSessionResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "UpdateSession", *context)) return refused;
+  return new UnaryJob(engine_, "UpdateSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    const auto pinned = request->has_pinned() ? std::optional(request->pinned()) : std::nullopt;
+    const auto time_to_live = request->has_time_to_live() ? std::optional(request->time_to_live()) : std::nullopt;
+    if (time_to_live && !(*time_to_live >= 0 && std::isfinite(*time_to_live))) {
+      return absl::InvalidArgumentError(absl::StrCat("time_to_live is ", *time_to_live, "; it must be finite and not negative"));
+    }
+    return [this, id = request->session_id(), pinned, time_to_live, who = owner_of(engine_, *context),
+            response](const ExecutionContext& /*job*/) {
+      const auto info = engine_.sessions.update(id, pinned, time_to_live, who);
+      if (info.ok()) *response->mutable_session() = with_cached(to_proto(*info));
+      return info.status();
+    };
+  });
+}
+
+grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
+                                                v1::CloseSessionResponse* /*response*/) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "CloseSession", *context)) return refused;
+  return answer(engine_, "CloseSession", context,
+                [&] { return engine_.close_session(request->session_id(), owner_of(engine_, *context)); });
+}
+
+grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, const v1::RenderRequest* request,
+                                          v1::RenderResponse* response) {
+  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "Render", *context)) return refused;
+  return new UnaryJob(engine_, "Render", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    return [this, request, response](const ExecutionContext& job) {
+      const auto session = engine_.sessions.find(request->session_id());
+      if (!session.ok()) return session.status();
+      auto picture = render_picture(**session, *request, engine_.view_cache, job);
+      if (picture.ok()) *response = *std::move(picture);
+      return picture.status();
+    };
+  });
+}
+
+grpc::ServerWriteReactor<v1::MeasureResponse>* Service::Measure(grpc::CallbackServerContext* context,
+                                                                const v1::MeasureRequest* request) {
+  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::MeasureResponse>>(engine_, "Measure", *context)) return refused;
+  return measure(engine_, *context, *request);
+}
+
+grpc::ServerWriteReactor<v1::GetCurveResponse>* Service::GetCurve(grpc::CallbackServerContext* context,
+                                                                  const v1::GetCurveRequest* request) {
+  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::GetCurveResponse>>(engine_, "GetCurve", *context)) return refused;
+  return get_curve(engine_, *context, *request);
+}
+
+grpc::ServerWriteReactor<v1::ResampleResponse>* Service::Resample(grpc::CallbackServerContext* context,
+                                                                  const v1::ResampleRequest* request) {
+  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::ResampleResponse>>(engine_, "Resample", *context)) return refused;
+  return resample(engine_, *context, *request);
+}
+
+grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>* Service::StreamViews(
+    grpc::CallbackServerContext* context) {
+  return stream_views(engine_, *context);
+}
+
+}  // namespace curvecast::server

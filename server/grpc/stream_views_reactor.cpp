@@ -1,0 +1,103 @@
+// StreamViews: carries a ClientStream over gRPC.
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "server/base/grpc_status.h"
+#include "server/engine/caller.h"
+#include "server/engine/request_log.h"
+#include "server/engine/view_conversation.h"
+#include "server/frame/client_stream.h"
+#include "server/grpc/reactors.h"
+
+namespace curvecast::server {
+namespace {
+
+class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>,
+                                 public ClientStream::Transport {
+ public:
+  StreamViewsReactor(Engine& engine, grpc::CallbackServerContext& context) : log_(engine, "StreamViews", context) {
+    const absl::Status begun = begin(engine, context);
+    if (begun.ok()) {
+      StartRead(&request_);
+    } else {
+      finish(begun);
+    }
+  }
+
+ private:
+  absl::Status begin(Engine& engine, const grpc::CallbackServerContext& context) {
+    const absl::StatusOr<std::string> caller = caller_of(engine, context);
+    if (!caller.ok()) return caller.status();
+    auto conversation = ViewConversation::begin(engine, this, *caller, peer_of(context));
+    if (conversation.ok()) conversation_ = *std::move(conversation);
+    return conversation.status();
+  }
+
+  void send(v1::StreamViewsResponse response) override {
+    response_ = std::move(response);
+    conversation_->count(response_);
+    StartWrite(&response_);
+  }
+
+  void end(const absl::Status& status) override {
+    {
+      const std::lock_guard lock(mutex_);
+      ended_ = status;
+      if (taking_) return conversation_->end_pause();  // go_on() finishes: until then, the reactor stays
+    }
+    finish(status);
+  }
+
+  void finish(const absl::Status& status) {
+    if (conversation_ != nullptr) conversation_->leave();
+    log_.finish(to_grpc(status));
+    Finish(to_grpc(status));
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) return conversation_->stream().half_close();
+    {
+      const std::lock_guard lock(mutex_);
+      if (ended_) return;
+      taking_ = true;
+    }
+    conversation_->take(request_, [this] { go_on(); });
+  }
+
+  /// Reads the next message, or finishes what has ended meanwhile.
+  void go_on() {
+    std::optional<absl::Status> ended;
+    {
+      const std::lock_guard lock(mutex_);
+      taking_ = false;
+      ended = ended_;
+      if (!ended) StartRead(&request_);  // no operation may start once Finish has been called
+    }
+    if (ended) finish(*ended);
+  }
+
+  void OnWriteDone(bool ok) override { conversation_->stream().sent(ok); }
+  void OnCancel() override {
+    if (conversation_ != nullptr) conversation_->stream().stop(absl::CancelledError("the client has gone"));
+  }
+  void OnDone() override { delete this; }
+
+  RequestLog log_;
+  std::unique_ptr<ViewConversation> conversation_;  // null: refused
+  v1::StreamViewsRequest request_;
+  v1::StreamViewsResponse response_;
+  std::mutex mutex_;
+  std::optional<absl::Status> ended_;  // no operation may start any more
+  bool taking_ = false;                // a message; none is read meanwhile
+};
+
+}  // namespace
+
+grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>* stream_views(Engine& engine,
+                                                                                       grpc::CallbackServerContext& context) {
+  return new StreamViewsReactor(engine, context);
+}
+
+}  // namespace curvecast::server

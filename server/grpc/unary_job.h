@@ -1,0 +1,60 @@
+// A unary call that a worker answers.
+#pragma once
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <atomic>
+#include <functional>
+#include <utility>
+
+#include "core/base/execution_context.h"
+#include "server/base/grpc_status.h"
+#include "server/base/guarded.h"
+#include "server/engine/caller.h"
+#include "server/engine/engine.h"
+#include "server/engine/request_log.h"
+
+namespace curvecast::server {
+
+/// Deletes itself when gRPC is done with it. The job is the only one that finishes, so the reactor outlives it.
+class UnaryJob final : public grpc::ServerUnaryReactor {
+ public:
+  /// Answers, on one thread; `context` says when the client has gone.
+  using Work = std::function<absl::Status(const ExecutionContext& context)>;
+
+  /// `method` is a literal. `prepare` is called at once: it finds what the work needs, or says what is wrong with the request.
+  UnaryJob(Engine& engine, const char* method, grpc::CallbackServerContext& context,
+           const std::function<absl::StatusOr<Work>()>& prepare)
+      : log_(engine, method, context) {
+    const absl::Status begun = guarded([&] {
+      absl::StatusOr<Work> work = prepare();
+      if (!work.ok()) return work.status();
+      return engine.calls.submit([this, work = *std::move(work)] { run(work); }, peer_of(context)).status();
+    });
+    if (!begun.ok()) finish(begun);
+  }
+
+ private:
+  void OnCancel() override { cancel_ = true; }
+  void OnDone() override { delete this; }
+
+  void run(const Work& work) {
+    finish(guarded([&] {
+      ExecutionContext context;
+      context.cancel = &cancel_;
+      context.threads = 1;
+      return work(context);
+    }));
+  }
+
+  void finish(const absl::Status& status) {
+    log_.finish(to_grpc(status));
+    Finish(to_grpc(status));
+  }
+
+  RequestLog log_;
+  std::atomic<bool> cancel_ = false;
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,99 @@
+// UploadMesh: the chunks of a file, straight into the store's buffer. gRPC calls a read reactor from one thread at a time.
+#include <absl/strings/str_cat.h>
+#include <spdlog/logger.h>
+
+#include <optional>
+
+#include "server/base/grpc_status.h"
+#include "server/base/guarded.h"
+#include "server/base/log.h"
+#include "server/engine/caller.h"
+#include "server/engine/request_log.h"
+#include "server/grpc/reactors.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr std::size_t kMaxChunk = std::size_t{1} << 20;
+
+class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest> {
+ public:
+  UploadReactor(Engine& engine, grpc::CallbackServerContext& context, v1::UploadMeshResponse* response)
+      : engine_(engine), log_(engine, "UploadMesh", context), upload_(engine.meshes), response_(response) {
+    const absl::StatusOr<std::string> caller = caller_of(engine, context);
+    // An OK status is no ticket.
+    absl::StatusOr<Admission::Ticket> ticket =
+        caller.ok() ? engine.uploads->admit(*caller) : absl::StatusOr<Admission::Ticket>(caller.status());
+    if (ticket.ok()) {
+      ticket_.emplace(*std::move(ticket));
+      StartRead(&request_);
+    } else {
+      finish(ticket.status());
+    }
+  }
+
+ private:
+  void OnReadDone(bool ok) override {
+    const absl::Status status = guarded([&] { return ok ? take() : complete(); });
+    if (ok && status.ok()) {
+      StartRead(&request_);
+    } else {
+      finish(status);
+    }
+  }
+
+  void finish(const absl::Status& status) {
+    ticket_.reset();  // who hears of the end may begin again at once
+    log_.finish(to_grpc(status));
+    Finish(to_grpc(status));
+  }
+
+  void OnDone() override { delete this; }
+
+  absl::Status take() {
+    switch (request_.part_case()) {
+      case v1::UploadMeshRequest::kHeader:
+        if (begun_) return absl::InvalidArgumentError("the header was sent twice; send it first and once");
+        begun_ = true;
+        return upload_.begin(request_.header().name(), request_.header().size(), request_.header().mesh_id(),
+                             request_.header().offset());
+      case v1::UploadMeshRequest::kChunk:
+        if (!begun_) return absl::InvalidArgumentError("a chunk came before the header; send the header first");
+        if (request_.chunk().size() > kMaxChunk) {
+          return absl::InvalidArgumentError(
+              absl::StrCat("the chunk has ", request_.chunk().size(), " bytes; at most ", kMaxChunk, " are taken"));
+        }
+        return upload_.append(request_.chunk());
+      case v1::UploadMeshRequest::PART_NOT_SET:
+        break;
+    }
+    return absl::InvalidArgumentError("the message holds neither header nor chunk");
+  }
+
+  absl::Status complete() {
+    if (!begun_) return absl::InvalidArgumentError("the upload has no header");
+    const auto mesh = upload_.finish();
+    if (!mesh.ok()) return mesh.status();
+    engine_.log->info("mesh {} \"{}\" received, {} bytes", (*mesh)->id, printable((*mesh)->name), (*mesh)->size);
+    response_->set_mesh_id((*mesh)->id);
+    response_->set_size((*mesh)->size);
+    return absl::OkStatus();
+  }
+
+  Engine& engine_;
+  RequestLog log_;
+  MeshUpload upload_;
+  v1::UploadMeshRequest request_;
+  v1::UploadMeshResponse* const response_;
+  bool begun_ = false;
+  std::optional<Admission::Ticket> ticket_;
+};
+
+}  // namespace
+
+grpc::ServerReadReactor<v1::UploadMeshRequest>* upload_mesh(Engine& engine, grpc::CallbackServerContext& context,
+                                                            v1::UploadMeshResponse* response) {
+  return new UploadReactor(engine, context, response);
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,19 @@
+// Meshes of the server's own, from the one folder that it offers.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <memory>
+#include <string>
+
+#include "core/base/execution_context.h"
+#include "server/session/mesh_store.h"
+
+namespace curvecast::server {
+
+/// The file at `path`, relative to `folder`, as if a client had sent it. NotFound: there is none. PermissionDenied: `folder` is
+/// empty, or the path leads out of it, be it through a link. Else as MeshUpload.
+absl::StatusOr<std::shared_ptr<const Mesh>> import_mesh(MeshStore& store, const std::string& folder, const std::string& path,
+                                                        const ExecutionContext& context);
+
+}  // namespace curvecast::server

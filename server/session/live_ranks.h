@@ -1,0 +1,50 @@
+// The ranked candidates of a session while they grow: whoever takes them keeps the tree that he took.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+
+#include "core/base/execution_context.h"
+#include "core/progressive/grow_ranks.h"
+
+namespace curvecast::server {
+
+struct RankedCurve {
+  std::shared_ptr<const SurfaceCurve> curve;  // the revision on which they were made
+  std::shared_ptr<const RankTree> tree;
+};
+
+/// Thread-safe.
+class LiveRanks {
+ public:
+  /// Candidates of a session, 26 bytes each and some.
+  static constexpr std::uint64_t kMaxPoints = 8'000'000;
+
+  /// What there is by now. Whoever comes first makes the lowest ranks, on `curve`, and others wait. Errors as of
+  /// RankGrower::make().
+  absl::StatusOr<RankedCurve> take(const std::shared_ptr<const SurfaceCurve>& curve, const ExecutionContext& context);
+
+  /// Makes what is lacking, if it still is; one caller after the other. Errors as of RankGrower::grow(). Precondition: take().
+  absl::Status grow(std::span<const ChunkId> lacking, const ExecutionContext& context);
+
+  /// Of the candidates, and of what growing keeps.
+  std::uint64_t byte_size();
+
+  /// Something could not be made for want of room: views that lack it do with what there is.
+  bool is_full() const { return full_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<bool> full_ = false;
+  std::mutex growing_;  // taken first
+  std::unique_ptr<RankGrower> grower_;
+  std::mutex mutex_;
+  RankedCurve newest_;
+  std::uint64_t grower_bytes_ = 0;
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,30 @@
+// A mesh file with the files that it refers to, taken from the store.
+#pragma once
+
+#include <absl/status/statusor.h>
+#include <google/protobuf/map.h>
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "core/mesh_io/mesh_file.h"
+#include "server/session/mesh_store.h"
+
+namespace curvecast::server {
+
+/// Keeps all of them alive and in the store.
+struct MeshFiles {
+  std::shared_ptr<const Mesh> mesh;
+  std::map<std::string, std::shared_ptr<const Mesh>> companions;  // by the name that the mesh gives them
+
+  /// For core; valid as long as this.
+  MeshFile file() const;
+};
+
+/// Looks all files up. Names are only compared with those in the mesh, never with any file system. NotFound names the file that
+/// has to be uploaded (again); InvalidArgument for too many companions or names too long.
+absl::StatusOr<MeshFiles> find_files(MeshStore& store, const std::string& mesh_id,
+                                     const google::protobuf::Map<std::string, std::string>& companions);
+
+}  // namespace curvecast::server

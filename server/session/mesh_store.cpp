@@ -1,0 +1,189 @@
+#include "server/session/mesh_store.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "server/base/log.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr std::uint64_t kCharge = 4096;  // for the records of a file, so that countless tiny ones are bounded too
+constexpr std::size_t kMaxName = 1024;   // bytes
+constexpr std::size_t kMaxId = 32;
+constexpr std::size_t kFirstCapacity = std::size_t{1} << 20;
+constexpr std::size_t kMostParked = 16;
+
+}  // namespace
+
+MeshStore::MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes)
+    : max_bytes_(max_bytes), max_file_bytes_(max_file_bytes) {}
+
+absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = by_id_.find(id);
+  if (found == by_id_.end()) {
+    return absl::NotFoundError(absl::StrCat("mesh \"", printable(id), "\" is not held here; upload it first"));
+  }
+  recency_.splice(recency_.begin(), recency_, found->second);
+  return *found->second;
+}
+
+std::uint64_t MeshStore::received(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find(parked_, id, &MeshPart::expected_id);
+  return found == parked_.end() ? 0 : found->mesh.size;
+}
+
+MeshStore::Usage MeshStore::usage() const {
+  const std::lock_guard lock(mutex_);
+  return {recency_.size(), used_};
+}
+
+void MeshStore::park(MeshPart part) {
+  const std::lock_guard lock(mutex_);
+  const auto forget = [this](std::list<MeshPart>::iterator old) {
+    used_ -= old->reserved;
+    parked_.erase(old);
+  };
+  if (const auto same = std::ranges::find(parked_, part.expected_id, &MeshPart::expected_id); same != parked_.end()) forget(same);
+  parked_.push_front(std::move(part));
+  if (parked_.size() > kMostParked) forget(std::prev(parked_.end()));
+}
+
+absl::StatusOr<MeshPart> MeshStore::resume(const std::string& id, std::uint64_t size, std::uint64_t offset) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find(parked_, id, &MeshPart::expected_id);
+  const std::uint64_t there = found == parked_.end() ? 0 : found->mesh.size;
+  if (there != offset) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("header.offset is ", offset, ", but of this file ", there, " bytes are here; ask GetUpload"));
+  }
+  if (found->claimed != size) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("header.size is ", size, ", but was ", found->claimed, " when the upload began"));
+  }
+  MeshPart part = std::move(*found);
+  parked_.erase(found);
+  return part;
+}
+
+absl::Status MeshStore::reserve(std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  while (used_ + bytes > max_bytes_ && !parked_.empty()) {
+    used_ -= parked_.back().reserved;
+    parked_.pop_back();
+  }
+  // References to a mesh are only handed out under the lock, so a count of one cannot grow meanwhile.
+  for (auto it = recency_.end(); used_ + bytes > max_bytes_ && it != recency_.begin();) {
+    --it;
+    if (it->use_count() > 1) continue;
+    used_ -= (*it)->size + kCharge;
+    by_id_.erase((*it)->id);
+    it = recency_.erase(it);
+  }
+  if (used_ + bytes > max_bytes_) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("no room for the mesh: the server holds at most ", max_bytes_, " bytes of mesh files; try again later"));
+  }
+  used_ += bytes;
+  return absl::OkStatus();
+}
+
+void MeshStore::release(std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  used_ -= bytes;
+}
+
+std::shared_ptr<const Mesh> MeshStore::keep(std::shared_ptr<const Mesh> mesh, std::uint64_t reserved) {
+  const std::lock_guard lock(mutex_);
+  used_ -= reserved;
+  const auto [found, is_new] = by_id_.try_emplace(mesh->id);
+  if (is_new) {
+    used_ += mesh->size + kCharge;
+    recency_.push_front(std::move(mesh));
+    found->second = recency_.begin();
+  } else {
+    recency_.splice(recency_.begin(), recency_, found->second);
+  }
+  return *found->second;
+}
+
+MeshUpload::~MeshUpload() {
+  if (is_sound_ && !part_.expected_id.empty() && part_.mesh.size > 0 && part_.reserved > 0) {
+    store_.park(std::move(part_));
+  } else {
+    store_.release(part_.reserved);
+  }
+}
+
+absl::Status MeshUpload::begin(std::string_view name, std::uint64_t size, std::string_view expected_id, std::uint64_t offset) {
+  if (name.size() > kMaxName) {
+    return absl::InvalidArgumentError(absl::StrCat("header.name has ", name.size(), " bytes; at most ", kMaxName, " are taken"));
+  }
+  if (expected_id.size() > kMaxId) {
+    return absl::InvalidArgumentError(absl::StrCat("header.mesh_id has ", expected_id.size(), " bytes; a mesh_id has ", kMaxId));
+  }
+  if (size == 0) return absl::InvalidArgumentError("header.size is 0: the file is empty");
+  if (size > store_.max_file_bytes()) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the file has ", size, " bytes; this server takes at most ", store_.max_file_bytes()));
+  }
+  if (offset > 0) {
+    absl::StatusOr<MeshPart> part = store_.resume(std::string(expected_id), size, offset);
+    if (!part.ok()) return part.status();
+    part_ = *std::move(part);
+    return absl::OkStatus();
+  }
+  if (absl::Status status = store_.reserve(kCharge); !status.ok()) return status;
+  part_.mesh.name = name;
+  part_.expected_id = expected_id;
+  part_.claimed = size;
+  part_.reserved = kCharge;
+  return absl::OkStatus();
+}
+
+absl::Status MeshUpload::append(std::string_view chunk) {
+  Mesh& mesh = part_.mesh;
+  if (chunk.size() > part_.claimed - mesh.size) {
+    is_sound_ = false;
+    return absl::InvalidArgumentError(absl::StrCat("more than the ", part_.claimed, " bytes that header.size announced"));
+  }
+  const std::size_t needed = mesh.size + chunk.size();
+  if (needed > part_.capacity) {
+    const auto capacity = static_cast<std::size_t>(
+        std::min<std::uint64_t>(part_.claimed, std::max({needed, part_.capacity + part_.capacity / 2, kFirstCapacity})));
+    if (absl::Status status = store_.reserve(capacity - part_.capacity); !status.ok()) return status;
+    part_.reserved += capacity - part_.capacity;
+    // realloc, because for large blocks it moves pages instead of bytes and never holds both copies.
+    char* grown = static_cast<char*>(std::realloc(mesh.data.get(), capacity));
+    if (grown == nullptr) return absl::ResourceExhaustedError("the server ran out of memory; try again later");
+    (void)mesh.data.release();
+    mesh.data.reset(grown);
+    part_.capacity = capacity;
+  }
+  if (!chunk.empty()) std::memcpy(mesh.data.get() + mesh.size, chunk.data(), chunk.size());
+  mesh.size = needed;
+  part_.hasher.update(chunk);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<const Mesh>> MeshUpload::finish() {
+  if (part_.mesh.size != part_.claimed) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the upload ended after ", part_.mesh.size, " of the ", part_.claimed, " bytes that header.size announced"));
+  }
+  part_.mesh.id = part_.hasher.hex();
+  if (!part_.expected_id.empty() && part_.expected_id != part_.mesh.id) {
+    is_sound_ = false;
+    return absl::InvalidArgumentError(absl::StrCat("the bytes received hash to ", part_.mesh.id, ", not to header.mesh_id \"",
+                                                   printable(part_.expected_id), "\"; send the file again"));
+  }
+  MeshPart done = std::exchange(part_, MeshPart());
+  return store_.keep(std::make_shared<const Mesh>(std::move(done.mesh)), done.reserved);
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,105 @@
+// The mesh files that clients have sent, named by their content.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "server/base/hash.h"
+
+namespace curvecast::server {
+
+/// A mesh file. Immutable once stored.
+struct Mesh {
+  struct Free {
+    void operator()(char* data) const { std::free(data); }
+  };
+  std::string id;    // hash of the bytes
+  std::string name;  // as first uploaded
+  std::unique_ptr<char[], Free> data;
+  std::size_t size = 0;  // bytes
+
+  std::span<const char> bytes() const { return {data.get(), size}; }
+};
+
+/// What has come of a file.
+struct MeshPart {
+  Mesh mesh;  // mesh.size bytes have come
+  Hasher hasher;
+  std::string expected_id;     // empty: not known beforehand
+  std::uint64_t claimed = 0;   // bytes of the whole
+  std::uint64_t reserved = 0;  // bytes of the store's budget: the buffer's capacity and a fixed charge
+  std::size_t capacity = 0;
+};
+
+/// Thread-safe. Holds whole files, uploads under way, and what came of uploads that broke off, within one budget: the latter go
+/// first, then the least recently used files that nobody works on.
+class MeshStore {
+ public:
+  /// Bytes of all files together, and of one file.
+  MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes);
+
+  /// NotFound with what to do.
+  absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id);
+  /// Bytes that are there of an upload that broke off, of the file with this hash.
+  std::uint64_t received(const std::string& id);
+
+  std::uint64_t max_file_bytes() const { return max_file_bytes_; }
+
+  struct Usage {
+    std::size_t meshes = 0;
+    std::uint64_t bytes = 0;  // of the meshes and of uploads under way
+  };
+  Usage usage() const;
+
+ private:
+  friend class MeshUpload;
+  using Recency = std::list<std::shared_ptr<const Mesh>>;  // most recently used first
+
+  absl::Status reserve(std::uint64_t bytes);
+  void release(std::uint64_t bytes);
+  std::shared_ptr<const Mesh> keep(std::shared_ptr<const Mesh> mesh, std::uint64_t reserved);
+  /// Keeps a part for a later upload, instead of any other part of the same file.
+  void park(MeshPart part);
+  /// A part of which `offset` bytes have come, of a file of `size` bytes. FailedPrecondition where there is none.
+  absl::StatusOr<MeshPart> resume(const std::string& id, std::uint64_t size, std::uint64_t offset);
+
+  const std::uint64_t max_bytes_;
+  const std::uint64_t max_file_bytes_;
+  mutable std::mutex mutex_;
+  std::uint64_t used_ = 0;  // bytes of `recency_` and of all uploads
+  Recency recency_;
+  std::unordered_map<std::string, Recency::iterator> by_id_;
+  std::list<MeshPart> parked_;  // the newest first; within used_ too
+};
+
+/// One file on its way into the store, which must outlive it. Not thread-safe.
+class MeshUpload {
+ public:
+  explicit MeshUpload(MeshStore& store) : store_(store) {}
+  ~MeshUpload();  // what has not been finished is kept for another upload, if the file's hash is known, or forgotten
+  MeshUpload(const MeshUpload&) = delete;
+  MeshUpload& operator=(const MeshUpload&) = delete;
+
+  /// `size` is what the client claims: it is checked, never allocated ahead. `expected_id` may be empty. With `offset` > 0 goes
+  /// on from there: FailedPrecondition where that is not MeshStore::received(expected_id).
+  absl::Status begin(std::string_view name, std::uint64_t size, std::string_view expected_id, std::uint64_t offset = 0);
+  absl::Status append(std::string_view chunk);
+  /// The stored mesh, or the one already held for the same bytes. InvalidArgument for wrong size or hash.
+  absl::StatusOr<std::shared_ptr<const Mesh>> finish();
+
+ private:
+  MeshStore& store_;
+  MeshPart part_;
+  bool is_sound_ = true;  // no more bytes came than there should
+};
+
+}  // namespace curvecast::server

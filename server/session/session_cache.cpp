@@ -1,0 +1,324 @@
+#include "server/session/session_cache.h"
+
+#include <absl/strings/ascii.h>
+#include <absl/strings/match.h>
+#include <absl/strings/str_cat.h>
+#include <fcntl.h>
+#include <spdlog/logger.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/base/stopwatch.h"
+#include "core/storage/atomic_file.h"
+#include "core/storage/curve_file.h"
+#include "core/storage/pipeline_archive.h"
+#include "core/storage/surface_file.h"
+#include "server/base/guarded.h"
+#include "server/base/log.h"
+
+namespace curvecast::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxPendingSaves = 16;
+constexpr std::size_t kMaxPendingLoads = 1024;
+constexpr std::size_t kIdDigits = 32;
+
+/// Nothing else may become part of a path: ids come from clients.
+bool is_session_id(const std::string& id) {
+  return id.size() == kIdDigits && std::all_of(id.begin(), id.end(), [](char c) {
+           return absl::ascii_isdigit(static_cast<unsigned char>(c)) || (c >= 'a' && c <= 'f');
+         });
+}
+
+bool is_file(const std::string& path) {
+  struct stat status = {};
+  return ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
+}
+
+/// A session's files, of any version.
+struct Stored {
+  std::vector<std::string> paths;
+  std::uint64_t bytes = 0;
+  std::int64_t last_used = 0;  // nanoseconds: loading a session touches its file
+};
+
+std::map<std::string, Stored> scan(const std::string& folder) {
+  std::map<std::string, Stored> sessions;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    const std::string id = name.substr(0, kIdDigits);
+    const bool is_ours = is_session_id(id) && (absl::EndsWith(name, ".curve") || absl::EndsWith(name, ".surface"));
+    struct stat status = {};
+    if (!is_ours || ::lstat(it->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+    Stored& stored = sessions[id];
+    stored.paths.push_back(it->path().string());
+    stored.bytes += static_cast<std::uint64_t>(status.st_size);
+    stored.last_used = std::max<std::int64_t>(stored.last_used, status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec);
+  }
+  return sessions;
+}
+
+/// The folder's absolute path; it exists and can be written to.
+absl::StatusOr<std::string> make_folder(const std::string& folder) {
+  const auto unusable = [&](const std::string& why) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("the cache folder ", folder, " cannot be used: ", why, "; choose another one or make it writable"));
+  };
+  std::error_code error;
+  const fs::path path = fs::absolute(folder, error).lexically_normal();
+  const fs::path wanted = path.has_filename() ? path : path.parent_path();
+  fs::create_directories(wanted.parent_path(), error);
+  if (error) return unusable(error.message());
+  if (::mkdir(wanted.c_str(), 0700) != 0 && errno != EEXIST) return unusable(std::system_category().message(errno));
+  if (!fs::is_directory(wanted, error)) return unusable("it is not a folder");
+  const absl::Status writable = AtomicFile::create((wanted / "probe").string()).status();
+  if (!writable.ok()) return unusable(std::string(writable.message()));
+  return wanted.string();
+}
+
+}  // namespace
+
+/// What a session is besides its curve.
+struct SessionRecord {
+  std::string id, mesh_id, mesh_name;
+  std::vector<std::string> companions;  // name, id, name, id ...
+  PreprocessOptions options;
+  PreprocessReport report;
+};
+
+template <typename Archive, ConstOr<SessionRecord> T>
+void archive(Archive& fields, T& record) {
+  auto& [id, mesh_id, mesh_name, companions, options, report] = record;
+  fields(id, mesh_id, mesh_name, companions, options, report);
+}
+
+namespace {
+
+SessionRecord record_of(const Session& session) {
+  SessionRecord record = {session.id, session.mesh_id, session.mesh_name, {}, session.options, session.preprocessed.report};
+  for (const auto& [name, id] : session.companions) record.companions.insert(record.companions.end(), {name, id});
+  return record;
+}
+
+absl::StatusOr<std::shared_ptr<Session>> to_session(CurveFile file, const std::string& id, const std::string& path) {
+  SessionRecord record;
+  if (!from_archive(file.note, record) || record.companions.size() % 2 != 0) {
+    return absl::DataLossError(absl::StrCat(path, ": what it says of its session makes no sense"));
+  }
+  if (record.id != id) return absl::DataLossError(absl::StrCat(path, ": it is of session ", printable(record.id)));
+  const Column<std::uint32_t>& triangle = file.curve->triangle;
+  if (*std::max_element(triangle.begin(), triangle.end()) >= record.report.mesh.faces) {
+    return absl::DataLossError(absl::StrCat(path, ": its curve lies on a face that is not there"));
+  }
+  auto session = std::make_shared<Session>();
+  session->id = id;
+  session->mesh_id = std::move(record.mesh_id);
+  session->mesh_name = std::move(record.mesh_name);
+  for (std::size_t i = 0; i + 1 < record.companions.size(); i += 2) {
+    session->companions[record.companions[i]] = record.companions[i + 1];
+  }
+  session->options = std::move(record.options);
+  session->preprocessed = {nullptr, std::move(record.report), nullptr};
+  session->live->publish(std::move(file.curve));
+  session->peak_bytes = peak_memory_bytes();
+  return session;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<SessionCache>> SessionCache::open(const std::string& folder, std::uint64_t max_bytes,
+                                                                 std::shared_ptr<spdlog::logger> log) {
+  const absl::StatusOr<std::string> path = make_folder(folder);
+  if (!path.ok()) return path.status();
+  const std::size_t stale = remove_stale_temporaries(*path);
+  std::unique_ptr<SessionCache> cache(new SessionCache(*path, max_bytes, std::move(log)));
+  std::size_t sessions = 0, foreign = 0;
+  std::uint64_t bytes = 0;
+  for (const auto& [id, stored] : scan(*path)) {
+    for (const std::string& file : stored.paths) {
+      sessions += file == cache->curve_path(id);
+      foreign += file != cache->curve_path(id) && file != cache->surface_path(id);
+    }
+    bytes += stored.bytes;
+  }
+  cache->log_->info("cache {}: {} sessions, {} MiB of {} MiB; {} files of other versions ignored, {} unfinished ones removed",
+                    *path, sessions, bytes >> 20, max_bytes >> 20, foreign, stale);
+  return cache;
+}
+
+SessionCache::SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log)
+    : folder_(std::move(folder)),
+      max_bytes_(max_bytes),
+      log_(std::move(log)),
+      loading_({.max_waiting = kMaxPendingLoads}),
+      saving_queue_({.max_waiting = kMaxPendingSaves}) {}
+
+SessionCache::~SessionCache() { stop(); }
+
+void SessionCache::stop() {
+  loading_.stop();
+  saving_queue_.stop();
+}
+
+std::string SessionCache::curve_path(const std::string& id) const {
+  return absl::StrCat(folder_, "/", id, ".v", kCurveFileVersion, ".curve");
+}
+
+std::string SessionCache::surface_path(const std::string& id) const {
+  return absl::StrCat(folder_, "/", id, ".v", kSurfaceFileVersion, ".surface");
+}
+
+bool SessionCache::holds(const std::string& id) const {
+  if (!is_session_id(id)) return false;
+  const std::lock_guard lock(mutex_);
+  return !is_going(id) && is_file(curve_path(id));
+}
+
+bool SessionCache::is_going(const std::string& id) const { return saving_ == id && unwanted_; }
+
+bool SessionCache::remove_files(const std::string& id) const {
+  std::error_code ignored;
+  const bool removed = fs::remove(curve_path(id), ignored);
+  fs::remove(surface_path(id), ignored);
+  return removed;
+}
+
+bool SessionCache::remove(const std::string& id) {
+  if (!is_session_id(id)) return false;
+  const std::lock_guard lock(mutex_);
+  const bool was_gone = is_going(id);
+  const bool was_pending = pending_.erase(id) > 0;
+  if (saving_ == id) unwanted_ = true;
+  const bool was_there = remove_files(id) || saving_ == id;
+  return was_pending || (was_there && !was_gone);
+}
+
+void SessionCache::discard(const std::string& path, const absl::Status& reason) const {
+  if (absl::IsNotFound(reason)) return;
+  const bool is_useless = absl::IsDataLoss(reason) || absl::IsFailedPrecondition(reason);
+  std::error_code ignored;
+  const bool removed = is_useless && fs::remove(path, ignored);
+  log_->warn("cache: {}{}", std::string(reason.message()), removed ? "; removed" : "");
+}
+
+absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::string& id) {
+  if (!holds(id)) return absl::NotFoundError("it is not in the cache");
+  const std::string path = curve_path(id);
+  auto session = guarded([&]() -> absl::StatusOr<std::shared_ptr<const Session>> {
+    absl::StatusOr<CurveFile> file = load_curve(path);
+    if (!file.ok()) return file.status();
+    absl::StatusOr<std::shared_ptr<Session>> loaded = to_session(*std::move(file), id, path);
+    if (!loaded.ok()) return loaded.status();
+    (*loaded)->load_flattened = [this, id] { return load_surface(id); };
+    return *std::move(loaded);
+  });
+  if (session.ok()) {
+    ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);  // it is the most recently used now
+  } else {
+    discard(path, session.status());
+  }
+  return session;
+}
+
+absl::StatusOr<std::shared_ptr<const FlattenedMesh>> SessionCache::load_surface(const std::string& id) {
+  if (!is_session_id(id)) return absl::NotFoundError("it is not in the cache");
+  const std::string path = surface_path(id);
+  auto surface = guarded([&]() -> absl::StatusOr<std::shared_ptr<const FlattenedMesh>> {
+    absl::StatusOr<FlattenedMesh> loaded = curvecast::load_surface(path);
+    if (!loaded.ok()) return loaded.status();
+    return std::make_shared<const FlattenedMesh>(*std::move(loaded));
+  });
+  if (!surface.ok()) discard(path, surface.status());
+  return surface;
+}
+
+void SessionCache::save(const Session& session) {
+  Snapshot snapshot = {session.curve(), session.preprocessed.flattened, to_archive(record_of(session))};
+  const std::string& id = session.id;
+  absl::Status status;
+  const std::lock_guard lock(mutex_);
+  if (snapshot.curve->byte_size() > max_bytes_) {
+    status = absl::ResourceExhaustedError("it alone is larger than the cache may be");
+  } else if (const auto [waiting, is_new] = pending_.insert_or_assign(id, std::move(snapshot)); is_new) {
+    status = saving_queue_.submit([this, id] { save_next(id); }).status();
+    if (!status.ok()) pending_.erase(waiting);
+  }
+  if (!status.ok()) note_failure(id, status);
+}
+
+void SessionCache::note_failure(const std::string& id, const absl::Status& status) {
+  if (!std::exchange(failing_, true)) log_->error("session {} is not cached: {}", id, std::string(status.message()));
+}
+
+void SessionCache::save_next(const std::string& id) {
+  Snapshot snapshot;
+  {
+    const std::lock_guard lock(mutex_);
+    auto node = pending_.extract(id);
+    if (node.empty()) return;  // removed meanwhile
+    snapshot = std::move(node.mapped());
+    saving_ = id;
+    unwanted_ = false;
+  }
+  Stopwatch watch;
+  const absl::Status status = guarded([&] { return write(id, snapshot); });
+  const double seconds = watch.lap();
+  {
+    const std::lock_guard lock(mutex_);
+    saving_.clear();
+    if (unwanted_) {
+      remove_files(id);
+    } else if (status.ok()) {
+      failing_ = false;
+      log_->info("session {} cached in {:.3f} s: revision {}", id, seconds, snapshot.curve->revision);
+    } else {
+      note_failure(id, status);
+    }
+  }
+  make_room();
+}
+
+absl::Status SessionCache::write(const std::string& id, const Snapshot& snapshot) const {
+  // The curve's file comes last: where it is, the other one is too. A revision has a new curve on the old surface.
+  if (snapshot.flattened != nullptr && !is_file(surface_path(id))) {
+    if (absl::Status status = save_surface(surface_path(id), *snapshot.flattened); !status.ok()) return status;
+  }
+  absl::Status status = save_curve(curve_path(id), *snapshot.curve, snapshot.record);
+  if (!status.ok() && !is_file(curve_path(id))) remove_files(id);
+  return status;
+}
+
+std::uint64_t SessionCache::used_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const auto& [id, stored] : scan(folder_)) bytes += stored.bytes;
+  return bytes;
+}
+
+void SessionCache::make_room() const {
+  std::map<std::string, Stored> sessions = scan(folder_);
+  std::uint64_t used = 0;
+  std::vector<const std::pair<const std::string, Stored>*> by_age;
+  for (const auto& entry : sessions) {
+    used += entry.second.bytes;
+    by_age.push_back(&entry);
+  }
+  std::sort(by_age.begin(), by_age.end(), [](const auto* a, const auto* b) { return a->second.last_used < b->second.last_used; });
+  for (const auto* entry : by_age) {
+    if (used <= max_bytes_) return;
+    std::error_code ignored;
+    for (const std::string& path : entry->second.paths) fs::remove(path, ignored);
+    used -= entry->second.bytes;
+    log_->info("session {} removed from the cache: the least recently used", entry->first);
+  }
+}
+
+}  // namespace curvecast::server

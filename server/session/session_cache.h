@@ -1,0 +1,83 @@
+// The folder in which sessions survive the server: two files for each, one with the curve and what the session is, one with what
+// refining the curve starts from.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "server/base/job_queue.h"
+#include "server/session/session.h"
+
+namespace spdlog {
+class logger;
+}
+
+namespace curvecast::server {
+
+/// Thread-safe. Several processes may share a folder: files appear and go whole, and nobody touches what another one is writing.
+/// Files of other versions of the format have other names, and those of other versions of the algorithm belong to other sessions:
+/// they are left alone until they are the least recently used.
+class SessionCache {
+ public:
+  /// Makes the folder if it is missing (mode 0700) and removes what killed processes left half-written. FailedPrecondition when
+  /// the folder cannot be used.
+  static absl::StatusOr<std::unique_ptr<SessionCache>> open(const std::string& folder, std::uint64_t max_bytes,
+                                                            std::shared_ptr<spdlog::logger> log);
+  ~SessionCache();  // stop()
+
+  /// Saves the session as it is now in the background, replacing what was saved of it before. When it cannot, because the disk is
+  /// full or too many saves wait, the log says so (once until it works again), and the session is just not cached.
+  void save(const Session& session);
+  /// Whether a session can be loaded, unless its file turns out to be damaged. Takes microseconds.
+  bool holds(const std::string& id) const;
+  /// NotFound when there is none; DataLoss, FailedPrecondition and so on for files that cannot be used. The log says why, and
+  /// they are removed.
+  absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id);
+  /// What refining the session's curve starts from: for sessions whose Preprocessed::flattened is null. Errors as of load().
+  absl::StatusOr<std::shared_ptr<const FlattenedMesh>> load_surface(const std::string& id);
+  /// Removes a session's files, and forgets to save it. False when there were none.
+  bool remove(const std::string& id);
+  /// Of all files of sessions in the folder, whoever wrote them. Looks at each.
+  std::uint64_t used_bytes() const;
+
+  /// Runs loads for those who must not wait. Apart from saving, which waits for the disk.
+  JobQueue& loading() { return loading_; }
+  /// Ends the saves under way. Later ones are not made.
+  void stop();
+
+ private:
+  /// What is saved of a session: shares its arrays, but does not keep it from being evicted.
+  struct Snapshot {
+    std::shared_ptr<const SurfaceCurve> curve;
+    std::shared_ptr<const FlattenedMesh> flattened;  // null: not known, as its file is there
+    std::string record;                              // what the session is besides
+  };
+
+  SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log);
+  std::string curve_path(const std::string& id) const;
+  std::string surface_path(const std::string& id) const;
+  bool is_going(const std::string& id) const;
+  bool remove_files(const std::string& id) const;
+  void discard(const std::string& path, const absl::Status& reason) const;
+  void save_next(const std::string& id);
+  absl::Status write(const std::string& id, const Snapshot& snapshot) const;
+  void make_room() const;
+  void note_failure(const std::string& id, const absl::Status& status);
+
+  const std::string folder_;
+  const std::uint64_t max_bytes_;
+  const std::shared_ptr<spdlog::logger> log_;
+  mutable std::mutex mutex_;
+  std::map<std::string, Snapshot> pending_;  // by session, the newest state of each
+  std::string saving_;                       // session that is being written
+  bool unwanted_ = false;                    // ... but has been removed meanwhile: its files go when they are written
+  bool failing_ = false;                     // the last save failed, and the log says so
+  JobQueue loading_, saving_queue_;          // last: their jobs use all of the above
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,19 @@
+// The calls that share a WebSocket.
+#pragma once
+
+#include <memory>
+
+#include "server/engine/engine.h"
+#include "server/web/web_socket.h"
+
+namespace grpc {
+class Channel;
+}
+
+namespace curvecast::server {
+
+/// What makes a conversation of each socket that is opened, see web_socket.proto: closes those of callers that are not known.
+/// `channel` leads to this process, and sends no token of its own. `engine` must outlive all conversations.
+WebConversationMaker web_calls(Engine& engine, std::shared_ptr<grpc::Channel> channel);
+
+}  // namespace curvecast::server

@@ -1,0 +1,224 @@
+#include "server/web/web_connection_beast.h"
+
+#include <absl/strings/ascii.h>
+#include <absl/strings/escaping.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_split.h>
+#include <absl/strings/strip.h>
+#include <openssl/ssl.h>
+#include <spdlog/logger.h>
+
+#include <algorithm>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "server/web/web_socket_beast.h"
+
+namespace curvecast::server {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using asio::ip::tcp;
+
+constexpr std::uint32_t kMaxHeader = 8 * 1024;        // bytes
+constexpr std::size_t kMaxBuffered = 2 * kMaxHeader;  // requests that come before the answer to the one before
+constexpr std::size_t kLeastRate = 16 * 1024;         // bytes a second at which an answer must be taken, after the first while
+
+using PlainResponse = http::response<http::string_body>;
+
+PlainResponse plain(http::status status, std::string body) {
+  PlainResponse response(status, 11);
+  response.set(http::field::content_type, "text/plain; charset=utf-8");
+  response.body() = std::move(body);
+  return response;
+}
+
+std::string_view text(beast::string_view view) { return {view.data(), view.size()}; }
+
+/// As gRPC writes it, so that a client is one whichever way it comes.
+std::string name_of(const tcp::socket& socket) {
+  boost::system::error_code error;
+  const tcp::endpoint peer = socket.remote_endpoint(error);
+  if (error) return "unknown:0";
+  const auto address = peer.address();
+  if (address.is_v4()) return absl::StrCat("ipv4:", address.to_string(), ":", peer.port());
+  if (address.to_v6().is_v4_mapped()) {
+    return absl::StrCat("ipv4:", asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string(), ":", peer.port());
+  }
+  return absl::StrCat("ipv6:%5B", address.to_string(), "%5D:", peer.port());
+}
+
+struct Offer {
+  bool has_ours = false;           // the subprotocol that we speak
+  std::string authorization = {};  // of the token that came with it
+};
+
+/// Empty where it can be no token: it goes on to gRPC, which ends the process when it is given anything but printable ASCII.
+std::string authorization_of(absl::string_view token) {
+  token = absl::StripAsciiWhitespace(token);
+  const bool is_text = std::all_of(token.begin(), token.end(), [](char c) { return absl::ascii_isprint(c); });
+  return is_text && !token.empty() ? absl::StrCat("Bearer ", token) : "";
+}
+
+Offer read_offer(std::string_view subprotocols) {
+  Offer offer;
+  for (absl::string_view name : absl::StrSplit(absl::string_view(subprotocols.data(), subprotocols.size()), ',')) {
+    name = absl::StripAsciiWhitespace(name);
+    if (name == kSubprotocol) offer.has_ours = true;
+    std::string token;
+    if (absl::ConsumePrefix(&name, kBearerSubprotocol) && absl::WebSafeBase64Unescape(name, &token)) {
+      offer.authorization = authorization_of(token);
+    }
+  }
+  return offer;
+}
+
+}  // namespace
+
+void WebHub::forget(BeastWebSocket& socket) {
+  sockets.erase(&socket);
+  if (!sockets.empty() || on_no_sockets == nullptr) return;
+  std::exchange(on_no_sockets, nullptr)();
+}
+
+WebConnection::WebConnection(WebHub& hub, tcp::socket socket, std::function<void(WebConnection*)> on_gone)
+    : hub_(hub),
+      stream_(std::move(socket), hub.tls),
+      address_(name_of(stream_.next_layer().socket())),
+      on_gone_(std::move(on_gone)),
+      buffer_(kMaxBuffered) {}
+
+WebConnection::~WebConnection() { on_gone_(this); }
+
+void WebConnection::begin() {
+  if (stream_.tls() == nullptr) return read();
+  stream_.next_layer().expires_after(hub_.options.time_out);
+  stream_.tls()->async_handshake(asio::ssl::stream_base::server, [self = shared_from_this()](Error error) {
+    if (!error) self->read();
+  });
+}
+
+void WebConnection::abort() { stream_.next_layer().close(); }
+
+void WebConnection::read() {
+  waiting_since_ = Clock::now();
+  parser_.emplace();
+  parser_->header_limit(kMaxHeader);
+  parser_->body_limit(std::numeric_limits<std::uint64_t>::max());  // none is read
+  stream_.next_layer().expires_after(hub_.options.time_out);       // however slowly it comes
+  http::async_read_header(stream_, buffer_, *parser_,
+                          [self = shared_from_this()](Error error, std::size_t /*bytes*/) { self->take(error); });
+}
+
+void WebConnection::take(Error error) {
+  waiting_since_.reset();
+  if (error == http::error::header_limit || error == http::error::buffer_overflow) {
+    return refuse(http::status::request_header_fields_too_large, "the header is too long\n");
+  }
+  const bool is_malformed = error.category() == http::make_error_code(http::error::bad_method).category();
+  if (error == http::error::end_of_stream || error == http::error::partial_message || (error && !is_malformed)) return close();
+  if (error) return refuse(http::status::bad_request, "this is not HTTP/1.1\n");
+  const bool has_body = !parser_->is_done();
+  const Request& request = parser_->get();
+  std::optional<Response> response;
+  try {
+    response = is_upgrade(request) ? upgrade(request) : answer(request, has_body);
+  } catch (const std::exception& failure) {  // of the standard library, such as bad_alloc
+    hub_.log->error("http: {}", failure.what());
+    if (!stream_.is_there()) return;  // it was to become a WebSocket
+    response = plain(http::status::internal_server_error, "the server failed\n");
+  }
+  if (!response) return;
+  response->version(request.version());
+  response->keep_alive(request.keep_alive() && !has_body);  // a body is not read, so that nothing can follow it
+  write(*std::move(response), request.method() == http::verb::head);
+}
+
+WebConnection::Response WebConnection::answer(const Request& request, bool has_body) {
+  const std::string_view target = text(request.target());
+  const auto route = hub_.routes.find(target.substr(0, target.find('?')));
+  if (route == hub_.routes.end()) return plain(http::status::not_found, "there is nothing of this name\n");
+  if (request.method() != http::verb::get && request.method() != http::verb::head) {
+    Response response = plain(http::status::method_not_allowed, "only GET and HEAD are answered\n");
+    response.set(http::field::allow, "GET, HEAD");
+    return response;
+  }
+  if (has_body) return plain(http::status::payload_too_large, "no body is taken\n");
+  WebAnswer made = route->second();
+  Response response(static_cast<http::status>(made.status), 11);
+  response.set(http::field::content_type, made.type);
+  for (const auto& [name, value] : made.header) response.set(name, value);
+  response.body() = std::move(made.body);
+  return response;
+}
+
+bool WebConnection::is_upgrade(const Request& request) const {
+  const std::string_view target = text(request.target());
+  return hub_.options.sockets && target.substr(0, target.find('?')) == hub_.options.sockets->path;
+}
+
+std::optional<WebConnection::Response> WebConnection::upgrade(const Request& request) {
+  const auto refused = [&](http::status status, std::string reason) {
+    hub_.log->debug("http: no WebSocket for {}: {}", address_, reason);
+    return plain(status, std::move(reason) + "\n");
+  };
+  if (!beast::websocket::is_upgrade(request)) {
+    Response response = refused(http::status::upgrade_required, "this is for WebSockets");
+    response.set(http::field::upgrade, "websocket");
+    return response;
+  }
+  if (!is_allowed(hub_.options.sockets->origins, text(request[http::field::origin]), text(request[http::field::host]))) {
+    return refused(http::status::forbidden, "pages of this origin may not connect");
+  }
+  if (hub_.options.tls && !hub_.options.tls->client_authorities.empty()) {
+    X509* const certificate = SSL_get_peer_certificate(stream_.tls()->native_handle());
+    if (certificate == nullptr) return refused(http::status::forbidden, "a client's certificate is wanted");
+    X509_free(certificate);
+  }
+  const Offer offer = read_offer(text(request[http::field::sec_websocket_protocol]));
+  if (!offer.has_ours) return refused(http::status::bad_request, absl::StrCat("the subprotocol spoken here is ", kSubprotocol));
+  if (!hub_.takes_sockets) return refused(http::status::service_unavailable, "the server is shutting down");
+  absl::StatusOr<Admission::Ticket> ticket = hub_.admission->admit(client_of_peer(address_));
+  if (!ticket.ok()) return refused(http::status::too_many_requests, std::string(ticket.status().message()));
+  const auto socket = std::make_shared<BeastWebSocket>(hub_.io, std::move(stream_), *std::move(ticket),
+                                                       [&hub = hub_](BeastWebSocket& over) { hub.forget(over); });
+  hub_.sockets.insert(socket.get());
+  socket->accept(request, {.address = address_, .authorization = offer.authorization}, hub_.options.sockets->maker);
+  return std::nullopt;
+}
+
+void WebConnection::refuse(http::status status, std::string reason) {
+  Response response = plain(status, std::move(reason));
+  response.keep_alive(false);
+  write(std::move(response), false);
+}
+
+void WebConnection::write(Response response, bool is_head) {
+  if (response.count(http::field::cache_control) == 0) response.set(http::field::cache_control, "no-store");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.content_length(response.body().size());
+  if (is_head) response.body().clear();
+  response_ = std::move(response);
+  stream_.next_layer().expires_after(hub_.options.time_out + std::chrono::seconds(response_.body().size() / kLeastRate));
+  http::async_write(stream_, response_, [self = shared_from_this()](Error error, std::size_t /*bytes*/) {
+    if (error || self->response_.need_eof()) return self->close();
+    self->read();
+  });
+}
+
+void WebConnection::close() {
+  if (stream_.tls() != nullptr) {
+    stream_.next_layer().expires_after(hub_.options.time_out);
+    return stream_.tls()->async_shutdown([self = shared_from_this()](Error /*ignored*/) {});
+  }
+  Error ignored;
+  stream_.next_layer().socket().shutdown(tcp::socket::shutdown_send, ignored);
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,79 @@
+// One connection of the HTTP port, until it becomes a WebSocket.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "server/base/admission.h"
+#include "server/web/web_gateway.h"
+#include "server/web/web_stream_beast.h"
+
+namespace curvecast::server {
+
+class BeastWebSocket;
+
+/// What all connections of a gateway share. Used on its thread only.
+struct WebHub {
+  std::shared_ptr<boost::asio::io_context> io;
+  const WebGatewayOptions options;
+  const WebRoutes routes;
+  const std::shared_ptr<spdlog::logger> log;
+  boost::asio::ssl::context* tls = nullptr;   // null: not encrypted
+  std::shared_ptr<Admission> admission = {};  // of WebSockets
+  std::set<BeastWebSocket*> sockets = {};
+  bool takes_sockets = true;
+  std::function<void()> on_no_sockets = {};  // called once, when the last one has gone; null: nobody waits for that
+
+  void forget(BeastWebSocket& socket);
+};
+
+/// Lives as long as an operation of it is under way. All of it on the gateway's thread.
+class WebConnection : public std::enable_shared_from_this<WebConnection> {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// `on_gone`: it has ended, or is a WebSocket.
+  WebConnection(WebHub& hub, boost::asio::ip::tcp::socket socket, std::function<void(WebConnection*)> on_gone);
+  ~WebConnection();
+
+  void begin();
+  /// Ends it, whatever is under way.
+  void abort();
+  /// When it began to wait for the request that is to come; null while it answers one.
+  std::optional<Clock::time_point> waiting_since() const { return waiting_since_; }
+
+ private:
+  using Error = boost::system::error_code;
+  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+  using Response = boost::beast::http::response<boost::beast::http::string_body>;
+
+  void read();
+  void take(Error error);
+  Response answer(const Request& request, bool has_body);
+  bool is_upgrade(const Request& request) const;
+  /// Null: it has become a WebSocket.
+  std::optional<Response> upgrade(const Request& request);
+  void refuse(boost::beast::http::status status, std::string reason);
+  void write(Response response, bool is_head);
+  void close();
+
+  WebHub& hub_;
+  WebStream stream_;
+  const std::string address_;  // of the other end, as gRPC writes it
+  const std::function<void(WebConnection*)> on_gone_;
+  boost::beast::flat_buffer buffer_;
+  std::optional<Clock::time_point> waiting_since_;
+  std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;  // of the request that comes or is
+                                                                                              // being answered
+  Response response_;                                                                         // being written
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,68 @@
+// The server's HTTP port: pages, what watches over the server asks for, and WebSockets.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/web/credentials.h"
+#include "server/web/web_origin.h"
+#include "server/web/web_socket.h"
+
+namespace spdlog {
+class logger;
+}
+
+namespace curvecast::server {
+
+struct WebAnswer {
+  int status = 200;
+  std::string body = {};
+  std::string type = "text/plain; charset=utf-8";
+  std::vector<std::pair<std::string, std::string>> header = {};  // further fields. Cache-Control is no-store without one
+};
+
+/// What answers GET and HEAD of a path, by path. Called on the gateway's thread, one at a time: whatever takes long there delays
+/// all others.
+using WebRoutes = std::map<std::string, std::function<WebAnswer()>, std::less<>>;
+
+struct WebSocketOptions {
+  std::string path;
+  WebConversationMaker maker;
+  WebOrigins origins = {};                  // of pages that may
+  std::size_t max_sockets = 1000;           // at once
+  std::size_t max_sockets_of_client = 250;  // of one address
+};
+
+struct WebGatewayOptions {
+  std::string listen;                 // "host:port"; port 0 = any free one
+  std::size_t max_connections = 128;  // that are no WebSockets; for one more, the one goes that has waited longest for a request
+  std::chrono::milliseconds time_out{
+      10'000};                        // for a request to arrive whole, an answer to be taken, and the next request to come
+  std::optional<ServerTls> tls = {};  // with client_authorities, only clients for whom these vouch may open WebSockets
+  std::optional<WebSocketOptions> sockets = {};
+};
+
+/// HTTP/1.1 with keep-alive, on one thread. Requests have at most 8 KiB of header and no body. Thread-safe.
+class WebGateway {
+ public:
+  /// Unavailable (address in use, or not one of this machine's) or InvalidArgument (malformed address, TLS files).
+  static absl::StatusOr<std::unique_ptr<WebGateway>> start(const WebGatewayOptions& options, WebRoutes routes,
+                                                           std::shared_ptr<spdlog::logger> log);
+  virtual ~WebGateway() = default;  // ends all connections at once
+
+  virtual int port() const = 0;
+  /// Says to those who have WebSockets that the server goes, and opens no more. Returns when all have closed, or after
+  /// `patience`.
+  virtual void close_sockets(std::chrono::milliseconds patience) = 0;
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,45 @@
+#include "server/web/web_routes.h"
+
+#include <utility>
+
+namespace curvecast::server {
+namespace {
+
+constexpr char kIndex[] = "/index.html";
+// Everything comes from this server, whatever a page is made to say. WebAssembly decodes Draco.
+constexpr char kContentPolicy[] =
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; connect-src 'self'; frame-ancestors "
+    "'self'; "
+    "img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; base-uri 'none'; form-action 'none'";
+
+WebAnswer to_answer(const WebFile& file) {
+  return {.body = std::string(file.gzip),
+          .type = std::string(file.type),
+          .header = {{"Content-Encoding", "gzip"},
+                     {"Cache-Control", file.is_immutable ? "public, max-age=31536000, immutable" : "no-cache"},
+                     {"Content-Security-Policy", kContentPolicy},
+                     {"Referrer-Policy", "no-referrer"}}};
+}
+
+}  // namespace
+
+WebRoutes make_web_routes(Engine& engine, std::function<std::string()> unready, std::span<const WebFile> files) {
+  WebRoutes routes;
+  routes["/"] = [] { return WebAnswer{.status = 404, .body = "this server was built without the viewer\n"}; };
+  for (const WebFile& file : files) {
+    const auto answer = [file] { return to_answer(file); };
+    routes[std::string(file.path)] = answer;
+    if (file.path == kIndex) routes["/"] = answer;
+  }
+  routes["/healthz"] = [] { return WebAnswer{.body = "alive\n"}; };
+  routes["/readyz"] = [unready = std::move(unready)] {
+    const std::string reason = unready();
+    return reason.empty() ? WebAnswer{.body = "ready\n"} : WebAnswer{.status = 503, .body = reason + "\n"};
+  };
+  routes["/metrics"] = [&engine] {
+    return WebAnswer{.body = engine.metrics.text(engine.levels()), .type = "text/plain; version=0.0.4; charset=utf-8"};
+  };
+  return routes;
+}
+
+}  // namespace curvecast::server

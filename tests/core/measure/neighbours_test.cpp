@@ -1,0 +1,182 @@
+#include "core/measure/neighbours.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "core/base/random.h"
+#include "core/pipeline/pipeline.h"
+#include "tests/support/shapes.h"
+
+namespace curvecast {
+namespace {
+
+using Points = std::vector<Vec3f>;
+
+/// Every point as a neighbour of the query, in the order of answers.
+std::vector<Neighbour> by_brute_force(const Points& points, const Vec3f& query, std::uint32_t but = Neighbour::kNobody) {
+  std::vector<Neighbour> all;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const Vec3f d = points[i] - query;
+    const float square = d.x() * d.x() + d.y() * d.y() + d.z() * d.z();
+    if (i != but && std::isfinite(square)) all.push_back({i, square});
+  }
+  std::sort(all.begin(), all.end(),
+            [](const Neighbour& a, const Neighbour& b) { return std::tie(a.square, a.index) < std::tie(b.square, b.index); });
+  return all;
+}
+
+void expect_same(std::span<const Neighbour> found, const std::vector<Neighbour>& truth, const std::string& where) {
+  for (std::size_t j = 0; j < found.size(); ++j) {
+    const Neighbour wanted = j < truth.size() ? truth[j] : Neighbour{};
+    ASSERT_EQ(found[j].index, wanted.index) << where << ", neighbour " << j;
+    ASSERT_EQ(found[j].square, wanted.square) << where << ", neighbour " << j;
+  }
+}
+
+float unit(std::uint64_t seed, std::uint64_t i) { return static_cast<float>(random_unit(seed, i)); }
+
+Points noise(std::size_t n, std::uint64_t seed, float scale = 1) {
+  Points points;
+  for (std::size_t i = 0; i < n; ++i) {
+    points.push_back(scale * Vec3f(unit(seed, 3 * i), unit(seed, 3 * i + 1), unit(seed, 3 * i + 2)));
+  }
+  return points;
+}
+
+/// Asks everything of the tree that can be asked, near and far.
+void expect_exact(const Points& points, const std::string& where) {
+  const NeighbourTree tree(view_of(points));
+  ASSERT_EQ(tree.size(), points.size());
+  Points queries = noise(20, 7, 3);
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / 30) queries.push_back(points[i]);
+  for (const std::size_t k : {1, 2, 8, 16, 17, 70}) {
+    std::vector<Neighbour> found(k);
+    for (const Vec3f& query : queries) {
+      if (!query.allFinite()) continue;
+      const std::vector<Neighbour> truth = by_brute_force(points, query);
+      EXPECT_EQ(tree.nearest(query, found), std::min(k, truth.size()));
+      expect_same(found, truth, where);
+    }
+    std::vector<Neighbour> all(k * points.size());
+    tree.all_nearest(k, all);
+    for (std::uint32_t i = 0; i < points.size(); i += 1 + static_cast<std::uint32_t>(points.size() / 200)) {
+      const auto truth = points[i].allFinite() ? by_brute_force(points, points[i], i) : std::vector<Neighbour>{};
+      expect_same(std::span(all).subspan(i * k, k), truth, where + ", all of " + std::to_string(i));
+    }
+  }
+  std::vector<Neighbour> found;
+  for (const Vec3f& query : queries) {
+    if (!query.allFinite()) continue;
+    for (const float radius : {0.0f, 0.05f, 0.4f, 10.0f}) {
+      std::vector<Neighbour> truth = by_brute_force(points, query);
+      std::erase_if(truth, [&](const Neighbour& n) { return n.square > radius * radius; });
+      tree.within(query, radius, found);
+      std::sort(found.begin(), found.end(),
+                [](const Neighbour& a, const Neighbour& b) { return std::tie(a.square, a.index) < std::tie(b.square, b.index); });
+      ASSERT_EQ(found, truth) << where << ", radius " << radius;
+    }
+  }
+}
+
+/// Curve vertices of a mesh, disc after disc.
+Points curve_of(const PolygonSoup& soup, std::uint64_t points) {
+  const absl::StatusOr<Preprocessed> result = preprocess({"shape.off", testing::to_off(soup)}, {.points = points});
+  EXPECT_TRUE(result.ok()) << result.status();
+  Points curve;
+  for (std::size_t l = 0; l < result->curve->size(); ++l) curve.push_back(result->curve->position(l));
+  return curve;
+}
+
+TEST(Neighbours, AreThoseOfBruteForceOnCurves) {
+  using namespace testing;
+  // Closed surfaces are cut open: both sides of a cut lie far apart on the curve and at one place in space.
+  for (const PolygonSoup& soup :
+       {sphere(12, 18), torus(16, 10), disc(6, 20), merged(cube(), translated(cube(), {0.5, 0.2, 1}))}) {
+    expect_exact(curve_of(soup, 100), "curve");
+  }
+}
+
+TEST(Neighbours, AreThoseOfBruteForceOnManySmallPieces) {
+  PolygonSoup soup;
+  for (int i = 0; i < 30; ++i) {
+    const PolygonSoup part = testing::translated(testing::scaled(testing::tetrahedron(), 0.1),
+                                                 {unit(5, 3 * i), unit(5, 3 * i + 1), unit(5, 3 * i + 2)});
+    soup = i == 0 ? part : testing::merged(soup, part);
+  }
+  expect_exact(curve_of(soup, 150), "pieces");
+}
+
+TEST(Neighbours, NeedNoOrderToBeRight) {
+  for (const std::size_t n : {1, 2, 15, 16, 17, 128, 129, 1000, 1025}) {
+    expect_exact(noise(n, n), std::to_string(n) + " points without order");
+  }
+}
+
+TEST(Neighbours, AtTheSamePlaceComeInTheOrderOfTheirIndices) {
+  Points points(100, Vec3f(1, 2, 3));
+  expect_exact(points, "all at one place");
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = Vec3f(static_cast<float>(i % 5), static_cast<float>(i % 3), 0);
+  expect_exact(points, "lattice");
+}
+
+TEST(Neighbours, WithoutPointsOrWishesAreNone) {
+  const NeighbourTree empty(view_of(Points{}));
+  std::vector<Neighbour> found = {{1, 2}, {3, 4}};
+  EXPECT_EQ(empty.nearest({0, 0, 0}, found), 0u);
+  EXPECT_EQ(found, std::vector<Neighbour>(2));
+  empty.within({0, 0, 0}, 1, found);
+  EXPECT_TRUE(found.empty());
+  empty.all_nearest(3, {});
+  const Points one = {{1, 1, 1}};
+  const NeighbourTree tree(view_of(one));
+  EXPECT_EQ(tree.nearest({0, 0, 0}, {}), 0u);
+  tree.all_nearest(0, {});
+}
+
+TEST(Neighbours, WhatIsNotFiniteNeitherFindsNorIsFound) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+  Points points = noise(300, 11);
+  points[0].x() = points[20].y() = kNan;
+  points[150].z() = kInf;
+  points[299].x() = -kInf;
+  for (std::size_t i = 40; i < 80; ++i) points[i] = Vec3f::Constant(kNan);
+  expect_exact(points, "with holes");
+  const NeighbourTree tree(view_of(points));
+  std::vector<Neighbour> found(4);
+  for (const Vec3f& query : {Vec3f(kNan, 0, 0), Vec3f(0, kInf, 0)}) {
+    EXPECT_EQ(tree.nearest(query, found), 0u);
+    tree.within(query, 1, found);
+    EXPECT_TRUE(found.empty());
+    found.resize(4);
+  }
+  for (const float radius : {-1.0f, kNan}) {
+    tree.within({0, 0, 0}, radius, found);
+    EXPECT_TRUE(found.empty());
+  }
+  tree.within({0, 0, 0}, kInf, found);
+  EXPECT_EQ(found.size(), 300u - 44);
+}
+
+TEST(Neighbours, AreTheSameForAnyNumberOfThreadsAndLayout) {
+  const Points points = noise(5000, 2);
+  std::vector<float> x, y, z;
+  for (const Vec3f& p : points) x.push_back(p.x()), y.push_back(p.y()), z.push_back(p.z());
+  std::vector<Neighbour> answers[3];
+  for (int run = 0; run < 3; ++run) {
+    answers[run].resize(5 * points.size());
+    tbb::task_arena(run == 0 ? 1 : 4).execute([&] {
+      const NeighbourTree tree(run == 2 ? view_of(x, y, z) : view_of(points));
+      tree.all_nearest(5, answers[run]);
+    });
+  }
+  EXPECT_EQ(answers[0], answers[1]);
+  EXPECT_EQ(answers[0], answers[2]);
+}
+
+}  // namespace
+}  // namespace curvecast

@@ -1,0 +1,59 @@
+#include "core/progressive/rank_relaxation.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/core/progressive/flat_block.h"
+
+namespace curvecast {
+namespace {
+
+using namespace curvecast::testing;
+
+/// Anywhere in their children; every fourth is of a level before.
+std::vector<RankedPoint> points_in(const RankPlaces& places) {
+  return points_at(places, [](std::size_t c) { return (c * 37 + 11) % kPlaces; });
+}
+
+double least_distance(const std::vector<RankedPoint>& points) {
+  double least = 1;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double x = points[i].position[0] - points[j].position[0], y = points[i].position[1] - points[j].position[1];
+      least = std::min(least, std::hypot(x, y));
+    }
+  }
+  return least;
+}
+
+TEST(RankRelaxation, PointsKeepFartherApartAndStayInTheirStrata) {
+  const auto curve = flat_curve(7);
+  const CurveStrata strata(*curve);
+  RankPlaces places(strata, kFlatBlock, 0);
+  const std::vector<RankedPoint> before = points_in(places);
+  std::vector<RankedPoint> points = before;
+  relax_ranks(places, {}, points);
+  EXPECT_GT(least_distance(points), 2 * least_distance(before));
+  expect_in_their_strata(points, before);
+}
+
+TEST(RankRelaxation, HeedsPointsOfOtherBlocks) {
+  const auto curve = flat_curve(7);
+  const CurveStrata strata(*curve);
+  RankPlaces places(strata, kFlatBlock, 0);
+  std::vector<RankedPoint> points = points_in(places);
+  const RankedPoint other{0, {places.child(101).center.x(), places.child(101).center.y(), 0}, {0, 0, 1}, 0, 5};
+  const auto distance = [&] {
+    return std::hypot(points[101].position[0] - other.position[0], points[101].position[1] - other.position[1]);
+  };
+  relax_ranks(places, {}, points);
+  const float alone = distance();
+  relax_ranks(places, {&other, 1}, points);
+  EXPECT_GT(distance(), alone);
+}
+
+}  // namespace
+}  // namespace curvecast

@@ -1,0 +1,57 @@
+#include "core/progressive/shown_before.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/base/random.h"
+#include "tests/core/progressive/ranked_ball.h"
+
+namespace curvecast {
+namespace {
+
+using namespace curvecast::testing;
+
+std::vector<std::uint32_t> places_of(const RankSelection& selection) {
+  std::vector<std::uint32_t> places;
+  selection.for_each_shown(
+      [&](const RankRef& ref, std::size_t) { places.push_back(selection.tree->chunks()[ref.chunk]->place[ref.point]); });
+  std::ranges::sort(places);
+  return places;
+}
+
+TEST(ShownBefore, IsWhatASortedListTells) {
+  const std::shared_ptr<const RankTree> tree = ball_tree(8);
+  RankSelector selector;
+  RankSelection selection;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const Vec3d eye = Vec3d(std::sin(seed), 0.3, std::cos(seed)) * (1.05 + 3 * random_unit(seed, 0));
+    const auto n = static_cast<std::uint64_t>(1 + 30'000 * random_unit(seed, 1));
+    selector.select(tree, nullptr, ViewFactor(*ball_curve(), view_from(eye)), n, selection);
+    const std::vector<std::uint32_t> shown = places_of(selection);
+    std::vector<std::uint32_t> places = {0, 0xffffffffu};
+    const auto count = static_cast<std::uint64_t>(2'000 * random_unit(seed, 2));
+    for (std::uint64_t i = 0; i < count; ++i) {
+      places.push_back(static_cast<std::uint32_t>(random_unit(seed, 3 + i) * 0xffffffffp0));
+      if (i % 2 == 0) places.push_back(shown[i % shown.size()]);
+    }
+    std::ranges::sort(places);
+    std::vector<std::uint32_t> before(places.size());
+    count_shown_before(selection, places, before);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      ASSERT_EQ(before[i], std::ranges::lower_bound(shown, places[i]) - shown.begin()) << "seed " << seed;
+    }
+  }
+}
+
+TEST(ShownBefore, NothingIsBeforeNothing) {
+  RankSelection selection;
+  selection.tree = ball_tree(6);
+  std::vector<std::uint32_t> before = {7};
+  count_shown_before(selection, std::vector<std::uint32_t>{5}, before);
+  EXPECT_EQ(before[0], 0u);
+  count_shown_before(selection, {}, {});
+}
+
+}  // namespace
+}  // namespace curvecast

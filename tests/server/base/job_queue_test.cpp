@@ -1,0 +1,175 @@
+#include "server/base/job_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace curvecast::server {
+namespace {
+
+TEST(JobQueue, RunsEveryAcceptedJobOnce) {
+  std::vector<std::atomic<int>> runs(500);
+  {
+    JobQueue queue({.workers = 3, .max_waiting = runs.size()});
+    for (auto& count : runs) ASSERT_TRUE(queue.submit([&count] { ++count; }).ok());
+  }
+  for (const auto& count : runs) EXPECT_EQ(count, 1);
+}
+
+TEST(JobQueue, OneWorkerKeepsTheOrder) {
+  std::vector<int> order;
+  {
+    JobQueue queue({.max_waiting = 100});
+    for (int i = 0; i < 100; ++i) ASSERT_TRUE(queue.submit([&order, i] { order.push_back(i); }).ok());
+  }
+  ASSERT_EQ(order.size(), 100u);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(order[i], i);
+}
+
+TEST(JobQueue, RefusesWhenFullAndAfterStop) {
+  JobQueue queue({.max_waiting = 2});
+  std::promise<void> started, gate;
+  ASSERT_TRUE(queue
+                  .submit([&] {
+                    started.set_value();
+                    gate.get_future().wait();
+                  })
+                  .ok());
+  started.get_future().wait();
+  EXPECT_TRUE(queue.submit([] {}).ok());
+  EXPECT_TRUE(queue.submit([] {}).ok());
+  EXPECT_EQ(queue.submit([] {}).status().code(), absl::StatusCode::kResourceExhausted);
+  gate.set_value();
+  queue.stop();
+  EXPECT_EQ(queue.submit([] {}).status().code(), absl::StatusCode::kUnavailable);
+}
+
+TEST(JobQueue, WithdrawsOnlyWhatHasNotStarted) {
+  JobQueue queue({.max_waiting = 10});
+  std::promise<void> started, gate;
+  bool ran = false;
+  const auto first = queue.submit([&] {
+    started.set_value();
+    gate.get_future().wait();
+  });
+  const auto second = queue.submit([&] { ran = true; });
+  ASSERT_TRUE(first.ok() && second.ok());
+  started.get_future().wait();
+  EXPECT_FALSE(queue.withdraw(*first));
+  EXPECT_TRUE(queue.withdraw(*second));
+  EXPECT_FALSE(queue.withdraw(*second));
+  gate.set_value();
+  queue.stop();
+  EXPECT_FALSE(ran);
+}
+
+/// One worker, which is held until all jobs are queued, and a clock that only jobs move.
+class JobQueueTurns : public ::testing::Test {
+ protected:
+  using Nanoseconds = JobQueue::Nanoseconds;
+
+  void SetUp() override {
+    ASSERT_TRUE(queue_
+                    .submit(
+                        [this] {
+                          started_.set_value();
+                          gate_.get_future().wait();
+                        },
+                        "gate")
+                    .ok());
+    started_.get_future().wait();
+  }
+  /// A job of `whose` that takes a while.
+  absl::Status add(const std::string& whose, int takes) {
+    return queue_
+        .submit(
+            [this, whose, takes] {
+              order_ += whose;
+              now_ += takes;
+            },
+            whose)
+        .status();
+  }
+  std::string run() {
+    gate_.set_value();
+    while (queue_.waiting() > 0) std::this_thread::yield();  // jobs may add others, which stop() refuses
+    queue_.stop();
+    return order_;
+  }
+
+  std::atomic<std::int64_t> now_ = 0;
+  std::promise<void> started_, gate_;
+  std::string order_;
+  JobQueue queue_{{.max_waiting = 100, .max_waiting_of_one = 50, .clock = [this] { return Nanoseconds(now_.load()); }}};
+};
+
+TEST_F(JobQueueTurns, OneWithManyJobsDoesNotHoldUpOneWithFew) {
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(add("a", 10).ok());
+  ASSERT_TRUE(add("b", 10).ok());
+  EXPECT_EQ(run().substr(0, 4), "abaa");
+}
+
+TEST_F(JobQueueTurns, TheWorkersTimeIsShared) {
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(add("a", 30).ok());
+  for (int i = 0; i < 12; ++i) ASSERT_TRUE(add("b", 10).ok());
+  EXPECT_EQ(run(), "abbbabbbabbbabbb");
+}
+
+TEST_F(JobQueueTurns, WhoComesLaterHasSavedNothingUp) {
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(add("a", 10).ok());
+  ASSERT_TRUE(queue_
+                  .submit(
+                      [this] {
+                        now_ += 10;
+                        for (int i = 0; i < 3; ++i) EXPECT_TRUE(add("c", 10).ok());
+                      },
+                      "a")
+                  .ok());
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(add("a", 10).ok());
+  EXPECT_EQ(run(), "aacacac");
+}
+
+TEST_F(JobQueueTurns, OneMayNotFillTheQueue) {
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(add("a", 1).ok());
+  EXPECT_EQ(add("a", 1).code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_TRUE(add("b", 1).ok());
+  EXPECT_EQ(queue_.waiting(), 51u);
+  EXPECT_EQ(run().size(), 51u);
+}
+
+TEST(JobQueue, ManyWhoComeOnceAreForgotten) {
+  JobQueue queue({.workers = 2, .max_waiting = 10'000});
+  std::atomic<int> runs = 0;
+  for (int i = 0; i < 5'000; ++i) ASSERT_TRUE(queue.submit([&] { ++runs; }, std::to_string(i)).ok());
+  queue.stop();
+  EXPECT_EQ(runs, 5'000);
+}
+
+TEST(JobQueue, OneDoesNotGetAllWorkers) {
+  JobQueue queue({.workers = 2, .max_waiting = 10, .max_running_of_one = 1});
+  std::promise<void> started, gate, other;
+  ASSERT_TRUE(queue
+                  .submit(
+                      [&] {
+                        started.set_value();
+                        gate.get_future().wait();
+                      },
+                      "a")
+                  .ok());
+  started.get_future().wait();
+  std::atomic<bool> second = false;
+  ASSERT_TRUE(queue.submit([&] { second = true; }, "a").ok());
+  ASSERT_TRUE(queue.submit([&] { other.set_value(); }, "b").ok());
+  other.get_future().wait();
+  EXPECT_FALSE(second);
+  gate.set_value();
+  queue.stop();
+  EXPECT_TRUE(second);
+}
+
+}  // namespace
+}  // namespace curvecast::server

@@ -1,0 +1,120 @@
+#include "server/base/view_workers.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <utility>
+
+namespace curvecast::server {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kBurst = std::chrono::duration_cast<milliseconds>(ViewWorkers::kBurst);
+
+/// Of the patient workers, however low the process's own is; lower than 19 there is none.
+int low(int normal) { return std::min(normal + 10, 19); }
+
+class ViewWorkersTest : public ::testing::Test {
+ protected:
+  void submit(const std::string& connection, std::function<void()> job) {
+    ASSERT_TRUE(workers_
+                    .submit(
+                        [this, job = std::move(job)] {
+                          job();
+                          const std::lock_guard lock(mutex_);
+                          ++done_;
+                          changed_.notify_all();
+                        },
+                        connection)
+                    .ok());
+    ++submitted_;
+  }
+  void wait_until(const std::function<bool()>& condition) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, condition);
+  }
+  /// Runs a job that takes so long, to its end.
+  void run(const std::string& connection, milliseconds takes) {
+    submit(connection, [this, takes] {
+      now_ += takes.count();
+      priority_ = getpriority(PRIO_PROCESS, 0);
+    });
+    // And another one of somebody new, before which the worker of normal priority books what it did.
+    wait_until([this] { return done_ == submitted_; });
+    submit("nobody " + std::to_string(submitted_), [] {});
+    wait_until([this] { return done_ == submitted_; });
+  }
+
+  std::atomic<std::int64_t> now_ = 0;  // ms
+  std::atomic<int> priority_ = 0;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int done_ = 0, submitted_ = 0;
+  ViewWorkers workers_{
+      {.workers = 1, .max_waiting = 100, .max_waiting_of_one = 50, .clock = [this] { return milliseconds(now_.load()); }}};
+};
+
+TEST_F(ViewWorkersTest, WhoTakesMoreThanItsShareWorksAtLowPriority) {
+  const int normal = getpriority(PRIO_PROCESS, 0);
+  run("greedy", kBurst + milliseconds(100));
+  EXPECT_EQ(priority_, normal);
+  run("greedy", milliseconds(1));
+  EXPECT_EQ(priority_, low(normal));
+  run("modest", milliseconds(1));
+  EXPECT_EQ(priority_, normal);
+}
+
+TEST_F(ViewWorkersTest, WhatIsOwedIsForgivenWithTime) {
+  const int normal = getpriority(PRIO_PROCESS, 0);
+  run("greedy", kBurst + milliseconds(100));
+  now_ += 300;  // pays for 75
+  run("greedy", milliseconds(0));
+  EXPECT_EQ(priority_, low(normal));
+  now_ += 101;
+  run("greedy", milliseconds(0));
+  EXPECT_EQ(priority_, normal);
+}
+
+TEST_F(ViewWorkersTest, WhoStaysWithinItsShareIsServedAtOnceForEver) {
+  const int normal = getpriority(PRIO_PROCESS, 0);
+  for (int i = 0; i < 1000; ++i) {
+    run("steady", milliseconds(2));
+    EXPECT_EQ(priority_, normal);
+    now_ += 6;
+  }
+}
+
+TEST_F(ViewWorkersTest, LongJobsOfOneDoNotHoldUpAnother) {
+  run("greedy", kBurst + milliseconds(100));
+  const int before = done_;
+  bool is_open = false;
+  submit("greedy", [&] { wait_until([&] { return is_open; }); });
+  submit("modest", [] {});
+  wait_until([&] { return done_ == before + 1; });
+  {
+    const std::lock_guard lock(mutex_);
+    is_open = true;
+    changed_.notify_all();
+  }
+  wait_until([&] { return done_ == before + 2; });
+}
+
+TEST_F(ViewWorkersTest, RunsAllThatWasTaken) {
+  std::atomic<int> runs = 0;
+  for (int i = 0; i < 90; ++i) {
+    ASSERT_TRUE(workers_.submit([&] { ++runs; }, std::to_string(i)).ok());
+  }
+  workers_.stop();
+  EXPECT_EQ(runs, 90);
+  EXPECT_EQ(workers_.submit([] {}, "late").code(), absl::StatusCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace curvecast::server

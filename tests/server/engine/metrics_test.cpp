@@ -1,0 +1,103 @@
+#include "server/engine/metrics.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+#include <vector>
+
+#include "curvecast/v1/curvecast.pb.h"
+#include "has_line.h"
+
+namespace curvecast::server {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(Metrics, EveryFamilyHasHelpAndType) {
+  Metrics metrics;
+  const std::string text = metrics.text({});
+  for (const char* name :
+       {"curvecast_build_info", "curvecast_sessions", "curvecast_queue_depth", "process_resident_memory_bytes"}) {
+    EXPECT_THAT(text, HasSubstr(std::string("# HELP ") + name + " "));
+    EXPECT_TRUE(has_line(text, std::string("# TYPE ") + name + " gauge"));
+  }
+  EXPECT_TRUE(has_line(text, "# TYPE curvecast_frames_total counter"));
+  EXPECT_TRUE(has_line(text, "# TYPE curvecast_stage_seconds histogram"));
+  EXPECT_TRUE(has_line(text, "curvecast_frames_total{kind=\"delta\"} 0"));
+  EXPECT_THAT(text, Not(HasSubstr("process_resident_memory_bytes 0\n")));
+}
+
+TEST(Metrics, RequestsByMethodAndCode) {
+  Metrics metrics;
+  metrics.request("GetMesh", 0, 0.002);
+  metrics.request("GetMesh", 0, 0.2);
+  metrics.request("GetMesh", 5, 0.002);
+  const std::string text = metrics.text({});
+  EXPECT_TRUE(has_line(text, "curvecast_requests_total{code=\"OK\",method=\"GetMesh\"} 2"));
+  EXPECT_TRUE(has_line(text, "curvecast_requests_total{code=\"NOT_FOUND\",method=\"GetMesh\"} 1"));
+  EXPECT_TRUE(has_line(text, "curvecast_request_seconds_count{method=\"GetMesh\"} 3"));
+  EXPECT_TRUE(has_line(text, "curvecast_request_seconds_bucket{method=\"GetMesh\",le=\"0.0025\"} 2"));
+  EXPECT_TRUE(has_line(text, "curvecast_request_seconds_bucket{method=\"GetMesh\",le=\"+Inf\"} 3"));
+}
+
+TEST(Metrics, FramesByKind) {
+  Metrics metrics;
+  v1::PointFrame key, delta, error;
+  key.set_kind(v1::FRAME_KIND_KEY);
+  key.add_points()->set_count(40);
+  key.add_points()->set_count(60);
+  key.mutable_statistics()->set_density_seconds(0.002);
+  delta.set_kind(v1::FRAME_KIND_DELTA);
+  delta.add_points()->set_count(7);
+  error.mutable_error()->set_code(3);
+  metrics.frame(key);
+  metrics.frame(key);
+  metrics.frame(delta);
+  metrics.frame(error);
+  const std::string text = metrics.text({});
+  EXPECT_TRUE(has_line(text, "curvecast_frames_total{kind=\"key\"} 2"));
+  EXPECT_TRUE(has_line(text, "curvecast_frames_total{kind=\"delta\"} 1"));
+  EXPECT_TRUE(has_line(text, "curvecast_frames_total{kind=\"error\"} 1"));
+  EXPECT_TRUE(has_line(text, "curvecast_frame_points_total{kind=\"key\"} 200"));
+  EXPECT_TRUE(has_line(text, "curvecast_frame_points_total{kind=\"delta\"} 7"));
+  EXPECT_TRUE(has_line(text, "curvecast_frame_bytes_total{kind=\"key\"} " + std::to_string(2 * key.ByteSizeLong())));
+  EXPECT_TRUE(has_line(text, "curvecast_stage_seconds_count{stage=\"density\"} 3"));  // an error has no stages
+  EXPECT_TRUE(has_line(text, "curvecast_stage_seconds_bucket{stage=\"density\",le=\"0.001\"} 1"));
+}
+
+TEST(Metrics, LevelsAreThoseOfTheMoment) {
+  Metrics metrics;
+  metrics.text({.waiting_views = 3, .sessions = 2, .session_bytes = 1'000'000});
+  const std::string text =
+      metrics.text({.waiting_views = 1, .waiting_preprocessing = 4, .meshes = 5, .cache_bytes = 123'456'789'012});
+  EXPECT_TRUE(has_line(text, "curvecast_queue_depth{queue=\"views\"} 1"));
+  EXPECT_TRUE(has_line(text, "curvecast_queue_depth{queue=\"preprocessing\"} 4"));
+  EXPECT_TRUE(has_line(text, "curvecast_queue_depth{queue=\"calls\"} 0"));
+  EXPECT_TRUE(has_line(text, "curvecast_sessions 0"));
+  EXPECT_TRUE(has_line(text, "curvecast_meshes 5"));
+  EXPECT_TRUE(has_line(text, "curvecast_cache_bytes 123456789012"));
+}
+
+TEST(Metrics, LosesNothingBetweenThreads) {
+  constexpr int kThreads = 4, kEach = 10'000;
+  Metrics metrics;
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < kThreads; ++i) {
+    threads.emplace_back([&] {
+      for (int k = 0; k < kEach; ++k) {
+        metrics.view_received();
+        metrics.stages({});
+        if (k % 1000 == 0) metrics.text({});
+      }
+    });
+  }
+  threads.clear();
+  const std::string text = metrics.text({});
+  EXPECT_TRUE(has_line(text, "curvecast_views_received_total 40000"));
+  EXPECT_TRUE(has_line(text, "curvecast_stage_seconds_count{stage=\"encode\"} 40000"));
+}
+
+}  // namespace
+}  // namespace curvecast::server

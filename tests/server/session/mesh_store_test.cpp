@@ -1,0 +1,174 @@
+#include "server/session/mesh_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace curvecast::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+absl::StatusOr<std::shared_ptr<const Mesh>> upload(MeshStore& store, std::string_view bytes, std::string_view expected_id = "",
+                                                   std::size_t chunk = 1000) {
+  MeshUpload upload(store);
+  if (auto status = upload.begin("a mesh", bytes.size(), expected_id); !status.ok()) return status;
+  for (std::size_t at = 0; at < bytes.size(); at += chunk) {
+    if (auto status = upload.append(bytes.substr(at, chunk)); !status.ok()) return status;
+  }
+  return upload.finish();
+}
+
+std::string pattern(std::size_t size, int seed) {
+  std::string bytes(size, '\0');
+  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<char>((i * 7919 + seed * 104729) >> 3);
+  return bytes;
+}
+
+TEST(MeshStore, KeepsTheBytesUnderTheirHash) {
+  MeshStore store(1 << 26, 1 << 25);
+  const std::string bytes = pattern(3'333'333, 1);
+  const auto mesh = upload(store, bytes);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ((*mesh)->id.size(), 32u);
+  EXPECT_EQ(std::string((*mesh)->bytes().begin(), (*mesh)->bytes().end()), bytes);
+  const auto found = store.find((*mesh)->id);
+  ASSERT_TRUE(found.ok());
+  EXPECT_EQ(*found, *mesh);
+}
+
+TEST(MeshStore, HashesAsXxhsumDoes) {
+  MeshStore store(1 << 20, 1 << 20);
+  const auto mesh = upload(store, "hello");
+  ASSERT_TRUE(mesh.ok());
+  EXPECT_EQ((*mesh)->id, "b5e9c1ad071b3e7fc779cfaa5e523818");  // printf hello | xxh128sum
+}
+
+TEST(MeshStore, SameBytesInOtherChunksAreTheSameMesh) {
+  MeshStore store(1 << 24, 1 << 20);
+  const std::string bytes = pattern(10'000, 2);
+  const auto first = upload(store, bytes, "", 1);
+  const auto second = upload(store, bytes, (*first)->id, 4096);
+  ASSERT_TRUE(second.ok()) << second.status();
+  EXPECT_EQ(*first, *second);
+}
+
+TEST(MeshStore, RefusesWhatTheHeaderDoesNotMatch) {
+  MeshStore store(1 << 24, 1 << 20);
+  EXPECT_THAT(upload(store, "").status().message(), HasSubstr("empty"));
+  EXPECT_THAT(upload(store, "abc", "00000000000000000000000000000000").status().message(), HasSubstr("hash"));
+  {
+    MeshUpload longer(store);
+    ASSERT_TRUE(longer.begin("", 3, "").ok());
+    EXPECT_EQ(longer.append("abcd").code(), absl::StatusCode::kInvalidArgument);
+  }
+  {
+    MeshUpload shorter(store);
+    ASSERT_TRUE(shorter.begin("", 3, "").ok());
+    ASSERT_TRUE(shorter.append("ab").ok());
+    EXPECT_EQ(shorter.finish().status().code(), absl::StatusCode::kInvalidArgument);
+  }
+  MeshUpload named(store);
+  EXPECT_EQ(named.begin(std::string(5000, 'x'), 3, "").code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(MeshStore, RefusesLargeFilesByTheirHeader) {
+  MeshStore store(1 << 24, 1000);
+  MeshUpload upload(store);
+  EXPECT_EQ(upload.begin("", 1001, "").code(), absl::StatusCode::kResourceExhausted);
+}
+
+TEST(MeshStore, EvictsTheLeastRecentlyUsedThatNobodyHolds) {
+  MeshStore store(3'300'000, 1 << 20);
+  const std::string ids[] = {(*upload(store, pattern(1'000'000, 1)))->id, (*upload(store, pattern(1'000'000, 2)))->id,
+                             (*upload(store, pattern(1'000'000, 3)))->id};
+  const auto held = store.find(ids[0]);
+  ASSERT_TRUE(store.find(ids[1]).ok());  // now 2 is the oldest, but for the one held
+  ASSERT_TRUE(upload(store, pattern(1'000'000, 4)).ok());
+  EXPECT_TRUE(store.find(ids[0]).ok());
+  EXPECT_TRUE(store.find(ids[1]).ok());
+  EXPECT_EQ(store.find(ids[2]).status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST(MeshStore, CountsUploadsUnderWay) {
+  MeshStore store(2'500'000, 2'000'000);
+  const std::string bytes = pattern(2'000'000, 1);
+  {
+    MeshUpload first(store);
+    ASSERT_TRUE(first.begin("", bytes.size(), "").ok());
+    ASSERT_TRUE(first.append(bytes).ok());
+    EXPECT_EQ(upload(store, bytes).status().code(), absl::StatusCode::kResourceExhausted);
+  }
+  EXPECT_TRUE(upload(store, bytes).ok());  // the room came back
+}
+
+/// What is sent before the connection breaks.
+void upload_part(MeshStore& store, const std::string& bytes, const std::string& id, std::size_t begin, std::size_t end) {
+  MeshUpload upload(store);
+  ASSERT_TRUE(upload.begin("a mesh", bytes.size(), id, begin).ok());
+  ASSERT_TRUE(upload.append(std::string_view(bytes).substr(begin, end - begin)).ok());
+}
+
+std::string id_of(const std::string& bytes) {
+  MeshStore other(1 << 26, 1 << 25);
+  return (*upload(other, bytes))->id;
+}
+
+TEST(MeshStore, GoesOnWhereAnUploadBrokeOff) {
+  MeshStore store(1 << 26, 1 << 25);
+  const std::string bytes = pattern(5'000'000, 1), id = id_of(bytes);
+  EXPECT_EQ(store.received(id), 0u);
+  upload_part(store, bytes, id, 0, 2'000'000);
+  EXPECT_EQ(store.received(id), 2'000'000u);
+  upload_part(store, bytes, id, 2'000'000, 2'000'001);
+  EXPECT_EQ(store.received(id), 2'000'001u);
+  {
+    MeshUpload elsewhere(store);
+    EXPECT_TRUE(absl::IsFailedPrecondition(elsewhere.begin("", bytes.size(), id, 1000)));
+    EXPECT_TRUE(absl::IsFailedPrecondition(elsewhere.begin("", bytes.size() + 1, id, 2'000'001)));
+  }
+  EXPECT_EQ(store.received(id), 2'000'001u) << "still there";
+  MeshUpload last(store);
+  ASSERT_TRUE(last.begin("", bytes.size(), id, 2'000'001).ok());
+  EXPECT_EQ(store.received(id), 0u) << "one at a time";
+  ASSERT_TRUE(last.append(std::string_view(bytes).substr(2'000'001)).ok());
+  const auto mesh = last.finish();
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ((*mesh)->id, id);
+  EXPECT_EQ((*mesh)->name, "a mesh");
+  EXPECT_EQ(store.usage().meshes, 1u);
+}
+
+TEST(MeshStore, WhatCannotBeContinuedIsForgotten) {
+  MeshStore store(1 << 26, 1 << 25);
+  const std::string bytes = pattern(3'000'000, 1), id = id_of(bytes);
+  upload_part(store, bytes, "", 0, 1'000'000);  // nobody could name it
+  EXPECT_EQ(store.usage().bytes, 0u);
+  std::string wrong = bytes;
+  wrong[0] ^= 1;
+  upload_part(store, wrong, id, 0, 1'000'000);
+  {
+    MeshUpload last(store);
+    ASSERT_TRUE(last.begin("", bytes.size(), id, 1'000'000).ok());
+    ASSERT_TRUE(last.append(std::string_view(bytes).substr(1'000'000)).ok());
+    EXPECT_TRUE(absl::IsInvalidArgument(last.finish().status()));
+  }
+  EXPECT_EQ(store.received(id), 0u) << "it would never hash to that";
+  EXPECT_EQ(store.usage().bytes, 0u);
+}
+
+TEST(MeshStore, BrokenUploadsMakeRoom) {
+  MeshStore store(3'300'000, 3'000'000);
+  const std::string first = pattern(3'000'000, 1), second = pattern(3'000'000, 2);
+  upload_part(store, first, id_of(first), 0, 2'900'000);
+  EXPECT_TRUE(upload(store, second).ok());
+  EXPECT_EQ(store.received(id_of(first)), 0u);
+  // Many small ones take no more than a few places.
+  MeshStore large(1 << 26, 1 << 25);
+  for (int i = 0; i < 100; ++i) upload_part(large, pattern(1000, i), id_of(pattern(1000, i)), 0, 10);
+  EXPECT_LE(large.usage().bytes, 16u * 5096u);
+}
+
+}  // namespace
+}  // namespace curvecast::server

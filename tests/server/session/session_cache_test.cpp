@@ -1,0 +1,242 @@
+#include "server/session/session_cache.h"
+
+#include <gmock/gmock.h>
+#include <spdlog/logger.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <sstream>
+
+#include "core/storage/atomic_file.h"
+#include "core/storage/curve_file.h"
+#include "core/storage/section_file.h"
+#include "server/base/log.h"
+#include "server_fixture.h"
+#include "tests/support/temporary_folder.h"
+
+namespace curvecast::server {
+namespace {
+
+using testing::bytes_of;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::TemporaryFolder;
+using testing::write_file;
+using Code = absl::StatusCode;
+
+std::string id_of(char digit) { return std::string(32, digit); }
+
+const Preprocessed& some_curve() {
+  static const Preprocessed made = [] {
+    const std::string off = sphere_off(3);
+    auto result = preprocess({"sphere.off", off}, {.points = 200});
+    EXPECT_TRUE(result.ok()) << result.status();
+    return *std::move(result);
+  }();
+  return made;
+}
+
+Session some_session(const std::string& id) {
+  Session session;
+  session.id = id;
+  session.mesh_id = "mesh";
+  session.mesh_name = "sphere.off";
+  session.companions = {{"a.mtl", "1"}, {"b.png", "2"}};
+  session.options = {.points = 200, .density = {CurvatureTerm{}}};
+  session.preprocessed = some_curve();
+  session.live->publish(session.preprocessed.curve);
+  return session;
+}
+
+class SessionCacheTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<SessionCache> open(std::uint64_t max_bytes = std::uint64_t{1} << 30) {
+    auto cache = SessionCache::open(folder_.path(), max_bytes, log_);
+    EXPECT_TRUE(cache.ok()) << cache.status();
+    return *std::move(cache);
+  }
+  /// Saves and waits until it is done.
+  void save(const Session& session, std::uint64_t max_bytes = std::uint64_t{1} << 30) {
+    const auto cache = open(max_bytes);
+    cache->save(session);
+    cache->stop();
+  }
+  std::string curve_path(char digit) const { return folder_ / (id_of(digit) + ".v1.curve"); }
+  std::string surface_path(char digit) const { return folder_ / (id_of(digit) + ".v1.surface"); }
+
+  TemporaryFolder folder_;
+  std::ostringstream lines_;
+  std::shared_ptr<spdlog::logger> log_ =
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(lines_));
+};
+
+TEST_F(SessionCacheTest, BringsSessionsBack) {
+  const Session before = some_session(id_of('a'));
+  save(before);
+  const auto cache = open();
+  EXPECT_TRUE(cache->holds(before.id));
+  const auto after = cache->load(before.id);
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_EQ((*after)->id, before.id);
+  EXPECT_EQ((*after)->mesh_id, before.mesh_id);
+  EXPECT_EQ((*after)->mesh_name, before.mesh_name);
+  EXPECT_EQ((*after)->companions, before.companions);
+  EXPECT_EQ((*after)->options.points, before.options.points);
+  EXPECT_EQ((*after)->options.density.size(), 1u);
+  EXPECT_EQ((*after)->curve()->x, before.curve()->x);
+  EXPECT_EQ((*after)->preprocessed.report.seconds.total, before.preprocessed.report.seconds.total);
+  const auto surface = cache->load_surface(before.id);
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  EXPECT_EQ((*surface)->charts[0].uv, before.preprocessed.flattened->charts[0].uv);
+}
+
+TEST_F(SessionCacheTest, WhatIsNoIdIsNoFile) {
+  save(some_session(id_of('a')));
+  const auto cache = open();
+  for (const std::string& id : {std::string(), std::string("../") + id_of('a'), id_of('A'), id_of('g'), id_of('a') + "0",
+                                std::string(32, '/'), std::string(32, '\0'), id_of('b')}) {
+    EXPECT_FALSE(cache->holds(id));
+    EXPECT_EQ(cache->load(id).status().code(), Code::kNotFound);
+    EXPECT_EQ(cache->load_surface(id).status().code(), Code::kNotFound);
+    EXPECT_FALSE(cache->remove(id));
+  }
+}
+
+TEST_F(SessionCacheTest, RemoveTakesAllFilesAndWaitingSaves) {
+  save(some_session(id_of('a')));
+  const auto cache = open();
+  cache->save(some_session(id_of('a')));
+  EXPECT_TRUE(cache->remove(id_of('a')));
+  cache->stop();
+  EXPECT_THAT(folder_.names(), IsEmpty());
+  EXPECT_FALSE(cache->remove(id_of('a')));
+}
+
+TEST_F(SessionCacheTest, ARevisionReplacesTheCurve) {
+  Session session = some_session(id_of('a'));
+  save(session);
+  const std::string surface = bytes_of(surface_path('a'));
+  auto revised = std::make_shared<SurfaceCurve>(*session.curve());
+  revised->revision = 2;
+  session.live->publish(revised);
+  session.preprocessed.flattened = nullptr;  // as after a load
+  save(session);
+  EXPECT_EQ(open()->load(id_of('a')).value()->curve()->revision, 2u);
+  EXPECT_EQ(bytes_of(surface_path('a')), surface);
+}
+
+TEST_F(SessionCacheTest, DamagedFilesAreRemovedWithTheReason) {
+  save(some_session(id_of('a')));
+  const std::string good = bytes_of(curve_path('a'));
+  const auto cache = open();
+  const auto refused = [&](const std::string& bytes, const std::string& reason) {
+    lines_.str("");
+    write_file(curve_path('a'), bytes);
+    EXPECT_TRUE(cache->holds(id_of('a')));
+    EXPECT_FALSE(cache->load(id_of('a')).ok()) << reason;
+    EXPECT_FALSE(cache->holds(id_of('a'))) << reason;
+    EXPECT_THAT(lines_.str(), HasSubstr(reason));
+  };
+  refused("", "bytes");
+  refused("not a curve at all" + std::string(100, ' '), "no file of this program");
+  refused(good.substr(0, good.size() / 2), "bytes");
+  std::string flipped = good;
+  flipped[good.size() / 2] ^= 1;
+  refused(flipped, "checksum");
+  std::string newer = good;
+  newer[8] = 9;
+  refused(newer, "version 9");
+  write_file(surface_path('a'), "nonsense");
+  EXPECT_FALSE(cache->load_surface(id_of('a')).ok());
+  EXPECT_FALSE(std::filesystem::exists(surface_path('a')));
+}
+
+TEST_F(SessionCacheTest, RefusesFilesThatBelongElsewhere) {
+  save(some_session(id_of('a')));
+  std::filesystem::copy(curve_path('a'), curve_path('b'));
+  const auto cache = open();
+  EXPECT_EQ(cache->load(id_of('b')).status().code(), Code::kDataLoss) << "another session's";
+  ASSERT_TRUE(save_curve(curve_path('c'), *some_session("c").curve(), "no session").ok());
+  EXPECT_EQ(cache->load(id_of('c')).status().code(), Code::kDataLoss);
+  Session wrong = some_session(id_of('d'));
+  auto curve = std::make_shared<SurfaceCurve>(*wrong.curve());
+  curve->triangle[7] = 1'000'000;
+  wrong.live->publish(curve);
+  save(wrong);
+  EXPECT_EQ(cache->load(id_of('d')).status().code(), Code::kDataLoss) << "a face that is not there";
+}
+
+TEST_F(SessionCacheTest, TheLeastRecentlyUsedGoFirst) {
+  save(some_session(id_of('a')));
+  const std::uint64_t each = bytes_of(curve_path('a')).size() + bytes_of(surface_path('a')).size();
+  save(some_session(id_of('b')));
+  write_file(folder_ / "somebody's.curve", std::string(each, 'x'));  // neither counted nor removed
+  write_file(folder_ / (id_of('f') + ".v0.curve"), std::string(100, 'x'));
+  const auto set_age = [&](const std::string& path, int hours) {
+    std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now() - std::chrono::hours(hours));
+  };
+  for (const std::string& path : {curve_path('a'), surface_path('a')}) set_age(path, 3);
+  for (const std::string& path : {curve_path('b'), surface_path('b')}) set_age(path, 2);
+  set_age(folder_ / (id_of('f') + ".v0.curve"), 4);
+  ASSERT_TRUE(open()->load(id_of('a')).ok());  // used now
+  save(some_session(id_of('c')), 2 * each + each / 2);
+  const auto cache = open();
+  EXPECT_TRUE(cache->holds(id_of('a')));
+  EXPECT_FALSE(cache->holds(id_of('b')));
+  EXPECT_TRUE(cache->holds(id_of('c')));
+  EXPECT_FALSE(std::filesystem::exists(surface_path('b')));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / (id_of('f') + ".v0.curve"))) << "old versions go in their turn";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "somebody's.curve"));
+}
+
+TEST_F(SessionCacheTest, WhatIsTooLargeIsNotSaved) {
+  save(some_session(id_of('a')), 1000);
+  EXPECT_THAT(folder_.names(), IsEmpty());
+  EXPECT_THAT(lines_.str(), HasSubstr("not cached"));
+}
+
+TEST_F(SessionCacheTest, AFolderThatFailsIsLoggedOnce) {
+  const auto cache = open();
+  std::filesystem::remove_all(folder_.path());
+  for (const char digit : {'a', 'b', 'c'}) cache->save(some_session(id_of(digit)));
+  cache->stop();
+  const std::string lines = lines_.str();
+  const std::size_t first = lines.find("is not cached");
+  ASSERT_NE(first, std::string::npos) << lines;
+  EXPECT_EQ(lines.find("is not cached", first + 1), std::string::npos) << lines;
+  EXPECT_FALSE(cache->holds(id_of('a')));
+}
+
+TEST_F(SessionCacheTest, UnusableFoldersAreRefused) {
+  write_file(folder_ / "file", "");
+  for (const std::string& path : {folder_ / "file", folder_ / "file/below", std::string("/proc/nowhere/cache")}) {
+    const auto cache = SessionCache::open(path, 1, log_);
+    EXPECT_EQ(cache.status().code(), Code::kFailedPrecondition);
+    EXPECT_THAT(std::string(cache.status().message()), HasSubstr(path));
+  }
+}
+
+TEST_F(SessionCacheTest, MakesItsFolderForItsOwnerOnly) {
+  for (const std::string& path : {folder_ / "new/cache", folder_ / "other/"}) {
+    ASSERT_TRUE(SessionCache::open(path, 1, log_).ok());
+    struct stat status = {};
+    ASSERT_EQ(::stat(path.c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0700u);
+  }
+}
+
+TEST_F(SessionCacheTest, RemovesOnlyTheTemporariesOfTheDead) {
+  write_file(folder_ / (id_of('a') + ".v1.curve.x1y2z3.curvecast-tmp"), "half a curve");
+  absl::StatusOr<AtomicFile> being_written = AtomicFile::create(curve_path('b'));
+  ASSERT_TRUE(being_written.ok());
+  open();
+  ASSERT_EQ(folder_.names().size(), 1u);
+  EXPECT_THAT(folder_.names()[0], EndsWith(".curvecast-tmp"));
+  EXPECT_TRUE(being_written->commit().ok());
+}
+
+}  // namespace
+}  // namespace curvecast::server
