@@ -1,314 +1,40 @@
 #include <absl/strings/str_cat.h>
-#include <absl/strings/str_format.h>
+#include <unistd.h>
 
-#include <atomic>
-#include <cstdio>
-#include <filesystem>
-#include <functional>
-#include <memory>
-#include <utility>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <vector>
 
-#include "client/cli/bench/areas.h"
-#include "client/cli/bench/corpus.h"
-#include "client/cli/bench/corpus_table.h"
-#include "client/cli/bench/curve_bench.h"
-#include "client/cli/bench/discrepancy_bench.h"
-#include "client/cli/bench/growth.h"
-#include "client/cli/bench/local_mesh.h"
-#include "client/cli/bench/mappers.h"
-#include "client/cli/bench/neighbours_bench.h"
-#include "client/cli/bench/preprocess_bench.h"
-#include "client/cli/bench/sample_bench.h"
-#include "client/cli/bench/stream_bench.h"
 #include "client/cli/commands.h"
-#include "client/cli/progress_bar.h"
-#include "client/lib/file_bytes.h"
+#include "client/cli/sibling_program.h"
 
 namespace curvecast::cli {
 namespace {
 
-/// What a benchmark does once its flags are parsed.
-using Run = std::function<absl::Status(const CommonOptions& common, ExecutionContext context)>;
-
-struct Benchmark {
-  const char* name;
-  const char* operand;
-  const char* summary;        // a line of --list
-  const char* description;    // of its --help
-  Run (*add)(CLI::App& app);  // adds what it takes
-};
-
-absl::Status print_report(const BenchReport& report, const CommonOptions& common) {
-  return common.json ? print_json(bench_json(report)) : print_text(bench_text(report));
-}
-
-CLI::Option* add_points(CLI::App& app, std::uint64_t* points, const std::string& description) {
-  return app.add_option("-n,--points", *points, description)->check(point_count_range())->type_name("N")->capture_default_str();
-}
-
-CLI::Option* add_count(CLI::App& app, const std::string& name, int* count, int most, const std::string& description) {
-  const std::string letter(1, static_cast<char>(name[2] - 'a' + 'A'));
-  return app.add_option(name, *count, description)->check(CLI::Range(1, most))->type_name(letter)->capture_default_str();
-}
-
-struct CorpusFlags {
-  std::string folder, out;
-  CorpusOptions corpus;
-};
-
-absl::Status run_corpus_bench(const CorpusFlags& flags, const CommonOptions& common, const ExecutionContext& context) {
-  if (!flags.out.empty()) {
-    if (absl::Status status = client::check_writable(flags.out); !status.ok()) return status;
+/// Becomes curvecast-bench; returns only where that fails.
+absl::Status run(std::vector<std::string> words) {
+  const absl::StatusOr<std::string> program = sibling_program("curvecast-bench");
+  if (!program.ok()) {
+    return absl::NotFoundError(absl::StrCat(program.status().message(),
+                                            "; benchmarks are a program of their own: deploy/build curvecast-bench makes it"));
   }
-  std::size_t done = 0;
-  const auto on_entry = [&](const CorpusEntry& entry) {
-    ++done;
-    if (common.quiet) return;
-    constexpr const char* kWords[] = {"passed", "FAILED", "REFUSED", "nothing to sample"};
-    std::fprintf(stderr, "%4zu %s: %s in %.2f s %s\n", done, entry.name.c_str(), kWords[static_cast<int>(entry.verdict)],
-                 entry.seconds, entry.message.c_str());
-  };
-  CorpusOptions corpus = flags.corpus;
-  corpus.seed = common.seed;
-  const absl::StatusOr<std::vector<CorpusEntry>> entries = run_corpus(flags.folder, corpus, context, on_entry);
-  if (!entries.ok()) return entries.status();
-  if (!flags.out.empty()) {
-    const bool csv = std::filesystem::path(flags.out).extension() == ".csv";
-    const std::string table = csv ? corpus_csv(*entries) : corpus_markdown(*entries);
-    if (absl::Status status = client::write_bytes(flags.out, table); !status.ok()) return status;
-  }
-  const absl::Status printed = common.json         ? print_json(corpus_json(*entries))
-                               : flags.out.empty() ? print_text(corpus_markdown(*entries))
-                                                   : print_text(bench_text(summarise_corpus(*entries)));
-  if (!printed.ok()) return printed;
-  if (!corpus_passed(*entries)) return absl::FailedPreconditionError("not every mesh of the folder came through as it should");
-  return absl::OkStatus();
-}
-
-Run add_corpus(CLI::App& app) {
-  const auto flags = std::make_shared<CorpusFlags>();
-  app.add_option("DIR", flags->folder, "the folder")->required();
-  app.add_option("--out", flags->out, "a line for each file: .md or .csv")
-      ->check(validator(
-          [](const std::string& path) {
-            return check_ending(path, {".md", ".csv"});
-          },
-          ""))
-      ->type_name("FILE");
-  add_points(app, &flags->corpus.points, "points of the sample, and N of the curve");
-  return
-      [flags](const CommonOptions& common, const ExecutionContext& context) { return run_corpus_bench(*flags, common, context); };
-}
-
-template <typename Options>
-using Measure = absl::StatusOr<BenchReport> (*)(const MeshFile& file, const Options& options, const ExecutionContext& context);
-
-/// A benchmark of one mesh: adds MESH; reads it and hands it to `measure`.
-template <typename Options>
-Run on_mesh(CLI::App& app, std::shared_ptr<Options> options, Measure<Options> measure) {
-  const auto path = std::make_shared<std::string>();
-  app.add_option("MESH", *path, kMeshHelp)->required();
-  return [path, options, measure](const CommonOptions& common, ExecutionContext context) {
-    absl::StatusOr<LocalMesh> mesh = LocalMesh::read(*path);
-    if (!mesh.ok()) return mesh.status();
-    const std::string name = std::filesystem::path(*path).filename().string();
-    ProgressBar bar(progress_style(common.quiet), name);
-    context.on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
-    if constexpr (requires { options->seed; }) options->seed = common.seed;
-    const absl::StatusOr<BenchReport> report = measure(mesh->file(name), *options, context);
-    bar.finish();
-    return report.ok() ? print_report(*report, common) : report.status();
-  };
-}
-
-Run add_preprocess_benchmark(CLI::App& app) {
-  const auto options = std::make_shared<PreprocessBenchOptions>();
-  add_count(app, "--repeat", &options->repeats, 1000, "runs of ours, of which the median counts");
-  add_points(app, &options->points, "N for which the curve is made");
-  return on_mesh(app, options, bench_preprocess);
-}
-
-Run add_curve(CLI::App& app) {
-  const auto options = std::make_shared<CurveBenchOptions>();
-  add_count(app, "--repeat", &options->repeats, 1000, "runs of which the median counts");
-  add_points(app, &options->points, "N for which the curve is made");
-  app.add_option("--large", options->large_points, "N of one large run; 0 = none")
-      ->check(CLI::Range(std::uint64_t{0}, kMaxPoints))
-      ->type_name("N")
-      ->capture_default_str();
-  return on_mesh(app, options, bench_curve);
-}
-
-Run add_growth(CLI::App& app) {
-  const auto options = std::make_shared<GrowthOptions>();
-  add_count(app, "--levels", &options->levels, 6, "subdivisions");
-  add_points(app, &options->points, "N for which the curve is made");
-  return on_mesh(app, options, bench_growth);
-}
-
-Run add_mappers(CLI::App& app) {
-  const auto options = std::make_shared<MappersBenchOptions>();
-  add_count(app, "--repeat", &options->repeats, 1000, "runs of each, of which the median counts");
-  add_points(app, &options->points, "N for which the curve is made");
-  return on_mesh(app, options, bench_mappers);
-}
-
-Run add_areas(CLI::App& app) {
-  const auto options = std::make_shared<AreasBenchOptions>();
-  add_count(app, "--runs", &options->runs, 1000, "sets of samples of each size");
-  add_count(app, "--regions", &options->regions, 100'000, "seeds of the regions that discrepancy is measured over");
-  add_points(app, &options->points, "N for which the curve is made");
-  return on_mesh(app, options, bench_areas);
-}
-
-Run add_neighbours(CLI::App& app) {
-  const auto options = std::make_shared<NeighboursBenchOptions>();
-  add_count(app, "--repeat", &options->repeats, 1000, "runs of each, of which the median counts");
-  add_points(app, &options->points, "N for which the curve is made");
-  app.add_option("--samples", options->samples, "points of the sample set, at most N")
-      ->check(point_count_range())
-      ->type_name("S")
-      ->capture_default_str();
-  return on_mesh(app, options, bench_neighbours);
-}
-
-Run add_sample_benchmark(CLI::App& app) {
-  const auto options = std::make_shared<SampleBenchOptions>();
-  add_count(app, "--repeat", &options->repeats, 10'000, "rounds of which the median counts");
-  add_points(app, &options->points, "N for which the curve is made, and of the point sets without a view");
-  app.add_option("--view-points", options->view_points, "points under a view")
-      ->check(point_count_range())
-      ->type_name("N")
-      ->capture_default_str();
-  return on_mesh(app, options, bench_sample);
-}
-
-Run add_discrepancy(CLI::App& app) {
-  const auto options = std::make_shared<DiscrepancyBenchOptions>();
-  add_points(app, &options->points, "the largest set, and N for which the curve is made");
-  app.add_option("--ring-points", options->ring_points,
-                 "N of the paper's test over rings, on a curve for so many points; 0 = none; the paper's: 1,600,000")
-      ->check(CLI::Range(std::uint64_t{0}, kMaxPoints))
-      ->type_name("N")
-      ->capture_default_str();
-  app.add_flag("--curvature", options->curvature, "rings with a density by curvature, and weighted with it");
-  app.add_option("--formula", options->formula,
-                 "rings with a density by a formula as in --density expression:FORMULA, and weighted with it; times --curvature");
-  return on_mesh(app, options, bench_discrepancy);
-}
-
-Run add_stream_benchmark(CLI::App& app) {
-  const auto options = std::make_shared<StreamBenchOptions>();
-  add_points(app, &options->points, "points of a client alone, and N for which the curve is made");
-  app.add_option("--crowd-points", options->crowd_points, "points of each of many clients")
-      ->check(point_count_range())
-      ->type_name("N")
-      ->capture_default_str();
-  app.add_option("--clients", options->clients, "the largest crowd")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_option("--seconds", options->seconds, "for each crowd")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
-  app.add_option("--rate", options->rate, "views of each client per second")->check(CLI::Range(0.1, 1e4))->capture_default_str();
-  app.add_flag("--abuse,!--no-abuse", options->abuse, "a crowd beside clients that behave badly too")->capture_default_str();
-  app.add_option("--idle", options->idle,
-                 "clients of which the memory is measured that they take while they do nothing; 0 = none")
-      ->check(CLI::Range(0, 10'000))
-      ->capture_default_str();
-  return on_mesh(app, options, bench_stream);
-}
-
-constexpr Benchmark kBenchmarks[] = {
-    {"corpus", "DIR", "every mesh of a folder through all of preprocessing, checked",
-     "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
-     "Ends with status 0 only if every file that holds a triangle with an area came through: no flipped triangle, the whole area "
-     "(1e-9), every sample on its face. What fails does not stop the others.",
-     add_corpus},
-    {"preprocess", "MESH", "seconds of each stage, beside CGAL's parameteriser",
-     "Seconds of every stage, with one thread and with all cores, beside CGAL's parameteriser on the same discs in the same run.",
-     add_preprocess_benchmark},
-    {"curve", "MESH", "seconds to lay the curve: quadtree, map, area elements",
-     "Seconds to lay the curve with one thread and with all cores, beside the time that it takes to write its bytes; then once "
-     "for "
-     "many more points, with the memory that it takes.",
-     add_curve},
-    {"growth", "MESH", "time and memory against the number of faces",
-     "Seconds and peak memory for a mesh and its subdivisions, each with four times the faces, and the exponent with which the "
-     "seconds grow.",
-     add_growth},
-    {"mappers", "MESH", "the exact mapper beside the one that draws the parameter mesh",
-     "Seconds of the exact mapper and of the ID buffer on the same leaves, and the shares of centres for which they differ and "
-     "for "
-     "which the picture alone would not do.",
-     add_mappers},
-    {"areas", "MESH", "exact area elements beside Voronoi areas",
-     "Seconds of both area elements, how far their sums miss the surface's area, and the ring discrepancy of jittered samples "
-     "drawn with each, beside random ones.",
-     add_areas},
-    {"neighbours", "MESH", "nearest neighbours through the curve's order, beside a kd-tree",
-     "Milliseconds to prepare neighbour queries on the curve's vertices and on a sample set and to answer them, beside "
-     "nanoflann's "
-     "kd-tree on the same points in the same run.",
-     add_neighbours},
-    {"sample", "MESH", "milliseconds of a new N and of a new view, stage by stage",
-     "Milliseconds to change the number of points, evenly and with curvature's density, and to change the view, stage by stage, "
-     "beside the time to read the curve's positions, normals and areas once.",
-     add_sample_benchmark},
-    {"discrepancy", "MESH", "how evenly each sampler and sequence spreads points",
-     "Discrepancy over balls beside random points, relative radius and coverage radius of every sampler and sequence, for powers "
-     "of "
-     "four and numbers between; and the power of N by which the discrepancy over rings falls.",
-     add_discrepancy},
-    {"stream", "MESH", "latency, bytes and processor time of views, of one client and of many",
-     "Milliseconds from sending a view until its points are decoded, over TCP on the loopback: of one client with key frames and "
-     "with deltas, and of crowds of 1, 8, 64 ... clients that send views at a fixed rate; bytes of their frames, and processor "
-     "time.",
-     add_stream_benchmark},
-};
-
-std::string list_benchmarks() {
-  std::string list;
-  for (const Benchmark& benchmark : kBenchmarks) {
-    absl::StrAppendFormat(&list, "%-18s%s\n", absl::StrCat(benchmark.name, " ", benchmark.operand), benchmark.summary);
-  }
-  return list;
-}
-
-absl::Status run(bool list, const Run& chosen, const CommonOptions& common, const std::stop_token& stop) {
-  if (!common.server.empty()) {
-    return absl::InvalidArgumentError("bench measures the work in this process: it takes no --server");
-  }
-  if (list) return print_text(list_benchmarks());
-  std::atomic<bool> cancel = false;
-  const std::stop_callback on_stop(stop, [&] { cancel = true; });
-  ExecutionContext context;
-  context.cancel = &cancel;
-  context.threads = common.threads;
-  return chosen(common, context);
+  words.insert(words.begin(), *program);
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  ::execv(program->c_str(), argv.data());
+  return absl::FailedPreconditionError(absl::StrCat(*program, " cannot be run: ", std::strerror(errno)));
 }
 
 }  // namespace
 
-Command add_bench(CLI::App& root, CommonOptions& options) {
-  CLI::App* app = add_command(
-      root, options, "bench",
-      "Measures the work of a server in this process: preprocessing stage by stage, beside CGAL's "
-      "parameteriser; a whole folder of meshes, checked; growth with the number of faces; the curve, the alternatives to "
-      "its mapper and area elements, neighbours on it, point sets.",
-      {"curvecast bench --list", "curvecast bench preprocess igea.ply --repeat 5",
-       "curvecast bench corpus meshes --out corpus.md", "curvecast bench growth igea.ply --json"});
-  const auto list = std::make_shared<bool>(false);
-  app->add_flag("--list", *list, "the benchmarks there are");
-  const auto chosen = std::make_shared<Run>();
-  for (const Benchmark& benchmark : kBenchmarks) {
-    // The common options may stand after its own.
-    CLI::App* const own = app->add_subcommand(benchmark.name, benchmark.description)->fallthrough();
-    own->parse_complete_callback([chosen, run_it = benchmark.add(*own)] { *chosen = run_it; });
-  }
-  app->require_subcommand(0, 1);
-  app->final_callback([list, app] {
-    if (!*list && app->get_subcommands().empty()) {
-      throw CLI::ValidationError("bench", "name a benchmark; --list tells which there are");
-    }
-  });
-  return {app, [list, chosen](const CommonOptions& common, std::stop_token stop) { return run(*list, *chosen, common, stop); }};
+Command add_bench(CLI::App& root, CommonOptions&) {
+  CLI::App* app = root.add_subcommand("bench", "Runs a benchmark, of those that `curvecast bench --list` lists.");
+  // Everything after the word is for the other program, --help too.
+  app->prefix_command();
+  app->set_help_flag();
+  return {app, [app](const CommonOptions&, const std::stop_token&) { return run(app->remaining()); }};
 }
 
 }  // namespace curvecast::cli

@@ -16,10 +16,6 @@
 
 namespace curvecast::server {
 
-/// Grows whenever preprocessing gives other bytes than before for the same files and options: sessions of other versions are
-/// others.
-inline constexpr int kAlgorithmVersion = 2;
-
 /// Ready and immutable but for its curve, which may become finer, and its ranked candidates; whoever holds it may go on using it
 /// after it has been closed.
 struct Session {

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <string>
 
-#include "client/cli/bench/read_bytes.h"
+#include "client/bench/read_bytes.h"
 #include "core/codec/draco_codec.h"
 #include "core/pipeline/pipeline.h"
 #include "core/sample/equalise.h"

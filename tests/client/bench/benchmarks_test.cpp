@@ -5,18 +5,18 @@
 #include <cmath>
 #include <vector>
 
-#include "client/cli/bench/areas.h"
-#include "client/cli/bench/bench_report.h"
-#include "client/cli/bench/growth.h"
-#include "client/cli/bench/mappers.h"
-#include "client/cli/bench/neighbours_bench.h"
-#include "client/cli/bench/peak_memory.h"
-#include "client/cli/bench/preprocess_bench.h"
-#include "client/cli/bench/sample_bench.h"
-#include "client/cli/bench/stream_bench.h"
+#include "client/bench/areas.h"
+#include "client/bench/bench_report.h"
+#include "client/bench/growth.h"
+#include "client/bench/mappers.h"
+#include "client/bench/neighbours_bench.h"
+#include "client/bench/peak_memory.h"
+#include "client/bench/preprocess_bench.h"
+#include "client/bench/sample_bench.h"
+#include "client/bench/stream_bench.h"
 #include "tests/support/shapes.h"
 
-namespace curvecast::cli {
+namespace curvecast::cli::bench {
 namespace {
 
 using ::testing::HasSubstr;
@@ -161,4 +161,4 @@ TEST(AreasBench, ComparesTheAreaElements) {
 }
 
 }  // namespace
-}  // namespace curvecast::cli
+}  // namespace curvecast::cli::bench

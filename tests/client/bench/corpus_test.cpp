@@ -1,4 +1,4 @@
-#include "client/cli/bench/corpus.h"
+#include "client/bench/corpus.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "client/cli/bench/corpus_table.h"
+#include "client/bench/corpus_table.h"
 #include "tests/support/shapes.h"
 
-namespace curvecast::cli {
+namespace curvecast::cli::bench {
 namespace {
 
 using ::testing::ElementsAre;
@@ -91,4 +91,4 @@ TEST(CorpusTable, QuotesWhatNeedsIt) {
 }
 
 }  // namespace
-}  // namespace curvecast::cli
+}  // namespace curvecast::cli::bench

@@ -1,4 +1,4 @@
-#include "client/cli/bench/local_mesh.h"
+#include "client/bench/local_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-namespace curvecast::cli {
+namespace curvecast::cli::bench {
 namespace {
 
 TEST(LocalMesh, ReadsTheMeshAndWhatLiesBesideIt) {
@@ -28,4 +28,4 @@ TEST(LocalMesh, ReadsTheMeshAndWhatLiesBesideIt) {
 }
 
 }  // namespace
-}  // namespace curvecast::cli
+}  // namespace curvecast::cli::bench

@@ -1,4 +1,4 @@
-#include "client/cli/bench/subdivide.h"
+#include "client/bench/subdivide.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "core/mesh/topology.h"
 #include "tests/support/shapes.h"
 
-namespace curvecast::cli {
+namespace curvecast::cli::bench {
 namespace {
 
 TEST(Subdivide, KeepsTheTopologyAndMatchesTwins) {
@@ -46,4 +46,4 @@ TEST(Subdivide, LeavesAFlatMeshFlat) {
 }
 
 }  // namespace
-}  // namespace curvecast::cli
+}  // namespace curvecast::cli::bench

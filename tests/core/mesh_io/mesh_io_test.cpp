@@ -1,5 +1,7 @@
 #include "core/mesh_io/mesh_io.h"
 
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,13 +10,11 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include "tests/core/mesh_io/mesh_writers.h"
+#include "tests/support/real_mesh.h"
 
 namespace curvecast {
 namespace {
@@ -278,37 +278,52 @@ TEST(MeshIo, ReportsProgressAndStopsWhenCancelled) {
 }
 
 TEST(MeshIo, RealMeshes) {
-  const std::filesystem::path folder = std::filesystem::path(CURVECAST_SOURCE_DIR) / "../shared/meshes";
-  if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << "no folder " << folder;
   struct Expected {
     const char* name;
     std::size_t vertices;
     std::size_t polygons;
   };
-  for (const Expected& expected : {Expected{"igea.ply", 134'345, 268'686}, Expected{"squirrel.obj", 10'160, 20'336},
-                                   Expected{"stanford-bunny.obj", 35'947, 69'451}, Expected{"3holes.off", 3'596, 7'200}}) {
-    std::ifstream file(folder / expected.name, std::ios::binary);
-    const std::string bytes((std::istreambuf_iterator<char>(file)), {});
-    const absl::StatusOr<PolygonSoup> soup = read(expected.name, bytes);
+  // One row holds for a mesh of the folder, the other for that which stands in for it.
+  const std::vector<std::array<Expected, 2>> all = {
+      {{{"igea.ply", 134'345, 268'686}, {"bunny00.off", 37'706, 75'408}}},
+      {{{"squirrel.obj", 10'160, 20'336}, {"bear.off", 13'826, 27'648}}},
+      {{{"stanford-bunny.obj", 35'947, 69'451}, {"elephant-with-holes.off", 2798, 4463}}},
+      {{{"3holes.off", 3'596, 7'200}, {"double-torus-3-holes.off", 228, 201}}},
+  };
+  for (const std::array<Expected, 2>& either : all) {
+    const testing::RealMesh file = testing::real_mesh(either[0].name);
+    const Expected& expected = either[file.name == either[0].name ? 0 : 1];
+    EXPECT_EQ(file.name, expected.name);
+    const absl::StatusOr<PolygonSoup> soup = read(file.name.c_str(), file.bytes);
     ASSERT_TRUE(soup.ok()) << soup.status();
     EXPECT_EQ(soup->positions.size(), expected.vertices) << expected.name;
     EXPECT_EQ(soup->polygon_count(), expected.polygons) << expected.name;
   }
 }
 
+/// The triangles of a mesh as a PLY file in which each is a strip of its own.
+std::string to_strips(const PolygonSoup& soup) {
+  std::string ply = absl::StrCat("ply\nformat ascii 1.0\nelement vertex ", soup.positions.size(),
+                                 "\nproperty double x\nproperty double y\nproperty double z\nelement tristrips 1\n"
+                                 "property list int int vertex_indices\nend_header\n");
+  for (const Vec3d& p : soup.positions) absl::StrAppendFormat(&ply, "%.17g %.17g %.17g\n", p.x(), p.y(), p.z());
+  absl::StrAppend(&ply, soup.indices.size() / 3 * 4);
+  for (std::size_t i = 0; i < soup.indices.size(); i += 3) {
+    absl::StrAppend(&ply, " ", soup.indices[i], " ", soup.indices[i + 1], " ", soup.indices[i + 2], " -1");
+  }
+  return ply + "\n";
+}
+
 // igea.ply was made from igea-tristrips.ply by another program.
 TEST(MeshIo, RealTriangleStripsAreTheSameMesh) {
-  const std::filesystem::path folder = std::filesystem::path(CURVECAST_SOURCE_DIR) / "../shared/meshes";
-  if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << "no folder " << folder;
-  std::vector<PolygonSoup> soups;
-  for (const char* name : {"igea.ply", "igea-tristrips.ply"}) {
-    std::ifstream file(folder / name, std::ios::binary);
-    const absl::StatusOr<PolygonSoup> soup = read(name, std::string((std::istreambuf_iterator<char>(file)), {}));
-    ASSERT_TRUE(soup.ok()) << soup.status();
-    soups.push_back(*soup);
-  }
-  EXPECT_EQ(soups[0].positions, soups[1].positions);
-  EXPECT_EQ(soups[0].indices, soups[1].indices);
+  const testing::RealMesh plain = testing::real_mesh("igea.ply"), strips = testing::real_mesh("igea-tristrips.ply");
+  const absl::StatusOr<PolygonSoup> soup = read(plain.name.c_str(), plain.bytes);
+  ASSERT_TRUE(soup.ok()) << soup.status();
+  const bool are_a_pair = strips.name == "igea-tristrips.ply";
+  const absl::StatusOr<PolygonSoup> same = read("strips.ply", are_a_pair ? strips.bytes : to_strips(*soup));
+  ASSERT_TRUE(same.ok()) << same.status();
+  EXPECT_EQ(same->positions, soup->positions);
+  EXPECT_EQ(same->indices, soup->indices);
 }
 
 }  // namespace

@@ -3,15 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "core/base/random.h"
 #include "core/density/face_density.h"
 #include "core/pipeline/pipeline.h"
 #include "tests/core/curve/charts.h"
+#include "tests/support/real_mesh.h"
 
 namespace curvecast {
 namespace {
@@ -101,13 +99,10 @@ TEST(CurvePromises, HoldAroundOneTriangleThatWantsMuchMore) {
 class RealCurve : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RealCurve, HasEnoughVerticesForEveryTriangleAndTheSurfacesArea) {
-  const std::filesystem::path file = std::filesystem::path(CURVECAST_SOURCE_DIR) / ".." / "shared" / "meshes" / GetParam();
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+  const testing::RealMesh file = testing::real_mesh(GetParam());
   for (const std::vector<DensityTerm>& density : {std::vector<DensityTerm>{}, {CurvatureTerm{}}}) {
     const PreprocessOptions options{.points = 65'536, .density = density};
-    const absl::StatusOr<Preprocessed> done = preprocess({GetParam(), bytes}, options);
+    const absl::StatusOr<Preprocessed> done = preprocess({file.name, file.bytes}, options);
     ASSERT_TRUE(done.ok()) << done.status();
     EXPECT_LT(done->report.area_error, 1e-9);
     EXPECT_GE(done->curve->size(), 655'360u);
@@ -136,10 +131,7 @@ TEST_P(RealCurve, HasEnoughVerticesForEveryTriangleAndTheSurfacesArea) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shared, RealCurve,
-                         ::testing::Values("3holes.off", "camelhead.off", "chinese-lion.obj", "fertility.off",
-                                           "igea-tristrips.ply", "igea.ply", "lionstatue.obj", "rocker-arm.obj", "skull.obj",
-                                           "spot.obj", "squirrel.obj", "stanford-bunny.obj", "teapot.obj"));
+INSTANTIATE_TEST_SUITE_P(Shared, RealCurve, ::testing::ValuesIn(testing::real_mesh_names()));
 
 }  // namespace
 }  // namespace curvecast

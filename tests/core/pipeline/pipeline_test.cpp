@@ -5,12 +5,10 @@
 
 #include <atomic>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "core/mesh_io/mesh_io.h"
 #include "core/sample/resample.h"
+#include "tests/support/real_mesh.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {
@@ -140,15 +138,12 @@ TEST(Pipeline, NamesTheFileAtFault) {
   EXPECT_THAT(std::string(result.status().message()), HasSubstr("degenerate"));
 }
 
-class RealMesh : public ::testing::TestWithParam<const char*> {};
+class RealMeshPipeline : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(RealMesh, GivesExactlyNPointsOnItsSurface) {
-  const std::filesystem::path file = std::filesystem::path(CURVECAST_SOURCE_DIR) / ".." / "shared" / "meshes" / GetParam();
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
+TEST_P(RealMeshPipeline, GivesExactlyNPointsOnItsSurface) {
+  const testing::RealMesh file = testing::real_mesh(GetParam());
   constexpr std::uint64_t kPoints = 50'000;
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(stream), {});
-  const absl::StatusOr<Preprocessed> result = preprocess({GetParam(), bytes}, {.points = kPoints});
+  const absl::StatusOr<Preprocessed> result = preprocess({file.name, file.bytes}, {.points = kPoints});
   ASSERT_TRUE(result.ok()) << result.status().message();
   EXPECT_EQ(result->report.flipped_triangles, 0u);
   EXPECT_LT(result->report.area_error, 0.005);
@@ -156,7 +151,7 @@ TEST_P(RealMesh, GivesExactlyNPointsOnItsSurface) {
   const absl::StatusOr<PointSet> points = resample(*result->curve, {.points = kPoints});
   ASSERT_TRUE(points.ok());
   ASSERT_EQ(points->size(), kPoints);
-  const absl::StatusOr<PolygonSoup> soup = read_mesh({GetParam(), bytes});
+  const absl::StatusOr<PolygonSoup> soup = read_mesh({file.name, file.bytes});
   ASSERT_TRUE(soup.ok());
   const TriangleMesh mesh = curvecast::testing::make_mesh(*soup);
   const double tolerance = 1e-5 * result->report.mesh.box.diagonal();
@@ -173,10 +168,7 @@ TEST_P(RealMesh, GivesExactlyNPointsOnItsSurface) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shared, RealMesh,
-                         ::testing::Values("3holes.off", "camelhead.off", "chinese-lion.obj", "fertility.off",
-                                           "igea-tristrips.ply", "igea.ply", "lionstatue.obj", "rocker-arm.obj", "skull.obj",
-                                           "spot.obj", "squirrel.obj", "stanford-bunny.obj", "teapot.obj"));
+INSTANTIATE_TEST_SUITE_P(Shared, RealMeshPipeline, ::testing::ValuesIn(testing::real_mesh_names()));
 
 }  // namespace
 }  // namespace curvecast

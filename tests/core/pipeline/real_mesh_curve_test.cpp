@@ -1,12 +1,10 @@
 // Both mappers and both area elements, on real meshes.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "core/pipeline/pipeline.h"
+#include "tests/support/real_mesh.h"
 
 namespace curvecast {
 namespace {
@@ -14,12 +12,9 @@ namespace {
 class RealMeshCurve : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RealMeshCurve, IsTheSameByBothMappersAndHasTheSurfacesAreaByBothElements) {
-  const std::filesystem::path file = std::filesystem::path(CURVECAST_SOURCE_DIR) / ".." / "shared" / "meshes" / GetParam();
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+  const testing::RealMesh file = testing::real_mesh(GetParam());
   PreprocessOptions options{.points = 65'536};
-  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh({GetParam(), bytes}, options);
+  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh({file.name, file.bytes}, options);
   ASSERT_TRUE(flattened.ok()) << flattened.status();
   const auto shared = std::make_shared<const FlattenedMesh>(*std::move(flattened));
   const absl::StatusOr<Preprocessed> exact = lay_curve(shared, options);
@@ -48,10 +43,7 @@ TEST_P(RealMeshCurve, IsTheSameByBothMappersAndHasTheSurfacesAreaByBothElements)
   EXPECT_NEAR(sum, b.total_area, 1e-6 * sum);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shared, RealMeshCurve,
-                         ::testing::Values("3holes.off", "camelhead.off", "chinese-lion.obj", "fertility.off",
-                                           "igea-tristrips.ply", "igea.ply", "lionstatue.obj", "rocker-arm.obj", "skull.obj",
-                                           "spot.obj", "squirrel.obj", "stanford-bunny.obj", "teapot.obj"));
+INSTANTIATE_TEST_SUITE_P(Shared, RealMeshCurve, ::testing::ValuesIn(testing::real_mesh_names()));
 
 }  // namespace
 }  // namespace curvecast

@@ -6,9 +6,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <string>
@@ -20,6 +17,7 @@
 #include "core/mesh_io/mesh_io.h"
 #include "core/pipeline/pipeline.h"
 #include "tests/support/flat_curve.h"
+#include "tests/support/real_mesh.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {
@@ -177,12 +175,9 @@ TEST(ProgressiveRanks, PrefixesAreEvenOnShapes) {
 
 TEST(ProgressiveRanks, PrefixesAreEvenOnRealMeshes) {
   for (const char* name : {"spot.obj", "rocker-arm.obj", "chinese-lion.obj"}) {
-    const std::string path = std::string(CURVECAST_SOURCE_DIR "/../shared/meshes/") + name;
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-    std::ifstream file(path, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-    SCOPED_TRACE(name);
-    expect_even_prefixes(surface_of(name, bytes, 16'384), 7);
+    const testing::RealMesh file = testing::real_mesh(name);
+    SCOPED_TRACE(file.name);
+    expect_even_prefixes(surface_of(file.name, file.bytes, 16'384), 7);
   }
 }
 

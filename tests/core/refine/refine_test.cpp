@@ -3,12 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "core/sample/resample.h"
 #include "tests/core/refine/refined.h"
+#include "tests/support/real_mesh.h"
 #include "tests/support/views.h"
 
 namespace curvecast {
@@ -169,11 +167,8 @@ TEST(Refine, RefusesBadDemandsAndStopsWhenCancelled) {
 class RefineRealMesh : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RefineRealMesh, MakesTheCurveFineEnough) {
-  const std::filesystem::path file = std::filesystem::path(CURVECAST_SOURCE_DIR) / ".." / "shared" / "meshes" / GetParam();
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(stream), {});
-  const auto shape = refinable({GetParam(), bytes}, {.points = 5000});
+  const testing::RealMesh file = testing::real_mesh(GetParam());
+  const auto shape = refinable({file.name, file.bytes}, {.points = 5000});
   ASSERT_NE(shape, nullptr);
   expect_enough_in_a_few_rounds(*shape, {.points = 80'000});
   const Vec3d eye = shape->curve().box.center() + Vec3d(0.3, 0.4, 2) * shape->curve().box.diagonal();

@@ -2,13 +2,12 @@
 
 #include <gmock/gmock.h>
 
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <map>
 
 #include "core/storage/section_file.h"
+#include "tests/support/real_mesh.h"
 #include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -196,10 +195,8 @@ TEST(SurfaceFile, RefusesAbsurdContentWithGoodChecksums) {
 }
 
 TEST(SurfaceFile, TakesARealMesh) {
-  const std::string path = CURVECAST_SOURCE_DIR "/../shared/meshes/spot.obj";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-  const std::string bytes = bytes_of(path);
-  const auto surface = flatten_mesh({"spot.obj", bytes}, {});
+  const testing::RealMesh file = testing::real_mesh("spot.obj");
+  const auto surface = flatten_mesh({file.name, file.bytes}, {});
   ASSERT_TRUE(surface.ok()) << surface.status();
   const TemporaryFolder folder;
   ASSERT_TRUE(save_surface(folder / "surface", *surface).ok());
