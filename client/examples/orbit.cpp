@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "client/lib/client.h"
-#include "client/lib/live_view.h"
+#include <curvecast/client/client.h>
+#include <curvecast/client/live_view.h>
 
 namespace client = curvecast::client;
 namespace v1 = curvecast::v1;

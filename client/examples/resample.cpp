@@ -3,8 +3,8 @@
 #include <iostream>
 #include <string>
 
-#include "client/lib/client.h"
-#include "client/lib/point_file.h"
+#include <curvecast/client/client.h>
+#include <curvecast/client/point_file.h>
 
 namespace client = curvecast::client;
 namespace v1 = curvecast::v1;

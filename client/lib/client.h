@@ -15,14 +15,15 @@
 #include <utility>
 #include <vector>
 
-#include "client/lib/connection.h"
-#include "client/lib/curve.h"
-#include "client/lib/file_bytes.h"
-#include "client/lib/parameter_mesh.h"
-#include "client/lib/points.h"
+#include "connection.h"
+#include "curve.h"
 #include "curvecast/v1/curvecast.pb.h"
+#include "parameter_mesh.h"
+#include "points.h"
 
 namespace curvecast::client {
+
+class InputFile;
 
 /// `stage` is "upload" or one of v1::Progress.stage; `fraction` of the stage, 0 to 1. Called from the calling thread.
 using StageProgress = std::function<void(std::string_view stage, double fraction)>;

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "client/lib/points.h"
+#include "points.h"
 
 namespace curvecast::client {
 

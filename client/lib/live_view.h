@@ -13,10 +13,10 @@
 #include <string>
 #include <thread>
 
-#include "client/lib/connection.h"
-#include "client/lib/retry.h"
-#include "client/lib/view_stream.h"
+#include "connection.h"
 #include "curvecast/v1/curvecast.pb.h"
+#include "retry.h"
+#include "view_stream.h"
 
 namespace curvecast::client {
 

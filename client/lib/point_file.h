@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "client/lib/points.h"
+#include "points.h"
 
 namespace curvecast::client {
 

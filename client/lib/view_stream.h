@@ -9,9 +9,9 @@
 #include <stop_token>
 #include <string>
 
-#include "client/lib/connection.h"
-#include "client/lib/points.h"
+#include "connection.h"
 #include "curvecast/v1/curvecast.pb.h"
+#include "points.h"
 
 namespace curvecast::client {
 
