@@ -7,7 +7,7 @@ import numpy as np
 
 import curvecast
 from curvecast.v1 import curvecast_pb2 as v1
-from fixture import ServerTest, sphere_obj
+from fixture import WITH_DRACO, ServerTest, sphere_obj
 
 
 class ClientTest(ServerTest):
@@ -49,7 +49,7 @@ class ClientTest(ServerTest):
         warnings = "\n".join(self.client.inspect(mesh).warnings)
         self.assertIn("missing.mtl", warnings)
         self.assertIn(mesh.refused[0], warnings)
-        for encoding in ("raw", "draco") if curvecast.HAS_DRACO else ("raw",):
+        for encoding in ("raw", "draco") if WITH_DRACO else ("raw",):
             points = self.client.open(mesh, 100).sample(100, encoding=encoding)
             np.testing.assert_array_equal(points.colours, np.tile(np.array([255, 0, 0], np.uint8), (100, 1)))
 

@@ -12,6 +12,9 @@ import numpy as np
 
 import curvecast
 
+#: Whether the build made the Draco decoder, as the build says. What the package says of itself is what the tests check.
+WITH_DRACO = os.environ["CURVECAST_DRACO"] == "1"
+
 
 class Server:
     """The command under test, serving. The kernel ends it should this process die without stop()."""

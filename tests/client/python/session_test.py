@@ -7,7 +7,7 @@ import numpy as np
 
 import curvecast
 from curvecast import Camera, View, density
-from fixture import ServerTest, eye_at, sphere_obj
+from fixture import WITH_DRACO, ServerTest, eye_at, sphere_obj
 
 RINGS = 24
 CENTRE, RADIUS = (1000, -2000, 3000), 5
@@ -84,7 +84,7 @@ class SessionTest(ServerTest):
         self.assertIsNone(fewer.faces)
         self.assert_refused("INVALID_ARGUMENT", "", self.session.sample, 10, attributes=["rank"])
 
-    @unittest.skipUnless(curvecast.HAS_DRACO, "built without Draco")
+    @unittest.skipUnless(WITH_DRACO, "built without Draco")
     def test_draco_rounds(self) -> None:
         view = View(3000, sampler="progressive", attributes=["rank"])
         raw = self.session.sample(view)

@@ -8,7 +8,7 @@ import unittest
 import curvecast
 from curvecast import Camera, Frame, View, ViewStream, density
 from curvecast.v1 import curvecast_pb2 as v1
-from fixture import ServerTest, eye_at, sphere_obj
+from fixture import WITH_DRACO, ServerTest, eye_at, sphere_obj
 from told_server import ToldTest, block_of
 
 PATIENCE = 120  # seconds; nothing here takes that long unless it hangs
@@ -61,7 +61,7 @@ class ViewStreamTest(ServerTest):
     def test_after_300_views_the_set_is_the_servers(self) -> None:
         self.follow_random_views(300, attributes=["rank"])
 
-    @unittest.skipUnless(curvecast.HAS_DRACO, "built without Draco")
+    @unittest.skipUnless(WITH_DRACO, "built without Draco")
     def test_draco_with_deltas(self) -> None:
         self.follow_random_views(100, encoding="draco")
 
