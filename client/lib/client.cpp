@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "client/lib/companion_files.h"
-#include "client/lib/draco_points.h"
 #include "client/lib/file_bytes.h"
+#include "client/lib/point_blocks.h"
 #include "client/lib/point_limit.h"
 
 namespace curvecast::client {

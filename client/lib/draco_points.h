@@ -1,14 +1,14 @@
-// Decodes the point blocks of the API, and Draco point clouds in general.
+// Decodes Draco point clouds.
 #pragma once
 
 #include <absl/status/statusor.h>
 
-#include <cstdint>
 #include <string_view>
 
 #include "client/lib/draco_header.h"
+#include "client/lib/draco_reader.h"
+#include "client/lib/point_columns.h"
 #include "client/lib/points.h"
-#include "curvecast/v1/curvecast.pb.h"
 
 namespace curvecast::client {
 
@@ -17,19 +17,9 @@ namespace curvecast::client {
 /// check_draco_header(), DracoReader or, for what that does not know, Draco refuses it, or a value is not finite.
 absl::StatusOr<Points> decode_draco(std::string_view bytes, RadiusRange radii);
 
-/// Decodes a block. DataLoss when it does not hold exactly `count` points with normals and radii, all finite, and colours or
-/// none.
-absl::StatusOr<Points> decode_block(const v1::PointBlock& block);
-
-/// Decodes the blocks of a frame, several at once, and joins them. DataLoss as decode_block(), and for more than kMaxPoints
-/// points in all or origins that differ.
-absl::StatusOr<Points> decode_blocks(const google::protobuf::RepeatedPtrField<v1::PointBlock>& blocks);
-
-/// Bytes that the points of a block take on the wire.
-std::uint64_t encoded_bytes(const v1::PointBlock& block);
-std::uint64_t encoded_bytes(const google::protobuf::RepeatedPtrField<v1::PointBlock>& blocks);
-
-/// Appends `more`, expressed in the origin of `points`; an empty `points` takes over the origin of `more`.
-void append_points(Points more, Points* points);
+/// Decodes a Draco point cloud, whose header is known, into columns of header.points elements: those that DracoReader::read()
+/// fills. Draco's own decoder takes what `reader` does not know. InvalidArgument as decode_draco().
+absl::Status decode_draco_into(DracoReader& reader, std::string_view bytes, const DracoHeaderInfo& header, RadiusRange radii,
+                               const PointColumns& to);
 
 }  // namespace curvecast::client

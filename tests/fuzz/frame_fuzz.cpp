@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "client/lib/draco_points.h"
+#include "client/lib/point_blocks.h"
 #include "client/lib/point_edits.h"
 #include "tests/fuzz/fuzz_expect.h"
 

@@ -14,8 +14,8 @@ from curvecast.errors import bad_answer
 from curvecast.v1 import curvecast_pb2 as v1
 
 try:
-    from curvecast import _draco  # type: ignore[attr-defined]
-except ImportError:  # built without Python's headers
+    import curvecast._draco as _draco
+except ModuleNotFoundError:  # built without Python's headers; a module that is there and does not load is an error
     _draco = None
 
 #: Whether points can be asked for with encoding="draco".
