@@ -27,8 +27,13 @@ MOST_COMPANIONS = 256  # of a mesh, as in the API
 
 
 def connect(
-    address: str, *, credentials: grpc.ChannelCredentials | None = None, token: str = "", short_timeout: float = 30,
-    long_timeout: float = 600, attempts: int = 5,
+    address: str,
+    *,
+    credentials: grpc.ChannelCredentials | None = None,
+    token: str = "",
+    short_timeout: float = 30,
+    long_timeout: float = 600,
+    attempts: int = 5,
 ) -> Client:
     """A client of the server at "host:port". The line is opened by the first call.
 
@@ -98,7 +103,7 @@ class Client:
         """What a mesh holds, its topology, and what repair does to it."""
         mesh = as_mesh(mesh)
         request = v1.InspectMeshRequest(mesh_id=mesh.id, companions=mesh.companions)
-        info = self._connection.ask("InspectMesh", request, self._connection.long_timeout).mesh
+        info: v1.MeshInfo = self._connection.ask("InspectMesh", request, self._connection.long_timeout).mesh
         info.warnings.extend(f"{reason}." for reason in mesh.refused)
         return info
 
@@ -106,14 +111,21 @@ class Client:
         """The discs that a mesh is cut into, with their places in the parameter square. Computed anew for every call."""
         mesh = as_mesh(mesh)
         request = v1.GetParameterMeshRequest(
-            mesh_id=mesh.id, companions=mesh.companions,
-            parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
+            mesh_id=mesh.id, companions=mesh.companions, parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser)
         )
         return self._connection.ask_all("GetParameterMesh", request, None, decode_parameter_mesh)
 
     def open(
-        self, mesh: Mesh | str, points: int = 65_536, *, omega: float = 0, density: Sequence[v1.DensityTerm] = (),
-        parameteriser: str = "own", mapper: str = "exact", area: str = "exact", on_progress: OnProgress | None = None,
+        self,
+        mesh: Mesh | str,
+        points: int = 65_536,
+        *,
+        omega: float = 0,
+        density: Sequence[v1.DensityTerm] = (),
+        parameteriser: str = "own",
+        mapper: str = "exact",
+        area: str = "exact",
+        on_progress: OnProgress | None = None,
     ) -> Session:
         """Prepares a mesh, or joins the session that is there for the same mesh and options; waits until it is ready.
 
@@ -123,7 +135,10 @@ class Client:
         """
         mesh = as_mesh(mesh)
         options = v1.SessionOptions(
-            max_points=points, omega=omega, density=density, mapper=enum_name(v1.Mapper, "MAPPER", mapper),
+            max_points=points,
+            omega=omega,
+            density=density,
+            mapper=enum_name(v1.Mapper, "MAPPER", mapper),
             parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
             area_element=enum_name(v1.AreaElement, "AREA_ELEMENT", area),
         )
@@ -148,9 +163,16 @@ class Client:
             request.page_token = page.next_page_token
 
     def measure(
-        self, mesh: Mesh | str, points: Points | npt.ArrayLike | Sequence[Points | npt.ArrayLike], *,
-        density: Sequence[v1.DensityTerm] = (), camera: Camera | Sequence[Camera] = (), ring_seeds: int = 0,
-        ball_centres: int = 0, seed: int = 0, on_progress: OnProgress | None = None,
+        self,
+        mesh: Mesh | str,
+        points: Points | npt.ArrayLike | Sequence[Points | npt.ArrayLike],
+        *,
+        density: Sequence[v1.DensityTerm] = (),
+        camera: Camera | Sequence[Camera] = (),
+        ring_seeds: int = 0,
+        ball_centres: int = 0,
+        seed: int = 0,
+        on_progress: OnProgress | None = None,
     ) -> v1.Measures:
         """How evenly points lie on a mesh: discrepancies, spacing, coverage, distance from the surface.
 
@@ -161,14 +183,19 @@ class Client:
         sets = points if isinstance(points, (list, tuple)) else [points]
         cameras = [camera] if isinstance(camera, Camera) else camera
         request = v1.MeasureRequest(
-            mesh_id=mesh.id, companions=mesh.companions, density=density, cameras=[c.to_proto() for c in cameras],
-            ring_seeds=ring_seeds, ball_centres=ball_centres, seed=seed,
+            mesh_id=mesh.id,
+            companions=mesh.companions,
+            density=density,
+            cameras=[c.to_proto() for c in cameras],
+            ring_seeds=ring_seeds,
+            ball_centres=ball_centres,
+            seed=seed,
         )
         for one in map(as_points, sets):
             data = one.positions.astype("<f4", copy=False).tobytes()
             points_id = self.upload_bytes("points", data, on_progress).id
             request.sets.append(v1.UploadedPoints(points_id=points_id, origin=vec3(one.origin)))
-        measures = self._connection.last("Measure", request, "measures", on_progress)
+        measures: v1.Measures = self._connection.last("Measure", request, "measures", on_progress)
         if len(measures.sets) != len(request.sets):
             raise bad_answer(f"asked for the measures of {len(request.sets)} sets, but the server sent {len(measures.sets)}")
         return measures

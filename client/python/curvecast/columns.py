@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from curvecast.errors import bad_answer
 
@@ -13,7 +14,7 @@ from curvecast.errors import bad_answer
 Columns = Mapping[str, tuple[str, int]]
 
 
-def read_column(name: str, data: bytes, kind: tuple[str, int], rows: int | None = None) -> np.ndarray:
+def read_column(name: str, data: bytes, kind: tuple[str, int], rows: int | None = None) -> npt.NDArray[Any]:
     """(rows, width) or (rows,) values, not to be written to; `rows`: that there have to be. Error DATA_LOSS: other bytes than
     that, or floats that are not finite."""
     dtype, width = np.dtype(kind[0]), kind[1]
@@ -27,9 +28,9 @@ def read_column(name: str, data: bytes, kind: tuple[str, int], rows: int | None 
     return values if width == 1 else values.reshape(rows, width)
 
 
-def join_discs(what: str, chunks: Iterable[Any], columns: Columns, discs: int) -> list[dict[str, np.ndarray]]:
+def join_discs(what: str, chunks: Iterable[Any], columns: Columns, discs: int) -> list[dict[str, npt.NDArray[Any]]]:
     """The columns of each disc, whose chunks follow each other. Error DATA_LOSS: discs out of order, or other than so many."""
-    parts: list[dict[str, list[np.ndarray]]] = []
+    parts: list[dict[str, list[npt.NDArray[Any]]]] = []
     for chunk in chunks:
         if chunk.disc == len(parts):
             parts.append({name: [] for name in columns})

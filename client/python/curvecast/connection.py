@@ -33,7 +33,12 @@ class Connection:
     """Calls of the API. All but call() are repeated when the line or the server was lost meanwhile: they are idempotent."""
 
     def __init__(
-        self, address: str, credentials: grpc.ChannelCredentials | None, token: str, short_timeout: float, long_timeout: float,
+        self,
+        address: str,
+        credentials: grpc.ChannelCredentials | None,
+        token: str,
+        short_timeout: float,
+        long_timeout: float,
         attempts: int,
     ) -> None:
         if attempts < 1:
@@ -115,7 +120,8 @@ class Connection:
                     sent += event
                     if on_progress is not None:
                         on_progress("upload", min(sent / header.size, 1.0))
-                return future.result()
+                response: v1.UploadMeshResponse = future.result()
+                return response
             finally:
                 future.cancel()
 

@@ -31,7 +31,8 @@ class CurveDisc:
 
     def centres(self) -> npt.NDArray[np.float64]:
         """(L, 2): of the quads, in [0, 1]."""
-        return np.ldexp(self.cells, -MOST_LEVELS) + np.ldexp(0.5, -self.levels.astype(int))[:, None]
+        centres: npt.NDArray[np.float64] = np.ldexp(self.cells, -MOST_LEVELS) + np.ldexp(0.5, -self.levels.astype(int))[:, None]
+        return centres
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

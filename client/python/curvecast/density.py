@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from google.protobuf.internal.enum_type_wrapper import EnumTypeWrapper
 
 from curvecast.v1 import curvecast_pb2 as v1
 
-
 #: x, y, z
-Vector = Sequence[float] | npt.NDArray[np.floating]
+Vector = Sequence[float] | npt.NDArray[np.floating[Any]]
 
 
 def vec3(values: Vector) -> v1.Vec3:
@@ -20,8 +19,8 @@ def vec3(values: Vector) -> v1.Vec3:
     return v1.Vec3(x=x, y=y, z=z)
 
 
-def enum_name(enum: EnumTypeWrapper, prefix: str, name: str) -> str:
-    """PREFIX_NAME, a value of an enum of the API; ValueError says which names there are."""
+def enum_name(enum: Any, prefix: str, name: str) -> str:
+    """PREFIX_NAME, a value of `enum`, which is an enum of the API; ValueError says which names there are."""
     names = [key.removeprefix(f"{prefix}_").lower() for key, number in enum.items() if number != 0]
     if name not in names:
         raise ValueError(f"{prefix.lower()} is one of {', '.join(names)}, not {name!r}")

@@ -43,7 +43,7 @@ def apply_edits(held: Points, edits: v1.PointEdits, added: Points) -> Points:
             columns[name] = np.concatenate(parts).take(source, axis=0)
     if len(edits.resized):
         _resize(edits, columns.get("radii", np.empty(0, "<f4")))
-    return Points(held.origin if len(held) else added.origin, **columns)  # type: ignore[arg-type]
+    return Points(held.origin if len(held) else added.origin, **columns)
 
 
 def _indices(steps: Collection[int], size: int, what: str) -> npt.NDArray[np.int64]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,13 +15,13 @@ from curvecast.columns import Columns, read_column
 from curvecast.errors import bad_answer
 from curvecast.v1 import curvecast_pb2 as v1
 
-try:
-    import curvecast._draco as _draco
-except ModuleNotFoundError:  # built without Python's headers; a module that is there and does not load is an error
-    _draco = None
+#: (data, radius_min, radius_max, count) -> positions, normals, radii and colours; None: built without Python's headers.
+_decode: Callable[[bytes, float, float, int], tuple[bytes, bytes, bytes, bytes]] | None = None
+with contextlib.suppress(ModuleNotFoundError):  # a module that is there and does not load is an error
+    from curvecast._draco import decode as _decode
 
 #: Whether points can be asked for with encoding="draco".
-HAS_DRACO = _draco is not None
+HAS_DRACO = _decode is not None
 
 MOST_POINTS = 4_000_000  # of one point set, as in the API
 
@@ -119,17 +121,19 @@ def _decode_block(block: v1.PointBlock) -> Points:
     origin = np.array([block.origin.x, block.origin.y, block.origin.z])
     if not np.isfinite(origin).all():
         raise bad_answer("the server sent a block of points whose origin is not finite")
-    columns = {name: read_column(name, value, COLUMNS[name], block.count) for name, value in data.items() if name in COLUMNS}
+    columns: dict[str, Any] = {
+        name: read_column(name, value, COLUMNS[name], block.count) for name, value in data.items() if name in COLUMNS
+    }
     if (columns["radii"] < 0).any():
         raise bad_answer("the server sent radii below 0")
-    return Points(origin, **columns)  # type: ignore[arg-type]
+    return Points(origin, **columns)
 
 
 def _decode_draco(draco: v1.DracoPoints, count: int) -> dict[str, bytes]:
-    if _draco is None:
+    if _decode is None:
         raise bad_answer("the server sent Draco points that nobody asked for")
     try:
-        positions, normals, radii, colours = _draco.decode(draco.data, draco.radius_min, draco.radius_max, count)
+        positions, normals, radii, colours = _decode(draco.data, draco.radius_min, draco.radius_max, count)
     except ValueError as error:
         raise bad_answer(f"the server sent a bad block of points: {error}") from None
     columns = {"positions": positions, "normals": normals, "radii": radii}

@@ -80,7 +80,11 @@ class Session:
     def update(self, pinned: bool | None = None, time_to_live: float | None = None) -> v1.Session:
         """Pins the session in the server's memory, or has it forgotten after so many seconds without use (0 = never). None: as it
         is. Returns `info`."""
-        request = v1.UpdateSessionRequest(session_id=self.id, pinned=pinned, time_to_live=time_to_live)  # type: ignore[arg-type]
+        request = v1.UpdateSessionRequest(session_id=self.id)
+        if pinned is not None:
+            request.pinned = pinned
+        if time_to_live is not None:
+            request.time_to_live = time_to_live
         self.info = self._connection.ask("UpdateSession", request, self._connection.short_timeout).session
         return self.info
 

@@ -26,7 +26,10 @@ class Camera:
 
     def to_proto(self) -> v1.Camera:
         return v1.Camera(
-            eye=vec3(self.eye), target=vec3(self.target), up=vec3(self.up), vertical_fov_degrees=self.fov,
+            eye=vec3(self.eye),
+            target=vec3(self.target),
+            up=vec3(self.up),
+            vertical_fov_degrees=self.fov,
             orthographic_height=self.orthographic_height,
         )
 
@@ -60,8 +63,13 @@ class View:
         terms = [self.density] if isinstance(self.density, v1.DensityTerm) else self.density
         cameras = [self.camera] if isinstance(self.camera, Camera) else self.camera
         request = v1.SampleRequest(
-            **given, density=terms, cameras=[camera.to_proto() for camera in cameras], seed=self.seed, encoding=self._encoding(),
-            sequence=enum_name(v1.Sequence, "SEQUENCE", self.sequence), sampler=enum_name(v1.Sampler, "SAMPLER", self.sampler),
+            **given,
+            density=terms,
+            cameras=[camera.to_proto() for camera in cameras],
+            seed=self.seed,
+            encoding=self._encoding(),
+            sequence=enum_name(v1.Sequence, "SEQUENCE", self.sequence),
+            sampler=enum_name(v1.Sampler, "SAMPLER", self.sampler),
             attributes=[enum_name(v1.PointAttribute, "POINT_ATTRIBUTE", name) for name in self.attributes],
         )
         if self.viewport is not None:

@@ -91,7 +91,9 @@ class ViewStream:
             self._sequence += 1
             overtaken = self._view is not None and self._view.key_frame
             self._view = v1.ViewUpdate(
-                sequence=self._sequence, sample=request, key_frame=key_frame or overtaken or self._needs_key,
+                sequence=self._sequence,
+                sample=request,
+                key_frame=key_frame or overtaken or self._needs_key,
                 first_bytes=self._first_bytes,
             )
             self._sent.append(self._view)
