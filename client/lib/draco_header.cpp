@@ -15,6 +15,8 @@
 #include <exception>
 #include <limits>
 
+#include "client/lib/protocol.h"
+
 namespace curvecast::client {
 namespace {
 

@@ -16,6 +16,7 @@
 
 #include "client/lib/draco_points.h"
 #include "client/lib/file_bytes.h"
+#include "client/lib/protocol.h"
 
 namespace curvecast::client {
 namespace {

@@ -18,6 +18,7 @@
 #include "client/lib/draco_points.h"
 #include "client/lib/draco_reader.h"
 #include "client/lib/point_columns.h"
+#include "client/lib/protocol.h"
 
 namespace curvecast::client {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/lib/draco_points.h"
+#include "client/lib/protocol.h"
 
 namespace curvecast::client {
 namespace {

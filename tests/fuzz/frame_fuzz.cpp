@@ -6,6 +6,7 @@
 
 #include "client/lib/point_blocks.h"
 #include "client/lib/point_edits.h"
+#include "client/lib/protocol.h"
 #include "tests/fuzz/fuzz_expect.h"
 
 namespace curvecast::fuzzing {

@@ -18,12 +18,12 @@ from curvecast.errors import Error, bad_answer
 from curvecast.mesh import Mesh, as_mesh, find_companion, may_have_companions, mesh_id_of
 from curvecast.parameter_mesh import ParameterMesh, decode_parameter_mesh
 from curvecast.points import Points, as_points
+from curvecast.protocol import MAX_COMPANIONS
 from curvecast.session import Session
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import Camera
 
 REFERENCE_ROUNDS = 8  # a mesh names material libraries, these name textures: two, as a rule
-MOST_COMPANIONS = 256  # of a mesh, as in the API
 
 
 def connect(
@@ -78,7 +78,7 @@ class Client:
             names = self._connection.ask("ListMeshReferences", request, self._connection.long_timeout).missing
             before = len(companions)
             for name in names:
-                if name in seen or len(seen) >= MOST_COMPANIONS:
+                if name in seen or len(seen) >= MAX_COMPANIONS:
                     continue
                 seen.add(name)
                 try:

@@ -11,16 +11,17 @@ from typing import Any, BinaryIO, TypeVar
 import grpc
 
 from curvecast.errors import Error, bad_answer, translated
+from curvecast.protocol import MAX_CHUNK_BYTES, MAX_FRAME_BYTES
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 
 T = TypeVar("T")
 OnProgress = Callable[[str, float], None]
 
-CHUNK_BYTES = 512 << 10  # of an upload; the API allows 1 MiB
+CHUNK_BYTES = MAX_CHUNK_BYTES // 2  # of an upload
 FIRST_DELAY, LONGEST_DELAY = 0.1, 2.0  # seconds between attempts; doubles, with jitter
 CHANNEL_OPTIONS = [
-    ("grpc.max_receive_message_length", 64 << 20),  # servers send frames of up to 32 MiB
+    ("grpc.max_receive_message_length", 2 * MAX_FRAME_BYTES),  # frames have more than their points
     ("grpc.keepalive_time_ms", 20_000),  # between pings during a call; servers allow one every 5 seconds
     ("grpc.keepalive_timeout_ms", 10_000),  # until a silent server counts as lost
     ("grpc.initial_reconnect_backoff_ms", int(1000 * FIRST_DELAY)),

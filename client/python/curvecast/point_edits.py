@@ -9,10 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from curvecast.errors import bad_answer
-from curvecast.points import COLUMNS, MOST_POINTS, Points
+from curvecast.points import COLUMNS, Points
+from curvecast.protocol import MAX_POINTS, RADIUS_RUNGS, RADIUS_RUNGS_PER_OCTAVE
 from curvecast.v1 import curvecast_pb2 as v1
-
-RUNGS_PER_OCTAVE, RUNGS = 2, 64  # of the ladder of radii
 
 
 def apply_edits(held: Points, edits: v1.PointEdits, added: Points) -> Points:
@@ -20,7 +19,7 @@ def apply_edits(held: Points, edits: v1.PointEdits, added: Points) -> Points:
     list: indices that do not ascend or lie outside, other columns or another origin than those held."""
     removed = _indices(edits.removed, len(held), "removed")
     size = len(held) - len(removed) + len(added)
-    if size > MOST_POINTS:
+    if size > MAX_POINTS:
         raise bad_answer(f"there would be {size} points after it")
     places = _indices(edits.added, size, "added")
     if len(places) != len(added):
@@ -68,5 +67,5 @@ def _resize(edits: v1.PointEdits, radii: npt.NDArray[np.float32]) -> None:
     # All steps of a point together: they all go the same way.
     points, first = np.unique(places, return_index=True)
     steps = np.add.reduceat(np.where(codes & 1, 1, -1), first)
-    rungs = np.rint(RUNGS_PER_OCTAVE * np.log2(largest / radii[points].astype(np.float64))) + steps
-    radii[points] = largest * np.exp2(-np.clip(rungs, 0, RUNGS - 1) / RUNGS_PER_OCTAVE)
+    rungs = np.rint(RADIUS_RUNGS_PER_OCTAVE * np.log2(largest / radii[points].astype(np.float64))) + steps
+    radii[points] = largest * np.exp2(-np.clip(rungs, 0, RADIUS_RUNGS - 1) / RADIUS_RUNGS_PER_OCTAVE)

@@ -23,8 +23,6 @@ with contextlib.suppress(ModuleNotFoundError):  # a module that is there and doe
 #: Whether points can be asked for with encoding="draco".
 HAS_DRACO = _decode is not None
 
-MOST_POINTS = 4_000_000  # of one point set, as in the API
-
 Float32s = npt.NDArray[np.float32]
 
 COLUMNS: Columns = {

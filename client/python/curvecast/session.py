@@ -10,7 +10,8 @@ from typing import Any
 from curvecast.connection import Connection
 from curvecast.curve import Curve, decode_curve
 from curvecast.errors import bad_answer
-from curvecast.points import MOST_POINTS, Points, decode_blocks
+from curvecast.points import Points, decode_blocks
+from curvecast.protocol import MAX_POINTS
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import View
 from curvecast.view_stream import HeldFrame, ViewStream
@@ -94,7 +95,7 @@ class Session:
 
     def _sample_once(self, request: v1.ResampleRequest) -> Points:
         sample = request.sample
-        most = sample.points if sample.WhichOneof("budget") == "points" else MOST_POINTS
+        most = sample.points if sample.WhichOneof("budget") == "points" else MAX_POINTS
         statistics = v1.FrameStatistics()
 
         def blocks(messages: Iterator[v1.ResampleResponse]) -> Iterator[v1.PointBlock]:

@@ -13,7 +13,8 @@ import grpc
 from curvecast.connection import Connection
 from curvecast.errors import Error, bad_answer, error_of, error_of_call
 from curvecast.point_edits import apply_edits
-from curvecast.points import COLUMNS, MOST_POINTS, Points, decode_blocks, encoded_bytes
+from curvecast.points import COLUMNS, Points, decode_blocks, encoded_bytes
+from curvecast.protocol import MAX_POINTS
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import View
 
@@ -187,7 +188,7 @@ class ViewStream:
             return Frame(message.sequence, message.curve_revision, held, False, 0, 0, 0, message.statistics, 0, 0, refused)
         blocks = message.points
         count = sum(block.count for block in blocks)
-        if count > MOST_POINTS:
+        if count > MAX_POINTS:
             raise bad_answer(f"it holds {count} points")
         points = decode_blocks(blocks)
         is_delta = message.kind == v1.FRAME_KIND_DELTA

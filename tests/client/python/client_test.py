@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 import curvecast
+from curvecast.protocol import MAX_POINTS
 from curvecast.v1 import curvecast_pb2 as v1
 from fixture import WITH_DRACO, ServerTest, present, sphere_obj
 
@@ -91,7 +92,7 @@ class ClientTest(ServerTest):
         broken = self.client.upload(self.write("broken.obj", "v 0 0 0\nf 1 2 3\n"))
         self.assert_refused("INVALID_ARGUMENT", "line 2", self.client.open, broken)
         mesh = self.client.upload(self.write("refusals.obj", sphere_obj(8)))
-        self.assert_refused("INVALID_ARGUMENT", "", self.client.open, mesh, 4_000_001)
+        self.assert_refused("INVALID_ARGUMENT", "", self.client.open, mesh, MAX_POINTS + 1)
         self.assert_refused("NOT_FOUND", "", self.client.open, curvecast.Mesh(mesh.id, {"a.mtl": nothing}))
         wrong: tuple[dict[str, Any], ...] = ({"mapper": "best"}, {"area": "some"}, {"parameteriser": "unspecified"})
         for options in wrong:

@@ -8,6 +8,7 @@ import numpy as np
 
 import curvecast
 from curvecast.points import as_points, decode_blocks
+from curvecast.protocol import MAX_POINTS
 from curvecast.v1 import curvecast_pb2 as v1
 from fixture import WITH_DRACO
 
@@ -71,7 +72,7 @@ import curvecast
     def test_claims_are_refused_before_they_cost_anything(self) -> None:
         # A point cloud of version 2.3, sequential, without metadata; then the number of points, and no more.
         header = b"DRACO\x02\x03\x00\x00\x00\x00"
-        for count in (0xFFFFFFFF, 0x7FFFFFFF, 4_000_001, 100_000, 3, 0):
+        for count in (0xFFFFFFFF, 0x7FFFFFFF, MAX_POINTS + 1, 100_000, 3, 0):
             data = header + count.to_bytes(4, "little")
             block = v1.PointBlock(count=count, draco=v1.DracoPoints(data=data, radius_min=1, radius_max=2))
             self.assert_bad("Draco", block)

@@ -8,6 +8,7 @@ import numpy as np
 
 import curvecast
 from curvecast import Camera, View, density
+from curvecast.protocol import MAX_POINTS
 from fixture import WITH_DRACO, ServerTest, eye_at, present, sphere_obj
 
 RINGS = 24
@@ -143,7 +144,7 @@ class SessionTest(ServerTest):
         with self.assertRaises(TypeError):
             self.session.sample(10, colour="red")
         self.assert_refused("INVALID_ARGUMENT", "", self.session.sample, 0)
-        self.assert_refused("OUT_OF_RANGE", "", self.session.sample, 4_000_001)
+        self.assert_refused("OUT_OF_RANGE", "", self.session.sample, MAX_POINTS + 1)
         self.assert_refused("INVALID_ARGUMENT", "", self.session.sample, 10, density=density.view())
         refused = self.assert_refused("INVALID_ARGUMENT", "", self.session.sample, 10, camera=Camera((1e400, 0, 0)))
         self.assertEqual(list(refused.fields), ["sample.cameras[0].eye.x"])
