@@ -30,7 +30,7 @@ class CurveDisc:
         return len(self.levels)
 
     def centres(self) -> npt.NDArray[np.float64]:
-        """(L, 2): of the quads, in [0, 1]."""
+        """Returns the centres of the quads: (L, 2), in [0, 1]."""
         centres: npt.NDArray[np.float64] = np.ldexp(self.cells, -MAX_CURVE_LEVEL) + np.ldexp(0.5, -self.levels.astype(int))[:, None]
         return centres
 
@@ -45,7 +45,7 @@ class Curve:
 
 
 def decode_curve(messages: Iterator[v1.GetCurveResponse]) -> Curve:
-    """Error DATA_LOSS: an answer that makes no sense."""
+    """Joins the messages of an answer to the curve. Error DATA_LOSS: the messages break the protocol."""
     first = next(messages, v1.GetCurveResponse())
     info = first.info
     chunks = [message.chunk for message in (first, *messages) if message.HasField("chunk")]

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import curvecast
 from curvecast import Camera, Frame, View, ViewStream, density
 from curvecast.v1 import curvecast_pb2 as v1
+from fake_server import FakeServerTest, block_of
 from fixture import WITH_DRACO, ServerTest, eye_at, present, sphere_obj
-from told_server import ToldTest, block_of
 
 PATIENCE = 120  # seconds; nothing here takes that long unless it hangs
 
@@ -149,7 +149,7 @@ class ViewStreamTest(ServerTest):
         with self.session.stream() as stream:
             view = view_from(0, 3, 1000)
             self.settled(stream, view)
-            stream._held = None  # as after a frame that could not be taken in
+            stream._points = None  # as after a frame that could not be decoded
             stream.send(view_from(1, 3, 1000))
             self.assert_refused("DATA_LOSS", "frame 2", stream.frame, PATIENCE)
             frame = self.settled(stream, view)
@@ -190,7 +190,7 @@ class ViewStreamTest(ServerTest):
         self.assert_refused("CANCELLED", "", stream.frame)
 
 
-class ToldViewStreamTest(ToldTest):
+class FakeViewStreamTest(FakeServerTest):
     def test_frames_that_make_no_sense(self) -> None:
         def key(count: int = 2, **fields: Any) -> v1.PointFrame:
             defaults: dict[str, Any] = {"kind": v1.FRAME_KIND_KEY, "points": [block_of(count)], "held_points": count}
@@ -212,7 +212,7 @@ class ToldViewStreamTest(ToldTest):
         good = [key(1), delta(held_points=2, points=[block_of(1)], edits=v1.PointEdits(added=[1]))]
         with self.client.session("s").stream() as stream:
             for frame in bad:
-                self.told.frames = [*good, frame, key(0), delta(held_points=0)]
+                self.service.frames = [*good, frame, key(0), delta(held_points=0)]
                 for count in (1, 2):
                     stream.send(View(10))
                     self.assertEqual(len(present(stream.frame(PATIENCE).points)), count)
@@ -222,15 +222,15 @@ class ToldViewStreamTest(ToldTest):
                     stream.send(View(10))
                     self.assertEqual(len(present(stream.frame(PATIENCE).points)), 0)
             stream.close()
-        views = [request.view for request in self.told.requests if request.HasField("view")]
+        views = [request.view for request in self.service.requests if request.HasField("view")]
         # Only the view after a bad frame asks for all points.
         self.assertEqual([view.key_frame for view in views], len(bad) * [False, False, False, True, False])
         # Every frame is acknowledged once, good or bad.
-        acks = [request.ack.sequence for request in self.told.requests if request.HasField("ack")]
+        acks = [request.ack.sequence for request in self.service.requests if request.HasField("ack")]
         self.assertEqual(acks, [view.sequence for view in views])
 
     def test_errors_of_frames(self) -> None:
-        self.told.frames = [v1.PointFrame(error=v1.FrameError(code=8, message="later", retry_after=2.5))]
+        self.service.frames = [v1.PointFrame(error=v1.FrameError(code=8, message="later", retry_after=2.5))]
         with self.client.session("s").stream() as stream:
             stream.send(View(10))
             error = present(stream.frame(PATIENCE).error)

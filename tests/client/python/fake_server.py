@@ -1,4 +1,4 @@
-"""A server that does as it is told."""
+"""A server in this process whose answers a test sets."""
 
 import concurrent.futures
 import unittest
@@ -13,7 +13,7 @@ from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 
 
-class Told(v1_grpc.CurvecastServiceServicer):
+class FakeService(v1_grpc.CurvecastServiceServicer):
     """Fails with the codes in `failures`, one call after the other, then answers."""
 
     def __init__(self) -> None:
@@ -32,7 +32,7 @@ class Told(v1_grpc.CurvecastServiceServicer):
         self.tokens.append(dict(context.invocation_metadata()).get("authorization"))
         context.set_trailing_metadata(tuple(self.trailers))
         if self.failures:
-            context.abort(self.failures.pop(0), "as told")
+            context.abort(self.failures.pop(0), "as the test wants")
 
     def GetSession(self, request: v1.GetSessionRequest, context: grpc.ServicerContext) -> v1.GetSessionResponse:
         self._answer(context)
@@ -82,13 +82,13 @@ class Told(v1_grpc.CurvecastServiceServicer):
                 yield v1.StreamViewsResponse(frame=frame)
 
 
-class ToldTest(unittest.TestCase):
-    """Such a server and a client of it for each test."""
+class FakeServerTest(unittest.TestCase):
+    """One FakeService on a free port, and a client of it, for each test."""
 
     def setUp(self) -> None:
-        self.told = Told()
+        self.service = FakeService()
         server = grpc.server(concurrent.futures.ThreadPoolExecutor(4))
-        v1_grpc.add_CurvecastServiceServicer_to_server(self.told, server)
+        v1_grpc.add_CurvecastServiceServicer_to_server(self.service, server)
         port = server.add_insecure_port("127.0.0.1:0")
         self.secured_port = server.add_secure_port("127.0.0.1:0", grpc.local_server_credentials())
         server.start()
