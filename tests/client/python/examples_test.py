@@ -11,7 +11,7 @@ import numpy as np
 
 from fixture import ServerTest, sphere_obj
 
-EXAMPLES = pathlib.Path(os.environ["CURVECAST_SOURCE"]) / "client" / "python" / "examples"
+PACKAGE = pathlib.Path(os.environ["CURVECAST_SOURCE"]) / "client" / "python"
 
 
 class ExamplesTest(ServerTest):
@@ -24,10 +24,29 @@ class ExamplesTest(ServerTest):
         cls.mesh.write_text(sphere_obj())
 
     def run_example(self, name: str, *arguments: object) -> str:
-        command = [sys.executable, "-B", str(EXAMPLES / name), self.server.address, str(self.mesh), *map(str, arguments)]
+        command = [
+            sys.executable,
+            "-B",
+            str(PACKAGE / "examples" / name),
+            self.server.address,
+            str(self.mesh),
+            *map(str, arguments),
+        ]
         finished = subprocess.run(command, capture_output=True, text=True, check=False)
         self.assertEqual(finished.returncode, 0, finished.stderr)
         return finished.stdout
+
+    def test_the_readme(self) -> None:
+        program = (PACKAGE / "README.md").read_text().split("```python\n")[1].split("```")[0]
+        for newcomer, here in (("127.0.0.1:50051", self.server.address), ("armadillo.off", str(self.mesh))):
+            self.assertEqual(program.count(newcomer), 1)
+            program = program.replace(newcomer, here)
+        finished = subprocess.run([sys.executable, "-B", "-c", program], capture_output=True, text=True, check=False)
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        self.assertIn("(50000, 3) float32", finished.stdout)
+        sequence, points, *_ = finished.stdout.splitlines()[-1].split()
+        self.assertEqual(sequence, "41")
+        self.assertGreater(int(points), 0)
 
     def test_sample_to_ply(self) -> None:
         out = self.folder / "points.ply"
