@@ -1,10 +1,14 @@
 """Edits of lists of points."""
 
+import json
 import math
+import os
+import pathlib
 import random
 import unittest
 
 import numpy as np
+from google.protobuf import json_format
 
 import curvecast
 from curvecast.point_edits import apply_edits
@@ -29,7 +33,32 @@ def steps(indices: list[int]) -> list[int]:
     return [i - before for before, i in zip([0, *indices], indices, strict=False)]
 
 
+def listed(rows: list[tuple[int, int]], largest: float) -> Points:
+    """Points of the shared cases, each by its number and the rung of its disc."""
+    points = numbered([number for number, _ in rows])
+    present(points.radii)[:] = [largest * 2 ** (-rung / 2) for _, rung in rows]
+    return points
+
+
 class PointEditsTest(unittest.TestCase):
+    def test_the_shared_cases(self) -> None:
+        path = pathlib.Path(os.environ["CURVECAST_SOURCE"]) / "tests" / "client" / "point_edits.json"
+        cases = json.loads(path.read_text())
+        self.assertGreater(len(cases), 30)
+        for case in cases:
+            with self.subTest(case["name"]):
+                edits = json_format.ParseDict(case["edits"], v1.PointEdits())
+                largest = edits.radius_max if 0 < edits.radius_max < math.inf else 1.0
+                before, fresh = listed(case["before"], largest), listed(case["fresh"], largest)
+                if case["after"] is None:
+                    with self.assertRaises(curvecast.Error):
+                        apply_edits(before, edits, fresh)
+                    continue
+                after, expected = apply_edits(before, edits, fresh), listed(case["after"], largest)
+                np.testing.assert_array_equal(after.positions, expected.positions)
+                np.testing.assert_array_equal(present(after.ranks), present(expected.ranks))
+                np.testing.assert_allclose(present(after.radii), present(expected.radii), rtol=1e-6)
+
     def test_random_edits_give_the_new_list(self) -> None:
         chance = random.Random(1)
         numbers: list[int] = []
