@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "client/lib/draco_header.h"
-#include "client/lib/draco_points.h"
-#include "client/lib/draco_reader.h"
-#include "client/lib/point_columns.h"
+#include "client/lib/draco/draco_header.h"
+#include "client/lib/draco/draco_points.h"
+#include "client/lib/draco/draco_reader.h"
+#include "client/lib/draco/point_columns.h"
 #include "client/lib/protocol.h"
 
 namespace curvecast::client {

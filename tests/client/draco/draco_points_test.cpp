@@ -1,4 +1,4 @@
-#include "client/lib/draco_points.h"
+#include "client/lib/draco/draco_points.h"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 
 #include <string_view>
 
-#include "client/lib/draco_header.h"
-#include "client/lib/draco_reader.h"
-#include "client/lib/point_columns.h"
+#include "client/lib/draco/draco_header.h"
+#include "client/lib/draco/draco_reader.h"
+#include "client/lib/draco/point_columns.h"
 #include "client/lib/points.h"
 
 namespace curvecast::client {

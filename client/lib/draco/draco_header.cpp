@@ -1,4 +1,4 @@
-#include "client/lib/draco_header.h"
+#include "client/lib/draco/draco_header.h"
 
 #include <absl/strings/str_cat.h>
 #include <draco/attributes/geometry_attribute.h>

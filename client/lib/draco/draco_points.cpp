@@ -1,8 +1,8 @@
-#include "client/lib/draco_points.h"
+#include "client/lib/draco/draco_points.h"
 
 #include <exception>
 
-#include "client/lib/draco_library.h"
+#include "client/lib/draco/draco_library.h"
 
 namespace curvecast::client {
 
