@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "client/cli/progress_bar.h"
-#include "client/lib/draco_points.h"
 #include "client/lib/file_bytes.h"
+#include "client/lib/protocol.h"
 #include "server/server.h"
 
 namespace curvecast::cli {

@@ -13,16 +13,16 @@
 #include <utility>
 
 #include "client/lib/companion_files.h"
-#include "client/lib/draco_points.h"
 #include "client/lib/file_bytes.h"
+#include "client/lib/point_blocks.h"
 #include "client/lib/point_limit.h"
+#include "client/lib/protocol.h"
 
 namespace curvecast::client {
 namespace {
 
 constexpr std::size_t kHashBlock = 1 << 20;     // bytes read at a time
 constexpr int kReferenceRounds = 8;             // a mesh names material libraries, these name textures: two, as a rule
-constexpr std::size_t kMaxCompanions = 256;     // of a mesh, as in the API
 constexpr std::size_t kMostSessions = 100'000;  // that a server may list
 
 std::string to_hex(const XXH128_hash_t& hash) {

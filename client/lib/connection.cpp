@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "client/lib/point_limit.h"
+#include "client/lib/protocol.h"
 #include "client/lib/retry.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
 #include "curvecast/v1/status.pb.h"
@@ -22,8 +23,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::size_t kChunkBytes = 512 << 10;                     // of an upload; the API allows 1 MiB
-constexpr int kMaxMessageBytes = 64 << 20;                         // received; servers send frames of up to 32 MiB
+constexpr std::size_t kChunkBytes = kMaxChunkBytes / 2;            // of an upload
+constexpr int kMaxMessageBytes = 2 * kMaxFrameBytes;               // received: frames have more than their points
 constexpr std::uint64_t kMaxAnswerBytes = std::uint64_t{8} << 30;  // of a parameter mesh: about 80 million triangles
 constexpr int kKeepaliveMs = 20'000;         // between pings during a call; servers allow one every 5 seconds
 constexpr int kKeepaliveTimeoutMs = 10'000;  // until a silent server counts as lost

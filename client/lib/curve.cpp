@@ -7,11 +7,10 @@
 #include <limits>
 
 #include "client/lib/append_values.h"
+#include "client/lib/protocol.h"
 
 namespace curvecast::client {
 namespace {
-
-constexpr int kMaxLevel = 30;  // of a quad; places are whole numbers of 2^-30
 
 bool append_chunk(const v1::CurveChunk& chunk, CurveDisc& disc) {
   const std::size_t size = disc.size() + chunk.count();
@@ -24,10 +23,10 @@ bool append_chunk(const v1::CurveChunk& chunk, CurveDisc& disc) {
 bool is_sound(const CurveDisc& disc) {
   if (disc.size() == 0) return false;
   for (std::size_t l = 0; l < disc.size(); ++l) {
-    if (disc.levels[l] > kMaxLevel) return false;
-    const std::uint32_t cells = std::uint32_t{1} << (kMaxLevel - disc.levels[l]);  // on a side of the quad
+    if (disc.levels[l] > kMaxCurveLevel) return false;
+    const std::uint32_t cells = std::uint32_t{1} << (kMaxCurveLevel - disc.levels[l]);  // on a side of the quad
     for (const std::uint32_t cell : disc.cells[l]) {
-      if (cell >= std::uint32_t{1} << kMaxLevel || cell % cells != 0) return false;
+      if (cell >= std::uint32_t{1} << kMaxCurveLevel || cell % cells != 0) return false;
     }
     for (const std::int16_t n : disc.normals[l]) {
       if (n == std::numeric_limits<std::int16_t>::min()) return false;
@@ -44,7 +43,7 @@ double CurveDisc::side(std::size_t l) const { return std::ldexp(1.0, -levels[l])
 
 std::array<double, 2> CurveDisc::centre(std::size_t l) const {
   const double half = 0.5 * side(l);
-  return {std::ldexp(cells[l][0], -kMaxLevel) + half, std::ldexp(cells[l][1], -kMaxLevel) + half};
+  return {std::ldexp(cells[l][0], -kMaxCurveLevel) + half, std::ldexp(cells[l][1], -kMaxCurveLevel) + half};
 }
 
 absl::StatusOr<Curve> decode_curve(std::span<const v1::GetCurveResponse> responses) {

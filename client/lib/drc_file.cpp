@@ -14,8 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "client/lib/draco_points.h"
+#include "client/lib/draco/draco_points.h"
 #include "client/lib/file_bytes.h"
+#include "client/lib/protocol.h"
 
 namespace curvecast::client {
 namespace {

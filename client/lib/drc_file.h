@@ -16,7 +16,7 @@ struct DrcOptions {
 };
 
 /// The bytes of a file with one point cloud in absolute coordinates: POSITION, NORMAL, the splat radius as in v1.DracoPoints with
-/// its range as metadata (see draco_points.h), COLOR of three bytes; all but the first where the points have them. The order is
+/// its range as metadata (see draco_header.h), COLOR of three bytes; all but the first where the points have them. The order is
 /// kept. InvalidArgument for no points or options out of range; Internal with Draco's message.
 absl::StatusOr<std::string> make_drc(Points points, const DrcOptions& options);
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/lib/draco_points.h"
+#include "client/lib/protocol.h"
 
 namespace curvecast::client {
 namespace {
@@ -84,13 +84,12 @@ absl::Status resize(const v1::PointEdits& edits, std::vector<float>& radii) {
   if (edits.resized().empty()) return absl::OkStatus();
   const float largest = edits.radius_max();
   if (!(largest > 0) || !std::isfinite(largest)) return absl::InvalidArgumentError("radius_max is no radius");
-  constexpr int kRungsPerOctave = 2, kRungs = 64;
   std::uint64_t i = 0;
   for (const std::uint32_t code : edits.resized()) {
     i += code / 2;
     if (i >= radii.size()) return absl::InvalidArgumentError(absl::StrCat("resized holds index ", i, " of ", radii.size()));
-    const double rung = std::round(kRungsPerOctave * std::log2(largest / radii[i])) + (code % 2 == 0 ? -1 : 1);
-    radii[i] = static_cast<float>(largest * std::exp2(-std::clamp(rung, 0.0, kRungs - 1.0) / kRungsPerOctave));
+    const double rung = std::round(kRadiusRungsPerOctave * std::log2(largest / radii[i])) + (code % 2 == 0 ? -1 : 1);
+    radii[i] = static_cast<float>(largest * std::exp2(-std::clamp(rung, 0.0, kRadiusRungs - 1.0) / kRadiusRungsPerOctave));
   }
   return absl::OkStatus();
 }

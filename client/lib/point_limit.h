@@ -1,20 +1,18 @@
-// How many points an answer may have.
+// How many points an answer to a request may have.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 
+#include "client/lib/protocol.h"
 #include "curvecast/v1/curvecast.pb.h"
 
 namespace curvecast::client {
 
-/// At most; with a budget of pixels or bytes, as many as the API ever sends.
-inline std::uint64_t most_points(const v1::SampleRequest& sample) {
-  constexpr std::uint64_t kMost = 4'000'000;
-  return sample.has_points() ? sample.points() : kMost;
-}
+/// The largest number of points that may come: with a budget of pixels or bytes, as many as the API ever sends.
+inline std::uint64_t most_points(const v1::SampleRequest& sample) { return sample.has_points() ? sample.points() : kMaxPoints; }
 
-/// Whether it has to be exactly most_points(). Of the progressive sampler there may be fewer: see the API.
+/// Whether exactly most_points() points have to come. The progressive sampler may have fewer: see the API.
 inline bool is_exact(const v1::SampleRequest& sample) {
   if (sample.sampler() == v1::SAMPLER_PROGRESSIVE) return false;
   const auto lowers = [](const v1::DensityTerm& term) { return term.distance().global(); };

@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "client/lib/draco_points.h"
+#include "client/lib/point_blocks.h"
 #include "client/lib/point_edits.h"
 #include "client/lib/retry.h"
 

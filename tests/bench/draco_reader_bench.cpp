@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "client/lib/draco_library.h"
-#include "client/lib/draco_points.h"
-#include "client/lib/draco_reader.h"
-#include "tests/client/draco_clouds.h"
+#include "client/lib/draco/draco_library.h"
+#include "client/lib/draco/draco_reader.h"
+#include "client/lib/point_blocks.h"
+#include "tests/client/draco/draco_clouds.h"
 
 namespace curvecast::client {
 namespace {

@@ -1,14 +1,18 @@
 #include "client/lib/point_edits.h"
 
+#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <random>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "client/lib/draco_points.h"
+#include "client/lib/protocol.h"
 
 namespace curvecast::client {
 namespace {
@@ -29,6 +33,40 @@ Points numbered(const std::vector<int>& numbers) {
 void write(const std::vector<std::uint32_t>& indices, google::protobuf::RepeatedField<std::uint32_t>* out) {
   std::uint32_t last = 0;
   for (const std::uint32_t i : indices) out->Add(i - std::exchange(last, i));
+}
+
+/// Points of the shared cases: of each its number and the rung of its disc.
+Points listed(const nlohmann::json& rows, double largest) {
+  std::vector<int> numbers;
+  for (const nlohmann::json& row : rows) numbers.push_back(row[0]);
+  Points points = numbered(numbers);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    points.radii[i] = static_cast<float>(largest * std::exp2(-rows[i][1].get<int>() / 2.0));
+  }
+  return points;
+}
+
+TEST(PointEdits, TheSharedCases) {
+  std::ifstream file(CURVECAST_POINT_EDITS);
+  const nlohmann::json cases = nlohmann::json::parse(file);
+  EXPECT_GT(cases.size(), 30u);
+  for (const nlohmann::json& one : cases) {
+    SCOPED_TRACE(one["name"].get<std::string>());
+    v1::PointEdits edits;
+    ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(one["edits"].dump(), &edits).ok());
+    const double largest = edits.radius_max() > 0 && std::isfinite(edits.radius_max()) ? edits.radius_max() : 1;
+    const absl::StatusOr<Points> after = apply_edits(listed(one["before"], largest), edits, listed(one["fresh"], largest));
+    if (one["after"].is_null()) {
+      EXPECT_TRUE(absl::IsInvalidArgument(after.status()));
+      continue;
+    }
+    ASSERT_TRUE(after.ok()) << after.status();
+    const Points expected = listed(one["after"], largest);
+    EXPECT_EQ(after->positions, expected.positions);
+    EXPECT_EQ(after->ranks, expected.ranks);
+    ASSERT_EQ(after->radii.size(), expected.radii.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_FLOAT_EQ(after->radii[i], expected.radii[i]);
+  }
 }
 
 TEST(PointEdits, RandomEditsGiveTheNewList) {

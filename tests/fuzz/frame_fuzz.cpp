@@ -4,8 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "client/lib/draco_points.h"
+#include "client/lib/point_blocks.h"
 #include "client/lib/point_edits.h"
+#include "client/lib/protocol.h"
 #include "tests/fuzz/fuzz_expect.h"
 
 namespace curvecast::fuzzing {

@@ -21,6 +21,21 @@ from curvecast.view import Camera, View
 from curvecast.view_stream import Frame, HeldFrame, ViewStream
 
 __all__ = [
-    "HAS_DRACO", "Camera", "Client", "Curve", "CurveDisc", "Error", "Frame", "HeldFrame", "Mesh", "ParameterDisc", "ParameterMesh",
-    "Points", "Session", "View", "ViewStream", "connect", "density",
+    "HAS_DRACO",
+    "Camera",
+    "Client",
+    "Curve",
+    "CurveDisc",
+    "Error",
+    "Frame",
+    "HeldFrame",
+    "Mesh",
+    "ParameterDisc",
+    "ParameterMesh",
+    "Points",
+    "Session",
+    "View",
+    "ViewStream",
+    "connect",
+    "density",
 ]

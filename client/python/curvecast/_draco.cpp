@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "client/lib/draco_points.h"
+#include "client/lib/draco/draco_points.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-"""What a program does with a server: bring a mesh, open a session, look after sessions, measure points."""
+"""The client: uploads meshes, opens and lists sessions, measures points."""
 
 from __future__ import annotations
 
@@ -18,31 +18,38 @@ from curvecast.errors import Error, bad_answer
 from curvecast.mesh import Mesh, as_mesh, find_companion, may_have_companions, mesh_id_of
 from curvecast.parameter_mesh import ParameterMesh, decode_parameter_mesh
 from curvecast.points import Points, as_points
+from curvecast.protocol import MAX_COMPANIONS
 from curvecast.session import Session
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import Camera
 
 REFERENCE_ROUNDS = 8  # a mesh names material libraries, these name textures: two, as a rule
-MOST_COMPANIONS = 256  # of a mesh, as in the API
 
 
 def connect(
-    address: str, *, credentials: grpc.ChannelCredentials | None = None, token: str = "", short_timeout: float = 30,
-    long_timeout: float = 600, attempts: int = 5,
+    address: str,
+    *,
+    credentials: grpc.ChannelCredentials | None = None,
+    token: str = "",
+    short_timeout: float = 30,
+    long_timeout: float = 600,
+    attempts: int = 5,
 ) -> Client:
-    """A client of the server at "host:port". The line is opened by the first call.
+    """Makes a client of the server at "host:port". The first call opens the connection.
 
-    credentials: for TLS, such as grpc.ssl_channel_credentials(); without them nothing is encrypted.
-    token: that the server knows this client by, sent with every call; empty: none.
-    short_timeout: seconds, of calls that only look something up; long_timeout: of those that compute or move data; preprocessing
-    and measuring have none. attempts: in all, when the line or the server is lost (UNAVAILABLE), 0.1 s and more apart.
+    credentials: for TLS, such as grpc.ssl_channel_credentials(); without them nothing is encrypted. token: by which the server
+    knows this client, sent with every call; empty: none. short_timeout: time limit of calls that only look something up, seconds.
+    long_timeout: time limit of calls that compute or move data, seconds; preprocessing and measuring have none. attempts: how often
+    a call is made in all when the connection or the server is lost (UNAVAILABLE), 0.1 s and more apart. ValueError: less than one
+    attempt.
     """
     return Client(Connection(address, credentials, token, short_timeout, long_timeout, attempts))
 
 
 class Client:
-    """A line to a server. `on_progress(stage, fraction)` is called from the calling thread; an exception from it, such as
-    KeyboardInterrupt, cancels the call and is passed on. Every call may raise Error."""
+    """A connection to a server. Thread-safe. Every call may raise Error. Calls that take `on_progress` call
+    `on_progress(stage, fraction)` on the calling thread; an exception from it, such as KeyboardInterrupt, cancels the call and is
+    passed on."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
@@ -54,13 +61,13 @@ class Client:
         self.close()
 
     def close(self) -> None:
-        """Hangs up: what still runs is cancelled."""
+        """Closes the connection and cancels calls that still run."""
         self._connection.close()
 
     def upload(self, path: str | os.PathLike[str], on_progress: OnProgress | None = None) -> Mesh:
-        """Makes the server hold a mesh file, and the files that it refers to and that lie in its own folder. What the server has
-        is not sent, and an upload that broke off goes on where it was. Files that are missing are left out: see
-        inspect(mesh).warnings. OSError: a mesh that cannot be read."""
+        """Uploads a mesh file, and the files in its folder that it refers to. Does not send what the server has, and goes on with
+        an upload that broke off. Leaves files out that are missing: see inspect(mesh).warnings. OSError: the mesh cannot be
+        read."""
         path = pathlib.Path(path)
         mesh = Mesh(self._upload_path(path, on_progress))
         if not may_have_companions(path):
@@ -70,10 +77,10 @@ class Client:
         seen: set[str] = set()
         for _ in range(REFERENCE_ROUNDS):
             request = v1.ListMeshReferencesRequest(mesh_id=mesh.id, companions=companions)
-            names = self._connection.ask("ListMeshReferences", request, self._connection.long_timeout).missing
+            names = self._connection.call("ListMeshReferences", request, self._connection.long_timeout).missing
             before = len(companions)
             for name in names:
-                if name in seen or len(seen) >= MOST_COMPANIONS:
+                if name in seen or len(seen) >= MAX_COMPANIONS:
                     continue
                 seen.add(name)
                 try:
@@ -86,89 +93,116 @@ class Client:
         return dataclasses.replace(mesh, companions=companions, refused=tuple(refused))
 
     def upload_bytes(self, name: str, data: bytes | memoryview, on_progress: OnProgress | None = None) -> Mesh:
-        """The same for bytes in memory; `name` as of a file."""
+        """Uploads a mesh file from memory, without the files that it refers to. `name`: as of a file; its ending may tell the
+        format."""
         return Mesh(self._upload_file(name, io.BytesIO(data), on_progress))
 
     def import_mesh(self, path: str) -> Mesh:
-        """Has the server take a mesh file of its own, from the folder that it offers; forward slashes, without companions."""
+        """Has the server take a mesh file from the folder that it offers, without the files that the mesh refers to. `path`: in
+        that folder, with forward slashes."""
         request = v1.ImportMeshRequest(path=path)
-        return Mesh(self._connection.ask("ImportMesh", request, self._connection.long_timeout).mesh_id)
+        return Mesh(self._connection.call("ImportMesh", request, self._connection.long_timeout).mesh_id)
 
     def inspect(self, mesh: Mesh | str) -> v1.MeshInfo:
-        """What a mesh holds, its topology, and what repair does to it."""
+        """Tells what a mesh holds, its topology, and what repair does to it."""
         mesh = as_mesh(mesh)
         request = v1.InspectMeshRequest(mesh_id=mesh.id, companions=mesh.companions)
-        info = self._connection.ask("InspectMesh", request, self._connection.long_timeout).mesh
+        info: v1.MeshInfo = self._connection.call("InspectMesh", request, self._connection.long_timeout).mesh
         info.warnings.extend(f"{reason}." for reason in mesh.refused)
         return info
 
     def parameter_mesh(self, mesh: Mesh | str, parameteriser: str = "own") -> ParameterMesh:
-        """The discs that a mesh is cut into, with their places in the parameter square. Computed anew for every call."""
+        """Fetches the discs that a mesh is cut into, with their positions in the parameter square. The server computes them anew
+        for every call."""
         mesh = as_mesh(mesh)
         request = v1.GetParameterMeshRequest(
-            mesh_id=mesh.id, companions=mesh.companions,
-            parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
+            mesh_id=mesh.id, companions=mesh.companions, parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser)
         )
-        return self._connection.ask_all("GetParameterMesh", request, None, decode_parameter_mesh)
+        return self._connection.read_stream("GetParameterMesh", request, None, decode_parameter_mesh)
 
     def open(
-        self, mesh: Mesh | str, points: int = 65_536, *, omega: float = 0, density: Sequence[v1.DensityTerm] = (),
-        parameteriser: str = "own", mapper: str = "exact", area: str = "exact", on_progress: OnProgress | None = None,
+        self,
+        mesh: Mesh | str,
+        points: int = 65_536,
+        *,
+        omega: float = 0,
+        density: Sequence[v1.DensityTerm] = (),
+        parameteriser: str = "own",
+        mapper: str = "exact",
+        area: str = "exact",
+        on_progress: OnProgress | None = None,
     ) -> Session:
-        """Prepares a mesh, or joins the session that is there for the same mesh and options; waits until it is ready.
+        """Prepares a mesh, or joins the session that exists for the same mesh and options, and waits until it is ready.
 
         points: N for which the curve is made fine enough, up to 4,000,000. omega: curve vertices per point; 0 = 10. density: for
         which the curve is made, without terms of a camera. parameteriser: own or cgal; mapper: exact or id_buffer; area: exact or
-        voronoi. Cancelled by an exception in on_progress, it stops on the server too, unless others wait for the same.
+        voronoi. An exception in on_progress stops preprocessing on the server too, unless other clients wait for the same session.
         """
         mesh = as_mesh(mesh)
         options = v1.SessionOptions(
-            max_points=points, omega=omega, density=density, mapper=enum_name(v1.Mapper, "MAPPER", mapper),
+            max_points=points,
+            omega=omega,
+            density=density,
+            mapper=enum_name(v1.Mapper, "MAPPER", mapper),
             parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
             area_element=enum_name(v1.AreaElement, "AREA_ELEMENT", area),
         )
         request = v1.CreateSessionRequest(mesh_id=mesh.id, options=options, companions=mesh.companions)
-        return Session(self._connection, self._connection.last("CreateSession", request, "session", on_progress))
+        return Session(self._connection, self._connection.call_with_progress("CreateSession", request, "session", on_progress))
 
     def session(self, session_id: str) -> Session:
-        """A session by its id, from the server's memory or its cache."""
+        """Finds a session by its id, in the server's memory or its cache."""
         session = Session(self._connection, v1.Session(session_id=session_id))
         session.refresh()
         return session
 
     def sessions(self) -> list[Session]:
-        """Those in the server's memory, by id."""
+        """Lists the sessions in the server's memory, by id."""
         sessions: list[Session] = []
         request = v1.ListSessionsRequest()
         while True:
-            page = self._connection.ask("ListSessions", request, self._connection.short_timeout)
+            page = self._connection.call("ListSessions", request, self._connection.short_timeout)
             sessions += [Session(self._connection, info) for info in page.sessions]
             if not page.next_page_token:
                 return sessions
             request.page_token = page.next_page_token
 
     def measure(
-        self, mesh: Mesh | str, points: Points | npt.ArrayLike | Sequence[Points | npt.ArrayLike], *,
-        density: Sequence[v1.DensityTerm] = (), camera: Camera | Sequence[Camera] = (), ring_seeds: int = 0,
-        ball_centres: int = 0, seed: int = 0, on_progress: OnProgress | None = None,
+        self,
+        mesh: Mesh | str,
+        points: Points | npt.ArrayLike | Sequence[Points | npt.ArrayLike],
+        *,
+        density: Sequence[v1.DensityTerm] = (),
+        camera: Camera | Sequence[Camera] = (),
+        ring_seeds: int = 0,
+        ball_centres: int = 0,
+        seed: int = 0,
+        on_progress: OnProgress | None = None,
     ) -> v1.Measures:
-        """How evenly points lie on a mesh: discrepancies, spacing, coverage, distance from the surface.
+        """Measures how evenly points lie on a mesh: discrepancies, spacing, coverage, distance from the surface.
 
-        points: Points or an (N, 3) array of places in the frame of the mesh file, whoever made them; or a list of such sets. The
-        measures of set i are in .sets[i]. density: that the points are to have.
+        points: Points or an (N, 3) array of positions in the frame of the mesh file, made by any program; or a list of such sets.
+        The measures of set i are in .sets[i]. density: that the points are to have. camera: of terms of a camera, with a square
+        picture. ring_seeds, ball_centres: triangles with rings about them, points with balls about them; 0 = 256 and 1,024. seed:
+        of their choice.
         """
         mesh = as_mesh(mesh)
         sets = points if isinstance(points, (list, tuple)) else [points]
         cameras = [camera] if isinstance(camera, Camera) else camera
         request = v1.MeasureRequest(
-            mesh_id=mesh.id, companions=mesh.companions, density=density, cameras=[c.to_proto() for c in cameras],
-            ring_seeds=ring_seeds, ball_centres=ball_centres, seed=seed,
+            mesh_id=mesh.id,
+            companions=mesh.companions,
+            density=density,
+            cameras=[c.to_proto() for c in cameras],
+            ring_seeds=ring_seeds,
+            ball_centres=ball_centres,
+            seed=seed,
         )
         for one in map(as_points, sets):
             data = one.positions.astype("<f4", copy=False).tobytes()
             points_id = self.upload_bytes("points", data, on_progress).id
             request.sets.append(v1.UploadedPoints(points_id=points_id, origin=vec3(one.origin)))
-        measures = self._connection.last("Measure", request, "measures", on_progress)
+        measures: v1.Measures = self._connection.call_with_progress("Measure", request, "measures", on_progress)
         if len(measures.sets) != len(request.sets):
             raise bad_answer(f"asked for the measures of {len(request.sets)} sets, but the server sent {len(measures.sets)}")
         return measures
@@ -181,7 +215,7 @@ class Client:
         mesh_id = mesh_id_of(file)
         header = v1.UploadHeader(name=name, size=file.seek(0, os.SEEK_END), mesh_id=mesh_id)
         try:
-            self._connection.ask("GetMesh", v1.GetMeshRequest(mesh_id=mesh_id), self._connection.short_timeout)
+            self._connection.call("GetMesh", v1.GetMeshRequest(mesh_id=mesh_id), self._connection.short_timeout)
         except Error as error:
             if error.code is not grpc.StatusCode.NOT_FOUND:
                 raise

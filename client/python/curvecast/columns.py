@@ -1,4 +1,4 @@
-"""Arrays as they come over the wire: little-endian bytes, so many values a row."""
+"""Decodes arrays of the API: little-endian bytes, a fixed number of values in each row."""
 
 from __future__ import annotations
 
@@ -6,16 +6,17 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from curvecast.errors import bad_answer
 
-#: Type and values a row of each column.
+#: From the name of each column to the type of its values and their number in a row.
 Columns = Mapping[str, tuple[str, int]]
 
 
-def read_column(name: str, data: bytes, kind: tuple[str, int], rows: int | None = None) -> np.ndarray:
-    """(rows, width) or (rows,) values, not to be written to; `rows`: that there have to be. Error DATA_LOSS: other bytes than
-    that, or floats that are not finite."""
+def read_column(name: str, data: bytes, kind: tuple[str, int], rows: int | None = None) -> npt.NDArray[Any]:
+    """Decodes a column to an array of shape (rows, width), or (rows,) for a width of 1, which cannot be written to. `rows`: the
+    number that there has to be; None: any. Error DATA_LOSS: another number of bytes, or floats that are not finite."""
     dtype, width = np.dtype(kind[0]), kind[1]
     if rows is None:
         rows = len(data) // (width * dtype.itemsize)
@@ -27,9 +28,10 @@ def read_column(name: str, data: bytes, kind: tuple[str, int], rows: int | None 
     return values if width == 1 else values.reshape(rows, width)
 
 
-def join_discs(what: str, chunks: Iterable[Any], columns: Columns, discs: int) -> list[dict[str, np.ndarray]]:
-    """The columns of each disc, whose chunks follow each other. Error DATA_LOSS: discs out of order, or other than so many."""
-    parts: list[dict[str, list[np.ndarray]]] = []
+def join_discs(what: str, chunks: Iterable[Any], columns: Columns, discs: int) -> list[dict[str, npt.NDArray[Any]]]:
+    """Joins the chunks of each disc to its columns. The chunks of a disc follow each other. Error DATA_LOSS: discs out of order, or
+    another number of them than `discs`."""
+    parts: list[dict[str, list[npt.NDArray[Any]]]] = []
     for chunk in chunks:
         if chunk.disc == len(parts):
             parts.append({name: [] for name in columns})

@@ -1,4 +1,4 @@
-"""One line to a server: calls with deadlines and retries."""
+"""One connection to a server: calls with time limits and retries."""
 
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ from typing import Any, BinaryIO, TypeVar
 
 import grpc
 
-from curvecast.errors import Error, bad_answer, translated
+from curvecast.errors import Error, bad_answer, translate_errors
+from curvecast.protocol import MAX_CHUNK_BYTES, MAX_FRAME_BYTES
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 
 T = TypeVar("T")
 OnProgress = Callable[[str, float], None]
 
-CHUNK_BYTES = 512 << 10  # of an upload; the API allows 1 MiB
+CHUNK_BYTES = MAX_CHUNK_BYTES // 2  # of an upload
 FIRST_DELAY, LONGEST_DELAY = 0.1, 2.0  # seconds between attempts; doubles, with jitter
 CHANNEL_OPTIONS = [
-    ("grpc.max_receive_message_length", 64 << 20),  # servers send frames of up to 32 MiB
+    ("grpc.max_receive_message_length", 2 * MAX_FRAME_BYTES),  # frames have more than their points
     ("grpc.keepalive_time_ms", 20_000),  # between pings during a call; servers allow one every 5 seconds
     ("grpc.keepalive_timeout_ms", 10_000),  # until a silent server counts as lost
     ("grpc.initial_reconnect_backoff_ms", int(1000 * FIRST_DELAY)),
@@ -30,10 +31,16 @@ CHANNEL_OPTIONS = [
 
 
 class Connection:
-    """Calls of the API. All but call() are repeated when the line or the server was lost meanwhile: they are idempotent."""
+    """Makes the calls of one client. Thread-safe. All but call_once() are repeated when the line or the server was lost meanwhile:
+    those calls are idempotent."""
 
     def __init__(
-        self, address: str, credentials: grpc.ChannelCredentials | None, token: str, short_timeout: float, long_timeout: float,
+        self,
+        address: str,
+        credentials: grpc.ChannelCredentials | None,
+        token: str,
+        short_timeout: float,
+        long_timeout: float,
         attempts: int,
     ) -> None:
         if attempts < 1:
@@ -49,19 +56,21 @@ class Connection:
     def close(self) -> None:
         self._channel.close()
 
-    def call(self, method: str, request: Any, timeout: float | None) -> Any:
-        """One answer, asked for once."""
-        with translated():
+    def call_once(self, method: str, request: Any, timeout: float | None) -> Any:
+        """Makes a call with one answer, once. `timeout`: seconds, of the whole call; None: no limit."""
+        with translate_errors():
             return getattr(self.stub, method)(request, timeout=timeout, metadata=self.metadata)
 
-    def ask(self, method: str, request: Any, timeout: float | None) -> Any:
-        return self._retrying(lambda: self.call(method, request, timeout))
+    def call(self, method: str, request: Any, timeout: float | None) -> Any:
+        """Makes a call with one answer, and repeats it. `timeout`: as of call_once(), for each attempt."""
+        return self._retrying(lambda: self.call_once(method, request, timeout))
 
-    def ask_all(self, method: str, request: Any, timeout: float | None, take: Callable[[Iterator[Any]], T]) -> T:
-        """What `take` makes of an answer of many messages. The call is cancelled when `take` leaves early, by an exception too."""
+    def read_stream(self, method: str, request: Any, timeout: float | None, take: Callable[[Iterator[Any]], T]) -> T:
+        """Makes a call whose answer is many messages, gives their iterator to `take`, and returns what `take` returns. Cancels the
+        call when `take` leaves early, by an exception too. A repeated call runs `take` again. `timeout`: as of call()."""
 
         def attempt() -> T:
-            with translated():
+            with translate_errors():
                 messages = getattr(self.stub, method)(request, timeout=timeout, metadata=self.metadata)
                 try:
                     return take(messages)
@@ -70,8 +79,9 @@ class Connection:
 
         return self._retrying(attempt)
 
-    def last(self, method: str, request: Any, result: str, on_progress: OnProgress | None) -> Any:
-        """The field `result` of the last message, after messages of progress. No deadline."""
+    def call_with_progress(self, method: str, request: Any, result: str, on_progress: OnProgress | None) -> Any:
+        """Makes a call whose answer is messages of progress and then a result, and returns the field `result` of the last message.
+        Has no time limit."""
 
         def take(messages: Iterator[Any]) -> Any:
             found = None
@@ -84,13 +94,15 @@ class Connection:
                 raise bad_answer(f"the server ended {method} without its {result}")
             return found
 
-        return self.ask_all(method, request, None, take)
+        return self.read_stream(method, request, None, take)
 
     def upload(self, header: v1.UploadHeader, file: BinaryIO, on_progress: OnProgress | None) -> v1.UploadMeshResponse:
+        """Sends the file that `header` describes, from where an earlier upload of the same file broke off."""
         return self._retrying(lambda: self._upload_once(header, file, on_progress))
 
     def _upload_once(self, header: v1.UploadHeader, file: BinaryIO, on_progress: OnProgress | None) -> v1.UploadMeshResponse:
-        # gRPC takes messages out of `requests` on a thread of its own. What happens there is told to this one.
+        # gRPC takes messages out of `requests` on a thread of its own, which tells this one through the queue: bytes sent, an
+        # error, or None at the end.
         events: queue.SimpleQueue[int | Exception | None] = queue.SimpleQueue()
 
         def requests() -> Iterator[v1.UploadMeshRequest]:
@@ -103,8 +115,8 @@ class Connection:
             except (OSError, ValueError) as error:  # ValueError: closed by a caller who has given up
                 events.put(error)
 
-        header.offset = self.call("GetUpload", v1.GetUploadRequest(mesh_id=header.mesh_id), self.short_timeout).received
-        with translated():
+        header.offset = self.call_once("GetUpload", v1.GetUploadRequest(mesh_id=header.mesh_id), self.short_timeout).received
+        with translate_errors():
             future = self.stub.UploadMesh.future(requests(), timeout=self.long_timeout, metadata=self.metadata)
             try:
                 future.add_done_callback(lambda _: events.put(None))
@@ -115,7 +127,8 @@ class Connection:
                     sent += event
                     if on_progress is not None:
                         on_progress("upload", min(sent / header.size, 1.0))
-                return future.result()
+                response: v1.UploadMeshResponse = future.result()
+                return response
             finally:
                 future.cancel()
 
@@ -133,7 +146,8 @@ class Connection:
 
 
 def is_retryable(error: Error) -> bool:
-    """Lost on the way. Nobody here cancels a call and then asks how it went: CANCELLED is of a proxy that lost its server."""
+    """Tells whether a call was lost on its way. CANCELLED comes from a proxy that lost its server: this client never waits for a
+    call that it has cancelled."""
     if error.code is grpc.StatusCode.INTERNAL:
         return "RST_STREAM" in error.message
     return error.code in (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED)

@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from curvecast.columns import join_discs
 from curvecast.errors import bad_answer
+from curvecast.protocol import MAX_CURVE_LEVEL
 from curvecast.v1 import curvecast_pb2 as v1
 
-MOST_LEVELS = 30  # of a quad; places are whole numbers of 2^-30
 COLUMNS = {"positions": ("<f4", 3), "normals": ("<i2", 3), "areas": ("<f4", 1), "cells": ("<u4", 2), "levels": ("u1", 1)}
 
 
@@ -30,8 +30,9 @@ class CurveDisc:
         return len(self.levels)
 
     def centres(self) -> npt.NDArray[np.float64]:
-        """(L, 2): of the quads, in [0, 1]."""
-        return np.ldexp(self.cells, -MOST_LEVELS) + np.ldexp(0.5, -self.levels.astype(int))[:, None]
+        """Returns the centres of the quads: (L, 2), in [0, 1]."""
+        centres: npt.NDArray[np.float64] = np.ldexp(self.cells, -MAX_CURVE_LEVEL) + np.ldexp(0.5, -self.levels.astype(int))[:, None]
+        return centres
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -44,13 +45,13 @@ class Curve:
 
 
 def decode_curve(messages: Iterator[v1.GetCurveResponse]) -> Curve:
-    """Error DATA_LOSS: an answer that makes no sense."""
+    """Joins the messages of an answer to the curve. Error DATA_LOSS: the messages break the protocol."""
     first = next(messages, v1.GetCurveResponse())
     info = first.info
     chunks = [message.chunk for message in (first, *messages) if message.HasField("chunk")]
     discs = []
     for columns in join_discs("the curve", chunks, COLUMNS, info.discs):
-        if len({len(column) for column in columns.values()}) != 1 or columns["levels"].max(initial=0) > MOST_LEVELS:
+        if len({len(column) for column in columns.values()}) != 1 or columns["levels"].max(initial=0) > MAX_CURVE_LEVEL:
             raise bad_answer("the server sent a curve that makes no sense")
         columns["normals"] = columns["normals"] / np.float32(32767)
         discs.append(CurveDisc(**columns))

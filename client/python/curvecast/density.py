@@ -1,18 +1,17 @@
-"""Densities: terms that are multiplied. Only ratios matter. See the messages of the same names in the API."""
+"""Terms of a density, which are multiplied; only ratios matter. Each function makes the message of the same name in the API."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from google.protobuf.internal.enum_type_wrapper import EnumTypeWrapper
 
 from curvecast.v1 import curvecast_pb2 as v1
 
-
 #: x, y, z
-Vector = Sequence[float] | npt.NDArray[np.floating]
+Vector = Sequence[float] | npt.NDArray[np.floating[Any]]
 
 
 def vec3(values: Vector) -> v1.Vec3:
@@ -20,8 +19,9 @@ def vec3(values: Vector) -> v1.Vec3:
     return v1.Vec3(x=x, y=y, z=z)
 
 
-def enum_name(enum: EnumTypeWrapper, prefix: str, name: str) -> str:
-    """PREFIX_NAME, a value of an enum of the API; ValueError says which names there are."""
+def enum_name(enum: Any, prefix: str, name: str) -> str:
+    """Makes PREFIX_NAME, the name of a value of `enum`, which is an enum of the API. ValueError: there is no such name; says which
+    there are."""
     names = [key.removeprefix(f"{prefix}_").lower() for key, number in enum.items() if number != 0]
     if name not in names:
         raise ValueError(f"{prefix.lower()} is one of {', '.join(names)}, not {name!r}")
@@ -45,8 +45,8 @@ def attribute(name: str) -> v1.DensityTerm:
 
 
 def brush(centre: Vector, radius: float, factor: float, falloff: float | None = None) -> v1.DensityTerm:
-    """`factor` within `radius` (units) of a place, 1 elsewhere; 0 erases. `falloff`: part of the radius over which it goes to 1,
-    by default 0.5."""
+    """`factor` within `radius` (units) of the position `centre`, 1 elsewhere; 0 erases. `falloff`: part of the radius over which
+    the factor goes to 1, by default 0.5."""
     return v1.DensityTerm(brush=v1.BrushDensity(centre=vec3(centre), radius=radius, factor=factor, falloff=falloff))
 
 
@@ -61,8 +61,8 @@ def view(s0: float | None = None) -> v1.DensityTerm:
 
 
 def distance(near: float = 0, far: float = 0, whole: bool = False) -> v1.DensityTerm:
-    """(near / clamp(d, near, far))^2, d from the eye, in units; 0: as near as the mesh's box, no far limit. `whole`: the number of
-    points falls instead, by the distance of the middle."""
+    """(near / clamp(d, near, far))^2, d from the eye, in units; 0: as near as the mesh's box, no far limit. `whole`: the density
+    stays, and the number of points falls by the distance of the middle of the mesh's box."""
     term = v1.DistanceDensity(near=near, far=far)
     setattr(term, "global", whole)  # a keyword of Python
     return v1.DensityTerm(distance=term)

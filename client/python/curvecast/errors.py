@@ -1,4 +1,4 @@
-"""What goes wrong between a client and its server."""
+"""Errors of the server and of the network."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ DETAILS = "grpc-status-details-bin"  # the trailer that holds a Status
 
 
 class Error(Exception):
-    """What the server refused, or the network lost. DATA_LOSS: the server's answer makes no sense."""
+    """Tells what the server refused or the network lost. The code DATA_LOSS: the server's answer breaks the protocol."""
 
     def __init__(
         self, code: grpc.StatusCode, message: str, fields: Mapping[str, str] | None = None, retry_after: float | None = None
@@ -22,7 +22,9 @@ class Error(Exception):
         super().__init__(code, message)
         self.code = code  #: grpc.StatusCode, such as grpc.StatusCode.NOT_FOUND
         self.message = message  #: what was wrong, where, and what to do
-        self.fields = dict(fields or {})  #: of the request, which are at fault: path, such as sample.cameras[0].eye.x, and why
+        self.fields = dict(
+            fields or {}
+        )  #: fields of the request at fault: from the path, such as sample.cameras[0].eye.x, to what is wrong
         self.retry_after = retry_after  #: of RESOURCE_EXHAUSTED: seconds after which to try again
 
     def __str__(self) -> str:
@@ -30,17 +32,18 @@ class Error(Exception):
 
 
 def error_of(number: int, message: str, retry_after: float | None = None) -> Error:
-    """The error of a status code by its number in gRPC; UNKNOWN where there is none such."""
+    """Makes the error of a status code, given by its number in gRPC; a number that gRPC does not have becomes UNKNOWN."""
     codes = {code.value[0]: code for code in grpc.StatusCode if code is not grpc.StatusCode.OK}
     return Error(codes.get(number, grpc.StatusCode.UNKNOWN), message, retry_after=retry_after)
 
 
 def bad_answer(message: str) -> Error:
+    """Makes the error for an answer of the server that breaks the protocol."""
     return Error(grpc.StatusCode.DATA_LOSS, message)
 
 
 def error_of_call(error: grpc.RpcError) -> Error:
-    """With the details that the server gave, as far as they can be read."""
+    """Turns an error of gRPC into an Error with the details that the server gave, as far as they can be read."""
     out = Error(error.code(), error.details() or "")
     trailers = {entry.key: entry.value for entry in error.trailing_metadata() or ()}
     with contextlib.suppress(DecodeError):
@@ -55,8 +58,8 @@ def error_of_call(error: grpc.RpcError) -> Error:
 
 
 @contextlib.contextmanager
-def translated() -> Iterator[None]:
-    """Lets errors of gRPC leave as Error."""
+def translate_errors() -> Iterator[None]:
+    """Turns an error of gRPC that leaves the block into an Error."""
     try:
         yield
     except grpc.RpcError as error:

@@ -11,7 +11,7 @@ from typing import BinaryIO
 import xxhash
 
 REFERRING_ENDINGS = {".obj", ".gltf", ".glb", ".ply"}
-# A server may name any file of the folder. It has no use for others than these.
+# A server may name any file of the folder, but needs no others than these.
 COMPANION_ENDINGS = {".mtl", ".bin", ".png", ".jpg", ".jpeg", ".bmp", ".tga", ".gif", ".webp", ".ktx2"}
 
 
@@ -29,7 +29,7 @@ def as_mesh(mesh: Mesh | str) -> Mesh:
 
 
 def mesh_id_of(file: BinaryIO) -> str:
-    """XXH3-128 of the file's bytes, as servers name them."""
+    """Computes the mesh_id of a file: XXH3-128 of its bytes, in 32 hexadecimal digits."""
     digest = xxhash.xxh3_128()
     file.seek(0)
     while block := file.read(1 << 20):
@@ -38,25 +38,27 @@ def mesh_id_of(file: BinaryIO) -> str:
 
 
 def may_have_companions(path: pathlib.Path) -> bool:
+    """Tells whether meshes of the format of `path` can refer to other files."""
     return path.suffix.lower() in REFERRING_ENDINGS
 
 
 def find_companion(mesh_path: pathlib.Path, name: str) -> pathlib.Path | None:
-    """The file `name` that a mesh refers to: in the mesh's folder or below, with the ending of a material library, buffer or
+    """Finds the file `name` that a mesh refers to, in the mesh's folder or below, with the ending of a material library, buffer or
     picture; None where there is none. Symbolic links are followed as long as they stay there. ValueError: a name that is absolute,
     goes up, has a hidden part or another ending, or leads out of the folder."""
-    objection = _objection_to(name)
+    reason = _reason_to_refuse(name)
     folder = os.path.realpath(mesh_path.parent)
-    if not objection:
+    if not reason:
         file = pathlib.Path(os.path.realpath(os.path.join(folder, name)))
         if not file.is_relative_to(folder):
-            objection = "leads out of the mesh's folder"
+            reason = "leads out of the mesh's folder"
         else:
             return file if file.is_file() and file.stat().st_size > 0 else None
-    raise ValueError(f"{mesh_path} refers to {name!r}, which {objection}")
+    raise ValueError(f"{mesh_path} refers to {name!r}, which {reason}")
 
 
-def _objection_to(name: str) -> str:
+def _reason_to_refuse(name: str) -> str:
+    """Says what is wrong with a name; empty: nothing."""
     parts = name.split("/")
     if not name or "\0" in name:
         return "is no name of a file"

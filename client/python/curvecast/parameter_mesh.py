@@ -38,14 +38,14 @@ class ParameterDisc:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class ParameterMesh:
-    """What a mesh is mapped by."""
+    """The discs of a mesh, mapped to the square."""
 
     info: v1.ParameterMeshInfo  #: the mesh and its distortion
     discs: Sequence[ParameterDisc]
 
 
 def decode_parameter_mesh(messages: Iterator[v1.GetParameterMeshResponse]) -> ParameterMesh:
-    """Error DATA_LOSS: an answer that makes no sense."""
+    """Joins the messages of an answer to the parameter mesh. Error DATA_LOSS: the messages break the protocol."""
     first = next(messages, v1.GetParameterMeshResponse())
     chunks = [message.chunk for message in (first, *messages) if message.HasField("chunk")]
     discs = []

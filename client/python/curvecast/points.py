@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,15 +15,13 @@ from curvecast.columns import Columns, read_column
 from curvecast.errors import bad_answer
 from curvecast.v1 import curvecast_pb2 as v1
 
-try:
-    from curvecast import _draco  # type: ignore[attr-defined]
-except ImportError:  # built without Python's headers
-    _draco = None
+#: (data, radius_min, radius_max, count) -> positions, normals, radii and colours; None: built without Python's headers.
+_decode: Callable[[bytes, float, float, int], tuple[bytes, bytes, bytes, bytes]] | None = None
+with contextlib.suppress(ModuleNotFoundError):  # a module that is there and does not load is an error
+    from curvecast._draco import decode as _decode
 
 #: Whether points can be asked for with encoding="draco".
-HAS_DRACO = _draco is not None
-
-MOST_POINTS = 4_000_000  # of one point set, as in the API
+HAS_DRACO = _decode is not None
 
 Float32s = npt.NDArray[np.float32]
 
@@ -39,7 +39,7 @@ COLUMNS: Columns = {
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Points:
-    """N points along the curve. A point stands at origin + position. None: a column that the mesh lacks or nobody asked for."""
+    """N points along the curve. A point is at origin + position. None: a column that the mesh lacks or the view did not select."""
 
     origin: npt.NDArray[np.float64]  #: (3,), units
     positions: Float32s  #: (N, 3), units
@@ -50,36 +50,38 @@ class Points:
     ranks: npt.NDArray[np.uint32] | None = None  #: (N,): of the progressive sampler
     faces: npt.NDArray[np.uint32] | None = None  #: (N,): faces of the repaired mesh
     barycentric: Float32s | None = None  #: (N, 2): weights of the face's second and third corner
-    #: of the request that they answer: the server's times, and .refining: better ones are being made
+    #: how the server made them: its times, and .refining: better points are being made
     statistics: v1.FrameStatistics = dataclasses.field(default_factory=v1.FrameStatistics)
 
     def __len__(self) -> int:
         return len(self.positions)
 
     def world_positions(self) -> npt.NDArray[np.float64]:
-        """(N, 3) float64: in the frame of the mesh file."""
+        """Returns the positions in the frame of the mesh file: (N, 3) float64, units."""
         return self.origin + self.positions
 
 
 def as_points(points: Points | npt.ArrayLike) -> Points:
-    """Any (N, 3) array of places in the frame of a mesh file, relative to their middle so that 32 bits do."""
+    """Makes Points of an (N, 3) array of positions in the frame of a mesh file. Their origin is the middle of the positions, so
+    that 32 bits suffice for what is left. ValueError: another shape."""
     if isinstance(points, Points):
         return points
-    places = np.asarray(points, dtype=np.float64)
-    if places.ndim != 2 or places.shape[1] != 3:
-        raise ValueError(f"points are an array of shape (N, 3), not {places.shape}")
-    origin = 0.5 * (places.min(axis=0) + places.max(axis=0)) if len(places) else np.zeros(3)
-    return Points(origin, (places - origin).astype("<f4"))
+    positions = np.asarray(points, dtype=np.float64)
+    if positions.ndim != 2 or positions.shape[1] != 3:
+        raise ValueError(f"points are an array of shape (N, 3), not {positions.shape}")
+    origin = 0.5 * (positions.min(axis=0) + positions.max(axis=0)) if len(positions) else np.zeros(3)
+    return Points(origin, (positions - origin).astype("<f4"))
 
 
 def encoded_bytes(block: v1.PointBlock) -> int:
-    """Of the points of a block, on the wire."""
+    """Counts the bytes that the points of a block take on the wire."""
     fields: tuple[Message, ...] = (block.draco, block.raw, block.attributes)
     return sum(len(value) for message in fields for _, value in message.ListFields() if isinstance(value, bytes))
 
 
 def decode_blocks(blocks: Iterable[v1.PointBlock]) -> Points:
-    """All points of blocks that follow each other, in arrays of their own. Error DATA_LOSS: blocks that make no sense."""
+    """Decodes blocks that follow each other into one set of points, which can be written to. Error DATA_LOSS: blocks that break the
+    protocol."""
     decoded = [_decode_block(block) for block in blocks]
     if not decoded:
         return Points(np.zeros(3), np.zeros((0, 3), "<f4"))
@@ -119,17 +121,19 @@ def _decode_block(block: v1.PointBlock) -> Points:
     origin = np.array([block.origin.x, block.origin.y, block.origin.z])
     if not np.isfinite(origin).all():
         raise bad_answer("the server sent a block of points whose origin is not finite")
-    columns = {name: read_column(name, value, COLUMNS[name], block.count) for name, value in data.items() if name in COLUMNS}
+    columns: dict[str, Any] = {
+        name: read_column(name, value, COLUMNS[name], block.count) for name, value in data.items() if name in COLUMNS
+    }
     if (columns["radii"] < 0).any():
         raise bad_answer("the server sent radii below 0")
-    return Points(origin, **columns)  # type: ignore[arg-type]
+    return Points(origin, **columns)
 
 
 def _decode_draco(draco: v1.DracoPoints, count: int) -> dict[str, bytes]:
-    if _draco is None:
+    if _decode is None:
         raise bad_answer("the server sent Draco points that nobody asked for")
     try:
-        positions, normals, radii, colours = _draco.decode(draco.data, draco.radius_min, draco.radius_max, count)
+        positions, normals, radii, colours = _decode(draco.data, draco.radius_min, draco.radius_max, count)
     except ValueError as error:
         raise bad_answer(f"the server sent a bad block of points: {error}") from None
     columns = {"positions": positions, "normals": normals, "radii": radii}

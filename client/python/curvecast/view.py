@@ -26,7 +26,10 @@ class Camera:
 
     def to_proto(self) -> v1.Camera:
         return v1.Camera(
-            eye=vec3(self.eye), target=vec3(self.target), up=vec3(self.up), vertical_fov_degrees=self.fov,
+            eye=vec3(self.eye),
+            target=vec3(self.target),
+            up=vec3(self.up),
+            vertical_fov_degrees=self.fov,
             orthographic_height=self.orthographic_height,
         )
 
@@ -36,13 +39,15 @@ class View:
     """A view of a session. Give one budget: `points`, `pixel_error`, `max_bytes` or, in a stream, `frame_seconds`."""
 
     points: int | None = None  #: N, 1 to 4,000,000
-    pixel_error: float | None = None  #: the fewest points for which none stands for more than its square, in pixels
-    max_bytes: int | None = None  #: as many points as so many bytes hold
-    frame_seconds: float | None = None  #: as many points as a stream can send and a client take in so often; 0 = 0.1
+    pixel_error: float | None = None  #: pixels: the fewest points of which none stands for more than a square of this side
+    max_bytes: int | None = None  #: as many points as this number of bytes holds
+    frame_seconds: float | None = None  #: seconds: as many points as a stream can send and a client decode in this time; 0 = 0.1
     density: Sequence[v1.DensityTerm] | v1.DensityTerm = ()  #: of curvecast.density, multiplied
     camera: Camera | Sequence[Camera] = ()  #: with several there are points for all of them
     viewport: tuple[int, int] | None = None  #: width and height in pixels; default 1024 x 1024
-    sampler: str = "equalised"  #: or progressive: fixed places and ranks, more even, small deltas; fewer points where they lack
+    sampler: str = (
+        "equalised"  #: or progressive: fixed positions and ranks, more even, small deltas; fewer points where candidates lack
+    )
     sequence: str = "jittered"  #: or regular, van_der_corput, golden_ratio; of the equalised sampler
     seed: int = 0  #: of the equalised sampler
     attributes: Sequence[str] = ()  #: of curvatures, rank (progressive sampler only) and surface (faces, barycentric)
@@ -51,7 +56,7 @@ class View:
     normal_bits: int = 0  #: of draco; 0 = 8
 
     def to_proto(self) -> v1.SampleRequest:
-        """ValueError: not one budget, or a name that the API does not know."""
+        """Makes the message of the API. ValueError: not exactly one budget, or a name that the API does not know."""
         automatic = None if self.frame_seconds is None else v1.AutomaticBudget(frame_seconds=self.frame_seconds)
         budgets = {"points": self.points, "pixel_error": self.pixel_error, "max_bytes": self.max_bytes, "automatic": automatic}
         given: dict[str, Any] = {name: value for name, value in budgets.items() if value is not None}
@@ -60,8 +65,13 @@ class View:
         terms = [self.density] if isinstance(self.density, v1.DensityTerm) else self.density
         cameras = [self.camera] if isinstance(self.camera, Camera) else self.camera
         request = v1.SampleRequest(
-            **given, density=terms, cameras=[camera.to_proto() for camera in cameras], seed=self.seed, encoding=self._encoding(),
-            sequence=enum_name(v1.Sequence, "SEQUENCE", self.sequence), sampler=enum_name(v1.Sampler, "SAMPLER", self.sampler),
+            **given,
+            density=terms,
+            cameras=[camera.to_proto() for camera in cameras],
+            seed=self.seed,
+            encoding=self._encoding(),
+            sequence=enum_name(v1.Sequence, "SEQUENCE", self.sequence),
+            sampler=enum_name(v1.Sampler, "SAMPLER", self.sampler),
             attributes=[enum_name(v1.PointAttribute, "POINT_ATTRIBUTE", name) for name in self.attributes],
         )
         if self.viewport is not None:

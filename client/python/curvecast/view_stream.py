@@ -1,4 +1,4 @@
-"""A conversation with a session: views out, frames in."""
+"""A conversation with a session: views go to the server, frames come back."""
 
 from __future__ import annotations
 
@@ -13,42 +13,44 @@ import grpc
 from curvecast.connection import Connection
 from curvecast.errors import Error, bad_answer, error_of, error_of_call
 from curvecast.point_edits import apply_edits
-from curvecast.points import COLUMNS, MOST_POINTS, Points, decode_blocks, encoded_bytes
+from curvecast.points import COLUMNS, Points, decode_blocks, encoded_bytes
+from curvecast.protocol import MAX_POINTS
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import View
 
-MOST_REMEMBERED = 256  # views, with what they asked for: a frame of an older one cannot be gone on from
-MOST_QUEUED = 16  # the server keeps two frames in flight; a few more are refused ones, which are small
+MAX_REMEMBERED = 256  # views sent: a stream cannot resume from the frame of an older view
+MAX_QUEUED = 16  # frames: the server keeps two in flight; the others are refused views, which are small
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Frame:
-    """What answers a view."""
+    """The answer to a view."""
 
-    sequence: int  #: of the view that it answers; the same again when an improved frame follows by itself
+    sequence: int  #: number of the view; the same again when an improved frame follows by itself
     curve_revision: int
-    points: Points | None  #: all that there are now, not to be written to; with an error those of the frame before
-    is_delta: bool  #: it changed the points of the frame before
-    added: int  #: points that came with it; a key frame adds all and removes all
-    removed: int
-    resized: int  #: steps of discs from one size to the next
+    points: Points | None  #: the whole list after this frame, read-only; with an error the list of the frame before
+    is_delta: bool  #: the frame changed the points of the frame before
+    added: int  #: number of points that came with the frame; a key frame adds all
+    removed: int  #: number of points that went with the frame; a key frame removes all
+    resized: int  #: number of steps of discs from one radius to the next
     statistics: v1.FrameStatistics  #: the server's times, and .refining: a better frame follows
-    encoded_bytes: int  #: of the points and edits on the wire
-    decode_seconds: float
+    encoded_bytes: int  #: bytes of the points and edits on the wire
+    decode_seconds: float  #: time that decoding took, seconds
     error: Error | None = None  #: why the server refused the view; the stream goes on
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class HeldFrame:
-    """What is left of a stream that broke off, for the next one to go on from."""
+    """The last frame of a stream, from which the next stream can go on."""
 
-    points: Points
-    sample: v1.SampleRequest  #: that the frame answered
-    digest: int  #: the server's name for the points
+    points: Points  #: the whole list after the frame
+    sample: v1.SampleRequest  #: the view that the frame answered
+    digest: int  #: the server's digest of the points
 
 
 class ViewStream:
-    """Opened by Session.stream(); use it with `with`. One thread may send while another waits for frames."""
+    """Exchanges views and frames with the server. Session.stream() opens it; `with` ends it. One thread may send views while
+    another waits for frames."""
 
     def __init__(
         self, connection: Connection, session_id: str, deltas: bool = True, first_bytes: int = 0, held: HeldFrame | None = None
@@ -58,17 +60,17 @@ class ViewStream:
             open_view.held.CopyFrom(v1.HeldPoints(sample=held.sample, points=len(held.points), digest=held.digest))
         self._first_bytes = first_bytes
         self._changed = threading.Condition()
-        # Under _changed, as all that follows but _held and _last.
+        # _changed guards all that follows but _points and _resumable, which belong to the thread that waits for frames.
         self._outgoing = collections.deque([v1.StreamViewsRequest(open=open_view)])
-        self._sent: collections.deque[v1.ViewUpdate] = collections.deque(maxlen=MOST_REMEMBERED)
-        self._view: v1.ViewUpdate | None = None  # the newest, not sent yet
+        self._sent: collections.deque[v1.ViewUpdate] = collections.deque(maxlen=MAX_REMEMBERED)
+        self._view: v1.ViewUpdate | None = None  # the newest view, not sent yet
         self._sequence = 0
         self._needs_key = False
         self._writing = True
         self._queue: collections.deque[v1.PointFrame] = collections.deque()
         self._ended: Error | None = None
-        self._held: Points | None = decode_blocks([]) if held is None else held.points  # None: a frame could not be taken in
-        self._last = held  # taken in, as far as it can be gone on from
+        self._points: Points | None = decode_blocks([]) if held is None else held.points  # None: a frame could not be decoded
+        self._resumable = held  # the last frame decoded, if the next stream can go on from it
         self._call = connection.stub.StreamViews(self._requests(), metadata=connection.metadata)
         self._reader = threading.Thread(target=self._read, name="curvecast frames", daemon=True)
         self._reader.start()
@@ -80,8 +82,8 @@ class ViewStream:
         self.cancel()
 
     def send(self, view: View, key_frame: bool = False) -> int:
-        """Asks for a view and returns its number. The newest view wins: one that is overtaken gets no frame. `key_frame`: the
-        frame is not to be a delta. After the stream's end, its error."""
+        """Asks for a view and returns its number. The newest view wins: a view that is overtaken gets no frame. `key_frame`: the
+        frame must not be a delta. Error: FAILED_PRECONDITION after close(); after the stream's end, what the stream ended with."""
         request = view.to_proto()
         with self._changed:
             if self._ended is not None:
@@ -89,9 +91,11 @@ class ViewStream:
             if not self._writing:
                 raise Error(grpc.StatusCode.FAILED_PRECONDITION, "the stream is closed")
             self._sequence += 1
-            overtaken = self._view is not None and self._view.key_frame
+            overtaken_key = self._view is not None and self._view.key_frame
             self._view = v1.ViewUpdate(
-                sequence=self._sequence, sample=request, key_frame=key_frame or overtaken or self._needs_key,
+                sequence=self._sequence,
+                sample=request,
+                key_frame=key_frame or overtaken_key or self._needs_key,
                 first_bytes=self._first_bytes,
             )
             self._sent.append(self._view)
@@ -100,9 +104,9 @@ class ViewStream:
             return self._sequence
 
     def frame(self, timeout: float | None = None) -> Frame:
-        """Waits for the next frame, takes it in and acknowledges it. Error: DEADLINE_EXCEEDED after `timeout` seconds; DATA_LOSS
-        for a frame that makes no sense (the next view is answered with a key frame); ABORTED when the server has ended the
-        stream in order, else what it ended with."""
+        """Waits for the next frame, decodes it and acknowledges it. Error: DEADLINE_EXCEEDED after `timeout` seconds; DATA_LOSS for
+        a frame that breaks the protocol, after which the next view asks for a key frame; ABORTED when the server has ended the
+        stream in order, else what the stream ended with."""
         with self._changed:
             if not self._changed.wait_for(lambda: self._queue or self._ended is not None, timeout):
                 raise Error(grpc.StatusCode.DEADLINE_EXCEEDED, f"no frame within {timeout} s")
@@ -112,9 +116,9 @@ class ViewStream:
             message = self._queue.popleft()
             self._changed.notify_all()
         try:
-            return self._take_in(message)
+            return self._decode(message)
         except Error as error:
-            self._held = self._last = None
+            self._points = self._resumable = None
             with self._changed:
                 self._needs_key = True
             raise Error(error.code, f"frame {message.sequence}: {error.message}") from None
@@ -124,11 +128,12 @@ class ViewStream:
                 self._changed.notify_all()
 
     def held(self) -> HeldFrame | None:
-        """The points of the last frame taken in, for the stream after this one; None where the server gave them no name."""
-        return self._last
+        """Returns the last frame that came, for Session.stream(held=...); None where the server gave it no digest."""
+        return self._resumable
 
     def close(self) -> None:
-        """Sends no more and waits for the server to end the stream. Frames not taken are dropped. Error: what it ended with."""
+        """Sends no more views and waits for the server to end the stream. Drops frames that frame() has not returned. Error: what
+        the stream ended with, unless the server ended it in order."""
         with self._changed:
             self._writing = False
             self._changed.notify_all()
@@ -141,7 +146,7 @@ class ViewStream:
                 raise self._ended
 
     def cancel(self) -> None:
-        """Ends the stream at once."""
+        """Ends the stream at once. frame() then raises CANCELLED in a thread that waits in it."""
         self._call.cancel()
         with self._changed:
             self._writing = False
@@ -150,7 +155,7 @@ class ViewStream:
         self._reader.join()
 
     def _requests(self) -> Iterator[v1.StreamViewsRequest]:
-        """What gRPC sends, taken on a thread of its own: acknowledgements first, then the newest view."""
+        """Yields what gRPC sends, on a thread of gRPC: acknowledgements first, then the newest view."""
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._outgoing or self._view is not None or not self._writing)
@@ -163,11 +168,12 @@ class ViewStream:
             yield request
 
     def _read(self) -> None:
+        """Queues the frames that come, on the thread of this stream, until the stream ends."""
         ended = Error(grpc.StatusCode.ABORTED, "the stream has ended")
         try:
             for response in self._call:
                 with self._changed:
-                    self._changed.wait_for(lambda: len(self._queue) < MOST_QUEUED or not self._call.is_active())
+                    self._changed.wait_for(lambda: len(self._queue) < MAX_QUEUED or not self._call.is_active())
                     self._queue.append(response.frame)
                     self._changed.notify_all()
         except grpc.RpcError as error:
@@ -177,22 +183,23 @@ class ViewStream:
             self._writing = False
             self._changed.notify_all()
 
-    def _take_in(self, message: v1.PointFrame) -> Frame:
+    def _decode(self, message: v1.PointFrame) -> Frame:
+        """Applies a frame to the list of points. Error DATA_LOSS: the frame breaks the protocol."""
         start = time.perf_counter()
-        held, edits = self._held, message.edits
+        before, edits = self._points, message.edits
         if message.HasField("error"):
             refused = error_of(message.error.code, message.error.message, message.error.retry_after or None)
-            return Frame(message.sequence, message.curve_revision, held, False, 0, 0, 0, message.statistics, 0, 0, refused)
+            return Frame(message.sequence, message.curve_revision, before, False, 0, 0, 0, message.statistics, 0, 0, refused)
         blocks = message.points
         count = sum(block.count for block in blocks)
-        if count > MOST_POINTS:
+        if count > MAX_POINTS:
             raise bad_answer(f"it holds {count} points")
         points = decode_blocks(blocks)
         is_delta = message.kind == v1.FRAME_KIND_DELTA
         if is_delta:
-            if held is None:
+            if before is None:
                 raise bad_answer("a delta to points that are not there")
-            points = apply_edits(held, edits, points)
+            points = apply_edits(before, edits, points)
         elif message.kind != v1.FRAME_KIND_KEY:
             raise bad_answer(f"kind {message.kind} is not known")
         if len(points) != message.held_points:
@@ -200,19 +207,19 @@ class ViewStream:
         for name in COLUMNS:  # the next delta builds on them
             if (column := getattr(points, name)) is not None:
                 column.flags.writeable = False
-        self._held = points = dataclasses.replace(points, statistics=message.statistics)
+        self._points = points = dataclasses.replace(points, statistics=message.statistics)
         with self._changed:
             while self._sent and self._sent[0].sequence < message.sequence:
                 self._sent.popleft()
             remembered = self._sent[0] if self._sent and self._sent[0].sequence == message.sequence else None
-        self._last = HeldFrame(points, remembered.sample, message.digest) if remembered and message.digest else None
+        self._resumable = HeldFrame(points, remembered.sample, message.digest) if remembered and message.digest else None
         return Frame(
             sequence=message.sequence,
             curve_revision=message.curve_revision,
             points=points,
             is_delta=is_delta,
             added=len(edits.added) if is_delta else len(points),
-            removed=len(edits.removed) if is_delta else len(held or ()),
+            removed=len(edits.removed) if is_delta else len(before or ()),
             resized=len(edits.resized),
             statistics=message.statistics,
             encoded_bytes=sum(map(encoded_bytes, blocks)) + (edits.ByteSize() if is_delta else 0),

@@ -33,5 +33,5 @@ with curvecast.connect(address) as client:
             took = frame.statistics
             server = 1000 * (took.density_seconds + took.equalise_seconds + took.encode_seconds)
             kind = "delta" if frame.is_delta else "key"
-            print(f"{frame.sequence:5}  {kind:>5}  {len(frame.points):6}  {frame.added:5}  {frame.removed:6}  "
-                  f"{frame.encoded_bytes:6}  {server:8.1f}  {1000 * frame.decode_seconds:9.1f}")  # fmt: skip
+            counts = f"{frame.sequence:5}  {kind:>5}  {len(frame.points or ()):6}  {frame.added:5}  {frame.removed:6}"
+            print(f"{counts}  {frame.encoded_bytes:6}  {server:8.1f}  {1000 * frame.decode_seconds:9.1f}")

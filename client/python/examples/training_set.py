@@ -7,8 +7,8 @@ import numpy as np
 
 import curvecast
 
-address, mesh_path, sets, count, out_path = sys.argv[1:]
-sets, count = int(sets), int(count)
+address, mesh_path, sets_text, count_text, out_path = sys.argv[1:]
+sets, count = int(sets_text), int(count_text)
 random = np.random.default_rng(seed=0)
 
 positions = np.empty((sets, count, 3), np.float32)

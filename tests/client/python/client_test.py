@@ -2,12 +2,15 @@
 
 import time
 import unittest
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 import curvecast
+from curvecast.protocol import MAX_POINTS
 from curvecast.v1 import curvecast_pb2 as v1
-from fixture import ServerTest, sphere_obj
+from fixture import WITH_DRACO, ServerTest, present, sphere_obj
 
 
 class ClientTest(ServerTest):
@@ -49,9 +52,9 @@ class ClientTest(ServerTest):
         warnings = "\n".join(self.client.inspect(mesh).warnings)
         self.assertIn("missing.mtl", warnings)
         self.assertIn(mesh.refused[0], warnings)
-        for encoding in ("raw", "draco") if curvecast.HAS_DRACO else ("raw",):
+        for encoding in ("raw", "draco") if WITH_DRACO else ("raw",):
             points = self.client.open(mesh, 100).sample(100, encoding=encoding)
-            np.testing.assert_array_equal(points.colours, np.tile(np.array([255, 0, 0], np.uint8), (100, 1)))
+            np.testing.assert_array_equal(present(points.colours), np.tile(np.array([255, 0, 0], np.uint8), (100, 1)))
 
     def test_what_a_mesh_holds(self) -> None:
         info = self.client.inspect(self.client.upload(self.write("info.obj", sphere_obj(24))))
@@ -61,7 +64,9 @@ class ClientTest(ServerTest):
     def test_sessions(self) -> None:
         mesh = self.client.upload(self.write("sessions.obj", sphere_obj(16)))
         stages: set[str] = set()
-        session = self.client.open(mesh, 500, density=[curvecast.density.curvature()], on_progress=lambda stage, _: stages.add(stage))
+        session = self.client.open(
+            mesh, 500, density=[curvecast.density.curvature()], on_progress=lambda stage, _: stages.add(stage)
+        )
         self.assertEqual(session.info.state, v1.SESSION_STATE_READY)
         self.assertLessEqual(stages, {"queued", "load", "read", "repair", "cut", "parameterise", "curve", "map", "area"})
         self.assertEqual(self.client.open(mesh.id, 500, density=[curvecast.density.curvature()]).id, session.id)
@@ -87,9 +92,10 @@ class ClientTest(ServerTest):
         broken = self.client.upload(self.write("broken.obj", "v 0 0 0\nf 1 2 3\n"))
         self.assert_refused("INVALID_ARGUMENT", "line 2", self.client.open, broken)
         mesh = self.client.upload(self.write("refusals.obj", sphere_obj(8)))
-        self.assert_refused("INVALID_ARGUMENT", "", self.client.open, mesh, 4_000_001)
+        self.assert_refused("INVALID_ARGUMENT", "", self.client.open, mesh, MAX_POINTS + 1)
         self.assert_refused("NOT_FOUND", "", self.client.open, curvecast.Mesh(mesh.id, {"a.mtl": nothing}))
-        for options in ({"mapper": "best"}, {"area": "some"}, {"parameteriser": "unspecified"}):
+        wrong: tuple[dict[str, Any], ...] = ({"mapper": "best"}, {"area": "some"}, {"parameteriser": "unspecified"})
+        for options in wrong:
             with self.assertRaises(ValueError):
                 self.client.open(mesh, **options)
 
@@ -111,7 +117,8 @@ class ClientTest(ServerTest):
         sampled = self.client.open(mesh, 4096).sample(4096)
         random = np.random.default_rng(1).normal(size=(1024, 3))
         random /= np.linalg.norm(random, axis=1, keepdims=True)
-        even, uneven = self.client.measure(mesh, [sampled, random]).sets
+        both: list[curvecast.Points | npt.NDArray[np.float64]] = [sampled, random]
+        even, uneven = self.client.measure(mesh, both).sets
         self.assertEqual((even.points, uneven.points), (4096, 1024))
         self.assertLess(even.on_surface.max, 0.01)
         self.assertLess(even.ball_discrepancy.rms_relative, 0.5)

@@ -1,4 +1,4 @@
-"""Retries and refusals, against a server that does as it is told."""
+"""Retries and refusals, against a server whose answers the tests set."""
 
 import unittest
 
@@ -7,24 +7,24 @@ import grpc
 import curvecast
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import status_pb2
-from told_server import ToldTest, block_of
+from fake_server import FakeServerTest, block_of
 
 
-class ConnectionTest(ToldTest):
+class ConnectionTest(FakeServerTest):
     def test_lost_calls_are_repeated(self) -> None:
         for code in (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED):
-            self.told.failures, self.told.calls = [code, code], 0
+            self.service.failures, self.service.calls = [code, code], 0
             self.assertEqual(self.client.session("s").id, "s")
-            self.assertEqual(self.told.calls, 3)
-        self.told.failures, self.told.calls = 3 * [grpc.StatusCode.UNAVAILABLE], 0
+            self.assertEqual(self.service.calls, 3)
+        self.service.failures, self.service.calls = 3 * [grpc.StatusCode.UNAVAILABLE], 0
         self.assert_refused("UNAVAILABLE", self.client.session, "s")
-        self.assertEqual(self.told.calls, 3)
+        self.assertEqual(self.service.calls, 3)
 
     def test_refused_calls_are_not(self) -> None:
         for code in (grpc.StatusCode.NOT_FOUND, grpc.StatusCode.INTERNAL, grpc.StatusCode.RESOURCE_EXHAUSTED):
-            self.told.failures, self.told.calls = [code], 0
+            self.service.failures, self.service.calls = [code], 0
             self.assert_refused(code.name, self.client.session, "s")
-            self.assertEqual(self.told.calls, 1)
+            self.assertEqual(self.service.calls, 1)
 
     def test_details_of_refusals(self) -> None:
         rich = status_pb2.Status()
@@ -38,30 +38,30 @@ class ConnectionTest(ToldTest):
             ([("grpc-status-details-bin", b"\xff\xff")], {}, None),
             ([], {}, None),
         ):
-            self.told.failures, self.told.trailers = [grpc.StatusCode.RESOURCE_EXHAUSTED], trailers
+            self.service.failures, self.service.trailers = [grpc.StatusCode.RESOURCE_EXHAUSTED], trailers
             with self.assertRaises(curvecast.Error) as caught:
                 self.client.session("s")
             self.assertEqual((caught.exception.fields, caught.exception.retry_after), (fields, seconds))
 
     def test_closing_is_not_repeated(self) -> None:
         session = self.client.session("s")
-        self.told.failures, self.told.calls = [grpc.StatusCode.UNAVAILABLE], 0
+        self.service.failures, self.service.calls = [grpc.StatusCode.UNAVAILABLE], 0
         self.assert_refused("UNAVAILABLE", session.close)
-        self.assertEqual(self.told.calls, 1)
+        self.assertEqual(self.service.calls, 1)
 
     def test_sessions_start_again(self) -> None:
         stages: list[str] = []
-        self.told.failures = [grpc.StatusCode.UNAVAILABLE]
+        self.service.failures = [grpc.StatusCode.UNAVAILABLE]
         self.assertEqual(self.client.open("m", on_progress=lambda stage, _: stages.append(stage)).id, "s")
         self.assertEqual(stages, ["read", "read"])
 
     def test_uploads_go_on_where_they_were(self) -> None:
         data = bytes(range(256)) * 5000
-        self.told.failures = 2 * [grpc.StatusCode.UNAVAILABLE]
+        self.service.failures = 2 * [grpc.StatusCode.UNAVAILABLE]
         fractions: list[float] = []
         self.client.upload_bytes("data", data, lambda _, fraction: fractions.append(fraction))
-        self.assertEqual(self.told.parked, data)
-        self.assertEqual(self.told.sent, [0, 512 << 10, 1024 << 10])
+        self.assertEqual(self.service.parked, data)
+        self.assertEqual(self.service.sent, [0, 512 << 10, 1024 << 10])
         self.assertEqual(fractions[-1], 1)
 
     def test_all_pages_of_sessions(self) -> None:
@@ -79,9 +79,9 @@ class ConnectionTest(ToldTest):
     def test_answers_that_make_no_sense(self) -> None:
         session = self.client.session("s")
         for points in ([], [block_of(9)], [block_of(8), block_of(3)], [v1.PointBlock(count=10)], [block_of(0)]):
-            self.told.points = points
+            self.service.points = points
             self.assert_refused("DATA_LOSS", session.sample, 10)
-        self.told.points = [block_of(8), block_of(2)]
+        self.service.points = [block_of(8), block_of(2)]
         self.assertEqual(len(session.sample(10)), 10)
 
     def test_credentials(self) -> None:
@@ -90,8 +90,8 @@ class ConnectionTest(ToldTest):
             self.assertEqual(client.session("s").id, "s")
 
     def test_every_call_brings_the_token(self) -> None:
-        self.told.points = [block_of(10)]
-        self.told.frames = [v1.PointFrame(kind=v1.FRAME_KIND_KEY)]
+        self.service.points = [block_of(10)]
+        self.service.frames = [v1.PointFrame(kind=v1.FRAME_KIND_KEY)]
         with curvecast.connect(self.address, token="secret") as client:
             client.upload_bytes("data", b"bytes")
             session = client.open("m")
@@ -101,9 +101,9 @@ class ConnectionTest(ToldTest):
                 stream.frame()
             session.refresh()
             session.close()
-        self.assertEqual(self.told.tokens, 6 * ["Bearer secret"])
+        self.assertEqual(self.service.tokens, 6 * ["Bearer secret"])
         self.client.session("s")
-        self.assertIsNone(self.told.tokens[-1])
+        self.assertIsNone(self.service.tokens[-1])
 
     def test_nobody_there(self) -> None:
         with curvecast.connect("127.0.0.1:1", attempts=2) as client:

@@ -1,6 +1,8 @@
 """The curve of a session, and the parameter mesh under it."""
 
 import unittest
+from collections.abc import Callable, Iterator
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,6 +14,9 @@ from fixture import ServerTest, sphere_obj
 
 
 class CurveTest(ServerTest):
+    mesh: ClassVar[curvecast.Mesh]
+    session: ClassVar[curvecast.Session]
+
     @classmethod
     def setUpClass(cls) -> None:
         super().setUpClass()
@@ -50,22 +55,34 @@ class CurveTest(ServerTest):
         self.assertEqual(len(faces), parameter_mesh.info.mesh.faces)
 
     def test_answers_that_make_no_sense(self) -> None:
-        def refused(decode: object, *messages: object) -> None:
+        def refused(decode: Callable[[Iterator[Any]], object], *messages: object) -> None:
             with self.assertRaises(curvecast.Error) as caught:
                 decode(iter(messages))
             self.assertEqual(caught.exception.code.name, "DATA_LOSS")
 
         def chunk(disc: int, count: int, **columns: bytes) -> v1.GetCurveResponse:
-            data = {"positions": bytes(12 * count), "normals": bytes(6 * count), "areas": bytes(4 * count), "cells": bytes(8 * count),
-                    "levels": bytes(count)}
+            data = {
+                "positions": bytes(12 * count),
+                "normals": bytes(6 * count),
+                "areas": bytes(4 * count),
+                "cells": bytes(8 * count),
+                "levels": bytes(count),
+            }
             info = v1.CurveInfo(discs=1, curve_vertices=2)
             return v1.GetCurveResponse(info=info, chunk=v1.CurveChunk(disc=disc, count=count, **data | columns))
 
         self.assertEqual(len(decode_curve(iter([chunk(0, 2)])).discs[0]), 2)
         self.assertEqual(len(decode_curve(iter([chunk(0, 1), chunk(0, 1)])).discs[0]), 2)
-        for messages in ([chunk(0, 1)], [chunk(0, 3)], [chunk(1, 2)], [chunk(0, 2), chunk(1, 0)], [chunk(0, 2, areas=bytes(4))],
-                         [chunk(0, 2, positions=bytes(23))], [chunk(0, 2, levels=b"\x1f\x00")],
-                         [v1.GetCurveResponse(info=v1.CurveInfo(discs=1))]):
+        for messages in (
+            [chunk(0, 1)],
+            [chunk(0, 3)],
+            [chunk(1, 2)],
+            [chunk(0, 2), chunk(1, 0)],
+            [chunk(0, 2, areas=bytes(4))],
+            [chunk(0, 2, positions=bytes(23))],
+            [chunk(0, 2, levels=b"\x1f\x00")],
+            [v1.GetCurveResponse(info=v1.CurveInfo(discs=1))],
+        ):
             refused(decode_curve, *messages)
         info = v1.ParameterMeshInfo(discs=1, mesh=v1.MeshInfo(faces=1))
         good = v1.ParameterDiscChunk(positions=bytes(72), uv=bytes(48), triangles=bytes(12), faces=bytes(4), area_ratios=bytes(8))

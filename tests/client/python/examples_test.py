@@ -5,15 +5,18 @@ import pathlib
 import subprocess
 import sys
 import unittest
+from typing import ClassVar
 
 import numpy as np
 
 from fixture import ServerTest, sphere_obj
 
-EXAMPLES = pathlib.Path(os.environ["CURVECAST_SOURCE"]) / "client" / "python" / "examples"
+PACKAGE = pathlib.Path(os.environ["CURVECAST_SOURCE"]) / "client" / "python"
 
 
 class ExamplesTest(ServerTest):
+    mesh: ClassVar[pathlib.Path]
+
     @classmethod
     def setUpClass(cls) -> None:
         super().setUpClass()
@@ -21,10 +24,29 @@ class ExamplesTest(ServerTest):
         cls.mesh.write_text(sphere_obj())
 
     def run_example(self, name: str, *arguments: object) -> str:
-        command = [sys.executable, "-B", str(EXAMPLES / name), self.server.address, str(self.mesh), *map(str, arguments)]
-        finished = subprocess.run(command, capture_output=True, text=True)
+        command = [
+            sys.executable,
+            "-B",
+            str(PACKAGE / "examples" / name),
+            self.server.address,
+            str(self.mesh),
+            *map(str, arguments),
+        ]
+        finished = subprocess.run(command, capture_output=True, text=True, check=False)
         self.assertEqual(finished.returncode, 0, finished.stderr)
         return finished.stdout
+
+    def test_the_readme(self) -> None:
+        program = (PACKAGE / "README.md").read_text().split("```python\n")[1].split("```")[0]
+        for newcomer, here in (("127.0.0.1:50051", self.server.address), ("armadillo.off", str(self.mesh))):
+            self.assertEqual(program.count(newcomer), 1)
+            program = program.replace(newcomer, here)
+        finished = subprocess.run([sys.executable, "-B", "-c", program], capture_output=True, text=True, check=False)
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        self.assertIn("(50000, 3) float32", finished.stdout)
+        sequence, points, *_ = finished.stdout.splitlines()[-1].split()
+        self.assertEqual(sequence, "41")
+        self.assertGreater(int(points), 0)
 
     def test_sample_to_ply(self) -> None:
         out = self.folder / "points.ply"
@@ -36,7 +58,7 @@ class ExamplesTest(ServerTest):
         # The command reads what the example wrote.
         command = [os.environ["CURVECAST_COMMAND"], "measure", str(self.mesh), str(out), "--quiet"]
         environment = os.environ | {"XDG_CACHE_HOME": str(self.folder / "cache")}
-        self.assertEqual(subprocess.run(command, env=environment, capture_output=True).returncode, 0)
+        self.assertEqual(subprocess.run(command, env=environment, capture_output=True, check=False).returncode, 0)
 
     def test_orbit_stream(self) -> None:
         lines = self.run_example("orbit_stream.py", 20, 500).splitlines()

@@ -29,8 +29,18 @@ class MeshTest(unittest.TestCase):
     def test_no_others(self) -> None:
         (self.folder / "link.png").symlink_to(self.outside / "secret.png")
         (self.folder / "loop.png").symlink_to(self.folder / "loop.png")
-        names = ["../secret.png", "textures/../../secret.png", str(self.outside / "secret.png"), ".hidden.png", "secret.txt", "",
-                 "a\0.png", "textures//a.png", "./a.mtl", "link.png"]
+        names = [
+            "../secret.png",
+            "textures/../../secret.png",
+            str(self.outside / "secret.png"),
+            ".hidden.png",
+            "secret.txt",
+            "",
+            "a\0.png",
+            "textures//a.png",
+            "./a.mtl",
+            "link.png",
+        ]
         for name in names:
             with self.subTest(name), self.assertRaises(ValueError):
                 find_companion(self.mesh, name)

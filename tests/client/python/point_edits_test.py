@@ -1,38 +1,73 @@
 """Edits of lists of points."""
 
+import json
 import math
+import os
+import pathlib
 import random
 import unittest
 
 import numpy as np
+from google.protobuf import json_format
 
 import curvecast
 from curvecast.point_edits import apply_edits
 from curvecast.points import Points
 from curvecast.v1 import curvecast_pb2 as v1
+from fixture import present
 
 
 def numbered(numbers: list[int], ranked: bool = True) -> Points:
     """Points that are known by their numbers."""
     values = np.array(numbers, "<f4").reshape(-1, 1)
     return Points(
-        np.zeros(3), values * np.array([[1, 2, -1]], "<f4"), normals=np.zeros((len(values), 3), "<f4"),
-        radii=np.ones(len(values), "<f4"), ranks=np.array(numbers, "<u4") if ranked else None,
+        np.zeros(3),
+        values * np.array([[1, 2, -1]], "<f4"),
+        normals=np.zeros((len(values), 3), "<f4"),
+        radii=np.ones(len(values), "<f4"),
+        ranks=np.array(numbers, "<u4") if ranked else None,
     )
 
 
 def steps(indices: list[int]) -> list[int]:
-    return [i - before for before, i in zip([0, *indices], indices)]
+    return [i - before for before, i in zip([0, *indices], indices, strict=False)]
+
+
+def listed(rows: list[tuple[int, int]], largest: float) -> Points:
+    """Points of the shared cases, each by its number and the rung of its disc."""
+    points = numbered([number for number, _ in rows])
+    present(points.radii)[:] = [largest * 2 ** (-rung / 2) for _, rung in rows]
+    return points
 
 
 class PointEditsTest(unittest.TestCase):
+    def test_the_shared_cases(self) -> None:
+        path = pathlib.Path(os.environ["CURVECAST_SOURCE"]) / "tests" / "client" / "point_edits.json"
+        cases = json.loads(path.read_text())
+        self.assertGreater(len(cases), 30)
+        for case in cases:
+            with self.subTest(case["name"]):
+                edits = json_format.ParseDict(case["edits"], v1.PointEdits())
+                largest = edits.radius_max if 0 < edits.radius_max < math.inf else 1.0
+                before, fresh = listed(case["before"], largest), listed(case["fresh"], largest)
+                if case["after"] is None:
+                    with self.assertRaises(curvecast.Error):
+                        apply_edits(before, edits, fresh)
+                    continue
+                after, expected = apply_edits(before, edits, fresh), listed(case["after"], largest)
+                np.testing.assert_array_equal(after.positions, expected.positions)
+                np.testing.assert_array_equal(present(after.ranks), present(expected.ranks))
+                np.testing.assert_allclose(present(after.radii), present(expected.radii), rtol=1e-6)
+
     def test_random_edits_give_the_new_list(self) -> None:
         chance = random.Random(1)
         numbers: list[int] = []
         held = numbered([])
         for turn in range(300):
             after: list[int] = []
-            removed, places, fresh = [], [], []
+            removed: list[int] = []
+            places: list[int] = []
+            fresh: list[int] = []
             kept_of_10, run = chance.randrange(11), chance.randrange(1, 6)
             for i in range(len(numbers) + 1):
                 if chance.randrange(4) == 0:
@@ -51,17 +86,17 @@ class PointEditsTest(unittest.TestCase):
             numbers = after
             expected = numbered(numbers)
             np.testing.assert_array_equal(held.positions, expected.positions)
-            np.testing.assert_array_equal(held.ranks, expected.ranks)
-            self.assertEqual(len(held.radii), len(numbers))
+            np.testing.assert_array_equal(present(held.ranks), present(expected.ranks))
+            self.assertEqual(len(present(held.radii)), len(numbers))
 
     def test_discs_climb_the_ladder(self) -> None:
         held = numbered([0, 1, 2, 3])
         # Point 1 twice larger, point 3 once smaller.
         climbed = apply_edits(held, v1.PointEdits(radius_max=8, resized=[2 * 1, 2 * 0, 2 * 2 + 1]), numbered([]))
-        np.testing.assert_allclose(climbed.radii, [1, 2, 1, 2**-0.5], rtol=1e-6)
-        np.testing.assert_array_equal(held.radii, 1)
+        np.testing.assert_allclose(present(climbed.radii), [1, 2, 1, 2**-0.5], rtol=1e-6)
+        np.testing.assert_array_equal(present(held.radii), 1)
         highest = apply_edits(held, v1.PointEdits(radius_max=8, resized=[2 * 2] + 50 * [0]), numbered([]))
-        np.testing.assert_array_equal(highest.radii, [1, 1, 8, 1])
+        np.testing.assert_array_equal(present(highest.radii), [1, 1, 8, 1])
 
     def test_refuses_what_does_not_fit(self) -> None:
         held = numbered([0, 1, 2, 3])

@@ -1,18 +1,26 @@
 """Blocks of points, good and bad ones."""
 
+import subprocess
+import sys
 import unittest
 
 import numpy as np
 
 import curvecast
 from curvecast.points import as_points, decode_blocks
+from curvecast.protocol import MAX_POINTS
 from curvecast.v1 import curvecast_pb2 as v1
+from fixture import WITH_DRACO
 
 
 def raw_block(count: int, origin: float = 0, **columns: object) -> v1.PointBlock:
     values = {"positions": np.ones((count, 3)), "normals": np.zeros((count, 3)), "radii": np.ones(count)} | columns
     data = {name: np.asarray(value, "u1" if name == "colours" else "<f4").tobytes() for name, value in values.items()}
     return v1.PointBlock(count=count, origin=v1.Vec3(x=origin), raw=v1.RawPoints(**data))
+
+
+def run_python(program: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-B", "-c", program], capture_output=True, text=True, check=False)
 
 
 class PointsTest(unittest.TestCase):
@@ -43,11 +51,28 @@ class PointsTest(unittest.TestCase):
         short.attributes.ranks = bytes(7)
         self.assert_bad("ranks", short)
 
-    @unittest.skipUnless(curvecast.HAS_DRACO, "built without Draco")
+    def test_the_draco_decoder_is_there_where_it_was_built(self) -> None:
+        self.assertEqual(curvecast.HAS_DRACO, WITH_DRACO)
+
+    def test_a_draco_decoder_that_does_not_load_is_an_error(self) -> None:
+        broken = """
+import sys
+class Broken:
+    def find_spec(self, name, path=None, target=None):
+        if name == "curvecast._draco":
+            raise ImportError("undefined symbol")
+sys.meta_path.insert(0, Broken())
+import curvecast
+"""
+        self.assertIn("ImportError: undefined symbol", run_python(broken).stderr)
+        missing = 'import sys; sys.modules["curvecast._draco"] = None; import curvecast; print(curvecast.HAS_DRACO)'
+        self.assertEqual(run_python(missing).stdout, "False\n")
+
+    @unittest.skipUnless(WITH_DRACO, "built without Draco")
     def test_claims_are_refused_before_they_cost_anything(self) -> None:
         # A point cloud of version 2.3, sequential, without metadata; then the number of points, and no more.
         header = b"DRACO\x02\x03\x00\x00\x00\x00"
-        for count in (0xFFFFFFFF, 0x7FFFFFFF, 4_000_001, 100_000, 3, 0):
+        for count in (0xFFFFFFFF, 0x7FFFFFFF, MAX_POINTS + 1, 100_000, 3, 0):
             data = header + count.to_bytes(4, "little")
             block = v1.PointBlock(count=count, draco=v1.DracoPoints(data=data, radius_min=1, radius_max=2))
             self.assert_bad("Draco", block)

@@ -4,12 +4,13 @@ import dataclasses
 import random
 import threading
 import unittest
+from typing import Any, ClassVar
 
 import curvecast
 from curvecast import Camera, Frame, View, ViewStream, density
 from curvecast.v1 import curvecast_pb2 as v1
-from fixture import ServerTest, eye_at, sphere_obj
-from told_server import ToldTest, block_of
+from fake_server import FakeServerTest, block_of
+from fixture import WITH_DRACO, ServerTest, eye_at, present, sphere_obj
 
 PATIENCE = 120  # seconds; nothing here takes that long unless it hangs
 
@@ -19,6 +20,8 @@ def view_from(degrees: float, distance: float, points: int) -> View:
 
 
 class ViewStreamTest(ServerTest):
+    session: ClassVar[curvecast.Session]
+
     @classmethod
     def setUpClass(cls) -> None:
         super().setUpClass()
@@ -36,7 +39,7 @@ class ViewStreamTest(ServerTest):
             if frame.sequence == sequence and not frame.statistics.refining:
                 return frame
 
-    def follow_random_views(self, count: int, **options: object) -> None:
+    def follow_random_views(self, count: int, **options: Any) -> None:
         chance = random.Random(7)
         degrees, distance, points = 0.0, 3.0, 400.0
         deltas = edits = 0
@@ -49,8 +52,8 @@ class ViewStreamTest(ServerTest):
                 points = min(max(points * 2 ** (0.04 * chance.uniform(-reach, reach)), 40), 1500)
                 view = dataclasses.replace(view_from(degrees, distance, int(points)), **options)
                 frame = self.settled(stream, view)
-                self.assertEqual(len(frame.points), int(points))
-                self.assert_same_points(frame.points, self.session.sample(view))
+                self.assertEqual(len(present(frame.points)), int(points))
+                self.assert_same_points(present(frame.points), self.session.sample(view))
                 if frame.is_delta:
                     deltas += 1
                     edits += frame.added + frame.removed + frame.resized
@@ -61,7 +64,7 @@ class ViewStreamTest(ServerTest):
     def test_after_300_views_the_set_is_the_servers(self) -> None:
         self.follow_random_views(300, attributes=["rank"])
 
-    @unittest.skipUnless(curvecast.HAS_DRACO, "built without Draco")
+    @unittest.skipUnless(WITH_DRACO, "built without Draco")
     def test_draco_with_deltas(self) -> None:
         self.follow_random_views(100, encoding="draco")
 
@@ -73,7 +76,7 @@ class ViewStreamTest(ServerTest):
             for degrees in range(100):
                 last = stream.send(view_from(degrees, 3, 1000))
             self.assertEqual(last, 100)
-            sequences = []
+            sequences: list[int] = []
             while not sequences or sequences[-1] != last:
                 sequences.append(stream.frame(PATIENCE).sequence)
             self.assertEqual(sequences, sorted(sequences))
@@ -95,13 +98,13 @@ class ViewStreamTest(ServerTest):
             self.assertIsNone(stream.held())
             for degrees in range(3):
                 self.settled(stream, view_from(degrees, 3, 1000))
-            held = stream.held()
+            held = present(stream.held())
         self.assertEqual(len(held.points), 1000)
         view = view_from(4, 3, 1000)
         with self.session.stream(held=held) as stream:
             frame = self.settled(stream, view)
             self.assertTrue(frame.is_delta)
-            self.assert_same_points(frame.points, self.session.sample(view))
+            self.assert_same_points(present(frame.points), self.session.sample(view))
         stale = dataclasses.replace(held, digest=held.digest ^ 1)
         with self.session.stream(held=stale) as stream:
             self.assertFalse(self.settled(stream, view).is_delta)
@@ -114,29 +117,29 @@ class ViewStreamTest(ServerTest):
             while frames[-1].statistics.refining:
                 frames.append(stream.frame(PATIENCE))
         self.assertGreater(len(frames), 1)
-        counts = [len(frame.points) for frame in frames]
+        counts = [len(present(frame.points)) for frame in frames]
         self.assertEqual(counts, sorted(counts))
         self.assertLess(counts[0], 1000)
         self.assertLess(frames[0].encoded_bytes, 10_000)
-        self.assert_same_points(frames[-1].points, self.session.sample(view))
+        self.assert_same_points(present(frames[-1].points), self.session.sample(view))
 
     def test_as_many_points_as_keep_up(self) -> None:
         with self.session.stream() as stream:
             frame = self.settled(stream, dataclasses.replace(view_from(0, 3, 1), points=None, frame_seconds=0.05))
-            self.assertGreater(len(frame.points), 1000)
+            self.assertGreater(len(present(frame.points)), 1000)
 
     def test_frames_cannot_be_written_to(self) -> None:
         with self.session.stream() as stream:
             points = self.settled(stream, view_from(0, 3, 100)).points
             with self.assertRaises(ValueError):
-                points.radii[0] = 1
+                present(present(points).radii)[0] = 1
 
     def test_a_refused_view_leaves_the_points(self) -> None:
         with self.session.stream() as stream:
             before = self.settled(stream, view_from(0, 3, 1000))
             stream.send(View(1000, density=density.view()))  # without a camera
             refused = stream.frame(PATIENCE)
-            self.assertEqual(refused.error.code.name, "INVALID_ARGUMENT")
+            self.assertEqual(present(refused.error).code.name, "INVALID_ARGUMENT")
             self.assertIs(refused.points, before.points)
             self.assertTrue(self.settled(stream, view_from(1, 3, 1000)).is_delta)
             with self.assertRaises(ValueError):
@@ -146,12 +149,12 @@ class ViewStreamTest(ServerTest):
         with self.session.stream() as stream:
             view = view_from(0, 3, 1000)
             self.settled(stream, view)
-            stream._held = None  # as after a frame that could not be taken in
+            stream._points = None  # as after a frame that could not be decoded
             stream.send(view_from(1, 3, 1000))
             self.assert_refused("DATA_LOSS", "frame 2", stream.frame, PATIENCE)
             frame = self.settled(stream, view)
             self.assertFalse(frame.is_delta)
-            self.assert_same_points(frame.points, self.session.sample(view))
+            self.assert_same_points(present(frame.points), self.session.sample(view))
 
     def test_how_streams_end(self) -> None:
         with curvecast.connect(self.server.address) as client:
@@ -179,7 +182,7 @@ class ViewStreamTest(ServerTest):
             for degrees in range(50):
                 stream.send(view_from(degrees, 3, 200))
             waiting.join()
-        self.assertTrue(all(frame.error is None and len(frame.points) == 200 for frame in frames))
+        self.assertTrue(all(frame.error is None and len(present(frame.points)) == 200 for frame in frames))
 
     def test_cancelling_wakes_who_waits(self) -> None:
         stream = self.session.stream()
@@ -187,13 +190,15 @@ class ViewStreamTest(ServerTest):
         self.assert_refused("CANCELLED", "", stream.frame)
 
 
-class ToldViewStreamTest(ToldTest):
+class FakeViewStreamTest(FakeServerTest):
     def test_frames_that_make_no_sense(self) -> None:
-        def key(count: int = 2, **fields: object) -> v1.PointFrame:
-            return v1.PointFrame(**{"kind": v1.FRAME_KIND_KEY, "points": [block_of(count)], "held_points": count} | fields)
+        def key(count: int = 2, **fields: Any) -> v1.PointFrame:
+            defaults: dict[str, Any] = {"kind": v1.FRAME_KIND_KEY, "points": [block_of(count)], "held_points": count}
+            return v1.PointFrame(**defaults | fields)
 
-        def delta(**fields: object) -> v1.PointFrame:
-            return v1.PointFrame(**{"kind": v1.FRAME_KIND_DELTA, "held_points": 2} | fields)
+        def delta(**fields: Any) -> v1.PointFrame:
+            defaults: dict[str, Any] = {"kind": v1.FRAME_KIND_DELTA, "held_points": 2}
+            return v1.PointFrame(**defaults | fields)
 
         bad = [
             key(kind=v1.FRAME_KIND_UNSPECIFIED),
@@ -207,28 +212,28 @@ class ToldViewStreamTest(ToldTest):
         good = [key(1), delta(held_points=2, points=[block_of(1)], edits=v1.PointEdits(added=[1]))]
         with self.client.session("s").stream() as stream:
             for frame in bad:
-                self.told.frames = [*good, frame, key(0), delta(held_points=0)]
+                self.service.frames = [*good, frame, key(0), delta(held_points=0)]
                 for count in (1, 2):
                     stream.send(View(10))
-                    self.assertEqual(len(stream.frame(PATIENCE).points), count)
+                    self.assertEqual(len(present(stream.frame(PATIENCE).points)), count)
                 stream.send(View(10))
                 self.assert_refused("DATA_LOSS", stream.frame, PATIENCE)
                 for _ in range(2):
                     stream.send(View(10))
-                    self.assertEqual(len(stream.frame(PATIENCE).points), 0)
+                    self.assertEqual(len(present(stream.frame(PATIENCE).points)), 0)
             stream.close()
-        views = [request.view for request in self.told.requests if request.HasField("view")]
+        views = [request.view for request in self.service.requests if request.HasField("view")]
         # Only the view after a bad frame asks for all points.
         self.assertEqual([view.key_frame for view in views], len(bad) * [False, False, False, True, False])
         # Every frame is acknowledged once, good or bad.
-        acks = [request.ack.sequence for request in self.told.requests if request.HasField("ack")]
+        acks = [request.ack.sequence for request in self.service.requests if request.HasField("ack")]
         self.assertEqual(acks, [view.sequence for view in views])
 
     def test_errors_of_frames(self) -> None:
-        self.told.frames = [v1.PointFrame(error=v1.FrameError(code=8, message="later", retry_after=2.5))]
+        self.service.frames = [v1.PointFrame(error=v1.FrameError(code=8, message="later", retry_after=2.5))]
         with self.client.session("s").stream() as stream:
             stream.send(View(10))
-            error = stream.frame(PATIENCE).error
+            error = present(stream.frame(PATIENCE).error)
             self.assertEqual((error.code.name, error.message, error.retry_after), ("RESOURCE_EXHAUSTED", "later", 2.5))
 
 

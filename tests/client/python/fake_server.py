@@ -1,8 +1,9 @@
-"""A server that does as it is told."""
+"""A server in this process whose answers a test sets."""
 
 import concurrent.futures
 import unittest
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import grpc
 import numpy as np
@@ -12,16 +13,16 @@ from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 
 
-class Told(v1_grpc.CurvecastServiceServicer):
+class FakeService(v1_grpc.CurvecastServiceServicer):
     """Fails with the codes in `failures`, one call after the other, then answers."""
 
     def __init__(self) -> None:
         self.failures: list[grpc.StatusCode] = []
         self.calls = 0
-        self.tokens: list[str | None] = []  # that each call came with
+        self.tokens: list[str | bytes | None] = []  # that each call came with
         self.frames: list[v1.PointFrame] = []  # that answer views, one after the other
         self.requests: list[v1.StreamViewsRequest] = []
-        self.trailers: list[tuple[str, bytes]] = []
+        self.trailers: Sequence[tuple[str, str | bytes]] = []
         self.points: list[v1.PointBlock] = []
         self.parked = b""  # of an upload that broke off
         self.sent: list[int] = []  # bytes that each upload began with
@@ -29,9 +30,9 @@ class Told(v1_grpc.CurvecastServiceServicer):
     def _answer(self, context: grpc.ServicerContext) -> None:
         self.calls += 1
         self.tokens.append(dict(context.invocation_metadata()).get("authorization"))
-        context.set_trailing_metadata(self.trailers)
+        context.set_trailing_metadata(tuple(self.trailers))
         if self.failures:
-            context.abort(self.failures.pop(0), "as told")
+            context.abort(self.failures.pop(0), "as the test wants")
 
     def GetSession(self, request: v1.GetSessionRequest, context: grpc.ServicerContext) -> v1.GetSessionResponse:
         self._answer(context)
@@ -44,7 +45,7 @@ class Told(v1_grpc.CurvecastServiceServicer):
     def GetMesh(self, _: v1.GetMeshRequest, context: grpc.ServicerContext) -> v1.GetMeshResponse:
         context.abort(grpc.StatusCode.NOT_FOUND, "no such mesh")
 
-    def GetUpload(self, _: v1.GetUploadRequest, context: grpc.ServicerContext) -> v1.GetUploadResponse:
+    def GetUpload(self, _: v1.GetUploadRequest, __: grpc.ServicerContext) -> v1.GetUploadResponse:
         return v1.GetUploadResponse(received=len(self.parked))
 
     def UploadMesh(self, requests: Iterator[v1.UploadMeshRequest], context: grpc.ServicerContext) -> v1.UploadMeshResponse:
@@ -54,7 +55,7 @@ class Told(v1_grpc.CurvecastServiceServicer):
             self._answer(context)
         return v1.UploadMeshResponse()
 
-    def ListSessions(self, request: v1.ListSessionsRequest, context: grpc.ServicerContext) -> v1.ListSessionsResponse:
+    def ListSessions(self, request: v1.ListSessionsRequest, _: grpc.ServicerContext) -> v1.ListSessionsResponse:
         page = int(request.page_token or 0)
         sessions = [v1.Session(session_id=f"{page}{i}") for i in range(2)]
         return v1.ListSessionsResponse(sessions=sessions, next_page_token=str(page + 1) if page < 2 else "")
@@ -81,13 +82,13 @@ class Told(v1_grpc.CurvecastServiceServicer):
                 yield v1.StreamViewsResponse(frame=frame)
 
 
-class ToldTest(unittest.TestCase):
-    """Such a server and a client of it for each test."""
+class FakeServerTest(unittest.TestCase):
+    """One FakeService on a free port, and a client of it, for each test."""
 
     def setUp(self) -> None:
-        self.told = Told()
+        self.service = FakeService()
         server = grpc.server(concurrent.futures.ThreadPoolExecutor(4))
-        v1_grpc.add_CurvecastServiceServicer_to_server(self.told, server)
+        v1_grpc.add_CurvecastServiceServicer_to_server(self.service, server)
         port = server.add_insecure_port("127.0.0.1:0")
         self.secured_port = server.add_secure_port("127.0.0.1:0", grpc.local_server_credentials())
         server.start()
@@ -96,7 +97,7 @@ class ToldTest(unittest.TestCase):
         self.client = curvecast.connect(self.address, attempts=3)
         self.addCleanup(self.client.close)
 
-    def assert_refused(self, code: str, call: object, *arguments: object) -> None:
+    def assert_refused(self, code: str, call: Callable[..., object], *arguments: Any) -> None:
         with self.assertRaises(curvecast.Error) as caught:
             call(*arguments)
         self.assertEqual(caught.exception.code.name, code)

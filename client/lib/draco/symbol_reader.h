@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "client/lib/byte_reader.h"
-#include "client/lib/rans_reader.h"
+#include "client/lib/draco/byte_reader.h"
+#include "client/lib/draco/rans_reader.h"
 
 namespace curvecast::client {
 

@@ -1,4 +1,4 @@
-#include "client/lib/draco_header.h"
+#include "client/lib/draco/draco_header.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "client/lib/draco_points.h"
+#include "client/lib/draco/draco_points.h"
 #include "client/lib/drc_file.h"
 #include "tests/client/sphere_points.h"
 

@@ -1,4 +1,4 @@
-#include "client/lib/point_columns.h"
+#include "client/lib/draco/point_columns.h"
 
 #include <absl/strings/str_cat.h>
 

@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "client/lib/draco_header.h"
-#include "client/lib/point_columns.h"
-#include "client/lib/symbol_reader.h"
+#include "client/lib/draco/draco_header.h"
+#include "client/lib/draco/point_columns.h"
+#include "client/lib/draco/symbol_reader.h"
 
 namespace curvecast::client {
 

@@ -1,8 +1,8 @@
-#include "client/lib/rans_reader.h"
+#include "client/lib/draco/rans_reader.h"
 
 #include <algorithm>
 
-#include "client/lib/draco_header.h"
+#include "client/lib/draco/draco_header.h"
 
 namespace curvecast::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/lib/draco_reader.h"
+#include "client/lib/draco/draco_reader.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "client/lib/draco_library.h"
-#include "client/lib/draco_points.h"
-#include "tests/client/draco_clouds.h"
+#include "client/lib/draco/draco_library.h"
+#include "client/lib/draco/draco_points.h"
+#include "tests/client/draco/draco_clouds.h"
 
 namespace curvecast::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/lib/symbol_reader.h"
+#include "client/lib/draco/symbol_reader.h"
 
 #include <draco/compression/entropy/symbol_encoding.h>
 #include <draco/core/encoder_buffer.h>

@@ -1,4 +1,4 @@
-#include "client/lib/symbol_values.h"
+#include "client/lib/draco/symbol_values.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/lib/draco_library.h"
+#include "client/lib/draco/draco_library.h"
 
 #include <absl/strings/str_cat.h>
 #include <draco/compression/decode.h>

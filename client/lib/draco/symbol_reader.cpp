@@ -1,10 +1,10 @@
-#include "client/lib/symbol_reader.h"
+#include "client/lib/draco/symbol_reader.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
 
-#include "client/lib/draco_header.h"
+#include "client/lib/draco/draco_header.h"
 
 namespace curvecast::client {
 namespace {

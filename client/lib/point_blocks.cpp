@@ -1,4 +1,4 @@
-#include "client/lib/draco_points.h"
+#include "client/lib/point_blocks.h"
 
 #include <absl/strings/str_cat.h>
 
@@ -8,16 +8,17 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <exception>
 #include <numeric>
 #include <span>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "client/lib/draco_library.h"
-#include "client/lib/draco_reader.h"
-#include "client/lib/point_columns.h"
+#include "client/lib/draco/draco_header.h"
+#include "client/lib/draco/draco_points.h"
+#include "client/lib/draco/draco_reader.h"
+#include "client/lib/draco/point_columns.h"
+#include "client/lib/protocol.h"
 
 namespace curvecast::client {
 namespace {
@@ -25,17 +26,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "raw points are copied as they are");
 
 using Vec = std::array<float, 3>;
-
-absl::Status decode_draco_into(DracoReader& reader, std::string_view bytes, const DracoHeaderInfo& header, RadiusRange radii,
-                               const PointColumns& to) {
-  try {
-    const absl::StatusOr<bool> was_read = reader.read(bytes, header, radii, to);
-    if (!was_read.ok()) return was_read.status();
-    return *was_read ? absl::OkStatus() : decode_with_draco(bytes, header, radii, to);
-  } catch (const std::exception& error) {
-    return broken_draco(error.what());
-  }
-}
 
 /// A block and where its points go.
 struct Part {
@@ -219,21 +209,6 @@ absl::StatusOr<Points> decode_all(std::span<const v1::PointBlock* const> blocks)
 }
 
 }  // namespace
-
-absl::StatusOr<Points> decode_draco(std::string_view bytes, RadiusRange radii) {
-  absl::StatusOr<DracoHeaderInfo> header = check_draco_header(bytes);
-  if (!header.ok()) return header.status();
-  if (header->find(DracoKind::kPosition) == nullptr) return broken_draco("it has no positions");
-  Points points;
-  points.positions.resize(header->points);
-  if (header->find(DracoKind::kNormal) != nullptr) points.normals.resize(header->points);
-  if (header->find(DracoKind::kGeneric) != nullptr && radii.valid()) points.radii.resize(header->points);
-  if (header->has_colours()) points.colours.resize(header->points);
-  DracoReader reader;
-  absl::Status status = decode_draco_into(reader, bytes, *header, radii, columns_of(points, 0, header->points));
-  if (!status.ok()) return status;
-  return points;
-}
 
 absl::StatusOr<Points> decode_block(const v1::PointBlock& block) {
   const v1::PointBlock* one = &block;

@@ -1,4 +1,4 @@
-#include "client/lib/draco_header.h"
+#include "client/lib/draco/draco_header.h"
 
 #include <absl/strings/str_cat.h>
 #include <draco/attributes/geometry_attribute.h>
@@ -14,6 +14,8 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+
+#include "client/lib/protocol.h"
 
 namespace curvecast::client {
 namespace {

@@ -1,11 +1,11 @@
-#include "client/lib/draco_reader.h"
+#include "client/lib/draco/draco_reader.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 
-#include "client/lib/symbol_values.h"
+#include "client/lib/draco/symbol_values.h"
 
 namespace curvecast::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/client/draco_clouds.h"
+#include "tests/client/draco/draco_clouds.h"
 
 #include <draco/compression/encode.h>
 #include <draco/compression/expert_encode.h>

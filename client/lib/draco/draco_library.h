@@ -5,8 +5,8 @@
 
 #include <string_view>
 
-#include "client/lib/draco_header.h"
-#include "client/lib/point_columns.h"
+#include "client/lib/draco/draco_header.h"
+#include "client/lib/draco/point_columns.h"
 
 namespace curvecast::client {
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/lib/byte_reader.h"
+#include "client/lib/draco/byte_reader.h"
 
 namespace curvecast::client {
 

@@ -15,8 +15,6 @@
 
 namespace curvecast::client {
 
-inline constexpr std::uint64_t kMaxPoints = 4'000'000;  // of one point set, as in the API
-
 /// Splat radii of a DracoPoints message: code c means min (max / min)^(c / 255). Not valid: no radii.
 struct RadiusRange {
   float min = 0, max = 0;

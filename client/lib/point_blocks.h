@@ -1,21 +1,14 @@
-// Decodes the point blocks of the API, and Draco point clouds in general.
+// Decodes the point blocks of the API.
 #pragma once
 
 #include <absl/status/statusor.h>
 
 #include <cstdint>
-#include <string_view>
 
-#include "client/lib/draco_header.h"
 #include "client/lib/points.h"
 #include "curvecast/v1/curvecast.pb.h"
 
 namespace curvecast::client {
-
-/// Decodes a Draco point cloud with POSITION, optionally NORMAL, COLOR of three or four bytes, and a one-byte GENERIC attribute
-/// as radius where the range is valid; alpha and colours of other types are skipped. The origin is zero. InvalidArgument when
-/// check_draco_header(), DracoReader or, for what that does not know, Draco refuses it, or a value is not finite.
-absl::StatusOr<Points> decode_draco(std::string_view bytes, RadiusRange radii);
 
 /// Decodes a block. DataLoss when it does not hold exactly `count` points with normals and radii, all finite, and colours or
 /// none.
