@@ -8,7 +8,6 @@ namespace curvecast {
 enum class ColumnLength {
   kAll,        // L entries
   kAllOrNone,  // L entries, or none where the curve has no such thing
-  kFree,       // any number
 };
 
 /// Calls visit(name, column, length) with every column but the scalars. The names are those in files.
@@ -30,8 +29,6 @@ void visit_columns(Curve& curve, Visit&& visit) {
   visit("weight 2", curve.weight_2, ColumnLength::kAll);
   visit("key", curve.key, ColumnLength::kAll);
   visit("level", curve.level, ColumnLength::kAll);
-  visit("nodes", curve.hierarchy.nodes, ColumnLength::kFree);
-  visit("node scalars", curve.hierarchy.scalars, ColumnLength::kFree);
 }
 
 }  // namespace curvecast

@@ -38,8 +38,7 @@ void expect_enough_in_a_few_rounds(const Refinable& shape, const CurveDemand& de
     EXPECT_EQ(finer.curve->revision, curve->revision + 1);
     EXPECT_GT(finer.curve->size(), curve->size());
     expect_valid_curve(*finer.curve);
-    ASSERT_FALSE(finer.curve->hierarchy.nodes.empty());
-    EXPECT_EQ(finer.curve->hierarchy.nodes[0].last, finer.curve->size());
+    EXPECT_EQ(finer.curve->blocks.size(), block_count(finer.curve->size()));
     curve = finer.curve;
   }
   EXPECT_LE(highest_load(*curve, demand), kShortLoad);
