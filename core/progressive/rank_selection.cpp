@@ -83,16 +83,6 @@ void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensi
   out.tree = std::move(tree);
 }
 
-void RankSelector::select_at(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& factor,
-                             float scale, RankSelection& out) {
-  const View view{*tree, density, factor};
-  visit(view, scale);
-  out.scale = scale;
-  shown_.resize(keys_.size() / kWord);
-  finish(view, mark_upto(keys_.data(), shown_.size(), scale, shown_.data()), out);
-  out.tree = std::move(tree);
-}
-
 void RankSelector::densities(const RankSelection& selection, std::span<float> out) const {
   std::size_t i = 0;
   selection.for_each_shown([&](const RankRef& ref, std::size_t bit) {

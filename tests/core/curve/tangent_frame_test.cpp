@@ -43,6 +43,11 @@ TEST(TangentFrame, IsOrthonormalAndRightHanded) {
   }
 }
 
+/// Code of a direction near the tangent plane, of any length and sign.
+std::uint16_t pack_direction(const Vec3f& direction, const Vec3f& normal) {
+  return pack_axes(axis_tensor(direction), normal.x(), normal.y(), normal.z());
+}
+
 TEST(TangentFrame, DirectionsComeBackWithinATenthOfAMilliradian) {
   for (const Vec3f& n : normals()) {
     const Vec3f u = n.unitOrthogonal(), v = n.cross(u);
