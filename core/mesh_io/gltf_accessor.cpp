@@ -61,22 +61,22 @@ absl::StatusOr<std::span<const char>> GltfAccessors::view(std::int64_t index) {
 }
 
 absl::StatusOr<GltfAccessor> GltfAccessors::resolve(const GltfClaim& claim) {
-  const std::uint64_t size = component_bytes(claim.place.component);
+  const std::uint64_t size = component_bytes(claim.region.component);
   if (size == 0) return absl::InvalidArgumentError("its numbers are of an unknown type");
   if (claim.count == 0) return absl::InvalidArgumentError("it is empty");
-  if (claim.place.view < 0 && claim.replaced == 0) return absl::InvalidArgumentError("it has no buffer view");
+  if (claim.region.view < 0 && claim.replaced == 0) return absl::InvalidArgumentError("it has no buffer view");
   const std::uint64_t element = size * static_cast<std::uint64_t>(claim.components);
   GltfAccessor found{.count = claim.count,
                      .stride = element,
                      .components = claim.components,
-                     .component = claim.place.component,
+                     .component = claim.region.component,
                      .normalised = claim.normalised};
-  if (claim.place.view >= 0) {
-    if (claim.place.view < static_cast<std::int64_t>(views_.size())) {
-      const std::uint64_t stride = views_[static_cast<std::size_t>(claim.place.view)].stride;
+  if (claim.region.view >= 0) {
+    if (claim.region.view < static_cast<std::int64_t>(views_.size())) {
+      const std::uint64_t stride = views_[static_cast<std::size_t>(claim.region.view)].stride;
       if (stride != 0) found.stride = stride;
     }
-    const absl::StatusOr<const char*> data = elements(claim.place, found.count, element, found.stride);
+    const absl::StatusOr<const char*> data = elements(claim.region, found.count, element, found.stride);
     if (!data.ok()) return data.status();
     found.data = *data;
   }
@@ -87,21 +87,21 @@ absl::StatusOr<GltfAccessor> GltfAccessors::resolve(const GltfClaim& claim) {
 }
 
 // Where the elements begin: `count` of `element` bytes, `stride` apart.
-absl::StatusOr<const char*> GltfAccessors::elements(const GltfPlace& place, std::uint64_t count, std::uint64_t element,
+absl::StatusOr<const char*> GltfAccessors::elements(const GltfRegion& region, std::uint64_t count, std::uint64_t element,
                                                     std::uint64_t stride) {
-  const absl::StatusOr<std::span<const char>> bytes = view(place.view);
+  const absl::StatusOr<std::span<const char>> bytes = view(region.view);
   if (!bytes.ok()) return bytes.status();
   const std::uint64_t size = bytes->size();
   if (stride < element) {
     return absl::InvalidArgumentError(
         absl::StrFormat("its elements of %d bytes overlap: the buffer view's stride is %d", element, stride));
   }
-  if (place.offset > size || size - place.offset < element || (size - place.offset - element) / stride < count - 1) {
+  if (region.offset > size || size - region.offset < element || (size - region.offset - element) / stride < count - 1) {
     return absl::InvalidArgumentError(
-        absl::StrFormat("%d elements, %d bytes apart, at %d reach beyond buffer view %d of %d bytes", count, stride, place.offset,
-                        place.view, size));
+        absl::StrFormat("%d elements, %d bytes apart, at %d reach beyond buffer view %d of %d bytes", count, stride,
+                        region.offset, region.view, size));
   }
-  return bytes->data() + place.offset;
+  return bytes->data() + region.offset;
 }
 
 // By a copy of the elements, zero without a buffer view, with some replaced.

@@ -19,9 +19,6 @@
 
 namespace curvecast {
 
-/// By the numbers that the format gives them.
-enum class GltfComponent { kInt8 = 5120, kUint8 = 5121, kInt16 = 5122, kUint16 = 5123, kUint32 = 5125, kFloat = 5126 };
-
 /// `count` elements of some components each; every byte is there.
 struct GltfAccessor {
   const char* data = nullptr;
@@ -69,32 +66,14 @@ struct GltfAccessor {
   }
 };
 
-struct GltfView {
-  std::int64_t buffer = -1;
-  std::uint64_t offset = 0, length = 0, stride = 0;  // bytes; stride 0: packed
-};
-
-struct GltfPlace {
-  std::int64_t view = -1;
-  std::uint64_t offset = 0;
-  GltfComponent component{};
-};
-
-/// What the file says about an accessor.
-struct GltfClaim {
-  GltfPlace place;
-  std::uint64_t count = 0;
-  int components = 0;
-  bool normalised = false;
-  std::uint64_t replaced = 0;  // elements of a sparse accessor that differ
-  GltfPlace indices, values;   // of those
-};
-
 class GltfAccessors {
  public:
-  /// Keeps references to the first two.
-  GltfAccessors(const MeshFile& file, const GltfDocument& document, std::vector<GltfView> views, std::vector<GltfClaim> claims)
-      : file_bytes_(file.bytes.size()), buffers_(file, document), views_(std::move(views)), claims_(std::move(claims)) {}
+  /// Keeps references to both.
+  GltfAccessors(const MeshFile& file, const GltfDocument& document)
+      : file_bytes_(file.bytes.size()),
+        buffers_(file, document),
+        views_(document.model.views),
+        claims_(document.model.accessors) {}
 
   /// Accessor `index`, which must have `least` to `most` components and an element; `what` it is for goes into messages. Valid as
   /// long as this object.
@@ -109,12 +88,13 @@ class GltfAccessors {
  private:
   absl::StatusOr<GltfAccessor> resolve(const GltfClaim& claim);
   absl::Status replace(const GltfClaim& claim, std::uint64_t element, GltfAccessor& found);
-  absl::StatusOr<const char*> elements(const GltfPlace& place, std::uint64_t count, std::uint64_t element, std::uint64_t stride);
+  absl::StatusOr<const char*> elements(const GltfRegion& region, std::uint64_t count, std::uint64_t element,
+                                       std::uint64_t stride);
 
   std::uint64_t file_bytes_;
   GltfBuffers buffers_;
-  std::vector<GltfView> views_;
-  std::vector<GltfClaim> claims_;
+  const std::vector<GltfView>& views_;
+  const std::vector<GltfClaim>& claims_;
   std::map<std::int64_t, GltfAccessor> known_;
   std::deque<std::vector<char>> copies_;  // of sparse accessors
   std::uint64_t copied_ = 0;              // elements
