@@ -8,7 +8,7 @@
 
 #include "core/base/colour.h"
 #include "core/base/column.h"
-#include "core/base/packed.h"
+#include "core/base/quantised.h"
 #include "core/base/vec.h"
 #include "core/curve/curvature_measure.h"
 #include "core/curve/curve_blocks.h"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {

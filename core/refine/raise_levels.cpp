@@ -7,7 +7,7 @@
 #include <bit>
 #include <vector>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "core/curve/adaptive_quadtree.h"
 
 namespace curvecast {
@@ -50,13 +50,13 @@ struct Place {
 
 /// Where the centres of the four children lie in a quad of each state, in sides of a child.
 struct Centres {
-  Lanes x, y;
+  Double4 x, y;
 };
 
 constexpr Centres centres_of(HilbertState state) {
   const auto x = [=](unsigned i) { return (hilbert_quadrant(state, i) & 1) + 0.5; };
   const auto y = [=](unsigned i) { return (hilbert_quadrant(state, i) >> 1) + 0.5; };
-  return {Lanes{x(0), x(1), x(2), x(3)}, Lanes{y(0), y(1), y(2), y(3)}};
+  return {Double4{x(0), x(1), x(2), x(3)}, Double4{y(0), y(1), y(2), y(3)}};
 }
 constexpr Centres kCentres[4] = {centres_of(0), centres_of(1), centres_of(2), centres_of(3)};
 

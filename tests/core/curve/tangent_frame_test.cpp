@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/packed.h"
+#include "core/base/quantised.h"
 #include "core/base/random.h"
 
 namespace curvecast {
