@@ -28,8 +28,8 @@ bool has(const std::vector<T>& items, std::int64_t index) {
 }
 
 /// Texture coordinates and how the material moves them.
-struct TexturePlaces {
-  GltfAccessor places;
+struct TextureCoordinates {
+  GltfAccessor coordinates;
   Eigen::Affine2d frame;
 };
 
@@ -189,7 +189,7 @@ class GltfReader {
     const std::size_t count = indices ? indices->count : vertices;
     const std::size_t triangles = mode == kTriangles ? count / 3 : count < 3 ? 0 : count - 2;
     if (absl::Status status = check_room(soup_.indices.size() / 3 + triangles, "triangles"); !status.ok()) return status;
-    const absl::StatusOr<std::optional<TexturePlaces>> uv = uv_of(primitive);
+    const absl::StatusOr<std::optional<TextureCoordinates>> uv = uv_of(primitive);
     if (!uv.ok()) return uv.status();
     MeshAttributes& attributes = soup_.attributes;
     const std::size_t old_size = soup_.indices.size();
@@ -222,14 +222,14 @@ class GltfReader {
   }
 
   // Pictures of glTF have v downwards. Vertices without texture coordinates, which there should be none of, are at 0 0.
-  static Vec2f place(const TexturePlaces& uv, std::size_t vertex) {
-    if (vertex >= uv.places.count) return Vec2f::Zero();
-    const Vec2d p = uv.frame * Vec2d(uv.places.number(vertex, 0), uv.places.number(vertex, 1));
+  static Vec2f place(const TextureCoordinates& uv, std::size_t vertex) {
+    if (vertex >= uv.coordinates.count) return Vec2f::Zero();
+    const Vec2d p = uv.frame * Vec2d(uv.coordinates.number(vertex, 0), uv.coordinates.number(vertex, 1));
     return Vec2d(p.x(), 1 - p.y()).cast<float>();
   }
 
   // The texture coordinates that the base colour's texture asks for.
-  absl::StatusOr<std::optional<TexturePlaces>> uv_of(const GltfPrimitive& primitive) {
+  absl::StatusOr<std::optional<TextureCoordinates>> uv_of(const GltfPrimitive& primitive) {
     const GltfTextureUse plain;
     const GltfTextureUse* use = &plain;
     if (has(model_.materials, primitive.material)) {
@@ -237,10 +237,10 @@ class GltfReader {
       if (material.colour_texture != nullptr) use = material.colour_texture.get();
     }
     const std::int64_t index = attribute_of(primitive, absl::StrFormat("TEXCOORD_%d", use->set));
-    if (index < 0) return std::optional<TexturePlaces>();
+    if (index < 0) return std::optional<TextureCoordinates>();
     const absl::StatusOr<GltfAccessor> found = accessors_.find(index, 2, 2, "texture coordinates");
     if (!found.ok()) return found.status();
-    return std::optional(TexturePlaces{*found, use->frame});
+    return std::optional(TextureCoordinates{*found, use->frame});
   }
 
   // ------------------------------------------------------------------------------------------------------------- materials

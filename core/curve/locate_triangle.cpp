@@ -1,4 +1,4 @@
-#include "core/curve/walk.h"
+#include "core/curve/locate_triangle.h"
 
 #include <algorithm>
 #include <bit>

@@ -11,6 +11,6 @@ namespace curvecast {
 /// the parent lay in one triangle; elsewhere the parent's points spread over its square instead of over its surface. All else
 /// comes out as in a first build, but for the blocks, which are left empty. max_points grows with the number of vertices.
 /// Precondition: fewer than 2^32 vertices come out.
-SurfaceCurve raise_levels(const CurveBase& base, const SurfaceCurve& curve, int levels);
+SurfaceCurve subdivide_all(const CurveBase& base, const SurfaceCurve& curve, int levels);
 
 }  // namespace curvecast
