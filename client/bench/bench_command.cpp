@@ -18,7 +18,6 @@
 #include "client/bench/growth.h"
 #include "client/bench/local_mesh.h"
 #include "client/bench/mappers.h"
-#include "client/bench/neighbours_bench.h"
 #include "client/bench/preprocess_bench.h"
 #include "client/bench/sample_bench.h"
 #include "client/bench/stream_bench.h"
@@ -162,17 +161,6 @@ Run add_areas(CLI::App& app) {
   return on_mesh(app, options, bench_areas);
 }
 
-Run add_neighbours(CLI::App& app) {
-  const auto options = std::make_shared<NeighboursBenchOptions>();
-  add_count(app, "--repeat", &options->repeats, 1000, "runs of each, of which the median counts");
-  add_points(app, &options->points, "N for which the curve is made");
-  app.add_option("--samples", options->samples, "points of the sample set, at most N")
-      ->check(point_count_range())
-      ->type_name("S")
-      ->capture_default_str();
-  return on_mesh(app, options, bench_neighbours);
-}
-
 Run add_sample_benchmark(CLI::App& app) {
   const auto options = std::make_shared<SampleBenchOptions>();
   add_count(app, "--repeat", &options->repeats, 10'000, "rounds of which the median counts");
@@ -243,11 +231,6 @@ constexpr Benchmark kBenchmarks[] = {
      "Seconds of both area elements, how far their sums miss the surface's area, and the ring discrepancy of jittered samples "
      "drawn with each, beside random ones.",
      add_areas},
-    {"neighbours", "MESH", "nearest neighbours through the curve's order, beside a kd-tree",
-     "Milliseconds to prepare neighbour queries on the curve's vertices and on a sample set and to answer them, beside "
-     "nanoflann's "
-     "kd-tree on the same points in the same run.",
-     add_neighbours},
     {"sample", "MESH", "milliseconds of a new N and of a new view, stage by stage",
      "Milliseconds to change the number of points, evenly and with curvature's density, and to change the view, stage by stage, "
      "beside the time to read the curve's positions, normals and areas once.",
@@ -292,7 +275,7 @@ Command add_benchmarks(CLI::App& root, CommonOptions& options) {
       root, options, "bench",
       "Measures the work of a server in this process: preprocessing stage by stage, beside CGAL's "
       "parameteriser; a whole folder of meshes, checked; growth with the number of faces; the curve, the alternatives to "
-      "its mapper and area elements, neighbours on it, point sets.",
+      "its mapper and area elements, point sets.",
       {"curvecast bench --list", "curvecast bench preprocess igea.ply --repeat 5",
        "curvecast bench corpus meshes --out corpus.md", "curvecast bench growth igea.ply --json"});
   const auto list = std::make_shared<bool>(false);

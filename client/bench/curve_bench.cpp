@@ -18,7 +18,7 @@
 #include "core/base/column.h"
 #include "core/base/stopwatch.h"
 #include "core/refine/curve_base.h"
-#include "core/refine/raise_levels.h"
+#include "core/refine/subdivide_all.h"
 
 namespace curvecast::cli::bench {
 namespace {
@@ -59,7 +59,7 @@ double seconds_to_raise(const Preprocessed& done, int repeats) {
   std::vector<double> seconds;
   for (int i = 0; i < repeats; ++i) {
     Stopwatch watch;
-    const SurfaceCurve raised = raise_levels(base, *done.curve, 1);
+    const SurfaceCurve raised = subdivide_all(base, *done.curve, 1);
     seconds.push_back(watch.lap());
   }
   return median(seconds);

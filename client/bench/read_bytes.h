@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast::cli::bench {
 

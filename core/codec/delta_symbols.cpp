@@ -1,6 +1,6 @@
 #include "core/codec/delta_symbols.h"
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {

@@ -6,19 +6,17 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {
 
-using IntLanes = std::int32_t __attribute__((vector_size(16)));
-
 // Four points are twelve numbers, and so three times four lanes, in which x, y and z take turns.
 constexpr std::size_t kPoints = 4, kNumbers = 3 * kPoints, kParts = 3;
 
-constexpr IntLanes kAll = {-1, -1, -1, -1};
+constexpr Int4 kAll = {-1, -1, -1, -1};
 
-[[gnu::always_inline]] inline bool are_all(const IntLanes& mask) { return (mask[0] & mask[1] & mask[2] & mask[3]) != 0; }
+[[gnu::always_inline]] inline bool are_all(const Int4& mask) { return (mask[0] & mask[1] & mask[2] & mask[3]) != 0; }
 
 struct Bounds {
   std::array<float, kNumbers> low, high;
@@ -38,20 +36,20 @@ Bounds bounds_of(const Lattice& lattice) {
 
 /// Of four points; clears lanes of the mask where one lies outside.
 [[gnu::always_inline]] inline void round_four(const float* numbers, const Bounds& bounds, std::int32_t* coordinates,
-                                              IntLanes& are_inside) {
+                                              Int4& are_inside) {
   // Reached where floats are coarser than the box.
-  const FloatLanes most = FloatLanes{} + static_cast<float>(1 << 30);
+  const Float4 most = Float4{} + static_cast<float>(1 << 30);
   for (std::size_t part = 0; part < kParts; ++part) {
-    FloatLanes x, low, high;
+    Float4 x, low, high;
     load_lanes(x, numbers + 4 * part);
     load_lanes(low, &bounds.low[4 * part]);
     load_lanes(high, &bounds.high[4 * part]);
-    FloatLanes nearest = x > low ? x : low;
+    Float4 nearest = x > low ? x : low;
     nearest = nearest < high ? nearest : high;
     are_inside &= (x - nearest <= bounds.slack) & (nearest - x <= bounds.slack);
-    FloatLanes rounded = (nearest - low) * bounds.steps + 0.5f;
+    Float4 rounded = (nearest - low) * bounds.steps + 0.5f;
     rounded = rounded < most ? rounded : most;
-    store_lanes(__builtin_convertvector(rounded, IntLanes), coordinates + 4 * part);
+    store_lanes(__builtin_convertvector(rounded, Int4), coordinates + 4 * part);
   }
 }
 
@@ -60,7 +58,7 @@ bool round_some(std::span<const Vec3f> positions, const Bounds& bounds, std::int
   std::array<float, kNumbers> numbers = bounds.low;
   std::array<std::int32_t, kNumbers> rounded;
   for (std::size_t i = 0; i < positions.size(); ++i) std::copy_n(positions[i].data(), 3, &numbers[3 * i]);
-  IntLanes are_inside = kAll;
+  Int4 are_inside = kAll;
   round_four(numbers.data(), bounds, rounded.data(), are_inside);
   std::copy_n(rounded.data(), 3 * positions.size(), coordinates);
   return are_all(are_inside);
@@ -83,7 +81,7 @@ absl::Status check_lattice(const Lattice& lattice) {
 absl::Status to_lattice(const Lattice& lattice, std::span<const Vec3f> positions, std::span<std::int32_t> coordinates) {
   const Bounds bounds = bounds_of(lattice);
   const std::size_t n = positions.size(), whole = n - n % kPoints;
-  IntLanes are_inside = kAll;
+  Int4 are_inside = kAll;
   for (std::size_t i = 0; i < whole; i += kPoints) round_four(positions[i].data(), bounds, &coordinates[3 * i], are_inside);
   const bool is_rest_inside = round_some(positions.subspan(whole), bounds, coordinates.data() + 3 * whole);
   if (is_rest_inside && are_all(are_inside)) return absl::OkStatus();

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "core/codec/bit_writer.h"
 
 namespace curvecast {

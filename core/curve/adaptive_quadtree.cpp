@@ -9,8 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/base/branchless.h"
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "core/curve/triangle_bins.h"
 
 namespace curvecast {
@@ -85,32 +84,34 @@ CURVECAST_WIDE void distribute(const ParameterTriangle* triangles, const std::ui
   const double mx = node.x * kCellSide + half, my = node.y * kCellSide + half;
   quarters.reset(count);
   std::uint32_t* out = quarters.entries.data();
-  LaneMask size{};
-  LaneMask level{};
+  Mask4 size{};
+  Mask4 level{};
   // Lanes are quadrants: bit 0 = right half, bit 1 = upper half.
-  const Lanes zero{}, sign_x{-1, 1, -1, 1}, sign_y{-1, -1, 1, 1};
+  const Double4 zero{}, sign_x{-1, 1, -1, 1}, sign_y{-1, -1, 1, 1};
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t t = first[i];
     const ParameterTriangle& p = triangles[t];
-    const double below_x = mx - lesser(lesser(p.u[0], p.u[1]), p.u[2]), above_x = greater(greater(p.u[0], p.u[1]), p.u[2]) - mx;
-    const double below_y = my - lesser(lesser(p.v[0], p.v[1]), p.v[2]), above_y = greater(greater(p.v[0], p.v[1]), p.v[2]) - my;
-    const Lanes reach_x{below_x, above_x, below_x, above_x}, reach_y{below_y, below_y, above_y, above_y};
-    Lanes inside = reach_x < reach_y ? reach_x : reach_y;
+    const double below_x = mx - fast_min(fast_min(p.u[0], p.u[1]), p.u[2]),
+                 above_x = fast_max(fast_max(p.u[0], p.u[1]), p.u[2]) - mx;
+    const double below_y = my - fast_min(fast_min(p.v[0], p.v[1]), p.v[2]),
+                 above_y = fast_max(fast_max(p.v[0], p.v[1]), p.v[2]) - my;
+    const Double4 reach_x{below_x, above_x, below_x, above_x}, reach_y{below_y, below_y, above_y, above_y};
+    Double4 inside = reach_x < reach_y ? reach_x : reach_y;
     for (int s = 0; s < 3; ++s) {
       // How far the quadrant's corner that lies farthest inwards is on the inner side of this side.
       const int e = s == 2 ? 0 : s + 1;
       const double a = p.v[s] - p.v[e], b = p.u[e] - p.u[s];
       const double step_x = a * quarter, step_y = b * quarter;
       const double farthest = a * (mx - p.u[s]) + b * (my - p.v[s]) + (std::abs(step_x) + std::abs(step_y));
-      const Lanes reach = farthest + sign_x * step_x + sign_y * step_y;
+      const Double4 reach = farthest + sign_x * step_x + sign_y * step_y;
       inside = inside < reach ? inside : reach;
     }
-    const LaneMask meets = inside >= zero;
+    const Mask4 meets = inside >= zero;
     for (std::size_t quadrant = 0; quadrant < 4; ++quadrant) {
       out[quadrant * count + static_cast<std::size_t>(size[quadrant])] = t;
     }
     size -= meets;
-    const LaneMask wants = meets & static_cast<std::int64_t>(wanted[t]);
+    const Mask4 wants = meets & static_cast<std::int64_t>(wanted[t]);
     level = level > wants ? level : wants;
   }
   for (unsigned quadrant = 0; quadrant < 4; ++quadrant) {

@@ -6,8 +6,7 @@
 
 #include <functional>
 
-#include "core/base/branchless.h"
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {
@@ -17,29 +16,29 @@ namespace {
 /// where a side passes a square.
 [[gnu::always_inline]] inline double covered_share(const ParameterTriangle& triangle, double x, double y, double scale) {
   // Lanes are the three sides and one of no length. Relative to the square no digits are lost on small leaves.
-  const Lanes xa = (Lanes{triangle.u[0], triangle.u[1], triangle.u[2], triangle.u[0]} - x) * scale;
-  const Lanes ya = (Lanes{triangle.v[0], triangle.v[1], triangle.v[2], triangle.v[0]} - y) * scale;
-  const Lanes xb = __builtin_shuffle(xa, LaneMask{1, 2, 0, 0});
-  const Lanes yb = __builtin_shuffle(ya, LaneMask{1, 2, 0, 0});
-  const Lanes zero{}, one = zero + 1;
-  const Lanes rise = yb - ya;
-  const Lanes slope = (xb - xa) / (rise != zero ? rise : one);
-  Lanes y0 = ya > zero ? ya : zero;
-  Lanes y1 = yb > zero ? yb : zero;
+  const Double4 xa = (Double4{triangle.u[0], triangle.u[1], triangle.u[2], triangle.u[0]} - x) * scale;
+  const Double4 ya = (Double4{triangle.v[0], triangle.v[1], triangle.v[2], triangle.v[0]} - y) * scale;
+  const Double4 xb = __builtin_shuffle(xa, Mask4{1, 2, 0, 0});
+  const Double4 yb = __builtin_shuffle(ya, Mask4{1, 2, 0, 0});
+  const Double4 zero{}, one = zero + 1;
+  const Double4 rise = yb - ya;
+  const Double4 slope = (xb - xa) / (rise != zero ? rise : one);
+  Double4 y0 = ya > zero ? ya : zero;
+  Double4 y1 = yb > zero ? yb : zero;
   y0 = y0 < one ? y0 : one;
   y1 = y1 < one ? y1 : one;
-  const Lanes x0 = xa + slope * (y0 - ya), x1 = xb + slope * (y1 - yb);
-  const Lanes low = x0 < x1 ? x0 : x1, high = x0 < x1 ? x1 : x0;
+  const Double4 x0 = xa + slope * (y0 - ya), x1 = xb + slope * (y1 - yb);
+  const Double4 low = x0 < x1 ? x0 : x1, high = x0 < x1 ? x1 : x0;
   // The mean of x along the side: what lies between 0 and 1 as a trapezium, and what lies beyond as 1.
-  Lanes left = low > zero ? low : zero;
-  Lanes right = high > zero ? high : zero;
+  Double4 left = low > zero ? low : zero;
+  Double4 right = high > zero ? high : zero;
   left = left < one ? left : one;
   right = right < one ? right : one;
-  Lanes beyond = high - (low > one ? low : one);
+  Double4 beyond = high - (low > one ? low : one);
   beyond = beyond > zero ? beyond : zero;
-  const Lanes width = high - low;
-  const Lanes mean = width > zero ? (0.5 * (right - left) * (left + right) + beyond) / (width > zero ? width : one) : left;
-  const Lanes share = (y1 - y0) * mean;
+  const Double4 width = high - low;
+  const Double4 mean = width > zero ? (0.5 * (right - left) * (left + right) + beyond) / (width > zero ? width : one) : left;
+  const Double4 share = (y1 - y0) * mean;
   return share[0] + share[1] + share[2];
 }
 
@@ -58,7 +57,7 @@ CURVECAST_WIDE double write_elements(const ParameterTriangle* triangles, const Q
     double sum = 0;
     for (std::uint32_t i = leaves.triangle_begin[l]; i < measured; ++i) {
       const ParameterTriangle& triangle = triangles[leaves.triangles[i]];
-      const double share = clamped(covered_share(triangle, x, y, scale), 0, left);
+      const double share = fast_clamp(covered_share(triangle, x, y, scale), 0, left);
       sum += share * triangle.area_ratio;
       left -= share;
     }

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "core/curve/surface_curve.h"
 
 namespace curvecast {

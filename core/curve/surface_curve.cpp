@@ -12,10 +12,7 @@ void SurfaceCurve::resize(std::size_t n, bool has_colour) {
   for (ScalarColumn& scalar : scalars) scalar.values.resize(n);
 }
 
-void SurfaceCurve::finish() {
-  hierarchy = build_hierarchy(*this);
-  blocks = build_blocks(*this);
-}
+void SurfaceCurve::finish() { blocks = build_blocks(*this); }
 
 std::size_t SurfaceCurve::byte_size() const {
   std::size_t bytes = disc_begin.size() * sizeof(std::uint32_t) + blocks.byte_size();

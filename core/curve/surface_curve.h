@@ -8,11 +8,10 @@
 
 #include "core/base/colour.h"
 #include "core/base/column.h"
-#include "core/base/packed.h"
+#include "core/base/quantised.h"
 #include "core/base/vec.h"
 #include "core/curve/curvature_measure.h"
 #include "core/curve/curve_blocks.h"
-#include "core/curve/curve_hierarchy.h"
 
 namespace curvecast {
 
@@ -29,7 +28,7 @@ struct SurfaceCurve {
   Column<float> x, y, z;         // position on the surface, in the file's units
   Column<Snorm16> nx, ny, nz;    // unit normal, smooth
   Column<Bfloat16> curvature_min, curvature_max;  // principal curvatures, 1/unit
-  Column<std::uint16_t> direction;                // of curvature_max: principal_direction_max() reads it
+  Column<std::uint16_t> direction;                // of curvature_max: unpack_direction() in tangent_frame.h reads it
   Column<float> area;                             // area element A_l, squared units; sums to total_area
   Column<Rgba8> colour;                           // of the surface; empty when the mesh has none
   Column<std::uint32_t> triangle;                 // face of the repaired mesh on which the vertex lies
@@ -39,7 +38,6 @@ struct SurfaceCurve {
   std::vector<ScalarColumn> scalars;              // of the mesh's scalar attributes
   std::vector<std::uint32_t> disc_begin;          // D + 1 offsets: disc d owns [disc_begin[d], disc_begin[d + 1])
 
-  CurveHierarchy hierarchy;                                  // over all of it
   CurveBlocks blocks;                                        // of all of it
   std::array<float, kCurvatureKinds> reference_curvature{};  // see reference_curvatures
   double total_area = 0;                                     // of the repaired mesh, squared units
@@ -52,7 +50,7 @@ struct SurfaceCurve {
   Vec3f normal(std::size_t l) const { return {nx[l], ny[l], nz[l]}; }
   /// Gives every per-vertex column n entries, uninitialised; `colour` too if asked for. `scalars` as they are.
   void resize(std::size_t n, bool has_colour = false);
-  /// Makes the hierarchy and the blocks of all the rest. Runs on all threads of the arena.
+  /// Makes the blocks of all the rest. Runs on all threads of the arena.
   void finish();
   /// Bytes held by the columns.
   std::size_t byte_size() const;

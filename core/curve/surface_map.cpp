@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "core/curve/deepest_triangle.h"
 #include "core/curve/tangent_frame.h"
 
@@ -77,19 +77,19 @@ struct Corners {
 [[gnu::always_inline]] inline void place_leaves(const ParameterTriangle& t, const Corners& corners, const LeafBatch& batch,
                                                 std::size_t begin, std::size_t end, MappedBatch& out) {
   const Vec3d &a = *corners.place[0], &b = *corners.place[1], &c = *corners.place[2];
-  const Lanes zero{};
+  const Double4 zero{};
   for (std::size_t i = begin; i < end; i += 4) {
-    Lanes u, v;
+    Double4 u, v;
     load_lanes(u, batch.u + i);
     load_lanes(v, batch.v + i);
-    Lanes w[3];
+    Double4 w[3];
     t.weights(u, v, w);
     // A centre on an edge may lie beyond it by rounding.
-    for (Lanes& weight : w) weight = weight > zero ? weight : zero;
-    const Lanes scale = 1 / (w[0] + w[1] + w[2]);
+    for (Double4& weight : w) weight = weight > zero ? weight : zero;
+    const Double4 scale = 1 / (w[0] + w[1] + w[2]);
     for (int k = 0; k < 3; ++k) {
       w[k] *= scale;
-      store_lanes(__builtin_convertvector(w[k], FloatLanes), out.weights[k] + i);
+      store_lanes(__builtin_convertvector(w[k], Float4), out.weights[k] + i);
     }
     for (int k = 0; k < 3; ++k) store_lanes(w[0] * a[k] + w[1] * b[k] + w[2] * c[k], out.place[k] + i);
   }
@@ -99,7 +99,7 @@ struct Corners {
 [[gnu::always_inline]] inline void mix_records(const Corners& corners, std::size_t begin, std::size_t end, MappedBatch& out) {
   const float *a = corners.record[0]->values, *b = corners.record[1]->values, *c = corners.record[2]->values;
   for (std::size_t i = begin; i < end; i += 4) {
-    FloatLanes w0, w1, w2;
+    Float4 w0, w1, w2;
     load_lanes(w0, out.weights[0] + i);
     load_lanes(w1, out.weights[1] + i);
     load_lanes(w2, out.weights[2] + i);

@@ -42,13 +42,6 @@ inline std::uint16_t pack_axis(float cosine2, float sine2) {
   return static_cast<std::uint16_t>(static_cast<std::int32_t>(code + 65536.5f));
 }
 
-/// Of a direction near the tangent plane, of any length and sign.
-inline std::uint16_t pack_direction(const Vec3f& direction, const Vec3f& normal) {
-  const TangentFrame frame = tangent_frame(normal);
-  const float p = direction.dot(frame.first), q = direction.dot(frame.second);
-  return pack_axis(p * p - q * q, 2 * p * q);
-}
-
 /// A unit vector in the tangent plane, in one of its two senses.
 inline Vec3f unpack_direction(std::uint16_t code, const Vec3f& normal) {
   const TangentFrame frame = tangent_frame(normal);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/curve/walk.h"
+#include "core/curve/locate_triangle.h"
 
 namespace curvecast {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {

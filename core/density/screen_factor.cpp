@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "core/density/density.h"
 
 namespace curvecast {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {

@@ -28,13 +28,13 @@ struct Chart {
 };
 
 enum class Parameteriser {
-  kOwn,   // minimise_stretch()
-  kCgal,  // parameterise_cgal(): slower, more distortion; for comparison
+  kLeastStretch,  // minimise_stretch()
+  kCgal,          // parameterise_cgal(): slower, more distortion; for comparison
 };
 
 struct FlattenOptions {
   ExtremityOptions extremities;
-  Parameteriser parameteriser = Parameteriser::kOwn;
+  Parameteriser parameteriser = Parameteriser::kLeastStretch;
   /// A chart is divided when some triangle's surface-to-uv area ratio exceeds its mean by this factor: the quadtree would go too
   /// deep for the curve's keys.
   double max_area_ratio = 1e9;

@@ -11,7 +11,7 @@
 
 namespace curvecast {
 
-/// How n things in order are cut into runs of at most `size`, filled evenly, as NeighbourTree cuts its points into leaves.
+/// How n things in order are cut into runs of at most `size`, filled evenly.
 struct Runs {
   std::size_t n, count;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -10,20 +11,22 @@
 namespace curvecast {
 
 struct PointCloud {
-  /// Absolute coordinates, all finite. `frame`: the box of their surface, which becomes as large as 1, so that floats will do for
-  /// a surface of any size, anywhere. It is not empty.
+  /// Takes absolute coordinates, all finite. `frame`, not empty, is the box of their surface: it becomes as large as 1, so that
+  /// floats will do for a surface of any size, anywhere.
   PointCloud(std::span<const Vec3d> points, const Box3d& frame);
 
-  std::size_t size() const { return positions.size(); }
-  /// As the tree's points are.
+  std::size_t size() const { return tree.points().size(); }
+  /// The coordinates that the tree has for a point.
   Vec3f local(const Vec3d& p) const { return ((p - origin) / unit).cast<float>(); }
-  /// In the points' own units.
+  /// The distance of a neighbour in the points' own units.
   double distance(const Neighbour& n) const { return unit * std::sqrt(double{n.square}); }
 
   Vec3d origin;
   double unit;
-  std::vector<Vec3f> positions;  // local
-  NeighbourTree tree;            // of them
+  NeighbourTree tree;  // of the points' local coordinates
+
+ private:
+  std::vector<Vec3f> all_local(std::span<const Vec3d> points) const;
 };
 
 }  // namespace curvecast

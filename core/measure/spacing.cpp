@@ -58,7 +58,7 @@ NeighbourDistances neighbour_distances_on_side(double area, const PointCloud& po
       return;
     }
     std::array<Neighbour, kMany> many;
-    points.tree.nearest(points.positions[i], many);
+    points.tree.nearest(points.tree.points()[i], many);
     const auto* const farther = std::find_if(many.begin(), many.end(), on_side);
     if (farther != many.end()) nearest[i] = *farther;
   });

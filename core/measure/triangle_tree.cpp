@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "core/base/branchless.h"
+#include "core/base/simd.h"
 #include "core/measure/kd_order.h"
 #include "core/mesh/triangle_distance.h"
 
@@ -54,8 +54,8 @@ void TriangleTree::stack_boxes() {
       Boxes& boxes = boxes_[level_begin_[level] + child / kFanOut];
       for (int axis = 0; axis < 3; ++axis) {
         double &min = boxes.min[axis][child % kFanOut], &max = boxes.max[axis][child % kFanOut];
-        min = lesser(box.min[axis], min);
-        max = greater(box.max[axis], max);
+        min = fast_min(box.min[axis], min);
+        max = fast_max(box.max[axis], max);
       }
     }
   }
@@ -91,7 +91,7 @@ TriangleTree::Found TriangleTree::search(const Vec3d& point, std::size_t guess) 
     for (std::size_t c = 0; c < kFanOut; ++c) {
       square[c] = 0;
       for (int axis = 0; axis < 3; ++axis) {
-        const double gap = greater(greater(boxes.min[axis][c] - point[axis], point[axis] - boxes.max[axis][c]), 0);
+        const double gap = fast_max(fast_max(boxes.min[axis][c] - point[axis], point[axis] - boxes.max[axis][c]), 0);
         square[c] += gap * gap;
       }
     }

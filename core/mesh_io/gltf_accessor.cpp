@@ -3,8 +3,11 @@
 #include <absl/strings/str_format.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "core/mesh_io/companion_name.h"
 #include "core/mesh_io/mesh_reading.h"
 
 namespace curvecast {
@@ -30,6 +33,50 @@ std::uint64_t component_bytes(GltfComponent component) {
 
 absl::Status gltf_has_no(std::string_view what, std::int64_t index, std::size_t count) {
   return absl::InvalidArgumentError(absl::StrFormat("there is no %s %d (the file has %d)", what, index, count));
+}
+
+absl::StatusOr<std::span<const char>> GltfBuffers::buffer(std::int64_t index) {
+  if (const auto known = known_.find(index); known != known_.end()) return known->second;
+  absl::StatusOr<std::span<const char>> bytes = find(index);
+  if (!bytes.ok()) return bytes.status();
+  const std::uint64_t claimed = document_.buffers[static_cast<std::size_t>(index)].byte_length;
+  if (claimed > bytes->size()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("buffer %d claims %d bytes, but there are only %d: it is truncated", index, claimed, bytes->size()));
+  }
+  bytes_used_ += claimed;
+  return known_[index] = bytes->first(claimed);
+}
+
+absl::StatusOr<std::span<const char>> GltfBuffers::slice(std::int64_t index, std::uint64_t offset, std::uint64_t length) {
+  absl::StatusOr<std::span<const char>> bytes = buffer(index);
+  if (!bytes.ok()) return bytes.status();
+  if (offset > bytes->size() || length > bytes->size() - offset) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%d bytes at %d reach beyond buffer %d, which has %d", length, offset, index, bytes->size()));
+  }
+  return bytes->subspan(offset, length);
+}
+
+absl::StatusOr<std::span<const char>> GltfBuffers::find(std::int64_t index) {
+  if (index < 0 || index >= static_cast<std::int64_t>(document_.buffers.size())) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("there is no buffer %d (the file has %d)", index, document_.buffers.size()));
+  }
+  const GltfSource& source = document_.buffers[static_cast<std::size_t>(index)];
+  if (!source.data_uri.empty()) {
+    absl::StatusOr<std::string> decoded = decode_data_uri(source.data_uri);
+    if (!decoded.ok()) return absl::InvalidArgumentError(absl::StrFormat("buffer %d: %s", index, decoded.status().message()));
+    const std::string& kept = decoded_[index] = *std::move(decoded);
+    return std::span<const char>(kept);
+  }
+  if (source.binary_chunk && document_.binary_chunk) return *document_.binary_chunk;
+  if (source.file.empty()) return absl::InvalidArgumentError(absl::StrFormat("buffer %d has no bytes anywhere", index));
+  const std::optional<std::string> name = safe_companion_name(source.file);
+  const auto bytes = name && file_.companion ? file_.companion(*name) : std::nullopt;
+  if (bytes) return *bytes;
+  return absl::InvalidArgumentError(absl::StrFormat("buffer %d is in the file '%s', which is not there beside the mesh", index,
+                                                    display_name(name ? *name : source.file)));
 }
 
 std::uint64_t GltfAccessors::most_elements() const {
@@ -61,22 +108,22 @@ absl::StatusOr<std::span<const char>> GltfAccessors::view(std::int64_t index) {
 }
 
 absl::StatusOr<GltfAccessor> GltfAccessors::resolve(const GltfClaim& claim) {
-  const std::uint64_t size = component_bytes(claim.place.component);
+  const std::uint64_t size = component_bytes(claim.region.component);
   if (size == 0) return absl::InvalidArgumentError("its numbers are of an unknown type");
   if (claim.count == 0) return absl::InvalidArgumentError("it is empty");
-  if (claim.place.view < 0 && claim.replaced == 0) return absl::InvalidArgumentError("it has no buffer view");
+  if (claim.region.view < 0 && claim.replaced == 0) return absl::InvalidArgumentError("it has no buffer view");
   const std::uint64_t element = size * static_cast<std::uint64_t>(claim.components);
   GltfAccessor found{.count = claim.count,
                      .stride = element,
                      .components = claim.components,
-                     .component = claim.place.component,
+                     .component = claim.region.component,
                      .normalised = claim.normalised};
-  if (claim.place.view >= 0) {
-    if (claim.place.view < static_cast<std::int64_t>(views_.size())) {
-      const std::uint64_t stride = views_[static_cast<std::size_t>(claim.place.view)].stride;
+  if (claim.region.view >= 0) {
+    if (claim.region.view < static_cast<std::int64_t>(views_.size())) {
+      const std::uint64_t stride = views_[static_cast<std::size_t>(claim.region.view)].stride;
       if (stride != 0) found.stride = stride;
     }
-    const absl::StatusOr<const char*> data = elements(claim.place, found.count, element, found.stride);
+    const absl::StatusOr<const char*> data = elements(claim.region, found.count, element, found.stride);
     if (!data.ok()) return data.status();
     found.data = *data;
   }
@@ -87,21 +134,21 @@ absl::StatusOr<GltfAccessor> GltfAccessors::resolve(const GltfClaim& claim) {
 }
 
 // Where the elements begin: `count` of `element` bytes, `stride` apart.
-absl::StatusOr<const char*> GltfAccessors::elements(const GltfPlace& place, std::uint64_t count, std::uint64_t element,
+absl::StatusOr<const char*> GltfAccessors::elements(const GltfRegion& region, std::uint64_t count, std::uint64_t element,
                                                     std::uint64_t stride) {
-  const absl::StatusOr<std::span<const char>> bytes = view(place.view);
+  const absl::StatusOr<std::span<const char>> bytes = view(region.view);
   if (!bytes.ok()) return bytes.status();
   const std::uint64_t size = bytes->size();
   if (stride < element) {
     return absl::InvalidArgumentError(
         absl::StrFormat("its elements of %d bytes overlap: the buffer view's stride is %d", element, stride));
   }
-  if (place.offset > size || size - place.offset < element || (size - place.offset - element) / stride < count - 1) {
+  if (region.offset > size || size - region.offset < element || (size - region.offset - element) / stride < count - 1) {
     return absl::InvalidArgumentError(
-        absl::StrFormat("%d elements, %d bytes apart, at %d reach beyond buffer view %d of %d bytes", count, stride, place.offset,
-                        place.view, size));
+        absl::StrFormat("%d elements, %d bytes apart, at %d reach beyond buffer view %d of %d bytes", count, stride,
+                        region.offset, region.view, size));
   }
-  return bytes->data() + place.offset;
+  return bytes->data() + region.offset;
 }
 
 // By a copy of the elements, zero without a buffer view, with some replaced.

@@ -8,19 +8,16 @@
 #include <deque>
 #include <map>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "core/mesh_io/endian.h"
-#include "core/mesh_io/gltf_buffers.h"
 #include "core/mesh_io/gltf_document.h"
 #include "core/mesh_io/mesh_file.h"
 
 namespace curvecast {
-
-/// By the numbers that the format gives them.
-enum class GltfComponent { kInt8 = 5120, kUint8 = 5121, kInt16 = 5122, kUint16 = 5123, kUint32 = 5125, kFloat = 5126 };
 
 /// `count` elements of some components each; every byte is there.
 struct GltfAccessor {
@@ -69,32 +66,40 @@ struct GltfAccessor {
   }
 };
 
-struct GltfView {
-  std::int64_t buffer = -1;
-  std::uint64_t offset = 0, length = 0, stride = 0;  // bytes; stride 0: packed
-};
+/// The bytes behind a glTF: out of the file itself, or of its companions.
+class GltfBuffers {
+ public:
+  /// Keeps references to both.
+  GltfBuffers(const MeshFile& file, const GltfDocument& document) : file_(file), document_(document) {}
 
-struct GltfPlace {
-  std::int64_t view = -1;
-  std::uint64_t offset = 0;
-  GltfComponent component{};
-};
+  /// The bytes of buffer `index`: as many as it claims. They live as long as this object. InvalidArgument when there is no such
+  /// buffer, or not all of its bytes.
+  absl::StatusOr<std::span<const char>> buffer(std::int64_t index);
 
-/// What the file says about an accessor.
-struct GltfClaim {
-  GltfPlace place;
-  std::uint64_t count = 0;
-  int components = 0;
-  bool normalised = false;
-  std::uint64_t replaced = 0;  // elements of a sparse accessor that differ
-  GltfPlace indices, values;   // of those
+  /// The part [offset, offset + length) of it.
+  absl::StatusOr<std::span<const char>> slice(std::int64_t index, std::uint64_t offset, std::uint64_t length);
+
+  /// Of all the buffers that were asked for so far.
+  std::uint64_t bytes_used() const { return bytes_used_; }
+
+ private:
+  absl::StatusOr<std::span<const char>> find(std::int64_t index);
+
+  const MeshFile& file_;
+  const GltfDocument& document_;
+  std::map<std::int64_t, std::span<const char>> known_;
+  std::map<std::int64_t, std::string> decoded_;
+  std::uint64_t bytes_used_ = 0;
 };
 
 class GltfAccessors {
  public:
-  /// Keeps references to the first two.
-  GltfAccessors(const MeshFile& file, const GltfDocument& document, std::vector<GltfView> views, std::vector<GltfClaim> claims)
-      : file_bytes_(file.bytes.size()), buffers_(file, document), views_(std::move(views)), claims_(std::move(claims)) {}
+  /// Keeps references to both.
+  GltfAccessors(const MeshFile& file, const GltfDocument& document)
+      : file_bytes_(file.bytes.size()),
+        buffers_(file, document),
+        views_(document.model.views),
+        claims_(document.model.accessors) {}
 
   /// Accessor `index`, which must have `least` to `most` components and an element; `what` it is for goes into messages. Valid as
   /// long as this object.
@@ -109,12 +114,13 @@ class GltfAccessors {
  private:
   absl::StatusOr<GltfAccessor> resolve(const GltfClaim& claim);
   absl::Status replace(const GltfClaim& claim, std::uint64_t element, GltfAccessor& found);
-  absl::StatusOr<const char*> elements(const GltfPlace& place, std::uint64_t count, std::uint64_t element, std::uint64_t stride);
+  absl::StatusOr<const char*> elements(const GltfRegion& region, std::uint64_t count, std::uint64_t element,
+                                       std::uint64_t stride);
 
   std::uint64_t file_bytes_;
   GltfBuffers buffers_;
-  std::vector<GltfView> views_;
-  std::vector<GltfClaim> claims_;
+  const std::vector<GltfView>& views_;
+  const std::vector<GltfClaim>& claims_;
   std::map<std::int64_t, GltfAccessor> known_;
   std::deque<std::vector<char>> copies_;  // of sparse accessors
   std::uint64_t copied_ = 0;              // elements

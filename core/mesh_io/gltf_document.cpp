@@ -15,7 +15,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kMostMaterials = 4'096;  // a later parser takes 4 KiB for each
 constexpr std::string_view kMagic = "glTF";
 
 /// The two chunks of a GLB.
@@ -51,43 +50,6 @@ absl::StatusOr<Chunks> chunks_of_glb(std::string_view bytes) {
   return chunks;
 }
 
-/// The member, or null where there is none.
-const Json* member(const Json& object, const char* key) {
-  if (!object.is_object()) return nullptr;
-  const auto found = object.find(key);
-  return found == object.end() ? nullptr : &*found;
-}
-
-std::string string_of(const Json& object, const char* key) {
-  const Json* const value = member(object, key);
-  return value != nullptr && value->is_string() ? value->get<std::string>() : std::string();
-}
-
-/// -1 where there is no such number.
-std::int64_t number_of(const Json& object, const char* key) {
-  const Json* const value = member(object, key);
-  return value != nullptr && value->is_number_integer() ? value->get<std::int64_t>() : -1;
-}
-
-/// Counts of bytes and elements must be whole and not negative: a later parser takes others for zero.
-absl::Status check_numbers(const Json& document) {
-  for (const char* list : {"accessors", "bufferViews"}) {
-    const Json* const objects = member(document, list);
-    for (std::size_t i = 0; objects != nullptr && objects->is_array() && i < objects->size(); ++i) {
-      for (const char* key : {"byteOffset", "byteLength", "byteStride", "count", "componentType"}) {
-        const Json* const value = member((*objects)[i], key);
-        if (value == nullptr || value->is_number_unsigned()) continue;
-        return absl::InvalidArgumentError(
-            absl::StrFormat("%s %d: its %s must be a whole number, not negative and below 2^64", list, i, key));
-      }
-    }
-  }
-  const Json* const materials = member(document, "materials");
-  if (materials == nullptr || materials->size() <= kMostMaterials) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("the file has %d materials; at most %d can be read: split the scene", materials->size(), kMostMaterials));
-}
-
 std::string percent_decoded(std::string_view text) {
   const auto digit = [](char c) {
     return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
@@ -107,9 +69,9 @@ std::vector<GltfSource> take_sources(Json& document, const char* key) {
   if (found == document.end() || !found->is_array()) return sources;
   for (Json& object : *found) {
     GltfSource source;
-    std::string uri = string_of(object, "uri");
-    source.buffer_view = number_of(object, "bufferView");
-    source.byte_length = static_cast<std::uint64_t>(std::max<std::int64_t>(0, number_of(object, "byteLength")));
+    std::string uri = gltf_string(object, "uri");
+    source.buffer_view = gltf_number(object, "bufferView");
+    source.byte_length = static_cast<std::uint64_t>(std::max<std::int64_t>(0, gltf_number(object, "byteLength")));
     if (uri.starts_with("data:")) {
       source.data_uri = std::move(uri);
     } else if (!uri.empty()) {
@@ -122,16 +84,11 @@ std::vector<GltfSource> take_sources(Json& document, const char* key) {
   return sources;
 }
 
-void note_base_colours(const Json& document, std::vector<GltfSource>& images) {
-  const Json* const materials = member(document, "materials");
-  const Json* const textures = member(document, "textures");
-  if (materials == nullptr || textures == nullptr || !materials->is_array() || !textures->is_array()) return;
-  for (const Json& material : *materials) {
-    const Json* const look = member(material, "pbrMetallicRoughness");
-    const Json* const info = look != nullptr ? member(*look, "baseColorTexture") : nullptr;
-    const std::int64_t texture = info != nullptr ? number_of(*info, "index") : -1;
-    if (texture < 0 || texture >= static_cast<std::int64_t>(textures->size())) continue;
-    const std::int64_t image = number_of((*textures)[static_cast<std::size_t>(texture)], "source");
+void note_base_colours(const GltfModel& model, std::vector<GltfSource>& images) {
+  for (const GltfMaterial& material : model.materials) {
+    const std::int64_t texture = material.colour_texture != nullptr ? material.colour_texture->texture : -1;
+    if (texture < 0 || texture >= static_cast<std::int64_t>(model.image_of_texture.size())) continue;
+    const std::int64_t image = model.image_of_texture[static_cast<std::size_t>(texture)];
     if (image >= 0 && image < static_cast<std::int64_t>(images.size()))
       images[static_cast<std::size_t>(image)].is_base_colour = true;
   }
@@ -155,24 +112,20 @@ absl::StatusOr<GltfDocument> parse_gltf(std::string_view bytes) {
   }
   absl::StatusOr<Json> json = parse_gltf_json(chunks.json);
   if (!json.ok()) return json.status();
-  const Json* const asset = member(*json, "asset");
-  const std::string version = asset != nullptr ? string_of(*asset, "version") : std::string();
+  const Json* const asset = gltf_member(*json, "asset");
+  const std::string version = asset != nullptr ? gltf_string(*asset, "version") : std::string();
   if (!version.starts_with("2.")) {
     return absl::InvalidArgumentError(
         absl::StrFormat("this is not glTF 2.0 (its asset has version '%s')", absl::CHexEscape(version)));
   }
-  if (absl::Status status = check_numbers(*json); !status.ok()) return status;
   GltfDocument document;
   document.binary_chunk = chunks.binary;
   document.buffers = take_sources(*json, "buffers");
   document.images = take_sources(*json, "images");
-  note_base_colours(*json, document.images);
-  Json kept = {{"asset", {{"version", "2.0"}}}};
-  for (const char* key :
-       {"extensionsRequired", "accessors", "bufferViews", "meshes", "nodes", "scenes", "scene", "materials", "textures"}) {
-    if (const auto found = json->find(key); found != json->end()) kept[key] = std::move(*found);
-  }
-  document.json = kept.dump();
+  absl::StatusOr<GltfModel> model = read_gltf_model(*json);
+  if (!model.ok()) return model.status();
+  document.model = *std::move(model);
+  note_base_colours(document.model, document.images);
   return document;
 }
 

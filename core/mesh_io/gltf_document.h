@@ -1,4 +1,4 @@
-// The JSON of a glTF file, checked and cut down to what a mesh needs, before anything else parses it.
+// A glTF file taken apart: its model, and where its bytes are.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -10,9 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "core/mesh_io/gltf_model.h"
+
 namespace curvecast {
 
-/// Where the bytes of a buffer or image are: one of the four, or none.
+/// Where the bytes of a buffer or image are: in one of the first four, or nowhere.
 struct GltfSource {
   std::string data_uri;           // "data:...", whole
   std::string file;               // name as written, percent signs decoded
@@ -23,20 +25,20 @@ struct GltfSource {
 };
 
 struct GltfDocument {
-  std::string json;  // asset, extensionsRequired, accessors, bufferViews, meshes, nodes, scenes, materials and textures only
+  GltfModel model;
   std::vector<GltfSource> buffers;
   std::vector<GltfSource> images;
   std::optional<std::span<const char>> binary_chunk;  // of a GLB
 };
 
-/// True for a GLB, and for a JSON object that mentions "asset".
+/// Tells whether the bytes are a GLB, or a JSON object that mentions "asset".
 bool is_gltf(std::string_view bytes);
 
-/// Finds the JSON in a .gltf or .glb. InvalidArgument for what parse_gltf_json refuses, for more than 4,096 materials, offsets
-/// and counts that are no counts, another version than 2, and when a GLB is truncated.
+/// Takes a .gltf or .glb apart. InvalidArgument for what parse_gltf_json or read_gltf_model refuses, for another version than 2,
+/// and when a GLB is truncated.
 absl::StatusOr<GltfDocument> parse_gltf(std::string_view bytes);
 
-/// The bytes in "data:TYPE;base64,...". InvalidArgument when they are not base64.
+/// Decodes the bytes in "data:TYPE;base64,...". InvalidArgument when they are not base64.
 absl::StatusOr<std::string> decode_data_uri(std::string_view uri);
 
 }  // namespace curvecast

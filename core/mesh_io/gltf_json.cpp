@@ -41,11 +41,7 @@ class TreeBuilder : public nlohmann::json_sax<Json> {
     key_ = std::move(name);
     return true;
   }
-  bool start_object(std::size_t) override {
-    if (++objects_ > kMostGltfObjects)
-      return fail(absl::StrFormat("the JSON has more than %d objects; split the scene", kMostGltfObjects));
-    return open(Json::object());
-  }
+  bool start_object(std::size_t) override { return open(Json::object()); }
   bool start_array(std::size_t) override { return open(Json::array()); }
   bool end_object() override { return close(); }
   bool end_array() override { return close(); }
@@ -98,7 +94,6 @@ class TreeBuilder : public nlohmann::json_sax<Json> {
   bool skip_next_ = false;
   std::string key_;
   int values_ = 0;
-  int objects_ = 0;
 };
 
 }  // namespace
@@ -114,6 +109,22 @@ absl::StatusOr<Json> parse_gltf_json(std::string_view text) {
   }
   if (!builder.root.is_object()) return absl::InvalidArgumentError("line 1: a glTF file holds a JSON object");
   return std::move(builder.root);
+}
+
+const Json* gltf_member(const Json& object, const char* key) {
+  if (!object.is_object()) return nullptr;
+  const auto found = object.find(key);
+  return found == object.end() ? nullptr : &*found;
+}
+
+std::string gltf_string(const Json& object, const char* key) {
+  const Json* const value = gltf_member(object, key);
+  return value != nullptr && value->is_string() ? value->get<std::string>() : std::string();
+}
+
+std::int64_t gltf_number(const Json& object, const char* key) {
+  const Json* const value = gltf_member(object, key);
+  return value != nullptr && value->is_number_integer() ? value->get<std::int64_t>() : -1;
 }
 
 }  // namespace curvecast

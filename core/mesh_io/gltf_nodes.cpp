@@ -8,55 +8,58 @@
 namespace curvecast {
 namespace {
 
-bool is_there(const std::vector<GltfNode>& nodes, int index) {
+bool is_there(const std::vector<GltfNode>& nodes, std::int64_t index) {
   return index >= 0 && index < static_cast<std::int64_t>(nodes.size());
 }
 
-absl::StatusOr<Eigen::Affine3d> transform_of(const GltfNode& node, int number) {
+absl::StatusOr<Eigen::Affine3d> transform_of(const GltfNode& node, std::int64_t number) {
+  if (node.transform == nullptr) return Eigen::Affine3d::Identity();
+  const auto& [matrix, translation, rotation, scale] = *node.transform;
   const auto fits = [](const std::vector<double>& values, std::size_t size) { return values.empty() || values.size() == size; };
-  if (!fits(node.matrix, 16) || !fits(node.translation, 3) || !fits(node.rotation, 4) || !fits(node.scale, 3)) {
+  if (!fits(matrix, 16) || !fits(translation, 3) || !fits(rotation, 4) || !fits(scale, 3)) {
     return absl::InvalidArgumentError(absl::StrFormat("node %d has a transform of the wrong number of values", number));
   }
   Eigen::Affine3d transform = Eigen::Affine3d::Identity();
-  if (!node.matrix.empty()) {
-    transform.matrix().topRows<3>() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data()).topRows<3>();
+  if (!matrix.empty()) {
+    transform.matrix().topRows<3>() = Eigen::Map<const Eigen::Matrix4d>(matrix.data()).topRows<3>();
     return transform;
   }
-  if (!node.translation.empty()) transform.translate(Vec3d(node.translation[0], node.translation[1], node.translation[2]));
-  if (!node.rotation.empty()) {
-    const Eigen::Quaterniond q(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+  if (!translation.empty()) transform.translate(Vec3d(translation[0], translation[1], translation[2]));
+  if (!rotation.empty()) {
+    const Eigen::Quaterniond q(rotation[3], rotation[0], rotation[1], rotation[2]);
     if (q.squaredNorm() > 0) transform.rotate(q.normalized());
   }
-  if (!node.scale.empty()) transform.scale(Vec3d(node.scale[0], node.scale[1], node.scale[2]));
+  if (!scale.empty()) transform.scale(Vec3d(scale[0], scale[1], scale[2]));
   return transform;
 }
 
 }  // namespace
 
-absl::StatusOr<std::vector<int>> gltf_roots(const std::vector<GltfNode>& nodes) {
+absl::StatusOr<std::vector<std::int64_t>> gltf_roots(const std::vector<GltfNode>& nodes) {
   std::vector<bool> is_child(nodes.size(), false);
   for (const GltfNode& node : nodes) {
-    for (const int child : node.children) {
+    for (const std::int64_t child : node.children) {
       if (is_there(nodes, child)) is_child[static_cast<std::size_t>(child)] = true;
     }
   }
-  std::vector<int> roots;
+  std::vector<std::int64_t> roots;
   for (std::size_t i = 0; i < is_child.size(); ++i) {
-    if (!is_child[i]) roots.push_back(static_cast<int>(i));
+    if (!is_child[i]) roots.push_back(static_cast<std::int64_t>(i));
   }
   if (!roots.empty() || nodes.empty()) return roots;
   return absl::InvalidArgumentError("every node is a child of another: nodes are their own ancestors");
 }
 
-absl::StatusOr<std::vector<GltfInstance>> gltf_instances(const std::vector<GltfNode>& nodes, const std::vector<int>& roots) {
+absl::StatusOr<std::vector<GltfInstance>> gltf_instances(const std::vector<GltfNode>& nodes,
+                                                         const std::vector<std::int64_t>& roots) {
   struct Visit {
-    int node;
+    std::int64_t node;
     Eigen::Affine3d parent;
   };
   std::vector<GltfInstance> instances;
   std::vector<Visit> stack;
   std::vector<bool> reached(nodes.size(), false);
-  const auto push = [&](const std::vector<int>& children, const Eigen::Affine3d& parent) {
+  const auto push = [&](const std::vector<std::int64_t>& children, const Eigen::Affine3d& parent) {
     for (auto child = children.rbegin(); child != children.rend(); ++child) {
       if (!is_there(nodes, *child)) return gltf_has_no("node", *child, nodes.size());
       if (reached[static_cast<std::size_t>(*child)]) {

@@ -1,20 +1,16 @@
 #include "core/mesh_io/gltf_reader.h"
-#include "core/base/colour.h"
 
 #include <absl/strings/str_format.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <fstream>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 #include <utility>
 #include <vector>
 
+#include "core/base/colour.h"
 #include "core/base/srgb.h"
 #include "core/mesh_io/companion_name.h"
 #include "core/mesh_io/gltf_accessor.h"
@@ -22,17 +18,6 @@
 #include "core/mesh_io/gltf_nodes.h"
 #include "core/mesh_io/mesh_reading.h"
 #include "core/mesh_io/texture_loader.h"
-
-// Debian's Draco exports another version of tinygltf under the same names, and the linker would mix the two: so this one is
-// compiled in, under a name of its own, without anything that opens files or decodes images.
-#define tinygltf curvecast_tinygltf
-#define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_FS
-#define TINYGLTF_NO_EXTERNAL_IMAGE
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#define TINYGLTF_NO_INCLUDE_JSON
-#include <tiny_gltf.h>
 
 namespace curvecast {
 namespace {
@@ -42,84 +27,18 @@ bool has(const std::vector<T>& items, std::int64_t index) {
   return index >= 0 && index < static_cast<std::int64_t>(items.size());
 }
 
-std::vector<GltfView> views_of(const tinygltf::Model& model) {
-  std::vector<GltfView> views;
-  views.reserve(model.bufferViews.size());
-  for (const tinygltf::BufferView& from : model.bufferViews) {
-    views.push_back({.buffer = from.buffer, .offset = from.byteOffset, .length = from.byteLength, .stride = from.byteStride});
-  }
-  return views;
-}
-
-std::vector<GltfClaim> claims_of(const tinygltf::Model& model) {
-  const auto offset_of = [](int offset) { return offset < 0 ? UINT64_MAX : static_cast<std::uint64_t>(offset); };
-  std::vector<GltfClaim> claims;
-  claims.reserve(model.accessors.size());
-  for (const tinygltf::Accessor& from : model.accessors) {
-    GltfClaim& to = claims.emplace_back();
-    to.place = {.view = from.bufferView, .offset = from.byteOffset, .component = static_cast<GltfComponent>(from.componentType)};
-    to.count = from.count;
-    to.components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(from.type));
-    to.normalised = from.normalized;
-    if (!from.sparse.isSparse) continue;
-    to.replaced = std::max(0, from.sparse.count);
-    to.indices = {.view = from.sparse.indices.bufferView,
-                  .offset = offset_of(from.sparse.indices.byteOffset),
-                  .component = static_cast<GltfComponent>(from.sparse.indices.componentType)};
-    to.values = {.view = from.sparse.values.bufferView,
-                 .offset = offset_of(from.sparse.values.byteOffset),
-                 .component = to.place.component};
-  }
-  return claims;
-}
-
-std::vector<GltfNode> nodes_of(const tinygltf::Model& model) {
-  std::vector<GltfNode> nodes;
-  nodes.reserve(model.nodes.size());
-  for (const tinygltf::Node& node : model.nodes) {
-    nodes.push_back({node.mesh, node.children, node.matrix, node.translation, node.rotation, node.scale});
-  }
-  return nodes;
-}
-
 /// Texture coordinates and how the material moves them.
-struct TexturePlaces {
-  GltfAccessor places;
+struct TextureCoordinates {
+  GltfAccessor coordinates;
   Eigen::Affine2d frame;
 };
 
-/// The extension KHR_texture_transform: scaled, turned clockwise (v grows downwards), moved.
-Eigen::Affine2d texture_transform(const tinygltf::Value& extension) {
-  const auto number = [](const tinygltf::Value& value) { return value.IsNumber() ? value.GetNumberAsDouble() : 0.0; };
-  const auto pair = [&](const char* key, const Vec2d& otherwise) {
-    const tinygltf::Value& value = extension.Get(key);
-    return value.IsArray() && value.ArrayLen() == 2 ? Vec2d(number(value.Get(0)), number(value.Get(1))) : otherwise;
-  };
-  const double angle = number(extension.Get("rotation"));
-  Eigen::Matrix2d turn;
-  turn << std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle);
-  Eigen::Affine2d frame = Eigen::Affine2d::Identity();
-  frame.translate(pair("offset", Vec2d::Zero())).rotate(turn).scale(pair("scale", Vec2d::Ones()));
-  return frame;
-}
-
-/// Parsed without a look at any file: buffers and images are not in this JSON.
-absl::StatusOr<tinygltf::Model> parse_model(const GltfDocument& document) {
-  constexpr std::size_t kMostBytes = UINT32_MAX;
-  if (document.json.size() > kMostBytes) return absl::InvalidArgumentError("the JSON has more than 4 GiB; split the scene");
-  tinygltf::TinyGLTF parser;
-  tinygltf::Model model;
-  std::string error, warning;
-  const auto length = static_cast<unsigned int>(document.json.size());
-  if (!parser.LoadASCIIFromString(&model, &error, &warning, document.json.c_str(), length, "", tinygltf::NO_REQUIRE)) {
-    return absl::InvalidArgumentError(absl::StrFormat("malformed glTF: %s", display_name(error.substr(0, error.find('\n')))));
-  }
-  return model;
-}
+/// The format's numbers for kinds of primitives; smaller ones are points and lines.
+enum Mode : std::int64_t { kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
 
 /// Extensions that change where triangles are cannot be passed over; those that change looks can.
-absl::Status check_extensions(const tinygltf::Model& model, std::vector<std::string>& warnings) {
-  for (const std::string& name : model.extensionsRequired) {
+absl::Status check_extensions(const GltfModel& model, std::vector<std::string>& warnings) {
+  for (const std::string& name : model.required_extensions) {
     if (name == "KHR_mesh_quantization" || name == "KHR_texture_transform") continue;
     const bool looks_only = name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_") ||
                             name.starts_with("EXT_texture_") || name.starts_with("KHR_lights_");
@@ -134,10 +53,10 @@ absl::Status check_extensions(const tinygltf::Model& model, std::vector<std::str
 
 class GltfReader {
  public:
-  GltfReader(const MeshFile& file, const ExecutionContext& context, const GltfDocument& document, const tinygltf::Model& model)
+  GltfReader(const MeshFile& file, const ExecutionContext& context, const GltfDocument& document)
       : document_(document),
-        model_(model),
-        accessors_(file, document, views_of(model), claims_of(model)),
+        model_(document.model),
+        accessors_(file, document),
         textures_(file, soup_.warnings),
         context_(context) {
     soup_.shares_vertices = false;
@@ -157,12 +76,12 @@ class GltfReader {
 
  private:
   absl::Status read_scene() {
-    std::vector<int> roots;
-    const std::vector<GltfNode> nodes = nodes_of(model_);
-    if (model_.defaultScene >= 0) {
-      if (!has(model_.scenes, model_.defaultScene)) return gltf_has_no("scene", model_.defaultScene, model_.scenes.size());
-      roots = model_.scenes[static_cast<std::size_t>(model_.defaultScene)].nodes;
-    } else if (absl::StatusOr<std::vector<int>> found = gltf_roots(nodes); found.ok()) {
+    std::vector<std::int64_t> roots;
+    const std::vector<GltfNode>& nodes = model_.nodes;
+    if (model_.scene >= 0) {
+      if (!has(model_.scenes, model_.scene)) return gltf_has_no("scene", model_.scene, model_.scenes.size());
+      roots = model_.scenes[static_cast<std::size_t>(model_.scene)];
+    } else if (absl::StatusOr<std::vector<std::int64_t>> found = gltf_roots(nodes); found.ok()) {
       roots = *std::move(found);
     } else {
       return found.status();
@@ -184,27 +103,28 @@ class GltfReader {
 
   absl::Status read_instance(const GltfInstance& instance) {
     if (!has(model_.meshes, instance.mesh)) return gltf_has_no("mesh", instance.mesh, model_.meshes.size());
-    const std::vector<tinygltf::Primitive>& primitives = model_.meshes[static_cast<std::size_t>(instance.mesh)].primitives;
     blocks_.clear();
-    for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const absl::Status status = read_primitive(primitives[i], instance.world);
+    for (const GltfPrimitive& primitive : model_.meshes[static_cast<std::size_t>(instance.mesh)]) {
+      absl::Status status = check_room(++primitives_done_, "primitives");
+      if (status.ok()) status = read_primitive(primitive, instance.world);
       if (status.ok()) continue;
       if (absl::IsCancelled(status)) return status;
-      return absl::Status(status.code(), absl::StrFormat("mesh %d, primitive %d: %s", instance.mesh, i, status.message()));
+      return absl::Status(status.code(),
+                          absl::StrFormat("mesh %d, primitive %d: %s", instance.mesh, primitive.number, status.message()));
     }
     return absl::OkStatus();
   }
 
-  static int attribute_of(const tinygltf::Primitive& primitive, const std::string& name) {
+  static std::int64_t attribute_of(const GltfPrimitive& primitive, const std::string& name) {
     const auto found = primitive.attributes.find(name);
     return found == primitive.attributes.end() ? -1 : found->second;
   }
 
-  absl::Status read_primitive(const tinygltf::Primitive& primitive, const Eigen::Affine3d& world) {
-    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-    if (mode < TINYGLTF_MODE_TRIANGLES) return absl::OkStatus();  // points and lines
-    if (mode > TINYGLTF_MODE_TRIANGLE_FAN) return absl::InvalidArgumentError(absl::StrFormat("there is no mode %d", mode));
-    const int position = attribute_of(primitive, "POSITION");
+  absl::Status read_primitive(const GltfPrimitive& primitive, const Eigen::Affine3d& world) {
+    const std::int64_t mode = primitive.mode < 0 ? kTriangles : primitive.mode;
+    if (mode < kTriangles) return absl::OkStatus();  // points and lines
+    if (mode > kTriangleFan) return absl::InvalidArgumentError(absl::StrFormat("there is no mode %d", mode));
+    const std::int64_t position = attribute_of(primitive, "POSITION");
     if (position < 0) return absl::OkStatus();  // the format lets extensions supply it
     const absl::StatusOr<GltfAccessor> positions = accessors_.find(position, 3, 3, "POSITION");
     if (!positions.ok()) return positions.status();
@@ -223,10 +143,10 @@ class GltfReader {
   }
 
   // The number of the first vertex. Primitives of a mesh often share their vertices and differ in material only.
-  absl::StatusOr<std::size_t> read_vertices(const tinygltf::Primitive& primitive, const GltfAccessor& positions,
+  absl::StatusOr<std::size_t> read_vertices(const GltfPrimitive& primitive, const GltfAccessor& positions,
                                             const Eigen::Affine3d& world) {
-    const std::array<int, 3> key = {attribute_of(primitive, "POSITION"), attribute_of(primitive, "NORMAL"),
-                                    attribute_of(primitive, "COLOR_0")};
+    const std::array<std::int64_t, 3> key = {attribute_of(primitive, "POSITION"), attribute_of(primitive, "NORMAL"),
+                                             attribute_of(primitive, "COLOR_0")};
     const auto [known, is_new] = blocks_.try_emplace(key, soup_.positions.size());
     if (!is_new) return known->second;
     const std::size_t first = soup_.positions.size();
@@ -264,12 +184,12 @@ class GltfReader {
     return first;
   }
 
-  absl::Status read_triangles(const tinygltf::Primitive& primitive, int mode, std::size_t first, std::size_t vertices,
+  absl::Status read_triangles(const GltfPrimitive& primitive, std::int64_t mode, std::size_t first, std::size_t vertices,
                               const std::optional<GltfAccessor>& indices, bool mirrored) {
     const std::size_t count = indices ? indices->count : vertices;
-    const std::size_t triangles = mode == TINYGLTF_MODE_TRIANGLES ? count / 3 : count < 3 ? 0 : count - 2;
+    const std::size_t triangles = mode == kTriangles ? count / 3 : count < 3 ? 0 : count - 2;
     if (absl::Status status = check_room(soup_.indices.size() / 3 + triangles, "triangles"); !status.ok()) return status;
-    const absl::StatusOr<std::optional<TexturePlaces>> uv = uv_of(primitive);
+    const absl::StatusOr<std::optional<TextureCoordinates>> uv = uv_of(primitive);
     if (!uv.ok()) return uv.status();
     MeshAttributes& attributes = soup_.attributes;
     const std::size_t old_size = soup_.indices.size();
@@ -278,8 +198,8 @@ class GltfReader {
     for (std::size_t t = 0; t < triangles; ++t) {
       if (!monitor_->tick(instances_done_)) return monitor_->status();
       std::array<std::size_t, 3> corners = {3 * t, 3 * t + 1, 3 * t + 2};
-      if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) corners = {t, t + 1 + t % 2, t + 2 - t % 2};
-      if (mode == TINYGLTF_MODE_TRIANGLE_FAN) corners = {0, t + 1, t + 2};
+      if (mode == kTriangleStrip) corners = {t, t + 1 + t % 2, t + 2 - t % 2};
+      if (mode == kTriangleFan) corners = {0, t + 1, t + 2};
       if (mirrored) std::swap(corners[1], corners[2]);
       for (const std::size_t corner : corners) {
         const std::size_t vertex = indices ? indices->index(corner) : corner;
@@ -302,54 +222,49 @@ class GltfReader {
   }
 
   // Pictures of glTF have v downwards. Vertices without texture coordinates, which there should be none of, are at 0 0.
-  static Vec2f place(const TexturePlaces& uv, std::size_t vertex) {
-    if (vertex >= uv.places.count) return Vec2f::Zero();
-    const Vec2d p = uv.frame * Vec2d(uv.places.number(vertex, 0), uv.places.number(vertex, 1));
+  static Vec2f place(const TextureCoordinates& uv, std::size_t vertex) {
+    if (vertex >= uv.coordinates.count) return Vec2f::Zero();
+    const Vec2d p = uv.frame * Vec2d(uv.coordinates.number(vertex, 0), uv.coordinates.number(vertex, 1));
     return Vec2d(p.x(), 1 - p.y()).cast<float>();
   }
 
   // The texture coordinates that the base colour's texture asks for.
-  absl::StatusOr<std::optional<TexturePlaces>> uv_of(const tinygltf::Primitive& primitive) {
-    int set = 0;
-    Eigen::Affine2d frame = Eigen::Affine2d::Identity();
+  absl::StatusOr<std::optional<TextureCoordinates>> uv_of(const GltfPrimitive& primitive) {
+    const GltfTextureUse plain;
+    const GltfTextureUse* use = &plain;
     if (has(model_.materials, primitive.material)) {
-      const tinygltf::TextureInfo& texture =
-          model_.materials[static_cast<std::size_t>(primitive.material)].pbrMetallicRoughness.baseColorTexture;
-      set = texture.texCoord;
-      const auto found = texture.extensions.find("KHR_texture_transform");
-      if (found != texture.extensions.end() && found->second.IsObject()) {
-        frame = texture_transform(found->second);
-        if (const tinygltf::Value& own = found->second.Get("texCoord"); own.IsInt()) set = own.GetNumberAsInt();
-      }
+      const GltfMaterial& material = model_.materials[static_cast<std::size_t>(primitive.material)];
+      if (material.colour_texture != nullptr) use = material.colour_texture.get();
     }
-    const int index = attribute_of(primitive, absl::StrFormat("TEXCOORD_%d", set));
-    if (index < 0) return std::optional<TexturePlaces>();
+    const std::int64_t index = attribute_of(primitive, absl::StrFormat("TEXCOORD_%d", use->set));
+    if (index < 0) return std::optional<TextureCoordinates>();
     const absl::StatusOr<GltfAccessor> found = accessors_.find(index, 2, 2, "texture coordinates");
     if (!found.ok()) return found.status();
-    return std::optional(TexturePlaces{*found, frame});
+    return std::optional(TextureCoordinates{*found, use->frame});
   }
 
   // ------------------------------------------------------------------------------------------------------------- materials
 
   void read_materials() {
-    std::map<int, std::shared_ptr<const Image>> images;
+    std::map<std::int64_t, std::shared_ptr<const Image>> images;
     for (std::size_t i = 0; i < model_.materials.size(); ++i) {
-      const tinygltf::Material& from = model_.materials[i];
+      const GltfMaterial& from = model_.materials[i];
       Material& to = soup_.attributes.materials.emplace_back();
       to.name = display_name(from.name);
-      const std::vector<double>& factor = from.pbrMetallicRoughness.baseColorFactor;
-      if (factor.size() >= 3) to.colour = {srgb_byte(factor[0]), srgb_byte(factor[1]), srgb_byte(factor[2]), 255};
-      if (factor.size() >= 4) to.colour.a = unit_to_byte(factor[3]);
-      const int texture = from.pbrMetallicRoughness.baseColorTexture.index;
-      if (texture < 0) continue;
-      const int image = has(model_.textures, texture) ? model_.textures[static_cast<std::size_t>(texture)].source : -1;
+      if (const std::vector<double>& c = from.colour; !c.empty()) {
+        to.colour = {srgb_byte(c[0]), srgb_byte(c[1]), srgb_byte(c[2]), unit_to_byte(c[3])};
+      }
+      if (from.colour_texture == nullptr) continue;
+      const std::int64_t texture = from.colour_texture->texture;
+      const bool is_there = has(model_.image_of_texture, texture);
+      const std::int64_t image = is_there ? model_.image_of_texture[static_cast<std::size_t>(texture)] : -1;
       const auto [known, is_new] = images.try_emplace(image);
       if (is_new) known->second = load_image(image, absl::StrFormat("material %d", i));
       to.texture = known->second;
     }
   }
 
-  std::shared_ptr<const Image> load_image(int index, const std::string& where) {
+  std::shared_ptr<const Image> load_image(std::int64_t index, const std::string& where) {
     const std::string name = absl::StrFormat("image %d", index);
     absl::Status fault = absl::InvalidArgumentError("is not in the file");
     if (has(document_.images, index)) {
@@ -377,14 +292,14 @@ class GltfReader {
   }
 
   const GltfDocument& document_;
-  const tinygltf::Model& model_;
+  const GltfModel& model_;
   PolygonSoup soup_;
   GltfAccessors accessors_;
   TextureLoader textures_;
   const ExecutionContext& context_;
   std::optional<ReadMonitor> monitor_;  // counts instances
-  std::size_t instances_done_ = 0;
-  std::map<std::array<int, 3>, std::size_t> blocks_;  // of the mesh at hand: first vertex by accessors
+  std::size_t instances_done_ = 0, primitives_done_ = 0;
+  std::map<std::array<std::int64_t, 3>, std::size_t> blocks_;  // of the mesh at hand: first vertex by accessors
 };
 
 }  // namespace
@@ -392,9 +307,7 @@ class GltfReader {
 absl::StatusOr<PolygonSoup> read_gltf(const MeshFile& file, const ExecutionContext& context) {
   const absl::StatusOr<GltfDocument> document = parse_gltf(file.text());
   if (!document.ok()) return document.status();
-  const absl::StatusOr<tinygltf::Model> model = parse_model(*document);
-  if (!model.ok()) return model.status();
-  return GltfReader(file, context, *document, *model).read();
+  return GltfReader(file, context, *document).read();
 }
 
 }  // namespace curvecast

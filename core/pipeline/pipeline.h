@@ -30,7 +30,7 @@ inline constexpr int kAlgorithmVersion = 2;
 struct PreprocessOptions {
   std::uint64_t points = 65'536;  // N for which the curve is made fine enough, 1 .. kMaxPoints
   double omega = 10;              // curve vertices per point (paper, section 3.2), 1 .. 1000
-  Parameteriser parameteriser = Parameteriser::kOwn;
+  Parameteriser parameteriser = Parameteriser::kLeastStretch;
   Mapper mapper = Mapper::kExact;
   AreaElement area_element = AreaElement::kExact;
   std::vector<DensityTerm> density;  // base density for which the curve is made, without camera terms; none = uniform

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {

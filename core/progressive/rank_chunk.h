@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/packed.h"
+#include "core/base/quantised.h"
 #include "core/curve/curve_blocks.h"
 #include "core/progressive/rank_block.h"
 #include "core/progressive/stratum_bounds.h"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {

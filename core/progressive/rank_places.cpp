@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/lanes.h"
 #include "core/base/random.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {

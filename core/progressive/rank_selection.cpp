@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {
@@ -80,16 +80,6 @@ void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensi
     shown_[candidate.key_index / kWord] |= std::uint64_t{1} << candidate.key_index % kWord;
   }
   finish(view, below + wanted, out);
-  out.tree = std::move(tree);
-}
-
-void RankSelector::select_at(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& factor,
-                             float scale, RankSelection& out) {
-  const View view{*tree, density, factor};
-  visit(view, scale);
-  out.scale = scale;
-  shown_.resize(keys_.size() / kWord);
-  finish(view, mark_upto(keys_.data(), shown_.size(), scale, shown_.data()), out);
   out.tree = std::move(tree);
 }
 

@@ -82,10 +82,6 @@ class RankSelector {
   void select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, std::uint64_t n,
               RankSelection& out);
 
-  /// All points that are shown at a scale.
-  void select_at(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, float scale,
-                 RankSelection& out);
-
   /// The density at the points that the last selection shows, selection.count of them in the order of their bits.
   void densities(const RankSelection& selection, std::span<float> out) const;
 

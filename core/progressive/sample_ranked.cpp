@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "core/density/view_factor.h"
 #include "core/progressive/place_order.h"
 #include "core/sample/resample.h"

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "core/progressive/progressive.h"
 
 namespace curvecast {

@@ -126,13 +126,6 @@ class Finder {
 
 }  // namespace
 
-std::uint32_t leaf_at(const LeafKeys& leaves, HilbertCell cell) {
-  if (leaves.key.empty() || cell.x >= kCells || cell.y >= kCells) return kNone;
-  const std::uint64_t key = hilbert_index(cell, kMaxLevel);
-  const std::uint32_t found = last_not_above(leaves.key, key, leaves.key.size() / 2);
-  return found != kNone && holds(leaves, found, key) ? found : kNone;
-}
-
 std::array<std::uint32_t, 8> leaf_neighbours(const LeafKeys& leaves, std::uint32_t leaf) {
   const Finder finder(leaves, leaf);
   const std::uint32_t side = finder.side();

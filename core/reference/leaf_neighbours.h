@@ -18,9 +18,6 @@ struct LeafKeys {
   std::span<const std::uint8_t> level;
 };
 
-/// The leaf that holds a cell of the square at kMaxLevel; kNone where no leaf is.
-std::uint32_t leaf_at(const LeafKeys& leaves, HilbertCell cell);
-
 /// The eight neighbours, counter-clockwise from the right: the leaves that hold the cells at kMaxLevel just beyond the middle of
 /// the right side, the upper right corner, the middle of the upper side ... A middle between two cells counts as the right or
 /// upper one. Larger leaves may come more than once; kNone over the border of the square, and where no leaf is.

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/base/column.h"
+#include "core/curve/locate_triangle.h"
 #include "core/curve/parameter_triangle.h"
 #include "core/curve/surface_map.h"
-#include "core/curve/walk.h"
 #include "core/flatten/flatten.h"
 
 namespace curvecast {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/refine/raise_levels.h"
 #include "core/refine/split_leaves.h"
+#include "core/refine/subdivide_all.h"
 
 namespace curvecast {
 namespace {
@@ -58,7 +58,7 @@ absl::StatusOr<RefinedCurve> refine_here(const CurveBase& base, const SurfaceCur
                                          const RefineOptions& options, const ExecutionContext& context) {
   std::vector<float> load(curve.size(), 0);
   for (const CurveDemand& demand : demands) {
-    if (absl::Status status = add_load(curve, demand, options.omega, load); !status.ok()) return status;
+    if (absl::Status status = raise_vertex_loads(curve, demand, options.omega, load); !status.ok()) return status;
     if (absl::Status status = context.check(); !status.ok()) return status;
   }
   const double limit = std::min(static_cast<double>(options.max_vertices), kMostVertices);
@@ -78,7 +78,7 @@ absl::StatusOr<RefinedCurve> refine_here(const CurveBase& base, const SurfaceCur
     if (!split.ok()) return split.status();
     return finish(*std::move(split));
   }
-  SurfaceCurve raised = raise_levels(base, curve, common);
+  SurfaceCurve raised = subdivide_all(base, curve, common);
   if (absl::Status status = context.check(); !status.ok()) return status;
   const std::vector<std::uint8_t> left = levels_left(curve, raised, missing.levels);
   if (any(left)) {

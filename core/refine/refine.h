@@ -10,7 +10,7 @@
 #include "core/base/execution_context.h"
 #include "core/curve/surface_curve.h"
 #include "core/refine/curve_base.h"
-#include "core/refine/shortfall.h"
+#include "core/refine/curve_resolution.h"
 
 namespace curvecast {
 
@@ -26,7 +26,7 @@ struct RefinedCurve {
 };
 
 /// The next revision of a curve, fine enough for all of the demands as far as that goes; never coarser anywhere. Where nearly all
-/// leaves want more levels, all are raised (raise_levels()) first, then the others are split (split_leaves()). A density that
+/// leaves want more levels, all are raised (subdivide_all()) first, then the others are split (split_leaves()). A density that
 /// varies within a leaf may find its parts too coarse again. Errors as of evaluate_density; Cancelled.
 absl::StatusOr<RefinedCurve> refine(const CurveBase& base, const SurfaceCurve& curve, std::span<const CurveDemand> demands,
                                     const RefineOptions& options, const ExecutionContext& context = {});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/curve/area_element.h"
+#include "core/curve/curve_columns.h"
 
 namespace curvecast {
 namespace {
@@ -183,13 +184,9 @@ void merge(std::span<const Run> runs, const SurfaceCurve& old, const SurfaceCurv
       const auto copy = [&run](const auto& from, auto& to) {
         std::copy_n(from.data() + run.from, run.count, to.data() + run.to);
       };
-      copy(source.x, out.x), copy(source.y, out.y), copy(source.z, out.z);
-      copy(source.nx, out.nx), copy(source.ny, out.ny), copy(source.nz, out.nz);
-      copy(source.curvature_min, out.curvature_min), copy(source.curvature_max, out.curvature_max);
-      copy(source.direction, out.direction), copy(source.area, out.area);
-      copy(source.triangle, out.triangle), copy(source.weight_1, out.weight_1), copy(source.weight_2, out.weight_2);
-      copy(source.key, out.key), copy(source.level, out.level);
-      if (!out.colour.empty()) copy(source.colour, out.colour);
+      visit_column_members([&](const char* /*name*/, auto column, ColumnLength /*length*/) {
+        if (!(out.*column).empty()) copy(source.*column, out.*column);
+      });
       for (std::size_t s = 0; s < out.scalars.size(); ++s) copy(source.scalars[s].values, out.scalars[s].values);
     }
   });

@@ -3,87 +3,41 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
-#include <fcntl.h>
 #include <png.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <csetjmp>
-#include <limits>
+#include <cstdint>
 #include <new>
+#include <vector>
 
 namespace curvecast {
 namespace {
 
-// What libpng's callbacks see. They must not throw through C frames, so failures are kept here.
-struct Sink {
+/// The red, green and blue of every pixel.
+std::vector<std::uint8_t> without_alpha(const std::vector<std::uint8_t>& rgba) {
+  std::vector<std::uint8_t> rgb(rgba.size() / 4 * 3);
+  for (std::size_t from = 0, to = 0; from < rgba.size(); from += 4, to += 3) {
+    for (std::size_t k = 0; k < 3; ++k) rgb[to + k] = rgba[from + k];
+  }
+  return rgb;
+}
+
+absl::StatusOr<std::string> encode(const Image& image, png_uint_32 format, const std::vector<std::uint8_t>& pixels) {
+  png_image writer = {};
+  writer.version = PNG_IMAGE_VERSION;
+  writer.width = static_cast<png_uint_32>(image.width);
+  writer.height = static_cast<png_uint_32>(image.height);
+  writer.format = format;
   std::string bytes;
-  std::string message;
-};
-
-void append(png_structp png, png_bytep data, std::size_t size) {
-  auto* sink = static_cast<Sink*>(png_get_io_ptr(png));
-  try {
-    sink->bytes.append(reinterpret_cast<const char*>(data), size);
-  } catch (const std::bad_alloc&) {
-    png_error(png, "out of memory");
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(writer);
+  bytes.resize(size);
+  if (png_image_write_to_memory(&writer, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
+    const std::string message = writer.message;
+    png_image_free(&writer);
+    return absl::InternalError(absl::StrCat("libpng: ", message));
   }
-}
-
-void flush(png_structp) {}
-
-[[noreturn]] void fail(png_structp png, png_const_charp message) {
-  static_cast<Sink*>(png_get_error_ptr(png))->message = message;
-  png_longjmp(png, 1);
-}
-
-void warn(png_structp, png_const_charp) {}
-
-// Plain data only between setjmp and longjmp: no destructor may be skipped. `row` holds one row without alpha.
-bool encode_rows(const Image& image, bool opaque, png_bytep row, Sink& sink) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, fail, warn);
-  if (png == nullptr) return false;
-  png_infop info = png_create_info_struct(png);
-  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
-    png_destroy_write_struct(&png, &info);
-    return false;
-  }
-  png_set_write_fn(png, &sink, append, flush);
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
-               opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-  png_write_info(png, info);
-  const std::size_t width = static_cast<std::size_t>(image.width);
-  for (int y = 0; y < image.height; ++y) {
-    png_const_bytep source = image.rgba.data() + 4 * width * static_cast<std::size_t>(y);
-    if (opaque) {
-      for (std::size_t x = 0; x < width; ++x) std::copy_n(source + 4 * x, 3, row + 3 * x);
-      source = row;
-    }
-    png_write_row(png, source);
-  }
-  png_write_end(png, info);
-  png_destroy_write_struct(&png, &info);
-  return true;
-}
-
-absl::Status write_bytes(const std::string& path, const std::string& bytes) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) return absl::ErrnoToStatus(errno, absl::StrCat("cannot create ", path));
-  absl::Status status;
-  for (std::size_t done = 0; done < bytes.size() && status.ok();) {
-    const ssize_t n = ::write(file, bytes.data() + done, bytes.size() - done);
-    if (n >= 0) {
-      done += static_cast<std::size_t>(n);
-    } else if (errno != EINTR) {
-      status = absl::ErrnoToStatus(errno, absl::StrCat("cannot write ", path));
-    }
-  }
-  // The disk's last words (quota, network) come at close.
-  if (::close(file) != 0 && status.ok()) status = absl::ErrnoToStatus(errno, absl::StrCat("cannot close ", path));
-  return status;
+  bytes.resize(size);
+  bytes.shrink_to_fit();
+  return bytes;
 }
 
 }  // namespace
@@ -103,28 +57,10 @@ absl::StatusOr<std::string> encode_png(const Image& image) {
   bool opaque = true;
   for (std::size_t i = 3; i < expected && opaque; i += 4) opaque = image.rgba[i] == 255;
   try {
-    Sink sink;
-    std::vector<png_byte> row(3 * static_cast<std::size_t>(image.width));
-    if (!encode_rows(image, opaque, row.data(), sink)) {
-      return absl::InternalError(absl::StrCat("libpng: ", sink.message.empty() ? "out of memory" : sink.message));
-    }
-    return std::move(sink.bytes);
+    return opaque ? encode(image, PNG_FORMAT_RGB, without_alpha(image.rgba)) : encode(image, PNG_FORMAT_RGBA, image.rgba);
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError("out of memory while encoding a PNG");
   }
-}
-
-absl::Status write_png(const std::filesystem::path& path, const Image& image) {
-  absl::StatusOr<std::string> bytes = encode_png(image);
-  if (!bytes.ok()) return bytes.status();
-  const std::string target = path.string();
-  const std::string temporary = absl::StrCat(target, ".", ::getpid(), ".", ::gettid(), ".tmp");
-  absl::Status status = write_bytes(temporary, *bytes);
-  if (status.ok() && ::rename(temporary.c_str(), target.c_str()) != 0) {
-    status = absl::ErrnoToStatus(errno, absl::StrCat("cannot rename ", temporary, " to ", target));
-  }
-  if (!status.ok()) ::unlink(temporary.c_str());
-  return status;
 }
 
 }  // namespace curvecast

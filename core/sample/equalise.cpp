@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/branchless.h"
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {
@@ -39,7 +38,7 @@ CURVECAST_WIDE void count_points(const double* __restrict q, std::size_t size, d
   const double* __restrict const mass = stretch.mass;
   std::uint32_t* __restrict const points = stretch.points;
   for (std::size_t b = 0; b <= stretch.size(); ++b) {
-    const auto count = static_cast<std::int32_t>(lesser(mass[b] * points_per_mass, last));
+    const auto count = static_cast<std::int32_t>(fast_min(mass[b] * points_per_mass, last));
     points[b] = static_cast<std::uint32_t>(count) + (q[count] * total < mass[b] ? 1 : 0);
   }
 }

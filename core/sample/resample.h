@@ -26,7 +26,7 @@ struct ResampleReport {
   double density_seconds = 0;
   double equalise_seconds = 0;  // cumulative density, inversion and gathering
   double gather_seconds = 0;    // of these: reading the points' data
-  double most_on_vertex = 0;    // points that are expected at least on the curve vertex with the most; see kShortLoad
+  double most_on_vertex = 0;    // points that are expected at least on the curve vertex with the most; see kMaxVertexLoad
 };
 
 /// InvalidArgument: N = 0, a bad density. OutOfRange: N > kMaxPoints.

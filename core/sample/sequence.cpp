@@ -6,9 +6,9 @@
 #include <tuple>
 #include <utility>
 
-#include "core/base/lanes.h"
 #include "core/base/random.h"
 #include "core/base/reversed_bits.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {
@@ -67,11 +67,11 @@ using WordLanes = std::uint64_t __attribute__((vector_size(32)));
 }
 
 /// Words below 2^53 as numbers: their halves become digits of doubles, which every processor has instructions for.
-[[gnu::always_inline]] inline void to_numbers(const WordLanes& words, Lanes& to) {
+[[gnu::always_inline]] inline void to_numbers(const WordLanes& words, Double4& to) {
   constexpr double kLower = 0x1p52, kUpper = 0x1p84;
   const WordLanes lower = (words & 0xffffffffu) | std::bit_cast<std::uint64_t>(kLower);
   const WordLanes upper = words >> 32 | std::bit_cast<std::uint64_t>(kUpper);
-  Lanes low, high;
+  Double4 low, high;
   load_lanes(low, &lower);
   load_lanes(high, &upper);
   to = (high - (kUpper + kLower)) + low;
@@ -82,15 +82,15 @@ CURVECAST_WIDE std::size_t fill_jittered_lanes(std::uint64_t seed, std::span<dou
   const double n = static_cast<double>(q.size());
   const std::uint64_t start = random_start(seed);
   WordLanes counter = {start, start + kRandomStep, start + 2 * kRandomStep, start + 3 * kRandomStep};
-  Lanes place = {0, 1, 2, 3};
+  Double4 place = {0, 1, 2, 3};
   std::size_t i = 0;
   for (; i + 4 <= q.size(); i += 4) {
     WordLanes bits = counter;
     mix_lanes(bits);
-    Lanes within;
+    Double4 within;
     to_numbers(bits >> 11, within);
-    Lanes to = (place + within * 0x1p-53) / n;
-    to = to < kBelowOne ? to : Lanes{} + kBelowOne;
+    Double4 to = (place + within * 0x1p-53) / n;
+    to = to < kBelowOne ? to : Double4{} + kBelowOne;
     store_lanes(to, &q[i]);
     counter += 4 * kRandomStep;
     place += 4.0;

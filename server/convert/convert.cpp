@@ -230,7 +230,7 @@ absl::StatusOr<Parameteriser> to_parameteriser(const std::string& field, v1::Par
   switch (parameteriser) {
     case v1::PARAMETERISER_UNSPECIFIED:
     case v1::PARAMETERISER_OWN:
-      return Parameteriser::kOwn;
+      return Parameteriser::kLeastStretch;
     case v1::PARAMETERISER_CGAL:
       return Parameteriser::kCgal;
     default:

@@ -3,7 +3,7 @@
 #include "core/base/execution_context.h"
 #include "core/base/stopwatch.h"
 #include "core/progressive/sample_ranked.h"
-#include "core/refine/shortfall.h"
+#include "core/refine/curve_resolution.h"
 #include "core/sample/point_budget.h"
 
 namespace curvecast::server {
@@ -53,7 +53,7 @@ absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
   absl::Status status = resample(*curve_, fixed_.get(), options, out.workspace->equalised, &report);
   status.Update(wanted());
   if (!status.ok()) return status;
-  out.is_short = session_->options.omega * report.most_on_vertex > kShortLoad;
+  out.is_short = session_->options.omega * report.most_on_vertex > kMaxVertexLoad;
   out.statistics.set_density_seconds(fixed_seconds_ + report.density_seconds);
   out.statistics.set_equalise_seconds(report.equalise_seconds);
   return out;

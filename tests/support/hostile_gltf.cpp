@@ -9,7 +9,7 @@ namespace {
 
 using nlohmann::json;
 
-// What the reader's limits on objects (250,000 of a kilobyte) and on elements (4 million and in proportion) come to.
+// What the reader's limits on values of JSON (2 million) and on elements (4 million and in proportion) come to.
 constexpr std::size_t kModel = 256, kElements = 128;  // MiB
 
 struct Builder {
@@ -128,6 +128,23 @@ void add_nodes(Builder& b) {
   b.allow(kElements);
 }
 
+/// Each costs time, and none makes a triangle.
+void add_primitives(Builder& b) {
+  b.refuse(
+      "4,000 nodes of 2,000 primitives without triangles",
+      [](json& j) {
+        json primitives = json::array();
+        for (int i = 0; i < 2'000; ++i) primitives.push_back({{"attributes", json::object()}});
+        j["meshes"][0]["primitives"] = primitives;
+        j["nodes"] = json::array();
+        for (int i = 0; i < 4'000; ++i) j["nodes"].push_back({{"mesh", 0}});
+      },
+      "the scene repeats its meshes until it has more than");
+  b.use("5,000 primitives, most of them without triangles", [](json& j) {
+    for (int i = 0; i < 5'000; ++i) j["meshes"][0]["primitives"].push_back({{"attributes", json::object()}});
+  });
+}
+
 void add_accessors(Builder& b) {
   const auto accessor = [&](const char* what, const char* key, const json& value, const char* words) {
     b.refuse(
@@ -152,7 +169,7 @@ void add_accessors(Builder& b) {
   accessor("numbers of an unknown type", "componentType", 5130, "accessor 0 (POSITION): its numbers are of an unknown type");
   accessor("numbers of type -1", "componentType", -1, "accessors 0: its componentType must be a whole number");
   accessor("flat vertices", "type", "VEC2", "accessor 0 (POSITION): it has the wrong number of components");
-  accessor("vertices of an unknown kind", "type", "VEC9", "Unsupported `type` for accessor object");
+  accessor("vertices of an unknown kind", "type", "VEC9", "accessors 0: there are no elements of type 'VEC9'");
   view("a view of a megabyte", "byteLength", 1'000'000, "reach beyond buffer 0");
   view("a view of 2^63 - 1 bytes", "byteLength", INT64_MAX, "9223372036854775807 bytes at 0 reach beyond buffer 0");
   view("a view at 2^64 - 5", "byteOffset", UINT64_MAX - 4, "48 bytes at 18446744073709551611 reach beyond buffer 0");
@@ -160,7 +177,8 @@ void add_accessors(Builder& b) {
   view("a stride of -12", "byteStride", -12, "bufferViews 0: its byteStride must be a whole number");
   view("a stride of 4", "byteStride", 4, "its elements of 12 bytes overlap: the buffer view's stride is 4");
   view("a stride of 252", "byteStride", 252, "reach beyond buffer view 0");
-  view("a stride of 2^63 - 1", "byteStride", INT64_MAX, "Invalid `byteStride' value");
+  view("a stride of 2^63 - 1", "byteStride", INT64_MAX,
+       "bufferViews 0: its byteStride is 9223372036854775807; it must be a multiple of 4");
   view("a view of a buffer that is not there", "buffer", 3, "there is no buffer 3 (the file has 1)");
   view("buffer -1", "buffer", -1, "accessor 0 (POSITION): there is no buffer -1");
   b.refuse(
@@ -240,12 +258,17 @@ void add_documents(Builder& b) {
   b.allow(kModel);
   b.refuse_text("of 200,000 empty nodes", start + ",\"nodes\":[{}" + repeated(",{}", 200'000) + "]}", "no faces");
   b.allow(kModel);
-  b.refuse_text("of 300,000 empty nodes", start + ",\"nodes\":[{}" + repeated(",{}", 300'000) + "]}", "more than 250000 objects");
+  b.refuse_text("of 300,000 empty nodes", start + ",\"nodes\":[{}" + repeated(",{}", 300'000) + "]}", "no faces");
+  b.allow(kModel);
+  b.refuse_text("of 1,900,000 empty nodes", start + ",\"nodes\":[{}" + repeated(",{}", 1'900'000) + "]}", "no faces");
+  b.allow(kModel);
+  b.refuse_text("of 2,100,000 empty nodes", start + ",\"nodes\":[{}" + repeated(",{}", 2'100'000) + "]}",
+                "more than 2000000 values");
   b.allow(kModel);
   b.refuse_text("of 100,000 empty meshes", start + ",\"meshes\":[{}" + repeated(",{}", 100'000) + "]}", "no faces");
   b.allow(kModel);
-  b.refuse_text("of 100,000 empty materials", start + ",\"materials\":[{}" + repeated(",{}", 100'000) + "]}",
-                "the file has 100001 materials; at most 4096 can be read");
+  b.refuse_text("of 100,000 empty materials", start + ",\"materials\":[{}" + repeated(",{}", 100'000) + "]}", "no faces");
+  b.allow(kModel);
   b.refuse_text("with a number of a megabyte", start + ",\"scene\":" + std::string(1'000'000, '9') + "}",
                 "line 1: the JSON holds a number out of range");
   b.refuse_text("with a name of two megabytes", start + ",\"nodes\":[{\"name\":\"" + std::string(2'000'000, 'n') + "\"}]}",
@@ -256,13 +279,13 @@ void add_documents(Builder& b) {
                 "a.gltf: line 1: the JSON is malformed");
   b.refuse_text("of arrays for objects",
                 start + ",\"accessors\":[[]],\"bufferViews\":[[]],\"meshes\":[[]],\"nodes\":[[]],\"scenes\":[[]],\"scene\":[]}",
-                "`bufferViews' does not contain an JSON object");
+                "bufferViews 0: it is no JSON object");
   b.refuse_text("of objects for arrays",
                 start + ",\"accessors\":{},\"bufferViews\":{},\"meshes\":{},\"nodes\":{},\"buffers\":{},\"images\":{}}",
                 "no faces");
   b.refuse_text("of nulls",
                 start + ",\"accessors\":null,\"bufferViews\":[null],\"meshes\":[null],\"nodes\":null,\"buffers\":[null]}",
-                "`bufferViews' does not contain an JSON object");
+                "bufferViews 0: it is no JSON object");
   b.refuse_text("in UTF-16", std::string("\xff\xfe{\0\"\0a\0", 8), "a.gltf: line 1: the JSON is malformed");
   const GltfWriter writer = gltf_tetrahedron();
   b.refuse_text("with a buffer that is no base64", writer.text("data:application/octet-stream;base64,!!!!"),
@@ -317,6 +340,7 @@ void add_containers(Builder& b) {
 std::vector<HostileFile> hostile_gltf_files() {
   Builder builder;
   add_nodes(builder);
+  add_primitives(builder);
   add_accessors(builder);
   add_documents(builder);
   add_containers(builder);

@@ -9,7 +9,6 @@
 #include "client/bench/bench_report.h"
 #include "client/bench/growth.h"
 #include "client/bench/mappers.h"
-#include "client/bench/neighbours_bench.h"
 #include "client/bench/peak_memory.h"
 #include "client/bench/preprocess_bench.h"
 #include "client/bench/sample_bench.h"
@@ -66,23 +65,6 @@ TEST(Growth, MeasuresEverySize) {
   }
   EXPECT_EQ(find(*report, "576 faces: total exponent"), nullptr);
   EXPECT_EQ(bench_growth({"torus.off", off}, {.levels = 7}, {}).status().code(), absl::StatusCode::kInvalidArgument);
-}
-
-TEST(NeighboursBench, AgreesWithTheKdTree) {
-  const std::string off = curvecast::testing::to_off(curvecast::testing::torus(24, 12));
-  const auto report = bench_neighbours({"torus.off", off}, {.repeats = 1, .points = 1000, .samples = 300}, {});
-  ASSERT_TRUE(report.ok()) << report.status();
-  for (const std::string set : {"curve", "samples"}) {
-    for (const char* name : {": build", ": build + 8 nearest of all", ": 16 nearest of places", ": within a radius"}) {
-      const BenchResult* result = find(*report, set + name);
-      ASSERT_NE(result, nullptr) << name;
-      EXPECT_GT(result->value, 0);
-      EXPECT_GT(result->reference.value_or(0), 0);
-    }
-    ASSERT_NE(find(*report, set + ": answers that differ"), nullptr);
-    EXPECT_EQ(find(*report, set + ": answers that differ")->value, 0);
-  }
-  EXPECT_FALSE(bench_neighbours({"torus.off", off}, {.points = 100, .samples = 0}, {}).ok());
 }
 
 TEST(SampleBench, MeasuresEveryStageBesideReading) {

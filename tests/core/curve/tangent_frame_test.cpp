@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/packed.h"
+#include "core/base/quantised.h"
 #include "core/base/random.h"
 
 namespace curvecast {
@@ -41,6 +41,11 @@ TEST(TangentFrame, IsOrthonormalAndRightHanded) {
     EXPECT_NEAR(frame.first.dot(n), 0, 1e-4);
     EXPECT_GT(frame.first.cross(frame.second).dot(n), 0.999f);
   }
+}
+
+/// Code of a direction near the tangent plane, of any length and sign.
+std::uint16_t pack_direction(const Vec3f& direction, const Vec3f& normal) {
+  return pack_axes(axis_tensor(direction), normal.x(), normal.y(), normal.z());
 }
 
 TEST(TangentFrame, DirectionsComeBackWithinATenthOfAMilliradian) {

@@ -118,45 +118,47 @@ TEST(RankSelection, DoesNotDependOnWhatElseThereIsOnceNothingLacks) {
   }
 }
 
+/// The fewest points, of those that there are, among which are all that need the scale or less.
+RankSelection select_upto(const std::shared_ptr<const RankTree>& tree, const Terms& terms, float scale,
+                          const FixedDensity* density) {
+  std::uint64_t few = 0, many = 1 << 17;
+  while (many - few > 1) {
+    const std::uint64_t n = (few + many) / 2;
+    const RankSelection selection = select(tree, terms, n, density);
+    (selection.count < n || selection.scale > scale ? many : few) = n;
+  }
+  return select(tree, terms, many, density);
+}
+
 TEST(RankSelection, OfAGreaterDensityShowsAllOfALesserOne) {
   const auto grower = ball_grower(8);
   std::vector<float> lesser = some_density(3), greater = lesser;
   for (std::size_t l = 0; l < greater.size(); ++l) greater[l] += static_cast<float>(random_unit(4, l) * (l % 3 == 0));
   const FixedDensity less = fixed(lesser), more = fixed(greater);
-  RankSelector selector;
-  RankSelection a, b;
-  const auto includes = [&] {
-    const std::vector<std::uint32_t> inner = ranks_of(a), outer = ranks_of(b);
+  const auto includes = [&](const RankSelection& some, const RankSelection& all) {
+    const std::vector<std::uint32_t> inner = ranks_of(some), outer = ranks_of(all);
     return std::includes(outer.begin(), outer.end(), inner.begin(), inner.end());
   };
   for (const Terms& terms : kViews) {
-    const ViewFactor view(*ball_curve(), terms);
-    std::size_t shown = 0;
-    for (const float scale : {50.0f, 3000.0f, 20'000.0f}) {
+    for (const std::uint64_t n : {30, 1000, 6000}) {
+      const auto tree = grower->tree();
+      const RankSelection selection = select(tree, terms, n, &less);
+      ASSERT_GT(selection.count, 0u);
       // The greater one's tree has more in it.
-      selector.select_at(grower->tree(), &less, view, scale, a);
-      shown += a.count;
       ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{9, 5}, {9, 40}}, 4'000'000).ok());
-      selector.select_at(grower->tree(), &more, view, scale, b);
-      EXPECT_TRUE(includes()) << scale;
-      selector.select_at(grower->tree(), &less, view, 1.5f * scale, b);
-      EXPECT_TRUE(includes()) << scale;
+      EXPECT_TRUE(includes(selection, select_upto(grower->tree(), terms, selection.scale, &more))) << n;
+      EXPECT_TRUE(includes(selection, select_upto(grower->tree(), terms, 1.5f * selection.scale, &less))) << n;
     }
-    EXPECT_GT(shown, 0u);
   }
   for (const Terms& terms : kViews) {
-    a = select(grower->tree(), terms, 100);
-    b = select(grower->tree(), terms, 101);
-    EXPECT_TRUE(includes());
+    const RankSelection a = select(grower->tree(), terms, 100), b = select(grower->tree(), terms, 101);
+    EXPECT_TRUE(includes(a, b));
     EXPECT_EQ(b.count, a.count + 1);
   }
   // A silhouette that is more pronounced is a lesser density.
-  const auto at_scale = [&](double s0, RankSelection& out) {
-    selector.select_at(grower->tree(), nullptr, ViewFactor(*ball_curve(), view_from(Vec3d(2, 1, 1), s0)), 9000, out);
-  };
-  at_scale(0.05, a);
-  at_scale(0.3, b);
-  EXPECT_TRUE(includes());
+  const auto silhouette = [](double s0) { return view_from(Vec3d(2, 1, 1), s0); };
+  const RankSelection pronounced = select(grower->tree(), silhouette(0.05), 2000);
+  EXPECT_TRUE(includes(pronounced, select_upto(grower->tree(), silhouette(0.3), pronounced.scale, nullptr)));
 }
 
 TEST(RankSelection, ShowsWhatThereIsWhereMoreIsAskedFor) {

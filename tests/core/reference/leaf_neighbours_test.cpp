@@ -39,18 +39,10 @@ std::uint32_t leaf_by_search(const LeafKeys& leaves, std::int64_t x, std::int64_
   return kNone;
 }
 
-TEST(LeafAt, FindsTheLeafThatHoldsTheCell) {
-  const QuadtreeLeaves leaves = graded_leaves();
-  const LeafKeys keys{leaves.key, leaves.level};
-  for (std::uint64_t i = 0; i < 300; ++i) {
-    const auto x = static_cast<std::uint32_t>(random_unit(1, 2 * i) * kCells);
-    const auto y = static_cast<std::uint32_t>(random_unit(1, 2 * i + 1) * kCells);
-    EXPECT_EQ(leaf_at(keys, {x, y}), leaf_by_search(keys, x, y));
-  }
-  EXPECT_EQ(leaf_at(keys, {0, 0}), 0u);
-  EXPECT_EQ(leaf_at(keys, {kCells - 1, 0}), leaves.size() - 1);
-  EXPECT_EQ(leaf_at(keys, {kCells, 0}), kNone);
-  EXPECT_EQ(leaf_at({}, {0, 0}), kNone);
+/// Where every cell of the square is in a leaf: the leaf with the last key that is not above the cell's.
+std::uint32_t leaf_by_key(const LeafKeys& leaves, HilbertCell cell) {
+  const auto above = std::upper_bound(leaves.key.begin(), leaves.key.end(), hilbert_index(cell, kMaxLevel));
+  return static_cast<std::uint32_t>(above - leaves.key.begin()) - 1;
 }
 
 void expect_neighbours_as_by_search(const LeafKeys& keys, std::size_t step) {
@@ -128,7 +120,7 @@ TEST(LeafRing, GoesAroundTheLeafWithoutGaps) {
       ASSERT_EQ(std::min(touch_x, touch_y), 0);
       if (!entry.is_corner) along += std::max(touch_x, touch_y);
       touching[{l, entry.leaf}] = 1;
-      ASSERT_EQ(leaf_at(keys, entry.cell), entry.leaf);
+      ASSERT_EQ(leaf_by_key(keys, entry.cell), entry.leaf);
     }
     EXPECT_EQ(along, 4 * s.side);
     EXPECT_EQ(corners, 4);

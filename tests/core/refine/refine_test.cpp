@@ -23,24 +23,23 @@ RefinedCurve refined(const Refinable& shape, const SurfaceCurve& curve, const st
 
 float highest_load(const SurfaceCurve& curve, const CurveDemand& demand) {
   std::vector<float> load(curve.size(), 0);
-  EXPECT_TRUE(add_load(curve, demand, 10, load).ok());
+  EXPECT_TRUE(raise_vertex_loads(curve, demand, 10, load).ok());
   return *std::max_element(load.begin(), load.end());
 }
 
 /// Refines until the curve is fine enough, as a server does that is asked again.
 void expect_enough_in_a_few_rounds(const Refinable& shape, const CurveDemand& demand) {
   std::shared_ptr<const SurfaceCurve> curve = shape.done.curve;
-  for (int round = 0; round < 4 && highest_load(*curve, demand) > kShortLoad; ++round) {
+  for (int round = 0; round < 4 && highest_load(*curve, demand) > kMaxVertexLoad; ++round) {
     const RefinedCurve finer = refined(shape, *curve, {demand});
     ASSERT_NE(finer.curve, nullptr);
     EXPECT_EQ(finer.curve->revision, curve->revision + 1);
     EXPECT_GT(finer.curve->size(), curve->size());
     expect_valid_curve(*finer.curve);
-    ASSERT_FALSE(finer.curve->hierarchy.nodes.empty());
-    EXPECT_EQ(finer.curve->hierarchy.nodes[0].last, finer.curve->size());
+    EXPECT_EQ(finer.curve->blocks.size(), block_count(finer.curve->size()));
     curve = finer.curve;
   }
-  EXPECT_LE(highest_load(*curve, demand), kShortLoad);
+  EXPECT_LE(highest_load(*curve, demand), kMaxVertexLoad);
 }
 
 TEST(Refine, MakesTheCurveFineEnough) {
@@ -96,8 +95,8 @@ TEST(Refine, SeveralDemandsAreMetAtOnce) {
   const RefinedCurve both = refined(*shape, shape->curve(), {left, right});
   const RefinedCurve one = refined(*shape, shape->curve(), {left});
   ASSERT_TRUE(both.curve != nullptr && one.curve != nullptr);
-  EXPECT_LE(highest_load(*both.curve, left), kShortLoad);
-  EXPECT_LE(highest_load(*both.curve, right), kShortLoad);
+  EXPECT_LE(highest_load(*both.curve, left), kMaxVertexLoad);
+  EXPECT_LE(highest_load(*both.curve, right), kMaxVertexLoad);
   EXPECT_GT(both.curve->size(), one.curve->size());
 }
 

@@ -4,6 +4,9 @@
 #include <tbb/task_arena.h>
 
 #include <atomic>
+#include <cstring>
+#include <string>
+#include <string_view>
 
 #include "core/base/random.h"
 #include "tests/core/refine/refined.h"
@@ -73,14 +76,19 @@ TEST(SplitLeaves, MakesTheLeavesOfAFirstBuild) {
   }
 }
 
-TEST(SplitLeaves, CarriesColoursAndScalars) {
-  std::string ply =
+/// A tetrahedron with colours and a scalar.
+std::unique_ptr<Refinable> coloured_shape() {
+  const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float quality\n"
       "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
       "0 0 0 255 0 0 1\n1 0 0 0 255 0 2\n0 1 0 0 0 255 5\n0 0 1 255 255 255 -3\n"
       "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
-  const auto shape = refinable({"a.ply", ply}, {.points = 300});
+  return refinable({"a.ply", ply}, {.points = 300});
+}
+
+TEST(SplitLeaves, CarriesColoursAndScalars) {
+  const auto shape = coloured_shape();
   const SurfaceCurve& curve = shape->curve();
   const SurfaceCurve finer = split(*shape, std::vector<std::uint8_t>(curve.size(), 1));
   const absl::StatusOr<Preprocessed> fresh = lay_curve(shape->done.flattened, {.points = 4 * curve.max_points});
@@ -91,6 +99,44 @@ TEST(SplitLeaves, CarriesColoursAndScalars) {
   const std::size_t common = for_each_common(
       finer, *fresh->curve, [&](std::size_t l, std::size_t m) { ASSERT_TRUE(same_vertex(finer, l, *fresh->curve, m)); });
   EXPECT_GT(static_cast<double>(common), 0.95 * static_cast<double>(finer.size()));
+}
+
+template <typename T>
+std::string bytes_of_entry(const Column<T>& column, std::size_t l) {
+  return {reinterpret_cast<const char*>(&column[l]), sizeof(T)};
+}
+
+TEST(SplitLeaves, CarriesEveryColumnThatThereIs) {
+  const auto shape = coloured_shape();
+  SurfaceCurve curve = shape->curve();
+  // Any bytes that differ from leaf to leaf will do, but where the columns say which leaf it is.
+  std::uint64_t seed = 0;
+  visit_columns(curve, [&]<typename T>(std::string_view name, Column<T>& column, ColumnLength /*length*/) {
+    if (name == "key" || name == "level" || name == "triangle") return;
+    ASSERT_EQ(column.size(), curve.size()) << name;
+    ++seed;
+    for (std::size_t l = 0; l < column.size(); ++l) {
+      const auto bits = static_cast<std::uint64_t>(random_unit(seed, l) * 0x1p53) << 3;
+      std::memcpy(&column[l], &bits, sizeof(T));
+    }
+  });
+  for (ScalarColumn& scalar : curve.scalars) {
+    for (std::size_t l = 0; l < curve.size(); ++l) scalar.values[l] = static_cast<float>(random_unit(++seed, l));
+  }
+  const std::vector<std::uint8_t> levels = some_levels(curve);
+  absl::StatusOr<SurfaceCurve> finer = split_leaves(*shape->base, curve, levels);
+  ASSERT_TRUE(finer.ok()) << finer.status();
+  visit_column_members([&](const char* name, auto column, ColumnLength /*length*/) {
+    ASSERT_EQ((*finer.*column).size(), finer->size()) << name;
+    for (std::size_t l = 0, m = 0; l < curve.size(); m += std::size_t{1} << 2 * levels[l], ++l) {
+      if (levels[l] == 0) ASSERT_EQ(bytes_of_entry(curve.*column, l), bytes_of_entry(*finer.*column, m)) << name;
+    }
+  });
+  for (std::size_t s = 0; s < curve.scalars.size(); ++s) {
+    for (std::size_t l = 0, m = 0; l < curve.size(); m += std::size_t{1} << 2 * levels[l], ++l) {
+      if (levels[l] == 0) ASSERT_EQ(curve.scalars[s].values[l], finer->scalars[s].values[m]);
+    }
+  }
 }
 
 TEST(SplitLeaves, IsTheSameForAnyNumberOfThreads) {

@@ -1,18 +1,10 @@
 #include "core/render/png_file.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
 namespace curvecast {
 namespace {
-
-namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 
 // A picture whose every byte tells its place; `alpha` 0: a pattern of alphas.
 Image make_pattern(int width, int height, std::uint8_t alpha) {
@@ -40,25 +32,7 @@ Image decode(const std::string& bytes, png_uint_32* format) {
   return image;
 }
 
-std::string read_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(file), {});
-}
-
-class PngFileTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const auto* const info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / (std::string("png_file_test_") + info->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
-};
-
-TEST_F(PngFileTest, OpaquePicturesRoundTripAsRgb) {
+TEST(PngFile, OpaquePicturesRoundTripAsRgb) {
   for (const auto& [width, height] : {std::pair(1, 1), std::pair(1, 300), std::pair(257, 3), std::pair(64, 48)}) {
     const Image image = make_pattern(width, height, 255);
     const absl::StatusOr<std::string> bytes = encode_png(image);
@@ -72,7 +46,7 @@ TEST_F(PngFileTest, OpaquePicturesRoundTripAsRgb) {
   }
 }
 
-TEST_F(PngFileTest, AlphaIsKept) {
+TEST(PngFile, AlphaIsKept) {
   const Image image = make_pattern(31, 17, 0);
   const absl::StatusOr<std::string> bytes = encode_png(image);
   ASSERT_TRUE(bytes.ok()) << bytes.status();
@@ -81,37 +55,12 @@ TEST_F(PngFileTest, AlphaIsKept) {
   EXPECT_NE(format & PNG_FORMAT_FLAG_ALPHA, 0U);
 }
 
-TEST_F(PngFileTest, WritesTheSameBytesAndReplacesAnOldFile) {
-  const fs::path path = folder_ / "picture.png";
-  std::ofstream(path) << std::string(100'000, 'x');
-  const Image image = make_pattern(40, 30, 255);
-  const absl::Status status = write_png(path, image);
-  ASSERT_TRUE(status.ok()) << status;
-  EXPECT_EQ(read_file(path), *encode_png(image));
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "a temporary file is left";
-}
-
-TEST_F(PngFileTest, SaysWhichFileCannotBeWritten) {
-  const absl::Status missing = write_png(folder_ / "no" / "such" / "folder.png", make_pattern(2, 2, 255));
-  EXPECT_EQ(missing.code(), absl::StatusCode::kNotFound);
-  EXPECT_THAT(std::string(missing.message()), HasSubstr("folder.png"));
-
-  const fs::path folder = folder_ / "folder";
-  fs::create_directories(folder / "full");
-  const absl::Status status = write_png(folder, make_pattern(2, 2, 255));
-  EXPECT_FALSE(status.ok());
-  EXPECT_THAT(std::string(status.message()), HasSubstr(folder.string()));
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "a temporary file is left";
-}
-
-TEST_F(PngFileTest, RefusesPicturesThatAreNone) {
+TEST(PngFile, RefusesPicturesThatAreNone) {
   const auto code = [](const Image& image) { return encode_png(image).status().code(); };
   EXPECT_EQ(code(Image{}), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(code(Image{-1, 4, {}}), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(code(Image{2, 2, std::vector<std::uint8_t>(15)}), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(code(Image{2'000'000'000, 2'000'000'000, {}}), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(write_png(folder_ / "bad.png", Image{}).code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_FALSE(fs::exists(folder_ / "bad.png"));
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ TEST(Archive, EveryOptionCounts) {
   };
   EXPECT_TRUE(differs([](auto& o) { o.points = 1; }));
   EXPECT_TRUE(differs([](auto& o) { o.omega = 1; }));
-  EXPECT_TRUE(differs([](auto& o) { o.parameteriser = Parameteriser::kOwn; }));
+  EXPECT_TRUE(differs([](auto& o) { o.parameteriser = Parameteriser::kLeastStretch; }));
   EXPECT_TRUE(differs([](auto& o) { o.mapper = Mapper::kExact; }));
   EXPECT_TRUE(differs([](auto& o) { o.area_element = AreaElement::kExact; }));
   EXPECT_TRUE(differs([](auto& o) { o.density.pop_back(); }));

@@ -193,23 +193,6 @@ TEST_F(CurveFileTest, RefusesAbsurdContentWithGoodChecksums) {
       {"negative curvature to compare with", [](auto& c) { c.reference_curvature[1] = -1; }},
       {"for no points", [](auto& c) { c.max_points = 0; }},
       {"before the first revision", [](auto& c) { c.revision = 0; }},
-      {"no hierarchy", [](auto& c) { c.hierarchy = {}; }},
-      {"half a hierarchy", [](auto& c) { c.hierarchy.nodes[0].skip /= 2; }},
-      {"a node that goes back", [](auto& c) { c.hierarchy.nodes[2].skip = 1; }},
-      {"a node that stays", [](auto& c) { c.hierarchy.nodes[2].skip = 2; }},
-      {"a node that goes too far", [](auto& c) { c.hierarchy.nodes[2].skip = 1'000'000; }},
-      {"a node without vertices", [](auto& c) { c.hierarchy.nodes[2].last = c.hierarchy.nodes[2].first; }},
-      {"a node beyond the curve", [](auto& c) { c.hierarchy.nodes[c.hierarchy.nodes.size() - 1].last = 1'000'000'000; }},
-      {"an absurd first vertex", [](auto& c) { c.hierarchy.nodes[2].first = 1'000'000'000; }},
-      {"a large leaf",
-       [](auto& c) {
-         c.hierarchy.nodes.assign(1, c.hierarchy.nodes[0]);
-         c.hierarchy.nodes[0].skip = 1;
-         c.hierarchy.scalars.assign(c.scalars.size(), {});
-       }},
-      {"NaN node", [](auto& c) { c.hierarchy.nodes[2].radius = kNan; }},
-      {"NaN bounds", [](auto& c) { c.hierarchy.nodes[2].curvature[1].min = kNan; }},
-      {"few scalar bounds", [](auto& c) { c.hierarchy.scalars.resize(3); }},
   };
   for (const auto& [what, spoil] : spoilers) {
     SurfaceCurve curve = some_curve();

@@ -140,7 +140,7 @@ TEST(ToPreprocessOptions, ChecksAndFillsIn) {
   EXPECT_THAT(convert(4'000'001, 0).status().message(), HasSubstr("options.max_points is 4000001"));
   EXPECT_EQ(convert(~std::uint64_t{0}, 0).status().code(), Code::kInvalidArgument);
   EXPECT_THAT(convert(4'000'000, 1000).status().message(), HasSubstr("curve vertices"));
-  EXPECT_EQ(defaults->parameteriser, Parameteriser::kOwn);
+  EXPECT_EQ(defaults->parameteriser, Parameteriser::kLeastStretch);
   v1::SessionOptions options;
   options.set_parameteriser(v1::PARAMETERISER_CGAL);
   EXPECT_EQ(to_preprocess_options(options)->parameteriser, Parameteriser::kCgal);

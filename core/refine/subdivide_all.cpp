@@ -1,4 +1,4 @@
-#include "core/refine/raise_levels.h"
+#include "core/refine/subdivide_all.h"
 
 #include <tbb/parallel_for.h>
 
@@ -7,7 +7,7 @@
 #include <bit>
 #include <vector>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 #include "core/curve/adaptive_quadtree.h"
 
 namespace curvecast {
@@ -38,11 +38,11 @@ std::vector<Block> blocks_of(const SurfaceCurve& curve, int levels) {
 }
 
 /// A quad on the way down: its cell at its level, and how the curve lies in it.
-struct Place {
+struct CurveCell {
   HilbertCell cell{0, 0};
   HilbertState state = 0;
 
-  Place child(unsigned i) const {
+  CurveCell child(unsigned i) const {
     const unsigned quadrant = hilbert_quadrant(state, i);
     return {{cell.x << 1 | (quadrant & 1), cell.y << 1 | (quadrant >> 1)}, hilbert_child_state(state, i)};
   }
@@ -50,20 +50,20 @@ struct Place {
 
 /// Where the centres of the four children lie in a quad of each state, in sides of a child.
 struct Centres {
-  Lanes x, y;
+  Double4 x, y;
 };
 
 constexpr Centres centres_of(HilbertState state) {
   const auto x = [=](unsigned i) { return (hilbert_quadrant(state, i) & 1) + 0.5; };
   const auto y = [=](unsigned i) { return (hilbert_quadrant(state, i) >> 1) + 0.5; };
-  return {Lanes{x(0), x(1), x(2), x(3)}, Lanes{y(0), y(1), y(2), y(3)}};
+  return {Double4{x(0), x(1), x(2), x(3)}, Double4{y(0), y(1), y(2), y(3)}};
 }
 constexpr Centres kCentres[4] = {centres_of(0), centres_of(1), centres_of(2), centres_of(3)};
 
 /// The places of leaves, faster when asked for in curve order: only where a key differs from the one before does it walk again.
-class PlaceWalk {
+class CellWalk {
  public:
-  Place to(std::uint64_t key, int level) {
+  CurveCell to(std::uint64_t key, int level) {
     const std::uint64_t changed = key ^ key_;
     // The square's own place never changes, and what lies below the last leaf is not known.
     const int same = changed == 0 ? kMaxLevel : kMaxLevel - 1 - (63 - std::countl_zero(changed)) / 2;
@@ -76,7 +76,7 @@ class PlaceWalk {
   }
 
  private:
-  std::array<Place, kMaxLevel + 1> path_{};
+  std::array<CurveCell, kMaxLevel + 1> path_{};
   std::uint64_t key_ = 0;
   int level_ = 0;
 };
@@ -85,7 +85,7 @@ class PlaceWalk {
 CURVECAST_WIDE void divide(const CurveBase& base, const SurfaceMapper& mapper, const SurfaceCurve& curve, int levels,
                            const Block& block, SurfaceCurve& out) {
   const ParameterMesh mesh = base.mesh_of(block.disc);
-  PlaceWalk walk;
+  CellWalk walk;
   LeafBatch batch;
   std::size_t at = block.at;  // of the batch's first
   const auto flush = [&] {
@@ -106,7 +106,7 @@ CURVECAST_WIDE void divide(const CurveBase& base, const SurfaceMapper& mapper, c
     };
     // Every parent starts from its own triangle, so that the ends of the blocks show nowhere.
     std::uint32_t triangle = base.triangle_of[curve.triangle[l]];
-    const Place parent = walk.to(curve.key[l], curve.level[l]);
+    const CurveCell parent = walk.to(curve.key[l], curve.level[l]);
     if (down == 0) {
       if (batch.count == LeafBatch::kSize) flush();
       const std::size_t i = batch.count++;
@@ -119,7 +119,7 @@ CURVECAST_WIDE void divide(const CurveBase& base, const SurfaceMapper& mapper, c
     const std::uint64_t groups = std::uint64_t{1} << 2 * (down - 1);  // of four siblings
     for (std::uint64_t g = 0; g < groups; ++g) {
       if (batch.count + 4 > LeafBatch::kSize) flush();
-      Place group = parent;
+      CurveCell group = parent;
       for (int k = down - 2; k >= 0; --k) group = group.child(static_cast<unsigned>(g >> 2 * k) & 3);
       const std::size_t i = batch.count;
       // In one piece, because they are read in one.
@@ -136,7 +136,7 @@ CURVECAST_WIDE void divide(const CurveBase& base, const SurfaceMapper& mapper, c
 
 }  // namespace
 
-SurfaceCurve raise_levels(const CurveBase& base, const SurfaceCurve& curve, int levels) {
+SurfaceCurve subdivide_all(const CurveBase& base, const SurfaceCurve& curve, int levels) {
   SurfaceCurve out = next_revision(curve);
   const std::vector<Block> blocks = blocks_of(curve, levels);
   const std::size_t total = blocks.back().at;

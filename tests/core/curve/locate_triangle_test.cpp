@@ -1,4 +1,4 @@
-#include "core/curve/walk.h"
+#include "core/curve/locate_triangle.h"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ std::vector<Chart> sample_charts() {
   return charts;
 }
 
-TEST(Walk, ArrivesFromAnywhere) {
+TEST(LocateTriangle, ArrivesFromAnywhere) {
   for (const Chart& chart : sample_charts()) {
     const Column<ParameterTriangle> triangles = parameter_triangles(chart);
     const ParameterMesh mesh{triangles, chart.disc.twins};
@@ -36,7 +36,7 @@ TEST(Walk, ArrivesFromAnywhere) {
   }
 }
 
-TEST(Walk, FourAtATimeArriveToo) {
+TEST(LocateTriangle, FourAtATimeArriveToo) {
   for (const Chart& chart : sample_charts()) {
     const Column<ParameterTriangle> triangles = parameter_triangles(chart);
     const ParameterMesh mesh{triangles, chart.disc.twins};
@@ -64,7 +64,7 @@ TEST(Walk, FourAtATimeArriveToo) {
   }
 }
 
-TEST(Walk, CornersSidesAndBordersGoToOneOfTheirTriangles) {
+TEST(LocateTriangle, CornersSidesAndBordersGoToOneOfTheirTriangles) {
   for (const Chart& chart : sample_charts()) {
     const Column<ParameterTriangle> triangles = parameter_triangles(chart);
     const ParameterMesh mesh{triangles, chart.disc.twins};

@@ -16,7 +16,7 @@ namespace curvecast {
 /// expected on it. A curve built for N points has loads up to 1 at its base density, most of them lower, because levels are
 /// whole numbers. A curve counts as too coarse where a load exceeds this: less than one whole level is what omega is there for,
 /// and a whole surface seen from afar (half of it unseen, most of the points towards the silhouette) is still within it.
-inline constexpr double kShortLoad = 4;
+inline constexpr double kMaxVertexLoad = 4;
 
 /// What somebody wanted to take from a curve.
 struct CurveDemand {
@@ -26,7 +26,7 @@ struct CurveDemand {
 
 /// Raises each load[l] (L entries) to that of the demand. Errors as of evaluate_density; a density that is zero everywhere asks
 /// for nothing.
-absl::Status add_load(const SurfaceCurve& curve, const CurveDemand& demand, double omega, std::span<float> load);
+absl::Status raise_vertex_loads(const SurfaceCurve& curve, const CurveDemand& demand, double omega, std::span<float> load);
 
 struct MissingLevels {
   std::vector<std::uint8_t> levels;  // L: by how many levels each leaf has to be divided

@@ -1,10 +1,10 @@
-#include "core/curve/walk.h"
+#include "core/curve/locate_triangle.h"
 
 #include <algorithm>
 #include <bit>
 #include <limits>
 
-#include "core/base/lanes.h"
+#include "core/base/simd.h"
 
 namespace curvecast {
 namespace {
@@ -55,17 +55,17 @@ std::uint32_t find_triangle(const ParameterMesh& mesh, const Vec2d& p, std::uint
 
 CURVECAST_WIDE void find_four_triangles(const ParameterMesh& mesh, const double* u, const double* v, std::uint32_t start,
                                         std::uint32_t* found) {
-  Lanes pu, pv;
+  Double4 pu, pv;
   load_lanes(pu, u);
   load_lanes(pv, v);
-  const Lanes zero{};
+  const Double4 zero{};
   unsigned left = 0b1111;  // points not found yet
   std::uint32_t t = start;
   for (unsigned step = 0; step < kMaxSteps; ++step) {
     const ParameterTriangle& triangle = mesh.triangles[t];
-    Lanes w[3];
+    Double4 w[3];
     triangle.weights(pu, pv, w);
-    const LaneMask is_inside = (w[0] >= zero) & (w[1] >= zero) & (w[2] >= zero);
+    const Mask4 is_inside = (w[0] >= zero) & (w[1] >= zero) & (w[2] >= zero);
     const auto bit = [&](int i) { return static_cast<unsigned>(is_inside[i]) & 1u << i; };
     const unsigned inside = left & (bit(0) | bit(1) | bit(2) | bit(3));
     for (unsigned bits = inside; bits != 0; bits &= bits - 1) found[std::countr_zero(bits)] = t;

@@ -1,4 +1,4 @@
-#include "core/refine/raise_levels.h"
+#include "core/refine/subdivide_all.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -10,11 +10,11 @@ namespace {
 
 using namespace curvecast::testing;
 
-TEST(RaiseLevels, DividesEveryLeaf) {
+TEST(SubdivideAll, DividesEveryLeaf) {
   for (const auto& shape : refinable_shapes()) {
     const SurfaceCurve& curve = shape->curve();
     for (const int levels : {1, 2}) {
-      const SurfaceCurve raised = raise_levels(*shape->base, curve, levels);
+      const SurfaceCurve raised = subdivide_all(*shape->base, curve, levels);
       ASSERT_EQ(raised.size(), curve.size() << 2 * levels);
       EXPECT_EQ(raised.revision, curve.revision + 1);
       EXPECT_EQ(raised.max_points, curve.max_points << 2 * levels);
@@ -28,10 +28,10 @@ TEST(RaiseLevels, DividesEveryLeaf) {
   }
 }
 
-TEST(RaiseLevels, PlacesVerticesAsAFirstBuildDoes) {
+TEST(SubdivideAll, PlacesVerticesAsAFirstBuildDoes) {
   for (const auto& shape : refinable_shapes()) {
     const SurfaceCurve& curve = shape->curve();
-    const SurfaceCurve raised = raise_levels(*shape->base, curve, 1);
+    const SurfaceCurve raised = subdivide_all(*shape->base, curve, 1);
     const absl::StatusOr<Preprocessed> fresh = lay_curve(shape->done.flattened, {.points = 4 * curve.max_points});
     ASSERT_TRUE(fresh.ok());
     std::size_t same = 0;
@@ -50,11 +50,11 @@ TEST(RaiseLevels, PlacesVerticesAsAFirstBuildDoes) {
   }
 }
 
-TEST(RaiseLevels, IsTheSameForAnyNumberOfThreads) {
+TEST(SubdivideAll, IsTheSameForAnyNumberOfThreads) {
   const auto shape = refinable(torus(60, 30), 3000);
   tbb::task_arena one(1), four(4);
-  const SurfaceCurve a = one.execute([&] { return raise_levels(*shape->base, shape->curve(), 1); });
-  const SurfaceCurve b = four.execute([&] { return raise_levels(*shape->base, shape->curve(), 1); });
+  const SurfaceCurve a = one.execute([&] { return subdivide_all(*shape->base, shape->curve(), 1); });
+  const SurfaceCurve b = four.execute([&] { return subdivide_all(*shape->base, shape->curve(), 1); });
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t l = 0; l < a.size(); ++l) {
     ASSERT_TRUE(same_vertex(a, l, b, l));
@@ -62,7 +62,7 @@ TEST(RaiseLevels, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(RaiseLevels, LeavesAtTheEndOfTheKeysStay) {
+TEST(SubdivideAll, LeavesAtTheEndOfTheKeysStay) {
   // A curve of one leaf per disc but for a corner that goes all the way down.
   const auto shape = refinable(single_triangle(), 1);
   SurfaceCurve curve = next_revision(shape->curve());
@@ -80,7 +80,7 @@ TEST(RaiseLevels, LeavesAtTheEndOfTheKeysStay) {
     curve.area[l] = 1;
     curve.triangle[l] = 0;
   }
-  const SurfaceCurve raised = raise_levels(*shape->base, curve, 2);
+  const SurfaceCurve raised = subdivide_all(*shape->base, curve, 2);
   // Four at the last level stay, three above it are divided once, the others twice.
   EXPECT_EQ(raised.size(), 4 + 3 * 4 + (leaves.size() - 7) * 16);
   EXPECT_EQ(raised.max_points, curve.max_points);

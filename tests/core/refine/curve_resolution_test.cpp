@@ -1,4 +1,4 @@
-#include "core/refine/shortfall.h"
+#include "core/refine/curve_resolution.h"
 
 #include <gtest/gtest.h>
 
@@ -16,11 +16,11 @@ using namespace curvecast::testing;
 
 std::vector<float> load_of(const SurfaceCurve& curve, const CurveDemand& demand, double omega = 10) {
   std::vector<float> load(curve.size(), 0);
-  EXPECT_TRUE(add_load(curve, demand, omega, load).ok());
+  EXPECT_TRUE(raise_vertex_loads(curve, demand, omega, load).ok());
   return load;
 }
 
-TEST(Shortfall, ACurveIsFineEnoughForWhatItWasMadeFor) {
+TEST(CurveResolution, ACurveIsFineEnoughForWhatItWasMadeFor) {
   for (const auto& shape : refinable_shapes()) {
     const SurfaceCurve& curve = shape->curve();
     const std::vector<float> load = load_of(curve, {.points = curve.max_points});
@@ -31,14 +31,14 @@ TEST(Shortfall, ACurveIsFineEnoughForWhatItWasMadeFor) {
   }
 }
 
-TEST(Shortfall, AViewOfAnEvenCurveDoesNotCountAsShort) {
+TEST(CurveResolution, AViewOfAnEvenCurveDoesNotCountAsShort) {
   const auto ball = refinable(icosphere(4));
   const CurveDemand view{.points = ball->curve().max_points, .density = seen_from(Vec3d(0, 0, 10))};
   const std::vector<float> load = load_of(ball->curve(), view);
-  EXPECT_LT(*std::max_element(load.begin(), load.end()), kShortLoad);
+  EXPECT_LT(*std::max_element(load.begin(), load.end()), kMaxVertexLoad);
 }
 
-TEST(Shortfall, LoadsAreOmegaTimesTheExpectedPoints) {
+TEST(CurveResolution, LoadsAreOmegaTimesTheExpectedPoints) {
   const auto ball = refinable(icosphere(3));
   const SurfaceCurve& curve = ball->curve();
   const CurveDemand demand{.points = 12'345, .density = seen_from(Vec3d(0, 3, 0))};
@@ -49,11 +49,11 @@ TEST(Shortfall, LoadsAreOmegaTimesTheExpectedPoints) {
   // Two demands: the higher of both everywhere.
   std::vector<float> both = load_of(curve, {.points = 5000}, 7);
   const std::vector<float> even = both;
-  ASSERT_TRUE(add_load(curve, demand, 7, both).ok());
+  ASSERT_TRUE(raise_vertex_loads(curve, demand, 7, both).ok());
   for (std::size_t l = 0; l < both.size(); ++l) ASSERT_EQ(both[l], std::max(load[l], even[l]));
 }
 
-TEST(Shortfall, LevelsAreTheFewestThatAreEnough) {
+TEST(CurveResolution, LevelsAreTheFewestThatAreEnough) {
   const auto ball = refinable(icosphere(3));
   const SurfaceCurve& curve = ball->curve();
   std::vector<float> load(curve.size(), 0.5f);
@@ -65,7 +65,7 @@ TEST(Shortfall, LevelsAreTheFewestThatAreEnough) {
   for (std::size_t i = 0; i < cases.size(); ++i) EXPECT_EQ(missing.levels[i], cases[i].second) << "load " << cases[i].first;
 }
 
-TEST(Shortfall, KeysEndAtTheirLastLevel) {
+TEST(CurveResolution, KeysEndAtTheirLastLevel) {
   auto curve = std::make_shared<SurfaceCurve>(refinable(icosphere(2))->curve());
   curve->level[0] = kMaxLevel;
   curve->level[1] = kMaxLevel - 1;
@@ -77,7 +77,7 @@ TEST(Shortfall, KeysEndAtTheirLastLevel) {
   EXPECT_EQ(missing.levels[2], 4);
 }
 
-TEST(Shortfall, StaysWithinTheLimitAndUsesIt) {
+TEST(CurveResolution, StaysWithinTheLimitAndUsesIt) {
   const auto ball = refinable(icosphere(3));
   const SurfaceCurve& curve = ball->curve();
   std::vector<float> load = load_of(curve, {.points = 3'000'000, .density = seen_from(Vec3d(0, 0, 4))});
@@ -97,7 +97,7 @@ TEST(Shortfall, StaysWithinTheLimitAndUsesIt) {
   EXPECT_GT(vertices, 600'000);
 }
 
-TEST(Shortfall, NothingFacingTheEyeAsksForNothing) {
+TEST(CurveResolution, NothingFacingTheEyeAsksForNothing) {
   const auto ball = refinable(icosphere(3));
   const CurveDemand inside{.points = 1000, .density = seen_from(Vec3d(0, 0.1, 0))};
   for (const float x : load_of(ball->curve(), inside)) ASSERT_EQ(x, 0);

@@ -1,4 +1,4 @@
-#include "core/refine/shortfall.h"
+#include "core/refine/curve_resolution.h"
 
 #include <algorithm>
 #include <bit>
@@ -36,7 +36,7 @@ double count(const SurfaceCurve& curve, std::span<const float> load, double divi
 
 }  // namespace
 
-absl::Status add_load(const SurfaceCurve& curve, const CurveDemand& demand, double omega, std::span<float> load) {
+absl::Status raise_vertex_loads(const SurfaceCurve& curve, const CurveDemand& demand, double omega, std::span<float> load) {
   std::vector<float> density(curve.size());
   if (absl::Status status = evaluate_density(curve, demand.density, density); !status.ok()) return status;
   double mass = 0;
