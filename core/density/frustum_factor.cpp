@@ -16,8 +16,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-CURVECAST_WIDE void FrustumFactor::multiply(const Places& places, std::size_t n, float* factor) const {
-  const float *x = places.x, *y = places.y, *z = places.z;
+CURVECAST_WIDE void FrustumFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
+  const float *x = vertices.x, *y = vertices.y, *z = vertices.z;
   const auto [a, b, c, d, e] = sides_;
   for (std::size_t i = 0; i < n; ++i) {
     const float upright = lesser(at(a, x[i], y[i], z[i]), at(b, x[i], y[i], z[i]));
@@ -26,7 +26,7 @@ CURVECAST_WIDE void FrustumFactor::multiply(const Places& places, std::size_t n,
   }
 }
 
-CURVECAST_WIDE void FrustumFactor::multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor,
+CURVECAST_WIDE void FrustumFactor::multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor,
                                                    float* __restrict change) const {
   const float *x = blocks.x, *y = blocks.y, *z = blocks.z, *radius = blocks.radius;
   const auto [a, b, c, d, e] = sides_;

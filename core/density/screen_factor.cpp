@@ -60,9 +60,9 @@ ScreenFactor::ScreenFactor(const CameraFrame& frame, float weight)
       depth_blur_(frame.is_orthographic ? 0 : frame.blur),
       weight_(weight) {}
 
-CURVECAST_WIDE void ScreenFactor::multiply(const Places& places, std::size_t n, float* factor) const {
-  const float *x = places.x, *y = places.y, *z = places.z;
-  const Snorm16 *nx = places.nx, *ny = places.ny, *nz = places.nz;
+CURVECAST_WIDE void ScreenFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
+  const float *x = vertices.x, *y = vertices.y, *z = vertices.z;
+  const Snorm16 *nx = vertices.nx, *ny = vertices.ny, *nz = vertices.nz;
   const float ex = x_, ey = y_, ez = z_, slope = slope_, weight = weight_;
   const AffineForm form = depth_;
   for (std::size_t i = 0; i < n; ++i) {
@@ -76,7 +76,7 @@ CURVECAST_WIDE void ScreenFactor::multiply(const Places& places, std::size_t n, 
   }
 }
 
-CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor,
+CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor,
                                                   float* __restrict change) const {
   const float *x = blocks.x, *y = blocks.y, *z = blocks.z, *radius = blocks.radius;
   const float *nx = blocks.nx, *ny = blocks.ny, *nz = blocks.nz, *spread = blocks.spread;

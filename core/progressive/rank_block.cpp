@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/base/reversed_bits.h"
+#include "core/progressive/candidate_points.h"
 #include "core/progressive/crowding.h"
 #include "core/progressive/rank_holes.h"
-#include "core/progressive/rank_places.h"
 #include "core/progressive/rank_relaxation.h"
 
 namespace curvecast {
@@ -30,13 +30,13 @@ class BlockFiller {
         area_(strata.total_area()),
         points_(points),
         strata_(strata),
-        places_(strata, block, seed) {}
+        candidates_(strata, block, seed) {}
 
   void fill(std::span<const RankedPoint> base, std::span<const RankedPoint> done, std::span<const RankedPoint> open) {
     for (const RankedPoint& p : base) {
       const std::size_t c = p.coordinate >> child_shift(block_.level) & (points_.size() - 1);
       points_[c] = p;
-      places_.child(c).full = true;
+      candidates_.child(c).full = true;
     }
     const std::vector<RankedPoint> near = near_points(done, open);
     const float reach = lattice_distance(area_, static_cast<double>(n_));
@@ -44,14 +44,14 @@ class BlockFiller {
     for (const RankedPoint& p : base) take(p, reach);
     for (const RankedPoint& p : near) take(p, reach);
     take_turns(base, done);
-    relax_ranks(places_, near, points_);
-    close_holes(strata_, places_, near_points(done, {}), open, points_);
+    relax_ranks(candidates_, near, points_);
+    close_holes(strata_, candidates_, near_points(done, {}), open, points_);
   }
 
  private:
   /// Those of other blocks that may be too near.
   std::vector<RankedPoint> near_points(std::span<const RankedPoint> done, std::span<const RankedPoint> open) const {
-    const Eigen::AlignedBox3f box = places_.box();
+    const Eigen::AlignedBox3f box = candidates_.box();
     const float reach = lattice_distance(area_, static_cast<double>(n_));
     std::vector<RankedPoint> near;
     for (const std::span<const RankedPoint> points : {done, open}) {
@@ -66,19 +66,20 @@ class BlockFiller {
   void take(const RankedPoint& p, float reach, bool is_new = false) {
     const bool comes_later = !is_new && p.rank >= n_;
     std::array<std::int32_t, 4 * kBlockStrata> is_near;
-    places_.mark_near(p.position, reach, is_near.data());
-    for (std::size_t c = 0; c < places_.size(); ++c) {
-      if (!is_near[c] || places_.child(c).full) continue;
-      Places& places = places_.places(c);
-      places_.take_nearer(c, p, comes_later ? static_cast<float>(p.rank + 1) : 1, comes_later ? places.after : places.before);
-      if (!comes_later) hole_[c] = largest_of(places.before);
+    candidates_.mark_near(p.position, reach, is_near.data());
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      if (!is_near[c] || candidates_.child(c).full) continue;
+      CandidatePoints& candidates = candidates_.in_child(c);
+      candidates_.take_nearer(c, p, comes_later ? static_cast<float>(p.rank + 1) : 1,
+                              comes_later ? candidates.after : candidates.before);
+      if (!comes_later) hole_[c] = largest_of(candidates.before);
     }
   }
 
   /// How crowded the children are with the points before this level. Blocks that are not done count as even.
   Crowding crowding_at_first(std::span<const RankedPoint> base, std::span<const RankedPoint> done) const {
     std::vector<Vec3f> centers;
-    for (std::size_t c = 0; c < places_.size(); ++c) centers.push_back(places_.child(c).center);
+    for (std::size_t c = 0; c < candidates_.size(); ++c) centers.push_back(candidates_.child(c).center);
     Crowding crowding(centers, kFelt * lattice_distance(area_, static_cast<double>(n_)));
     for (const Vec3f& center : centers) crowding.expect(center.data());
     for (const RankedPoint& p : base) crowding.add(p.position);
@@ -97,7 +98,7 @@ class BlockFiller {
     for (std::size_t s = 0; s < held_.size(); ++s) {
       if (held_[s] > 1 + round / held_.size()) continue;
       for (std::size_t c = 4 * s; c < 4 * s + 4; ++c) {
-        if (!places_.child(c).full) queue.emplace_back(crowding.at(c, part) - weight * std::sqrt(hole_[c]), c);
+        if (!candidates_.child(c).full) queue.emplace_back(crowding.at(c, part) - weight * std::sqrt(hole_[c]), c);
       }
     }
     return queue;
@@ -127,20 +128,21 @@ class BlockFiller {
   std::size_t put_next(Queue queue, std::uint64_t rank) {
     const auto count = static_cast<float>(rank + 1);
     const float unit = lattice_distance(area_, 1);
-    BestPlace best;
+    BestCandidate best;
     std::size_t chosen = 0;
     while (!queue.empty() && best.value < kRoom * kRoom * unit * unit) {
       const auto least = std::min_element(queue.begin(), queue.end());
       const std::size_t c = least->second;
       *least = queue.back();
       queue.pop_back();
-      const BestPlace here = best_place(places_.places(c).before, places_.places(c).after, count);
+      const BestCandidate here = best_candidate(candidates_.in_child(c).before, candidates_.in_child(c).after, count);
       if (here.value > best.value) best = here, chosen = c;
     }
-    const Places& places = places_.places(chosen);
+    const CandidatePoints& candidates = candidates_.in_child(chosen);
     const float enough = std::min(kEnough * kEnough * unit * unit, kMost * best.value);
-    points_[chosen] = places_.point(chosen, central_place(places, places.after, count, enough), static_cast<std::uint32_t>(rank));
-    places_.child(chosen).full = true;
+    points_[chosen] = candidates_.point(chosen, central_candidate(candidates, candidates.after, count, enough),
+                                        static_cast<std::uint32_t>(rank));
+    candidates_.child(chosen).full = true;
     ++held_[chosen / 4];
     return chosen;
   }
@@ -150,7 +152,7 @@ class BlockFiller {
   double area_;
   std::span<RankedPoint> points_;
   const CurveStrata& strata_;
-  RankPlaces places_;
+  GroupCandidates candidates_;
   std::vector<float> hole_;         // square distance of each child's loneliest place from the points so far
   std::vector<std::uint8_t> held_;  // points in each stratum
 };

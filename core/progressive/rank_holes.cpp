@@ -16,18 +16,20 @@ constexpr float kApart = 0.52f;   // relative radius that points keep
 constexpr float kExpected = 3;    // in fine lattice distances: how far strata may be whose points to come are thought of
 constexpr float kOneHole = 0.5f;  // in the same: wide places nearer than that are one hole
 
-using Row = std::array<float, kPlaces>;
+using Row = std::array<float, kCandidates>;
 
 /// Holes of square radius `nearest` when there are n points.
 CURVECAST_WIDE void widen(float* hole, const float* nearest, float n) {
-  for (std::size_t k = 0; k < kPlaces; ++k) {
+  for (std::size_t k = 0; k < kCandidates; ++k) {
     const float h = nearest[k] * n;
     hole[k] = h > hole[k] ? h : hole[k];
   }
 }
 
 Vec3f position_of(const RankedPoint& p) { return {p.position[0], p.position[1], p.position[2]}; }
-Vec3f position_of(const Places& places, std::size_t k) { return {places.x[k], places.y[k], places.z[k]}; }
+Vec3f position_of(const CandidatePoints& candidates, std::size_t k) {
+  return {candidates.x[k], candidates.y[k], candidates.z[k]};
+}
 
 /// Calls visit(i) for the entries that are marked, few and in runs.
 template <typename Visit>
@@ -46,15 +48,15 @@ void for_each_marked(std::span<const std::int32_t> marks, Visit&& visit) {
 /// Holes are square radii times the number of points there are.
 class HoleCloser {
  public:
-  HoleCloser(const CurveStrata& strata, const RankPlaces& places, std::span<const RankedPoint> done,
+  HoleCloser(const CurveStrata& strata, const GroupCandidates& candidates, std::span<const RankedPoint> done,
              std::span<const RankedPoint> open, std::span<RankedPoint> points)
-      : places_(places),
+      : candidates_(candidates),
         points_(points),
-        n_(std::uint64_t{1} << 2 * places.block().level),
-        fine_(lattice_distance(places.total_area(), static_cast<double>(4 * n_))),
-        unit_(lattice_distance(places.total_area(), 1)),
+        n_(std::uint64_t{1} << 2 * candidates.block().level),
+        fine_(lattice_distance(candidates.total_area(), static_cast<double>(4 * n_))),
+        unit_(lattice_distance(candidates.total_area(), 1)),
         wide_(kWideHole * kWideHole * unit_ * unit_),
-        box_(places.box()),
+        box_(candidates.box()),
         others_(done.begin(), done.end()) {
     others_.insert(others_.end(), open.begin(), open.end());
     real_ = points_.size() + others_.size();
@@ -71,8 +73,8 @@ class HoleCloser {
     std::sort(widest.begin(), widest.end());
     std::vector<Vec3f> tried;
     for (const auto& [hole, c] : widest) {
-      const BestPlace now = hole_in(c);
-      const Vec3f middle = position_of(places_.places(c), now.place);
+      const BestCandidate now = hole_in(c);
+      const Vec3f middle = position_of(candidates_.in_child(c), now.index);
       const auto is_same = [&](const Vec3f& x) { return (x - middle).squaredNorm() < kOneHole * kOneHole * fine_ * fine_; };
       if (now.value <= wide_ || std::any_of(tried.begin(), tried.end(), is_same)) continue;
       tried.push_back(middle);
@@ -87,7 +89,7 @@ class HoleCloser {
 
   /// Of the points that are to come in open blocks one knows the strata: they count as there, in the middle.
   void expect_points(const CurveStrata& strata, std::span<const RankedPoint> open) {
-    const int shift = child_shift(places_.block().level);
+    const int shift = child_shift(candidates_.block().level);
     for (const RankedPoint& p : open) {
       if (box_.squaredExteriorDistance(position_of(p)) > kExpected * kExpected * fine_ * fine_) continue;
       const std::uint64_t own = p.coordinate >> shift, first = own / 4 * 4;
@@ -114,9 +116,9 @@ class HoleCloser {
     for (const auto& [rank, i] : by_rank) {
       Vec3f at = position_of(point(i));
       float reach = kReach * unit_ / std::sqrt(static_cast<float>(std::max<std::uint64_t>(rank, n_)));
-      if (moves(i)) at = places_.child(i).center, reach += places_.child(i).radius;
+      if (moves(i)) at = candidates_.child(i).center, reach += candidates_.child(i).radius;
       if (box_.squaredExteriorDistance(at) > reach * reach) continue;
-      places_.mark_near(at.data(), reach, is_near.data());
+      candidates_.mark_near(at.data(), reach, is_near.data());
       const bool is_mover = moves(i);
       for_each_marked(is_near, [&, i = i](std::size_t c) {
         around_[c].push_back(i);
@@ -126,17 +128,17 @@ class HoleCloser {
   }
 
   /// The widest about a place of the child, of all times, and which place it is.
-  BestPlace hole_in(std::size_t c) const {
+  BestCandidate hole_in(std::size_t c) const {
     Row nearest, hole;
     nearest.fill(kFar);
     hole.fill(0);
     for (const std::uint32_t i : around_[c]) {
       const RankedPoint& p = point(i);
       if (p.rank >= n_) widen(hole.data(), nearest.data(), static_cast<float>(p.rank));
-      places_.take_nearer(c, p, 1, nearest.data());
+      candidates_.take_nearer(c, p, 1, nearest.data());
     }
     widen(hole.data(), nearest.data(), static_cast<float>(4 * n_));
-    return best_place(hole.data(), hole.data(), 1);
+    return best_candidate(hole.data(), hole.data(), 1);
   }
 
   /// The same about a place anywhere in the child.
@@ -167,7 +169,7 @@ class HoleCloser {
     least.fill(kFar);
     for (const std::uint32_t j : around_[i]) {
       if (j == i || j >= real_) continue;
-      places_.take_nearer(i, point(j), static_cast<float>(std::max(point(j).rank, points_[i].rank) + 1), least.data());
+      candidates_.take_nearer(i, point(j), static_cast<float>(std::max(point(j).rank, points_[i].rank) + 1), least.data());
     }
     return least;
   }
@@ -175,7 +177,7 @@ class HoleCloser {
   /// Makes the one move that does most good.
   void close(std::size_t c, const Vec3f& middle, float hole) {
     float gain = 0;
-    std::size_t mover = 0, best_place = kPlaces;
+    std::size_t mover = 0, best_index = kCandidates;
     for (const std::uint32_t i : around_[c]) {
       if (!moves(i)) continue;
       const RankedPoint before = points_[i];
@@ -185,24 +187,24 @@ class HoleCloser {
       const Row least = room(i);
       float now = 0;
       std::vector<std::pair<float, std::uint32_t>> felt;  // the worst first, which a bad move makes no better
-      for (std::size_t k = 0; k < kPlaces; ++k) {
+      for (std::size_t k = 0; k < kCandidates; ++k) {
         if (least[k] < kApart * kApart * unit_ * unit_) continue;
-        if ((position_of(places_.places(i), k) - middle).squaredNorm() >= square) continue;
+        if ((position_of(candidates_.in_child(i), k) - middle).squaredNorm() >= square) continue;
         if (felt.empty()) {
           for (const std::uint32_t child : felt_[i]) felt.emplace_back(-excess_of(child), child);
           std::sort(felt.begin(), felt.end());
           for (const auto& [excess, child] : felt) now -= excess;
         }
-        points_[i] = places_.point(i, k, before.rank);
+        points_[i] = candidates_.point(i, k, before.rank);
         const float good = hole_at(c, middle) < hole ? now - excess(felt, now - gain) : 0;
-        if (good > gain) gain = good, mover = i, best_place = k;
+        if (good > gain) gain = good, mover = i, best_index = k;
         points_[i] = before;
       }
     }
-    if (best_place < kPlaces) points_[mover] = places_.point(mover, best_place, points_[mover].rank);
+    if (best_index < kCandidates) points_[mover] = candidates_.point(mover, best_index, points_[mover].rank);
   }
 
-  const RankPlaces& places_;
+  const GroupCandidates& candidates_;
   std::span<RankedPoint> points_;
   std::uint64_t n_;    // strata of the level
   float fine_, unit_;  // lattice distances of 4 n points and of one
@@ -216,9 +218,9 @@ class HoleCloser {
 
 }  // namespace
 
-void close_holes(const CurveStrata& strata, const RankPlaces& places, std::span<const RankedPoint> done,
+void close_holes(const CurveStrata& strata, const GroupCandidates& candidates, std::span<const RankedPoint> done,
                  std::span<const RankedPoint> open, std::span<RankedPoint> points) {
-  HoleCloser(strata, places, done, open, points).run();
+  HoleCloser(strata, candidates, done, open, points).run();
 }
 
 }  // namespace curvecast

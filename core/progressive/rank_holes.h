@@ -4,9 +4,9 @@
 
 #include <span>
 
+#include "core/progressive/candidate_points.h"
 #include "core/progressive/curve_strata.h"
 #include "core/progressive/rank_block.h"
-#include "core/progressive/rank_places.h"
 
 namespace curvecast {
 
@@ -17,7 +17,7 @@ inline constexpr float kWideHole = 0.95f;
 /// Moves those of a block's points, one in each child, whose rank is not of a level before; none comes nearer to another than
 /// half the lattice distance. Of other blocks `done` has the points around that have their ranks, `open` those of lower ranks
 /// where others are still to come.
-void close_holes(const CurveStrata& strata, const RankPlaces& places, std::span<const RankedPoint> done,
+void close_holes(const CurveStrata& strata, const GroupCandidates& candidates, std::span<const RankedPoint> done,
                  std::span<const RankedPoint> open, std::span<RankedPoint> points);
 
 }  // namespace curvecast

@@ -3,8 +3,8 @@
 
 #include <span>
 
+#include "core/progressive/candidate_points.h"
 #include "core/progressive/rank_block.h"
-#include "core/progressive/rank_places.h"
 
 namespace curvecast {
 
@@ -12,7 +12,7 @@ namespace curvecast {
 inline constexpr float kEnough = 0.64f, kMost = 0.85f;
 
 /// Moves those of a block's points, one in each child, whose rank is not of a level before. `near`: points of other blocks
-/// around. Overwrites what `places` know of distances.
-void relax_ranks(RankPlaces& places, std::span<const RankedPoint> near, std::span<RankedPoint> points);
+/// around. Overwrites what `candidates` know of distances.
+void relax_ranks(GroupCandidates& candidates, std::span<const RankedPoint> near, std::span<RankedPoint> points);
 
 }  // namespace curvecast

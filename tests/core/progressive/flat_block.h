@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "core/progressive/rank_places.h"
+#include "core/progressive/candidate_points.h"
 #include "tests/support/flat_curve.h"
 
 namespace curvecast::testing {
@@ -15,10 +15,10 @@ inline constexpr RankBlock kFlatBlock{3, 0};
 
 /// One point in each child, at place_of(child); every fourth is of a level before.
 template <typename PlaceOf>
-std::vector<RankedPoint> points_at(const RankPlaces& places, const PlaceOf& place_of) {
+std::vector<RankedPoint> points_at(const GroupCandidates& candidates, const PlaceOf& place_of) {
   std::vector<RankedPoint> points;
-  for (std::uint32_t c = 0; c < places.size(); ++c) {
-    points.push_back(places.point(c, place_of(c), c % 4 == 0 ? c / 4 : 64 + c - c / 4 - 1));
+  for (std::uint32_t c = 0; c < candidates.size(); ++c) {
+    points.push_back(candidates.point(c, place_of(c), c % 4 == 0 ? c / 4 : 64 + c - c / 4 - 1));
   }
   return points;
 }

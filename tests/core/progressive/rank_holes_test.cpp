@@ -17,20 +17,20 @@ namespace {
 using namespace curvecast::testing;
 
 /// In the middle of their children; every fourth is of a level before.
-std::vector<RankedPoint> points_in(const RankPlaces& places) {
-  return points_at(places, [&](std::size_t c) {
-    const Places& own = places.places(c);
-    return static_cast<std::size_t>(std::min_element(own.away, own.away + kPlaces) - own.away);
+std::vector<RankedPoint> points_in(const GroupCandidates& candidates) {
+  return points_at(candidates, [&](std::size_t c) {
+    const CandidatePoints& own = candidates.in_child(c);
+    return static_cast<std::size_t>(std::min_element(own.away, own.away + kCandidates) - own.away);
   });
 }
 
 /// Sends the points of the children about a place as far away from it as they can go.
-void make_hole(const RankPlaces& places, const Vec3f& at, std::vector<RankedPoint>& points) {
+void make_hole(const GroupCandidates& candidates, const Vec3f& at, std::vector<RankedPoint>& points) {
   for (std::uint32_t c = 0; c < points.size(); ++c) {
     const auto distance = [&](const RankedPoint& p) { return (Vec3f(p.position[0], p.position[1], p.position[2]) - at).norm(); };
     if (points[c].rank < 64 || distance(points[c]) > 0.1f) continue;
-    for (std::size_t k = 0; k < kPlaces; ++k) {
-      const RankedPoint there = places.point(c, k, points[c].rank);
+    for (std::size_t k = 0; k < kCandidates; ++k) {
+      const RankedPoint there = candidates.point(c, k, points[c].rank);
       if (distance(there) > distance(points[c])) points[c] = there;
     }
   }
@@ -50,12 +50,12 @@ double widest_hole(const std::vector<RankedPoint>& points) {
 }
 
 /// The worst that can be made of points_in() about a corner of strata.
-std::vector<RankedPoint> points_about_a_hole(const RankPlaces& places) {
-  std::vector<RankedPoint> worst = points_in(places);
+std::vector<RankedPoint> points_about_a_hole(const GroupCandidates& candidates) {
+  std::vector<RankedPoint> worst = points_in(candidates);
   for (const int x : {6, 7, 8, 9, 10}) {
     for (const int y : {6, 7, 8, 9, 10}) {
-      std::vector<RankedPoint> points = points_in(places);
-      make_hole(places, {static_cast<float>(x) / 16, static_cast<float>(y) / 16, 0}, points);
+      std::vector<RankedPoint> points = points_in(candidates);
+      make_hole(candidates, {static_cast<float>(x) / 16, static_cast<float>(y) / 16, 0}, points);
       if (widest_hole(points) > widest_hole(worst)) worst = points;
     }
   }
@@ -66,10 +66,10 @@ std::vector<RankedPoint> points_about_a_hole(const RankPlaces& places) {
 std::pair<std::vector<RankedPoint>, std::vector<RankedPoint>> closed_hole() {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  const RankPlaces places(strata, kFlatBlock, 0);
-  const std::vector<RankedPoint> before = points_about_a_hole(places);
+  const GroupCandidates candidates(strata, kFlatBlock, 0);
+  const std::vector<RankedPoint> before = points_about_a_hole(candidates);
   std::vector<RankedPoint> points = before;
-  close_holes(strata, places, {}, {}, points);
+  close_holes(strata, candidates, {}, {}, points);
   return {before, points};
 }
 
@@ -95,12 +95,12 @@ TEST(RankHoles, PointsThatMoveKeepHalfTheLatticeDistance) {
 TEST(RankHoles, PointsStayWhereThereAreNone) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  const RankPlaces places(strata, kFlatBlock, 0);
+  const GroupCandidates candidates(strata, kFlatBlock, 0);
   // All of them from the beginning, as far as anyone can tell: nothing comes late, nothing may move.
-  std::vector<RankedPoint> points = points_in(places);
+  std::vector<RankedPoint> points = points_in(candidates);
   for (RankedPoint& p : points) p.rank = p.rank % 64;
   const std::vector<RankedPoint> before = points;
-  close_holes(strata, places, {}, {}, points);
+  close_holes(strata, candidates, {}, {}, points);
   EXPECT_EQ(std::memcmp(points.data(), before.data(), points.size() * sizeof(RankedPoint)), 0);
 }
 

@@ -1,4 +1,4 @@
-#include "core/progressive/rank_places.h"
+#include "core/progressive/candidate_points.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,20 +10,20 @@
 namespace curvecast {
 namespace {
 
-/// A point's square distance from each place, times `weight`, goes into `least` where it is less.
-CURVECAST_WIDE void take_all_nearer(const Places& places, const RankedPoint& p, float weight, float* least) {
-  for (std::size_t k = 0; k < kPlaces; ++k) {
-    const float x = places.x[k] - p.position[0], y = places.y[k] - p.position[1], z = places.z[k] - p.position[2];
+/// A point's square distance from each candidate, times `weight`, goes into `least` where it is less.
+CURVECAST_WIDE void take_all_nearer(const CandidatePoints& candidates, const RankedPoint& p, float weight, float* least) {
+  for (std::size_t k = 0; k < kCandidates; ++k) {
+    const float x = candidates.x[k] - p.position[0], y = candidates.y[k] - p.position[1], z = candidates.z[k] - p.position[2];
     const float d = (x * x + y * y + z * z) * weight;
     least[k] = d < least[k] ? d : least[k];
   }
 }
 
-/// The same for the places that face the point.
-CURVECAST_WIDE void take_facing_nearer(const Places& places, const RankedPoint& p, float weight, float* least) {
-  for (std::size_t k = 0; k < kPlaces; ++k) {
-    const float x = places.x[k] - p.position[0], y = places.y[k] - p.position[1], z = places.z[k] - p.position[2];
-    const float cosine = places.nx[k] * p.normal[0] + places.ny[k] * p.normal[1] + places.nz[k] * p.normal[2];
+/// The same for the candidates that face the point.
+CURVECAST_WIDE void take_facing_nearer(const CandidatePoints& candidates, const RankedPoint& p, float weight, float* least) {
+  for (std::size_t k = 0; k < kCandidates; ++k) {
+    const float x = candidates.x[k] - p.position[0], y = candidates.y[k] - p.position[1], z = candidates.z[k] - p.position[2];
+    const float cosine = candidates.nx[k] * p.normal[0] + candidates.ny[k] * p.normal[1] + candidates.nz[k] * p.normal[2];
     const float square = (x * x + y * y + z * z) * weight;
     const float d = cosine >= kSameSide ? square : kFar;
     least[k] = d < least[k] ? d : least[k];
@@ -44,51 +44,51 @@ CURVECAST_WIDE void mark_spheres(const float* xs, const float* ys, const float* 
 
 float lattice_distance(double area, double n) { return static_cast<float>(std::sqrt(2 * area / (std::numbers::sqrt3 * n))); }
 
-CURVECAST_WIDE BestPlace best_place(const float* before, const float* after, float n) {
-  float value[kPlaces];
+CURVECAST_WIDE BestCandidate best_candidate(const float* before, const float* after, float n) {
+  float value[kCandidates];
   float most = -1;
-  for (std::size_t k = 0; k < kPlaces; ++k) {
+  for (std::size_t k = 0; k < kCandidates; ++k) {
     const float b = before[k] * n;
     value[k] = b < after[k] ? b : after[k];
     most = value[k] > most ? value[k] : most;
   }
-  BestPlace best{most, 0};
-  while (value[best.place] != most) ++best.place;
+  BestCandidate best{most, 0};
+  while (value[best.index] != most) ++best.index;
   return best;
 }
 
-CURVECAST_WIDE std::size_t central_place(const Places& places, const float* after, float n, float enough) {
-  float away[kPlaces];
+CURVECAST_WIDE std::size_t central_candidate(const CandidatePoints& candidates, const float* after, float n, float enough) {
+  float away[kCandidates];
   float least = kFar;
-  for (std::size_t k = 0; k < kPlaces; ++k) {
-    const float b = places.before[k] * n;
+  for (std::size_t k = 0; k < kCandidates; ++k) {
+    const float b = candidates.before[k] * n;
     const float value = b < after[k] ? b : after[k];
-    away[k] = value >= enough ? places.away[k] : kFar;
+    away[k] = value >= enough ? candidates.away[k] : kFar;
     least = away[k] < least ? away[k] : least;
   }
-  std::size_t place = 0;
-  while (away[place] != least) ++place;
-  return place;
+  std::size_t index = 0;
+  while (away[index] != least) ++index;
+  return index;
 }
 
 CURVECAST_WIDE float largest_of(const float* values) {
   constexpr std::size_t kLanes = 8;
   float most[kLanes];
   std::copy_n(values, kLanes, most);
-  for (std::size_t k = kLanes; k < kPlaces; k += kLanes) {
+  for (std::size_t k = kLanes; k < kCandidates; k += kLanes) {
     for (std::size_t i = 0; i < kLanes; ++i) most[i] = values[k + i] > most[i] ? values[k + i] : most[i];
   }
   return *std::max_element(most, most + kLanes);
 }
 
-RankPlaces::RankPlaces(const CurveStrata& strata, const RankBlock& block, std::uint64_t seed)
+GroupCandidates::GroupCandidates(const CurveStrata& strata, const RankBlock& block, std::uint64_t seed)
     : block_(block),
       area_(strata.total_area()),
       curve_(strata.curve()),
-      at_(4 * block.size() * kPlaces),
+      at_(4 * block.size() * kCandidates),
       coordinate_(at_.size()),
-      places_(4 * block.size()),
-      children_(places_.size()) {
+      candidates_(4 * block.size()),
+      children_(candidates_.size()) {
   find(strata, seed);
   for (std::size_t c = 0; c < size(); ++c) {
     measure(c);
@@ -100,15 +100,15 @@ RankPlaces::RankPlaces(const CurveStrata& strata, const RankBlock& block, std::u
   }
 }
 
-void RankPlaces::find(const CurveStrata& strata, std::uint64_t seed) {
+void GroupCandidates::find(const CurveStrata& strata, std::uint64_t seed) {
   std::vector<double> t(at_.size());
   const int shift = child_shift(block_.level);
-  const std::uint64_t step = (std::uint64_t{1} << shift) / kPlaces;
+  const std::uint64_t step = (std::uint64_t{1} << shift) / kCandidates;
   for (std::size_t c = 0; c < size(); ++c) {
     const std::uint64_t stratum = block_.index * size() + c;
     const double offset = random_unit(seed + static_cast<std::uint64_t>(block_.level), stratum);
     std::uint64_t place = (stratum << shift) + static_cast<std::uint64_t>(offset * static_cast<double>(step));
-    for (std::size_t i = c * kPlaces; i < (c + 1) * kPlaces; ++i, place += step) {
+    for (std::size_t i = c * kCandidates; i < (c + 1) * kCandidates; ++i, place += step) {
       coordinate_[i] = place;
       t[i] = curve_coordinate(place);
     }
@@ -116,28 +116,28 @@ void RankPlaces::find(const CurveStrata& strata, std::uint64_t seed) {
   strata.places_at(t, at_);
 }
 
-void RankPlaces::measure(std::size_t c) {
-  Places& places = places_[c];
+void GroupCandidates::measure(std::size_t c) {
+  CandidatePoints& candidates = candidates_[c];
   Child& child = children_[c];
   const float far = lattice_distance(area_, std::ldexp(1.0, 2 * block_.level));
   Vec3f sum = Vec3f::Zero(), normals = Vec3f::Zero();
-  for (std::size_t k = 0; k < kPlaces; ++k) {
-    const CurvePlace& place = at_[c * kPlaces + k];
+  for (std::size_t k = 0; k < kCandidates; ++k) {
+    const CurvePlace& place = at_[c * kCandidates + k];
     const Vec3f normal = curve_.normal(place.vertex);
-    places.x[k] = place.position[0], places.y[k] = place.position[1], places.z[k] = place.position[2];
-    places.nx[k] = normal.x(), places.ny[k] = normal.y(), places.nz[k] = normal.z();
-    places.before[k] = far * far;
-    places.after[k] = kFar;
+    candidates.x[k] = place.position[0], candidates.y[k] = place.position[1], candidates.z[k] = place.position[2];
+    candidates.nx[k] = normal.x(), candidates.ny[k] = normal.y(), candidates.nz[k] = normal.z();
+    candidates.before[k] = far * far;
+    candidates.after[k] = kFar;
     sum += Vec3f(place.position[0], place.position[1], place.position[2]);
     normals += normal;
   }
-  child.center = sum / kPlaces;
+  child.center = sum / kCandidates;
   child.normal = normals.normalized();
   float square = 0, cosine = 1;
-  for (std::size_t k = 0; k < kPlaces; ++k) {
-    places.away[k] = (Vec3f(places.x[k], places.y[k], places.z[k]) - child.center).squaredNorm();
-    square = std::max(square, places.away[k]);
-    cosine = std::min(cosine, Vec3f(places.nx[k], places.ny[k], places.nz[k]).dot(child.normal));
+  for (std::size_t k = 0; k < kCandidates; ++k) {
+    candidates.away[k] = (Vec3f(candidates.x[k], candidates.y[k], candidates.z[k]) - child.center).squaredNorm();
+    square = std::max(square, candidates.away[k]);
+    cosine = std::min(cosine, Vec3f(candidates.nx[k], candidates.ny[k], candidates.nz[k]).dot(child.normal));
   }
   child.radius = std::sqrt(square);
   // Cosines of 120 degrees less and more half the angle of the normals' cone, with a little slack.
@@ -147,7 +147,7 @@ void RankPlaces::measure(std::size_t c) {
   child.none_face = cosine > 0.5f ? kSameSide * cosine - half_turn * sine - kSlack : -2;
 }
 
-Eigen::AlignedBox3f RankPlaces::box() const {
+Eigen::AlignedBox3f GroupCandidates::box() const {
   Eigen::AlignedBox3f box;
   for (const Child& child : children_) {
     const Vec3f radius = Vec3f::Constant(child.radius);
@@ -157,27 +157,27 @@ Eigen::AlignedBox3f RankPlaces::box() const {
   return box;
 }
 
-RankedPoint RankPlaces::point(std::size_t c, std::size_t place, std::uint32_t rank) const {
-  const CurvePlace& at = at_[c * kPlaces + place];
-  const Places& places = places_[c];
-  return {coordinate_[c * kPlaces + place],
+RankedPoint GroupCandidates::point(std::size_t c, std::size_t k, std::uint32_t rank) const {
+  const CurvePlace& at = at_[c * kCandidates + k];
+  const CandidatePoints& candidates = candidates_[c];
+  return {coordinate_[c * kCandidates + k],
           {at.position[0], at.position[1], at.position[2]},
-          {places.nx[place], places.ny[place], places.nz[place]},
+          {candidates.nx[k], candidates.ny[k], candidates.nz[k]},
           at.vertex,
           rank};
 }
 
-void RankPlaces::mark_near(const float* position, float reach, std::int32_t* is_near) const {
+void GroupCandidates::mark_near(const float* position, float reach, std::int32_t* is_near) const {
   mark_spheres(x_.data(), y_.data(), z_.data(), radius_.data(), size(), position, reach, is_near);
 }
 
-void RankPlaces::take_nearer(std::size_t c, const RankedPoint& p, float weight, float* least) const {
+void GroupCandidates::take_nearer(std::size_t c, const RankedPoint& p, float weight, float* least) const {
   const Child& child = children_[c];
   const float cosine = child.normal.dot(Vec3f(p.normal[0], p.normal[1], p.normal[2]));
   if (cosine >= child.all_face) {
-    take_all_nearer(places_[c], p, weight, least);
+    take_all_nearer(candidates_[c], p, weight, least);
   } else if (cosine >= child.none_face) {
-    take_facing_nearer(places_[c], p, weight, least);
+    take_facing_nearer(candidates_[c], p, weight, least);
   }
 }
 
