@@ -9,7 +9,7 @@ namespace curvecast {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr std::size_t kChunk = 256;  // of several cameras: what lies between them stays in the nearest cache
+constexpr std::size_t kBatch = 256;  // of several cameras: what lies between them stays in the nearest cache
 
 BlockColumns columns_of(const CurveBlocks& blocks, std::size_t begin) {
   return {&blocks.x[begin],  &blocks.y[begin],  &blocks.z[begin],  &blocks.radius[begin],
@@ -60,9 +60,9 @@ void ViewFactor::multiply(const float* x, const float* y, const float* z, const 
   };
   if (is_one()) return;
   if (cameras_.size() == 1) return multiply_all(cameras_[0], {x, y, z, nx, ny, nz}, n, factor);
-  float largest[kChunk], of_camera[kChunk];
-  for (std::size_t begin = 0; begin < n; begin += kChunk) {
-    const std::size_t count = std::min(kChunk, n - begin);
+  float largest[kBatch], of_camera[kBatch];
+  for (std::size_t begin = 0; begin < n; begin += kBatch) {
+    const std::size_t count = std::min(kBatch, n - begin);
     const VertexColumns vertices = {x + begin, y + begin, z + begin, nx + begin, ny + begin, nz + begin};
     std::fill_n(largest, count, 0.0f);
     for (const std::vector<Factor>& factors : cameras_) {
@@ -90,9 +90,9 @@ void ViewFactor::of_blocks(const CurveBlocks& blocks, std::size_t begin, std::si
     std::fill_n(change, end - begin, 0.0f);
     return;
   }
-  float value[kChunk], most[kChunk], high[kChunk], low[kChunk];
-  for (std::size_t first = begin; first < end; first += kChunk, factor += kChunk, change += kChunk) {
-    const std::size_t count = std::min(kChunk, end - first);
+  float value[kBatch], most[kBatch], high[kBatch], low[kBatch];
+  for (std::size_t first = begin; first < end; first += kBatch, factor += kBatch, change += kBatch) {
+    const std::size_t count = std::min(kBatch, end - first);
     for (float* const all : {factor, high, low}) std::fill_n(all, count, 0.0f);
     for (const std::vector<Factor>& factors : cameras_) {
       of_camera(factors, first, count, value, most);
@@ -110,9 +110,9 @@ void ViewFactor::most_of_blocks(const CurveBlocks& blocks, std::size_t begin, st
     std::fill_n(most, end - begin, 1.0f);
     return;
   }
-  float value[kChunk], change[kChunk], of_camera[kChunk];
-  for (std::size_t first = begin; first < end; first += kChunk, most += kChunk) {
-    const std::size_t count = std::min(kChunk, end - first);
+  float value[kBatch], change[kBatch], of_camera[kBatch];
+  for (std::size_t first = begin; first < end; first += kBatch, most += kBatch) {
+    const std::size_t count = std::min(kBatch, end - first);
     std::fill_n(most, count, 0.0f);
     for (const std::vector<Factor>& factors : cameras_) {
       std::fill_n(of_camera, count, 1.0f);
