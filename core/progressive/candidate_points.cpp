@@ -10,7 +10,7 @@
 namespace curvecast {
 namespace {
 
-/// A point's square distance from each candidate, times `weight`, goes into `least` where it is less.
+/// Lowers least[k] to the squared distance between p and candidate k, times `weight`.
 CURVECAST_WIDE void take_all_nearer(const CandidatePoints& candidates, const RankedPoint& p, float weight, float* least) {
   for (std::size_t k = 0; k < kCandidates; ++k) {
     const float x = candidates.x[k] - p.position[0], y = candidates.y[k] - p.position[1], z = candidates.z[k] - p.position[2];
@@ -19,7 +19,7 @@ CURVECAST_WIDE void take_all_nearer(const CandidatePoints& candidates, const Ran
   }
 }
 
-/// The same for the candidates that face the point.
+/// Does the same for the candidates that face the point.
 CURVECAST_WIDE void take_facing_nearer(const CandidatePoints& candidates, const RankedPoint& p, float weight, float* least) {
   for (std::size_t k = 0; k < kCandidates; ++k) {
     const float x = candidates.x[k] - p.position[0], y = candidates.y[k] - p.position[1], z = candidates.z[k] - p.position[2];
@@ -30,7 +30,7 @@ CURVECAST_WIDE void take_facing_nearer(const CandidatePoints& candidates, const 
   }
 }
 
-/// Which spheres, n of them, come as near as `reach` to a point.
+/// Marks which of n spheres come as near as `reach` to a point.
 CURVECAST_WIDE void mark_spheres(const float* xs, const float* ys, const float* zs, const float* radii, std::size_t n,
                                  const float* p, float reach, std::int32_t* is_near) {
   const float px = p[0], py = p[1], pz = p[2];
@@ -44,12 +44,12 @@ CURVECAST_WIDE void mark_spheres(const float* xs, const float* ys, const float* 
 
 float lattice_distance(double area, double n) { return static_cast<float>(std::sqrt(2 * area / (std::numbers::sqrt3 * n))); }
 
-CURVECAST_WIDE BestCandidate best_candidate(const float* before, const float* after, float n) {
+CURVECAST_WIDE BestCandidate best_candidate(const float* nearest_lower, const float* nearest_higher, float n) {
   float value[kCandidates];
   float most = -1;
   for (std::size_t k = 0; k < kCandidates; ++k) {
-    const float b = before[k] * n;
-    value[k] = b < after[k] ? b : after[k];
+    const float b = nearest_lower[k] * n;
+    value[k] = b < nearest_higher[k] ? b : nearest_higher[k];
     most = value[k] > most ? value[k] : most;
   }
   BestCandidate best{most, 0};
@@ -57,13 +57,14 @@ CURVECAST_WIDE BestCandidate best_candidate(const float* before, const float* af
   return best;
 }
 
-CURVECAST_WIDE std::size_t central_candidate(const CandidatePoints& candidates, const float* after, float n, float enough) {
+CURVECAST_WIDE std::size_t central_candidate(const CandidatePoints& candidates, const float* nearest_higher, float n,
+                                             float enough) {
   float away[kCandidates];
   float least = kFar;
   for (std::size_t k = 0; k < kCandidates; ++k) {
-    const float b = candidates.before[k] * n;
-    const float value = b < after[k] ? b : after[k];
-    away[k] = value >= enough ? candidates.away[k] : kFar;
+    const float b = candidates.nearest_lower[k] * n;
+    const float value = b < nearest_higher[k] ? b : nearest_higher[k];
+    away[k] = value >= enough ? candidates.from_centre[k] : kFar;
     least = away[k] < least ? away[k] : least;
   }
   std::size_t index = 0;
@@ -81,62 +82,62 @@ CURVECAST_WIDE float largest_of(const float* values) {
   return *std::max_element(most, most + kLanes);
 }
 
-GroupCandidates::GroupCandidates(const CurveStrata& strata, const RankBlock& block, std::uint64_t seed)
-    : block_(block),
+GroupCandidates::GroupCandidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed)
+    : group_(group),
       area_(strata.total_area()),
       curve_(strata.curve()),
-      at_(4 * block.size() * kCandidates),
-      coordinate_(at_.size()),
-      candidates_(4 * block.size()),
+      at_(4 * group.size() * kCandidates),
+      curve_position_(at_.size()),
+      candidates_(4 * group.size()),
       children_(candidates_.size()) {
   find(strata, seed);
   for (std::size_t c = 0; c < size(); ++c) {
     measure(c);
-    const Child& child = children_[c];
-    x_.push_back(child.center.x());
-    y_.push_back(child.center.y());
-    z_.push_back(child.center.z());
+    const ChildStratum& child = children_[c];
+    x_.push_back(child.centre.x());
+    y_.push_back(child.centre.y());
+    z_.push_back(child.centre.z());
     radius_.push_back(child.radius);
   }
 }
 
 void GroupCandidates::find(const CurveStrata& strata, std::uint64_t seed) {
   std::vector<double> t(at_.size());
-  const int shift = child_shift(block_.level);
+  const int shift = child_shift(group_.level);
   const std::uint64_t step = (std::uint64_t{1} << shift) / kCandidates;
   for (std::size_t c = 0; c < size(); ++c) {
-    const std::uint64_t stratum = block_.index * size() + c;
-    const double offset = random_unit(seed + static_cast<std::uint64_t>(block_.level), stratum);
-    std::uint64_t place = (stratum << shift) + static_cast<std::uint64_t>(offset * static_cast<double>(step));
-    for (std::size_t i = c * kCandidates; i < (c + 1) * kCandidates; ++i, place += step) {
-      coordinate_[i] = place;
-      t[i] = curve_coordinate(place);
+    const std::uint64_t stratum = group_.index * size() + c;
+    const double offset = random_unit(seed + static_cast<std::uint64_t>(group_.level), stratum);
+    std::uint64_t position = (stratum << shift) + static_cast<std::uint64_t>(offset * static_cast<double>(step));
+    for (std::size_t i = c * kCandidates; i < (c + 1) * kCandidates; ++i, position += step) {
+      curve_position_[i] = position;
+      t[i] = unit_curve_position(position);
     }
   }
-  strata.places_at(t, at_);
+  strata.points_at(t, at_);
 }
 
 void GroupCandidates::measure(std::size_t c) {
   CandidatePoints& candidates = candidates_[c];
-  Child& child = children_[c];
-  const float far = lattice_distance(area_, std::ldexp(1.0, 2 * block_.level));
+  ChildStratum& child = children_[c];
+  const float far = lattice_distance(area_, std::ldexp(1.0, 2 * group_.level));
   Vec3f sum = Vec3f::Zero(), normals = Vec3f::Zero();
   for (std::size_t k = 0; k < kCandidates; ++k) {
-    const CurvePlace& place = at_[c * kCandidates + k];
-    const Vec3f normal = curve_.normal(place.vertex);
-    candidates.x[k] = place.position[0], candidates.y[k] = place.position[1], candidates.z[k] = place.position[2];
+    const CurvePoint& at = at_[c * kCandidates + k];
+    const Vec3f normal = curve_.normal(at.vertex);
+    candidates.x[k] = at.position[0], candidates.y[k] = at.position[1], candidates.z[k] = at.position[2];
     candidates.nx[k] = normal.x(), candidates.ny[k] = normal.y(), candidates.nz[k] = normal.z();
-    candidates.before[k] = far * far;
-    candidates.after[k] = kFar;
-    sum += Vec3f(place.position[0], place.position[1], place.position[2]);
+    candidates.nearest_lower[k] = far * far;
+    candidates.nearest_higher[k] = kFar;
+    sum += Vec3f(at.position[0], at.position[1], at.position[2]);
     normals += normal;
   }
-  child.center = sum / kCandidates;
+  child.centre = sum / kCandidates;
   child.normal = normals.normalized();
   float square = 0, cosine = 1;
   for (std::size_t k = 0; k < kCandidates; ++k) {
-    candidates.away[k] = (Vec3f(candidates.x[k], candidates.y[k], candidates.z[k]) - child.center).squaredNorm();
-    square = std::max(square, candidates.away[k]);
+    candidates.from_centre[k] = (Vec3f(candidates.x[k], candidates.y[k], candidates.z[k]) - child.centre).squaredNorm();
+    square = std::max(square, candidates.from_centre[k]);
     cosine = std::min(cosine, Vec3f(candidates.nx[k], candidates.ny[k], candidates.nz[k]).dot(child.normal));
   }
   child.radius = std::sqrt(square);
@@ -149,18 +150,18 @@ void GroupCandidates::measure(std::size_t c) {
 
 Eigen::AlignedBox3f GroupCandidates::box() const {
   Eigen::AlignedBox3f box;
-  for (const Child& child : children_) {
+  for (const ChildStratum& child : children_) {
     const Vec3f radius = Vec3f::Constant(child.radius);
-    box.extend(child.center - radius);
-    box.extend(child.center + radius);
+    box.extend(child.centre - radius);
+    box.extend(child.centre + radius);
   }
   return box;
 }
 
 RankedPoint GroupCandidates::point(std::size_t c, std::size_t k, std::uint32_t rank) const {
-  const CurvePlace& at = at_[c * kCandidates + k];
+  const CurvePoint& at = at_[c * kCandidates + k];
   const CandidatePoints& candidates = candidates_[c];
-  return {coordinate_[c * kCandidates + k],
+  return {curve_position_[c * kCandidates + k],
           {at.position[0], at.position[1], at.position[2]},
           {candidates.nx[k], candidates.ny[k], candidates.nz[k]},
           at.vertex,
@@ -172,7 +173,7 @@ void GroupCandidates::mark_near(const float* position, float reach, std::int32_t
 }
 
 void GroupCandidates::take_nearer(std::size_t c, const RankedPoint& p, float weight, float* least) const {
-  const Child& child = children_[c];
+  const ChildStratum& child = children_[c];
   const float cosine = child.normal.dot(Vec3f(p.normal[0], p.normal[1], p.normal[2]));
   if (cosine >= child.all_face) {
     take_all_nearer(candidates_[c], p, weight, least);

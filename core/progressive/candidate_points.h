@@ -1,5 +1,6 @@
-// The positions among which a block's points choose theirs: some in each stratum of the next level, and how near other points
-// come to them.
+// The candidates of a stratum group: the positions among which each of its new points chooses, and how near other points come to
+// them. Choosing the best of some candidates is Mitchell's way ("Spectrally optimal sampling for distribution ray tracing",
+// 1991); here they do not lie at random but at equal steps along the curve.
 #pragma once
 
 #include <cstddef>
@@ -9,32 +10,35 @@
 #include <vector>
 
 #include "core/progressive/curve_strata.h"
-#include "core/progressive/rank_block.h"
+#include "core/progressive/stratum_group.h"
 
 namespace curvecast {
 
-inline constexpr std::size_t kCandidates = 32;  // in each child
+inline constexpr std::size_t kCandidates = 32;  // in each child stratum
 inline constexpr float kFar = std::numeric_limits<float>::max();
-inline constexpr float kSameSide = -0.5f;  // normals that differ by more than 120 degrees are on the two sides of something thin
+/// Two positions face each other when the cosine of their normals is at least this (120 degrees). Others are on the two sides of
+/// something thin: the distance between them does not count.
+inline constexpr float kSameSide = -0.5f;
 
-/// The distance of neighbours in a hexagonal lattice of n points.
+/// Returns the distance between neighbours in a hexagonal lattice of n points on an area: the largest that n points can keep.
 float lattice_distance(double area, double n);
 
-/// The candidates of a child, in columns.
+/// The candidates of one child stratum, in columns.
 struct CandidatePoints {
-  float x[kCandidates], y[kCandidates], z[kCandidates];
-  float nx[kCandidates], ny[kCandidates], nz[kCandidates];
-  float away[kCandidates];    // square distance from the center
-  float before[kCandidates];  // square distance of the nearest point of a lower rank
-  float after[kCandidates];   // of points of higher ranks: the least square distance times the number of points then
+  float x[kCandidates], y[kCandidates], z[kCandidates];     // relative to the curve's origin
+  float nx[kCandidates], ny[kCandidates], nz[kCandidates];  // unit normals
+  float from_centre[kCandidates];                           // squared distance from ChildStratum::centre
+  float nearest_lower[kCandidates];   // squared distance to the nearest point that comes before the next one
+  float nearest_higher[kCandidates];  // least of (squared distance x rank + 1) over the points that come after the next one
 };
 
-/// A stratum of the next level.
-struct Child {
-  Vec3f center, normal;
-  float radius;               // of the candidates about the center
-  float all_face, none_face;  // of the normal's cosine with another: from here on all candidates face it, below here none
-  bool full = false;
+/// What is known of a child stratum: a stratum of the level after the group's.
+struct ChildStratum {
+  Vec3f centre, normal;    // means over its candidates
+  float radius;            // no candidate is farther from the centre
+  float all_face;          // all candidates face a point whose normal has at least this cosine with `normal`
+  float none_face;         // no candidate faces a point whose normal has less than this cosine
+  bool has_point = false;  // already
 };
 
 struct BestCandidate {
@@ -42,48 +46,49 @@ struct BestCandidate {
   std::size_t index = 0;
 };
 
-/// The candidate with the largest min(before n, after).
-BestCandidate best_candidate(const float* before, const float* after, float n);
-/// Of the candidates for which that is large enough, the one nearest to the center. Precondition: there is one.
-std::size_t central_candidate(const CandidatePoints& candidates, const float* after, float n, float enough);
+/// Returns the candidate with the largest min(nearest_lower n, nearest_higher), and that value.
+BestCandidate best_candidate(const float* nearest_lower, const float* nearest_higher, float n);
+/// Returns, of the candidates whose value (as above) is at least `enough`, the one nearest to the centre. Precondition: there is
+/// such a candidate.
+std::size_t central_candidate(const CandidatePoints& candidates, const float* nearest_higher, float n, float enough);
 
-/// The largest of kCandidates values.
+/// Returns the largest of kCandidates values.
 float largest_of(const float* values);
 
-/// The candidates of a whole block.
+/// The candidates of all child strata of a group.
 class GroupCandidates {
  public:
-  /// `block`'s children are the strata of the next level in it.
-  GroupCandidates(const CurveStrata& strata, const RankBlock& block, std::uint64_t seed);
+  /// Spreads the candidates; the seed moves those of each child by a part of a step. Keeps the address of the strata's curve.
+  GroupCandidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed);
 
-  std::size_t size() const { return children_.size(); }
-  const RankBlock& block() const { return block_; }
-  double total_area() const { return area_; }
-  Child& child(std::size_t c) { return children_[c]; }
-  const Child& child(std::size_t c) const { return children_[c]; }
+  std::size_t size() const { return children_.size(); }  // number of children
+  const StratumGroup& group() const { return group_; }
+  double total_area() const { return area_; }  // of the whole curve
+  ChildStratum& child(std::size_t c) { return children_[c]; }
+  const ChildStratum& child(std::size_t c) const { return children_[c]; }
   CandidatePoints& in_child(std::size_t c) { return candidates_[c]; }
   const CandidatePoints& in_child(std::size_t c) const { return candidates_[c]; }
-  /// Around all of them.
+  /// Returns a box around all candidates.
   Eigen::AlignedBox3f box() const;
-  /// A point at candidate k of child c.
+  /// Makes a point at candidate k of child c.
   RankedPoint point(std::size_t c, std::size_t k, std::uint32_t rank) const;
-  /// Sets `is_near`, size() entries, to whether a child may have candidates as near to a point as `reach`, else to 0.
+  /// Sets is_near[c] (size() entries) to 1 where child c may have a candidate within `reach` of a position, else to 0.
   void mark_near(const float* position, float reach, std::int32_t* is_near) const;
-  /// A point's square distance from each candidate of child c that faces it, times `weight`, goes into `least` where it is less.
+  /// Lowers least[k] to the squared distance between p and candidate k of child c, times `weight`, where they face each other.
   void take_nearer(std::size_t c, const RankedPoint& p, float weight, float* least) const;
 
  private:
   void find(const CurveStrata& strata, std::uint64_t seed);
   void measure(std::size_t c);
 
-  RankBlock block_;
+  StratumGroup group_;
   double area_;
   const SurfaceCurve& curve_;
-  std::vector<CurvePlace> at_;               // kCandidates in each child
-  std::vector<std::uint64_t> coordinate_;    // of each
-  std::vector<CandidatePoints> candidates_;  // of each child
-  std::vector<Child> children_;
-  std::vector<float> x_, y_, z_, radius_;  // of the children, once more: in columns
+  std::vector<CurvePoint> at_;                 // kCandidates for each child
+  std::vector<std::uint64_t> curve_position_;  // of each
+  std::vector<CandidatePoints> candidates_;    // of each child
+  std::vector<ChildStratum> children_;
+  std::vector<float> x_, y_, z_, radius_;  // centres and radii of the children once more, in columns
 };
 
 }  // namespace curvecast

@@ -1,4 +1,4 @@
-#include "core/progressive/block_order.h"
+#include "core/progressive/group_order.h"
 
 #include <tbb/parallel_for.h>
 
@@ -6,7 +6,7 @@
 
 namespace curvecast {
 
-BlockOrder::BlockOrder(const CurveStrata& strata, int levels) : strata_(&strata), boxes_(stratum_level(levels - 1) + 1) {
+GroupOrder::GroupOrder(const CurveStrata& strata, int levels) : strata_(&strata), boxes_(stratum_level(levels - 1) + 1) {
   const int deepest = static_cast<int>(boxes_.size()) - 1;
   for (int m = deepest; m >= 0; --m) {
     boxes_[m].resize(std::size_t{1} << 2 * m);
@@ -20,24 +20,24 @@ BlockOrder::BlockOrder(const CurveStrata& strata, int levels) : strata_(&strata)
   }
 }
 
-bool BlockOrder::precedes(int level, std::uint64_t first, std::uint64_t second) {
+bool GroupOrder::precedes(int level, std::uint64_t first, std::uint64_t second) {
   const int bits = 2 * stratum_level(level);
   return reversed_bits(first, bits) < reversed_bits(second, bits);
 }
 
-Eigen::AlignedBox3f BlockOrder::box(const RankBlock& block) const {
-  const auto m = static_cast<std::size_t>(stratum_level(block.level));
-  return m < boxes_.size() ? boxes_[m][block.index] : strata_->box(static_cast<int>(m), block.index);
+Eigen::AlignedBox3f GroupOrder::box(const StratumGroup& group) const {
+  const auto m = static_cast<std::size_t>(stratum_level(group.level));
+  return m < boxes_.size() ? boxes_[m][group.index] : strata_->box(static_cast<int>(m), group.index);
 }
 
-std::vector<std::uint64_t> BlockOrder::near(const RankBlock& block, std::span<const std::uint64_t> near_parent) const {
-  if (blocks(block.level) == 1) return {0};
-  const Eigen::AlignedBox3f own = box(block);
-  const float reach = rank_reach(strata_->total_area(), block.level);
+std::vector<std::uint64_t> GroupOrder::near(const StratumGroup& group, std::span<const std::uint64_t> near_parent) const {
+  if (count(group.level) == 1) return {0};
+  const Eigen::AlignedBox3f own = box(group);
+  const float reach = influence_radius(strata_->total_area(), group.level);
   std::vector<std::uint64_t> near;
   for (const std::uint64_t parent : near_parent) {
     for (std::uint64_t i = 4 * parent; i < 4 * parent + 4; ++i) {
-      if (own.squaredExteriorDistance(box({block.level, i})) <= reach * reach) near.push_back(i);
+      if (own.squaredExteriorDistance(box({group.level, i})) <= reach * reach) near.push_back(i);
     }
   }
   return near;

@@ -1,4 +1,4 @@
-#include "core/progressive/crowding.h"
+#include "core/progressive/point_energy.h"
 
 #include <cmath>
 
@@ -7,10 +7,10 @@
 namespace curvecast {
 namespace {
 
-/// Askey's function (1 - r)^2 of the distance r: like the distance itself, its spectrum falls with the third power of the
-/// frequency, and it ends.
-CURVECAST_WIDE void add_nearness(std::span<const float> x, std::span<const float> y, std::span<const float> z, const float* p,
-                                 float inverse_range, float* sum) {
+/// Adds Askey's function (1 - r)^2 of the distance r in ranges. Like that of the distance itself, its spectrum falls with the
+/// third power of the frequency; unlike the distance, it ends.
+CURVECAST_WIDE void add_kernel(std::span<const float> x, std::span<const float> y, std::span<const float> z, const float* p,
+                               float inverse_range, float* sum) {
   const float px = p[0], py = p[1], pz = p[2];
   const float *xs = x.data(), *ys = y.data(), *zs = z.data();
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -23,18 +23,18 @@ CURVECAST_WIDE void add_nearness(std::span<const float> x, std::span<const float
 
 }  // namespace
 
-Crowding::Crowding(std::span<const Vec3f> places, float range)
-    : x_(places.size()),
-      y_(places.size()),
-      z_(places.size()),
+PointEnergy::PointEnergy(std::span<const Vec3f> positions, float range)
+    : x_(positions.size()),
+      y_(positions.size()),
+      z_(positions.size()),
       inverse_range_(1 / range),
-      now_(places.size(), 0),
-      in_the_end_(places.size(), 0) {
-  for (std::size_t i = 0; i < places.size(); ++i) x_[i] = places[i].x(), y_[i] = places[i].y(), z_[i] = places[i].z();
+      now_(positions.size(), 0),
+      in_the_end_(positions.size(), 0) {
+  for (std::size_t i = 0; i < positions.size(); ++i) x_[i] = positions[i].x(), y_[i] = positions[i].y(), z_[i] = positions[i].z();
 }
 
-void Crowding::add_to(std::vector<float>& felt, const float* position) const {
-  add_nearness(x_, y_, z_, position, inverse_range_, felt.data());
+void PointEnergy::add_to(std::vector<float>& energy, const float* position) const {
+  add_kernel(x_, y_, z_, position, inverse_range_, energy.data());
 }
 
 }  // namespace curvecast

@@ -1,7 +1,8 @@
-// How crowded places on a surface are, so that the next point goes where it makes the whole more even. The square discrepancy of
-// points over balls and half spaces of all sizes is a sum of distances between them (Stolarsky, "Sums of distances between points
-// on a sphere II", 1973), which the next point lowers most where its distances to the others are largest; what is far enough to
-// be even already is left out, smoothly.
+// The energy of points on a surface, which says where the next point makes the whole more even. Stolarsky ("Sums of distances
+// between points on a sphere II", 1973): the squared discrepancy of points over balls and half spaces of all sizes is a constant
+// less the sum of the distances between them. So it falls most where the next point's distances to the others are largest.
+// The kernel here behaves like the distance at short range and ends smoothly at a finite one: what is farther apart is even
+// anyway.
 #pragma once
 
 #include <cstddef>
@@ -12,22 +13,23 @@
 
 namespace curvecast {
 
-/// Of some places, among points of which more and more are there.
-class Crowding {
+/// The energy that points put on some fixed positions, beside the energy that an even distribution would put there.
+class PointEnergy {
  public:
-  /// Points farther than `range` from a place are not felt there. Precondition: range > 0.
-  Crowding(std::span<const Vec3f> places, float range);
+  /// Points farther than `range` from a position put no energy on it. Precondition: range > 0.
+  PointEnergy(std::span<const Vec3f> positions, float range);
 
   std::size_t size() const { return x_.size(); }
-  /// A point that is going to be there, or stands for one.
+  /// Counts a point among those that there will be in the end, or a position that stands for such a point.
   void expect(const float* position) { add_to(in_the_end_, position); }
-  /// A point is there now.
+  /// Counts a point among those that are there now.
   void add(const float* position) { add_to(now_, position); }
-  /// Of place i, when that part of all points should be there: 0 where they are as dense as that, more where they are denser.
-  float at(std::size_t i, float part) const { return now_[i] - part * in_the_end_[i]; }
+  /// Returns by how much the energy on position i exceeds what it should be when `part` of the points in the end are there: 0
+  /// where the points are as dense as that, more where they are denser.
+  float excess(std::size_t i, float part) const { return now_[i] - part * in_the_end_[i]; }
 
  private:
-  void add_to(std::vector<float>& felt, const float* position) const;
+  void add_to(std::vector<float>& energy, const float* position) const;
 
   std::vector<float> x_, y_, z_;
   float inverse_range_;

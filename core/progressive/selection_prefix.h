@@ -1,4 +1,4 @@
-// How many of the points that a selection shows come before given places along the curve, without listing them.
+// Counts the points that a selection shows on the first part of the curve, without listing the points.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,10 @@
 
 namespace curvecast {
 
-/// before[i] = how many of the points shown have a lower RankChunk::place than places[i], which ascend.
-/// before.size() = places.size(). Takes a step for each of the selection's chunks, and a few more for each of its levels and
-/// place: not for each point.
-void count_shown_before(const RankSelection& selection, std::span<const std::uint32_t> places, std::span<std::uint32_t> before);
+/// Sets before[i] to the number of selected points whose RankChunk::curve_position is below curve_positions[i]. curve_positions
+/// ascend; `before` has as many entries. Takes a step for each chunk of the selection, and a few for each level and curve
+/// position: not one for each point.
+void count_selected_before(const RankSelection& selection, std::span<const std::uint32_t> curve_positions,
+                           std::span<std::uint32_t> before);
 
 }  // namespace curvecast

@@ -1,4 +1,4 @@
-// Sorts by places along the curve, which are spread evenly over all 32-bit numbers.
+// Sorts points by curve position. The positions are spread evenly over all 32-bit numbers, which the method counts on.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,8 @@
 
 namespace curvecast {
 
-/// Ascending by the upper 32 bits, those with the same in the order in which they come (a radix sort, and insertion for
-/// the last few digits).
-/// `scratch` is memory to be used again.
-void sort_by_place(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& scratch);
+/// Sorts keys by their upper 32 bits, the curve positions; keys with the same position keep their order. A radix sort, and
+/// insertion for the last few digits. `scratch` is memory that is used again.
+void sort_along_curve(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& scratch);
 
 }  // namespace curvecast

@@ -1,7 +1,7 @@
-// The points that come next in some neighbouring strata: places and ranks of 3 more for each, so that every prefix of the ranks
-// is spread evenly and no two points of it come near. Blocks take turns; in each the next point goes to the stratum that is least
-// crowded, near and farther off, and there to a place apart from others. Compare Eldar et al., "The farthest point strategy for
-// progressive image sampling" (1997), which has neither strata nor crowds.
+// Fills a group of neighbouring strata with the points of the next level: three more for each stratum, so that every prefix of
+// the ranks is spread evenly and no two points of it come near. Groups take turns. In each the next point goes to the child
+// stratum with the least energy and the widest gap, and there to a candidate far from other points. Compare Eldar et al., "The
+// farthest point strategy for progressive image sampling" (1997), which has neither strata nor an energy.
 #pragma once
 
 #include <cstdint>
@@ -11,39 +11,41 @@
 
 namespace curvecast {
 
+/// A point with a fixed position and rank.
 struct RankedPoint {
-  std::uint64_t coordinate;  // along the curve, 2^64 = the whole area: its highest 2 l bits are its stratum of level l
-  float position[3];         // relative to the curve's origin
-  float normal[3];           // unit length
-  std::uint32_t vertex;      // the curve vertex where it is, or whose leaf holds it
-  std::uint32_t rank;        // 0, 1, 2 ...: how many come before it
+  std::uint64_t curve_position;  // in steps of 2^-64 of the whole area: the highest 2 l bits are the point's stratum of level l
+  float position[3];             // relative to the curve's origin
+  float normal[3];               // unit length
+  std::uint32_t vertex;          // the curve vertex where the point is, or in whose leaf
+  std::uint32_t rank;            // see progressive.h
 };
 
-/// Strata whose points are placed together.
-inline constexpr int kBlockLevels = 3;
-inline constexpr std::size_t kBlockStrata = std::size_t{1} << 2 * kBlockLevels;
+/// A group has 4^kGroupLevels strata.
+inline constexpr int kGroupLevels = 3;
+inline constexpr std::size_t kGroupStrata = std::size_t{1} << 2 * kGroupLevels;
 
-/// Block `index` of level l holds the strata [index s, index s + s) of that level, where s is kBlockStrata or, of the first
-/// levels, all 4^l.
-struct RankBlock {
+/// Strata of a level whose points are placed together: [index s, index s + s), where s is kGroupStrata or, of the first levels,
+/// all 4^level.
+struct StratumGroup {
   int level;
   std::uint64_t index;
 
-  std::uint64_t size() const { return level < kBlockLevels ? std::uint64_t{1} << 2 * level : kBlockStrata; }
+  std::uint64_t size() const { return level < kGroupLevels ? std::uint64_t{1} << 2 * level : kGroupStrata; }
 };
 
-/// Bits of a coordinate within a stratum of the level after.
+/// Returns how many bits of a curve position lie below a stratum of the level after: position >> child_shift(level) is that
+/// stratum.
 constexpr int child_shift(int level) { return 62 - 2 * level; }
 
-/// Up to this distance points of a level take notice of each other.
-float rank_reach(double total_area, int level);
+/// Returns up to which distance points of a level influence each other.
+float influence_radius(double total_area, int level);
 
-/// Places 3 points into each of a block's s strata and gives them ranks in [4^l, 4^(l+1)), unique among all blocks of the level.
-/// `base` has the s points of lower ranks, one per stratum. Of other blocks as far as rank_reach(): `done` has all points of
-/// those that were done before, `open` the points of lower ranks of the others. Writes 4 s `points`: one for each stratum of
-/// level l + 1, those of `base` among them.
-void fill_rank_block(const CurveStrata& strata, const RankBlock& block, std::span<const RankedPoint> base,
-                     std::span<const RankedPoint> done, std::span<const RankedPoint> open, std::uint64_t seed,
-                     std::span<RankedPoint> points);
+/// Places 3 points into each of a group's s strata and gives them ranks in [4^l, 4^(l+1)), l the group's level; no other group of
+/// the level gives the same ranks. `base`: the s points of lower ranks, one in each stratum. Points of other groups, as far as
+/// influence_radius(): `done` has all points of groups that come before this one in GroupOrder, `open` the points of lower ranks
+/// of the other groups. Writes 4 s `points`: one for each stratum of level l + 1, those of `base` among them.
+void fill_stratum_group(const CurveStrata& strata, const StratumGroup& group, std::span<const RankedPoint> base,
+                        std::span<const RankedPoint> done, std::span<const RankedPoint> open, std::uint64_t seed,
+                        std::span<RankedPoint> points);
 
 }  // namespace curvecast

@@ -13,20 +13,20 @@ namespace {
 
 using namespace curvecast::testing;
 
-constexpr RankBlock kBlock{3, 0};
+constexpr StratumGroup kGroup{3, 0};
 
 TEST(CandidatePoints, LieInTheirStrata) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  const GroupCandidates candidates(strata, kBlock, 1);
+  const GroupCandidates candidates(strata, kGroup, 1);
   ASSERT_EQ(candidates.size(), 256u);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     for (std::size_t k = 0; k < kCandidates; ++k) {
       const RankedPoint p = candidates.point(c, k, 77);
-      EXPECT_EQ(p.coordinate >> child_shift(kBlock.level), c);
+      EXPECT_EQ(p.curve_position >> child_shift(kGroup.level), c);
       EXPECT_EQ(p.rank, 77u);
       EXPECT_EQ(p.position[0], candidates.in_child(c).x[k]);
-      const Vec3f away = Vec3f(p.position[0], p.position[1], p.position[2]) - candidates.child(c).center;
+      const Vec3f away = Vec3f(p.position[0], p.position[1], p.position[2]) - candidates.child(c).centre;
       EXPECT_LE(away.norm(), candidates.child(c).radius * 1.0001f);
     }
   }
@@ -35,7 +35,7 @@ TEST(CandidatePoints, LieInTheirStrata) {
 TEST(CandidatePoints, KnowTheNearestPointThatTheyFace) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  const GroupCandidates candidates(strata, kBlock, 0);
+  const GroupCandidates candidates(strata, kGroup, 0);
   std::array<float, kCandidates> least;
   least.fill(kFar);
   RankedPoint p{0, {0.5f, 0.5f, 0.25f}, {0, 0, 1}, 0, 0};
@@ -57,15 +57,15 @@ TEST(CandidatePoints, BestAndCentralPlace) {
   std::array<float, kCandidates> after;
   after.fill(10);
   for (std::size_t k = 0; k < kCandidates; ++k) {
-    candidates.before[k] = static_cast<float>(k);
-    candidates.away[k] = static_cast<float>(k % 8);
+    candidates.nearest_lower[k] = static_cast<float>(k);
+    candidates.from_centre[k] = static_cast<float>(k % 8);
   }
   after[kCandidates - 1] = 1;
-  const BestCandidate best = best_candidate(candidates.before, after.data(), 0.1f);
+  const BestCandidate best = best_candidate(candidates.nearest_lower, after.data(), 0.1f);
   EXPECT_EQ(best.index, kCandidates - 2);
   EXPECT_FLOAT_EQ(best.value, 0.1f * (kCandidates - 2));
   EXPECT_EQ(central_candidate(candidates, after.data(), 0.1f, 0.1f * (kCandidates - 12)), kCandidates - 8);
-  EXPECT_EQ(largest_of(candidates.before), static_cast<float>(kCandidates - 1));
+  EXPECT_EQ(largest_of(candidates.nearest_lower), static_cast<float>(kCandidates - 1));
 }
 
 }  // namespace
