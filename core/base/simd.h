@@ -23,10 +23,12 @@ template <typename Vector, typename T>
   std::memcpy(to, &from, sizeof(Vector));
 }
 
-/// Minimum and maximum of doubles by value: one instruction each, where std::min and std::max, which take references, become
+/// Minimum and maximum by value: one instruction each, where std::min and std::max, which take references, become
 /// jumps that cannot be predicted. NaN: the second argument.
 [[gnu::always_inline]] constexpr double fast_min(double a, double b) { return a < b ? a : b; }
 [[gnu::always_inline]] constexpr double fast_max(double a, double b) { return a > b ? a : b; }
+[[gnu::always_inline]] constexpr float fast_min(float a, float b) { return a < b ? a : b; }
+[[gnu::always_inline]] constexpr float fast_max(float a, float b) { return a > b ? a : b; }
 [[gnu::always_inline]] constexpr double fast_clamp(double x, double low, double high) { return fast_min(fast_max(x, low), high); }
 
 // Compiles a function for wider vectors too; which one runs is decided when the program starts. The results are the same to the

@@ -11,13 +11,13 @@
 namespace curvecast {
 
 /// Curve vertices: where they lie, relative to the curve's origin, and what they face.
-struct Places {
+struct VertexColumns {
   const float *x, *y, *z;
   const Snorm16 *nx, *ny, *nz;
 };
 
 /// Blocks of curve vertices; see CurveBlocks.
-struct BlockPlaces {
+struct BlockColumns {
   const float *x, *y, *z, *radius, *nx, *ny, *nz, *spread;
 };
 

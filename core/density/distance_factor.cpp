@@ -33,8 +33,8 @@ DistanceFactor::DistanceFactor(const CameraFrame& frame, const DistanceTerm& ter
   far_ = static_cast<float>(std::clamp(range.far, 1 / kEndless, kEndless));
 }
 
-CURVECAST_WIDE void DistanceFactor::multiply(const Places& places, std::size_t n, float* factor) const {
-  const float *x = places.x, *y = places.y, *z = places.z;
+CURVECAST_WIDE void DistanceFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
+  const float *x = vertices.x, *y = vertices.y, *z = vertices.z;
   const float ex = x_, ey = y_, ez = z_, slope = slope_, near = near_, far = far_;
   for (std::size_t i = 0; i < n; ++i) {
     const float dx = ex - slope * x[i], dy = ey - slope * y[i], dz = ez - slope * z[i];
@@ -45,7 +45,7 @@ CURVECAST_WIDE void DistanceFactor::multiply(const Places& places, std::size_t n
   }
 }
 
-CURVECAST_WIDE void DistanceFactor::multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor,
+CURVECAST_WIDE void DistanceFactor::multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor,
                                                     float* __restrict change) const {
   const float *x = blocks.x, *y = blocks.y, *z = blocks.z, *radius = blocks.radius;
   const float ex = x_, ey = y_, ez = z_, slope = slope_, blur = blur_, near = near_, far = far_;

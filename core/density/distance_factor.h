@@ -12,8 +12,8 @@ class DistanceFactor {
   DistanceFactor(const CameraFrame& frame, const DistanceTerm& term);
 
   // See ViewFactor.
-  void multiply(const Places& places, std::size_t n, float* factor) const;
-  void multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor, float* __restrict change) const;
+  void multiply(const VertexColumns& vertices, std::size_t n, float* factor) const;
+  void multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor, float* __restrict change) const;
 
  private:
   float x_, y_, z_, slope_, blur_, near_, far_;

@@ -12,29 +12,28 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 [[gnu::always_inline]] inline float at(const AffineForm& form, float x, float y, float z) {
   return form.x * x + form.y * y + form.z * z + form.offset;
 }
-[[gnu::always_inline]] inline float lesser(float a, float b) { return a < b ? a : b; }
 
 }  // namespace
 
-CURVECAST_WIDE void FrustumFactor::multiply(const Places& places, std::size_t n, float* factor) const {
-  const float *x = places.x, *y = places.y, *z = places.z;
+CURVECAST_WIDE void FrustumFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
+  const float *x = vertices.x, *y = vertices.y, *z = vertices.z;
   const auto [a, b, c, d, e] = sides_;
   for (std::size_t i = 0; i < n; ++i) {
-    const float upright = lesser(at(a, x[i], y[i], z[i]), at(b, x[i], y[i], z[i]));
-    const float across = lesser(at(c, x[i], y[i], z[i]), at(d, x[i], y[i], z[i]));
-    factor[i] *= lesser(lesser(upright, across), at(e, x[i], y[i], z[i])) >= 0 ? 1.0f : 0.0f;
+    const float upright = fast_min(at(a, x[i], y[i], z[i]), at(b, x[i], y[i], z[i]));
+    const float across = fast_min(at(c, x[i], y[i], z[i]), at(d, x[i], y[i], z[i]));
+    factor[i] *= fast_min(fast_min(upright, across), at(e, x[i], y[i], z[i])) >= 0 ? 1.0f : 0.0f;
   }
 }
 
-CURVECAST_WIDE void FrustumFactor::multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor,
+CURVECAST_WIDE void FrustumFactor::multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor,
                                                    float* __restrict change) const {
   const float *x = blocks.x, *y = blocks.y, *z = blocks.z, *radius = blocks.radius;
   const auto [a, b, c, d, e] = sides_;
   const float scale = scale_, blur = blur_;
   for (std::size_t i = 0; i < n; ++i) {
-    const float upright = lesser(at(a, x[i], y[i], z[i]), at(b, x[i], y[i], z[i]));
-    const float across = lesser(at(c, x[i], y[i], z[i]), at(d, x[i], y[i], z[i]));
-    const float inside = lesser(lesser(upright, across), at(e, x[i], y[i], z[i]));
+    const float upright = fast_min(at(a, x[i], y[i], z[i]), at(b, x[i], y[i], z[i]));
+    const float across = fast_min(at(c, x[i], y[i], z[i]), at(d, x[i], y[i], z[i]));
+    const float inside = fast_min(fast_min(upright, across), at(e, x[i], y[i], z[i]));
     const float reach = scale * radius[i] + blur;
     factor[i] *= inside < -reach ? 0.0f : 1.0f;
     change[i] = (1 + change[i]) * (inside < -reach || inside > reach ? 1.0f : kInfinity) - 1;

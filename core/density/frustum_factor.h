@@ -13,8 +13,8 @@ class FrustumFactor {
       : sides_(frame.sides), scale_(static_cast<float>(frame.scale)), blur_(frame.blur) {}
 
   // See ViewFactor.
-  void multiply(const Places& places, std::size_t n, float* factor) const;
-  void multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor, float* __restrict change) const;
+  void multiply(const VertexColumns& vertices, std::size_t n, float* factor) const;
+  void multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor, float* __restrict change) const;
 
  private:
   std::array<AffineForm, 5> sides_;

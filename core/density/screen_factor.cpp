@@ -18,13 +18,11 @@ constexpr float kSlack = 1e-5f;
 [[gnu::always_inline]] inline float at(const AffineForm& form, float x, float y, float z) {
   return form.x * x + form.y * y + form.z * z + form.offset;
 }
-[[gnu::always_inline]] inline float lesser(float a, float b) { return a < b ? a : b; }
-[[gnu::always_inline]] inline float greater(float a, float b) { return a > b ? a : b; }
 
 /// Pixels per area: of what is seen with this cosine, at this distance from the eye and depth along the view.
 [[gnu::always_inline]] inline float covered(float weight, float cosine, float distance, float depth) {
-  const float z = greater(depth, kNear);
-  return lesser(weight * greater(lesser(cosine, 1.0f), kLeastCosine) * distance / (z * z * z), kMostOnScreen);
+  const float z = fast_max(depth, kNear);
+  return fast_min(weight * fast_max(fast_min(cosine, 1.0f), kLeastCosine) * distance / (z * z * z), kMostOnScreen);
 }
 
 /// Pixels per length of the file, of what is seen squarely at a depth of 1 in the frame.
@@ -60,9 +58,9 @@ ScreenFactor::ScreenFactor(const CameraFrame& frame, float weight)
       depth_blur_(frame.is_orthographic ? 0 : frame.blur),
       weight_(weight) {}
 
-CURVECAST_WIDE void ScreenFactor::multiply(const Places& places, std::size_t n, float* factor) const {
-  const float *x = places.x, *y = places.y, *z = places.z;
-  const Snorm16 *nx = places.nx, *ny = places.ny, *nz = places.nz;
+CURVECAST_WIDE void ScreenFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
+  const float *x = vertices.x, *y = vertices.y, *z = vertices.z;
+  const Snorm16 *nx = vertices.nx, *ny = vertices.ny, *nz = vertices.nz;
   const float ex = x_, ey = y_, ez = z_, slope = slope_, weight = weight_;
   const AffineForm form = depth_;
   for (std::size_t i = 0; i < n; ++i) {
@@ -72,11 +70,11 @@ CURVECAST_WIDE void ScreenFactor::multiply(const Places& places, std::size_t n, 
     const float distance = std::sqrt(square > kLeastSquare ? square : kLeastSquare);
     const float depth = at(form, x[i], y[i], z[i]);
     const float value = covered(weight, facing / distance, distance, depth);
-    factor[i] *= lesser(facing, depth) > 0 ? value : 0.0f;
+    factor[i] *= fast_min(facing, depth) > 0 ? value : 0.0f;
   }
 }
 
-CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor,
+CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor,
                                                   float* __restrict change) const {
   const float *x = blocks.x, *y = blocks.y, *z = blocks.z, *radius = blocks.radius;
   const float *nx = blocks.nx, *ny = blocks.ny, *nz = blocks.nz, *spread = blocks.spread;
@@ -94,12 +92,12 @@ CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockPlaces& blocks, std
     const float depth = at(form, x[i], y[i], z[i]), deep = depth_reach * radius[i] + depth_blur;
     const float value = covered(weight, cosine, distance, depth);
     const float high = covered(weight, cosine + most, distance + reach, depth - deep);
-    const float low = covered(weight, cosine - most, greater(distance - reach, 0.0f), depth + deep);
+    const float low = covered(weight, cosine - most, fast_max(distance - reach, 0.0f), depth + deep);
     const bool is_hidden = cosine < -most || depth < -deep;
     const bool is_seen = cosine > most && depth > deep;
     const float rise = high / value, fall = 2 - low / value;
     factor[i] *= is_hidden ? 0.0f : is_seen ? value : high;
-    change[i] = (1 + change[i]) * (is_hidden ? 1.0f : is_seen ? greater(rise, fall) + kSlack : kInfinity) - 1;
+    change[i] = (1 + change[i]) * (is_hidden ? 1.0f : is_seen ? fast_max(rise, fall) + kSlack : kInfinity) - 1;
   }
 }
 

@@ -21,9 +21,9 @@ SilhouetteFactor::SilhouetteFactor(const CameraFrame& frame, const ViewTerm& ter
       s0_(static_cast<float>(term.s0)),
       blur_(frame.is_orthographic ? 0 : frame.blur) {}
 
-CURVECAST_WIDE void SilhouetteFactor::multiply(const Places& places, std::size_t n, float* factor) const {
-  const float *x = places.x, *y = places.y, *z = places.z;
-  const Snorm16 *nx = places.nx, *ny = places.ny, *nz = places.nz;
+CURVECAST_WIDE void SilhouetteFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
+  const float *x = vertices.x, *y = vertices.y, *z = vertices.z;
+  const Snorm16 *nx = vertices.nx, *ny = vertices.ny, *nz = vertices.nz;
   const float ex = x_, ey = y_, ez = z_, slope = slope_, s0 = s0_;
   for (std::size_t i = 0; i < n; ++i) {
     const float dx = ex - slope * x[i], dy = ey - slope * y[i], dz = ez - slope * z[i];
@@ -34,7 +34,7 @@ CURVECAST_WIDE void SilhouetteFactor::multiply(const Places& places, std::size_t
   }
 }
 
-CURVECAST_WIDE void SilhouetteFactor::multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor,
+CURVECAST_WIDE void SilhouetteFactor::multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor,
                                                       float* __restrict change) const {
   const float *x = blocks.x, *y = blocks.y, *z = blocks.z, *radius = blocks.radius;
   const float *nx = blocks.nx, *ny = blocks.ny, *nz = blocks.nz, *spread = blocks.spread;

@@ -11,8 +11,8 @@ class SilhouetteFactor {
   SilhouetteFactor(const CameraFrame& frame, const ViewTerm& term);
 
   // See ViewFactor.
-  void multiply(const Places& places, std::size_t n, float* factor) const;
-  void multiply_blocks(const BlockPlaces& blocks, std::size_t n, float* __restrict factor, float* __restrict change) const;
+  void multiply(const VertexColumns& vertices, std::size_t n, float* factor) const;
+  void multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor, float* __restrict change) const;
 
  private:
   float x_, y_, z_, slope_, s0_, blur_;

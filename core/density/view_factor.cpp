@@ -9,9 +9,9 @@ namespace curvecast {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr std::size_t kChunk = 256;  // of several cameras: what lies between them stays in the nearest cache
+constexpr std::size_t kBatch = 256;  // of several cameras: what lies between them stays in the nearest cache
 
-BlockPlaces places_of(const CurveBlocks& blocks, std::size_t begin) {
+BlockColumns columns_of(const CurveBlocks& blocks, std::size_t begin) {
   return {&blocks.x[begin],  &blocks.y[begin],  &blocks.z[begin],  &blocks.radius[begin],
           &blocks.nx[begin], &blocks.ny[begin], &blocks.nz[begin], &blocks.spread[begin]};
 }
@@ -55,19 +55,19 @@ ViewFactor::ViewFactor(const SurfaceCurve& curve, const Density& density) {
 
 void ViewFactor::multiply(const float* x, const float* y, const float* z, const Snorm16* nx, const Snorm16* ny, const Snorm16* nz,
                           std::size_t n, float* factor) const {
-  const auto multiply_all = [](const std::vector<Factor>& factors, const Places& places, std::size_t count, float* out) {
-    for (const Factor& one : factors) std::visit([&](const auto& f) { f.multiply(places, count, out); }, one);
+  const auto multiply_all = [](const std::vector<Factor>& factors, const VertexColumns& vertices, std::size_t count, float* out) {
+    for (const Factor& one : factors) std::visit([&](const auto& f) { f.multiply(vertices, count, out); }, one);
   };
   if (is_one()) return;
   if (cameras_.size() == 1) return multiply_all(cameras_[0], {x, y, z, nx, ny, nz}, n, factor);
-  float largest[kChunk], of_camera[kChunk];
-  for (std::size_t begin = 0; begin < n; begin += kChunk) {
-    const std::size_t count = std::min(kChunk, n - begin);
-    const Places places = {x + begin, y + begin, z + begin, nx + begin, ny + begin, nz + begin};
+  float largest[kBatch], of_camera[kBatch];
+  for (std::size_t begin = 0; begin < n; begin += kBatch) {
+    const std::size_t count = std::min(kBatch, n - begin);
+    const VertexColumns vertices = {x + begin, y + begin, z + begin, nx + begin, ny + begin, nz + begin};
     std::fill_n(largest, count, 0.0f);
     for (const std::vector<Factor>& factors : cameras_) {
       std::fill_n(of_camera, count, 1.0f);
-      multiply_all(factors, places, count, of_camera);
+      multiply_all(factors, vertices, count, of_camera);
       for (std::size_t i = 0; i < count; ++i) largest[i] = of_camera[i] > largest[i] ? of_camera[i] : largest[i];
     }
     for (std::size_t i = 0; i < count; ++i) factor[begin + i] *= largest[i];
@@ -81,7 +81,7 @@ void ViewFactor::of_blocks(const CurveBlocks& blocks, std::size_t begin, std::si
     std::fill_n(value, count, 1.0f);
     std::fill_n(most, count, 0.0f);
     for (const Factor& one : factors) {
-      std::visit([&](const auto& f) { f.multiply_blocks(places_of(blocks, first), count, value, most); }, one);
+      std::visit([&](const auto& f) { f.multiply_blocks(columns_of(blocks, first), count, value, most); }, one);
     }
   };
   if (cameras_.size() == 1) return of_camera(cameras_[0], begin, end - begin, factor, change);
@@ -90,9 +90,9 @@ void ViewFactor::of_blocks(const CurveBlocks& blocks, std::size_t begin, std::si
     std::fill_n(change, end - begin, 0.0f);
     return;
   }
-  float value[kChunk], most[kChunk], high[kChunk], low[kChunk];
-  for (std::size_t first = begin; first < end; first += kChunk, factor += kChunk, change += kChunk) {
-    const std::size_t count = std::min(kChunk, end - first);
+  float value[kBatch], most[kBatch], high[kBatch], low[kBatch];
+  for (std::size_t first = begin; first < end; first += kBatch, factor += kBatch, change += kBatch) {
+    const std::size_t count = std::min(kBatch, end - first);
     for (float* const all : {factor, high, low}) std::fill_n(all, count, 0.0f);
     for (const std::vector<Factor>& factors : cameras_) {
       of_camera(factors, first, count, value, most);
@@ -110,16 +110,16 @@ void ViewFactor::most_of_blocks(const CurveBlocks& blocks, std::size_t begin, st
     std::fill_n(most, end - begin, 1.0f);
     return;
   }
-  float value[kChunk], change[kChunk], of_camera[kChunk];
-  for (std::size_t first = begin; first < end; first += kChunk, most += kChunk) {
-    const std::size_t count = std::min(kChunk, end - first);
+  float value[kBatch], change[kBatch], of_camera[kBatch];
+  for (std::size_t first = begin; first < end; first += kBatch, most += kBatch) {
+    const std::size_t count = std::min(kBatch, end - first);
     std::fill_n(most, count, 0.0f);
     for (const std::vector<Factor>& factors : cameras_) {
       std::fill_n(of_camera, count, 1.0f);
       for (const Factor& one : factors) {
         std::fill_n(value, count, 1.0f);
         std::fill_n(change, count, 0.0f);
-        std::visit([&](const auto& f) { f.multiply_blocks(places_of(blocks, first), count, value, change); }, one);
+        std::visit([&](const auto& f) { f.multiply_blocks(columns_of(blocks, first), count, value, change); }, one);
         take_most(value, change, count, of_camera);
       }
       for (std::size_t i = 0; i < count; ++i) most[i] = std::max(most[i], of_camera[i]);

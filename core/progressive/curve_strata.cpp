@@ -21,7 +21,7 @@ std::uint32_t CurveStrata::vertex_at(double t) const {
   return static_cast<std::uint32_t>(after - before_.begin() - 1);
 }
 
-void CurveStrata::places_at(std::span<const double> t, std::span<CurvePlace> places) const {
+void CurveStrata::points_at(std::span<const double> t, std::span<CurvePoint> points) const {
   if (t.empty()) return;
   const std::uint32_t last = vertex_at(t.back());
   std::uint32_t l = vertex_at(t.front());
@@ -36,14 +36,14 @@ void CurveStrata::places_at(std::span<const double> t, std::span<CurvePlace> pla
     while (end < t.size() && on_vertex(end) == vertex) ++end;
     const Vec3f middle = curve_->position(vertex);
     if (end == i + 1) {
-      places[i++] = {{middle.x(), middle.y(), middle.z()}, vertex};
+      points[i++] = {{middle.x(), middle.y(), middle.z()}, vertex};
       continue;
     }
     const LeafFrame frame = frames.of(vertex);
     for (; i < end; ++i) {
       const double part = (t[i] * total_area() - before_[vertex]) / static_cast<double>(curve_->area[vertex]);
       const Vec3f p = middle + frame.offset(part);
-      places[i] = {{p.x(), p.y(), p.z()}, vertex};
+      points[i] = {{p.x(), p.y(), p.z()}, vertex};
     }
   }
 }

@@ -11,19 +11,20 @@
 namespace curvecast {
 namespace {
 
-constexpr std::size_t kMostChunks = 256;      // that are made in one go
-constexpr std::size_t kMostKept = 1'000'000;  // points of blocks made before
-// Of a level's chunks: where more are lacking, all of it is made at once, which is less work for each and takes all threads.
-constexpr std::uint64_t kMostParts = 3;
+constexpr std::size_t kMaxChunksAtOnce = 256;      // one deepen() makes no more
+constexpr std::size_t kMaxKeptPoints = 1'000'000;  // in groups that are kept for the next grow()
+// Where more than this part (a third) of a level's chunks are lacking, the whole level is made: less work for each chunk, and on
+// all threads.
+constexpr std::uint64_t kWholeLevelPart = 3;
 
 std::uint64_t chunks_of_level(int level) { return std::uint64_t{1} << 2 * (level - kChunkLevels); }
 
-// The smaller strata are beside a curve vertex's area, the more of them count as near each other, and making one takes ever
-// longer.
-constexpr double kLeastPart = 1.0 / 8;
+// Area of the deepest strata, in parts of a curve vertex' area. The smaller strata are beside leaves, the more of them count as
+// near each other, and making one takes ever longer.
+constexpr double kLeastStratum = 1.0 / 8;
 
 int deepest_level(const SurfaceCurve& curve) {
-  const double most = static_cast<double>(curve.size()) / kLeastPart;
+  const double most = static_cast<double>(curve.size()) / kLeastStratum;
   return std::clamp(static_cast<int>(std::log2(most) / 2), kChunkLevels, kMaxRankLevel);
 }
 
@@ -56,7 +57,7 @@ absl::Status RankGrower::make_whole(int level, const ExecutionContext& context) 
     if (!ranks.ok()) return ranks.status();
     ranks_.emplace(*std::move(ranks));
   }
-  // Of the points of a level those of lower levels are a part: each chunk finds its own among those of its stratum.
+  // The points of a level include those of lower levels: each chunk takes its own from the points of its stratum.
   std::vector<RankTree::Chunk> chunks;
   for (int l = kChunkLevels; l <= level; ++l) {
     const std::size_t begin = chunks.size();
@@ -78,13 +79,13 @@ absl::Status RankGrower::make_whole(int level, const ExecutionContext& context) 
   return absl::OkStatus();
 }
 
-/// All of one level.
+/// Makes chunks of one level.
 absl::Status RankGrower::make_chunks(std::span<const ChunkId> wanted, std::vector<RankTree::Chunk>& out,
                                      const ExecutionContext& context) {
   std::vector<StrataRange> ranges;
   for (const ChunkId& id : wanted) ranges.push_back({id.index * kChunkStrata, (id.index + 1) * kChunkStrata});
   const auto points = ranks_->deepen(wanted.front().level, ranges, made_, context);
-  if (made_.points > kMostKept) made_ = {};
+  if (made_.points > kMaxKeptPoints) made_ = {};
   if (!points.ok()) return points.status();
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const auto own = std::span(*points).subspan(i * kChunkStrata, kChunkStrata);
@@ -108,13 +109,13 @@ absl::Status RankGrower::grow(std::span<const ChunkId> lacking, std::uint64_t ma
     std::size_t end = begin;
     while (end < wanted.size() && wanted[end].level == level) ++end;
     const std::uint64_t all = chunks_of_level(level);
-    if (level <= kMaxLevelAtOnce && level > ranks_->level() && (end - begin) * kMostParts > all &&
+    if (level <= kMaxLevelAtOnce && level > ranks_->level() && (end - begin) * kWholeLevelPart > all &&
         tree_->points() + all * kNewPoints <= max_points) {
       if (absl::Status status = make_whole(level, context); !status.ok()) return status;
       begin = end;
     }
     while (begin < end) {
-      const auto some = std::span(wanted).subspan(begin, std::min(end - begin, kMostChunks));
+      const auto some = std::span(wanted).subspan(begin, std::min(end - begin, kMaxChunksAtOnce));
       if (absl::Status status = make_chunks(some, made, context); !status.ok()) return status;
       begin += some.size();
     }

@@ -1,4 +1,4 @@
-// Makes ranked candidates where views need them: first those of the lowest ranks everywhere, then more in single places.
+// Makes the ranked points that views need: first the lowest ranks everywhere, then higher ones in single parts of the surface.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -16,23 +16,25 @@
 
 namespace curvecast {
 
-/// The first revision of a curve and all candidates on it. They stay where they are when the curve is refined later. Not for
-/// several threads at once; the trees that it gives are for anyone.
+/// The first revision of a curve and all ranked points on it. The points stay where they are when the curve is refined later. Not
+/// for several threads at once; the trees that it gives may be read by any number of threads.
 class RankGrower {
  public:
-  /// With the 4^level lowest ranks, level kChunkLevels to kMaxLevelAtOnce. Errors as of ProgressiveRanks::make().
+  /// Makes the 4^options.level lowest ranks; options.level is kChunkLevels to kMaxLevelAtOnce. Errors: see
+  /// ProgressiveRanks::make().
   static absl::StatusOr<std::unique_ptr<RankGrower>> make(std::shared_ptr<const SurfaceCurve> curve,
                                                           const ProgressiveOptions& options,
                                                           const ExecutionContext& context = {});
 
   const SurfaceCurve& curve() const { return *curve_; }
-  /// What there is by now.
+  /// Returns all points that were made so far.
   std::shared_ptr<const RankTree> tree() const { return tree_; }
-  /// Of what is kept from one grow() to the next besides the tree: at most some 50 MB.
+  /// Returns the bytes of what grow() keeps for the next grow(), besides the tree: at most some 50 MB.
   std::size_t byte_size() const { return made_.points * sizeof(RankedPoint); }
 
-  /// Makes what is lacking, and with it what that continues; nothing deeper than tree()->deepest(), where a curve vertex has
-  /// eight points to itself. ResourceExhausted: the tree would have more than `max_points`. Cancelled.
+  /// Makes the chunks `lacking`. A chunk whose parent the tree lacks is left out of the tree. Chunks deeper than
+  /// tree()->deepest(), where a curve vertex has eight points to itself, are not made. ResourceExhausted: the tree would have
+  /// more than `max_points`. Cancelled.
   absl::Status grow(std::span<const ChunkId> lacking, std::uint64_t max_points, const ExecutionContext& context = {});
 
  private:
@@ -45,7 +47,7 @@ class RankGrower {
   const CurveStrata strata_;
   const StratumBounds bounds_;
   std::optional<ProgressiveRanks> ranks_;
-  DeepBlocks made_;  // for what will be asked for next
+  DeepGroups made_;  // kept for the next grow()
   std::shared_ptr<const RankTree> tree_;
 };
 

@@ -1,5 +1,7 @@
-// The progressive sampler's candidates: points with fixed ranks, of which a view shows those that its density affords. Raising
-// the density only adds points, lowering it only removes some; nothing else moves.
+// The progressive sampler's points. Each ranked point has a fixed position and a fixed rank. The rank of a point is its number in
+// one order of all points of the surface: 0, 1, 2 ..., and every prefix of that order is spread evenly. A view shows a point when
+// the view's density there affords its rank. So raising the density only adds points, lowering it only removes some, and no point
+// moves. README.md in this folder explains the method.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -14,21 +16,22 @@
 
 #include "core/base/execution_context.h"
 #include "core/curve/surface_curve.h"
-#include "core/progressive/block_order.h"
 #include "core/progressive/curve_strata.h"
-#include "core/progressive/rank_block.h"
+#include "core/progressive/group_order.h"
+#include "core/progressive/stratum_group.h"
 
 namespace curvecast {
 
-/// Ranks have 32 bits.
+/// The deepest level. Its ranks have 30 bits: they fit signed integers, which vector code turns to floats.
 inline constexpr int kMaxRankLevel = 15;
+/// The deepest level that is made for the whole surface at once: 4^11 = 4 million points.
 inline constexpr int kMaxLevelAtOnce = 11;
-/// Points that deepen() makes at most.
+/// The most points that one deepen() makes.
 inline constexpr std::uint64_t kMaxDeepened = 4'000'000;
 
 struct ProgressiveOptions {
   int level = 9;           // 4^level points are made at once, 0 .. kMaxLevelAtOnce
-  std::uint64_t seed = 0;  // of their places
+  std::uint64_t seed = 0;  // of the points' positions
 };
 
 /// The strata [first, last) of a level.
@@ -36,37 +39,38 @@ struct StrataRange {
   std::uint64_t first, last;
 };
 
-/// Blocks of deep levels that were made on the way to parts of these: most of the work for parts nearby. Of one ProgressiveRanks.
-struct DeepBlocks {
-  using Key = std::pair<int, std::uint64_t>;  // level and index
+/// Groups of deep levels that deepen() made around the points asked for. The next deepen() nearby needs most of them again.
+/// Belongs to one ProgressiveRanks.
+struct DeepGroups {
+  using Key = std::pair<int, std::uint64_t>;  // level and index of a group
   std::map<Key, std::vector<RankedPoint>> filled;
-  std::map<Key, std::vector<std::uint64_t>> near;
-  std::size_t points = 0;
+  std::map<Key, std::vector<std::uint64_t>> near;  // see GroupOrder::near()
+  std::size_t points = 0;                          // in `filled`
 };
 
-/// Points on the whole curve, made at once down to a level and in parts of it as deep as one likes. For every l the points of the
-/// 4^l lowest ranks have one in each stratum of level l. The same for any number of threads. Immutable: any number of threads may
-/// ask.
+/// Ranked points of a whole curve down to a level, made at once, and of parts of it as deep as one likes. For every l the points
+/// of the 4^l lowest ranks have one in each stratum of level l. Any number of threads gives the same points. Immutable but for
+/// extend(): any number of threads may ask.
 class ProgressiveRanks {
  public:
   /// InvalidArgument: the level is out of range, the curve has no area. Cancelled.
   static absl::StatusOr<ProgressiveRanks> make(std::shared_ptr<const SurfaceCurve> curve, const ProgressiveOptions& options,
                                                const ExecutionContext& context = {});
 
-  /// Makes all points down to a deeper level, at most kMaxLevelAtOnce; those that there are stay. Not while others ask.
-  /// InvalidArgument: the level is not deeper. Cancelled, and nothing has changed.
+  /// Makes all points down to a deeper level, at most kMaxLevelAtOnce; the points that there are stay. No other thread may ask
+  /// meanwhile. InvalidArgument: the level is not deeper. Cancelled, and nothing has changed.
   absl::Status extend(int level, const ExecutionContext& context = {});
 
   const SurfaceCurve& curve() const { return *curve_; }
   int level() const { return options_.level; }
-  /// 4^level() points in curve order: the i-th lies in stratum i of that level.
+  /// Returns 4^level() points in curve order: the i-th lies in stratum i of that level.
   std::span<const RankedPoint> points() const { return points_; }
 
-  /// Of a deeper level the points of some strata, one in each, range by range, each in curve order. They are what making all at
-  /// once down to that level would give. What lies around them has to be made too, but for what is in `made`, to which it is
-  /// added: rather ask for many ranges in one call. InvalidArgument: a level not in level() .. kMaxRankLevel, strata that there
-  /// are not, more than kMaxDeepened points. Cancelled.
-  absl::StatusOr<std::vector<RankedPoint>> deepen(int level, std::span<const StrataRange> ranges, DeepBlocks& made,
+  /// Returns the points of some strata of a deeper level, one for each stratum, range by range, each in curve order. They are the
+  /// points that make() would give for that level. Points around the ranges have to be made too, unless they are in `made`, to
+  /// which they are added; so one call for many ranges costs less than many calls. InvalidArgument: a level not in level() ..
+  /// kMaxRankLevel, strata that there are not, more than kMaxDeepened points. Cancelled.
+  absl::StatusOr<std::vector<RankedPoint>> deepen(int level, std::span<const StrataRange> ranges, DeepGroups& made,
                                                   const ExecutionContext& context = {}) const;
 
  private:
@@ -76,7 +80,7 @@ class ProgressiveRanks {
   std::shared_ptr<const SurfaceCurve> curve_;
   ProgressiveOptions options_;
   std::unique_ptr<const CurveStrata> strata_;
-  std::unique_ptr<const BlockOrder> order_;
+  std::unique_ptr<const GroupOrder> order_;
   std::vector<RankedPoint> points_;
 };
 

@@ -12,7 +12,7 @@ void fill_bounds(const StratumBounds& bounds, RankChunk& chunk) {
   static_assert(kChunkRuns == 1u << 2 * kRunLevels);
   for (std::size_t r = 0; r < kChunkRuns; ++r) {
     const StratumBound bound = bounds.of(chunk.id.level - kChunkLevels + kRunLevels, chunk.id.index * kChunkRuns + r);
-    out.x[r] = bound.center.x(), out.y[r] = bound.center.y(), out.z[r] = bound.center.z();
+    out.x[r] = bound.centre.x(), out.y[r] = bound.centre.y(), out.z[r] = bound.centre.z();
     out.nx[r] = bound.normal.x(), out.ny[r] = bound.normal.y(), out.nz[r] = bound.normal.z();
     out.radius[r] = bound.radius;
     out.spread[r] = bound.spread;
@@ -36,7 +36,7 @@ RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, con
     chunk.nz.emplace_back(p.normal[2]);
     chunk.rank.push_back(p.rank);
     chunk.vertex.push_back(p.vertex);
-    chunk.place.push_back(static_cast<std::uint32_t>(p.coordinate >> 32));
+    chunk.curve_position.push_back(static_cast<std::uint32_t>(p.curve_position >> 32));
   }
   fill_bounds(bounds, chunk);
   return chunk;

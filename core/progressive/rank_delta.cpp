@@ -3,8 +3,8 @@
 #include <bit>
 #include <cstring>
 
-#include "core/progressive/place_order.h"
-#include "core/progressive/shown_before.h"
+#include "core/progressive/selection_prefix.h"
+#include "core/progressive/sort_along_curve.h"
 
 namespace curvecast {
 namespace {
@@ -28,16 +28,16 @@ void for_each_pair(const RankSelection& earlier, const RankSelection& later, con
 }
 
 std::uint64_t key_of(const RankTree& tree, const RankRef& ref, std::uint64_t value) {
-  return std::uint64_t{tree.chunks()[ref.chunk]->place[ref.point]} << 32 | value;
+  return std::uint64_t{tree.chunks()[ref.chunk]->curve_position[ref.point]} << 32 | value;
 }
 
-/// Brings changes, ref(change) of a tree, into the order of the curve.
+/// Sorts changes along the curve; ref(change) is the changed point in the tree.
 template <typename Change, typename Ref>
 void sort_changes(const RankTree& tree, std::vector<Change>& changes, const Ref& ref, ListDelta& memory) {
   std::vector<std::uint64_t>& keys = memory.keys;
   keys.clear();
   for (std::size_t i = 0; i < changes.size(); ++i) keys.push_back(key_of(tree, ref(changes[i]), i));
-  sort_by_place(keys, memory.scratch);
+  sort_along_curve(keys, memory.scratch);
   std::vector<Change> sorted;
   sorted.reserve(changes.size());
   for (const std::uint64_t key : keys) sorted.push_back(changes[static_cast<std::uint32_t>(key)]);
@@ -90,15 +90,15 @@ void locate(const RankTree& earlier, const RankSelection& later, RankDelta& delt
   sort_changes(tree, delta.added, itself, out);
   sort_changes(earlier, delta.removed, itself, out);
   sort_changes(tree, delta.resized, point_of, out);
-  // Where each stands among all that the later list has: no two points share a place.
+  // An index is the number of points of the later list that come before: no two points share a curve position.
   const auto find = [&](const RankTree& in, const auto& changes, const auto& ref_of, std::vector<std::uint32_t>& indices) {
-    out.places.clear();
+    out.curve_positions.clear();
     for (const auto& change : changes) {
       const RankRef& ref = ref_of(change);
-      out.places.push_back(in.chunks()[ref.chunk]->place[ref.point]);
+      out.curve_positions.push_back(in.chunks()[ref.chunk]->curve_position[ref.point]);
     }
-    indices.resize(out.places.size());
-    count_shown_before(later, out.places, indices);
+    indices.resize(out.curve_positions.size());
+    count_selected_before(later, out.curve_positions, indices);
   };
   find(tree, delta.resized, point_of, out.resized);
   find(tree, delta.added, itself, out.added);

@@ -1,4 +1,4 @@
-// What one selection of ranked candidates shows and another does not, and what that changes in a list of points along the curve.
+// The difference between two selections of ranked points, and what it changes in the list of the selected points along the curve.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@
 namespace curvecast {
 
 struct RankDelta {
-  /// A point that both show, with another disc.
+  /// A point that both selections show, with discs of different sizes.
   struct Resized {
     RankRef point;      // of the later selection's tree
-    std::uint8_t from;  // the rung of its disc before
+    std::uint8_t from;  // rung of its disc in the earlier selection
   };
 
   std::vector<RankRef> added;    // of the later selection's tree
@@ -29,19 +29,20 @@ struct RankDelta {
   }
 };
 
-/// The trees may differ as far as the one has grown from the other. `discs`: the earlier selection's rungs; where both are known,
-/// what becomes of them is told. What `out` held before is lost.
+/// Writes to `out` which points a later selection adds, removes and resizes; each list chunk by chunk, along the curve in a
+/// chunk. `discs`: the earlier selection's rungs, or none; points are compared for resizing only if both selections have rungs.
+/// One selection's tree must have grown from the other's.
 void compare(const RankSelection& earlier, std::span<const std::uint8_t> discs, const RankSelection& later, RankDelta& out);
 
-/// The same as places in the lists of all points that are shown, which run along the curve; each ascending.
+/// Indices of changed points in the lists of all selected points, which run along the curve. All are ascending.
 struct ListDelta {
   std::vector<std::uint32_t> added;    // in the later list
   std::vector<std::uint32_t> removed;  // in the earlier list
   std::vector<std::uint32_t> resized;  // in the later list
 
-  // locate()'s own affair.
+  // Scratch of locate().
   std::vector<std::uint64_t> keys, scratch;
-  std::vector<std::uint32_t> places;
+  std::vector<std::uint32_t> curve_positions;
 
   /// Bytes allocated, in use or not.
   std::size_t byte_size() const {
@@ -50,7 +51,7 @@ struct ListDelta {
   }
 };
 
-/// Brings the changes into the order of the curve, and finds out where they stand.
+/// Sorts the changes of `delta` along the curve and writes their indices to `out`. `earlier`: the earlier selection's tree.
 void locate(const RankTree& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out);
 
 }  // namespace curvecast

@@ -18,13 +18,13 @@ constexpr std::size_t kWord = RankSelection::kWord;
 
 static_assert(kChunkStrata % (4 * kWord) == 0, "chunks fill whole words");
 
-/// The scales that points of these densities need.
+/// Writes the scales that points need: (rank + 1) / density.
 CURVECAST_WIDE void to_keys(const std::uint32_t* __restrict rank, const float* __restrict density, std::size_t n,
                             float* __restrict key) {
   for (std::size_t i = 0; i < n; ++i) key[i] = static_cast<float>(static_cast<std::int32_t>(rank[i]) + 1) / density[i];
 }
 
-/// A bit for each key that is small enough.
+/// Sets a bit for each key that is at most `upto`. Returns how many bits it set.
 CURVECAST_WIDE std::size_t mark_upto(const float* key, std::size_t words, float upto, std::uint64_t* bits) {
   std::size_t count = 0;
   for (std::size_t w = 0; w < words; ++w, key += kWord) {
@@ -42,7 +42,7 @@ CURVECAST_WIDE std::size_t mark_upto(const float* key, std::size_t words, float 
   return count;
 }
 
-/// Whether no point of a chunk of this level, or of deeper ones, is shown at the scale where the density is `most` or less.
+/// Says whether no point of the chunk, or of chunks below it, is shown at the scale where the density is at most `most`.
 bool needs_none(const ChunkId& id, float most, float scale) {
   return static_cast<double>(most) * static_cast<double>(kSlack) * static_cast<double>(scale) <
          static_cast<double>(id.first_rank()) + 1;
@@ -76,8 +76,8 @@ void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensi
   if (wanted > 0) std::nth_element(window_.begin(), window_.begin() + static_cast<std::ptrdiff_t>(wanted - 1), window_.end());
   out.scale = wanted > 0 ? window_[wanted - 1].key : above;
   if (below + wanted < n) out.scale = guess;  // what is lacking depends on it
-  for (const Candidate& candidate : std::span(window_).first(wanted)) {
-    shown_[candidate.key_index / kWord] |= std::uint64_t{1} << candidate.key_index % kWord;
+  for (const WindowPoint& point : std::span(window_).first(wanted)) {
+    shown_[point.key_index / kWord] |= std::uint64_t{1} << point.key_index % kWord;
   }
   finish(view, below + wanted, out);
   out.tree = std::move(tree);

@@ -1,5 +1,5 @@
-// Which of the ranked candidates a density shows: a point is there where the scale is at least (rank + 1) / density. A greater
-// density or scale only adds points, a smaller one only removes some.
+// Selects the ranked points that a density shows: those that need a scale of at most s, where a point needs (rank + 1) / density.
+// A greater density or scale only adds points, a smaller one only removes some.
 #pragma once
 
 #include <bit>
@@ -16,21 +16,21 @@
 
 namespace curvecast {
 
-/// A point that a selection shows.
+/// Names a point that a selection shows.
 struct RankRef {
   std::uint32_t chunk;  // of the selection's tree
   std::uint16_t point;  // of the chunk
-  std::uint8_t rung;    // of its disc; 0 where that is not known
+  std::uint8_t rung;    // of its disc, see RadiusLadder; 0 where it is not known
 };
 static_assert(kChunkStrata <= std::uint64_t{1} << 16);
 
-/// Calls visit(i) for every bit i that is set in a word, ascending, counted from `first`.
+/// Calls visit(first + i) for every bit i that is set in a word, ascending.
 template <typename Visit>
 void for_each_bit(std::uint64_t word, std::size_t first, const Visit& visit) {
   for (; word != 0; word &= word - 1) visit(first + static_cast<std::size_t>(std::countr_zero(word)));
 }
 
-/// Kept from frame to frame, so that its memory is used again.
+/// The ranked points that a view shows. Kept from frame to frame, so that its memory is used again.
 struct RankSelection {
   static constexpr std::size_t kWord = 64;
 
@@ -40,16 +40,16 @@ struct RankSelection {
   };
 
   std::shared_ptr<const RankTree> tree;
-  std::vector<Part> parts;           // the chunks with points that are shown, and maybe others, ascending
+  std::vector<Part> parts;           // all chunks with points that are shown, and maybe others, ascending
   std::vector<std::uint64_t> shown;  // a bit for each of their points
   std::size_t count = 0;             // of points shown
-  // Where they are known, what discs the points shown have, in the order of their bits: rungs of the curve's RadiusLadder.
+  // Rungs of the discs of the points shown on the curve's RadiusLadder, in the order of their bits; none where not known.
   std::vector<std::uint8_t> rungs;
-  float scale = 0;  // where fewer points are shown than were asked for: a guess of what all would need
-  /// Chunks that may have points to be shown and are not there yet; where none, the selection is what it would be with all
-  /// candidates.
+  float scale = 0;  // the largest that a point shown needs; a guess where fewer points are shown than were asked for
+  /// Chunks that are not in the tree and may have points to be shown. Without any the selection is what it would be with all
+  /// chunks.
   std::vector<ChunkId> lacking;
-  /// Somewhere more points are wanted than the deepest ranks have.
+  /// Somewhere the density shows more points than the deepest level has.
   bool is_exhausted = false;
 
   /// Bytes allocated, in use or not; the tree is shared and not counted.
@@ -58,7 +58,7 @@ struct RankSelection {
     return capacity_bytes(p, s, r, l);
   }
 
-  /// Calls visit(RankRef, its bit) for every point shown: chunk by chunk, each along the curve.
+  /// Calls visit(RankRef, index of its bit) for every point shown: chunk by chunk, along the curve in each.
   template <typename Visit>
   void for_each_shown(const Visit& visit) const {
     std::size_t i = 0;
@@ -74,18 +74,19 @@ struct RankSelection {
   }
 };
 
-/// Selects for one view after another; not for several threads at once.
+/// Selects points for one view after another, in memory that is used again. Not for several threads at once.
 class RankSelector {
  public:
-  /// The n points that need the least scale under a density, the fixed one (null: 1 everywhere) times the view's; of those that
-  /// need the same those of the lowest ranks; fewer where fewer of the tree's have a density. Precondition: n > 0.
+  /// Selects the n points that need the least scale; of points that need the same, those of lower ranks. Selects fewer where
+  /// fewer points of the tree have a density. The density is the fixed one (null: 1 everywhere) times the view's. Precondition: n
+  /// > 0.
   void select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, std::uint64_t n,
               RankSelection& out);
 
-  /// The density at the points that the last selection shows, selection.count of them in the order of their bits.
+  /// Writes the density at the points that the last selection shows, selection.count of them in the order of their bits.
   void densities(const RankSelection& selection, std::span<float> out) const;
 
-  /// Held, whether in use or not.
+  /// Bytes allocated, in use or not.
   std::size_t byte_size() const;
 
  private:
@@ -93,11 +94,11 @@ class RankSelector {
     std::uint32_t chunk;
     std::size_t first_key;
   };
-  /// A point near the end of the selection.
-  struct Candidate {
+  /// A point that may be among the last of the selection.
+  struct WindowPoint {
     float key;
     std::uint32_t rank, key_index;
-    bool operator<(const Candidate& other) const { return key < other.key || (key == other.key && rank < other.rank); }
+    bool operator<(const WindowPoint& other) const { return key < other.key || (key == other.key && rank < other.rank); }
   };
 
   struct View {
@@ -106,7 +107,7 @@ class RankSelector {
     const ViewFactor& factor;
   };
 
-  /// About as many as n points are shown at it, rather more.
+  /// Returns a scale at which about n points are shown, rather more.
   float guess_scale(const View& view, std::uint64_t n);
   /// Finds out what scale each point needs that may be shown at this one. Returns whether that is all points.
   bool visit(const View& view, float scale);
@@ -124,7 +125,7 @@ class RankSelector {
   std::vector<float> keys_;  // the scale that each point of the visited chunks needs
   std::vector<float> factor_;
   std::vector<std::uint64_t> shown_, bits_;  // of each key
-  std::vector<Candidate> window_;
+  std::vector<WindowPoint> window_;
 };
 
 }  // namespace curvecast

@@ -28,10 +28,10 @@ RankTree RankTree::with(std::span<const Chunk> more) const {
   return {std::move(all), deepest_};
 }
 
-int RankTree::level_at(std::size_t c, std::uint32_t place) const {
+int RankTree::level_at(std::size_t c, std::uint32_t curve_position) const {
   for (;;) {
     const int level = chunks_[c]->id.level;
-    const std::uint32_t next = children_[c][place >> (32 - 2 * (level + 1 - kChunkLevels)) & 3];
+    const std::uint32_t next = children_[c][curve_position >> (32 - 2 * (level + 1 - kChunkLevels)) & 3];
     if (next == kNone) return level;
     c = next;
   }

@@ -1,4 +1,4 @@
-// The chunks of ranked candidates that there are so far: everywhere down to some level, deeper where a view has come close.
+// The chunks of ranked points that there are so far: everywhere down to some level, deeper where a view has come close.
 #pragma once
 
 #include <array>
@@ -13,25 +13,27 @@
 
 namespace curvecast {
 
-/// Immutable: a tree that has grown is another one that shares the chunks of the first.
+/// Chunks and which continues which. Immutable: a tree that has grown is another tree, which shares the chunks of the first.
 class RankTree {
  public:
   using Chunk = std::shared_ptr<const RankChunk>;
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  /// Chunks that others already stand for, and such as nothing leads to, are left out. Precondition: the first chunk is there.
-  /// `deepest`: the level beyond which there will be none.
+  /// Leaves out chunks whose id another chunk has already, and chunks whose parent is not there. Precondition: the first chunk is
+  /// there. `deepest`: the level below which no chunk will ever be made.
   RankTree(std::vector<Chunk> chunks, int deepest);
+  /// Returns the tree with more chunks.
   RankTree with(std::span<const Chunk> more) const;
 
-  /// By level, then along the curve: chunks come after those that they continue.
+  /// Returns all chunks, by level, then along the curve: a chunk comes after its parent.
   std::span<const Chunk> chunks() const { return chunks_; }
-  /// Which of chunks() continues chunk c in a quarter, 0 to 3; kNone where there is none yet.
+  /// Returns the index of a child of chunk c in chunks(), quarter 0 to 3; kNone where the child is not there yet.
   std::uint32_t child(std::size_t c, std::size_t quarter) const { return children_[c][quarter]; }
-  /// Down to which level there are all points around one of chunk c, at a place along the curve (RankChunk::place).
-  int level_at(std::size_t c, std::uint32_t place) const;
+  /// Returns the level down to which all points are there around a point of chunk c with this curve position.
+  int level_at(std::size_t c, std::uint32_t curve_position) const;
   int deepest() const { return deepest_; }
   std::size_t points() const { return points_; }
+  /// Returns about how many bytes the tree and its chunks take.
   std::size_t byte_size() const;
 
  private:

@@ -11,7 +11,7 @@
 
 namespace curvecast {
 
-/// Takes any curve, tree, density and number of points after any other. For one thread at a time.
+/// May be used for any curve, tree, density and number of points after any other. For one thread at a time.
 struct RankedWorkspace {
   PointSet points;          // the last result of list_ranked() or gather_ranked()
   RankSelection selection;  // the last result of select_ranked()
@@ -19,7 +19,7 @@ struct RankedWorkspace {
   // Scratch of select_ranked().
   RankSelector selector;
   std::vector<float> density;
-  // Scratch of list_ranked(), and of who compares selections.
+  // Scratch of list_ranked(), and for compare() and locate().
   std::vector<RankRef> shown, refs;
   std::vector<std::uint8_t> discs;
   RankDelta delta;

@@ -5,7 +5,7 @@
 
 #include "core/base/simd.h"
 #include "core/density/view_factor.h"
-#include "core/progressive/place_order.h"
+#include "core/progressive/sort_along_curve.h"
 #include "core/sample/resample.h"
 #include "core/sample/splat_radius.h"
 
@@ -39,7 +39,7 @@ void find_rungs(const SurfaceCurve& curve, const RankSelector& selector, std::ve
     const RankTree& tree = *selection.tree;
     std::size_t i = 0;
     selection.for_each_shown([&](const RankRef& ref, std::size_t) {
-      const int level = tree.level_at(ref.chunk, tree.chunks()[ref.chunk]->place[ref.point]);
+      const int level = tree.level_at(ref.chunk, tree.chunks()[ref.chunk]->curve_position[ref.point]);
       const float most = static_cast<float>(std::ldexp(1.0, 2 * level)) / selection.scale;
       density[i] = std::min(density[i], most);
       ++i;
@@ -95,10 +95,10 @@ void list_ranked(const SurfaceCurve& curve, RankedWorkspace& workspace) {
   shown.clear();
   keys.clear();
   selection.for_each_shown([&](const RankRef& ref, std::size_t) {
-    keys.push_back(std::uint64_t{tree.chunks()[ref.chunk]->place[ref.point]} << 32 | shown.size());
+    keys.push_back(std::uint64_t{tree.chunks()[ref.chunk]->curve_position[ref.point]} << 32 | shown.size());
     shown.push_back(ref);
   });
-  sort_by_place(keys, workspace.list_delta.scratch);
+  sort_along_curve(keys, workspace.list_delta.scratch);
   workspace.refs.resize(keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i) workspace.refs[i] = shown[static_cast<std::uint32_t>(keys[i])];
   gather_ranked(curve, tree, workspace.refs, workspace.points);

@@ -1,4 +1,4 @@
-// A point set of ranked candidates for a view: selection, then the points' data.
+// The progressive sampler for a view: selects ranked points by density, then gathers their data.
 #pragma once
 
 #include <absl/status/status.h>
@@ -15,21 +15,22 @@
 
 namespace curvecast {
 
-// `curve`: that which the tree's ranks were made for; `fixed`: what make_fixed_density() makes of it and the density.
+// In all functions `curve` is the curve on which the tree's points were made, and `fixed` is what make_fixed_density() makes of
+// that curve and the density's terms.
 
-/// Selects in workspace.selection the n candidates that a density shows first, and their discs; fewer where there are no more.
-/// What the tree lacks for it is workspace.selection.lacking.
+/// Selects the n points that a density shows first, fewer where the tree has no more, and finds their discs. Writes
+/// workspace.selection; the chunks that the tree lacks for it are workspace.selection.lacking.
 /// InvalidArgument: n = 0, a bad density. OutOfRange: n > kMaxPoints. FailedPrecondition: the density is zero everywhere.
 absl::Status select_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
                            const Density& density, std::uint64_t n, RankedWorkspace& workspace);
 
-/// The data of some of the points that a selection shows, in this order.
+/// Writes the data of the points `refs` of a tree to `points`, in this order. Radii are those of the refs' rungs.
 void gather_ranked(const SurfaceCurve& curve, const RankTree& tree, std::span<const RankRef> refs, PointSet& points);
 
-/// Writes to workspace.points all points of workspace.selection, in the order of the curve, with their ranks.
+/// Writes the data of all points of workspace.selection to workspace.points, in curve order.
 void list_ranked(const SurfaceCurve& curve, RankedWorkspace& workspace);
 
-/// Selects and lists. Errors as of select_ranked().
+/// Calls select_ranked(), then list_ranked(). Errors as of select_ranked().
 absl::Status sample_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
                            const Density& density, std::uint64_t n, RankedWorkspace& workspace);
 

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kGrain = 512;  // blocks
 constexpr float kSlack = 1.0001f;    // for rounding
 
-/// From a leaf's vertex to its farthest place.
+/// Returns the distance from a leaf's vertex to its farthest corner.
 float extent(const LeafFrame& frame) { return 0.5f * (frame.along_x.norm() + frame.along_y.norm()); }
 
 }  // namespace
@@ -51,13 +51,13 @@ StratumBound StratumBounds::of(int level, std::uint64_t stratum) const {
     box.extend(position(i));
     normals += normal(i);
   }
-  bound.center = box.center();
+  bound.centre = box.center();
   const float length = normals.norm();
   bound.normal = length > 0 ? Vec3f(normals / length) : normal(begin);
   for (std::size_t i = begin; i < end; ++i) {
     const float radius = is_short ? extent_[i / kBlockSize] : blocks.radius[i] + extent_[i];
     const float spread = is_short ? 0 : blocks.spread[i];
-    bound.radius = std::max(bound.radius, (position(i) - bound.center).norm() + radius);
+    bound.radius = std::max(bound.radius, (position(i) - bound.centre).norm() + radius);
     bound.spread = std::max(bound.spread, (normal(i) - bound.normal).norm() + spread);
   }
   bound.radius *= kSlack;

@@ -1,4 +1,4 @@
-// What holds all places of a stratum, however deep its points are asked for: what a view needs to know before it looks at them.
+// Bounds of a stratum that hold for all points that may ever lie in it, however deep their level: a view looks at these first.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,25 @@
 namespace curvecast {
 
 struct StratumBound {
-  Vec3f center = Vec3f::Zero();  // of a sphere that holds the places, relative to the curve's origin
+  Vec3f centre = Vec3f::Zero();  // of a sphere around the points, relative to the curve's origin
   float radius = 0;
-  Vec3f normal = Vec3f::UnitZ();  // unit; their normals lie within `spread` of it, as points on the unit sphere
-  float spread = 0;
-  std::uint32_t first_vertex = 0, last_vertex = 0;  // they lie in the leaves of [first_vertex, last_vertex]
+  Vec3f normal = Vec3f::UnitZ();  // unit length
+  float spread = 0;               // the points' normals, as points on the unit sphere, lie within this distance of `normal`
+  std::uint32_t first_vertex = 0, last_vertex = 0;  // the points lie in the leaves of [first_vertex, last_vertex]
 };
 
-/// Keeps the address of `strata`. Immutable: any number of threads may ask.
+/// Finds bounds of strata. Keeps the address of `strata`. Immutable: any number of threads may ask.
 class StratumBounds {
  public:
   /// Runs on all threads of the arena. Precondition: the curve has its blocks.
   explicit StratumBounds(const CurveStrata& strata);
 
+  /// Returns the bounds of a stratum.
   StratumBound of(int level, std::uint64_t stratum) const;
 
  private:
   const CurveStrata* strata_;
-  std::vector<float> extent_;  // of each block: how far from a curve vertex a place in its leaf may be
+  std::vector<float> extent_;  // of each block of curve vertices: the largest distance from a vertex to a corner of its leaf
 };
 
 }  // namespace curvecast

@@ -21,7 +21,7 @@ void prefetch(const SurfaceCurve& curve, std::uint32_t l) {
   for (const Column<Snorm16>* column : {&curve.nx, &curve.ny, &curve.nz}) __builtin_prefetch(column->data() + l);
 }
 
-constexpr std::size_t kChunk = 128;  // points whose data stay in the nearest cache
+constexpr std::size_t kBatch = 128;  // points whose data stay in the nearest cache
 
 /// Positions and normals of points [begin, end).
 void gather_places(const SurfaceCurve& curve, std::size_t begin, std::size_t end, PointSet& points) {
@@ -35,14 +35,14 @@ void gather_places(const SurfaceCurve& curve, std::size_t begin, std::size_t end
   }
 }
 
-/// The density on the vertices of n <= kChunk points, but for a constant. The view's factor is that of the vertex itself, not of
+/// The density on the vertices of n <= kBatch points, but for a constant. The view's factor is that of the vertex itself, not of
 /// its block. `fixed`: the fixed part; empty for 1.
 void gather_density(const SurfaceCurve& curve, std::span<const float> fixed, const ViewFactor& view,
                     const std::uint32_t* vertices, std::size_t n, float* density) {
   for (std::size_t i = 0; i < n; ++i) density[i] = fixed.empty() ? 1 : fixed[vertices[i]];
   if (view.is_one()) return;
-  float x[kChunk], y[kChunk], z[kChunk];
-  Snorm16 nx[kChunk], ny[kChunk], nz[kChunk];
+  float x[kBatch], y[kBatch], z[kBatch];
+  Snorm16 nx[kBatch], ny[kBatch], nz[kBatch];
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t l = vertices[i];
     x[i] = curve.x[l], y[i] = curve.y[l], z[i] = curve.z[l];
@@ -62,9 +62,9 @@ void gather(const SurfaceCurve& curve, std::span<const float> fixed, const ViewF
   points.normals.resize(n);
   points.radii.resize(n);
   const SplatRadius radius(curve, mass_per_point);
-  float density[kChunk];
-  for (std::size_t begin = 0; begin < n; begin += kChunk) {
-    const std::size_t count = std::min(kChunk, n - begin);
+  float density[kBatch];
+  for (std::size_t begin = 0; begin < n; begin += kBatch) {
+    const std::size_t count = std::min(kBatch, n - begin);
     gather_places(curve, begin, begin + count, points);
     gather_density(curve, fixed, view, &vertices[begin], count, density);
     for (std::size_t i = 0; i < count; ++i) points.radii[begin + i] = radius(density[i]);

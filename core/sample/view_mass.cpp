@@ -14,7 +14,7 @@ constexpr float kMovedPoints = 1;
 // The whole mass is not exact, and those who compare one vertex with it must not find too much on it: what is refined in vain
 // would be refined for ever.
 constexpr float kSurely = 0.98f;
-constexpr std::size_t kChunk = 512;              // blocks whose factors are found in one go: they stay in the nearest cache
+constexpr std::size_t kBatch = 512;              // blocks whose factors are found in one go: they stay in the nearest cache
 constexpr std::size_t kAhead = 2 * kBlockLanes;  // blocks that the memory brings beforehand
 
 /// Blocks that are looked at vertex by vertex, several at once: what they hold of the curve, one after the other.
@@ -135,8 +135,8 @@ void view_mass(const SurfaceCurve& curve, std::span<const float> density, const 
   out.own_codes.clear();
   out.total = 0;
   out.largest = 0;
-  for (std::size_t begin = 0; begin < blocks; begin += kChunk) {
-    const std::size_t end = std::min(begin + kChunk, blocks);
+  for (std::size_t begin = 0; begin < blocks; begin += kBatch) {
+    const std::size_t end = std::min(begin + kBatch, blocks);
     view.of_blocks(curve.blocks, begin, end, &out.sum[begin], &out.moved[begin]);
     const float largest = weigh(&fixed.sum[begin], &fixed.largest[begin], end - begin, &out.sum[begin], &out.moved[begin]);
     out.largest = std::max(out.largest, largest);

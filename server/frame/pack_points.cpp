@@ -52,7 +52,7 @@ std::size_t raw_point_bytes(const SurfaceCurve& curve) { return kRawPointBytes +
 absl::StatusOr<std::vector<v1::PointBlock>> encode_blocks(Sampled& sampled, std::size_t first, std::size_t last,
                                                           const Sample& sample) {
   Stopwatch watch;
-  const std::size_t total = sampled.points().size(), count = block_count(total);
+  const std::size_t total = sampled.points().size(), count = point_block_count(total);
   std::vector<absl::StatusOr<v1::PointBlock>> encoded(last - first, absl::UnknownError(""));
   tbb::parallel_for(first, last, [&](std::size_t b) {
     const std::size_t begin = b * total / count;
@@ -71,7 +71,7 @@ absl::StatusOr<std::vector<v1::PointBlock>> encode_blocks(Sampled& sampled, std:
 absl::StatusOr<Packed> pack(Sampled sampled, const Sample& sample) {
   Packed out{std::move(sampled), {}, 0};
   absl::StatusOr<std::vector<v1::PointBlock>> blocks =
-      encode_blocks(out.sampled, 0, block_count(out.sampled.points().size()), sample);
+      encode_blocks(out.sampled, 0, point_block_count(out.sampled.points().size()), sample);
   if (!blocks.ok()) return blocks.status();
   for (const v1::PointBlock& block : *blocks) out.bytes += data_bytes(block);
   out.blocks = *std::move(blocks);

@@ -25,7 +25,7 @@ struct Packed {
 /// Points fill as few blocks as it takes for none to have more than so many, all of about equal length. Small enough that the
 /// cores of both sides have one each.
 inline constexpr std::size_t kBlockPoints = 12'500;
-inline std::size_t block_count(std::size_t points) { return (points + kBlockPoints - 1) / kBlockPoints; }
+inline std::size_t point_block_count(std::size_t points) { return (points + kBlockPoints - 1) / kBlockPoints; }
 
 /// Blocks [first, last) of all, several encoded at once; adds the time that it takes to the statistics.
 absl::StatusOr<std::vector<v1::PointBlock>> encode_blocks(Sampled& sampled, std::size_t first, std::size_t last,

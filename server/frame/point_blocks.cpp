@@ -42,7 +42,7 @@ absl::Status make_blocks(const Session& session, const Sample& sample, ViewCache
   absl::StatusOr<Sampled> sampled = sampler->sample(*wanted);
   if (!sampled.ok()) return sampled.status();
   ask_for_better(*sampled, on_short);
-  const std::size_t count = block_count(sampled->points().size());
+  const std::size_t count = point_block_count(sampled->points().size());
   for (std::size_t first = 0; first < count; first += kBlocksAtOnce) {
     absl::StatusOr<std::vector<v1::PointBlock>> blocks =
         encode_blocks(*sampled, first, std::min(first + kBlocksAtOnce, count), sample);

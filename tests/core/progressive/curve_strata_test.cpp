@@ -37,32 +37,32 @@ TEST(CurveStrata, FindTheVertexByArea) {
   EXPECT_LT(strata.vertex_at(1), curve->size());
 }
 
-TEST(CurveStrata, PlacesAreInTheLeavesOfTheirVertices) {
+TEST(CurveStrata, PointsAreInTheLeavesOfTheirVertices) {
   const auto curve = uneven_curve();
   const CurveStrata strata(*curve);
   for (const std::size_t n : {1u, 50u, 5000u}) {
     std::vector<double> t(n);
     for (std::size_t i = 0; i < n; ++i) t[i] = (static_cast<double>(i) + random_unit(2, i)) / static_cast<double>(n);
-    std::vector<CurvePlace> places(n);
-    strata.places_at(t, places);
+    std::vector<CurvePoint> points(n);
+    strata.points_at(t, points);
     for (std::size_t i = 0; i < n; ++i) {
-      ASSERT_EQ(places[i].vertex, strata.vertex_at(t[i]));
-      const Vec3f p(places[i].position[0], places[i].position[1], places[i].position[2]);
-      EXPECT_LE((p - curve->position(places[i].vertex)).lpNorm<Eigen::Infinity>(), 1 / 32.0f + 1e-6f);
+      ASSERT_EQ(points[i].vertex, strata.vertex_at(t[i]));
+      const Vec3f p(points[i].position[0], points[i].position[1], points[i].position[2]);
+      EXPECT_LE((p - curve->position(points[i].vertex)).lpNorm<Eigen::Infinity>(), 1 / 32.0f + 1e-6f);
     }
   }
 }
 
-TEST(CurveStrata, ManyPlacesFillTheLeaf) {
+TEST(CurveStrata, ManyPointsFillTheLeaf) {
   const auto curve = flat_curve(2);
   const CurveStrata strata(*curve);
   std::vector<double> t(4096);
   for (std::size_t i = 0; i < t.size(); ++i) t[i] = (static_cast<double>(i) + 0.5) / 4096;
-  std::vector<CurvePlace> places(t.size());
-  strata.places_at(t, places);
+  std::vector<CurvePoint> points(t.size());
+  strata.points_at(t, points);
   std::vector<int> in_cell(4096);
-  for (const CurvePlace& place : places) {
-    ++in_cell[static_cast<std::size_t>(place.position[0] * 64) + 64 * static_cast<std::size_t>(place.position[1] * 64)];
+  for (const CurvePoint& point : points) {
+    ++in_cell[static_cast<std::size_t>(point.position[0] * 64) + 64 * static_cast<std::size_t>(point.position[1] * 64)];
   }
   for (const int count : in_cell) EXPECT_EQ(count, 1);
 }

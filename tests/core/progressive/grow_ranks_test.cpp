@@ -16,7 +16,7 @@ using namespace curvecast::testing;
 
 void expect_same(const RankChunk& a, const RankChunk& b) {
   EXPECT_TRUE(a.id == b.id && a.x == b.x && a.y == b.y && a.z == b.z && a.rank == b.rank && a.vertex == b.vertex &&
-              a.place == b.place)
+              a.curve_position == b.curve_position)
       << a.id.level << ' ' << a.id.index;
 }
 
@@ -34,11 +34,11 @@ TEST(RankGrower, HasEveryRankOnce) {
   std::vector<int> times(65'536, 0);
   for (const auto& chunk : tree->chunks()) {
     EXPECT_EQ(chunk->size(), chunk->id.level == kChunkLevels ? 4096u : 3072u);
-    EXPECT_TRUE(std::is_sorted(chunk->place.begin(), chunk->place.end()));
+    EXPECT_TRUE(std::is_sorted(chunk->curve_position.begin(), chunk->curve_position.end()));
     for (std::size_t i = 0; i < chunk->size(); ++i) {
       ++times[chunk->rank[i]];
       EXPECT_GE(chunk->rank[i], chunk->id.first_rank());
-      EXPECT_EQ(std::uint64_t{chunk->place[i]} >> (32 - 2 * (chunk->id.level - kChunkLevels)), chunk->id.index);
+      EXPECT_EQ(std::uint64_t{chunk->curve_position[i]} >> (32 - 2 * (chunk->id.level - kChunkLevels)), chunk->id.index);
     }
   }
   EXPECT_TRUE(std::all_of(times.begin(), times.end(), [](int t) { return t == 1; }));
@@ -90,7 +90,7 @@ TEST(RankGrower, GoesAsDeepAsThereAreRanks) {
     ASSERT_TRUE(grower->grow(std::vector<ChunkId>{id}, 1'000'000).ok()) << level;
     const RankChunk* const chunk = find(*grower->tree(), id);
     ASSERT_NE(chunk, nullptr) << level;
-    EXPECT_EQ(std::set<std::uint32_t>(chunk->place.begin(), chunk->place.end()).size(), chunk->size()) << level;
+    EXPECT_EQ(std::set<std::uint32_t>(chunk->curve_position.begin(), chunk->curve_position.end()).size(), chunk->size()) << level;
   }
   // Eight points on a curve vertex, and no more.
   const auto size = static_cast<double>(ball_curve()->size());

@@ -127,7 +127,7 @@ TEST(ProgressiveRanks, PartsAreWhatTheWholeWouldBe) {
   const ProgressiveRanks whole = ranks_of(ball().curve, {.level = kDeep});
   for (const int level : {0, 2, 4, 5, 7}) {
     const ProgressiveRanks ranks = ranks_of(ball().curve, {.level = level});
-    DeepBlocks made;
+    DeepGroups made;
     const std::uint64_t strata = ranks.points().size(), part = whole.points().size() / strata;
     for (const std::uint64_t first : {std::uint64_t{0}, strata / 3, strata - 1}) {
       const std::uint64_t last = std::min(strata, first + 1 + first % 2);
@@ -158,12 +158,12 @@ TEST(ProgressiveRanks, WhatIsExtendedIsWhatTheWholeWouldBe) {
 
 TEST(ProgressiveRanks, ZoomingInNeverRunsOut) {
   const ProgressiveRanks ranks = ranks_of(flat_curve(5), {.level = 4});
-  DeepBlocks made;
+  DeepGroups made;
   for (int level = 5; level <= 12; ++level) {
     const std::uint64_t first = std::uint64_t{77} << 2 * (level - 4);
     const auto points = ranks.deepen(level, std::vector<StrataRange>{{first, first + (level < 10 ? 500 : 0)}}, made);
     ASSERT_TRUE(points.ok()) << points.status();
-    for (std::size_t i = 0; i < points->size(); ++i) EXPECT_EQ((*points)[i].coordinate >> (64 - 2 * level), first + i);
+    for (std::size_t i = 0; i < points->size(); ++i) EXPECT_EQ((*points)[i].curve_position >> (64 - 2 * level), first + i);
   }
 }
 
@@ -197,7 +197,7 @@ TEST(ProgressiveRanks, RefusesWhatCannotBe) {
     EXPECT_EQ(ProgressiveRanks::make(curve, {.level = 2}).status().code(), absl::StatusCode::kInvalidArgument);
   }
   const ProgressiveRanks ranks = ranks_of(ball().curve, {.level = 3});
-  DeepBlocks made;
+  DeepGroups made;
   for (const auto& [level, first, last] :
        {std::tuple{2, 0u, 1u}, {16, 0u, 1u}, {4, 2u, 1u}, {4, 0u, 257u}, {15, 0u, 4'000'001u}}) {
     EXPECT_EQ(ranks.deepen(level, std::vector<StrataRange>{{first, last}}, made).status().code(),
@@ -212,7 +212,7 @@ TEST(ProgressiveRanks, CanBeCancelled) {
   context.cancel = &cancel;
   EXPECT_EQ(ProgressiveRanks::make(ball().curve, {.level = 4}, context).status().code(), absl::StatusCode::kCancelled);
   const ProgressiveRanks ranks = ranks_of(ball().curve, {.level = 3});
-  DeepBlocks made;
+  DeepGroups made;
   EXPECT_EQ(ranks.deepen(5, std::vector<StrataRange>{{0, 64}}, made, context).status().code(), absl::StatusCode::kCancelled);
 }
 

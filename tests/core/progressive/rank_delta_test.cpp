@@ -75,19 +75,19 @@ TEST(RankDelta, WhoAppliesListDeltasHasTheList) {
     const std::vector<Held> all = list_of(workspace);
     if (frame > 0) {
       RankDelta delta;
-      ListDelta places;
+      ListDelta indices;
       compare(held, held.rungs, selection, delta);
-      locate(*held.tree, selection, delta, places);
+      locate(*held.tree, selection, delta, indices);
       PointSet added;
       gather_ranked(*ball_curve(), *selection.tree, delta.added, added);
-      ASSERT_EQ(places.added.size(), added.size());
-      for (std::size_t i = places.removed.size(); i-- > 0;) list.erase(list.begin() + places.removed[i]);
+      ASSERT_EQ(indices.added.size(), added.size());
+      for (std::size_t i = indices.removed.size(); i-- > 0;) list.erase(list.begin() + indices.removed[i]);
       for (std::size_t i = 0; i < added.size(); ++i) {
-        list.insert(list.begin() + places.added[i], Held{added.ranks[i], delta.added[i].rung});
+        list.insert(list.begin() + indices.added[i], Held{added.ranks[i], delta.added[i].rung});
       }
-      for (std::size_t i = 0; i < places.resized.size(); ++i) {
-        ASSERT_EQ(list[places.resized[i]].rung, delta.resized[i].from);
-        list[places.resized[i]].rung = delta.resized[i].point.rung;
+      for (std::size_t i = 0; i < indices.resized.size(); ++i) {
+        ASSERT_EQ(list[indices.resized[i]].rung, delta.resized[i].from);
+        list[indices.resized[i]].rung = delta.resized[i].point.rung;
       }
       ASSERT_EQ(list, all) << frame;
     }

@@ -22,7 +22,7 @@ void expect_bounded(const std::shared_ptr<const SurfaceCurve>& curve, int level)
     for (std::size_t i = 0; i < ranks->points().size(); i += per_stratum) {
       const StratumBound bound = bounds.of(l, i / per_stratum);
       for (const RankedPoint& p : ranks->points().subspan(i, per_stratum)) {
-        ASSERT_LE((Vec3f(p.position[0], p.position[1], p.position[2]) - bound.center).norm(), bound.radius) << l;
+        ASSERT_LE((Vec3f(p.position[0], p.position[1], p.position[2]) - bound.centre).norm(), bound.radius) << l;
         ASSERT_LE((Vec3f(p.normal[0], p.normal[1], p.normal[2]) - bound.normal).norm(), bound.spread + 1e-6f) << l;
         ASSERT_GE(p.vertex, bound.first_vertex);
         ASSERT_LE(p.vertex, bound.last_vertex);

@@ -1,4 +1,4 @@
-#include "core/progressive/rank_block.h"
+#include "core/progressive/stratum_group.h"
 
 #include <gtest/gtest.h>
 
@@ -15,12 +15,12 @@ namespace {
 
 using namespace curvecast::testing;
 
-constexpr int kLevel = 3;  // 64 strata become 256: the first block that is full, and a whole level
+constexpr int kLevel = 3;  // 64 strata become 256: the first group that is full, and a whole level
 
-RankedPoint point_at(const CurveStrata& strata, std::uint64_t coordinate, std::uint32_t rank) {
+RankedPoint point_at(const CurveStrata& strata, std::uint64_t curve_position, std::uint32_t rank) {
   const SurfaceCurve& curve = strata.curve();
-  const std::uint32_t l = strata.vertex_at(curve_coordinate(coordinate));
-  return {coordinate, {curve.x[l], curve.y[l], curve.z[l]}, {curve.nx[l], curve.ny[l], curve.nz[l]}, l, rank};
+  const std::uint32_t l = strata.vertex_at(unit_curve_position(curve_position));
+  return {curve_position, {curve.x[l], curve.y[l], curve.z[l]}, {curve.nx[l], curve.ny[l], curve.nz[l]}, l, rank};
 }
 
 /// A point in the first child of every stratum.
@@ -33,7 +33,7 @@ std::vector<RankedPoint> base_points(const CurveStrata& strata) {
 std::vector<RankedPoint> filled(const CurveStrata& strata, const std::vector<RankedPoint>& done = {}, std::uint64_t seed = 0,
                                 const std::vector<RankedPoint>& open = {}) {
   std::vector<RankedPoint> points(256);
-  fill_rank_block(strata, {kLevel, 0}, base_points(strata), done, open, seed, points);
+  fill_stratum_group(strata, {kLevel, 0}, base_points(strata), done, open, seed, points);
   return points;
 }
 
@@ -50,17 +50,17 @@ double spacing(const std::vector<RankedPoint>& points, const RankedPoint& p) {
   return least / std::sqrt(2 / (std::numbers::sqrt3 * (p.rank + 1)));
 }
 
-TEST(RankBlock, HasAPointInEveryStratumAndEveryRankOnce) {
+TEST(StratumGroup, HasAPointInEveryStratumAndEveryRankOnce) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
   const std::vector<RankedPoint> points = filled(strata), base = base_points(strata);
   std::set<std::uint32_t> ranks;
   for (std::size_t c = 0; c < points.size(); ++c) {
-    EXPECT_EQ(points[c].coordinate >> 56, c);
-    EXPECT_EQ(points[c].vertex, strata.vertex_at(curve_coordinate(points[c].coordinate)));
+    EXPECT_EQ(points[c].curve_position >> 56, c);
+    EXPECT_EQ(points[c].vertex, strata.vertex_at(unit_curve_position(points[c].curve_position)));
     ranks.insert(points[c].rank);
     if (c % 4 == 0) {
-      EXPECT_EQ(points[c].coordinate, base[c / 4].coordinate);
+      EXPECT_EQ(points[c].curve_position, base[c / 4].curve_position);
       EXPECT_EQ(points[c].rank, base[c / 4].rank);
     }
   }
@@ -68,7 +68,7 @@ TEST(RankBlock, HasAPointInEveryStratumAndEveryRankOnce) {
   EXPECT_EQ(*ranks.rbegin(), 255u);
 }
 
-TEST(RankBlock, StrataTakeTurns) {
+TEST(StratumGroup, StrataTakeTurns) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
   std::vector<RankedPoint> points = filled(strata);
@@ -76,14 +76,14 @@ TEST(RankBlock, StrataTakeTurns) {
   // Nobody has a third point before all have two.
   std::vector<int> held(64, 0);
   for (const RankedPoint& p : points) {
-    ++held[p.coordinate >> 58];
+    ++held[p.curve_position >> 58];
     if (p.rank < 64) continue;
     const auto [fewest, most] = std::minmax_element(held.begin(), held.end());
     EXPECT_LE(*most - *fewest, 1);
   }
 }
 
-TEST(RankBlock, PointsKeepApart) {
+TEST(StratumGroup, PointsKeepApart) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
@@ -95,7 +95,7 @@ TEST(RankBlock, PointsKeepApart) {
   }
 }
 
-TEST(RankBlock, KeepsAwayFromPointsOfOtherBlocks) {
+TEST(StratumGroup, KeepsAwayFromPointsOfOtherGroups) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
   const std::vector<RankedPoint> alone = filled(strata);
@@ -110,20 +110,20 @@ TEST(RankBlock, KeepsAwayFromPointsOfOtherBlocks) {
   }
 }
 
-TEST(RankBlock, NeedNotKeepAwayFromTheOtherSideOfASheet) {
+TEST(StratumGroup, NeedNotKeepAwayFromTheOtherSideOfASheet) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
   const std::vector<RankedPoint> alone = filled(strata);
   std::vector<RankedPoint> behind = alone;
   for (RankedPoint& p : behind) p.normal[2] = -1;
   const std::vector<RankedPoint> points = filled(strata, {}, 0, behind);
-  for (std::size_t c = 0; c < points.size(); ++c) EXPECT_EQ(points[c].coordinate, alone[c].coordinate);
+  for (std::size_t c = 0; c < points.size(); ++c) EXPECT_EQ(points[c].curve_position, alone[c].curve_position);
 }
 
-TEST(RankBlock, EvensOutWhatOtherBlocksHave) {
+TEST(StratumGroup, EvensOutWhatOtherGroupsHave) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  // The block that is done has all its points of this level early and lies beside the first column of strata.
+  // The group that is done has all its points of this level early and lies beside the first column of strata.
   std::vector<RankedPoint> done;
   for (std::uint32_t i = 0; i < 32; ++i) {
     const float y = (static_cast<float>(i) + 0.5f) / 32;
@@ -142,13 +142,13 @@ TEST(RankBlock, EvensOutWhatOtherBlocksHave) {
   EXPECT_LT(near_it(done), 0.97 * near_it({}));
 }
 
-TEST(RankBlock, TakesACurveWithFewerVerticesThanPoints) {
+TEST(StratumGroup, TakesACurveWithFewerVerticesThanPoints) {
   for (const int level : {0, 2, 4}) {
     const auto curve = flat_curve(level);
     const CurveStrata strata(*curve);
     const std::vector<RankedPoint> points = filled(strata);
     for (std::size_t c = 0; c < points.size(); ++c) {
-      EXPECT_EQ(points[c].coordinate >> 56, c);
+      EXPECT_EQ(points[c].curve_position >> 56, c);
       EXPECT_TRUE(std::isfinite(points[c].position[0]));
     }
   }

@@ -1,4 +1,4 @@
-#include "core/progressive/rank_relaxation.h"
+#include "core/progressive/relax_points.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,21 +11,23 @@
 namespace curvecast {
 namespace {
 
-// Each point moves as near to the middle of its stratum as others allow, kCentralSweeps times; then those below kEnough go where
-// they have most, kSweeps times, and those below kPoor look for places for themselves and a neighbour within kAround at once.
-constexpr float kPoor = 0.54f, kAround = 0.8f;  // relative radius, lattice distances
+// README.md says where these come from. First each point moves to the most central candidate that is far enough from others,
+// kCentralSweeps times. Then the points below kTargetRelativeRadius go where they are farthest from others, kSweeps times. Then
+// those below kPoorRelativeRadius try to move together with one neighbour, kPairSweeps times.
+constexpr float kPoorRelativeRadius = 0.54f;
+constexpr float kNeighbourRange = 0.8f;  // lattice distances: points that may come nearer to each other are neighbours
 constexpr int kCentralSweeps = 2, kSweeps = 1, kPairSweeps = 3;
 
 /// Points in columns, to be searched from end to end.
 struct PointColumns {
   std::vector<float> x, y, z;
-  std::vector<float> root;    // of the number of points there are when it is the last
-  std::vector<float> radius;  // how far it may move
+  std::vector<float> root;    // square root of the number of points there are when the point comes
+  std::vector<float> radius;  // how far the point may move
 
   explicit PointColumns(std::size_t n) : x(n), y(n), z(n), root(n), radius(n) {}
 };
 
-/// Which points come as near as `reach` over the root of their number to a place that is `radius` about p at most.
+/// Marks the points that may come as near as `reach` over the root of the number of points to a position within `radius` of p.
 CURVECAST_WIDE void mark_near(const PointColumns& points, const Vec3f& p, float radius, float own_root, float reach,
                               std::int32_t* is_near) {
   const float px = p.x(), py = p.y(), pz = p.z();
@@ -42,12 +44,12 @@ CURVECAST_WIDE void mark_near(const PointColumns& points, const Vec3f& p, float 
 
 class Relaxation {
  public:
-  Relaxation(RankPlaces& places, std::span<const RankedPoint> near, std::span<RankedPoint> points)
-      : places_(places),
+  Relaxation(GroupCandidates& candidates, std::span<const RankedPoint> near, std::span<RankedPoint> points)
+      : candidates_(candidates),
         points_(points),
         near_(near),
-        n_(std::uint64_t{1} << 2 * places.block().level),
-        unit_(lattice_distance(places.total_area(), 1)) {
+        n_(std::uint64_t{1} << 2 * candidates.group().level),
+        unit_(lattice_distance(candidates.total_area(), 1)) {
     find_neighbours();
   }
 
@@ -61,16 +63,16 @@ class Relaxation {
       for (std::size_t i = 0; i < by_rank.size(); ++i) {
         const std::size_t c = (sweep % 2 ? by_rank[i] : by_rank[by_rank.size() - 1 - i]).second;
         if (sweep < kCentralSweeps) {
-          const BestPlace best = farthest_place(c, kNobody);
-          move(c, central_place(places_.places(c), places_.places(c).before, 1, enough(best)));
-        } else if (spacing_of(c) < kEnough) {
-          move(c, farthest_place(c, kNobody).place);
+          const BestCandidate best = farthest_candidate(c, kNobody);
+          move(c, central_candidate(candidates_.in_child(c), candidates_.in_child(c).nearest_lower, 1, enough(best)));
+        } else if (spacing_of(c) < kTargetRelativeRadius) {
+          move(c, farthest_candidate(c, kNobody).index);
         }
       }
     }
     for (int sweep = 0; sweep < kPairSweeps; ++sweep) {
       for (const auto& [rank, c] : by_rank) {
-        if (spacing_of(c) < kPoor) move_with_neighbour(c);
+        if (spacing_of(c) < kPoorRelativeRadius) move_with_neighbour(c);
       }
     }
   }
@@ -78,29 +80,31 @@ class Relaxation {
  private:
   static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
 
-  /// Moves a point and one that is near at once, if that does more good than harm.
+  /// Moves a point together with the neighbour for which the smaller relative radius of both grows most; none if none grows.
   void move_with_neighbour(std::size_t c) {
     const RankedPoint before = points_[c];
-    BestPlace most{spacing_of(c), 0};
-    std::size_t best_neighbour = kNobody, best_place_there = 0;
+    BestCandidate most{spacing_of(c), 0};
+    std::size_t best_neighbour = kNobody, best_there = 0;
     for (const std::uint32_t j : neighbours_of(c)) {
       if (j >= points_.size() || points_[j].rank < n_) continue;
       const RankedPoint before_there = points_[j];
-      const BestPlace here = farthest_place(c, j);
-      move(c, here.place);
-      const BestPlace there = farthest_place(j, kNobody);
-      move(j, there.place);
+      const BestCandidate here = farthest_candidate(c, j);
+      move(c, here.index);
+      const BestCandidate there = farthest_candidate(j, kNobody);
+      move(j, there.index);
       const float value = std::min(spacing_of(c), spacing_of(j));
-      if (value > most.value) most = {value, here.place}, best_neighbour = j, best_place_there = there.place;
+      if (value > most.value) most = {value, here.index}, best_neighbour = j, best_there = there.index;
       points_[j] = before_there;
       points_[c] = before;
     }
     if (best_neighbour == kNobody) return;
-    move(c, most.place);
-    move(best_neighbour, best_place_there);
+    move(c, most.index);
+    move(best_neighbour, best_there);
   }
 
-  float enough(const BestPlace& best) const { return std::min(kEnough * kEnough * unit(), kMost * best.value); }
+  float enough(const BestCandidate& best) const {
+    return std::min(kTargetRelativeRadius * kTargetRelativeRadius * unit(), kAcceptedShare * best.value);
+  }
 
   const RankedPoint& point(std::size_t i) const { return i < points_.size() ? points_[i] : near_[i - points_.size()]; }
   float unit() const { return unit_ * unit_; }
@@ -110,17 +114,17 @@ class Relaxation {
     for (std::size_t i = 0; i < columns.x.size(); ++i) {
       const RankedPoint& p = point(i);
       const bool moves = i < points_.size() && p.rank >= n_;
-      const Vec3f at = moves ? places_.child(i).center : Vec3f(p.position[0], p.position[1], p.position[2]);
+      const Vec3f at = moves ? candidates_.child(i).centre : Vec3f(p.position[0], p.position[1], p.position[2]);
       columns.x[i] = at.x(), columns.y[i] = at.y(), columns.z[i] = at.z();
       columns.root[i] = std::sqrt(static_cast<float>(p.rank + 1));
-      columns.radius[i] = moves ? places_.child(i).radius : 0;
+      columns.radius[i] = moves ? candidates_.child(i).radius : 0;
     }
     std::vector<std::int32_t> is_near(columns.x.size());
-    const float reach = kAround * unit_;
+    const float reach = kNeighbourRange * unit_;
     first_neighbour_.assign(points_.size() + 1, 0);
     for (std::size_t c = 0; c < points_.size(); ++c) {
       if (points_[c].rank >= n_) {
-        mark_near(columns, places_.child(c).center, places_.child(c).radius, columns.root[c], reach, is_near.data());
+        mark_near(columns, candidates_.child(c).centre, candidates_.child(c).radius, columns.root[c], reach, is_near.data());
         is_near[c] = 0;
         for (std::size_t i = 0; i < is_near.size(); ++i) {
           if (is_near[i]) neighbours_.push_back(static_cast<std::uint32_t>(i));
@@ -133,7 +137,7 @@ class Relaxation {
     return std::span(neighbours_).subspan(first_neighbour_[c], first_neighbour_[c + 1] - first_neighbour_[c]);
   }
 
-  /// A point's relative radius, when it comes and ever after.
+  /// Returns the relative radius of a point, the least since the point came.
   float spacing_of(std::size_t c) const {
     const RankedPoint& p = points_[c];
     float least = kFar;
@@ -147,32 +151,32 @@ class Relaxation {
     return std::sqrt(least) / unit_;
   }
 
-  /// Where in its stratum a point would be farthest from all others but one.
-  BestPlace farthest_place(std::size_t c, std::size_t but) {
-    float* least = places_.places(c).before;
-    std::fill_n(least, kPlaces, kFar);
+  /// Returns the candidate where the point of child c would be farthest from its neighbours, neighbour `but` left out.
+  BestCandidate farthest_candidate(std::size_t c, std::size_t but) {
+    float* least = candidates_.in_child(c).nearest_lower;
+    std::fill_n(least, kCandidates, kFar);
     for (const std::uint32_t j : neighbours_of(c)) {
       const RankedPoint& p = point(j);
-      if (j != but) places_.take_nearer(c, p, static_cast<float>(std::max(p.rank, points_[c].rank) + 1), least);
+      if (j != but) candidates_.take_nearer(c, p, static_cast<float>(std::max(p.rank, points_[c].rank) + 1), least);
     }
-    return best_place(least, least, 1);
+    return best_candidate(least, least, 1);
   }
 
-  void move(std::size_t c, std::size_t place) { points_[c] = places_.point(c, place, points_[c].rank); }
+  void move(std::size_t c, std::size_t k) { points_[c] = candidates_.point(c, k, points_[c].rank); }
 
-  RankPlaces& places_;
+  GroupCandidates& candidates_;
   std::span<RankedPoint> points_;
   std::span<const RankedPoint> near_;
-  std::uint64_t n_;                        // strata of the level
-  float unit_;                             // lattice distance of one point
-  std::vector<std::uint32_t> neighbours_;  // of all children, one after the other
+  std::uint64_t n_;                        // strata of the level, and points of lower levels
+  float unit_;                             // lattice_distance() of one point
+  std::vector<std::uint32_t> neighbours_;  // of the points of all children, one after the other
   std::vector<std::size_t> first_neighbour_;
 };
 
 }  // namespace
 
-void relax_ranks(RankPlaces& places, std::span<const RankedPoint> near, std::span<RankedPoint> points) {
-  Relaxation(places, near, points).run();
+void relax_points(GroupCandidates& candidates, std::span<const RankedPoint> near, std::span<RankedPoint> points) {
+  Relaxation(candidates, near, points).run();
 }
 
 }  // namespace curvecast

@@ -1,4 +1,4 @@
-#include "core/progressive/place_order.h"
+#include "core/progressive/sort_along_curve.h"
 
 #include <gtest/gtest.h>
 
@@ -9,17 +9,17 @@
 namespace curvecast {
 namespace {
 
-TEST(PlaceOrder, SortsByPlaceAndKeepsTheOrderOfEquals) {
+TEST(SortAlongCurve, SortsByPositionAndKeepsTheOrderOfEquals) {
   std::vector<std::uint64_t> scratch;
   for (const std::size_t n : {0u, 1u, 2u, 100u, 5000u}) {
     std::vector<std::uint64_t> keys;
     for (std::uint64_t i = 0; i < n; ++i) {
-      const std::uint64_t place = i % 3 == 0 ? i % 7 : mix_bits(i) >> 32;
-      keys.push_back(place << 32 | (n - i));
+      const std::uint64_t position = i % 3 == 0 ? i % 7 : mix_bits(i) >> 32;
+      keys.push_back(position << 32 | (n - i));
     }
     std::vector<std::uint64_t> expected = keys;
     std::stable_sort(expected.begin(), expected.end(), [](std::uint64_t a, std::uint64_t b) { return a >> 32 < b >> 32; });
-    sort_by_place(keys, scratch);
+    sort_along_curve(keys, scratch);
     EXPECT_EQ(keys, expected);
   }
 }

@@ -1,4 +1,4 @@
-#include "core/progressive/rank_holes.h"
+#include "core/progressive/shrink_gaps.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/core/progressive/flat_block.h"
+#include "tests/core/progressive/flat_group.h"
 
 namespace curvecast {
 namespace {
@@ -17,27 +17,27 @@ namespace {
 using namespace curvecast::testing;
 
 /// In the middle of their children; every fourth is of a level before.
-std::vector<RankedPoint> points_in(const RankPlaces& places) {
-  return points_at(places, [&](std::size_t c) {
-    const Places& own = places.places(c);
-    return static_cast<std::size_t>(std::min_element(own.away, own.away + kPlaces) - own.away);
+std::vector<RankedPoint> points_in(const GroupCandidates& candidates) {
+  return points_at(candidates, [&](std::size_t c) {
+    const CandidatePoints& own = candidates.in_child(c);
+    return static_cast<std::size_t>(std::min_element(own.from_centre, own.from_centre + kCandidates) - own.from_centre);
   });
 }
 
 /// Sends the points of the children about a place as far away from it as they can go.
-void make_hole(const RankPlaces& places, const Vec3f& at, std::vector<RankedPoint>& points) {
+void make_gap(const GroupCandidates& candidates, const Vec3f& at, std::vector<RankedPoint>& points) {
   for (std::uint32_t c = 0; c < points.size(); ++c) {
     const auto distance = [&](const RankedPoint& p) { return (Vec3f(p.position[0], p.position[1], p.position[2]) - at).norm(); };
     if (points[c].rank < 64 || distance(points[c]) > 0.1f) continue;
-    for (std::size_t k = 0; k < kPlaces; ++k) {
-      const RankedPoint there = places.point(c, k, points[c].rank);
+    for (std::size_t k = 0; k < kCandidates; ++k) {
+      const RankedPoint there = candidates.point(c, k, points[c].rank);
       if (distance(there) > distance(points[c])) points[c] = there;
     }
   }
 }
 
 /// The distance of the loneliest place within a quarter of the square about its middle, in lattice distances of all points.
-double widest_hole(const std::vector<RankedPoint>& points) {
+double widest_gap(const std::vector<RankedPoint>& points) {
   double widest = 0;
   for (double x = 0.25; x < 0.75; x += 0.01) {
     for (double y = 0.25; y < 0.75; y += 0.01) {
@@ -50,40 +50,40 @@ double widest_hole(const std::vector<RankedPoint>& points) {
 }
 
 /// The worst that can be made of points_in() about a corner of strata.
-std::vector<RankedPoint> points_about_a_hole(const RankPlaces& places) {
-  std::vector<RankedPoint> worst = points_in(places);
+std::vector<RankedPoint> points_about_a_gap(const GroupCandidates& candidates) {
+  std::vector<RankedPoint> worst = points_in(candidates);
   for (const int x : {6, 7, 8, 9, 10}) {
     for (const int y : {6, 7, 8, 9, 10}) {
-      std::vector<RankedPoint> points = points_in(places);
-      make_hole(places, {static_cast<float>(x) / 16, static_cast<float>(y) / 16, 0}, points);
-      if (widest_hole(points) > widest_hole(worst)) worst = points;
+      std::vector<RankedPoint> points = points_in(candidates);
+      make_gap(candidates, {static_cast<float>(x) / 16, static_cast<float>(y) / 16, 0}, points);
+      if (widest_gap(points) > widest_gap(worst)) worst = points;
     }
   }
   return worst;
 }
 
-/// points_about_a_hole(), and what closing it makes of them.
-std::pair<std::vector<RankedPoint>, std::vector<RankedPoint>> closed_hole() {
+/// points_about_a_gap(), and what closing it makes of them.
+std::pair<std::vector<RankedPoint>, std::vector<RankedPoint>> shrunk_gap() {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  const RankPlaces places(strata, kFlatBlock, 0);
-  const std::vector<RankedPoint> before = points_about_a_hole(places);
+  const GroupCandidates candidates(strata, kFlatGroup, 0);
+  const std::vector<RankedPoint> before = points_about_a_gap(candidates);
   std::vector<RankedPoint> points = before;
-  close_holes(strata, places, {}, {}, points);
+  shrink_gaps(strata, candidates, {}, {}, points);
   return {before, points};
 }
 
-TEST(RankHoles, AreClosedByPointsThatStayInTheirStrata) {
-  const auto [before, points] = closed_hole();
-  EXPECT_GT(widest_hole(before), kWideHole);
-  EXPECT_LT(widest_hole(points), widest_hole(before) - 0.05);
+TEST(ShrinkGaps, MovesPointsThatStayInTheirStrata) {
+  const auto [before, points] = shrunk_gap();
+  EXPECT_GT(widest_gap(before), kWideGap);
+  EXPECT_LT(widest_gap(points), widest_gap(before) - 0.05);
   expect_in_their_strata(points, before);
 }
 
-TEST(RankHoles, PointsThatMoveKeepHalfTheLatticeDistance) {
-  const auto [before, points] = closed_hole();
+TEST(ShrinkGaps, PointsThatMoveKeepHalfTheLatticeDistance) {
+  const auto [before, points] = shrunk_gap();
   for (std::size_t c = 0; c < points.size(); ++c) {
-    if (points[c].coordinate == before[c].coordinate) continue;
+    if (points[c].curve_position == before[c].curve_position) continue;
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (i == c) continue;
       const double x = points[i].position[0] - points[c].position[0], y = points[i].position[1] - points[c].position[1];
@@ -92,15 +92,15 @@ TEST(RankHoles, PointsThatMoveKeepHalfTheLatticeDistance) {
   }
 }
 
-TEST(RankHoles, PointsStayWhereThereAreNone) {
+TEST(ShrinkGaps, PointsStayWhereThereAreNone) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  const RankPlaces places(strata, kFlatBlock, 0);
+  const GroupCandidates candidates(strata, kFlatGroup, 0);
   // All of them from the beginning, as far as anyone can tell: nothing comes late, nothing may move.
-  std::vector<RankedPoint> points = points_in(places);
+  std::vector<RankedPoint> points = points_in(candidates);
   for (RankedPoint& p : points) p.rank = p.rank % 64;
   const std::vector<RankedPoint> before = points;
-  close_holes(strata, places, {}, {}, points);
+  shrink_gaps(strata, candidates, {}, {}, points);
   EXPECT_EQ(std::memcmp(points.data(), before.data(), points.size() * sizeof(RankedPoint)), 0);
 }
 

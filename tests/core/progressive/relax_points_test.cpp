@@ -1,4 +1,4 @@
-#include "core/progressive/rank_relaxation.h"
+#include "core/progressive/relax_points.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tests/core/progressive/flat_block.h"
+#include "tests/core/progressive/flat_group.h"
 
 namespace curvecast {
 namespace {
@@ -14,8 +14,8 @@ namespace {
 using namespace curvecast::testing;
 
 /// Anywhere in their children; every fourth is of a level before.
-std::vector<RankedPoint> points_in(const RankPlaces& places) {
-  return points_at(places, [](std::size_t c) { return (c * 37 + 11) % kPlaces; });
+std::vector<RankedPoint> points_in(const GroupCandidates& candidates) {
+  return points_at(candidates, [](std::size_t c) { return (c * 37 + 11) % kCandidates; });
 }
 
 double least_distance(const std::vector<RankedPoint>& points) {
@@ -29,29 +29,29 @@ double least_distance(const std::vector<RankedPoint>& points) {
   return least;
 }
 
-TEST(RankRelaxation, PointsKeepFartherApartAndStayInTheirStrata) {
+TEST(RelaxPoints, PointsKeepFartherApartAndStayInTheirStrata) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  RankPlaces places(strata, kFlatBlock, 0);
-  const std::vector<RankedPoint> before = points_in(places);
+  GroupCandidates candidates(strata, kFlatGroup, 0);
+  const std::vector<RankedPoint> before = points_in(candidates);
   std::vector<RankedPoint> points = before;
-  relax_ranks(places, {}, points);
+  relax_points(candidates, {}, points);
   EXPECT_GT(least_distance(points), 2 * least_distance(before));
   expect_in_their_strata(points, before);
 }
 
-TEST(RankRelaxation, HeedsPointsOfOtherBlocks) {
+TEST(RelaxPoints, HeedsPointsOfOtherGroups) {
   const auto curve = flat_curve(7);
   const CurveStrata strata(*curve);
-  RankPlaces places(strata, kFlatBlock, 0);
-  std::vector<RankedPoint> points = points_in(places);
-  const RankedPoint other{0, {places.child(101).center.x(), places.child(101).center.y(), 0}, {0, 0, 1}, 0, 5};
+  GroupCandidates candidates(strata, kFlatGroup, 0);
+  std::vector<RankedPoint> points = points_in(candidates);
+  const RankedPoint other{0, {candidates.child(101).centre.x(), candidates.child(101).centre.y(), 0}, {0, 0, 1}, 0, 5};
   const auto distance = [&] {
     return std::hypot(points[101].position[0] - other.position[0], points[101].position[1] - other.position[1]);
   };
-  relax_ranks(places, {}, points);
+  relax_points(candidates, {}, points);
   const float alone = distance();
-  relax_ranks(places, {&other, 1}, points);
+  relax_points(candidates, {&other, 1}, points);
   EXPECT_GT(distance(), alone);
 }
 

@@ -1,4 +1,4 @@
-#include "core/progressive/place_order.h"
+#include "core/progressive/sort_along_curve.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 
 namespace curvecast {
 
-void sort_by_place(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& scratch) {
-  // The upper digits leave next to nothing to do to those who compare neighbours.
+void sort_along_curve(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& scratch) {
+  // The upper digits leave next to nothing to do for the insertion sort.
   constexpr int kLowest = 42, kPasses = 2, kBits = 11;
   constexpr std::size_t kBins = std::size_t{1} << kBits;
   std::array<std::array<std::uint32_t, kBins>, kPasses> begin{};
@@ -27,7 +27,7 @@ void sort_by_place(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>&
     for (const std::uint64_t key : keys) scratch[to[bin(key, pass)]++] = key;
     keys.swap(scratch);
   }
-  // Runs with the same upper digits are short, unless somebody sends other places than a curve's.
+  // Runs with the same upper digits are short for positions on a curve; for any others this stays correct.
   constexpr std::size_t kShort = 32;
   const auto same_bins = [](std::uint64_t a, std::uint64_t b) { return a >> kLowest == b >> kLowest; };
   const auto before = [](std::uint64_t a, std::uint64_t b) { return a >> 32 < b >> 32; };

@@ -1,4 +1,4 @@
-// A block of ranked points on a flat square, for tests of those who move them.
+// A group of ranked points on a flat square, for tests of those who move them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -6,19 +6,19 @@
 #include <cstring>
 #include <vector>
 
-#include "core/progressive/rank_places.h"
+#include "core/progressive/candidate_points.h"
 #include "tests/support/flat_curve.h"
 
 namespace curvecast::testing {
 
-inline constexpr RankBlock kFlatBlock{3, 0};
+inline constexpr StratumGroup kFlatGroup{3, 0};
 
 /// One point in each child, at place_of(child); every fourth is of a level before.
 template <typename PlaceOf>
-std::vector<RankedPoint> points_at(const RankPlaces& places, const PlaceOf& place_of) {
+std::vector<RankedPoint> points_at(const GroupCandidates& candidates, const PlaceOf& place_of) {
   std::vector<RankedPoint> points;
-  for (std::uint32_t c = 0; c < places.size(); ++c) {
-    points.push_back(places.point(c, place_of(c), c % 4 == 0 ? c / 4 : 64 + c - c / 4 - 1));
+  for (std::uint32_t c = 0; c < candidates.size(); ++c) {
+    points.push_back(candidates.point(c, place_of(c), c % 4 == 0 ? c / 4 : 64 + c - c / 4 - 1));
   }
   return points;
 }
@@ -26,7 +26,7 @@ std::vector<RankedPoint> points_at(const RankPlaces& places, const PlaceOf& plac
 /// That points_at() have moved within their strata at most, with their ranks; those of a level before not at all.
 inline void expect_in_their_strata(const std::vector<RankedPoint>& points, const std::vector<RankedPoint>& before) {
   for (std::size_t c = 0; c < points.size(); ++c) {
-    EXPECT_EQ(points[c].coordinate >> child_shift(kFlatBlock.level), c);
+    EXPECT_EQ(points[c].curve_position >> child_shift(kFlatGroup.level), c);
     EXPECT_EQ(points[c].rank, before[c].rank);
     EXPECT_TRUE(c % 4 != 0 || std::memcmp(&points[c], &before[c], sizeof(RankedPoint)) == 0);
   }

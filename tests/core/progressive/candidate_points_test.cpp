@@ -1,0 +1,72 @@
+#include "core/progressive/candidate_points.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "tests/support/flat_curve.h"
+
+namespace curvecast {
+namespace {
+
+using namespace curvecast::testing;
+
+constexpr StratumGroup kGroup{3, 0};
+
+TEST(CandidatePoints, LieInTheirStrata) {
+  const auto curve = flat_curve(7);
+  const CurveStrata strata(*curve);
+  const GroupCandidates candidates(strata, kGroup, 1);
+  ASSERT_EQ(candidates.size(), 256u);
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    for (std::size_t k = 0; k < kCandidates; ++k) {
+      const RankedPoint p = candidates.point(c, k, 77);
+      EXPECT_EQ(p.curve_position >> child_shift(kGroup.level), c);
+      EXPECT_EQ(p.rank, 77u);
+      EXPECT_EQ(p.position[0], candidates.in_child(c).x[k]);
+      const Vec3f away = Vec3f(p.position[0], p.position[1], p.position[2]) - candidates.child(c).centre;
+      EXPECT_LE(away.norm(), candidates.child(c).radius * 1.0001f);
+    }
+  }
+}
+
+TEST(CandidatePoints, KnowTheNearestPointThatTheyFace) {
+  const auto curve = flat_curve(7);
+  const CurveStrata strata(*curve);
+  const GroupCandidates candidates(strata, kGroup, 0);
+  std::array<float, kCandidates> least;
+  least.fill(kFar);
+  RankedPoint p{0, {0.5f, 0.5f, 0.25f}, {0, 0, 1}, 0, 0};
+  candidates.take_nearer(100, p, 2, least.data());
+  const CandidatePoints& in_child = candidates.in_child(100);
+  for (std::size_t k = 0; k < kCandidates; ++k) {
+    const double x = in_child.x[k] - 0.5, y = in_child.y[k] - 0.5;
+    EXPECT_NEAR(least[k], 2 * (x * x + y * y + 0.0625), 1e-5);
+  }
+  const std::array<float, kCandidates> before = least;
+  p.position[2] = 0;
+  p.normal[2] = -1;
+  candidates.take_nearer(100, p, 2, least.data());
+  EXPECT_EQ(least, before);
+}
+
+TEST(CandidatePoints, BestAndCentralPlace) {
+  CandidatePoints candidates{};
+  std::array<float, kCandidates> after;
+  after.fill(10);
+  for (std::size_t k = 0; k < kCandidates; ++k) {
+    candidates.nearest_lower[k] = static_cast<float>(k);
+    candidates.from_centre[k] = static_cast<float>(k % 8);
+  }
+  after[kCandidates - 1] = 1;
+  const BestCandidate best = best_candidate(candidates.nearest_lower, after.data(), 0.1f);
+  EXPECT_EQ(best.index, kCandidates - 2);
+  EXPECT_FLOAT_EQ(best.value, 0.1f * (kCandidates - 2));
+  EXPECT_EQ(central_candidate(candidates, after.data(), 0.1f, 0.1f * (kCandidates - 12)), kCandidates - 8);
+  EXPECT_EQ(largest_of(candidates.nearest_lower), static_cast<float>(kCandidates - 1));
+}
+
+}  // namespace
+}  // namespace curvecast

@@ -1,0 +1,60 @@
+#include "core/progressive/group_order.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/support/flat_curve.h"
+
+namespace curvecast {
+namespace {
+
+using namespace curvecast::testing;
+using Groups = std::vector<std::uint64_t>;
+
+TEST(GroupOrder, IsTotal) {
+  constexpr int kLevel = 6;
+  Groups groups(GroupOrder::count(kLevel));
+  for (std::size_t i = 0; i < groups.size(); ++i) groups[i] = i;
+  std::sort(groups.begin(), groups.end(), [](std::uint64_t a, std::uint64_t b) { return GroupOrder::precedes(kLevel, a, b); });
+  for (std::size_t i = 1; i < groups.size(); ++i) {
+    EXPECT_TRUE(GroupOrder::precedes(kLevel, groups[i - 1], groups[i]));
+    EXPECT_FALSE(GroupOrder::precedes(kLevel, groups[i], groups[i - 1]));
+  }
+}
+
+/// All near groups of a level, from those of the levels before.
+std::vector<Groups> near_groups(const GroupOrder& order, int level) {
+  std::vector<Groups> near(GroupOrder::count(level));
+  const std::vector<Groups> parents = near.size() > 1 ? near_groups(order, level - 1) : std::vector<Groups>{{0}};
+  for (std::size_t i = 0; i < near.size(); ++i) near[i] = order.near({level, i}, parents[i / 4]);
+  return near;
+}
+
+TEST(GroupOrder, FindsAllNearGroups) {
+  const auto curve = flat_curve(7);
+  const CurveStrata strata(*curve);
+  const GroupOrder order(strata, 7);
+  for (const int level : {2, 3, 4, 6}) {
+    const std::vector<Groups> near = near_groups(order, level);
+    const float reach = influence_radius(strata.total_area(), level);
+    for (std::uint64_t i = 0; i < near.size(); ++i) {
+      Groups expected;
+      for (std::uint64_t j = 0; j < near.size(); ++j) {
+        if (order.box({level, i}).exteriorDistance(order.box({level, j})) <= reach) expected.push_back(j);
+      }
+      EXPECT_EQ(near[i], expected);
+    }
+  }
+}
+
+TEST(GroupOrder, DoesNotDependOnWhatWasMadeReady) {
+  const auto curve = flat_curve(7);
+  const CurveStrata strata(*curve);
+  const GroupOrder ready(strata, 7), other(strata, 1);
+  EXPECT_EQ(near_groups(ready, 6), near_groups(other, 6));
+}
+
+}  // namespace
+}  // namespace curvecast
