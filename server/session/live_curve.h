@@ -10,9 +10,6 @@
 
 namespace curvecast::server {
 
-/// What the Refiner keeps of a session; nobody else looks into it.
-struct Refinement;
-
 /// Thread-safe.
 class LiveCurve {
  public:
@@ -35,8 +32,6 @@ class LiveCurve {
     const std::lock_guard lock(mutex_);
     refining_ = refining;
   }
-
-  std::shared_ptr<Refinement> refinement;  // guarded by the refiner's lock
 
  private:
   mutable std::mutex mutex_;

@@ -13,6 +13,7 @@
 #include "server/session/live_curve.h"
 #include "server/session/live_ranks.h"
 #include "server/session/mesh_files.h"
+#include "server/session/refinement.h"
 
 namespace curvecast::server {
 
@@ -31,6 +32,7 @@ struct Session {
   Preprocessed preprocessed;  // its curve has gone to `live`; without `flattened` when it comes from the cache
   std::shared_ptr<LiveCurve> live = std::make_shared<LiveCurve>();
   std::shared_ptr<LiveRanks> ranks = std::make_shared<LiveRanks>();  // made when they are first asked for
+  std::shared_ptr<Refinement> refinement = std::make_shared<Refinement>();
   /// Where preprocessed.flattened is null: brings what the curve lies on, when it is to be refined. May be empty, or fail.
   std::function<absl::StatusOr<std::shared_ptr<const FlattenedMesh>>()> load_flattened;
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
