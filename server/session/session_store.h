@@ -1,27 +1,25 @@
-// All sessions, shared between clients: one preprocessing job for each, whoever and how many wait for it.
+// All sessions, shared between clients: those who ask for the same one share it, and the job that makes it.
 #pragma once
 
 #include <absl/status/statusor.h>
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <functional>
 #include <limits>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "server/base/job_queue.h"
 #include "server/session/eviction.h"
 #include "server/session/mesh_files.h"
 #include "server/session/session.h"
 #include "server/session/session_cache.h"
+#include "server/session/session_jobs.h"
+#include "server/session/session_table.h"
+#include "server/session/session_waiters.h"
 
 namespace spdlog {
 class logger;
@@ -29,22 +27,10 @@ class logger;
 
 namespace curvecast::server {
 
-/// Someone who waits for a session. Called with the store's lock held, from any thread: must not call the store.
-class SessionWaiter {
- public:
-  virtual ~SessionWaiter() = default;
-  /// The start and the end of every stage and, about 20 times a second, what lies between.
-  virtual void on_progress(std::string_view stage, double fraction) = 0;
-  /// The last call: the session is ready, or why it never will be.
-  virtual void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) = 0;
-};
-
-/// Thread-safe.
+/// Thread-safe. Joins the table of sessions, the jobs that make them and their cache.
 class SessionStore {
  public:
-  /// The signature of curvecast::preprocess.
-  using Preprocess =
-      std::function<absl::StatusOr<Preprocessed>(const MeshFile&, const PreprocessOptions&, const ExecutionContext&)>;
+  using Preprocess = SessionJobs::Preprocess;
 
   /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core). With a cache, which must
   /// outlive the store too, sessions are saved when they become ready, and loaded instead of made.
@@ -85,49 +71,22 @@ class SessionStore {
   std::uint64_t memory_bytes();  // of all sessions
 
  private:
-  struct Job;
-  struct Entry {
-    SessionInfo info;
-    std::shared_ptr<Job> job;  // until ready
-    std::string owner;         // who had it made; empty: nobody in particular
-    std::uint64_t last_used = 0;
-    std::chrono::steady_clock::time_point used_at = std::chrono::steady_clock::now();
+  /// Starts to make a session that is not there.
+  absl::StatusOr<std::shared_ptr<SessionJob>> start_job(const std::string& id, MeshFiles files, const PreprocessOptions& options,
+                                                        SessionWaiter* waiter, const std::string& owner,
+                                                        SessionTable::Sessions& evicted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void take_in(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> made)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<std::shared_ptr<const Session>> find_here(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id) ABSL_LOCKS_EXCLUDED(load_mutex_, mutex_);
+  void log_evicted(const SessionTable::Sessions& evicted) const;
 
-    bool may_change(const std::string& who) const { return owner.empty() || owner == who; }
-    bool is_idle() const { return job == nullptr && info.session.use_count() == 1; }
-  };
-  using Entries = std::map<std::string, Entry>;
-  // Curves take their time to go: they outlive the lock.
-  using Evicted = std::vector<std::shared_ptr<const Session>>;
-
-  void touch(Entry& entry);
-  bool evict(const SessionLimits& limits, Evicted& evicted);
-  /// With the lock.
-  absl::Status may_pin(const Session& session) const;
-  absl::Status make_room(Evicted& evicted);
-  absl::StatusOr<std::shared_ptr<const Session>> find_here(const std::string& id);
-  absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id);
-  absl::Status submit(const std::shared_ptr<Job>& job);
-  void run(const std::shared_ptr<Job>& job);
-  void run_load(const std::shared_ptr<Job>& job);
-  static std::shared_ptr<const Session> make_session(const Job& job, Preprocessed preprocessed);
-  void settle(Job& job, absl::StatusOr<std::shared_ptr<const Session>> result);
-  void report(Job& job, std::string_view stage, double fraction);
-  void broadcast(Job& job, std::string_view stage, double fraction);
-  void abandon(Job& job);
-
-  JobQueue& queue_;
-  const Preprocess preprocess_;
-  const SessionLimits limits_;
-  const int threads_;
   const std::shared_ptr<spdlog::logger> log_;
-  SessionCache* const cache_;  // may be null
-  std::mutex load_mutex_;      // find() loads one at a time, so that nothing is loaded twice; taken before mutex_
-  std::mutex mutex_;
-  std::condition_variable idle_;
-  std::size_t jobs_ = 0;  // accepted by the queue and not yet over or withdrawn
-  Entries entries_;
-  std::uint64_t clock_ = 0;  // counts uses
+  SessionCache* const cache_;                      // may be null
+  Mutex load_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);  // find() loads one at a time, so that nothing is loaded twice
+  Mutex mutex_;
+  SessionTable table_ ABSL_GUARDED_BY(mutex_);
+  SessionJobs jobs_;  // last: they use the others
 };
 
 }  // namespace curvecast::server

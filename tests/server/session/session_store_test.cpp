@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <future>
 #include <new>
 #include <optional>
 #include <utility>
@@ -416,6 +417,30 @@ TEST_F(SessionStoreTest, EvictsWhatIsTooMuchTogether) {
   EXPECT_TRUE(store.info(ids[1]).ok());
   EXPECT_FALSE(store.info(ids[0]).ok());
   EXPECT_LE(store.memory_bytes(), 100'000u);
+}
+
+TEST_F(SessionStoreTest, WaitersMayCallTheStore) {
+  class Caller final : public SessionWaiter {
+   public:
+    explicit Caller(SessionStore& store) : store_(store) {}
+    void on_progress(std::string_view, double) override { EXPECT_LE(store_.list().size(), 1u); }
+    void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) override {
+      const std::string id = (*session)->id;
+      EXPECT_TRUE(store_.find(id).ok());
+      EXPECT_TRUE(store_.close(id).ok());
+      done_.set_value();
+    }
+    bool wait() { return done_.get_future().wait_for(kPatience) == std::future_status::ready; }
+
+   private:
+    SessionStore& store_;
+    std::promise<void> done_;
+  };
+  set_open(true);
+  Caller caller(*store_);
+  ASSERT_TRUE(store_->join(mesh("m"), {}, &caller).ok());
+  ASSERT_TRUE(caller.wait());
+  EXPECT_TRUE(store_->list().empty());
 }
 
 TEST_F(SessionStoreTest, ListsPageByPage) {
