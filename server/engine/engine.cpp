@@ -53,9 +53,9 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       housekeeper_([this](const std::stop_token& stop) { tend(stop); }) {}
 
 void Engine::tend(const std::stop_token& stop) {
-  std::mutex mutex;
+  Mutex mutex;
   std::condition_variable_any never;
-  std::unique_lock lock(mutex);
+  MutexLock lock(mutex);
   while (!never.wait_for(lock, stop, kTendInterval, [] { return false; }) && !stop.stop_requested()) {
     const auto now = std::chrono::steady_clock::now();
     sessions.tend(now);
@@ -86,7 +86,7 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                         std::function<void()> job) { return submit_view(std::move(job), connection); },
           .count_queued = [this](std::int64_t bytes) { queued.add(bytes); },
       });
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (stopped_) return absl::UnavailableError("the server is shutting down");
   if (streams_.size() >= sweep_at_) {
     std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });
@@ -136,7 +136,7 @@ absl::Status Engine::close_session(const std::string& id, const std::string& who
 void Engine::tell_streams(const Session& session) {
   std::vector<std::weak_ptr<ClientStream>> all;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     all = streams_;
   }
   for (const auto& weak : all) {
@@ -147,7 +147,7 @@ void Engine::tell_streams(const Session& session) {
 void Engine::stop_streams(const absl::Status& reason) {
   std::vector<std::weak_ptr<ClientStream>> all;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopped_ = true;
     all = std::exchange(streams_, {});
   }

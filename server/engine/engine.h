@@ -5,12 +5,12 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "server/base/admission.h"
 #include "server/base/job_queue.h"
 #include "server/base/queued_bytes.h"
@@ -76,14 +76,14 @@ class Engine {
 
  private:
   absl::Status submit_view(std::function<void()> job, const std::string& connection);
-  void tell_streams(const Session& session);
+  void tell_streams(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
   void tend(const std::stop_token& stop);
 
   std::atomic<std::uint64_t> sources_ = 0;
-  std::mutex mutex_;
-  std::vector<std::weak_ptr<ClientStream>> streams_;
-  std::size_t sweep_at_ = 64;  // number of streams at which those that have gone are forgotten
-  bool stopped_ = false;
+  Mutex mutex_;
+  std::vector<std::weak_ptr<ClientStream>> streams_ ABSL_GUARDED_BY(mutex_);
+  std::size_t sweep_at_ ABSL_GUARDED_BY(mutex_) = 64;  // number of streams at which those that have gone are forgotten
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   std::jthread housekeeper_;  // last: it uses the others
 };
 

@@ -8,9 +8,9 @@
 #include <prometheus/text_serializer.h>
 
 #include <chrono>
-#include <mutex>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "curvecast/v1/curvecast.pb.h"
 #include "server/base/build_info.h"
 #include "server/base/process_usage.h"
@@ -84,20 +84,27 @@ struct Metrics::Families {
     return {frames.Add(labels), frame_bytes.Add(labels), frame_points.Add(labels)};
   }
 
-  std::mutex mutex;  // guards what follows: set and read together
-  Family<Gauge>& waiting = gauges(registry, "curvecast_queue_depth", "Jobs that wait for a worker.");
-  Gauge& waiting_views = waiting.Add({{"queue", "views"}});
-  Gauge& waiting_calls = waiting.Add({{"queue", "calls"}});
-  Gauge& waiting_preprocessing = waiting.Add({{"queue", "preprocessing"}});
-  Gauge& sessions = gauges(registry, "curvecast_sessions", "Sessions in memory, those being made too.").Add({});
-  Gauge& session_bytes = gauges(registry, "curvecast_session_bytes", "Of their curves.").Add({});
-  Gauge& meshes = gauges(registry, "curvecast_meshes", "Mesh files held.").Add({});
-  Gauge& mesh_bytes = gauges(registry, "curvecast_mesh_bytes", "Of mesh files held and being received.").Add({});
-  Gauge& cache_bytes = gauges(registry, "curvecast_cache_bytes", "Of the files in the cache's folder.").Add({});
-  Gauge& resident = gauges(registry, "process_resident_memory_bytes", "Resident memory size in bytes.").Add({});
-  Gauge& open_files = gauges(registry, "process_open_fds", "Number of open file descriptors.").Add({});
-  Gauge& threads = gauges(registry, "process_threads", "Number of threads.").Add({});
-  Counter& cpu = counters(registry, "process_cpu_seconds_total", "Total user and system CPU time spent in seconds.").Add({});
+  // What follows is set and read together.
+  Mutex mutex;
+  Family<Gauge>& waiting ABSL_GUARDED_BY(mutex) = gauges(registry, "curvecast_queue_depth", "Jobs that wait for a worker.");
+  Gauge& waiting_views ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "views"}});
+  Gauge& waiting_calls ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "calls"}});
+  Gauge& waiting_preprocessing ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "preprocessing"}});
+  Gauge& sessions ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_sessions", "Sessions in memory, those being made too.").Add({});
+  Gauge& session_bytes ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_session_bytes", "Of their curves and ranked candidates.").Add({});
+  Gauge& meshes ABSL_GUARDED_BY(mutex) = gauges(registry, "curvecast_meshes", "Mesh files held.").Add({});
+  Gauge& mesh_bytes ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_mesh_bytes", "Of mesh files held and being received.").Add({});
+  Gauge& cache_bytes ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_cache_bytes", "Of the files in the cache's folder.").Add({});
+  Gauge& resident ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "process_resident_memory_bytes", "Resident memory size in bytes.").Add({});
+  Gauge& open_files ABSL_GUARDED_BY(mutex) = gauges(registry, "process_open_fds", "Number of open file descriptors.").Add({});
+  Gauge& threads ABSL_GUARDED_BY(mutex) = gauges(registry, "process_threads", "Number of threads.").Add({});
+  Counter& cpu ABSL_GUARDED_BY(mutex) =
+      counters(registry, "process_cpu_seconds_total", "Total user and system CPU time spent in seconds.").Add({});
 };
 
 Metrics::Metrics() : families_(std::make_unique<Families>()) {
@@ -145,7 +152,7 @@ void Metrics::refinement(bool is_finer) { (is_finer ? families_->finer : familie
 
 std::string Metrics::text(const Levels& levels) {
   Families& f = *families_;
-  const std::lock_guard lock(f.mutex);
+  const MutexLock lock(f.mutex);
   f.frames_shared.Increment(static_cast<double>(levels.shared_frames) - f.frames_shared.Value());
   f.waiting_views.Set(static_cast<double>(levels.waiting_views));
   f.waiting_calls.Set(static_cast<double>(levels.waiting_calls));

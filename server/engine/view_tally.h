@@ -3,8 +3,8 @@
 
 #include <cstdint>
 #include <deque>
-#include <mutex>
 
+#include "core/base/mutex.h"
 #include "server/engine/metrics.h"
 
 namespace curvecast::server {
@@ -25,8 +25,8 @@ class ViewTally {
 
  private:
   Metrics& metrics_;
-  std::mutex mutex_;
-  std::deque<std::uint64_t> open_;  // ascending
+  Mutex mutex_;
+  std::deque<std::uint64_t> open_ ABSL_GUARDED_BY(mutex_);  // ascending
 };
 
 }  // namespace curvecast::server

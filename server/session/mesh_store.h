@@ -7,12 +7,12 @@
 #include <cstdlib>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 
+#include "core/base/mutex.h"
 #include "server/base/hash.h"
 
 namespace curvecast::server {
@@ -74,11 +74,11 @@ class MeshStore {
 
   const std::uint64_t max_bytes_;
   const std::uint64_t max_file_bytes_;
-  mutable std::mutex mutex_;
-  std::uint64_t used_ = 0;  // bytes of `recency_` and of all uploads
-  Recency recency_;
-  std::unordered_map<std::string, Recency::iterator> by_id_;
-  std::list<MeshPart> parked_;  // the newest first; within used_ too
+  mutable Mutex mutex_;
+  std::uint64_t used_ ABSL_GUARDED_BY(mutex_) = 0;  // bytes of `recency_` and of all uploads
+  Recency recency_ ABSL_GUARDED_BY(mutex_);
+  std::unordered_map<std::string, Recency::iterator> by_id_ ABSL_GUARDED_BY(mutex_);
+  std::list<MeshPart> parked_ ABSL_GUARDED_BY(mutex_);  // the newest first; within used_ too
 };
 
 /// One file on its way into the store, which must outlive it. Not thread-safe.

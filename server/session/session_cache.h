@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 
+#include "core/base/mutex.h"
 #include "server/base/job_queue.h"
 #include "server/session/session.h"
 
@@ -61,23 +61,24 @@ class SessionCache {
   SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log);
   std::string curve_path(const std::string& id) const;
   std::string surface_path(const std::string& id) const;
-  bool is_going(const std::string& id) const;
+  /// Whether a session's files are being written, and are to be removed then.
+  bool is_going(const std::string& id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool remove_files(const std::string& id) const;
   void discard(const std::string& path, const absl::Status& reason) const;
   void save_next(const std::string& id);
   absl::Status write(const std::string& id, const Snapshot& snapshot) const;
   void make_room() const;
-  void note_failure(const std::string& id, const absl::Status& status);
+  void note_failure(const std::string& id, const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::string folder_;
   const std::uint64_t max_bytes_;
   const std::shared_ptr<spdlog::logger> log_;
-  mutable std::mutex mutex_;
-  std::map<std::string, Snapshot> pending_;  // by session, the newest state of each
-  std::string saving_;                       // session that is being written
-  bool unwanted_ = false;                    // ... but has been removed meanwhile: its files go when they are written
-  bool failing_ = false;                     // the last save failed, and the log says so
-  JobQueue loading_, saving_queue_;          // last: their jobs use all of the above
+  mutable Mutex mutex_;
+  std::map<std::string, Snapshot> pending_ ABSL_GUARDED_BY(mutex_);  // by session, the newest state of each
+  std::string saving_ ABSL_GUARDED_BY(mutex_);                       // session that is being written
+  bool unwanted_ ABSL_GUARDED_BY(mutex_) = false;  // saving_ has been removed meanwhile: its files go when they are written
+  bool failing_ ABSL_GUARDED_BY(mutex_) = false;   // the last save failed, and the log says so
+  JobQueue loading_, saving_queue_;                // last: their jobs use all of the above
 };
 
 }  // namespace curvecast::server
