@@ -30,27 +30,29 @@ namespace curvecast::server {
 
 struct ServerOptions;
 
-/// Thread-safe. Members are public because it is only the place where they meet, in the order in which they need each other.
+/// Thread-safe. The parts of a server are public members, for this is only the place where they meet. Their order is the order in
+/// which they need each other: each part is made after those that it uses, and destroyed, which ends its threads, before them. So
+/// settings and counters come first, then workers and stores, then what improves sessions, and the housekeeper at the end.
 class Engine {
  public:
-  /// `cache` may be null.
+  /// `session_cache` and `known` may be null: without a cache; everybody may call.
   Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
          std::shared_ptr<const Tokens> known = nullptr);
 
   /// Whether the session would survive a restart.
   bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->holds(session_id); }
 
-  /// Makes a conversation that stop_streams() reaches; refused with Unavailable after it.
-  /// `connection` shares the workers with the others.
+  /// Makes a conversation that stop_streams() ends; Unavailable after stop_streams(). `connection` is whose share of the workers
+  /// it takes.
   absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, std::string connection);
-  /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined, and more ranked
-  /// candidates made.
+  /// What the functions of point_blocks.h call where an answer to `sample` falls short: has the session's curve refined, and more
+  /// ranked candidates made.
   OnShort improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
-  /// A number for a conversation or a call.
+  /// Makes a number by which Refiner::request() tells conversations and calls apart.
   std::uint64_t new_source() { return ++sources_; }
-  /// What is held and what waits at this moment.
+  /// Counts what is held and what waits at this moment.
   Levels levels();
-  /// SessionStore::close(), and no more refinement.
+  /// Closes a session, as SessionStore::close(), and ends its refinement.
   absl::Status close_session(const std::string& id, const std::string& who);
   /// Ends all conversations and refuses new ones.
   void stop_streams(const absl::Status& reason);

@@ -17,12 +17,12 @@
 
 namespace curvecast::server {
 
-/// Grows whenever preprocessing gives other bytes than before for the same files and options: sessions of other versions are
-/// others.
+/// To be raised whenever preprocessing gives other bytes than before for the same files and options. It is part of session_id(),
+/// so that the cache's files of other versions are not used.
 inline constexpr int kAlgorithmVersion = 2;
 
-/// Ready and immutable but for its curve, which may become finer, and its ranked candidates; whoever holds it may go on using it
-/// after it has been closed.
+/// Immutable but for its curve, which may become finer, and its ranked candidates. Can be used for as long as it is held, also
+/// after it has been closed. Copies share what changes.
 struct Session {
   std::string id;
   std::string mesh_id;
@@ -33,13 +33,13 @@ struct Session {
   std::shared_ptr<LiveCurve> live = std::make_shared<LiveCurve>();
   std::shared_ptr<LiveRanks> ranks = std::make_shared<LiveRanks>();  // made when they are first asked for
   std::shared_ptr<Refinement> refinement = std::make_shared<Refinement>();
-  /// Where preprocessed.flattened is null: brings what the curve lies on, when it is to be refined. May be empty, or fail.
+  /// Loads the surface on which the curve lies, for refining it, where preprocessed.flattened is null. May be empty.
   std::function<absl::StatusOr<std::shared_ptr<const FlattenedMesh>>()> load_flattened;
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
 
-  /// The newest revision. One answer takes it once.
+  /// The newest revision of the curve. Each answer takes it once, so that all of it is of one revision.
   std::shared_ptr<const SurfaceCurve> curve() const { return live->newest(); }
-  /// Of its curve and its ranked candidates.
+  /// Bytes of the curve and the ranked candidates.
   std::uint64_t memory_bytes() const { return curve()->byte_size() + ranks->byte_size(); }
 };
 
@@ -52,10 +52,11 @@ struct SessionInfo {
   SessionState state = SessionState::kQueued;
   std::shared_ptr<const Session> session;  // set when ready
   bool pinned = false;                     // is never evicted
-  double time_to_live = 0;                 // above 0: is closed when nobody has used it for so many seconds
+  double time_to_live = 0;                 // above 0: it is closed when it has not been used for so many seconds
 };
 
-/// The same for the same files, under the same names, all options and the same version of the algorithm: 32 hexadecimal digits.
+/// The id of a session, 32 hexadecimal digits: a hash of the files, the names of the companions, all options and
+/// kAlgorithmVersion.
 std::string session_id(const MeshFiles& files, const PreprocessOptions& options);
 
 /// The process's peak memory so far, bytes.

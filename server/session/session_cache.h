@@ -33,21 +33,21 @@ class SessionCache {
   /// Saves the session as it is now in the background, replacing what was saved of it before. When it cannot, because the disk is
   /// full or too many saves wait, the log says so (once until it works again), and the session is just not cached.
   void save(const Session& session);
-  /// Whether a session can be loaded, unless its file turns out to be damaged. Takes microseconds.
+  /// Whether there is a file from which a session can be loaded, unless it turns out to be damaged. Takes microseconds.
   bool holds(const std::string& id) const;
-  /// NotFound when there is none; DataLoss, FailedPrecondition and so on for files that cannot be used. The log says why, and
-  /// they are removed.
+  /// Loads a session. NotFound when there is none; DataLoss, FailedPrecondition and so on for files that cannot be used. The log
+  /// says why, and they are removed.
   absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id);
-  /// What refining the session's curve starts from: for sessions whose Preprocessed::flattened is null. Errors as of load().
+  /// Loads what refining a session's curve starts from, for sessions whose Preprocessed::flattened is null. Errors as of load().
   absl::StatusOr<std::shared_ptr<const FlattenedMesh>> load_surface(const std::string& id);
-  /// Removes a session's files, and forgets to save it. False when there were none.
+  /// Removes a session's files, also those still to be saved. False when there were none.
   bool remove(const std::string& id);
-  /// Of all files of sessions in the folder, whoever wrote them. Looks at each.
+  /// Bytes of all files of sessions in the folder, whichever process wrote them. Looks at each.
   std::uint64_t used_bytes() const;
 
-  /// Runs loads for those who must not wait. Apart from saving, which waits for the disk.
+  /// The queue on which those load who must not wait. Apart from the one that saves, which waits for the disk.
   JobQueue& loading() { return loading_; }
-  /// Ends the saves under way. Later ones are not made.
+  /// Finishes the loads and saves that have been accepted, and refuses later ones.
   void stop();
 
  private:
