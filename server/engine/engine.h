@@ -47,11 +47,11 @@ class Engine {
   absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, std::string connection);
   /// What the functions of point_blocks.h call where an answer to `sample` falls short: has the session's curve refined, and more
   /// ranked candidates made.
-  OnShort improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
+  OnShort improvement_requests(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
   /// Makes a number by which Refiner::request() tells conversations and calls apart.
   std::uint64_t new_source() { return ++sources_; }
   /// Counts what is held and what waits at this moment.
-  Levels levels();
+  Gauges gauges();
   /// Closes a session, as SessionStore::close(), and ends its refinement.
   absl::Status close_session(const std::string& id, const std::string& who);
   /// Ends all conversations and refuses new ones.
@@ -78,8 +78,8 @@ class Engine {
 
  private:
   absl::Status submit_view(std::function<void()> job, const std::string& connection);
-  void tell_streams(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
-  void tend(const std::stop_token& stop);
+  void notify_streams(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
+  void run_housekeeping(const std::stop_token& stop);
 
   std::atomic<std::uint64_t> sources_ = 0;
   Mutex mutex_;

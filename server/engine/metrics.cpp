@@ -150,18 +150,18 @@ void Metrics::stages(const v1::FrameStatistics& statistics) {
 
 void Metrics::refinement(bool is_finer) { (is_finer ? families_->finer : families_->unchanged).Increment(); }
 
-std::string Metrics::text(const Levels& levels) {
+std::string Metrics::text(const Gauges& values) {
   Families& f = *families_;
   const MutexLock lock(f.mutex);
-  f.frames_shared.Increment(static_cast<double>(levels.shared_frames) - f.frames_shared.Value());
-  f.waiting_views.Set(static_cast<double>(levels.waiting_views));
-  f.waiting_calls.Set(static_cast<double>(levels.waiting_calls));
-  f.waiting_preprocessing.Set(static_cast<double>(levels.waiting_preprocessing));
-  f.sessions.Set(static_cast<double>(levels.sessions));
-  f.session_bytes.Set(static_cast<double>(levels.session_bytes));
-  f.meshes.Set(static_cast<double>(levels.meshes));
-  f.mesh_bytes.Set(static_cast<double>(levels.mesh_bytes));
-  f.cache_bytes.Set(static_cast<double>(levels.cache_bytes));
+  f.frames_shared.Increment(static_cast<double>(values.shared_frames) - f.frames_shared.Value());
+  f.waiting_views.Set(static_cast<double>(values.waiting_views));
+  f.waiting_calls.Set(static_cast<double>(values.waiting_calls));
+  f.waiting_preprocessing.Set(static_cast<double>(values.waiting_preprocessing));
+  f.sessions.Set(static_cast<double>(values.sessions));
+  f.session_bytes.Set(static_cast<double>(values.session_bytes));
+  f.meshes.Set(static_cast<double>(values.meshes));
+  f.mesh_bytes.Set(static_cast<double>(values.mesh_bytes));
+  f.cache_bytes.Set(static_cast<double>(values.cache_bytes));
   const ProcessUsage usage = process_usage();
   f.resident.Set(static_cast<double>(usage.resident_bytes));
   f.open_files.Set(static_cast<double>(usage.open_files));

@@ -15,7 +15,7 @@ class PointFrame;
 namespace curvecast::server {
 
 /// What there is at a moment; what has happened so far is counted by Metrics.
-struct Levels {
+struct Gauges {
   std::uint64_t shared_frames = 0;        // so far: frames that had been made for another client
   std::size_t waiting_views = 0;          // jobs that wait for a worker
   std::size_t waiting_calls = 0;          // ... single point sets and inspection
@@ -49,7 +49,7 @@ class Metrics {
   void refinement(bool is_finer);
 
   /// Writes all of it, with the process's memory and time, in Prometheus' text format 0.0.4.
-  std::string text(const Levels& levels);
+  std::string text(const Gauges& values);
 
  private:
   struct Families;

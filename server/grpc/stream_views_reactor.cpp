@@ -45,7 +45,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
     {
       const MutexLock lock(mutex_);
       ended_ = status;
-      if (taking_) return conversation_->end_pause();  // go_on() finishes: until then, the reactor stays
+      if (taking_) return conversation_->end_pause();  // resume() finishes: until then, the reactor stays
     }
     finish(status);
   }
@@ -63,11 +63,11 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
       if (ended_) return;
       taking_ = true;
     }
-    conversation_->take(request_, [this] { go_on(); });
+    conversation_->take(request_, [this] { resume(); });
   }
 
   /// Reads the next message, or finishes what has ended meanwhile.
-  void go_on() {
+  void resume() {
     std::optional<absl::Status> ended;
     {
       const MutexLock lock(mutex_);

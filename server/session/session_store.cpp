@@ -197,7 +197,7 @@ absl::StatusOr<SessionInfo> SessionStore::update(const std::string& id, std::opt
   return SessionTable::info_of(*entry);
 }
 
-std::vector<std::string> SessionStore::tend(Clock::time_point now) {
+std::vector<std::string> SessionStore::run_housekeeping(Clock::time_point now) {
   std::vector<std::pair<std::string, std::string>> unused;
   SessionTable::Sessions evicted;  // outlives the lock
   {

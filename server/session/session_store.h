@@ -67,7 +67,7 @@ class SessionStore {
   absl::Status close(const std::string& id, const std::string& who = {});
   /// To be called now and then: closes sessions that nobody has used for their time to live, and evicts some where those that
   /// have grown are too much together. Returns those that were closed.
-  std::vector<std::string> tend(std::chrono::steady_clock::time_point now);
+  std::vector<std::string> run_housekeeping(std::chrono::steady_clock::time_point now);
   std::uint64_t memory_bytes();  // of all sessions
 
  private:

@@ -78,12 +78,12 @@ class WebCalls final : public WebConversation {
     const std::shared_ptr<WebCall> call = request.method().empty() ? open_->find(request.call()) : begin(request);
     if (call == nullptr) return socket_->read_on();  // it has ended: its client is being told
     if (request.cancel()) call->cancel();
-    const auto go_on = [socket = socket_, call, ends = request.half_close()] {
+    const auto resume = [socket = socket_, call, ends = request.half_close()] {
       if (ends) call->half_close();
       socket->read_on();
     };
-    if (!request.has_message()) return go_on();
-    call->receive(std::move(*request.mutable_message()), go_on);
+    if (!request.has_message()) return resume();
+    call->receive(std::move(*request.mutable_message()), resume);
   }
 
  private:

@@ -56,7 +56,7 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
   void read();
-  void take(Error error);
+  void receive(Error error);
   Response answer(const Request& request, bool has_body);
   bool is_upgrade(const Request& request) const;
   /// Makes a WebSocket of the connection, and then returns null; else the answer that refuses it.

@@ -51,11 +51,11 @@ class BeastWebSocket final : public WebSocket, public std::enable_shared_from_th
   void begin(const WebPeer& peer, const WebConversationMaker& maker);
   /// Runs work; an exception ends the connection, and is thrown on.
   template <typename Work>
-  void guarded(Work&& work);
+  void abort_on_exception(Work&& work);
   void read();
-  void take(Error error);
+  void receive(Error error);
   void write();
-  void settle(Error error);
+  void finish_write(Error error);
   void close_now();
 
   const std::shared_ptr<boost::asio::io_context> io_;  // first: it outlives all that uses it

@@ -35,9 +35,9 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
     if (!takes) return on_taken();
     if (!request_.ParseFromString(message)) {
       conversation_->stream().stop(absl::InvalidArgumentError("a message is no StreamViewsRequest"));
-      return go_on(on_taken);
+      return resume(on_taken);
     }
-    conversation_->take(request_, [self = self_, on_taken = std::move(on_taken)] { self->go_on(on_taken); });
+    conversation_->take(request_, [self = self_, on_taken = std::move(on_taken)] { self->resume(on_taken); });
   }
 
   void half_close() override {
@@ -59,12 +59,12 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
     {
       const MutexLock lock(mutex_);
       ended_ = status;
-      if (taking_) return conversation_->end_pause();  // go_on() finishes
+      if (taking_) return conversation_->end_pause();  // resume() finishes
     }
     finish(status);
   }
 
-  void go_on(const std::function<void()>& on_taken) {
+  void resume(const std::function<void()>& on_taken) {
     std::optional<absl::Status> ended;
     {
       const MutexLock lock(mutex_);

@@ -380,14 +380,14 @@ TEST_F(SessionStoreTest, TimeToLiveCountsFromTheLastUse) {
   ASSERT_TRUE(store_->update(b, std::nullopt, 100.0).ok());
   const auto now = std::chrono::steady_clock::now();
   using std::chrono::seconds;
-  EXPECT_TRUE(store_->tend(now + seconds(50)).empty());
+  EXPECT_TRUE(store_->run_housekeeping(now + seconds(50)).empty());
   {
     const auto held = store_->find(a);
-    EXPECT_THAT(store_->tend(now + seconds(200)), ::testing::ElementsAre(b));
+    EXPECT_THAT(store_->run_housekeeping(now + seconds(200)), ::testing::ElementsAre(b));
   }
   EXPECT_TRUE(store_->info(a).ok());
-  EXPECT_TRUE(store_->tend(now + seconds(299)).empty()) << "it was used until then";
-  EXPECT_THAT(store_->tend(now + seconds(301)), ::testing::ElementsAre(a));
+  EXPECT_TRUE(store_->run_housekeeping(now + seconds(299)).empty()) << "it was used until then";
+  EXPECT_THAT(store_->run_housekeeping(now + seconds(301)), ::testing::ElementsAre(a));
   EXPECT_TRUE(store_->list().empty());
 }
 
@@ -408,11 +408,11 @@ TEST_F(SessionStoreTest, EvictsWhatIsTooMuchTogether) {
     (*store.find(id))->live->publish(std::move(curve));
   };
   grow(ids[0]);
-  store.tend(std::chrono::steady_clock::now());
+  store.run_housekeeping(std::chrono::steady_clock::now());
   EXPECT_EQ(store.list().size(), 3u);
   EXPECT_GE(store.memory_bytes(), 60'000u);
   grow(ids[1]);
-  store.tend(std::chrono::steady_clock::now());
+  store.run_housekeeping(std::chrono::steady_clock::now());
   // The third takes next to nothing, but was used before the two.
   EXPECT_TRUE(store.info(ids[1]).ok());
   EXPECT_FALSE(store.info(ids[0]).ok());
