@@ -36,37 +36,40 @@ class SessionStore {
   /// outlive the store too, sessions are saved when they become ready, and loaded instead of made.
   SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
                std::shared_ptr<spdlog::logger> log, SessionCache* cache = nullptr);
-  ~SessionStore();  // cancels all preprocessing and waits until it has stopped; nobody may wait for a session any more
+  ~SessionStore();  // cancels all preprocessing and waits until it has stopped. Waiters that are left are not called any more
 
-  /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called, if
-  /// the session is ready even before join() returns, until on_done or leave(). On an error it is never called:
-  /// ResourceExhausted when there are too many sessions that are in use or being made. Where it is new, only `owner` may change
-  /// or close it; everybody where that is empty.
+  /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called,
+  /// even before join() returns if the session is ready, until on_done or leave(). On an error it is never called:
+  /// ResourceExhausted when there are too many sessions that are in use or being made. A session that is new belongs to `owner`:
+  /// only the owner may change or close it; every client where `owner` is empty.
   absl::StatusOr<std::string> join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter,
                                    const std::string& owner = {});
-  /// Stops waiting; the last one to leave cancels the job, and the session vanishes. False when on_done has been called.
+  /// Stops waiting: `waiter` is not called any more. When the last one leaves, the job is cancelled, and the session vanishes.
+  /// False when on_done has been called.
   bool leave(const std::string& id, SessionWaiter* waiter);
 
-  /// A ready session, loaded if it is only in the cache: see must_load(). NotFound, or FailedPrecondition while it is being made;
-  /// ResourceExhausted as of join().
+  /// Finds a ready session, or loads it if it is only in the cache: see must_load(). NotFound, or FailedPrecondition while it is
+  /// being made; ResourceExhausted as of join().
   absl::StatusOr<std::shared_ptr<const Session>> find(const std::string& id);
   /// Whether find() would read a file, which may take its time: for callers who must not wait.
   bool must_load(const std::string& id);
-  /// Of sessions in memory only.
+  /// Tells about a session in memory. NotFound, also where it is in the cache.
   absl::StatusOr<SessionInfo> info(const std::string& id);
-  /// By id, at most `most` of those after one with this id.
+  /// Lists sessions in memory by id, at most `most` of those after the id `after`.
   std::vector<SessionInfo> list(const std::string& after = {}, std::size_t most = std::numeric_limits<std::size_t>::max());
-  /// Changes what is set, and tells what became of it. NotFound, FailedPrecondition while it is being made, or PermissionDenied
-  /// where it is somebody else's; ResourceExhausted where pinned sessions would take more than half of the limits.
+  /// Changes the settings that are given, and returns all of them. NotFound, FailedPrecondition while the session is being made,
+  /// or PermissionDenied where another client than `who` owns it; ResourceExhausted where pinned sessions would take more than
+  /// half of the limits.
   absl::StatusOr<SessionInfo> update(const std::string& id, std::optional<bool> pinned, std::optional<double> time_to_live,
                                      const std::string& who = {});
-  /// Saves a session whose curve has become finer; not one that has been closed or evicted, not even if it has been made anew.
+  /// Saves a session whose curve has become finer to the cache. Does nothing for one that has been closed or evicted, even if a
+  /// new one for the same files and options has been made.
   void save(const Session& session);
-  /// Forgets a session, in memory and cache; those who wait for it get Aborted. NotFound when it is in neither, PermissionDenied
-  /// where it is somebody else's.
+  /// Removes a session from memory and cache; waiters get Aborted. NotFound when it is in neither, PermissionDenied where another
+  /// client than `who` owns it.
   absl::Status close(const std::string& id, const std::string& who = {});
-  /// To be called now and then: closes sessions that nobody has used for their time to live, and evicts some where those that
-  /// have grown are too much together. Returns those that were closed.
+  /// Closes sessions that have not been used for their time to live, and evicts some where those that have grown are too much
+  /// together. To be called now and then. Returns the ids of those that were closed.
   std::vector<std::string> run_housekeeping(std::chrono::steady_clock::time_point now);
   std::uint64_t memory_bytes();  // of all sessions
 
