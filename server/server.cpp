@@ -6,13 +6,13 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <spdlog/logger.h>
 
-#include <mutex>
 #include <optional>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "server/base/address.h"
 #include "server/base/build_info.h"
 #include "server/base/guarded.h"
@@ -137,7 +137,7 @@ class GrpcServer final : public Server {
   int http_port() const override { return web_ == nullptr ? 0 : web_->port(); }
 
   void set_ready() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!draining_) unready_.clear();
   }
 
@@ -171,12 +171,12 @@ class GrpcServer final : public Server {
  private:
   /// Why nobody should send requests now; empty where all may.
   std::string unready() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return unready_;
   }
 
   void begin_draining() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     draining_ = true;
     unready_ = "the server is shutting down";
   }
@@ -186,9 +186,9 @@ class GrpcServer final : public Server {
   Service service_;
   std::unique_ptr<grpc::Server> grpc_;
   int port_ = 0;
-  std::mutex mutex_;
-  std::string unready_;  // the reason; empty: ready
-  bool draining_ = false;
+  Mutex mutex_;
+  std::string unready_ ABSL_GUARDED_BY(mutex_);  // the reason; empty: ready
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   std::unique_ptr<WebGateway> web_;  // uses all of the above
   std::once_flag shutdown_;
 };

@@ -9,9 +9,10 @@
 #include <algorithm>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <string_view>
 #include <vector>
+
+#include "core/base/mutex.h"
 
 namespace curvecast {
 namespace {
@@ -144,7 +145,7 @@ absl::Status evaluate_expression(const SurfaceCurve& curve, const std::string& t
     variables = std::move(used);
   });
   if (!known.ok()) return known;
-  std::mutex mutex;
+  Mutex mutex;
   absl::Status status;
   // One by one: the parser's own way to do many at once brings threads of its own.
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), kGrain), [&](const auto& range) {
@@ -159,7 +160,7 @@ absl::Status evaluate_expression(const SurfaceCurve& curve, const std::string& t
       }
     });
     if (done.ok()) return;
-    const std::lock_guard lock(mutex);
+    const MutexLock lock(mutex);
     status = done;
   });
   return status;

@@ -20,13 +20,13 @@ absl::StatusOr<std::shared_ptr<const FixedDensity>> FixedDensityCache::get(const
 }
 
 std::size_t FixedDensityCache::byte_size() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return bytes_;
 }
 
 std::shared_ptr<const FixedDensity> FixedDensityCache::find(const std::shared_ptr<const SurfaceCurve>& curve,
                                                             const std::vector<DensityTerm>& terms) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
     // Not by address: another curve may lie where one was that has gone.
     return !e.curve.owner_before(curve) && !curve.owner_before(e.curve) && e.terms == terms;
@@ -38,10 +38,11 @@ std::shared_ptr<const FixedDensity> FixedDensityCache::find(const std::shared_pt
 
 void FixedDensityCache::insert(Entry entry) {
   std::list<Entry> gone;  // after the lock, which takes its time
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   bytes_ += entry.fixed->byte_size();
   entries_.push_front(std::move(entry));
   const auto drop = [&](std::list<Entry>::iterator e) {
+    mutex_.assert_held();
     bytes_ -= e->fixed->byte_size();
     gone.splice(gone.begin(), entries_, e);
   };

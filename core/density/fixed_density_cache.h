@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "core/density/fixed_density.h"
 
 namespace curvecast {
@@ -39,9 +39,9 @@ class FixedDensityCache {
   void insert(Entry entry);
 
   const std::size_t max_entries_, max_bytes_;
-  mutable std::mutex mutex_;
-  std::list<Entry> entries_;  // the one used last comes first
-  std::size_t bytes_ = 0;
+  mutable Mutex mutex_;
+  std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);  // the one used last comes first
+  std::size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace curvecast

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <optional>
 #include <string_view>
 
+#include "core/base/mutex.h"
 #include "core/base/stopwatch.h"
 #include "core/flatten/cut_to_disc.h"
 #include "core/flatten/distortion.h"
@@ -117,7 +117,10 @@ class Flattener {
   }
 
   /// Of all threads together.
-  FlattenTimes times() const { return times_; }
+  FlattenTimes times() const {
+    const MutexLock lock(mutex_);
+    return times_;
+  }
 
  private:
   std::optional<Chart> flatten_piece(const Faces& faces) {
@@ -133,14 +136,14 @@ class Flattener {
       for (std::uint32_t& f : chart->disc.face_of) f = faces[f];
       report("parameterise", faces.size());
     }
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     times_.cut += cut;
     times_.parameterise += watch.lap();
     return chart;
   }
 
   void report(std::string_view stage, std::size_t faces) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     faces_done_ += faces;
     context_.progress(stage, static_cast<double>(faces_done_) / static_cast<double>(mesh_.face_count()));
   }
@@ -148,9 +151,9 @@ class Flattener {
   const TriangleMesh& mesh_;
   const FlattenOptions& options_;
   const ExecutionContext& context_;
-  std::mutex mutex_;
-  FlattenTimes times_;
-  std::size_t faces_done_ = 0;
+  mutable Mutex mutex_;
+  FlattenTimes times_ ABSL_GUARDED_BY(mutex_);
+  std::size_t faces_done_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace

@@ -1,3 +1,4 @@
+// The address that a server listens on, as users write it.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -7,13 +8,13 @@
 
 namespace curvecast::server {
 
-/// Where to listen.
+/// An address to listen on.
 struct Address {
   std::string host;        // a name or a number, without the brackets of "[::1]"
   std::uint16_t port = 0;  // 0: any free one
 };
 
-/// "HOST:PORT" or "[HOST]:PORT". InvalidArgument says what to write instead.
+/// Reads "HOST:PORT" or "[HOST]:PORT". InvalidArgument says what to write instead.
 absl::StatusOr<Address> parse_address(const std::string& text);
 
 }  // namespace curvecast::server

@@ -11,14 +11,14 @@ Admission::Admission(std::string what, std::size_t most, std::size_t most_of_cli
 
 Admission::Ticket::~Ticket() {
   if (from_ == nullptr) return;
-  const std::lock_guard lock(from_->mutex_);
+  const MutexLock lock(from_->mutex_);
   --from_->count_;
   const auto found = from_->of_client_.find(client_);
   if (--found->second == 0) from_->of_client_.erase(found);
 }
 
 absl::StatusOr<Admission::Ticket> Admission::admit(const std::string& client) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (count_ >= most_) {
     return absl::ResourceExhaustedError(
         absl::StrCat("the server has ", count_, " ", what_, ", as many as it takes; try again later"));
@@ -33,7 +33,7 @@ absl::StatusOr<Admission::Ticket> Admission::admit(const std::string& client) {
 }
 
 std::size_t Admission::count() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return count_;
 }
 

@@ -6,18 +6,19 @@
 #include <cstddef>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
+
+#include "core/base/mutex.h"
 
 namespace curvecast::server {
 
-/// Thread-safe. Held by shared_ptr, because tickets may outlive who gave them out.
+/// Thread-safe. Held by shared_ptr, because tickets may outlive the one who holds it.
 class Admission : public std::enable_shared_from_this<Admission> {
  public:
-  /// `what`: of which there are many, such as "streams".
+  /// `what` names in messages what is counted, such as "streams". Admits `most` of it, and `most_of_client` for each client.
   Admission(std::string what, std::size_t most, std::size_t most_of_client);
 
-  /// Counts as one until it goes.
+  /// Counts as one until it is destroyed.
   class Ticket {
    public:
     Ticket(std::shared_ptr<Admission> from, std::string client) : from_(std::move(from)), client_(std::move(client)) {}
@@ -34,16 +35,17 @@ class Admission : public std::enable_shared_from_this<Admission> {
     std::string client_;
   };
 
-  /// ResourceExhausted where there are too many.
+  /// Lets one in. ResourceExhausted where there are too many, in all or of this client.
   absl::StatusOr<Ticket> admit(const std::string& client);
+  /// How many tickets there are.
   std::size_t count() const;
 
  private:
   const std::string what_;
   const std::size_t most_, most_of_client_;
-  mutable std::mutex mutex_;
-  std::size_t count_ = 0;
-  std::map<std::string, std::size_t> of_client_;
+  mutable Mutex mutex_;
+  std::size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::map<std::string, std::size_t> of_client_ ABSL_GUARDED_BY(mutex_);
 };
 
 /// The part of a gRPC peer's name that all connections of one machine share.

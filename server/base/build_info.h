@@ -1,4 +1,4 @@
-// Which Curvecast this is.
+// The version of Curvecast that runs, and how it was built.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ struct BuildInfo {
 };
 
 BuildInfo build_info();
-/// All of it in one line.
+/// Puts all of it in one line.
 std::string describe(const BuildInfo& build);
 
 }  // namespace curvecast::server

@@ -1,3 +1,4 @@
+// Turns statuses into those of gRPC.
 #pragma once
 
 #include <absl/status/status.h>
@@ -5,7 +6,7 @@
 
 namespace curvecast::server {
 
-/// The same code and message; messages too long for a trailer are cut.
+/// Converts a status to the same code and message; messages too long for a trailer are cut.
 grpc::Status to_grpc(const absl::Status& status);
 
 }  // namespace curvecast::server

@@ -11,12 +11,12 @@ struct XXH3_state_s;
 
 namespace curvecast::server {
 
-/// Not thread-safe.
+/// Hashes bytes that come piece by piece. Not thread-safe.
 class Hasher {
  public:
   Hasher();
   void update(std::string_view bytes);
-  /// Of all bytes so far: 32 hexadecimal digits, lower case, as `xxh128sum` prints it.
+  /// Hash of all bytes so far: 32 hexadecimal digits, lower case, as `xxh128sum` prints it.
   std::string hex() const;
 
  private:
@@ -26,7 +26,7 @@ class Hasher {
   std::unique_ptr<XXH3_state_s, Free> state_;
 };
 
-/// The same hash as numbers.
+/// Hashes bytes, and returns the hash as numbers.
 std::array<std::uint64_t, 2> hash_of(std::string_view bytes);
 
 }  // namespace curvecast::server

@@ -12,14 +12,17 @@ namespace curvecast::server {
 
 JobQueue::JobQueue(Options options) : options_(std::move(options)) {
   absl::Cleanup join = [this] { stop(); };  // a thread that cannot be made throws
-  for (int i = 0; i < options_.workers; ++i) workers_.emplace_back([this] { work(); });
+  {
+    const MutexLock lock(join_mutex_);
+    for (int i = 0; i < options_.workers; ++i) workers_.emplace_back([this] { work(); });
+  }
   std::move(join).Cancel();
 }
 
 JobQueue::~JobQueue() { stop(); }
 
 absl::StatusOr<std::uint64_t> JobQueue::submit(std::function<void()> job, std::string_view whose) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (stopped_) return absl::UnavailableError("the server is shutting down");
   if (waiting_ >= options_.max_waiting) return absl::ResourceExhaustedError("the server is busy; try again later");
   auto lane = lanes_.find(whose);
@@ -40,7 +43,7 @@ absl::StatusOr<std::uint64_t> JobQueue::submit(std::function<void()> job, std::s
 
 bool JobQueue::withdraw(std::uint64_t ticket) {
   std::function<void()> job;  // outlives the lock: what it holds may take its time to go
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (auto& [whose, lane] : lanes_) {
     auto node = lane.waiting.extract(ticket);
     if (node.empty()) continue;
@@ -52,17 +55,17 @@ bool JobQueue::withdraw(std::uint64_t ticket) {
 }
 
 std::size_t JobQueue::waiting() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return waiting_;
 }
 
 void JobQueue::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopped_ = true;
     wake_.notify_all();
   }
-  const std::lock_guard lock(join_mutex_);
+  const MutexLock lock(join_mutex_);
   for (std::thread& worker : workers_) worker.join();
   workers_.clear();
 }
@@ -79,19 +82,22 @@ JobQueue::Lanes::iterator JobQueue::next_lane() {
 
 void JobQueue::forget_idle() {
   if (lanes_.size() < forget_at_) return;
-  std::erase_if(lanes_, [&](const auto& entry) {
+  std::erase_if(lanes_, [turn = turn_](const auto& entry) {
     const Lane& lane = entry.second;
-    return lane.waiting.empty() && lane.running == 0 && lane.used <= turn_;
+    return lane.waiting.empty() && lane.running == 0 && lane.used <= turn;
   });
   forget_at_ = std::max<std::size_t>(64, 2 * lanes_.size());
 }
 
 void JobQueue::work() {
   if (options_.low_priority) lower_priority();
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (true) {
-    Lanes::iterator lane;
-    wake_.wait(lock, [&] { return (lane = next_lane()) != lanes_.end() || (stopped_ && waiting_ == 0); });
+    Lanes::iterator lane = next_lane();
+    while (lane == lanes_.end() && !(stopped_ && waiting_ == 0)) {
+      wake_.wait(mutex_);
+      lane = next_lane();
+    }
     if (lane == lanes_.end()) return;
     Lane& mine = lane->second;  // stays where it is while it has a job running
     std::function<void()> job = std::move(mine.waiting.extract(mine.waiting.begin()).mapped());
@@ -108,7 +114,7 @@ void JobQueue::work() {
     --mine.running;
     --running_;
     mine.used += spent;
-    // Where all have what they asked for, nobody owes anybody.
+    // Once all have what they asked for, no client owes another one.
     if (waiting_ == 0 && running_ == 0) {
       lanes_.clear();
       turn_ = {};

@@ -16,7 +16,8 @@ enum class LogFormat {
   kJson,  // an object with time, level and message in each line, and with the fields of a request where it is one
 };
 
-/// Thread-safe logger to standard error: state changes and errors, with `verbose` every request too. Silent when not `enabled`.
+/// Makes a thread-safe logger to standard error, for state changes and errors and, with `verbose`, every request. Silent when not
+/// `enabled`.
 std::shared_ptr<spdlog::logger> make_logger(bool enabled, bool verbose, LogFormat format = LogFormat::kText);
 
 /// A request that is over.
@@ -29,11 +30,12 @@ struct RequestRecord {
   std::string_view error;  // message of the status
 };
 
-/// Whether log_request() writes anything.
+/// Whether log_request() would write anything.
 bool logs_requests(const spdlog::logger& log);
+/// Writes one line for a request.
 void log_request(spdlog::logger& log, const RequestRecord& request);
 
-/// What a client sent, made safe for one line of log or message: escaped, at most 64 bytes of it.
+/// Escapes what a client sent, so that it is safe in one line of a log or message; takes at most 64 bytes of it.
 std::string printable(std::string_view text);
 
 }  // namespace curvecast::server

@@ -3,8 +3,8 @@
 
 namespace curvecast::server {
 
-/// Views come first: next to a busy thread of theirs the calling one gets a tenth of a core. Less, and on a machine with other
-/// work to do what it makes would never come. Measured from the main thread's priority: a second call changes nothing.
+/// Lowers the priority of the calling thread by ten steps from the main thread's, so that next to a busy thread of views it gets
+/// a tenth of a core. With less, its work would never be done on a machine that is busy. A second call changes nothing.
 void lower_priority();
 
 }  // namespace curvecast::server

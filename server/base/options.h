@@ -25,12 +25,12 @@ struct ServerOptions {
   std::size_t max_streams_of_client = 250;                   // of one address
   std::size_t max_uploads = 64;                              // at once
   std::size_t max_uploads_of_client = 8;
-  /// Views and acknowledgements a second that are taken from a stream: who waits for each frame sends one of each in a few
-  /// milliseconds.
+  /// Views and acknowledgements a second that are taken from a stream. A client that waits for each frame sends one of each in a
+  /// few milliseconds.
   double max_view_rate = 2000;
-  std::uint64_t max_queued_bytes = std::uint64_t{1} << 30;  // of all that waits to be read by its clients
-  /// Of one session, to which a curve is refined at most where views ask for more than it was made for. Also kept within half of
-  /// the machine's free memory. 0: no refinement.
+  std::uint64_t max_queued_bytes = std::uint64_t{1} << 30;  // of all answers that wait until clients read them
+  /// Limit of refinement, which follows views that ask for more than a session was made for: curve vertices of one session. Also
+  /// kept within half of the machine's free memory. 0: no refinement.
   std::uint64_t max_curve_vertices = 20'000'000;
   std::string cache = {};                               // folder where sessions survive a restart; made if missing; empty = none
   std::uint64_t cache_bytes = std::uint64_t{10} << 30;  // of all files there; the least recently used sessions go first

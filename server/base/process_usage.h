@@ -1,10 +1,11 @@
+// What this process takes of the machine, for the metrics.
 #pragma once
 
 #include <cstdint>
 
 namespace curvecast::server {
 
-/// What the operating system says of this process. 0: it does not say.
+/// What the operating system says of this process; 0 where it does not say.
 struct ProcessUsage {
   std::uint64_t resident_bytes = 0;
   double cpu_seconds = 0;        // of all threads, in user and system mode
@@ -12,6 +13,7 @@ struct ProcessUsage {
   std::uint64_t threads = 0;
 };
 
+/// Asks the operating system.
 ProcessUsage process_usage();
 
 }  // namespace curvecast::server

@@ -1,4 +1,4 @@
-// What waits in memory to be read by clients.
+// The bytes of answers that wait in memory until clients read them.
 #pragma once
 
 #include <absl/status/status.h>
@@ -8,12 +8,13 @@
 
 namespace curvecast::server {
 
-/// Bytes of a server's frames and point sets that wait, or are being sent, and how many there may be. Thread-safe.
+/// Counts the bytes of a server's frames and point sets that wait or are being sent, and limits them. Thread-safe.
 class QueuedBytes {
  public:
+  /// Limits the bytes to `most`.
   explicit QueuedBytes(std::uint64_t most) : most_(static_cast<std::int64_t>(most)) {}
 
-  /// More of them, or (below 0) fewer.
+  /// Adds bytes; fewer wait where `bytes` is negative.
   void add(std::int64_t bytes) { bytes_.fetch_add(bytes, std::memory_order_relaxed); }
 
   /// ResourceExhausted while there are too many: nothing more should be made.

@@ -6,14 +6,14 @@
 
 namespace curvecast::server {
 
-/// So many times a second in the long run, and a second's worth of them at once. Not thread-safe.
+/// Lets something happen so many times a second in the long run, and a second's worth of times at once. Not thread-safe.
 class RateLimit {
  public:
   using Clock = std::chrono::steady_clock;
 
   explicit RateLimit(double per_second) : per_second_(per_second), left_(per_second) {}
 
-  /// It happens once; how long to wait before the next.
+  /// Counts that it happens once, and returns how long to wait before the next time.
   Clock::duration take(Clock::time_point now) {
     left_ = std::min(per_second_, left_ + per_second_ * std::chrono::duration<double>(now - last_).count()) - 1;
     last_ = now;

@@ -30,7 +30,7 @@ ViewWorkers::ViewWorkers(const Options& options)
 absl::Status ViewWorkers::submit(std::function<void()> job, const std::string& connection) {
   bool is_quick;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     is_quick = left(connection) >= Nanoseconds::zero();
   }
   return (is_quick ? quick_ : patient_)
@@ -60,7 +60,7 @@ void ViewWorkers::run(const std::function<void()>& job, const std::string& conne
   const Nanoseconds start = clock_();
   job();
   const Nanoseconds spent = clock_() - start;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   left(connection) -= spent;
 }
 

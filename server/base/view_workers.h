@@ -1,4 +1,4 @@
-// Workers for views: who asks for little gets it at once, whatever others ask for.
+// Workers for views: a client that asks for little gets it at once, whatever others ask for.
 #pragma once
 
 #include <absl/status/status.h>
@@ -6,16 +6,16 @@
 #include <cstddef>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <string>
 
+#include "core/base/mutex.h"
 #include "server/base/job_queue.h"
 
 namespace curvecast::server {
 
-/// Thread-safe. Jobs are of connections, and go to one of two fair queues with as many workers each. Those of a connection whose
-/// jobs take no more than kShare of one worker's time go to the first; what takes more goes to the second, whose workers are of
-/// low priority: beside nobody they are as fast, and beside others they wait.
+/// Thread-safe. Has two fair queues with as many workers each. Jobs of a connection that takes no more than kShare of one
+/// worker's time go to the first queue; jobs of one that takes more go to the second, whose workers are of low priority: they run
+/// at full speed on an idle machine and yield under load.
 class ViewWorkers {
  public:
   using Nanoseconds = JobQueue::Nanoseconds;
@@ -32,10 +32,11 @@ class ViewWorkers {
 
   explicit ViewWorkers(const Options& options);
 
-  /// Errors as of JobQueue.
+  /// Accepts a job of a connection. Errors as of JobQueue::submit().
   absl::Status submit(std::function<void()> job, const std::string& connection);
+  /// How many jobs wait for a worker.
   std::size_t waiting() const { return quick_.waiting() + patient_.waiting(); }
-  /// JobQueue::stop().
+  /// As JobQueue::stop(), for both queues.
   void stop();
 
  private:
@@ -44,15 +45,16 @@ class ViewWorkers {
     Nanoseconds at{};
   };
 
-  /// What a connection may do at once; forgets those that may do what a new one may.
-  Nanoseconds& left(const std::string& connection);
-  void run(const std::function<void()>& job, const std::string& connection);
+  /// The work that a connection may have done at once; below zero: it has had more than its share. Forgets connections that may
+  /// have as much as a new one.
+  Nanoseconds& left(const std::string& connection) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void run(const std::function<void()>& job, const std::string& connection) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::function<Nanoseconds()> clock_;
-  std::mutex mutex_;
-  std::map<std::string, Account> accounts_;
-  std::size_t forget_at_ = 64;  // number of accounts
-  JobQueue quick_, patient_;    // last: their jobs use the others
+  Mutex mutex_;
+  std::map<std::string, Account> accounts_ ABSL_GUARDED_BY(mutex_);
+  std::size_t forget_at_ ABSL_GUARDED_BY(mutex_) = 64;  // number of accounts
+  JobQueue quick_, patient_;                            // last: their jobs use the others
 };
 
 }  // namespace curvecast::server

@@ -1,4 +1,4 @@
-// Who calls.
+// The client of a call: its address, and its name for limits and ownership.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -11,19 +11,19 @@
 
 namespace curvecast::server {
 
-/// Metadata in which the browsers' gateway says for whom it calls. Believed only of calls from within this process.
+/// Metadata in which the browsers' gateway names the client for whom it calls. Believed only of calls from within this process.
 inline constexpr char kPeerKey[] = "curvecast-peer";
 
-/// Who is at the other end, as gRPC writes it ("ipv4:127.0.0.1:4711").
+/// The address of the other end, as gRPC writes it ("ipv4:127.0.0.1:4711").
 std::string peer_of(const grpc::CallbackServerContext& context);
 
-/// A name for the client of a call: with tokens who has the one that it sent, else its address without the port.
-/// Unauthenticated as of Tokens.
+/// Names the client of a call: with tokens the holder of the token that it sent, else its address without the port.
+/// Unauthenticated as of Tokens::authenticate().
 absl::StatusOr<std::string> caller_of(const Engine& engine, const grpc::CallbackServerContext& context);
-/// The same, of a client that is known by its peer's name and what it sent as `authorization` header.
+/// Names the client at the address `peer`, which sent this `authorization` header.
 absl::StatusOr<std::string> caller_of(const Engine& engine, const std::string& peer, std::string_view authorization);
 
-/// The same where that has been found good: an empty name where it has not.
+/// Names the client that owns what a call makes: caller_of() with tokens; empty without, or where the token is not known.
 std::string owner_of(const Engine& engine, const grpc::CallbackServerContext& context);
 
 }  // namespace curvecast::server

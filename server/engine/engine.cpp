@@ -13,7 +13,7 @@ namespace {
 
 // Jobs that wait, in all and of one connection.
 constexpr std::size_t kMaxWaiting = 1024, kMaxWaitingOfOne = 256;
-constexpr std::chrono::seconds kTendInterval{1};
+constexpr std::chrono::seconds kHousekeepingInterval{1};
 
 int worker_count(int threads) {
   return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -46,20 +46,20 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
           [this](const Session& session, bool is_finer) {
             metrics.refinement(is_finer);
             if (is_finer) sessions.save(session);
-            tell_streams(session);
+            notify_streams(session);
           },
           log),
-      rank_jobs([this](const Session& session) { tell_streams(session); }, log),
-      housekeeper_([this](const std::stop_token& stop) { tend(stop); }) {}
+      rank_jobs([this](const Session& session) { notify_streams(session); }, log),
+      housekeeper_([this](const std::stop_token& stop) { run_housekeeping(stop); }) {}
 
-void Engine::tend(const std::stop_token& stop) {
-  std::mutex mutex;
+void Engine::run_housekeeping(const std::stop_token& stop) {
+  Mutex mutex;
   std::condition_variable_any never;
-  std::unique_lock lock(mutex);
-  while (!never.wait_for(lock, stop, kTendInterval, [] { return false; }) && !stop.stop_requested()) {
+  MutexLock lock(mutex);
+  while (!never.wait_for(lock, stop, kHousekeepingInterval, [] { return false; }) && !stop.stop_requested()) {
     const auto now = std::chrono::steady_clock::now();
-    sessions.tend(now);
-    frame_cache.forget_before(now - kTendInterval);
+    sessions.run_housekeeping(now);
+    frame_cache.forget_before(now - kHousekeepingInterval);
   }
 }
 
@@ -76,7 +76,7 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                                           .held = request.held != nullptr ? request.held->digest() : 0,
                                           .first_bytes = request.first_bytes};
                 const auto make = [&] {
-                  return make_frame(*session, request, view_cache, improve_for(session, request.sample, source));
+                  return make_frame(*session, request, view_cache, improvement_requests(session, request.sample, source));
                 };
                 // The last improvement says that no better one follows, which is true for its client only.
                 return request.may_refine ? frame_cache.get(key, make) : make();
@@ -86,7 +86,7 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                         std::function<void()> job) { return submit_view(std::move(job), connection); },
           .count_queued = [this](std::int64_t bytes) { queued.add(bytes); },
       });
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (stopped_) return absl::UnavailableError("the server is shutting down");
   if (streams_.size() >= sweep_at_) {
     std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });
@@ -101,7 +101,7 @@ absl::Status Engine::submit_view(std::function<void()> job, const std::string& c
   return views.submit(std::move(job), connection);
 }
 
-OnShort Engine::improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source) {
+OnShort Engine::improvement_requests(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source) {
   return {.finer_curve =
               [this, session, source, density = sample.options.density](const SurfaceCurve& curve, std::uint64_t points) {
                 return refiner.request(session, curve, source, {points, density});
@@ -109,8 +109,8 @@ OnShort Engine::improve_for(const std::shared_ptr<const Session>& session, const
           .more_ranks = [this, session](std::span<const ChunkId> lacking) { return rank_jobs.request(session, lacking); }};
 }
 
-Levels Engine::levels() {
-  Levels out;
+Gauges Engine::gauges() {
+  Gauges out;
   out.waiting_views = views.waiting();
   out.shared_frames = frame_cache.shared();
   out.waiting_calls = calls.waiting();
@@ -133,10 +133,10 @@ absl::Status Engine::close_session(const std::string& id, const std::string& who
   return closed;
 }
 
-void Engine::tell_streams(const Session& session) {
+void Engine::notify_streams(const Session& session) {
   std::vector<std::weak_ptr<ClientStream>> all;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     all = streams_;
   }
   for (const auto& weak : all) {
@@ -147,7 +147,7 @@ void Engine::tell_streams(const Session& session) {
 void Engine::stop_streams(const absl::Status& reason) {
   std::vector<std::weak_ptr<ClientStream>> all;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopped_ = true;
     all = std::exchange(streams_, {});
   }

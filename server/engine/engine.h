@@ -5,12 +5,12 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "server/base/admission.h"
 #include "server/base/job_queue.h"
 #include "server/base/queued_bytes.h"
@@ -30,27 +30,29 @@ namespace curvecast::server {
 
 struct ServerOptions;
 
-/// Thread-safe. Members are public because it is only the place where they meet, in the order in which they need each other.
+/// Thread-safe. The parts of a server are public members, for this is only the place where they meet. Their order is the order in
+/// which they need each other: each part is made after those that it uses, and destroyed, which ends its threads, before them. So
+/// settings and counters come first, then workers and stores, then what improves sessions, and the housekeeper at the end.
 class Engine {
  public:
-  /// `cache` may be null.
+  /// `session_cache` and `known` may be null: without a cache; everybody may call.
   Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
          std::shared_ptr<const Tokens> known = nullptr);
 
   /// Whether the session would survive a restart.
   bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->holds(session_id); }
 
-  /// Makes a conversation that stop_streams() reaches; refused with Unavailable after it.
-  /// `connection` shares the workers with the others.
+  /// Makes a conversation that stop_streams() ends; Unavailable after stop_streams(). `connection` is whose share of the workers
+  /// it takes.
   absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, std::string connection);
-  /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined, and more ranked
-  /// candidates made.
-  OnShort improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
-  /// A number for a conversation or a call.
+  /// What the functions of point_blocks.h call where an answer to `sample` falls short: has the session's curve refined, and more
+  /// ranked candidates made.
+  OnShort improvement_requests(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
+  /// Makes a number by which Refiner::request() tells conversations and calls apart.
   std::uint64_t new_source() { return ++sources_; }
-  /// What is held and what waits at this moment.
-  Levels levels();
-  /// SessionStore::close(), and no more refinement.
+  /// Counts what is held and what waits at this moment.
+  Gauges gauges();
+  /// Closes a session, as SessionStore::close(), and ends its refinement.
   absl::Status close_session(const std::string& id, const std::string& who);
   /// Ends all conversations and refuses new ones.
   void stop_streams(const absl::Status& reason);
@@ -76,14 +78,14 @@ class Engine {
 
  private:
   absl::Status submit_view(std::function<void()> job, const std::string& connection);
-  void tell_streams(const Session& session);
-  void tend(const std::stop_token& stop);
+  void notify_streams(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
+  void run_housekeeping(const std::stop_token& stop);
 
   std::atomic<std::uint64_t> sources_ = 0;
-  std::mutex mutex_;
-  std::vector<std::weak_ptr<ClientStream>> streams_;
-  std::size_t sweep_at_ = 64;  // number of streams at which those that have gone are forgotten
-  bool stopped_ = false;
+  Mutex mutex_;
+  std::vector<std::weak_ptr<ClientStream>> streams_ ABSL_GUARDED_BY(mutex_);
+  std::size_t sweep_at_ ABSL_GUARDED_BY(mutex_) = 64;  // number of streams at which those that have gone are forgotten
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   std::jthread housekeeper_;  // last: it uses the others
 };
 

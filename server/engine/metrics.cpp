@@ -8,9 +8,9 @@
 #include <prometheus/text_serializer.h>
 
 #include <chrono>
-#include <mutex>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "curvecast/v1/curvecast.pb.h"
 #include "server/base/build_info.h"
 #include "server/base/process_usage.h"
@@ -84,20 +84,27 @@ struct Metrics::Families {
     return {frames.Add(labels), frame_bytes.Add(labels), frame_points.Add(labels)};
   }
 
-  std::mutex mutex;  // guards what follows: set and read together
-  Family<Gauge>& waiting = gauges(registry, "curvecast_queue_depth", "Jobs that wait for a worker.");
-  Gauge& waiting_views = waiting.Add({{"queue", "views"}});
-  Gauge& waiting_calls = waiting.Add({{"queue", "calls"}});
-  Gauge& waiting_preprocessing = waiting.Add({{"queue", "preprocessing"}});
-  Gauge& sessions = gauges(registry, "curvecast_sessions", "Sessions in memory, those being made too.").Add({});
-  Gauge& session_bytes = gauges(registry, "curvecast_session_bytes", "Of their curves.").Add({});
-  Gauge& meshes = gauges(registry, "curvecast_meshes", "Mesh files held.").Add({});
-  Gauge& mesh_bytes = gauges(registry, "curvecast_mesh_bytes", "Of mesh files held and being received.").Add({});
-  Gauge& cache_bytes = gauges(registry, "curvecast_cache_bytes", "Of the files in the cache's folder.").Add({});
-  Gauge& resident = gauges(registry, "process_resident_memory_bytes", "Resident memory size in bytes.").Add({});
-  Gauge& open_files = gauges(registry, "process_open_fds", "Number of open file descriptors.").Add({});
-  Gauge& threads = gauges(registry, "process_threads", "Number of threads.").Add({});
-  Counter& cpu = counters(registry, "process_cpu_seconds_total", "Total user and system CPU time spent in seconds.").Add({});
+  // What follows is set and read together.
+  Mutex mutex;
+  Family<Gauge>& waiting ABSL_GUARDED_BY(mutex) = gauges(registry, "curvecast_queue_depth", "Jobs that wait for a worker.");
+  Gauge& waiting_views ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "views"}});
+  Gauge& waiting_calls ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "calls"}});
+  Gauge& waiting_preprocessing ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "preprocessing"}});
+  Gauge& sessions ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_sessions", "Sessions in memory, those being made too.").Add({});
+  Gauge& session_bytes ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_session_bytes", "Of their curves and ranked candidates.").Add({});
+  Gauge& meshes ABSL_GUARDED_BY(mutex) = gauges(registry, "curvecast_meshes", "Mesh files held.").Add({});
+  Gauge& mesh_bytes ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_mesh_bytes", "Of mesh files held and being received.").Add({});
+  Gauge& cache_bytes ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_cache_bytes", "Of the files in the cache's folder.").Add({});
+  Gauge& resident ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "process_resident_memory_bytes", "Resident memory size in bytes.").Add({});
+  Gauge& open_files ABSL_GUARDED_BY(mutex) = gauges(registry, "process_open_fds", "Number of open file descriptors.").Add({});
+  Gauge& threads ABSL_GUARDED_BY(mutex) = gauges(registry, "process_threads", "Number of threads.").Add({});
+  Counter& cpu ABSL_GUARDED_BY(mutex) =
+      counters(registry, "process_cpu_seconds_total", "Total user and system CPU time spent in seconds.").Add({});
 };
 
 Metrics::Metrics() : families_(std::make_unique<Families>()) {
@@ -143,18 +150,18 @@ void Metrics::stages(const v1::FrameStatistics& statistics) {
 
 void Metrics::refinement(bool is_finer) { (is_finer ? families_->finer : families_->unchanged).Increment(); }
 
-std::string Metrics::text(const Levels& levels) {
+std::string Metrics::text(const Gauges& values) {
   Families& f = *families_;
-  const std::lock_guard lock(f.mutex);
-  f.frames_shared.Increment(static_cast<double>(levels.shared_frames) - f.frames_shared.Value());
-  f.waiting_views.Set(static_cast<double>(levels.waiting_views));
-  f.waiting_calls.Set(static_cast<double>(levels.waiting_calls));
-  f.waiting_preprocessing.Set(static_cast<double>(levels.waiting_preprocessing));
-  f.sessions.Set(static_cast<double>(levels.sessions));
-  f.session_bytes.Set(static_cast<double>(levels.session_bytes));
-  f.meshes.Set(static_cast<double>(levels.meshes));
-  f.mesh_bytes.Set(static_cast<double>(levels.mesh_bytes));
-  f.cache_bytes.Set(static_cast<double>(levels.cache_bytes));
+  const MutexLock lock(f.mutex);
+  f.frames_shared.Increment(static_cast<double>(values.shared_frames) - f.frames_shared.Value());
+  f.waiting_views.Set(static_cast<double>(values.waiting_views));
+  f.waiting_calls.Set(static_cast<double>(values.waiting_calls));
+  f.waiting_preprocessing.Set(static_cast<double>(values.waiting_preprocessing));
+  f.sessions.Set(static_cast<double>(values.sessions));
+  f.session_bytes.Set(static_cast<double>(values.session_bytes));
+  f.meshes.Set(static_cast<double>(values.meshes));
+  f.mesh_bytes.Set(static_cast<double>(values.mesh_bytes));
+  f.cache_bytes.Set(static_cast<double>(values.cache_bytes));
   const ProcessUsage usage = process_usage();
   f.resident.Set(static_cast<double>(usage.resident_bytes));
   f.open_files.Set(static_cast<double>(usage.open_files));

@@ -14,9 +14,9 @@ class PointFrame;
 
 namespace curvecast::server {
 
-/// What there is at a moment, in contrast to what has happened so far.
-struct Levels {
-  std::uint64_t shared_frames = 0;        // so far: made for somebody else
+/// What there is at a moment; what has happened so far is counted by Metrics.
+struct Gauges {
+  std::uint64_t shared_frames = 0;        // so far: frames that had been made for another client
   std::size_t waiting_views = 0;          // jobs that wait for a worker
   std::size_t waiting_calls = 0;          // ... single point sets and inspection
   std::size_t waiting_preprocessing = 0;  // ... that take all cores
@@ -27,29 +27,29 @@ struct Levels {
   std::uint64_t cache_bytes = 0;
 };
 
-/// Thread-safe. What is counted for a frame or a view is an atomic addition; a duration takes its histogram's own lock for as
-/// long as it takes to add three numbers.
+/// Thread-safe. Counting a frame or a view takes an atomic addition; a duration takes its histogram's own lock for as long as it
+/// takes to add three numbers.
 class Metrics {
  public:
   Metrics();
   ~Metrics();
 
-  /// A request is over. `code` is a gRPC status code.
+  /// Counts a request that is over. `code` is a gRPC status code.
   void request(std::string_view method, int code, double seconds);
   void stream_opened();
   void stream_closed();
   void view_received();
   void view_answered();
-  /// `count` views will never be answered.
+  /// Counts views that will never be answered.
   void views_overtaken(std::size_t count);
-  /// A frame was handed to the transport.
+  /// Counts a frame that was handed to the transport.
   void frame(const v1::PointFrame& frame);
-  /// How long the stages of an answer took, of a stream or not.
+  /// Counts how long the stages of an answer took, of a stream or of a single point set.
   void stages(const v1::FrameStatistics& statistics);
   void refinement(bool is_finer);
 
-  /// All of it, with the process's memory and time: text format 0.0.4.
-  std::string text(const Levels& levels);
+  /// Writes all of it, with the process's memory and time, in Prometheus' text format 0.0.4.
+  std::string text(const Gauges& values);
 
  private:
   struct Families;

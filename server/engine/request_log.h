@@ -1,3 +1,4 @@
+// What is logged and counted of each request.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -11,20 +12,21 @@
 
 namespace curvecast::server {
 
-/// What a client may call its request: 1 to 64 printable characters.
+/// Whether a client may call its request so: 1 to 64 printable characters.
 bool is_request_id(std::string_view id);
 
-/// The trace of one request: its id, which the client gets as initial metadata, and when it is over a line in the log and its
-/// count.
+/// Follows one request: gives it an id, which the client gets as initial metadata, and writes a line and counts the request when
+/// it is over.
 class RequestLog {
  public:
   /// `method` is a literal. The id is the client's x-request-id where that is one, else a random one. Nothing may have been
   /// sent yet.
   RequestLog(Engine& engine, const char* method, grpc::CallbackServerContext& context);
 
-  /// The same of a call that does not come through gRPC; its id is known to nobody but the log.
+  /// Follows a call that does not come through gRPC. Only the log has its id.
   RequestLog(Engine& engine, const char* method, std::string peer);
 
+  /// Logs and counts the request. To be called once, when it is over.
   void finish(const grpc::Status& status);
 
  private:

@@ -11,12 +11,13 @@ constexpr std::size_t kMaxOpen = 256;
 ViewTally::ViewTally(Metrics& metrics) : metrics_(metrics) { metrics_.stream_opened(); }
 
 ViewTally::~ViewTally() {
+  const MutexLock lock(mutex_);
   metrics_.views_overtaken(open_.size());
   metrics_.stream_closed();
 }
 
 void ViewTally::received(std::uint64_t sequence) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!open_.empty() && sequence <= open_.back()) return;
   metrics_.view_received();
   open_.push_back(sequence);
@@ -26,7 +27,7 @@ void ViewTally::received(std::uint64_t sequence) {
 }
 
 void ViewTally::answered(std::uint64_t sequence) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::size_t overtaken = 0;
   while (!open_.empty() && open_.front() < sequence) {
     open_.pop_front();

@@ -1,10 +1,10 @@
-// Which of a stream's views were answered.
+// Counts which of a stream's views were answered.
 #pragma once
 
 #include <cstdint>
 #include <deque>
-#include <mutex>
 
+#include "core/base/mutex.h"
 #include "server/engine/metrics.h"
 
 namespace curvecast::server {
@@ -18,15 +18,15 @@ class ViewTally {
   ViewTally(const ViewTally&) = delete;
   ViewTally& operator=(const ViewTally&) = delete;
 
-  /// Views are numbered upwards; a number that is not is none.
+  /// Counts a view. Views are numbered upwards; one with a number that is not above the last one is not counted.
   void received(std::uint64_t sequence);
-  /// A frame was sent; another one for the same view changes nothing. Numbers never descend.
+  /// Counts a frame that was sent; another one for the same view changes nothing. Precondition: the numbers never descend.
   void answered(std::uint64_t sequence);
 
  private:
   Metrics& metrics_;
-  std::mutex mutex_;
-  std::deque<std::uint64_t> open_;  // ascending
+  Mutex mutex_;
+  std::deque<std::uint64_t> open_ ABSL_GUARDED_BY(mutex_);  // ascending
 };
 
 }  // namespace curvecast::server

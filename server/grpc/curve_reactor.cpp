@@ -1,6 +1,6 @@
 // GetCurve: sends a session's curve chunk by chunk.
 #include <memory>
-#include <utility>
+#include <string>
 
 #include "server/base/grpc_status.h"
 #include "server/base/guarded.h"
@@ -17,8 +17,20 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
  public:
   CurveReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetCurveRequest& request)
       : log_(engine, "GetCurve", context) {
+    const std::string& id = request.session_id();
+    if (engine.sessions.must_load(id)) {
+      // A thread that may wait for the disk loads it.
+      const auto submitted = engine.cache->loading().submit([this, &engine, id] { begin(engine, id); });
+      if (!submitted.ok()) end(submitted.status());
+    } else {
+      begin(engine, id);
+    }
+  }
+
+ private:
+  void begin(Engine& engine, const std::string& id) {
     const absl::Status begun = guarded([&] {
-      const auto session = engine.sessions.find(request.session_id());
+      const auto session = engine.sessions.find(id);
       if (!session.ok()) return session.status();
       curve_ = (*session)->curve();
       *message_.mutable_info() = to_curve_info(*curve_);
@@ -27,7 +39,6 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
     begun.ok() ? StartWrite(&message_) : end(begun);
   }
 
- private:
   void OnWriteDone(bool ok) override {
     if (!ok) return end(absl::CancelledError("the client has gone"));
     if (next_ == curve_->size()) return end(absl::OkStatus());

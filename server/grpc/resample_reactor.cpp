@@ -41,7 +41,7 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
                 absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
                 if (*session == nullptr) session = engine.sessions.find(id);
                 if (!session.ok()) return session.status();
-                return answer(engine, **session, sample, engine.improve_for(*session, sample, engine.new_source()));
+                return answer(engine, **session, sample, engine.improvement_requests(*session, sample, engine.new_source()));
               })));
             },
             connection)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "server/base/grpc_status.h"
@@ -27,17 +28,6 @@ bool is_id(const std::string& text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
-// Answers on the spot.
-template <class Answer>
-grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::CallbackServerContext* context, Answer&& work) {
-  RequestLog log(engine, method, *context);
-  const grpc::Status status = to_grpc(guarded(work));
-  log.finish(status);
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(status);
-  return reactor;
-}
-
 /// A call that ends as it begins.
 template <class Reactor>
 class Refusal final : public Reactor {
@@ -48,13 +38,35 @@ class Refusal final : public Reactor {
   void OnDone() override { delete this; }
 };
 
-/// Null where the caller is known, or need not be.
-template <class Reactor>
-Reactor* refuse(Engine& engine, const char* method, grpc::CallbackServerContext& context) {
+/// The reactor that `begin` makes, for a caller who is known or need not be; one that refuses the call, for any other.
+template <class Begin>
+std::invoke_result_t<Begin> check_caller(Engine& engine, const char* method, grpc::CallbackServerContext& context,
+                                         Begin&& begin) {
   const absl::Status status = caller_of(engine, context).status();
-  if (status.ok()) return nullptr;
+  if (status.ok()) return begin();
   RequestLog(engine, method, context).finish(to_grpc(status));
-  return new Refusal<Reactor>(to_grpc(status));
+  return new Refusal<std::remove_pointer_t<std::invoke_result_t<Begin>>>(to_grpc(status));
+}
+
+/// As check_caller(), and answers on the spot: `work` fills the response.
+template <class Work>
+grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::CallbackServerContext& context, Work&& work) {
+  return check_caller(engine, method, context, [&]() -> grpc::ServerUnaryReactor* {
+    RequestLog log(engine, method, context);
+    const grpc::Status status = to_grpc(guarded(work));
+    log.finish(status);
+    grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
+    reactor->Finish(status);
+    return reactor;
+  });
+}
+
+/// As check_caller(), and a worker answers: see UnaryJob.
+template <class Prepare>
+grpc::ServerUnaryReactor* answer_later(Engine& engine, const char* method, grpc::CallbackServerContext& context,
+                                       const Prepare& prepare) {
+  return check_caller(engine, method, context,
+                      [&]() -> grpc::ServerUnaryReactor* { return new UnaryJob(engine, method, context, prepare); });
 }
 
 }  // namespace
@@ -71,8 +83,7 @@ grpc::ServerReadReactor<v1::UploadMeshRequest>* Service::UploadMesh(grpc::Callba
 
 grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
                                            v1::GetMeshResponse* response) {
-  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "GetMesh", *context)) return refused;
-  return answer(engine_, "GetMesh", context, [&] {
+  return answer(engine_, "GetMesh", *context, [&] {
     const auto mesh = engine_.meshes.find(request->mesh_id());
     if (!mesh.ok()) return mesh.status();
     response->set_mesh_id((*mesh)->id);
@@ -84,8 +95,7 @@ grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context,
 
 grpc::ServerUnaryReactor* Service::GetUpload(grpc::CallbackServerContext* context, const v1::GetUploadRequest* request,
                                              v1::GetUploadResponse* response) {
-  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "GetUpload", *context)) return refused;
-  return answer(engine_, "GetUpload", context, [&] {
+  return answer(engine_, "GetUpload", *context, [&] {
     response->set_received(engine_.meshes.received(request->mesh_id()));
     return absl::OkStatus();
   });
@@ -93,8 +103,7 @@ grpc::ServerUnaryReactor* Service::GetUpload(grpc::CallbackServerContext* contex
 
 grpc::ServerUnaryReactor* Service::ImportMesh(grpc::CallbackServerContext* context, const v1::ImportMeshRequest* request,
                                               v1::ImportMeshResponse* response) {
-  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "ImportMesh", *context)) return refused;
-  return new UnaryJob(engine_, "ImportMesh", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+  return answer_later(engine_, "ImportMesh", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
     return [this, path = request->path(), response](const ExecutionContext& job) {
       const auto mesh = import_mesh(engine_.meshes, engine_.mesh_folder, path, job);
       if (!mesh.ok()) return mesh.status();
@@ -107,37 +116,31 @@ grpc::ServerUnaryReactor* Service::ImportMesh(grpc::CallbackServerContext* conte
 
 grpc::ServerUnaryReactor* Service::InspectMesh(grpc::CallbackServerContext* context, const v1::InspectMeshRequest* request,
                                                v1::InspectMeshResponse* response) {
-  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "InspectMesh", *context)) return refused;
-  return inspect_mesh(engine_, *context, *request, response);
+  return check_caller(engine_, "InspectMesh", *context, [&] { return inspect_mesh(engine_, *context, *request, response); });
 }
 
 grpc::ServerUnaryReactor* Service::ListMeshReferences(grpc::CallbackServerContext* context,
                                                       const v1::ListMeshReferencesRequest* request,
                                                       v1::ListMeshReferencesResponse* response) {
-  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "ListMeshReferences", *context)) return refused;
-  return list_mesh_references(engine_, *context, *request, response);
+  return check_caller(engine_, "ListMeshReferences", *context,
+                      [&] { return list_mesh_references(engine_, *context, *request, response); });
 }
 
 grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* Service::GetParameterMesh(grpc::CallbackServerContext* context,
                                                                                   const v1::GetParameterMeshRequest* request) {
-  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::GetParameterMeshResponse>>(engine_, "GetParameterMesh", *context))
-    return refused;
-  return get_parameter_mesh(engine_, *context, *request);
+  return check_caller(engine_, "GetParameterMesh", *context, [&] { return get_parameter_mesh(engine_, *context, *request); });
 }
 
 grpc::ServerWriteReactor<v1::CreateSessionResponse>* Service::CreateSession(grpc::CallbackServerContext* context,
                                                                             const v1::CreateSessionRequest* request) {
-  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::CreateSessionResponse>>(engine_, "CreateSession", *context))
-    return refused;
-  return create_session(engine_, *context, *request);
+  return check_caller(engine_, "CreateSession", *context, [&] { return create_session(engine_, *context, *request); });
 }
 
 grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* context, const v1::GetSessionRequest* request,
                                               v1::GetSessionResponse* response) {
-  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "GetSession", *context)) return refused;
   const std::string& id = request->session_id();
   if (engine_.sessions.must_load(id)) {
-    return new UnaryJob(engine_, "GetSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    return answer_later(engine_, "GetSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
       return [this, id, response](const ExecutionContext& /*job*/) {
         const auto session = engine_.sessions.find(id);
         if (session.ok()) *response->mutable_session() = with_cached(to_proto(**session));
@@ -145,7 +148,7 @@ grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* conte
       };
     });
   }
-  return answer(engine_, "GetSession", context, [&] {
+  return answer(engine_, "GetSession", *context, [&] {
     const auto info = engine_.sessions.info(id);
     if (info.ok()) *response->mutable_session() = with_cached(to_proto(*info));
     return info.status();
@@ -154,8 +157,7 @@ grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* conte
 
 grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* context, const v1::ListSessionsRequest* request,
                                                 v1::ListSessionsResponse* response) {
-  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "ListSessions", *context)) return refused;
-  return answer(engine_, "ListSessions", context, [&] {
+  return answer(engine_, "ListSessions", *context, [&] {
     // A token is the last session_id of the page before.
     const std::string& token = request->page_token();
     if (!token.empty() && !is_id(token)) {
@@ -174,8 +176,7 @@ grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* con
 
 grpc::ServerUnaryReactor* Service::UpdateSession(grpc::CallbackServerContext* context, const v1::UpdateSessionRequest* request,
                                                  v1::UpdateSessionResponse* response) {
-  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "UpdateSession", *context)) return refused;
-  return new UnaryJob(engine_, "UpdateSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+  return answer_later(engine_, "UpdateSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
     const auto pinned = request->has_pinned() ? std::optional(request->pinned()) : std::nullopt;
     const auto time_to_live = request->has_time_to_live() ? std::optional(request->time_to_live()) : std::nullopt;
     if (time_to_live && !(*time_to_live >= 0 && std::isfinite(*time_to_live))) {
@@ -192,15 +193,13 @@ grpc::ServerUnaryReactor* Service::UpdateSession(grpc::CallbackServerContext* co
 
 grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
                                                 v1::CloseSessionResponse* /*response*/) {
-  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "CloseSession", *context)) return refused;
-  return answer(engine_, "CloseSession", context,
+  return answer(engine_, "CloseSession", *context,
                 [&] { return engine_.close_session(request->session_id(), owner_of(engine_, *context)); });
 }
 
 grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, const v1::RenderRequest* request,
                                           v1::RenderResponse* response) {
-  if (auto* refused = refuse<grpc::ServerUnaryReactor>(engine_, "Render", *context)) return refused;
-  return new UnaryJob(engine_, "Render", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+  return answer_later(engine_, "Render", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
     return [this, request, response](const ExecutionContext& job) {
       const auto session = engine_.sessions.find(request->session_id());
       if (!session.ok()) return session.status();
@@ -213,20 +212,17 @@ grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, 
 
 grpc::ServerWriteReactor<v1::MeasureResponse>* Service::Measure(grpc::CallbackServerContext* context,
                                                                 const v1::MeasureRequest* request) {
-  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::MeasureResponse>>(engine_, "Measure", *context)) return refused;
-  return measure(engine_, *context, *request);
+  return check_caller(engine_, "Measure", *context, [&] { return measure(engine_, *context, *request); });
 }
 
 grpc::ServerWriteReactor<v1::GetCurveResponse>* Service::GetCurve(grpc::CallbackServerContext* context,
                                                                   const v1::GetCurveRequest* request) {
-  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::GetCurveResponse>>(engine_, "GetCurve", *context)) return refused;
-  return get_curve(engine_, *context, *request);
+  return check_caller(engine_, "GetCurve", *context, [&] { return get_curve(engine_, *context, *request); });
 }
 
 grpc::ServerWriteReactor<v1::ResampleResponse>* Service::Resample(grpc::CallbackServerContext* context,
                                                                   const v1::ResampleRequest* request) {
-  if (auto* refused = refuse<grpc::ServerWriteReactor<v1::ResampleResponse>>(engine_, "Resample", *context)) return refused;
-  return resample(engine_, *context, *request);
+  return check_caller(engine_, "Resample", *context, [&] { return resample(engine_, *context, *request); });
 }
 
 grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>* Service::StreamViews(

@@ -1,9 +1,9 @@
 // StreamViews: carries a ClientStream over gRPC.
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
+#include "core/base/mutex.h"
 #include "server/base/grpc_status.h"
 #include "server/engine/caller.h"
 #include "server/engine/request_log.h"
@@ -43,9 +43,9 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
 
   void end(const absl::Status& status) override {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       ended_ = status;
-      if (taking_) return conversation_->end_pause();  // go_on() finishes: until then, the reactor stays
+      if (taking_) return conversation_->end_pause();  // resume() finishes: until then, the reactor stays
     }
     finish(status);
   }
@@ -59,18 +59,18 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   void OnReadDone(bool ok) override {
     if (!ok) return conversation_->stream().half_close();
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (ended_) return;
       taking_ = true;
     }
-    conversation_->take(request_, [this] { go_on(); });
+    conversation_->take(request_, [this] { resume(); });
   }
 
   /// Reads the next message, or finishes what has ended meanwhile.
-  void go_on() {
+  void resume() {
     std::optional<absl::Status> ended;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       taking_ = false;
       ended = ended_;
       if (!ended) StartRead(&request_);  // no operation may start once Finish has been called
@@ -88,9 +88,9 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   std::unique_ptr<ViewConversation> conversation_;  // null: refused
   v1::StreamViewsRequest request_;
   v1::StreamViewsResponse response_;
-  std::mutex mutex_;
-  std::optional<absl::Status> ended_;  // no operation may start any more
-  bool taking_ = false;                // a message; none is read meanwhile
+  Mutex mutex_;
+  std::optional<absl::Status> ended_ ABSL_GUARDED_BY(mutex_);  // no operation may start any more
+  bool taking_ ABSL_GUARDED_BY(mutex_) = false;                // a message; none is read meanwhile
 };
 
 }  // namespace

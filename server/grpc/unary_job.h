@@ -17,13 +17,13 @@
 
 namespace curvecast::server {
 
-/// Deletes itself when gRPC is done with it. The job is the only one that finishes, so the reactor outlives it.
+/// Deletes itself when gRPC is done with it. Only the job finishes the call, so the reactor outlives the job.
 class UnaryJob final : public grpc::ServerUnaryReactor {
  public:
-  /// Answers, on one thread; `context` says when the client has gone.
+  /// Fills the response, on one thread. `context` says when the client has gone.
   using Work = std::function<absl::Status(const ExecutionContext& context)>;
 
-  /// `method` is a literal. `prepare` is called at once: it finds what the work needs, or says what is wrong with the request.
+  /// `method` is a literal. `prepare` is called within the constructor: it returns the work, or what is wrong with the request.
   UnaryJob(Engine& engine, const char* method, grpc::CallbackServerContext& context,
            const std::function<absl::StatusOr<Work>()>& prepare)
       : log_(engine, method, context) {

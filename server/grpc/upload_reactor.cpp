@@ -34,7 +34,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
 
  private:
   void OnReadDone(bool ok) override {
-    const absl::Status status = guarded([&] { return ok ? take() : complete(); });
+    const absl::Status status = guarded([&] { return ok ? receive() : complete(); });
     if (ok && status.ok()) {
       StartRead(&request_);
     } else {
@@ -50,7 +50,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
 
   void OnDone() override { delete this; }
 
-  absl::Status take() {
+  absl::Status receive() {
     switch (request_.part_case()) {
       case v1::UploadMeshRequest::kHeader:
         if (begun_) return absl::InvalidArgumentError("the header was sent twice; send it first and once");

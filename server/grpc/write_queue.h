@@ -6,30 +6,33 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
-#include <mutex>
 #include <optional>
 #include <utility>
 
+#include "core/base/mutex.h"
 #include "server/base/queued_bytes.h"
 #include "server/engine/request_log.h"
 
 namespace curvecast::server {
 
-/// Thread-safe. push() and finish() are called by whoever makes the messages; after its call of finish(), which is made exactly
-/// once, it must not touch the reactor: gRPC may have deleted it.
+/// Thread-safe. The maker of the messages calls push() and, exactly once, finish(), after which it must not touch the reactor:
+/// gRPC may have deleted it.
 template <class Response>
 class WriteQueue : public grpc::ServerWriteReactor<Response> {
  public:
   /// `queued` counts the messages that wait.
   WriteQueue(RequestLog log, QueuedBytes& queued) : log_(std::move(log)), queued_(queued) {}
-  ~WriteQueue() override { queued_.add(-waiting_); }
+  ~WriteQueue() override {
+    const MutexLock lock(mutex_);
+    queued_.add(-waiting_);
+  }
 
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
  protected:
   /// Queues a message; dropped once the client has gone.
-  void push(Response message) {
-    const std::lock_guard lock(mutex_);
+  void push(Response message) ABSL_LOCKS_EXCLUDED(mutex_) {
+    const MutexLock lock(mutex_);
     if (cancelled()) return;
     if (!queue_.empty() && replaces(message, queue_.back())) {
       count(-bytes_of(queue_.back()));
@@ -40,8 +43,8 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     write_next();
   }
 
-  /// Queues what `make` makes, as long as the client has not gone and not too much waits for clients to read it. `make` is given
-  /// the function that takes each message, false: no more of them, and returns how it ended.
+  /// Queues what `make` makes, as long as the client has not gone and not too much waits for clients to read it. `make` gets the
+  /// function that takes each message, which returns false when no more are wanted, and returns how it ended.
   template <typename Make>
   absl::Status push_all(Make&& make) {
     absl::Status refused;
@@ -54,10 +57,14 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   }
 
   /// The end, after all messages queued; at once when the client has gone.
-  void finish(grpc::Status status) {
-    std::unique_lock lock(mutex_);
-    status_ = std::move(status);
-    finish_when_idle(std::move(lock));
+  void finish(grpc::Status status) ABSL_LOCKS_EXCLUDED(mutex_) {
+    std::optional<grpc::Status> ended;
+    {
+      const MutexLock lock(mutex_);
+      status_ = std::move(status);
+      ended = take_end();
+    }
+    finish_now(ended);
   }
 
   void OnCancel() override { cancelled_ = true; }
@@ -70,27 +77,31 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   virtual bool replaces(const Response& /*newer*/, const Response& /*older*/) const { return false; }
 
   void OnWriteDone(bool ok) final {
-    std::unique_lock lock(mutex_);
-    writing_ = false;
-    count(-bytes_of(current_));
-    if (!ok) cancelled_ = true;
-    if (cancelled()) {
-      queue_.clear();
-      count(-waiting_);
+    std::optional<grpc::Status> ended;
+    {
+      const MutexLock lock(mutex_);
+      writing_ = false;
+      count(-bytes_of(current_));
+      if (!ok) cancelled_ = true;
+      if (cancelled()) {
+        queue_.clear();
+        count(-waiting_);
+      }
+      write_next();
+      ended = take_end();
     }
-    write_next();
-    finish_when_idle(std::move(lock));
+    finish_now(ended);
   }
 
   void OnDone() final { delete this; }
 
   static std::int64_t bytes_of(const Response& message) { return static_cast<std::int64_t>(message.ByteSizeLong()); }
-  void count(std::int64_t bytes) {
+  void count(std::int64_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     waiting_ += bytes;
     queued_.add(bytes);
   }
 
-  void write_next() {
+  void write_next() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (writing_ || queue_.empty()) return;
     writing_ = true;
     current_ = std::move(queue_.front());
@@ -98,23 +109,28 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     this->StartWrite(&current_);
   }
 
-  void finish_when_idle(std::unique_lock<std::mutex> lock) {
-    if (writing_ || !status_) return;
-    const grpc::Status status = *std::exchange(status_, std::nullopt);
-    log_.finish(status);
-    lock.unlock();  // before Finish, for the reactor may be gone before it returns
-    this->Finish(status);
+  /// The status to end with, once: where it is known and all messages have been written.
+  std::optional<grpc::Status> take_end() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (writing_) return std::nullopt;
+    return std::exchange(status_, std::nullopt);
+  }
+
+  /// Without the lock, for the reactor may be gone before Finish() returns.
+  void finish_now(const std::optional<grpc::Status>& status) ABSL_LOCKS_EXCLUDED(mutex_) {
+    if (!status) return;
+    log_.finish(*status);
+    this->Finish(*status);
   }
 
   RequestLog log_;
   QueuedBytes& queued_;
-  std::int64_t waiting_ = 0;  // bytes of the queue and of the message being written
   std::atomic<bool> cancelled_ = false;
-  std::mutex mutex_;
-  std::deque<Response> queue_;
-  Response current_;  // being written
-  bool writing_ = false;
-  std::optional<grpc::Status> status_;  // set between finish() and Finish()
+  Mutex mutex_;
+  std::int64_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;  // bytes of the queue and of the message being written
+  std::deque<Response> queue_ ABSL_GUARDED_BY(mutex_);
+  Response current_ ABSL_GUARDED_BY(mutex_);  // being written
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  std::optional<grpc::Status> status_ ABSL_GUARDED_BY(mutex_);  // set between finish() and Finish()
 };
 
 }  // namespace curvecast::server

@@ -1,4 +1,4 @@
-// Which sessions leave the memory.
+// Chooses which sessions leave the memory.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,12 @@ struct SessionLimits {
   std::uint64_t bytes = std::uint64_t{8} << 30;
 };
 
+/// A session in memory.
 struct Resident {
   std::string id;
   std::uint64_t last_used = 0;  // greater: later
   std::uint64_t bytes = 0;
-  bool may_go = false;  // nobody uses it, and it is neither pinned nor being made
+  bool may_go = false;  // it is neither in use nor pinned nor being made
 };
 
 struct Eviction {
@@ -26,7 +27,7 @@ struct Eviction {
   bool is_enough = true;         // the rest is within the limits
 };
 
-/// The least recently used of those that may go, no more of them than it takes to bring the rest within the limits.
+/// Chooses the least recently used of the sessions that may go, no more than it takes to bring the rest within the limits.
 Eviction choose_evicted(std::vector<Resident> residents, const SessionLimits& limits);
 
 }  // namespace curvecast::server

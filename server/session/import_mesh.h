@@ -1,4 +1,4 @@
-// Meshes of the server's own, from the one folder that it offers.
+// Takes meshes from the one folder of the server's machine that it offers.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -11,8 +11,8 @@
 
 namespace curvecast::server {
 
-/// The file at `path`, relative to `folder`, as if a client had sent it. NotFound: there is none. PermissionDenied: `folder` is
-/// empty, or the path leads out of it, be it through a link. Else as MeshUpload.
+/// Stores the file at `path`, relative to `folder`, as if a client had sent it. NotFound: there is no such file.
+/// PermissionDenied: `folder` is empty, or the path leads out of it, be it through a link. Other errors as of MeshUpload.
 absl::StatusOr<std::shared_ptr<const Mesh>> import_mesh(MeshStore& store, const std::string& folder, const std::string& path,
                                                         const ExecutionContext& context);
 

@@ -3,45 +3,40 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <utility>
 
+#include "core/base/mutex.h"
 #include "core/curve/surface_curve.h"
 
 namespace curvecast::server {
-
-/// What the Refiner keeps of a session; nobody else looks into it.
-struct Refinement;
 
 /// Thread-safe.
 class LiveCurve {
  public:
   /// The newest revision; null before the first.
   std::shared_ptr<const SurfaceCurve> newest() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return curve_;
   }
   void publish(std::shared_ptr<const SurfaceCurve> curve) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     curve_.swap(curve);
   }  // the old one goes after the lock, which takes its time
 
   /// A finer revision is being made or waits to be made.
   bool refining() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return refining_;
   }
   void set_refining(bool refining) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     refining_ = refining;
   }
 
-  std::shared_ptr<Refinement> refinement;  // guarded by the refiner's lock
-
  private:
-  mutable std::mutex mutex_;
-  std::shared_ptr<const SurfaceCurve> curve_;
-  bool refining_ = false;
+  mutable Mutex mutex_;
+  std::shared_ptr<const SurfaceCurve> curve_ ABSL_GUARDED_BY(mutex_);
+  bool refining_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace curvecast::server

@@ -12,33 +12,33 @@ constexpr int kFirstLevel = kChunkLevels;
 
 absl::StatusOr<RankedCurve> LiveRanks::take(const std::shared_ptr<const SurfaceCurve>& curve, const ExecutionContext& context) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (newest_.tree != nullptr) return newest_;
   }
-  const std::lock_guard growing(growing_);
+  const MutexLock growing(growing_);
   if (grower_ == nullptr) {
     absl::StatusOr<std::unique_ptr<RankGrower>> grower = RankGrower::make(curve, {.level = kFirstLevel}, context);
     if (!grower.ok()) return grower.status();
     grower_ = *std::move(grower);
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     newest_ = {curve, grower_->tree()};
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return newest_;
 }
 
 absl::Status LiveRanks::grow(std::span<const ChunkId> lacking, const ExecutionContext& context) {
-  const std::lock_guard growing(growing_);
+  const MutexLock growing(growing_);
   absl::Status status = grower_->grow(lacking, kMaxPoints, context);
   if (absl::IsResourceExhausted(status)) full_ = true;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   newest_.tree = grower_->tree();
   grower_bytes_ = grower_->byte_size();
   return status;
 }
 
 std::uint64_t LiveRanks::byte_size() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return newest_.tree != nullptr ? newest_.tree->byte_size() + grower_bytes_ : 0;
 }
 

@@ -6,10 +6,10 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 
 #include "core/base/execution_context.h"
+#include "core/base/mutex.h"
 #include "core/progressive/grow_ranks.h"
 
 namespace curvecast::server {
@@ -40,11 +40,11 @@ class LiveRanks {
 
  private:
   std::atomic<bool> full_ = false;
-  std::mutex growing_;  // taken first
-  std::unique_ptr<RankGrower> grower_;
-  std::mutex mutex_;
-  RankedCurve newest_;
-  std::uint64_t grower_bytes_ = 0;
+  Mutex growing_ ABSL_ACQUIRED_BEFORE(mutex_);
+  std::unique_ptr<RankGrower> grower_ ABSL_GUARDED_BY(growing_);
+  Mutex mutex_;
+  RankedCurve newest_ ABSL_GUARDED_BY(mutex_);
+  std::uint64_t grower_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace curvecast::server

@@ -13,12 +13,12 @@
 
 namespace curvecast::server {
 
-/// Keeps all of them alive and in the store.
+/// A mesh and its companions. Keeps all of them alive and in the store.
 struct MeshFiles {
   std::shared_ptr<const Mesh> mesh;
   std::map<std::string, std::shared_ptr<const Mesh>> companions;  // by the name that the mesh gives them
 
-  /// For core; valid as long as this.
+  /// The files as core takes them; valid as long as this.
   MeshFile file() const;
 };
 

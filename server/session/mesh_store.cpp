@@ -23,7 +23,7 @@ MeshStore::MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes)
     : max_bytes_(max_bytes), max_file_bytes_(max_file_bytes) {}
 
 absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find(const std::string& id) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = by_id_.find(id);
   if (found == by_id_.end()) {
     return absl::NotFoundError(absl::StrCat("mesh \"", printable(id), "\" is not held here; upload it first"));
@@ -33,19 +33,20 @@ absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find(const std::string& i
 }
 
 std::uint64_t MeshStore::received(const std::string& id) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = std::ranges::find(parked_, id, &MeshPart::expected_id);
   return found == parked_.end() ? 0 : found->mesh.size;
 }
 
 MeshStore::Usage MeshStore::usage() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return {recency_.size(), used_};
 }
 
 void MeshStore::park(MeshPart part) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto forget = [this](std::list<MeshPart>::iterator old) {
+    mutex_.assert_held();
     used_ -= old->reserved;
     parked_.erase(old);
   };
@@ -55,7 +56,7 @@ void MeshStore::park(MeshPart part) {
 }
 
 absl::StatusOr<MeshPart> MeshStore::resume(const std::string& id, std::uint64_t size, std::uint64_t offset) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = std::ranges::find(parked_, id, &MeshPart::expected_id);
   const std::uint64_t there = found == parked_.end() ? 0 : found->mesh.size;
   if (there != offset) {
@@ -72,7 +73,7 @@ absl::StatusOr<MeshPart> MeshStore::resume(const std::string& id, std::uint64_t 
 }
 
 absl::Status MeshStore::reserve(std::uint64_t bytes) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   while (used_ + bytes > max_bytes_ && !parked_.empty()) {
     used_ -= parked_.back().reserved;
     parked_.pop_back();
@@ -94,12 +95,12 @@ absl::Status MeshStore::reserve(std::uint64_t bytes) {
 }
 
 void MeshStore::release(std::uint64_t bytes) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   used_ -= bytes;
 }
 
 std::shared_ptr<const Mesh> MeshStore::keep(std::shared_ptr<const Mesh> mesh, std::uint64_t reserved) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   used_ -= reserved;
   const auto [found, is_new] = by_id_.try_emplace(mesh->id);
   if (is_new) {

@@ -7,17 +7,17 @@
 #include <cstdlib>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 
+#include "core/base/mutex.h"
 #include "server/base/hash.h"
 
 namespace curvecast::server {
 
-/// A mesh file. Immutable once stored.
+/// A mesh file, or another file that meshes refer to. Immutable once stored.
 struct Mesh {
   struct Free {
     void operator()(char* data) const { std::free(data); }
@@ -30,7 +30,7 @@ struct Mesh {
   std::span<const char> bytes() const { return {data.get(), size}; }
 };
 
-/// What has come of a file.
+/// The beginning of a file whose upload is under way or broke off.
 struct MeshPart {
   Mesh mesh;  // mesh.size bytes have come
   Hasher hasher;
@@ -40,16 +40,16 @@ struct MeshPart {
   std::size_t capacity = 0;
 };
 
-/// Thread-safe. Holds whole files, uploads under way, and what came of uploads that broke off, within one budget: the latter go
-/// first, then the least recently used files that nobody works on.
+/// Thread-safe. Holds whole files, uploads under way, and the beginnings of uploads that broke off, within one budget: for room,
+/// beginnings go first, then the least recently used files to which there are no references.
 class MeshStore {
  public:
-  /// Bytes of all files together, and of one file.
+  /// Holds at most `max_bytes` of all files together, and takes files of at most `max_file_bytes`.
   MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes);
 
-  /// NotFound with what to do.
+  /// Finds a file by its hash. NotFound says what to do.
   absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id);
-  /// Bytes that are there of an upload that broke off, of the file with this hash.
+  /// How many bytes are there of the file with this hash, whose upload broke off.
   std::uint64_t received(const std::string& id);
 
   std::uint64_t max_file_bytes() const { return max_file_bytes_; }
@@ -74,26 +74,28 @@ class MeshStore {
 
   const std::uint64_t max_bytes_;
   const std::uint64_t max_file_bytes_;
-  mutable std::mutex mutex_;
-  std::uint64_t used_ = 0;  // bytes of `recency_` and of all uploads
-  Recency recency_;
-  std::unordered_map<std::string, Recency::iterator> by_id_;
-  std::list<MeshPart> parked_;  // the newest first; within used_ too
+  mutable Mutex mutex_;
+  std::uint64_t used_ ABSL_GUARDED_BY(mutex_) = 0;  // bytes of `recency_` and of all uploads
+  Recency recency_ ABSL_GUARDED_BY(mutex_);
+  std::unordered_map<std::string, Recency::iterator> by_id_ ABSL_GUARDED_BY(mutex_);
+  std::list<MeshPart> parked_ ABSL_GUARDED_BY(mutex_);  // the newest first; within used_ too
 };
 
 /// One file on its way into the store, which must outlive it. Not thread-safe.
 class MeshUpload {
  public:
   explicit MeshUpload(MeshStore& store) : store_(store) {}
-  ~MeshUpload();  // what has not been finished is kept for another upload, if the file's hash is known, or forgotten
+  ~MeshUpload();  // keeps an unfinished file for another upload if the file's hash is known
   MeshUpload(const MeshUpload&) = delete;
   MeshUpload& operator=(const MeshUpload&) = delete;
 
-  /// `size` is what the client claims: it is checked, never allocated ahead. `expected_id` may be empty. With `offset` > 0 goes
-  /// on from there: FailedPrecondition where that is not MeshStore::received(expected_id).
+  /// Begins a file of `size` bytes, which the client claims: it is checked, never allocated ahead. `expected_id` is the file's
+  /// hash; empty: not known. Above 0, `offset` resumes an upload that broke off: FailedPrecondition where it is not
+  /// MeshStore::received(expected_id). ResourceExhausted where there is no room; InvalidArgument for the rest.
   absl::Status begin(std::string_view name, std::uint64_t size, std::string_view expected_id, std::uint64_t offset = 0);
+  /// Takes the next bytes. InvalidArgument where there are more than announced; ResourceExhausted where there is no room.
   absl::Status append(std::string_view chunk);
-  /// The stored mesh, or the one already held for the same bytes. InvalidArgument for wrong size or hash.
+  /// Stores the file, and returns it or the one already held for the same bytes. InvalidArgument for a wrong size or hash.
   absl::StatusOr<std::shared_ptr<const Mesh>> finish();
 
  private:

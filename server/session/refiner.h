@@ -1,14 +1,16 @@
 // Makes curves finer in the background, for views that found them too coarse.
 #pragma once
 
+#include <absl/status/statusor.h>
+
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "core/refine/refine.h"
-#include "server/base/job_queue.h"
+#include "server/session/improvement_jobs.h"
 #include "server/session/session.h"
 
 namespace spdlog {
@@ -17,40 +19,47 @@ class logger;
 
 namespace curvecast::server {
 
-/// Thread-safe. One thread of low priority; of each session one refinement runs or waits at most.
+/// What the clients of a session demand of its curve: of each client the newest demand, the oldest one first.
+struct CurveDemands {
+  struct Demand {
+    std::uint64_t source;  // tells clients apart
+    CurveDemand demand;
+  };
+  std::vector<Demand> all;
+
+  /// Replaces the client's earlier demand. Where there are too many, the oldest gives way.
+  void add(std::uint64_t source, CurveDemand demand);
+};
+
+/// Thread-safe. One thread of low priority refines one session after the other.
 class Refiner {
  public:
-  /// Called, without locks, by the refiner's thread when a refinement is over, whether it changed the curve or not.
+  /// Called without locks by the refiner's thread when a refinement is over, whether it changed the curve or not.
   using OnDone = std::function<void(const Session& session, bool is_finer)>;
 
-  /// At most `max_vertices` curve vertices for each session; 0: never refines.
+  /// Makes at most `max_vertices` curve vertices for each session; 0: never refines.
   Refiner(std::uint64_t max_vertices, OnDone on_done, std::shared_ptr<spdlog::logger> log);
-  ~Refiner();  // stop()
 
-  /// Somebody found `curve`, a revision of the session's, too coarse. `source` tells those who ask apart: of each only the newest
-  /// demand counts, and what waits for its turn is met together. Returns whether a finer revision is being made or is there
-  /// already, so that on_done is called, or was called, after `curve` was taken: false once the session's limit is reached, or
-  /// forget() or stop() was called.
+  /// Asks for a finer revision than `curve`, one of the session's. `source` tells clients apart: of each only the newest demand
+  /// counts, and the demands of a session that waits for its turn are met together. Returns whether a finer revision is being
+  /// made or is there already, so that on_done is called, or was called, after `curve` was taken: false once the session's limit
+  /// is reached, or after forget() or stop().
   bool request(const std::shared_ptr<const Session>& session, const SurfaceCurve& curve, std::uint64_t source,
                CurveDemand demand);
-  /// The session was closed: what runs for it is cancelled, and later requests are refused.
+  /// Cancels the refinement of a session that was closed, and refuses later requests for it.
   void forget(const Session& session);
   /// Cancels everything and joins the thread; refuses what comes later.
-  void stop();
+  void stop() { jobs_.stop(); }
 
  private:
-  void run(const std::shared_ptr<Refinement>& task);
-  absl::StatusOr<RefinedCurve> refine_once(Refinement& task, const Session& session,
-                                           const std::vector<CurveDemand>& demands) const;
+  Improvement improve(const Session& session, const CurveDemands& demands, const std::atomic<bool>& cancel) const;
+  absl::StatusOr<RefinedCurve> refine_once(const Session& session, const CurveDemands& demands,
+                                           const std::atomic<bool>& cancel) const;
   std::uint64_t affordable_vertices(const SurfaceCurve& curve) const;
 
   const std::uint64_t max_vertices_;
-  const OnDone on_done_;
   const std::shared_ptr<spdlog::logger> log_;
-  std::mutex mutex_;
-  std::shared_ptr<Refinement> running_;
-  bool stopped_ = false;
-  JobQueue queue_;
+  ImprovementJobs<CurveDemands> jobs_;  // last: they use the others
 };
 
 }  // namespace curvecast::server

@@ -13,11 +13,12 @@
 #include "server/session/live_curve.h"
 #include "server/session/live_ranks.h"
 #include "server/session/mesh_files.h"
+#include "server/session/refinement.h"
 
 namespace curvecast::server {
 
-/// Ready and immutable but for its curve, which may become finer, and its ranked candidates; whoever holds it may go on using it
-/// after it has been closed.
+/// Immutable but for its curve, which may become finer, and its ranked candidates. Can be used for as long as it is held, also
+/// after it has been closed. Copies share what changes.
 struct Session {
   std::string id;
   std::string mesh_id;
@@ -27,13 +28,14 @@ struct Session {
   Preprocessed preprocessed;  // its curve has gone to `live`; without `flattened` when it comes from the cache
   std::shared_ptr<LiveCurve> live = std::make_shared<LiveCurve>();
   std::shared_ptr<LiveRanks> ranks = std::make_shared<LiveRanks>();  // made when they are first asked for
-  /// Where preprocessed.flattened is null: brings what the curve lies on, when it is to be refined. May be empty, or fail.
+  std::shared_ptr<Refinement> refinement = std::make_shared<Refinement>();
+  /// Loads the surface on which the curve lies, for refining it, where preprocessed.flattened is null. May be empty.
   std::function<absl::StatusOr<std::shared_ptr<const FlattenedMesh>>()> load_flattened;
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
 
-  /// The newest revision. One answer takes it once.
+  /// The newest revision of the curve. Each answer takes it once, so that all of it is of one revision.
   std::shared_ptr<const SurfaceCurve> curve() const { return live->newest(); }
-  /// Of its curve and its ranked candidates.
+  /// Bytes of the curve and the ranked candidates.
   std::uint64_t memory_bytes() const { return curve()->byte_size() + ranks->byte_size(); }
 };
 
@@ -46,10 +48,11 @@ struct SessionInfo {
   SessionState state = SessionState::kQueued;
   std::shared_ptr<const Session> session;  // set when ready
   bool pinned = false;                     // is never evicted
-  double time_to_live = 0;                 // above 0: is closed when nobody has used it for so many seconds
+  double time_to_live = 0;                 // above 0: it is closed when it has not been used for so many seconds
 };
 
-/// The same for the same files, under the same names, all options and the same version of the algorithm: 32 hexadecimal digits.
+/// The id of a session, 32 hexadecimal digits: a hash of the files, the names of the companions, all options and
+/// kAlgorithmVersion.
 std::string session_id(const MeshFiles& files, const PreprocessOptions& options);
 
 /// The process's peak memory so far, bytes.

@@ -179,7 +179,7 @@ std::string SessionCache::surface_path(const std::string& id) const {
 
 bool SessionCache::holds(const std::string& id) const {
   if (!is_session_id(id)) return false;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return !is_going(id) && is_file(curve_path(id));
 }
 
@@ -194,7 +194,7 @@ bool SessionCache::remove_files(const std::string& id) const {
 
 bool SessionCache::remove(const std::string& id) {
   if (!is_session_id(id)) return false;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const bool was_gone = is_going(id);
   const bool was_pending = pending_.erase(id) > 0;
   if (saving_ == id) unwanted_ = true;
@@ -245,7 +245,7 @@ void SessionCache::save(const Session& session) {
   Snapshot snapshot = {session.curve(), session.preprocessed.flattened, to_archive(record_of(session))};
   const std::string& id = session.id;
   absl::Status status;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (snapshot.curve->byte_size() > max_bytes_) {
     status = absl::ResourceExhaustedError("it alone is larger than the cache may be");
   } else if (const auto [waiting, is_new] = pending_.insert_or_assign(id, std::move(snapshot)); is_new) {
@@ -262,7 +262,7 @@ void SessionCache::note_failure(const std::string& id, const absl::Status& statu
 void SessionCache::save_next(const std::string& id) {
   Snapshot snapshot;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     auto node = pending_.extract(id);
     if (node.empty()) return;  // removed meanwhile
     snapshot = std::move(node.mapped());
@@ -273,7 +273,7 @@ void SessionCache::save_next(const std::string& id) {
   const absl::Status status = guarded([&] { return write(id, snapshot); });
   const double seconds = watch.lap();
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     saving_.clear();
     if (unwanted_) {
       remove_files(id);

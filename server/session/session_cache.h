@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 
+#include "core/base/mutex.h"
 #include "server/base/job_queue.h"
 #include "server/session/session.h"
 
@@ -33,21 +33,21 @@ class SessionCache {
   /// Saves the session as it is now in the background, replacing what was saved of it before. When it cannot, because the disk is
   /// full or too many saves wait, the log says so (once until it works again), and the session is just not cached.
   void save(const Session& session);
-  /// Whether a session can be loaded, unless its file turns out to be damaged. Takes microseconds.
+  /// Whether there is a file from which a session can be loaded, unless it turns out to be damaged. Takes microseconds.
   bool holds(const std::string& id) const;
-  /// NotFound when there is none; DataLoss, FailedPrecondition and so on for files that cannot be used. The log says why, and
-  /// they are removed.
+  /// Loads a session. NotFound when there is none; DataLoss, FailedPrecondition and so on for files that cannot be used. The log
+  /// says why, and they are removed.
   absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id);
-  /// What refining the session's curve starts from: for sessions whose Preprocessed::flattened is null. Errors as of load().
+  /// Loads what refining a session's curve starts from, for sessions whose Preprocessed::flattened is null. Errors as of load().
   absl::StatusOr<std::shared_ptr<const FlattenedMesh>> load_surface(const std::string& id);
-  /// Removes a session's files, and forgets to save it. False when there were none.
+  /// Removes a session's files, also those still to be saved. False when there were none.
   bool remove(const std::string& id);
-  /// Of all files of sessions in the folder, whoever wrote them. Looks at each.
+  /// Bytes of all files of sessions in the folder, whichever process wrote them. Looks at each.
   std::uint64_t used_bytes() const;
 
-  /// Runs loads for those who must not wait. Apart from saving, which waits for the disk.
+  /// The queue on which those load who must not wait. Apart from the one that saves, which waits for the disk.
   JobQueue& loading() { return loading_; }
-  /// Ends the saves under way. Later ones are not made.
+  /// Finishes the loads and saves that have been accepted, and refuses later ones.
   void stop();
 
  private:
@@ -61,23 +61,24 @@ class SessionCache {
   SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log);
   std::string curve_path(const std::string& id) const;
   std::string surface_path(const std::string& id) const;
-  bool is_going(const std::string& id) const;
+  /// Whether a session's files are being written, and are to be removed then.
+  bool is_going(const std::string& id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool remove_files(const std::string& id) const;
   void discard(const std::string& path, const absl::Status& reason) const;
   void save_next(const std::string& id);
   absl::Status write(const std::string& id, const Snapshot& snapshot) const;
   void make_room() const;
-  void note_failure(const std::string& id, const absl::Status& status);
+  void note_failure(const std::string& id, const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::string folder_;
   const std::uint64_t max_bytes_;
   const std::shared_ptr<spdlog::logger> log_;
-  mutable std::mutex mutex_;
-  std::map<std::string, Snapshot> pending_;  // by session, the newest state of each
-  std::string saving_;                       // session that is being written
-  bool unwanted_ = false;                    // ... but has been removed meanwhile: its files go when they are written
-  bool failing_ = false;                     // the last save failed, and the log says so
-  JobQueue loading_, saving_queue_;          // last: their jobs use all of the above
+  mutable Mutex mutex_;
+  std::map<std::string, Snapshot> pending_ ABSL_GUARDED_BY(mutex_);  // by session, the newest state of each
+  std::string saving_ ABSL_GUARDED_BY(mutex_);                       // session that is being written
+  bool unwanted_ ABSL_GUARDED_BY(mutex_) = false;  // saving_ has been removed meanwhile: its files go when they are written
+  bool failing_ ABSL_GUARDED_BY(mutex_) = false;   // the last save failed, and the log says so
+  JobQueue loading_, saving_queue_;                // last: their jobs use all of the above
 };
 
 }  // namespace curvecast::server

@@ -1,3 +1,4 @@
+// The TLS files that a server is started with.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -16,16 +17,17 @@ namespace curvecast::server {
 
 struct ServerOptions;
 
-/// With what connections are encrypted, as PEM.
+/// What connections are encrypted with, as PEM.
 struct ServerTls {
   tls::Identity identity;
   std::string client_authorities = {};  // only clients for whom these vouch may connect; empty: all
 };
 
-/// What the options' TLS files hold; none: no encryption. InvalidArgument for one without the other, and errors as of
-/// tls::read_identity().
+/// Reads the options' TLS files; returns nothing where there are none: no encryption. InvalidArgument for a certificate without
+/// key or the other way round, and errors as of tls::read_identity().
 absl::StatusOr<std::optional<ServerTls>> read_server_tls(const ServerOptions& options);
 
+/// Credentials for the gRPC port.
 std::shared_ptr<grpc::ServerCredentials> make_credentials(const std::optional<ServerTls>& tls);
 
 }  // namespace curvecast::server

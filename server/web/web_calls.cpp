@@ -5,11 +5,11 @@
 #include <spdlog/logger.h>
 
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "core/base/mutex.h"
 #include "curvecast/v1/curvecast.pb.h"
 #include "curvecast/v1/web_socket.pb.h"
 #include "server/base/grpc_status.h"
@@ -26,34 +26,34 @@ constexpr std::size_t kMaxCalls = 64;  // at once, of a socket
 class OpenCalls {
  public:
   void add(std::uint32_t number, std::shared_ptr<WebCall> call) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (const auto at = calls_.find(number); at != calls_.end()) at->second = std::move(call);  // else it has ended already
   }
   void reserve(std::uint32_t number) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     calls_[number];
   }
   void remove(std::uint32_t number) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     calls_.erase(number);
   }
   std::shared_ptr<WebCall> find(std::uint32_t number) const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto at = calls_.find(number);
     return at == calls_.end() ? nullptr : at->second;
   }
   std::size_t size() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return calls_.size();
   }
   std::map<std::uint32_t, std::shared_ptr<WebCall>> take_all() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return std::exchange(calls_, {});
   }
 
  private:
-  mutable std::mutex mutex_;
-  std::map<std::uint32_t, std::shared_ptr<WebCall>> calls_;
+  mutable Mutex mutex_;
+  std::map<std::uint32_t, std::shared_ptr<WebCall>> calls_ ABSL_GUARDED_BY(mutex_);
 };
 
 class WebCalls final : public WebConversation {
@@ -78,12 +78,12 @@ class WebCalls final : public WebConversation {
     const std::shared_ptr<WebCall> call = request.method().empty() ? open_->find(request.call()) : begin(request);
     if (call == nullptr) return socket_->read_on();  // it has ended: its client is being told
     if (request.cancel()) call->cancel();
-    const auto go_on = [socket = socket_, call, ends = request.half_close()] {
+    const auto resume = [socket = socket_, call, ends = request.half_close()] {
       if (ends) call->half_close();
       socket->read_on();
     };
-    if (!request.has_message()) return go_on();
-    call->receive(std::move(*request.mutable_message()), go_on);
+    if (!request.has_message()) return resume();
+    call->receive(std::move(*request.mutable_message()), resume);
   }
 
  private:

@@ -12,8 +12,9 @@ class Channel;
 
 namespace curvecast::server {
 
-/// What makes a conversation of each socket that is opened, see web_socket.proto: closes those of callers that are not known.
-/// `channel` leads to this process, and sends no token of its own. `engine` must outlive all conversations.
+/// Returns the function that begins a conversation on each socket that is opened, see web_socket.proto, and closes sockets of
+/// callers that are not known. `channel` leads to this process, and sends no token of its own. `engine` must outlive all
+/// conversations.
 WebConversationMaker web_calls(Engine& engine, std::shared_ptr<grpc::Channel> channel);
 
 }  // namespace curvecast::server

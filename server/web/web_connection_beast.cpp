@@ -113,10 +113,10 @@ void WebConnection::read() {
   parser_->body_limit(std::numeric_limits<std::uint64_t>::max());  // none is read
   stream_.next_layer().expires_after(hub_.options.time_out);       // however slowly it comes
   http::async_read_header(stream_, buffer_, *parser_,
-                          [self = shared_from_this()](Error error, std::size_t /*bytes*/) { self->take(error); });
+                          [self = shared_from_this()](Error error, std::size_t /*bytes*/) { self->receive(error); });
 }
 
-void WebConnection::take(Error error) {
+void WebConnection::receive(Error error) {
   waiting_since_.reset();
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
     return refuse(http::status::request_header_fields_too_large, "the header is too long\n");

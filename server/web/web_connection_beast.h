@@ -20,7 +20,7 @@ namespace curvecast::server {
 
 class BeastWebSocket;
 
-/// What all connections of a gateway share. Used on its thread only.
+/// What all connections of a gateway share. Used on the gateway's thread only.
 struct WebHub {
   std::shared_ptr<boost::asio::io_context> io;
   const WebGatewayOptions options;
@@ -35,19 +35,19 @@ struct WebHub {
   void forget(BeastWebSocket& socket);
 };
 
-/// Lives as long as an operation of it is under way. All of it on the gateway's thread.
+/// Lives as long as one of its operations is under way. Used on the gateway's thread only.
 class WebConnection : public std::enable_shared_from_this<WebConnection> {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `on_gone`: it has ended, or is a WebSocket.
+  /// Calls `on_gone` when the connection has ended or become a WebSocket.
   WebConnection(WebHub& hub, boost::asio::ip::tcp::socket socket, std::function<void(WebConnection*)> on_gone);
   ~WebConnection();
 
   void begin();
-  /// Ends it, whatever is under way.
+  /// Ends the connection, whatever is under way.
   void abort();
-  /// When it began to wait for the request that is to come; null while it answers one.
+  /// When the connection began to wait for its next request; null while it answers one.
   std::optional<Clock::time_point> waiting_since() const { return waiting_since_; }
 
  private:
@@ -56,10 +56,10 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
   void read();
-  void take(Error error);
+  void receive(Error error);
   Response answer(const Request& request, bool has_body);
   bool is_upgrade(const Request& request) const;
-  /// Null: it has become a WebSocket.
+  /// Makes a WebSocket of the connection, and then returns null; else the answer that refuses it.
   std::optional<Response> upgrade(const Request& request);
   void refuse(boost::beast::http::status status, std::string reason);
   void write(Response response, bool is_head);

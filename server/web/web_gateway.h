@@ -1,4 +1,4 @@
-// The server's HTTP port: pages, what watches over the server asks for, and WebSockets.
+// The server's HTTP port: pages, health and metrics, and WebSockets.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -23,6 +23,7 @@ class logger;
 
 namespace curvecast::server {
 
+/// An answer to a request.
 struct WebAnswer {
   int status = 200;
   std::string body = {};
@@ -30,8 +31,8 @@ struct WebAnswer {
   std::vector<std::pair<std::string, std::string>> header = {};  // further fields. Cache-Control is no-store without one
 };
 
-/// What answers GET and HEAD of a path, by path. Called on the gateway's thread, one at a time: whatever takes long there delays
-/// all others.
+/// The functions that answer GET and HEAD, by path. Called on the gateway's thread, one at a time: one that takes long delays all
+/// others.
 using WebRoutes = std::map<std::string, std::function<WebAnswer()>, std::less<>>;
 
 struct WebSocketOptions {
@@ -54,13 +55,14 @@ struct WebGatewayOptions {
 /// HTTP/1.1 with keep-alive, on one thread. Requests have at most 8 KiB of header and no body. Thread-safe.
 class WebGateway {
  public:
-  /// Unavailable (address in use, or not one of this machine's) or InvalidArgument (malformed address, TLS files).
+  /// Listens, or fails with Unavailable (address in use, or not one of this machine's) or InvalidArgument (malformed address, TLS
+  /// files).
   static absl::StatusOr<std::unique_ptr<WebGateway>> start(const WebGatewayOptions& options, WebRoutes routes,
                                                            std::shared_ptr<spdlog::logger> log);
   virtual ~WebGateway() = default;  // ends all connections at once
 
   virtual int port() const = 0;
-  /// Says to those who have WebSockets that the server goes, and opens no more. Returns when all have closed, or after
+  /// Tells the clients of all WebSockets that the server goes, and opens no more. Returns when all have closed, or after
   /// `patience`.
   virtual void close_sockets(std::chrono::milliseconds patience) = 0;
 };

@@ -3,9 +3,9 @@
 #include <grpcpp/client_context.h>
 #include <grpcpp/generic/generic_stub.h>
 
-#include <mutex>
 #include <utility>
 
+#include "core/base/mutex.h"
 #include "server/engine/caller.h"
 #include "server/web/web_call.h"
 
@@ -33,7 +33,7 @@ class WebGrpcCall final : public WebCall,
 
   void receive(std::string message, std::function<void()> on_taken) override {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!done_writing_) {
         const grpc::Slice slice(message);
         request_ = grpc::ByteBuffer(&slice, 1);
@@ -46,7 +46,7 @@ class WebGrpcCall final : public WebCall,
   }
 
   void half_close() override {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (done_writing_) return;
     StartWritesDone();
     end_writing();
@@ -54,7 +54,7 @@ class WebGrpcCall final : public WebCall,
 
   void cancel() override {
     client_.TryCancel();
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (on_taken_ == nullptr) end_writing();  // else once that write has failed
   }
 
@@ -62,7 +62,7 @@ class WebGrpcCall final : public WebCall,
   void OnWriteDone(bool ok) override {
     std::function<void()> on_taken;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       on_taken.swap(on_taken_);
       if (!ok || done_reading_) end_writing();  // the call is over: whatever comes is for nobody
     }
@@ -72,7 +72,7 @@ class WebGrpcCall final : public WebCall,
   void OnReadDone(bool ok) override {
     if (!ok) {
       // The server reads no more, so that nothing holds what is to be written.
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       done_reading_ = true;
       if (on_taken_ == nullptr) end_writing();
       return RemoveHold();
@@ -89,8 +89,7 @@ class WebGrpcCall final : public WebCall,
     socket->send(status_response(context_.number, status), [self = std::move(self_)](bool /*ok*/) { self->context_.on_ended(); });
   }
 
-  /// With the lock.
-  void end_writing() {
+  void end_writing() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (!std::exchange(done_writing_, true)) RemoveHold();
   }
 
@@ -98,10 +97,11 @@ class WebGrpcCall final : public WebCall,
   grpc::GenericStub stub_;
   grpc::ClientContext client_;
   grpc::ByteBuffer response_;
-  std::mutex mutex_;
-  grpc::ByteBuffer request_;
-  std::function<void()> on_taken_;  // of the message being written; null: none is
-  bool done_writing_ = false, done_reading_ = false;
+  Mutex mutex_;
+  grpc::ByteBuffer request_ ABSL_GUARDED_BY(mutex_);
+  std::function<void()> on_taken_ ABSL_GUARDED_BY(mutex_);  // of the message being written; null: none is
+  bool done_writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool done_reading_ ABSL_GUARDED_BY(mutex_) = false;
   std::shared_ptr<WebGrpcCall> self_;
 };
 

@@ -9,13 +9,14 @@ namespace curvecast::server {
 
 struct WebOrigins {
   std::vector<std::string> others = {};  // besides our own pages: "https://example.org", as browsers write it; "*": all
-  /// Whoever connects proves who it is. Else our own pages are only those that were asked for by an address, by a name without
-  /// dots, or by one in .local: any other name may be one that somebody else lets point here, so that their page seems to be ours
-  /// (DNS rebinding).
+  /// Set where clients prove who they are. Else a page counts as our own only if it was asked for by an address, by a name
+  /// without dots, or by one in .local: the owner of any other name may let it point here, so that a foreign page seems to be
+  /// ours (DNS rebinding).
   bool any_name = false;
 };
 
-/// `origin` and `host` as in the request's header; no origin, as of programs that are no browsers, is allowed.
+/// Whether a page may open a WebSocket. `origin` and `host` are as in the request's header; an empty origin, as programs that are
+/// no browsers send, is allowed.
 bool is_allowed(const WebOrigins& origins, std::string_view origin, std::string_view host);
 
 }  // namespace curvecast::server

@@ -37,7 +37,7 @@ WebRoutes make_web_routes(Engine& engine, std::function<std::string()> unready, 
     return reason.empty() ? WebAnswer{.body = "ready\n"} : WebAnswer{.status = 503, .body = reason + "\n"};
   };
   routes["/metrics"] = [&engine] {
-    return WebAnswer{.body = engine.metrics.text(engine.levels()), .type = "text/plain; version=0.0.4; charset=utf-8"};
+    return WebAnswer{.body = engine.metrics.text(engine.gauges()), .type = "text/plain; version=0.0.4; charset=utf-8"};
   };
   return routes;
 }

@@ -1,4 +1,4 @@
-// What the HTTP port answers.
+// The answers of the HTTP port, by path.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,8 @@
 
 namespace curvecast::server {
 
-/// /healthz, /readyz, /metrics and the files, of which "/index.html" is "/" too. `unready`: why nobody should send requests now;
-/// empty where all may. `engine` must outlive the routes.
+/// Makes the routes /healthz, /readyz, /metrics and those of the files, of which "/index.html" is "/" too. `unready` returns why
+/// nobody should send requests now; empty where all may. `engine` must outlive the routes.
 WebRoutes make_web_routes(Engine& engine, std::function<std::string()> unready, std::span<const WebFile> files);
 
 }  // namespace curvecast::server

@@ -45,7 +45,7 @@ void BeastWebSocket::accept(const Request& request, const WebPeer& peer, const W
   stream_.binary(true);
   stream_.async_accept(request, [self = shared_from_this(), peer, maker](Error error) {
     if (error) return self->abort();
-    self->guarded([&] { self->begin(peer, maker); });
+    self->abort_on_exception([&] { self->begin(peer, maker); });
   });
 }
 
@@ -58,7 +58,7 @@ void BeastWebSocket::begin(const WebPeer& peer, const WebConversationMaker& make
 }
 
 template <typename Work>
-void BeastWebSocket::guarded(Work&& work) {
+void BeastWebSocket::abort_on_exception(Work&& work) {
   try {
     work();
   } catch (...) {  // of the standard library, such as bad_alloc
@@ -94,22 +94,22 @@ void BeastWebSocket::close(WebSocketClose code, std::string reason) {
 void BeastWebSocket::read() {
   received_.consume(received_.size());
   if (received_.capacity() > kMaxIdleBuffer) received_.shrink_to_fit();
-  stream_.async_read(received_, [self = shared_from_this()](Error error, std::size_t /*bytes*/) { self->take(error); });
+  stream_.async_read(received_, [self = shared_from_this()](Error error, std::size_t /*bytes*/) { self->receive(error); });
 }
 
-void BeastWebSocket::take(Error error) {
+void BeastWebSocket::receive(Error error) {
   if (error) return abort();
   if (conversation_ == nullptr) return;  // it is being closed
   if (!stream_.got_binary()) return close(WebSocketClose::kBadMessage, "messages are binary");
-  guarded([&] { conversation_->receive({static_cast<const char*>(received_.data().data()), received_.size()}); });
+  abort_on_exception([&] { conversation_->receive({static_cast<const char*>(received_.data().data()), received_.size()}); });
 }
 
 void BeastWebSocket::write() {
   stream_.async_write(asio::buffer(queue_.front().bytes),
-                      [self = shared_from_this()](Error error, std::size_t /*bytes*/) { self->settle(error); });
+                      [self = shared_from_this()](Error error, std::size_t /*bytes*/) { self->finish_write(error); });
 }
 
-void BeastWebSocket::settle(Error error) {
+void BeastWebSocket::finish_write(Error error) {
   const Message sent = std::move(queue_.front());
   queue_.pop_front();
   sent.on_sent(!error);

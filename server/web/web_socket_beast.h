@@ -1,4 +1,4 @@
-// A WebSocket of Boost.Beast.
+// A WebSocket on Boost.Beast.
 #pragma once
 
 #include <boost/asio/executor_work_guard.hpp>
@@ -23,12 +23,12 @@ namespace curvecast::server {
 inline constexpr char kSubprotocol[] = "curvecast.v1";
 inline constexpr char kBearerSubprotocol[] = "curvecast.bearer.";
 
-/// Keeps the gateway's thread going until it is no more. Private functions run on that thread.
+/// Keeps the gateway's thread going until it is destroyed. Private functions run on that thread.
 class BeastWebSocket final : public WebSocket, public std::enable_shared_from_this<BeastWebSocket> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
-  /// `on_over` is called once, on the gateway's thread, when the connection is over; some may still hold the socket then.
+  /// Calls `on_over` once, on the gateway's thread, when the connection is over; others may still hold the socket then.
   BeastWebSocket(std::shared_ptr<boost::asio::io_context> io, WebStream stream, Admission::Ticket ticket,
                  std::function<void(BeastWebSocket&)> on_over);
 
@@ -49,13 +49,13 @@ class BeastWebSocket final : public WebSocket, public std::enable_shared_from_th
   };
 
   void begin(const WebPeer& peer, const WebConversationMaker& maker);
-  /// What is thrown ends the connection, and goes on.
+  /// Runs work; an exception ends the connection, and is thrown on.
   template <typename Work>
-  void guarded(Work&& work);
+  void abort_on_exception(Work&& work);
   void read();
-  void take(Error error);
+  void receive(Error error);
   void write();
-  void settle(Error error);
+  void finish_write(Error error);
   void close_now();
 
   const std::shared_ptr<boost::asio::io_context> io_;  // first: it outlives all that uses it

@@ -1,8 +1,8 @@
 // StreamViews over a WebSocket.
-#include <mutex>
 #include <optional>
 #include <utility>
 
+#include "core/base/mutex.h"
 #include "server/base/grpc_status.h"
 #include "server/engine/caller.h"
 #include "server/engine/request_log.h"
@@ -27,16 +27,17 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
   }
 
   void receive(std::string message, std::function<void()> on_taken) override {
+    bool takes = false;
     {
-      const std::lock_guard lock(mutex_);
-      taking_ = !ended_ && conversation_ != nullptr;
+      const MutexLock lock(mutex_);
+      takes = taking_ = !ended_ && conversation_ != nullptr;
     }
-    if (!taking_) return on_taken();
+    if (!takes) return on_taken();
     if (!request_.ParseFromString(message)) {
       conversation_->stream().stop(absl::InvalidArgumentError("a message is no StreamViewsRequest"));
-      return go_on(on_taken);
+      return resume(on_taken);
     }
-    conversation_->take(request_, [self = self_, on_taken = std::move(on_taken)] { self->go_on(on_taken); });
+    conversation_->take(request_, [self = self_, on_taken = std::move(on_taken)] { self->resume(on_taken); });
   }
 
   void half_close() override {
@@ -56,17 +57,17 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
 
   void end(const absl::Status& status) override {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       ended_ = status;
-      if (taking_) return conversation_->end_pause();  // go_on() finishes
+      if (taking_) return conversation_->end_pause();  // resume() finishes
     }
     finish(status);
   }
 
-  void go_on(const std::function<void()>& on_taken) {
+  void resume(const std::function<void()>& on_taken) {
     std::optional<absl::Status> ended;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       taking_ = false;
       ended = ended_;
     }
@@ -86,10 +87,10 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
   RequestLog log_;
   std::unique_ptr<ViewConversation> conversation_;  // null: refused
   v1::StreamViewsRequest request_;
-  std::mutex mutex_;
-  std::optional<absl::Status> ended_;
-  bool taking_ = false;                 // a message
-  std::shared_ptr<WebViewsCall> self_;  // until it ends
+  Mutex mutex_;
+  std::optional<absl::Status> ended_ ABSL_GUARDED_BY(mutex_);
+  bool taking_ ABSL_GUARDED_BY(mutex_) = false;  // a message
+  std::shared_ptr<WebViewsCall> self_;           // until it ends
 };
 
 }  // namespace

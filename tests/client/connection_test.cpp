@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -21,6 +22,8 @@ namespace {
 using std::chrono::milliseconds;
 using ::testing::HasSubstr;
 
+constexpr auto kPatience = std::chrono::seconds(60);  // only what is broken takes that long
+
 /// Ends each call with the next status of a script, or does what it is asked when the script is over.
 class ScriptedService : public v1::CurvecastService::Service {
  public:
@@ -29,11 +32,16 @@ class ScriptedService : public v1::CurvecastService::Service {
     script_ = std::move(statuses);
   }
   int calls() const { return calls_; }
+  void wait_for_call() {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (calls_ == 0 && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(1));
+    EXPECT_GT(calls_, 0) << "no call has come";
+  }
   std::string uploaded() {
     const std::lock_guard lock(mutex_);
     return uploaded_;
   }
-  std::atomic<bool> hang = false;  // until cancelled
+  std::atomic<bool> hang = false;  // until cancelled, or out of patience
 
   grpc::Status GetMesh(grpc::ServerContext* context, const v1::GetMeshRequest* request, v1::GetMeshResponse* response) override {
     response->set_mesh_id(request->mesh_id());
@@ -82,7 +90,10 @@ class ScriptedService : public v1::CurvecastService::Service {
  private:
   grpc::Status next(grpc::ServerContext* context) {
     ++calls_;
-    while (hang && !context->IsCancelled()) std::this_thread::sleep_for(milliseconds(1));
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (hang && !context->IsCancelled() && std::chrono::steady_clock::now() < deadline) {
+      std::this_thread::sleep_for(milliseconds(1));
+    }
     const std::lock_guard lock(mutex_);
     if (script_.empty()) return grpc::Status::OK;
     grpc::Status status = script_.front();
@@ -229,7 +240,7 @@ TEST_F(ConnectionTest, StopEndsARunningCallWithoutRetry) {
   service_.hang = true;
   std::stop_source stop;
   std::thread stopper([&] {
-    while (service_.calls() == 0) std::this_thread::sleep_for(milliseconds(1));
+    service_.wait_for_call();
     stop.request_stop();
   });
   EXPECT_TRUE(absl::IsCancelled(get_mesh(stop.get_token()).status()));
@@ -239,12 +250,12 @@ TEST_F(ConnectionTest, StopEndsARunningCallWithoutRetry) {
 
 TEST_F(ConnectionTest, StopEndsTheWaitBetweenAttempts) {
   ConnectionOptions options;
-  options.retry = {.attempts = 2, .first_delay = std::chrono::hours(1), .longest_delay = std::chrono::hours(1)};
+  options.retry = {.attempts = 2, .first_delay = kPatience, .longest_delay = kPatience};
   const auto patient = make_connection(server_->InProcessChannel({}), options);
   service_.fail_with({kUnavailable});
   std::stop_source stop;
   std::thread stopper([&] {
-    while (service_.calls() == 0) std::this_thread::sleep_for(milliseconds(1));
+    service_.wait_for_call();
     stop.request_stop();
   });
   EXPECT_TRUE(absl::IsCancelled(patient->get_mesh({}, stop.get_token()).status()));

@@ -87,6 +87,25 @@ TEST_F(ServerCache, SessionsSurviveARestart) {
   EXPECT_EQ(session.report().seconds().total(), made.report().seconds().total());
 }
 
+TEST_F(ServerCache, CurvesOfBeforeARestartAreSent) {
+  const std::string id = make_cached(*client(), 3).session_id();
+  restart();
+  const auto stub = client();
+  grpc::ClientContext context;
+  set_patience(context);
+  v1::GetCurveRequest request;
+  request.set_session_id(id);
+  const auto reader = stub->GetCurve(&context, request);
+  std::uint64_t vertices = 0, sent = 0;
+  for (v1::GetCurveResponse response; reader->Read(&response);) {
+    if (response.has_info()) vertices = response.info().curve_vertices();
+    sent += response.chunk().count();
+  }
+  EXPECT_TRUE(reader->Finish().ok());
+  EXPECT_GT(sent, 0u);
+  EXPECT_EQ(sent, vertices);
+}
+
 TEST_F(ServerCache, StreamsOpenSessionsOfBeforeARestart) {
   const std::string id = make_cached(*client(), 3).session_id();
   restart();

@@ -33,9 +33,13 @@ struct Golden {
 constexpr int kVersion = 2;
 
 const Golden kGolden[] = {
-    {"a bumpy ball", [] { return testing::jittered(testing::icosphere(4), 0.02); }, {"", "", ""}},
-    {"a torus", [] { return testing::torus(24, 48); }, {"", "", ""}},
-    {"a slab with nine holes", [] { return testing::perforated_slab(7, 7); }, {"", "", ""}},
+    {"a bumpy ball",
+     [] { return testing::jittered(testing::icosphere(4), 0.02); },
+     {"d936aac4fb65a61b", "9fae874528732922", "e7336de29f23ecad"}},
+    {"a torus", [] { return testing::torus(24, 48); }, {"db1c54616b60e737", "3d9549d509e975dd", "f217b39befa13f45"}},
+    {"a slab with nine holes",
+     [] { return testing::perforated_slab(7, 7); },
+     {"1ea9a0d36f5527b8", "1476ee766f1a8be1", "f0e975a1e710b0b4"}},
 };
 
 class Hash {

@@ -16,6 +16,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
+constexpr auto kPatience = std::chrono::seconds(60);  // only what is broken takes that long
 constexpr milliseconds kBurst = std::chrono::duration_cast<milliseconds>(ViewWorkers::kBurst);
 
 /// Of the patient workers, however low the process's own is; lower than 19 there is none.
@@ -38,7 +39,7 @@ class ViewWorkersTest : public ::testing::Test {
   }
   void wait_until(const std::function<bool()>& condition) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, condition);
+    EXPECT_TRUE(changed_.wait_for(lock, kPatience, condition)) << "a job did not run, or not to its end";
   }
   /// Runs a job that takes so long, to its end.
   void run(const std::string& connection, milliseconds takes) {

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <future>
 #include <new>
 #include <optional>
 #include <utility>
@@ -379,14 +380,14 @@ TEST_F(SessionStoreTest, TimeToLiveCountsFromTheLastUse) {
   ASSERT_TRUE(store_->update(b, std::nullopt, 100.0).ok());
   const auto now = std::chrono::steady_clock::now();
   using std::chrono::seconds;
-  EXPECT_TRUE(store_->tend(now + seconds(50)).empty());
+  EXPECT_TRUE(store_->run_housekeeping(now + seconds(50)).empty());
   {
     const auto held = store_->find(a);
-    EXPECT_THAT(store_->tend(now + seconds(200)), ::testing::ElementsAre(b));
+    EXPECT_THAT(store_->run_housekeeping(now + seconds(200)), ::testing::ElementsAre(b));
   }
   EXPECT_TRUE(store_->info(a).ok());
-  EXPECT_TRUE(store_->tend(now + seconds(299)).empty()) << "it was used until then";
-  EXPECT_THAT(store_->tend(now + seconds(301)), ::testing::ElementsAre(a));
+  EXPECT_TRUE(store_->run_housekeeping(now + seconds(299)).empty()) << "it was used until then";
+  EXPECT_THAT(store_->run_housekeeping(now + seconds(301)), ::testing::ElementsAre(a));
   EXPECT_TRUE(store_->list().empty());
 }
 
@@ -407,15 +408,39 @@ TEST_F(SessionStoreTest, EvictsWhatIsTooMuchTogether) {
     (*store.find(id))->live->publish(std::move(curve));
   };
   grow(ids[0]);
-  store.tend(std::chrono::steady_clock::now());
+  store.run_housekeeping(std::chrono::steady_clock::now());
   EXPECT_EQ(store.list().size(), 3u);
   EXPECT_GE(store.memory_bytes(), 60'000u);
   grow(ids[1]);
-  store.tend(std::chrono::steady_clock::now());
+  store.run_housekeeping(std::chrono::steady_clock::now());
   // The third takes next to nothing, but was used before the two.
   EXPECT_TRUE(store.info(ids[1]).ok());
   EXPECT_FALSE(store.info(ids[0]).ok());
   EXPECT_LE(store.memory_bytes(), 100'000u);
+}
+
+TEST_F(SessionStoreTest, WaitersMayCallTheStore) {
+  class Caller final : public SessionWaiter {
+   public:
+    explicit Caller(SessionStore& store) : store_(store) {}
+    void on_progress(std::string_view, double) override { EXPECT_LE(store_.list().size(), 1u); }
+    void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) override {
+      const std::string id = (*session)->id;
+      EXPECT_TRUE(store_.find(id).ok());
+      EXPECT_TRUE(store_.close(id).ok());
+      done_.set_value();
+    }
+    bool wait() { return done_.get_future().wait_for(kPatience) == std::future_status::ready; }
+
+   private:
+    SessionStore& store_;
+    std::promise<void> done_;
+  };
+  set_open(true);
+  Caller caller(*store_);
+  ASSERT_TRUE(store_->join(mesh("m"), {}, &caller).ok());
+  ASSERT_TRUE(caller.wait());
+  EXPECT_TRUE(store_->list().empty());
 }
 
 TEST_F(SessionStoreTest, ListsPageByPage) {

@@ -1,0 +1,111 @@
+#include "server/session/session_jobs.h"
+
+#include <utility>
+
+#include "server/base/guarded.h"
+
+namespace curvecast::server {
+namespace {
+
+void report(SessionJob& job, std::string_view stage, double fraction) {
+  if (job.cancel) return;
+  job.waiters.progress(stage, fraction);
+  job.waiters.deliver();
+}
+
+std::shared_ptr<const Session> make_session(const SessionJob& job, Preprocessed preprocessed) {
+  auto session = std::make_shared<Session>();
+  session->id = job.id;
+  session->mesh_id = job.files.mesh->id;
+  session->mesh_name = job.files.mesh->name;
+  for (const auto& [name, file] : job.files.companions) session->companions[name] = file->id;
+  session->options = job.options;
+  session->preprocessed = std::move(preprocessed);
+  session->live->publish(std::move(session->preprocessed.curve));
+  session->peak_bytes = peak_memory_bytes();
+  return session;
+}
+
+}  // namespace
+
+SessionJobs::SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, OnOver on_over)
+    : queue_(queue), preprocess_(std::move(preprocess)), threads_(threads), cache_(cache), on_over_(std::move(on_over)) {}
+
+SessionJobs::~SessionJobs() {
+  const MutexLock lock(mutex_);
+  while (!places_.empty()) idle_.wait(mutex_);
+}
+
+absl::Status SessionJobs::start(const std::shared_ptr<SessionJob>& job) {
+  const MutexLock lock(mutex_);  // the job, which may run at once, is not over before its place is known
+  return cache_ != nullptr && cache_->holds(job->id) ? submit_load(job) : submit_preprocessing(job);
+}
+
+absl::Status SessionJobs::submit_load(const std::shared_ptr<SessionJob>& job) {
+  const absl::StatusOr<std::uint64_t> ticket = cache_->loading().submit([this, job] { load(job); });
+  if (ticket.ok()) places_[job.get()] = {&cache_->loading(), *ticket};
+  return ticket.status();
+}
+
+absl::Status SessionJobs::submit_preprocessing(const std::shared_ptr<SessionJob>& job) {
+  const absl::StatusOr<std::uint64_t> ticket = queue_.submit([this, job] { preprocess(job); }, job->owner);
+  if (ticket.ok()) places_[job.get()] = {&queue_, *ticket};
+  return ticket.status();
+}
+
+void SessionJobs::cancel(SessionJob& job) {
+  const MutexLock lock(mutex_);
+  job.cancel = true;
+  const auto place = places_.find(&job);
+  if (place == places_.end() || !place->second.queue->withdraw(place->second.ticket)) return;
+  places_.erase(place);
+  idle_.notify_all();
+}
+
+void SessionJobs::load(const std::shared_ptr<SessionJob>& job) {
+  report(*job, "load", 0);
+  absl::StatusOr<std::shared_ptr<const Session>> loaded = absl::CancelledError("cancelled");
+  if (!job->cancel) loaded = cache_->load(job->id);
+  if (!loaded.ok()) {
+    report(*job, "load", 1);
+    report(*job, "queued", 0);
+    const absl::Status submitted = fall_back(job);
+    if (submitted.ok()) return;
+    loaded = submitted;
+  }
+  job->is_loaded = loaded.ok();
+  finish(job, std::move(loaded));
+}
+
+absl::Status SessionJobs::fall_back(const std::shared_ptr<SessionJob>& job) {
+  const MutexLock lock(mutex_);
+  return job->cancel ? absl::CancelledError("cancelled") : submit_preprocessing(job);
+}
+
+void SessionJobs::preprocess(const std::shared_ptr<SessionJob>& job) {
+  absl::StatusOr<std::shared_ptr<const Session>> result = absl::CancelledError("cancelled");
+  if (!job->cancel) {
+    job->has_begun = true;
+    report(*job, "queued", 1);
+    ExecutionContext context;
+    context.on_progress = [&](std::string_view stage, double fraction) { report(*job, stage, fraction); };
+    context.cancel = &job->cancel;
+    context.threads = threads_;
+    absl::StatusOr<Preprocessed> made = guarded([&] { return preprocess_(job->files.file(), job->options, context); });
+    if (made.ok()) {
+      result = make_session(*job, *std::move(made));
+    } else {
+      result = made.status();
+    }
+  }
+  finish(job, std::move(result));
+}
+
+void SessionJobs::finish(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> session) {
+  if (!job->cancel) on_over_(job, std::move(session));
+  const MutexLock lock(mutex_);
+  places_.erase(job.get());
+  idle_.notify_all();
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,118 @@
+#include "server/session/session_table.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <algorithm>
+
+#include "server/session/session_jobs.h"
+
+namespace curvecast::server {
+namespace {
+
+std::uint64_t bytes_of(const SessionTable::Entry& entry) {
+  return entry.info.session != nullptr ? entry.info.session->memory_bytes() : 0;
+}
+
+}  // namespace
+
+SessionTable::Entry* SessionTable::find(const std::string& id) {
+  const auto found = entries_.find(id);
+  return found == entries_.end() ? nullptr : &found->second;
+}
+
+SessionTable::Entry* SessionTable::use(const std::string& id) {
+  Entry* const entry = find(id);
+  if (entry == nullptr) return nullptr;
+  entry->last_used = ++clock_;
+  entry->used_at = Clock::now();
+  return entry;
+}
+
+void SessionTable::insert(Entry entry) {
+  const std::string id = entry.info.id;
+  entries_.emplace(id, std::move(entry));
+  use(id);
+}
+
+SessionTable::Entry SessionTable::take(const std::string& id) {
+  const auto found = entries_.find(id);
+  Entry entry = std::move(found->second);
+  entries_.erase(found);
+  return entry;
+}
+
+absl::Status SessionTable::make_room(Sessions& evicted) {
+  if (evict({limits_.sessions - 1, limits_.bytes}, evicted)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("the server holds ", limits_.sessions, " sessions or ", limits_.bytes,
+                   " bytes of them at most, and all of them are in use; close one or try again later"));
+}
+
+SessionTable::Sessions SessionTable::evict_excess() {
+  Sessions evicted;
+  evict(limits_, evicted);
+  return evicted;
+}
+
+bool SessionTable::evict(const SessionLimits& limits, Sessions& evicted) {
+  std::vector<Resident> residents;
+  for (const auto& [id, entry] : entries_) {
+    residents.push_back({id, entry.last_used, bytes_of(entry), entry.is_idle() && !entry.info.pinned});
+  }
+  const Eviction eviction = choose_evicted(std::move(residents), limits);
+  for (const std::string& id : eviction.ids) evicted.push_back(take(id).info.session);
+  return eviction.is_enough;
+}
+
+absl::Status SessionTable::may_pin(const Session& session) const {
+  std::uint64_t sessions = 1, bytes = session.memory_bytes();
+  for (const auto& [id, entry] : entries_) {
+    if (!entry.info.pinned || entry.info.session == nullptr) continue;
+    ++sessions;
+    bytes += bytes_of(entry);
+  }
+  const std::uint64_t most = std::max<std::uint64_t>(1, limits_.sessions / 2);
+  if (sessions <= most && bytes <= limits_.bytes / 2) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat("no more than half of what the server holds may be pinned, ", most,
+                                                   " sessions and ", limits_.bytes / 2, " bytes; unpin another one"));
+}
+
+std::vector<std::pair<std::string, std::string>> SessionTable::find_unused(Clock::time_point now) {
+  std::vector<std::pair<std::string, std::string>> unused;
+  for (auto& [id, entry] : entries_) {
+    if (!entry.is_idle()) entry.used_at = now;
+    const std::chrono::duration<double> idle = now - entry.used_at;
+    if (entry.info.time_to_live > 0 && idle.count() > entry.info.time_to_live) unused.emplace_back(id, entry.owner);
+  }
+  return unused;
+}
+
+std::vector<SessionInfo> SessionTable::list(const std::string& after, std::size_t most) const {
+  std::vector<SessionInfo> out;
+  for (auto it = entries_.upper_bound(after); it != entries_.end() && out.size() < most; ++it) out.push_back(info_of(it->second));
+  return out;
+}
+
+SessionInfo SessionTable::info_of(const Entry& entry) {
+  SessionInfo info = entry.info;
+  info.state = entry.job == nullptr   ? SessionState::kReady
+               : entry.job->has_begun ? SessionState::kPreprocessing
+                                      : SessionState::kQueued;
+  return info;
+}
+
+std::vector<std::shared_ptr<SessionJob>> SessionTable::jobs() const {
+  std::vector<std::shared_ptr<SessionJob>> out;
+  for (const auto& [id, entry] : entries_) {
+    if (entry.job != nullptr) out.push_back(entry.job);
+  }
+  return out;
+}
+
+std::uint64_t SessionTable::memory_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const auto& [id, entry] : entries_) bytes += bytes_of(entry);
+  return bytes;
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,77 @@
+// Which sessions are held: whose they are, which are pinned, and which go when there are too many.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/session/eviction.h"
+#include "server/session/session.h"
+
+namespace curvecast::server {
+
+struct SessionJob;
+
+/// Not thread-safe. Sessions that leave the table are handed out, so that they can be destroyed after a lock: curves take their
+/// time to go. References to sessions must only be taken from the table by those who have exclusive use of it: a session to which
+/// there is no other reference counts as idle.
+class SessionTable {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Sessions = std::vector<std::shared_ptr<const Session>>;
+
+  struct Entry {
+    SessionInfo info;                 // its state is as of info_of()
+    std::shared_ptr<SessionJob> job;  // what makes the session; null when it is ready
+    std::string owner;                // who had it made; empty: nobody in particular
+    std::uint64_t last_used = 0;      // greater: later
+    Clock::time_point used_at = {};
+
+    bool may_change(const std::string& who) const { return owner.empty() || owner == who; }
+    bool is_idle() const { return job == nullptr && info.session.use_count() == 1; }
+  };
+
+  explicit SessionTable(const SessionLimits& limits) : limits_(limits) {}
+
+  /// Null where there is no such session.
+  Entry* find(const std::string& id);
+  /// As find(), and the session counts as used now.
+  Entry* use(const std::string& id);
+  /// Adds a session by its info.id, used now. Precondition: it is not there, and make_room().
+  void insert(Entry entry);
+  /// Takes a session out. Precondition: it is there.
+  Entry take(const std::string& id);
+
+  /// Evicts as many idle sessions as it takes until one more fits. ResourceExhausted where too many are in use, pinned or being
+  /// made.
+  absl::Status make_room(Sessions& evicted);
+  /// Evicts idle sessions as long as those that have grown are too much together.
+  Sessions evict_excess();
+  /// ResourceExhausted where pinned sessions would take more than half of the limits with this one.
+  absl::Status may_pin(const Session& session) const;
+  /// Ids and owners of the sessions that nobody has used for their time to live.
+  std::vector<std::pair<std::string, std::string>> find_unused(Clock::time_point now);
+
+  /// By id, at most `most` of those after one with this id.
+  std::vector<SessionInfo> list(const std::string& after, std::size_t most) const;
+  static SessionInfo info_of(const Entry& entry);
+  /// Jobs of all sessions that are being made.
+  std::vector<std::shared_ptr<SessionJob>> jobs() const;
+  std::uint64_t memory_bytes() const;  // of all sessions
+
+ private:
+  bool evict(const SessionLimits& limits, Sessions& evicted);
+
+  const SessionLimits limits_;
+  std::map<std::string, Entry> entries_;
+  std::uint64_t clock_ = 0;  // counts uses
+};
+
+}  // namespace curvecast::server
