@@ -1,8 +1,14 @@
 // Remembers which slots of a store have changed, in groups: few large transfers are faster than many small ones.
 
-import type { PointChanges } from "./point_store";
-
 const slotsPerGroup = 32;
+
+/// Slots that have changed since they were last asked for.
+export interface PointChanges {
+  /// All of them, or the arrays have been replaced by larger ones.
+  all: boolean;
+  /// [begin, end) pairs, ascending and apart; empty where `all`.
+  ranges: number[];
+}
 
 /// Slots are numbered from 0.
 export class ChangedSlots {

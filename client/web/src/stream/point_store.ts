@@ -1,17 +1,9 @@
 // The points of a stream in arrays that go to the graphics card as they are.
 
 import type { PointEdits } from "../gen/curvecast/v1/curvecast_pb";
-import { ChangedSlots } from "./changed_slots";
+import { ChangedSlots, type PointChanges } from "./changed_slots";
 import { badPoints, checkAlike, type DecodedPoints } from "./decoded_points";
 import { checkEdits, forEachResized, movedRadius, splice, type CheckedEdits } from "./point_edits";
-
-/// Slots that have changed since they were last asked for.
-export interface PointChanges {
-  /// All of them, or the arrays have been replaced by larger ones.
-  all: boolean;
-  /// [begin, end) pairs, ascending and apart; empty where `all`.
-  ranges: number[];
-}
 
 /// Points live in slots, which are those of the list in no order: a delta touches only the slots of what it changes. Free slots
 /// have radius 0.
