@@ -16,7 +16,12 @@ module.exports = {
   forbidden: [
     { name: "no-cycles", severity: "error", from: {}, to: { circular: true } },
     { name: "all-is-found", severity: "error", from: { path: source }, to: { couldNotResolve: true } },
-    { name: "stream-below-view-and-app", severity: "error", from: { path: `${source}/stream/` }, to: { path: `${source}/(view|app)/` } },
+    {
+      name: "stream-below-view-and-app",
+      severity: "error",
+      from: { path: `${source}/stream/` },
+      to: { path: `${source}/(view|app)/` },
+    },
     { name: "view-below-app", severity: "error", from: { path: `${source}/view/` }, to: { path: `${source}/app/` } },
     onlyFrom("three", `${source}/(view/|example[.]ts)`),
     onlyFrom("lil-gui", `${source}/app/panel[.]ts`),

@@ -19,7 +19,8 @@ const orbit = async (c, count) => {
     const angle = (i * Math.PI) / 180;
     const look = c.look;
     c.view.camera = {
-      ...rest, eye: [target[0] + x * Math.cos(angle) - z * Math.sin(angle), eye[1], target[2] + x * Math.sin(angle) + z * Math.cos(angle)],
+      ...rest,
+      eye: [target[0] + x * Math.cos(angle) - z * Math.sin(angle), eye[1], target[2] + x * Math.sin(angle) + z * Math.cos(angle)],
     };
     while (c.look === look || c.statistics.last.sequence !== c.look) await frame();
   }
@@ -60,7 +61,7 @@ describe("a long visit", () => {
     assert.deepEqual(after.drawing, before.drawing);
     assert.ok(after.listeners < before.listeners + fewListeners, `${after.listeners} listeners, ${before.listeners} before`);
     assert.ok(after.heap - before.heap < mostGrowth, `${updates} views have left ${after.heap - before.heap} bytes behind`);
-    assert.ok(await torus.evaluate((c) => c.statistics.frames) > updates);
+    assert.ok((await torus.evaluate((c) => c.statistics.frames)) > updates);
     assert.equal(await torus.evaluate((c) => c.store.count), 1000);
     await torus.close();
   });

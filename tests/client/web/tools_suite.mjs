@@ -13,7 +13,10 @@ const points = 5000;
 /// Places of the page on the surface, near the middle of the picture's left and right half: [x, y, point].
 const places = (c) => {
   const found = [];
-  for (const [from, to] of [[60, 300], [340, 580]]) {
+  for (const [from, to] of [
+    [60, 300],
+    [340, 580],
+  ]) {
     for (let x = from; x < to; x += 8) {
       const pick = c.view.pick(x, 240);
       if (pick === null) continue;
@@ -55,7 +58,12 @@ describe("the tools", () => {
     await torus.page.keyboard.press("b");
     const counts = await torus.evaluate((c) => c.view.camera);
     await torus.page.mouse.move(x + 12, y);
-    await torus.change(() => torus.drag([[x + 12, y], [x + 14, y + 40]]));
+    await torus.change(() =>
+      torus.drag([
+        [x + 12, y],
+        [x + 14, y + 40],
+      ]),
+    );
     assert.deepEqual(await torus.evaluate((c) => c.view.camera), counts, "the picture does not turn");
     const dabs = await torus.evaluate((c) => c.settings.dabs);
     assert.ok(dabs.length >= 1);
@@ -77,7 +85,10 @@ describe("the tools", () => {
     await torus.page.keyboard.press("z");
     await torus.settled();
     const [look, sum, picture] = [await torus.evaluate((c) => c.look), await torus.evaluate(fingerprint), await torus.picture()];
-    await torus.drag([[320, 20], [480, 60]]);
+    await torus.drag([
+      [320, 20],
+      [480, 60],
+    ]);
     await torus.answered();
     assert.notDeepEqual(await torus.evaluate((c) => c.view.camera), view);
     assert.equal(await torus.evaluate((c) => c.look), look, "no view is asked for");
@@ -212,12 +223,16 @@ describe("the tools", () => {
   });
 
   it("obeys keys while a checkbox of the panel has the focus, and a key that is held down only once", async () => {
-    const press = (row, repeat = false) => torus.evaluate((c, [label, repeated]) => {
-      const rows = [...document.querySelectorAll(".lil-gui .controller")];
-      const input = rows.find(({ textContent }) => textContent.startsWith(label)).querySelector("input");
-      input.dispatchEvent(new KeyboardEvent("keydown", { key: "o", repeat: repeated, bubbles: true, cancelable: true }));
-      return c.settings.edl;
-    }, [row, repeat]);
+    const press = (row, repeat = false) =>
+      torus.evaluate(
+        (c, [label, repeated]) => {
+          const rows = [...document.querySelectorAll(".lil-gui .controller")];
+          const input = rows.find(({ textContent }) => textContent.startsWith(label)).querySelector("input");
+          input.dispatchEvent(new KeyboardEvent("keydown", { key: "o", repeat: repeated, bubbles: true, cancelable: true }));
+          return c.settings.edl;
+        },
+        [row, repeat],
+      );
     const { edl } = await torus.evaluate((c) => c.settings);
     assert.equal(await press("eye-dome lighting"), !edl);
     assert.equal(await press("eye-dome lighting", true), !edl, "it is still held down");
@@ -226,7 +241,12 @@ describe("the tools", () => {
   });
 
   it("keeps camera and settings in the address", async () => {
-    await torus.change(() => torus.drag([[320, 20], [400, 90]]));
+    await torus.change(() =>
+      torus.drag([
+        [320, 20],
+        [400, 90],
+      ]),
+    );
     await torus.change(() => torus.set("points", 4000));
     await torus.change(() => torus.set("silhouettes", true));
     const [camera, settings] = [await torus.evaluate((c) => c.view.camera), await torus.evaluate((c) => c.settings)];
@@ -295,10 +315,40 @@ describe("a finger, and two", () => {
     await torus.change(() => touch([[200, 250]], [[215, 255]], [[240, 260]]));
     const turned = await torus.evaluate((c) => c.view.camera);
     assert.notDeepEqual(turned.eye, from.eye);
-    await torus.change(() => touch([[180, 250], [220, 250]], [[170, 250], [230, 250]], [[160, 250], [240, 250]]));
+    await torus.change(() =>
+      touch(
+        [
+          [180, 250],
+          [220, 250],
+        ],
+        [
+          [170, 250],
+          [230, 250],
+        ],
+        [
+          [160, 250],
+          [240, 250],
+        ],
+      ),
+    );
     const near = await torus.evaluate((c) => c.view.camera);
     assert.ok(distanceOf(near) < 0.7 * distanceOf(turned), "nearer");
-    await torus.change(() => touch([[180, 250], [220, 250]], [[180, 280], [220, 280]], [[180, 310], [220, 310]]));
+    await torus.change(() =>
+      touch(
+        [
+          [180, 250],
+          [220, 250],
+        ],
+        [
+          [180, 280],
+          [220, 280],
+        ],
+        [
+          [180, 310],
+          [220, 310],
+        ],
+      ),
+    );
     const moved = await torus.evaluate((c) => c.view.camera);
     assert.notDeepEqual(moved.target, near.target);
     assert.ok(Math.abs(distanceOf(moved) / distanceOf(near) - 1) < 0.01, "as near");

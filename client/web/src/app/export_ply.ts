@@ -20,9 +20,7 @@ function propertiesOf({ places, normals, colours, curvatures, ranks, origin }: S
     ...column(["nx", "ny", "nz"], "float", (slot, axis) => normals[4 * slot + axis]! / 127),
     ...(colours === null ? [] : column(["red", "green", "blue"], "uchar", (slot, channel) => colours[4 * slot + channel]!)),
     ...column(["radius"], "float", (slot) => places[4 * slot + 3]!),
-    ...(curvatures === null
-      ? []
-      : column(["curvature_min", "curvature_max"], "float", (slot, i) => curvatures[2 * slot + i]!)),
+    ...(curvatures === null ? [] : column(["curvature_min", "curvature_max"], "float", (slot, i) => curvatures[2 * slot + i]!)),
     ...(ranks === null ? [] : column(["rank"], "uint", (slot) => ranks[slot]!)),
   ];
 }

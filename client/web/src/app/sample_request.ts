@@ -71,8 +71,7 @@ export function sampleRequest(
   const terms = uniform ? [] : plainTerms(settings);
   const dabs = uniform ? [] : settings.dabs.slice(0, mostTerms - terms.length);
   const needsCamera =
-    settings.budget === "pixels" ||
-    (!uniform && (settings.silhouette || settings.distance || settings.screen || settings.frustum));
+    settings.budget === "pixels" || (!uniform && (settings.silhouette || settings.distance || settings.screen || settings.frustum));
   const attributes: PointAttribute[] = [];
   if (settings.colouring === "curvature") attributes.push(PointAttribute.CURVATURES);
   if (settings.colouring === "rank" && settings.sampler === "progressive") attributes.push(PointAttribute.RANK);

@@ -110,10 +110,7 @@ export function writeState(session: string | null, camera: CameraState | null, s
     out.set(key, typeof value === "boolean" ? (value ? "1" : "0") : typeof value === "number" ? short(value) : String(value));
   }
   if (settings.dabs.length > 0) {
-    out.set(
-      "dabs",
-      settings.dabs.map(({ centre, radius, factor }) => [...centre, radius, factor].map(short).join(",")).join(";"),
-    );
+    out.set("dabs", settings.dabs.map(({ centre, radius, factor }) => [...centre, radius, factor].map(short).join(",")).join(";"));
   }
   return "#" + out.toString().replaceAll("%2C", ",").replaceAll("%3B", ";");
 }

@@ -72,7 +72,10 @@ export class BlockDecoder {
     return points;
   }
 
-  private async decodeDraco({ data, radiusMin, radiusMax }: NonNullable<EncodedBlock["draco"]>, points: DecodedPoints): Promise<void> {
+  private async decodeDraco(
+    { data, radiusMin, radiusMax }: NonNullable<EncodedBlock["draco"]>,
+    points: DecodedPoints,
+  ): Promise<void> {
     const header = readHeader(data);
     if (header.points !== points.count) throw badPoints(`Draco data of ${header.points} points in a block of ${points.count}`);
     const radii = this.radii.of(radiusMin, radiusMax);

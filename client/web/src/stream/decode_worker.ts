@@ -9,8 +9,7 @@ export interface DecodeRequest {
   job: number;
   block: EncodedBlock;
 }
-export type DecodeResponse =
-  { job: number; points: DecodedPoints } | { job: number; error: { code: ErrorCode; message: string } };
+export type DecodeResponse = { job: number; points: DecodedPoints } | { job: number; error: { code: ErrorCode; message: string } };
 
 const decoder = new BlockDecoder();
 

@@ -37,7 +37,12 @@ const quantile = (sorted: Float32Array, q: number, none: number): number =>
   sorted.length > 0 ? sorted[Math.round(q * (sorted.length - 1))] : none;
 
 /// The median of the radii, units; 0 without points.
-export const typicalRadius = (store: PointStore): number => quantile(sortedSample(store, (slot) => store.places[4 * slot + 3]), 0.5, 0);
+export const typicalRadius = (store: PointStore): number =>
+  quantile(
+    sortedSample(store, (slot) => store.places[4 * slot + 3]),
+    0.5,
+    0,
+  );
 
 /// The scale for what a store holds now; extremes do not count. Shading where it lacks what the colouring needs.
 export function colourScale(store: PointStore, colouring: Colouring): ColourScale {

@@ -51,7 +51,11 @@ export class PointsGeometry {
   ) {
     const { corners, index } = faces[shape];
     const all = new Uint16Array(index.length * blockSlots);
-    for (let i = 0; i < blockSlots; ++i) all.set(index.map((corner) => corner + i * corners), i * index.length);
+    for (let i = 0; i < blockSlots; ++i)
+      all.set(
+        index.map((corner) => corner + i * corners),
+        i * index.length,
+      );
     this.discs.setIndex(new THREE.BufferAttribute(all, 1));
     this.scaleNow = colourScale(store, this.colouring);
     this.radiusNow = typicalRadius(store);

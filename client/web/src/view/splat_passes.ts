@@ -84,7 +84,9 @@ export class SplatPasses implements Passes {
     blendDst: THREE.OneFactor,
   });
   /// Instead of both: each pixel shows its nearest disc.
-  private readonly quickMaterial = makeMaterial(blendVertexShader, blendFragmentShader, this.discUniforms, { defines: { QUICK: "" } });
+  private readonly quickMaterial = makeMaterial(blendVertexShader, blendFragmentShader, this.discUniforms, {
+    defines: { QUICK: "" },
+  });
   private readonly dotMaterial = makeMaterial(dotVertexShader, dotFragmentShader, this.dotUniforms, {
     depthTest: false,
     depthWrite: false,
@@ -164,11 +166,13 @@ export class SplatPasses implements Passes {
     const [disc, dot, shade] = [this.discUniforms, this.dotUniforms, this.shadeUniforms];
 
     disc.splatScale.value = dot.splatScale.value = style.splatScale;
-    for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial]) define(material, "IS_FROZEN", picture.frozen !== null);
+    for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial])
+      define(material, "IS_FROZEN", picture.frozen !== null);
     if (picture.frozen) {
       const { camera: sampled, isCut, isEven } = picture.frozen;
       disc.frozenClip.value.copy(everything);
-      if (isCut) disc.frozenClip.value.multiplyMatrices(sampled.projectionMatrix, sampled.matrixWorldInverse).multiply(camera.matrixWorld);
+      if (isCut)
+        disc.frozenClip.value.multiplyMatrices(sampled.projectionMatrix, sampled.matrixWorldInverse).multiply(camera.matrixWorld);
       disc.frozenEye.value.copy(sampled.position).applyMatrix4(camera.matrixWorldInverse);
       disc.frozenSlim.value = isEven ? slimness : 1e6;
     }
@@ -239,7 +243,15 @@ function makeMaterial(
   more: THREE.ShaderMaterialParameters,
 ): THREE.RawShaderMaterial {
   const glslVersion = THREE.GLSL3;
-  return new THREE.RawShaderMaterial({ vertexShader, fragmentShader, uniforms, glslVersion, side: THREE.DoubleSide, defines: {}, ...more });
+  return new THREE.RawShaderMaterial({
+    vertexShader,
+    fragmentShader,
+    uniforms,
+    glslVersion,
+    side: THREE.DoubleSide,
+    defines: {},
+    ...more,
+  });
 }
 
 /// Sets a constant of a material's shaders; false: not defined.

@@ -65,7 +65,12 @@ export class Viewport {
 
   /// Throws NoWebGL2Error.
   constructor(private readonly canvas: HTMLCanvasElement) {
-    const context = canvas.getContext("webgl2", { antialias: false, alpha: false, depth: true, powerPreference: "high-performance" });
+    const context = canvas.getContext("webgl2", {
+      antialias: false,
+      alpha: false,
+      depth: true,
+      powerPreference: "high-performance",
+    });
     if (!context) throw new NoWebGL2Error();
     const info = context.getExtension("WEBGL_debug_renderer_info");
     const name = String(context.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : context.RENDERER));

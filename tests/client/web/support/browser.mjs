@@ -7,8 +7,15 @@ import { decode } from "./pictures.mjs";
 
 // WebGL without a graphics card, and no talk with the rest of the world.
 const flags = [
-  "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync", "--js-flags=--expose-gc",
+  "--use-gl=angle",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  "--js-flags=--expose-gc",
 ];
 
 let launched = null;
@@ -49,7 +56,8 @@ export class WatchedPage {
   #watch(host) {
     const fault = (text) => this.#faults.push(text);
     this.page.on("console", (message) => {
-      if (["error", "warning"].includes(message.type()) && !isDriverNoise(message.text())) fault(`${message.type()}: ${message.text()} (${message.location().url})`);
+      if (["error", "warning"].includes(message.type()) && !isDriverNoise(message.text()))
+        fault(`${message.type()}: ${message.text()} (${message.location().url})`);
     });
     this.page.on("pageerror", (error) => fault(`thrown: ${error.stack ?? error.message}`));
     this.page.on("filechooser", () => {}); // from the first on, choosing files is the test's
@@ -79,8 +87,12 @@ export class WatchedPage {
     } catch (error) {
       if (!/Timeout/.test(error.message)) throw error;
       const now = await this.page.evaluate(() => ({
-        state: window.curvecast?.state, look: window.curvecast?.look, settings: window.curvecast?.settings,
-        points: window.curvecast?.store?.count, last: window.curvecast?.statistics?.last, text: document.body.innerText.slice(0, 500),
+        state: window.curvecast?.state,
+        look: window.curvecast?.look,
+        settings: window.curvecast?.settings,
+        points: window.curvecast?.store?.count,
+        last: window.curvecast?.statistics?.last,
+        text: document.body.innerText.slice(0, 500),
       }));
       throw new Error(`waited in vain for ${condition}: ${JSON.stringify(now)}`);
     }
@@ -89,8 +101,10 @@ export class WatchedPage {
   /// Until the newest view has been answered, and all of its points are there; better ones may follow.
   async answered() {
     await this.#framesPassed();
-    await this.until(({ statistics, look, settings, store }) =>
-      statistics?.last?.sequence === look && (settings.budget !== "points" || store.count === settings.points));
+    await this.until(
+      ({ statistics, look, settings, store }) =>
+        statistics?.last?.sequence === look && (settings.budget !== "points" || store.count === settings.points),
+    );
   }
 
   /// As answered(), and nothing better is to come.
@@ -119,23 +133,28 @@ export class WatchedPage {
 
   /// Sets what in the panel begins with `label`: a number, true or false, the text of a choice; a button is pressed.
   async set(label, value = null) {
-    const found = await this.page.evaluate(([name, wanted]) => {
-      const row = [...document.querySelectorAll(".lil-gui .controller")].find((each) => each.querySelector(".name, button")?.textContent.startsWith(name));
-      const control = row?.querySelector("select, input, button");
-      if (control instanceof HTMLSelectElement) {
-        control.selectedIndex = [...control.options].findIndex(({ text }) => text === wanted);
-        if (control.selectedIndex < 0) return false;
-        control.dispatchEvent(new Event("change"));
-      } else if (control instanceof HTMLInputElement && control.type === "checkbox") {
-        if (control.checked !== wanted) control.click();
-      } else if (control instanceof HTMLInputElement) {
-        control.value = String(wanted);
-        control.dispatchEvent(new Event("input"));
-      } else {
-        control?.click();
-      }
-      return control !== undefined && control !== null;
-    }, [label, value]);
+    const found = await this.page.evaluate(
+      ([name, wanted]) => {
+        const row = [...document.querySelectorAll(".lil-gui .controller")].find((each) =>
+          each.querySelector(".name, button")?.textContent.startsWith(name),
+        );
+        const control = row?.querySelector("select, input, button");
+        if (control instanceof HTMLSelectElement) {
+          control.selectedIndex = [...control.options].findIndex(({ text }) => text === wanted);
+          if (control.selectedIndex < 0) return false;
+          control.dispatchEvent(new Event("change"));
+        } else if (control instanceof HTMLInputElement && control.type === "checkbox") {
+          if (control.checked !== wanted) control.click();
+        } else if (control instanceof HTMLInputElement) {
+          control.value = String(wanted);
+          control.dispatchEvent(new Event("input"));
+        } else {
+          control?.click();
+        }
+        return control !== undefined && control !== null;
+      },
+      [label, value],
+    );
     assert.ok(found, `the panel has "${label}"${value === null ? "" : `, to be set to ${value}`}`);
   }
 
@@ -168,11 +187,13 @@ export class WatchedPage {
 
   /// The bytes of a blob that `take` returns in the page.
   async #png(take) {
-    const text = await this.page.evaluate(new Function(`return (${take})().then((blob) => new Promise((done) => {
+    const text = await this.page.evaluate(
+      new Function(`return (${take})().then((blob) => new Promise((done) => {
       const reader = new FileReader();
       reader.onload = () => done(reader.result);
       reader.readAsDataURL(blob);
-    }));`));
+    }));`),
+    );
     return Buffer.from(text.slice(text.indexOf(",") + 1), "base64");
   }
 

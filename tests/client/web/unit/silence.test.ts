@@ -26,8 +26,7 @@ function ask(socket: Socket): { error: CurvecastError | null } {
   return end;
 }
 
-const probes = (server: FakeWebSocket) =>
-  server.requests.filter(({ method }) => method === "ListSessions").map(({ call }) => call);
+const probes = (server: FakeWebSocket) => server.requests.filter(({ method }) => method === "ListSessions").map(({ call }) => call);
 const pass = (seconds: number) => vi.advanceTimersByTimeAsync(1000 * seconds);
 
 /// What is sent waits from then on. `then`: told how much.

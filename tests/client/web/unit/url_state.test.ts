@@ -79,7 +79,8 @@ describe("the address", () => {
       "#points=many&splatScale=x&mode=cubes&edl=yes&sampler=equalised&camera=1,2,3,1,2,3,0,1,0,30" +
       "&dabs=1,2;1,2,3,-1,2;x&__proto__=1";
     expect(readState(hash, defaults)).toEqual({ session: null, camera: null, settings: { sampler: "equalised", dabs: [] } });
-    for (const fov of ["180", "NaN", "0.5", "170"]) expect(readState(`#camera=0,0,1,0,0,0,0,1,0,${fov}`, defaults).camera).toBeNull();
+    for (const fov of ["180", "NaN", "0.5", "170"])
+      expect(readState(`#camera=0,0,1,0,0,0,0,1,0,${fov}`, defaults).camera).toBeNull();
     for (const text of ["1,2,3", "0,0,1,0,0,0,0,0,0,30"]) {
       expect(readState(`#camera=${text}`, defaults).camera).toBeNull();
     }

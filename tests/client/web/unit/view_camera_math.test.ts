@@ -1,5 +1,16 @@
 import { describe, expect, test } from "vitest";
-import { blend, cameraAxes, clipPlanes, fit, isUsable, mayMove, orbit, rayDirection, shift, zoom } from "../../../../client/web/src/view/camera_math";
+import {
+  blend,
+  cameraAxes,
+  clipPlanes,
+  fit,
+  isUsable,
+  mayMove,
+  orbit,
+  rayDirection,
+  shift,
+  zoom,
+} from "../../../../client/web/src/view/camera_math";
 import type { CameraState, Vec } from "../../../../client/web/src/view/types";
 import { cross, distance, dot, length, subtract } from "../../../../client/web/src/view/vector";
 
@@ -77,7 +88,12 @@ test("rays go through the places that they are asked for", () => {
 
 test("a camera along its up direction still has axes", () => {
   const { right, up, forward } = cameraAxes({ ...camera, eye: [0, 5, 0], target: [0, 0, 0] });
-  for (const [a, b] of [[right, up], [up, forward], [forward, right]]) expect(dot(a, b)).toBeCloseTo(0, 12);
+  for (const [a, b] of [
+    [right, up],
+    [up, forward],
+    [forward, right],
+  ])
+    expect(dot(a, b)).toBeCloseTo(0, 12);
   for (const a of [right, up, forward]) expect(length(a)).toBeCloseTo(1, 12);
 });
 

@@ -19,7 +19,10 @@ function sphere(count: number): PointStore {
     const q = Math.sqrt(1 - z * z);
     const p = [q * Math.cos(angle), q * Math.sin(angle), z];
     places.set([...p, radius], 8 * i);
-    normals.set(p.map((c) => Math.round(127 * c)), 8 * i);
+    normals.set(
+      p.map((c) => Math.round(127 * c)),
+      8 * i,
+    );
   }
   const takeChanges = () => ({ all: false, ranges: [] });
   return { origin, count, slots: 2 * count, places, normals, colours: null, curvatures: null, ranks: null, takeChanges };
@@ -30,7 +33,11 @@ describe("pick", () => {
 
   test("finds the near side of a sphere, its normal, and nothing beside it", () => {
     const eye: Vec = [origin[0], origin[1], origin[2] + 4];
-    for (const [x, y] of [[0, 0], [0.3, 0.2], [-0.5, 0.6]]) {
+    for (const [x, y] of [
+      [0, 0],
+      [0.3, 0.2],
+      [-0.5, 0.6],
+    ]) {
       const place: Vec = [origin[0] + x, origin[1] + y, origin[2] + Math.sqrt(1 - x * x - y * y)];
       const found = pick(store, { origin: eye, direction: normalise(subtract(place, eye), [0, 0, 1]) }, 0.1, 0.001);
       expect(found).not.toBeNull();

@@ -31,6 +31,15 @@ test("an array is lacking where the graphics card was lost, before or after it w
   early.upload(lost, array, [0, 2]);
   expect(early.lacks(lost, array)).toBe(true);
   const texture = new StoreTexture("places");
-  texture.upload(makeRenderer(() => ({})), array, [0, 2]);
-  expect(texture.lacks(makeRenderer(() => ({})), array)).toBe(true); // its handles are new
+  texture.upload(
+    makeRenderer(() => ({})),
+    array,
+    [0, 2],
+  );
+  expect(
+    texture.lacks(
+      makeRenderer(() => ({})),
+      array,
+    ),
+  ).toBe(true); // its handles are new
 });

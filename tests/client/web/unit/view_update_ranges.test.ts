@@ -18,7 +18,7 @@ test("every slot of the ranges is covered, and rectangles are whole rows or lie 
   for (let round = 0; round < 200; ++round) {
     const slots = 20_000;
     const ranges: number[] = [];
-    for (let at = random(3000); at < slots; ) {
+    for (let at = random(3000); at < slots;) {
       const end = Math.min(slots, at + 1 + random(random(2) ? 20 : 6000));
       ranges.push(at, end);
       at = end + 1 + random(3000);

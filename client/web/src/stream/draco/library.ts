@@ -11,10 +11,7 @@ import type { Columns } from "./reader";
 
 /// From the page's own server.
 async function loadFromPage(): Promise<DracoModule> {
-  const [response, { default: createDecoder }] = await Promise.all([
-    fetch(wasmUrl),
-    import("draco3d/draco_decoder_nodejs.js"),
-  ]);
+  const [response, { default: createDecoder }] = await Promise.all([fetch(wasmUrl), import("draco3d/draco_decoder_nodejs.js")]);
   if (!response.ok) throw new CurvecastError("UNAVAILABLE", `the decoder cannot be loaded: HTTP status ${response.status}`);
   return createDecoder({ wasmBinary: await response.arrayBuffer() });
 }
@@ -73,7 +70,11 @@ class Decoding {
   }
 
   /// The values of an attribute, in the decoder's memory.
-  private column(decoder: InstanceType<DracoModule["Decoder"]>, cloud: PointCloud, { kind, type, components }: DracoAttribute): Uint8Array {
+  private column(
+    decoder: InstanceType<DracoModule["Decoder"]>,
+    cloud: PointCloud,
+    { kind, type, components }: DracoAttribute,
+  ): Uint8Array {
     const { draco } = this;
     const attribute = decoder.GetAttribute(cloud, decoder.GetAttributeId(cloud, kind));
     const bytes = cloud.num_points() * components * (type === position.type ? 4 : 1);

@@ -70,7 +70,8 @@ export class DracoReader {
     const delta = Math.fround(range / Math.fround(2 ** bits - 1));
     for (const end of [numbers.min, numbers.max]) {
       // Between two finite places all are.
-      if (![x, y, z].every((low) => Number.isFinite(Math.fround(end * delta + low)))) throw badPoints("a position that is not finite");
+      if (![x, y, z].every((low) => Number.isFinite(Math.fround(end * delta + low))))
+        throw badPoints("a position that is not finite");
     }
     const fround = Math.fround;
     this.eachPart(position.kind, count, (values, begin, points) => {
@@ -93,11 +94,7 @@ export class DracoReader {
     });
   }
 
-  private eachPart(
-    kind: number,
-    points: number,
-    decode: (symbols: Int32Array, begin: number, count: number) => void,
-  ): void {
+  private eachPart(kind: number, points: number, decode: (symbols: Int32Array, begin: number, count: number) => void): void {
     const symbols = this.readers.get(kind)!;
     for (let begin = 0; begin < points; begin += part) {
       const count = Math.min(part, points - begin);
