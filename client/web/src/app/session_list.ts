@@ -12,7 +12,8 @@ export interface SessionActions {
 
 /// The name of a session's mesh, as far as it is known.
 export function nameOf(session: Session): string {
-  return session.report?.mesh?.name || session.meshId.slice(0, 8);
+  const name = session.report?.mesh?.name ?? "";
+  return name === "" ? session.meshId.slice(0, 8) : name;
 }
 
 /// The session to show when none is asked for: the first that is ready.

@@ -130,7 +130,7 @@ export class Uploads {
       showTarget(false);
       droppedFiles(event.dataTransfer!).then(
         (files) => this.start(files),
-        (thrown) => this.events.onFailure("What was dropped cannot be read", asCurvecastError(thrown)),
+        (thrown: unknown) => this.events.onFailure("What was dropped cannot be read", asCurvecastError(thrown)),
       );
     });
   }

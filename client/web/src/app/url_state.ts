@@ -95,7 +95,7 @@ export function readState(hash: string, defaults: Settings): UrlState {
   return {
     session: readSession(hash),
     camera: readCamera(given.get("camera") ?? ""),
-    settings: settings as Partial<Settings>,
+    settings,
   };
 }
 
@@ -106,8 +106,8 @@ export function writeState(session: string | null, camera: CameraState | null, s
   if (camera !== null) out.set("camera", [...camera.eye, ...camera.target, ...camera.up, camera.fov].map(short).join(","));
   for (const key of Object.keys(defaults) as (keyof Settings)[]) {
     const value = settings[key];
-    if (unsaved.includes(key) || (value === defaults[key] && !always.includes(key))) continue;
-    out.set(key, typeof value === "boolean" ? (value ? "1" : "0") : typeof value === "number" ? short(value) : String(value));
+    if (typeof value === "object" || unsaved.includes(key) || (value === defaults[key] && !always.includes(key))) continue;
+    out.set(key, typeof value === "boolean" ? (value ? "1" : "0") : typeof value === "number" ? short(value) : value);
   }
   if (settings.dabs.length > 0) {
     out.set("dabs", settings.dabs.map(({ centre, radius, factor }) => [...centre, radius, factor].map(short).join(",")).join(";"));

@@ -43,7 +43,7 @@ export function buffersOf(holder: EncodedBlock | DecodedPoints): ArrayBuffer[] {
     ArrayBuffer.isView(value)
       ? [value]
       : value !== null && typeof value === "object"
-        ? Object.values(value).filter(ArrayBuffer.isView)
+        ? Object.values(value).filter((part) => ArrayBuffer.isView(part))
         : [],
   );
   return [...new Set(arrays.map((array) => array.buffer))].filter((buffer) => buffer instanceof ArrayBuffer);

@@ -73,13 +73,14 @@ export class Client {
 
   /// Preprocesses a mesh, or joins the session that there is. Resolves when it is ready. Joins again where the connection is lost
   /// meanwhile: UNAVAILABLE only once it was for a minute.
-  async createSession({ meshId, companions = {}, options, onProgress, signal }: SessionRequest): Promise<Session> {
+  async createSession(wanted: SessionRequest): Promise<Session> {
+    const { meshId, companions = {}, options, signal } = wanted;
     const request = { meshId, companions, ...(options !== undefined && { options }) };
     return repeat(async (gotThrough) => {
       let session: Session | undefined;
       for await (const { update } of this.line.socket().serverStream(methods.createSession, request, signal)) {
         gotThrough();
-        if (update.case === "progress") onProgress?.(update.value);
+        if (update.case === "progress") wanted.onProgress?.(update.value);
         if (update.case === "session") session = update.value;
       }
       return present(session);

@@ -57,12 +57,8 @@ export async function uploadFile(connect: () => Socket, file: NamedFile, options
 }
 
 /// `onLeft`: some of it has.
-async function sendFile(
-  socket: Socket,
-  file: NamedFile,
-  onLeft: () => void,
-  { onProgress, signal }: UploadOptions,
-): Promise<string> {
+async function sendFile(socket: Socket, file: NamedFile, onLeft: () => void, options: UploadOptions): Promise<string> {
+  const { signal } = options;
   let response: UploadMeshResponse | null = null;
   let onEnd!: (error: CurvecastError | null) => void;
   const ended = new Promise<void>((resolve, reject) => (onEnd = (error) => (error === null ? resolve() : reject(error))));
@@ -79,7 +75,7 @@ async function sendFile(
       await socket.drained(signal);
       const left = Math.max(0, begin + chunk.length - socket.bufferedBytes);
       if (left > 0) onLeft();
-      onProgress?.(left, file.data.size, file.name);
+      options.onProgress?.(left, file.data.size, file.name);
     }
     call.halfClose();
     await ended;
@@ -94,7 +90,7 @@ async function sendFile(
   }
   const result = response as UploadMeshResponse | null;
   if (result === null) throw new CurvecastError("INTERNAL", "the upload ended without a response");
-  onProgress?.(file.data.size, file.data.size, file.name);
+  options.onProgress?.(file.data.size, file.data.size, file.name);
   return result.meshId;
 }
 

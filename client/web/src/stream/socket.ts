@@ -33,7 +33,7 @@ const secondsBetweenLooks = 0.01; // at what still waits; nothing tells when it 
 
 /// The address of the socket beside a page: `base` is any URL or path below which the server's pages are.
 export function socketUrl(base: string): string {
-  const url = new URL("v1/socket", new URL(base, globalThis.location?.href));
+  const url = new URL("v1/socket", new URL(base, (globalThis as { location?: Location }).location?.href));
   url.protocol = url.protocol === "https:" || url.protocol === "wss:" ? "wss:" : "ws:";
   url.hash = url.search = "";
   return url.href;
@@ -139,7 +139,7 @@ export class Socket {
     if (failure !== null) {
       queueMicrotask(() => call.end(failure));
     } else {
-      this.calls.set(number, call as unknown as Call<DescMessage, DescMessage>);
+      this.calls.set(number, call);
       this.silence.start();
     }
     return call;
@@ -151,9 +151,10 @@ export class Socket {
     request: MessageInitShape<Input>,
     signal?: AbortSignal,
   ): Promise<MessageShape<Output>> {
-    let last: MessageShape<Output> | null = null;
-    await this.run(method, request, (message) => (last = message), signal);
-    if (last === null) throw new CurvecastError("INTERNAL", `${method.name} ended without a response`);
+    const responses: MessageShape<Output>[] = [];
+    await this.run(method, request, (message) => responses.push(message), signal);
+    const last = responses.at(-1);
+    if (last === undefined) throw new CurvecastError("INTERNAL", `${method.name} ended without a response`);
     return last;
   }
 
@@ -165,20 +166,20 @@ export class Socket {
   ): AsyncGenerator<MessageShape<Output>, void, undefined> {
     const waiting: MessageShape<Output>[] = [];
     let wake = () => {};
-    let over = false;
+    const call = { isOver: false };
     const leave = new AbortController();
     const abort = () => leave.abort(); // without AbortSignal.any(), which is too new for some browsers
     signal?.addEventListener("abort", abort, { once: true });
     if (signal?.aborted) abort();
     const ended = this.run(method, request, (message) => (waiting.push(message), wake()), leave.signal).finally(() => {
-      over = true;
+      call.isOver = true;
       wake();
     });
     ended.catch(() => {}); // told below
     try {
       while (true) {
         for (let message = waiting.shift(); message !== undefined; message = waiting.shift()) yield message;
-        if (over) break;
+        if (call.isOver) break;
         await new Promise<void>((resolve) => (wake = resolve));
       }
       await ended;
@@ -220,14 +221,14 @@ export class Socket {
     if (this.failure !== null) return;
     this.sentBytes += bytes.length;
     if (this.early !== null) this.early.push(bytes);
-    else this.socket.send(bytes as Uint8Array<ArrayBuffer>);
+    else this.socket.send(bytes);
   }
 
   private flush(): void {
     const early = this.early ?? [];
     this.early = null;
     this.silence.heard();
-    for (const bytes of early) this.socket.send(bytes as Uint8Array<ArrayBuffer>);
+    for (const bytes of early) this.socket.send(bytes);
   }
 
   /// Any answer will do; this one is the cheapest.

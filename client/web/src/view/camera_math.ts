@@ -122,7 +122,7 @@ export function fit(camera: CameraState, bounds: Bounds, aspect: number): Camera
   let [left, right, below, above] = [0, 0, 0, 0];
   for (let i = 0; i < 8; ++i) {
     const corner: Vec = [i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1];
-    const p = corner.map((side, k) => side * filled * 0.5 * (bounds.max[k] - bounds.min[k])) as Vec;
+    const p = corner.map((side, k) => side * filled * 0.5 * (bounds.max[k]! - bounds.min[k]!)) as Vec;
     const [x, y, depth] = [dot(axes.right, p), dot(axes.up, p), -dot(axes.forward, p)];
     right = Math.max(right, x + tx * depth);
     left = Math.max(left, -x + tx * depth);

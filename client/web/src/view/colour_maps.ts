@@ -51,7 +51,7 @@ export function makeColourMap(name: MapName): Uint8Array {
   for (let i = 0; i < mapSize; ++i) {
     const at = (i / (mapSize - 1)) * (points.length - 1);
     const k = Math.min(Math.floor(at), points.length - 2);
-    const mixed = points[k].map((c, j) => c + (at - k) * (points[k + 1][j] - c)) as Triple;
+    const mixed = points[k]!.map((c, j) => c + (at - k) * (points[k + 1]![j]! - c)) as Triple;
     map.set([...toBytes(mixed), 255], 4 * i);
   }
   return map;

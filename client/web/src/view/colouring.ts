@@ -26,7 +26,7 @@ function sortedSample(store: PointStore, value: (slot: number) => number): Float
   const values = new Float32Array(Math.ceil(store.slots / step));
   let count = 0;
   for (let slot = 0; slot < store.slots; slot += step) {
-    if (store.places[4 * slot + 3] <= 0) continue;
+    if (store.places[4 * slot + 3]! <= 0) continue;
     const v = value(slot);
     if (Number.isFinite(v)) values[count++] = v;
   }
@@ -34,12 +34,12 @@ function sortedSample(store: PointStore, value: (slot: number) => number): Float
 }
 
 const quantile = (sorted: Float32Array, q: number, none: number): number =>
-  sorted.length > 0 ? sorted[Math.round(q * (sorted.length - 1))] : none;
+  sorted.length > 0 ? sorted[Math.round(q * (sorted.length - 1))]! : none;
 
 /// The median of the radii, units; 0 without points.
 export const typicalRadius = (store: PointStore): number =>
   quantile(
-    sortedSample(store, (slot) => store.places[4 * slot + 3]),
+    sortedSample(store, (slot) => store.places[4 * slot + 3]!),
     0.5,
     0,
   );
@@ -50,15 +50,15 @@ export function colourScale(store: PointStore, colouring: Colouring): ColourScal
   const { curvatures, ranks, places } = store;
   if (colouring === "colour" && store.colours) return { ...plain, kind: 1, column: "colours" };
   if (colouring === "curvature" && curvatures) {
-    const sizes = sortedSample(store, (slot) => Math.abs(curvatures[2 * slot] + curvatures[2 * slot + 1]) / 2);
+    const sizes = sortedSample(store, (slot) => Math.abs(curvatures[2 * slot]! + curvatures[2 * slot + 1]!) / 2);
     return { ...plain, kind: 2, column: "curvatures", map: "diverging", scale: Math.max(quantile(sizes, 0.7, 1), 1e-20) };
   }
   if (colouring === "rank" && ranks) {
-    const sorted = sortedSample(store, (slot) => ranks[slot]);
+    const sorted = sortedSample(store, (slot) => ranks[slot]!);
     return { ...plain, kind: 3, column: "ranks", map: "sequential", scale: Math.max(quantile(sorted, 0.98, 1), 1) };
   }
   if (colouring === "density") {
-    const sorted = sortedSample(store, (slot) => -2 * Math.log2(places[4 * slot + 3]));
+    const sorted = sortedSample(store, (slot) => -2 * Math.log2(places[4 * slot + 3]!));
     const [least, most] = [quantile(sorted, 0.01, 0), quantile(sorted, 0.99, 0)];
     // Radii come in steps of half an octave: evenly spread points should not fill the map.
     const span = Math.max(most - least, 4);

@@ -119,11 +119,11 @@ export class OverlayLines {
     geometry.setAttribute("position", new THREE.Float32BufferAttribute([-1, -1, 0, 1, -1, 0, -1, 1, 0, 1, 1, 0], 3));
     geometry.setAttribute(
       "from",
-      column(3, ({ from }) => from.map((c, k) => c - origin[k])),
+      column(3, ({ from }) => from.map((c, k) => c - origin[k]!)),
     );
     geometry.setAttribute(
       "to",
-      column(3, ({ to }) => to.map((c, k) => c - origin[k])),
+      column(3, ({ to }) => to.map((c, k) => c - origin[k]!)),
     );
     geometry.setAttribute(
       "colourWidth",

@@ -21,7 +21,7 @@ export function frustumLines(camera: CameraState, aspect: number, background: Ba
   const corners = [at(-1, -1), at(1, -1), at(1, 1), at(-1, 1)];
   return [
     ...corners.map((corner) => line(eye, corner, 1.4)),
-    ...corners.map((corner, i) => line(corner, corners[(i + 1) % 4], 1.8)),
+    ...corners.map((corner, i) => line(corner, corners[(i + 1) % 4]!, 1.8)),
     line(at(-0.3, 1), at(0, 1.25), 1.8),
     line(at(0.3, 1), at(0, 1.25), 1.8),
     line(eye, eye, 7),

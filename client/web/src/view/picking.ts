@@ -14,9 +14,9 @@ export interface Ray {
 function discDistance(store: PointStore, slot: number, x: number, y: number, z: number, direction: Vec, scale: number): number {
   const { places, normals } = store;
   const at = 4 * slot;
-  const radius = places[at + 3] * scale;
-  const [dx, dy, dz] = [places[at] - x, places[at + 1] - y, places[at + 2] - z];
-  const [nx, ny, nz] = [normals[at], normals[at + 1], normals[at + 2]];
+  const radius = places[at + 3]! * scale;
+  const [dx, dy, dz] = [places[at]! - x, places[at + 1]! - y, places[at + 2]! - z];
+  const [nx, ny, nz] = [normals[at]!, normals[at + 1]!, normals[at + 2]!];
   const facing = nx * direction[0] + ny * direction[1] + nz * direction[2];
   if (facing === 0) return NaN;
   const t = (nx * dx + ny * dy + nz * dz) / facing;
@@ -37,11 +37,11 @@ export function pick(store: PointStore, ray: Ray, near: number, tolerance: numbe
   let nearest = -1;
   let nearestScore = Infinity;
   for (let slot = 0, at = 0; slot < slots; ++slot, at += 4) {
-    const radius = places[at + 3] * scale;
+    const radius = places[at + 3]! * scale;
     if (!(radius > 0)) continue;
-    const dx = places[at] - x;
-    const dy = places[at + 1] - y;
-    const dz = places[at + 2] - z;
+    const dx = places[at]! - x;
+    const dy = places[at + 1]! - y;
+    const dz = places[at + 2]! - z;
     const t = dx * direction[0] + dy * direction[1] + dz * direction[2];
     if (t < near) continue;
     const away = dx * dx + dy * dy + dz * dz - t * t;
@@ -63,11 +63,11 @@ export function pick(store: PointStore, ray: Ray, near: number, tolerance: numbe
       nearest = slot;
     }
   }
-  const pointAt = (slot: number): Vec => add([places[4 * slot], places[4 * slot + 1], places[4 * slot + 2]], [...origin]);
-  const normalAt = (slot: number): Vec => [normals[4 * slot], normals[4 * slot + 1], normals[4 * slot + 2]];
+  const pointAt = (slot: number): Vec => add([places[4 * slot]!, places[4 * slot + 1]!, places[4 * slot + 2]!], [...origin]);
+  const normalAt = (slot: number): Vec => [normals[4 * slot]!, normals[4 * slot + 1]!, normals[4 * slot + 2]!];
   if (front === Infinity) {
     if (nearest < 0) return null;
-    return { point: pointAt(nearest), normal: normalise(normalAt(nearest), [0, 0, 1]), radius: places[4 * nearest + 3] };
+    return { point: pointAt(nearest), normal: normalise(normalAt(nearest), [0, 0, 1]), radius: places[4 * nearest + 3]! };
   }
   let weights = 0;
   let distance = 0;
@@ -75,10 +75,10 @@ export function pick(store: PointStore, ray: Ray, near: number, tolerance: numbe
   let middle = -1;
   let middleWeight = -1;
   for (let i = 0; i < hits.length; i += 2) {
-    const [slot, hit] = [hits[i], hits[i + 1]];
+    const [slot, hit] = [hits[i]!, hits[i + 1]!];
     if (hit > front + frontReach) continue;
-    const radius = places[4 * slot + 3] * scale;
-    const [dx, dy, dz] = [places[4 * slot] - x, places[4 * slot + 1] - y, places[4 * slot + 2] - z];
+    const radius = places[4 * slot + 3]! * scale;
+    const [dx, dy, dz] = [places[4 * slot]! - x, places[4 * slot + 1]! - y, places[4 * slot + 2]! - z];
     const [ex, ey, ez] = [hit * direction[0] - dx, hit * direction[1] - dy, hit * direction[2] - dz];
     const weight = 1e-3 + Math.max(0, 1 - (ex * ex + ey * ey + ez * ez) / (radius * radius)) ** 3;
     weights += weight;
@@ -89,6 +89,6 @@ export function pick(store: PointStore, ray: Ray, near: number, tolerance: numbe
   return {
     point: along(ray.origin, direction, distance / weights),
     normal: normalise(normal, normalise(normalAt(middle), [0, 0, 1])),
-    radius: places[4 * middle + 3],
+    radius: places[4 * middle + 3]!,
   };
 }

@@ -11,6 +11,16 @@ export class SolidMaterial extends THREE.ShaderMaterial {
   private readonly textures = new ColourTextures();
   private readonly colourUniforms = makeColourUniforms();
   private readonly pointUniforms = makePointUniforms();
+  private readonly styleUniforms = {
+    splatScale: { value: 1 },
+    backShift: { value: 0 },
+    // Hexagons that hold the discs.
+    extent: { value: 1.1547 },
+    leastRadius: { value: 0 },
+    dotDiameter: { value: 0 },
+    pixels: { value: new THREE.Vector2(1, 1) },
+    plainColour: { value: new THREE.Color(0xd2b79f) },
+  };
 
   constructor() {
     super({
@@ -19,18 +29,7 @@ export class SolidMaterial extends THREE.ShaderMaterial {
       defines: { COLOURING: 0 },
       side: THREE.DoubleSide,
     });
-    this.uniforms = {
-      ...this.pointUniforms,
-      ...this.colourUniforms,
-      splatScale: { value: 1 },
-      backShift: { value: 0 },
-      // Hexagons that hold the discs.
-      extent: { value: 1.1547 },
-      leastRadius: { value: 0 },
-      dotDiameter: { value: 0 },
-      pixels: { value: new THREE.Vector2(1, 1) },
-      plainColour: { value: new THREE.Color(0xd2b79f) },
-    };
+    this.uniforms = { ...this.pointUniforms, ...this.colourUniforms, ...this.styleUniforms };
   }
 
   /// Before it is drawn into a picture of so many pixels.
@@ -38,15 +37,15 @@ export class SolidMaterial extends THREE.ShaderMaterial {
     const { scale } = points;
     points.apply(this.pointUniforms);
     this.textures.apply(scale, this.colourUniforms);
-    if (this.defines["COLOURING"] !== scale.kind) {
-      this.defines["COLOURING"] = scale.kind;
+    if (this.defines.COLOURING !== scale.kind) {
+      this.defines.COLOURING = scale.kind;
       this.needsUpdate = true;
     }
-    const { uniforms } = this;
-    uniforms["pixels"].value.set(width, height);
-    uniforms["splatScale"].value = style.splatScale;
-    uniforms["dotDiameter"].value = style.mode === "dots" ? style.dotSize * pixelRatio : 0;
-    uniforms["leastRadius"].value = 1 / (height * camera.projectionMatrix.elements[5]);
+    const uniforms = this.styleUniforms;
+    uniforms.pixels.value.set(width, height);
+    uniforms.splatScale.value = style.splatScale;
+    uniforms.dotDiameter.value = style.mode === "dots" ? style.dotSize * pixelRatio : 0;
+    uniforms.leastRadius.value = 1 / (height * camera.projectionMatrix.elements[5]);
     this.uniformsNeedUpdate = true;
   }
 

@@ -192,7 +192,7 @@ export class SplatPasses implements Passes {
     dot.diameter.value = style.dotSize * pixelRatio;
     dot.plainColour.value = look.dots;
 
-    shade.normals.value = target.textures[0];
+    shade.normals.value = target.textures[0]!;
     shade.colours.value = target.textures[1] ?? null;
     shade.origin.value.set(where.x, where.y);
     shade.clip.value.copy(dot.clip.value);
@@ -258,7 +258,7 @@ function makeMaterial(
 function define(material: THREE.ShaderMaterial, name: string, value: number | boolean): void {
   const now = material.defines[name] as number | string | undefined;
   if (now === (value === true ? "" : value === false ? undefined : value)) return;
-  if (value === false) delete material.defines[name];
+  if (value === false) Reflect.deleteProperty(material.defines, name);
   else material.defines[name] = value === true ? "" : value;
   material.needsUpdate = true;
 }

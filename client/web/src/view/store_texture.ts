@@ -65,7 +65,7 @@ export class StoreTexture {
       const [x, y] = [begin % rowSlots, Math.floor(begin / rowSlots)];
       gl.texSubImage2D(gl.TEXTURE_2D, 0, x, y, width, height, format, type, array, begin * this.layout.size);
     };
-    for (let i = 0; i < ranges.length; i += 2) putRows(ranges[i], ranges[i + 1], put);
+    for (let i = 0; i < ranges.length; i += 2) putRows(ranges[i]!, ranges[i + 1]!, put);
     renderer.state.unbindTexture();
   }
 

@@ -8,11 +8,11 @@ export function mergeRanges(ranges: readonly number[], slots: number): number[] 
   const merged: number[] = [];
   let covered = 0;
   for (let i = 0; i + 1 < ranges.length; i += 2) {
-    const begin = ranges[i];
-    const end = ranges[i + 1];
+    const begin = ranges[i]!;
+    const end = ranges[i + 1]!;
     const last = merged.length - 1;
-    if (last > 0 && begin - merged[last] <= gap) {
-      covered += end - merged[last];
+    if (last > 0 && begin - merged[last]! <= gap) {
+      covered += end - merged[last]!;
       merged[last] = end;
     } else {
       merged.push(begin, end);

@@ -13,6 +13,7 @@ import type { Passes, Rectangle } from "./picture";
 import { PointsGeometry } from "./points_geometry";
 import { SolidPasses } from "./solid_passes";
 import { canBlend, SplatPasses } from "./splat_passes";
+import { aim } from "./three_camera";
 import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
 import { distance } from "./vector";
 
@@ -280,7 +281,7 @@ export class Viewport {
   private partAt(x: number): { store: PointStore | null; left: number; width: number } {
     const width = (this.canvas.clientWidth || 1) / this.stores.length;
     const index = Math.min(this.stores.length - 1, Math.max(0, Math.floor(x / width)));
-    return { store: this.stores[index], left: index * width, width };
+    return { store: this.stores[index] ?? null, left: index * width, width };
   }
 
   private rayAt(x: number, y: number): Ray {
@@ -297,7 +298,7 @@ export class Viewport {
     if (this.measured.length === 2) this.forgetMeasured();
     this.measured.push(place.point);
     const [a, b] = this.measured;
-    if (b) this.onMeasure?.(distance(a, b));
+    if (a && b) this.onMeasure?.(distance(a, b));
     this.invalidate();
   }
 
@@ -336,17 +337,6 @@ export class Viewport {
     };
   }
 
-  private aim(drawn: THREE.PerspectiveCamera, camera: CameraState, aspect: number): void {
-    drawn.position.fromArray(camera.eye);
-    drawn.up.fromArray(camera.up);
-    drawn.lookAt(...camera.target);
-    drawn.fov = camera.fov;
-    drawn.aspect = aspect;
-    Object.assign(drawn, clipPlanes(camera, this.bounds));
-    drawn.updateProjectionMatrix();
-    drawn.updateMatrixWorld();
-  }
-
   private overlayLines(): OverlayLine[] {
     const lines: OverlayLine[] = [];
     if (this.frozen) lines.push(...frustumLines(this.frozen.camera, this.frozen.aspect, this.styleNow.background));
@@ -375,12 +365,12 @@ export class Viewport {
       points.upload(renderer);
     }
     this.overlay.set(this.overlayLines());
-    if (this.frozen) this.aim(this.sampled, this.frozen.camera, this.frozen.aspect);
+    if (this.frozen) aim(this.sampled, this.frozen.camera, this.bounds, this.frozen.aspect);
     const frozen = this.frozen && { ...this.frozen, camera: this.sampled };
     renderer.setScissorTest(true);
     for (const [i, store] of this.stores.entries()) {
       const where: Rectangle = { x: i * width, y: 0, width, height };
-      this.aim(this.drawn, this.cameraNow, where.width / height);
+      aim(this.drawn, this.cameraNow, this.bounds, where.width / height);
       const brush = this.hovered && this.brushRadius !== null ? this.hovered.point : null;
       const points = store ? (this.geometries.get(store) ?? null) : null;
       this.passes.render({

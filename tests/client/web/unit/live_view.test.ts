@@ -7,6 +7,7 @@ import {
   StreamViewsResponseSchema,
   type PointBlock,
   type PointFrameSchema,
+  type SampleRequest,
 } from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
 import { badPoints, type DecodedPoints } from "../../../../client/web/src/stream/decoded_points";
 import type { CurvecastError } from "../../../../client/web/src/stream/errors";
@@ -85,6 +86,10 @@ const key = (sequence: bigint, count: number, digest = 0n) => ({
   digest,
 });
 
+function pointsOf(sample: SampleRequest | undefined): bigint | null {
+  return sample?.budget.case === "points" ? sample.budget.value : null;
+}
+
 /// Short forms of what was sent.
 function requests(server: FakeWebSocket, call = 1): string[] {
   return server.sent(StreamViewsRequestSchema, call).map(({ request }) => {
@@ -93,7 +98,7 @@ function requests(server: FakeWebSocket, call = 1): string[] {
         if (request.value.held === undefined) return "open anew";
         return `open with ${request.value.held.points}/${request.value.held.digest}`;
       case "view":
-        return `view ${request.value.sequence}: ${request.value.sample?.budget.value}`;
+        return `view ${request.value.sequence}: ${pointsOf(request.value.sample)}`;
       case "ack":
         return `ack ${request.value.sequence}`;
       default:
@@ -197,7 +202,7 @@ describe("a live view", () => {
     await settle(30);
     expect(errors.find((error) => error !== null)).toMatchObject({
       code: "DATA_LOSS",
-      message: expect.stringContaining("frame 1"),
+      message: expect.stringContaining("frame 1") as string,
     });
     expect(states).toEqual(["connecting", "streaming", "reconnecting"]);
     expect(server().requests.some(({ call, cancel }) => call === 1 && cancel)).toBe(true);
@@ -205,7 +210,7 @@ describe("a live view", () => {
     expect(view.store.count).toBe(5);
     push(server(), { sequence: 1n, kind: FrameKind.DELTA, edits: { removed: [4] }, heldPoints: 4n }, 2);
     await settle(10);
-    expect(errors.at(-1)).toMatchObject({ code: "DATA_LOSS", message: expect.stringContaining("not there") });
+    expect(errors.at(-1)).toMatchObject({ code: "DATA_LOSS", message: expect.stringContaining("not there") as string });
   });
 
   it("tells of refused views, and lives on", async () => {
@@ -276,7 +281,9 @@ describe("a live view", () => {
     vi.useFakeTimers();
     try {
       const delays: number[] = [];
-      const onState = (_: LiveViewState, __: unknown, delay: number | null) => void (delay !== null && delays.push(delay));
+      const onState = (_: LiveViewState, __: unknown, delay: number | null) => {
+        if (delay !== null) delays.push(delay);
+      };
       const { view } = follow({ firstDelay: 0.1, longestDelay: 5 }, { onState });
       view.look(points(5));
       server().open();

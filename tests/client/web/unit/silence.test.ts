@@ -22,7 +22,7 @@ function connect(): [Socket, FakeWebSocket] {
 /// A call that nobody answers; how it ended.
 function ask(socket: Socket): { error: CurvecastError | null } {
   const end: { error: CurvecastError | null } = { error: null };
-  socket.unary(getSession, {}).catch((error: CurvecastError) => (end.error = error));
+  socket.unary(getSession, {}).catch((error: unknown) => (end.error = error as CurvecastError));
   return end;
 }
 

@@ -2,14 +2,10 @@ import { describe, expect, it } from "vitest";
 
 import { defaultSettings, type Settings } from "../../../../client/web/src/app/settings";
 import { readState, writeState } from "../../../../client/web/src/app/url_state";
+import type { CameraState } from "../../../../client/web/src/view/types";
 
 const defaults = defaultSettings(false, "light");
-const camera = { eye: [1.5, -2, 3], target: [0, 0.25, 0], up: [0, 1, 0], fov: 30 } as {
-  eye: [number, number, number];
-  target: [number, number, number];
-  up: [number, number, number];
-  fov: number;
-};
+const camera: CameraState = { eye: [1.5, -2, 3], target: [0, 0.25, 0], up: [0, 1, 0], fov: 30 };
 
 describe("the address", () => {
   it("keeps a session, the camera and what is not as usual", () => {

@@ -37,7 +37,7 @@ describe("pick", () => {
       [0, 0],
       [0.3, 0.2],
       [-0.5, 0.6],
-    ]) {
+    ] as const) {
       const place: Vec = [origin[0] + x, origin[1] + y, origin[2] + Math.sqrt(1 - x * x - y * y)];
       const found = pick(store, { origin: eye, direction: normalise(subtract(place, eye), [0, 0, 1]) }, 0.1, 0.001);
       expect(found).not.toBeNull();
@@ -82,7 +82,7 @@ describe("colours", () => {
   test("sequential maps get lighter all the way", () => {
     for (const name of ["sequential", "warm"] as const) {
       const map = makeColourMap(name);
-      const light = (i: number): number => 0.2126 * map[4 * i] + 0.7152 * map[4 * i + 1] + 0.0722 * map[4 * i + 2];
+      const light = (i: number): number => 0.2126 * map[4 * i]! + 0.7152 * map[4 * i + 1]! + 0.0722 * map[4 * i + 2]!;
       for (let i = 8; i < mapSize; i += 8) expect(light(i)).toBeGreaterThan(light(i - 8));
     }
   });

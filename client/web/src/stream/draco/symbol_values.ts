@@ -111,7 +111,8 @@ export class OctahedralValues {
         to[i] = packNormal(s, t, centre);
       } else {
         const cell = (s + centre) * width + t + centre;
-        to[i] = known[cell]! === 0 ? (known[cell] = packNormal(s, t, centre)) : known[cell]!;
+        const normal = known[cell]!;
+        to[i] = normal === 0 ? (known[cell] = packNormal(s, t, centre)) : normal;
       }
     }
     this.s = s;
