@@ -19,7 +19,7 @@ const views = 20;
 const points = 20_000;
 const outlineViews = 4;
 const fewPoints = 5000; // of the silhouettes
-const leastCovered = 0.995;
+const minCovered = 0.995;
 const edge = 2; // pixels at the outline that do not count: the mesh's lines are a pixel wide
 const execute = promisify(execFile);
 
@@ -125,14 +125,14 @@ describe(`splats of ${points} points`, { skip: meshes.length === 0 && "no meshes
           const interior = eroded(whole, size.width, edge);
           const covered = interior.map((value, at) => value & mask[at]);
           shares.push(countOf(covered) / countOf(interior));
-          if (shares.at(-1) < leastCovered) await page.picture(`uncovered_${i}.png`);
+          if (shares.at(-1) < minCovered) await page.picture(`uncovered_${i}.png`);
         }
         const mean = shares.reduce((sum, value) => sum + value, 0) / shares.length;
         print(
           mesh,
           `covered, of ${views} views: least ${(100 * Math.min(...shares)).toFixed(3)} %, mean ${(100 * mean).toFixed(3)} %`,
         );
-        assert.ok(Math.min(...shares) >= leastCovered, `${shares}`);
+        assert.ok(Math.min(...shares) >= minCovered, `${shares}`);
       }));
   }
 

@@ -7,7 +7,7 @@ import { openTorus } from "./support/shared_server.mjs";
 
 const updates = 500;
 const fewListeners = 20; // rows of the list of sessions change now and then
-const mostGrowth = 2 << 20; // bytes of JavaScript's heap; statistics keep some history
+const maxGrowth = 2 << 20; // bytes of JavaScript's heap; statistics keep some history
 
 /// So many views, one degree apart, each awaited.
 const orbit = async (c, count) => {
@@ -48,9 +48,9 @@ describe("a long visit", () => {
     await session.send("Performance.enable");
     const toggleSplit = async () => {
       await torus.page.keyboard.press("v");
-      await torus.until((c) => c.besideStore !== null && c.besideStore.count === c.store.count);
+      await torus.until((c) => c.uniformStore !== null && c.uniformStore.count === c.store.count);
       await torus.page.keyboard.press("v");
-      await torus.until((c) => c.besideStore === null);
+      await torus.until((c) => c.uniformStore === null);
     };
     await toggleSplit();
     await torus.evaluate(orbit, 60);
@@ -60,7 +60,7 @@ describe("a long visit", () => {
     const after = await inventory(torus, session);
     assert.deepEqual(after.drawing, before.drawing);
     assert.ok(after.listeners < before.listeners + fewListeners, `${after.listeners} listeners, ${before.listeners} before`);
-    assert.ok(after.heap - before.heap < mostGrowth, `${updates} views have left ${after.heap - before.heap} bytes behind`);
+    assert.ok(after.heap - before.heap < maxGrowth, `${updates} views have left ${after.heap - before.heap} bytes behind`);
     assert.ok((await torus.evaluate((c) => c.statistics.frames)) > updates);
     assert.equal(await torus.evaluate((c) => c.store.count), 1000);
     await torus.close();

@@ -13,7 +13,7 @@ const facing = (c) => {
   const { store, view } = c;
   let sum = 0;
   for (const slot of store.order()) {
-    const v = [0, 1, 2].map((k) => view.camera.eye[k] - store.origin[k] - store.places[4 * slot + k]);
+    const v = [0, 1, 2].map((k) => view.camera.eye[k] - store.origin[k] - store.positions[4 * slot + k]);
     const n = [0, 1, 2].map((k) => store.normals[4 * slot + k]);
     sum += Math.abs(n[0] * v[0] + n[1] * v[1] + n[2] * v[2]) / Math.hypot(...n) / Math.hypot(...v);
   }
@@ -30,9 +30,9 @@ const bending = (c) => {
 const cameraOf = (c) => c.view.camera;
 const distanceOf = ({ eye, target }) => Math.hypot(...eye.map((value, k) => value - target[k]));
 
-function assertChanged(a, b, what, leastShare = 0.01) {
+function assertChanged(a, b, what, minShare = 0.01) {
   const share = countOf(difference(a, b)) / (a.width * a.height);
-  assert.ok(share > leastShare, `${what}: ${(100 * share).toFixed(2)} % of the pixels have changed`);
+  assert.ok(share > minShare, `${what}: ${(100 * share).toFixed(2)} % of the pixels have changed`);
 }
 
 describe("the picture", () => {

@@ -10,8 +10,8 @@ import { openTorus, sharedServer } from "./support/shared_server.mjs";
 
 const points = 5000;
 
-/// Places of the page on the surface, near the middle of the picture's left and right half: [x, y, point].
-const places = (c) => {
+/// Points of the page on the surface, near the middle of the picture's left and right half: [x, y, point].
+const surfacePoints = (c) => {
   const found = [];
   for (const [from, to] of [
     [60, 300],
@@ -31,7 +31,7 @@ const places = (c) => {
 const fingerprint = (c) => {
   let sum = 0;
   for (const slot of c.store.order()) {
-    for (let k = 0; k < 4; ++k) sum += (k + 1) * c.store.places[4 * slot + k] ** 2;
+    for (let k = 0; k < 4; ++k) sum += (k + 1) * c.store.positions[4 * slot + k] ** 2;
   }
   return [c.store.count, sum];
 };
@@ -39,7 +39,7 @@ const fingerprint = (c) => {
 const within = (c, { centre, radius }) => {
   let count = 0;
   for (const slot of c.store.order()) {
-    const d = centre.map((value, k) => value - c.store.origin[k] - c.store.places[4 * slot + k]);
+    const d = centre.map((value, k) => value - c.store.origin[k] - c.store.positions[4 * slot + k]);
     if (Math.hypot(...d) < radius) ++count;
   }
   return count;
@@ -53,7 +53,7 @@ describe("the tools", () => {
 
   it("paints density with the brush, and takes it back", async () => {
     const even = await torus.evaluate(fingerprint);
-    const [[x, y]] = await torus.evaluate(places);
+    const [[x, y]] = await torus.evaluate(surfacePoints);
     await torus.set("radius, % of size", 6);
     await torus.page.keyboard.press("b");
     const counts = await torus.evaluate((c) => c.view.camera);
@@ -126,7 +126,7 @@ describe("the tools", () => {
     await torus.settled();
     const single = await torus.evaluate(fingerprint);
     await torus.change(() => torus.page.keyboard.press("v"));
-    await torus.until((c, count) => c.besideStore?.count === count, points);
+    await torus.until((c, count) => c.uniformStore?.count === count, points);
     await torus.settled();
     const sum = await torus.evaluate(fingerprint);
     const picture = await torus.picture("split.png");
@@ -142,7 +142,7 @@ describe("the tools", () => {
     await torus.settled();
     assert.deepEqual(await torus.evaluate(fingerprint), sum, "the points of before");
     await torus.change(() => torus.page.keyboard.press("v"));
-    await torus.until((c) => c.besideStore === null);
+    await torus.until((c) => c.uniformStore === null);
     await torus.settled();
     assert.deepEqual(await torus.evaluate(fingerprint), single, "the points of one picture");
   });
@@ -159,7 +159,7 @@ describe("the tools", () => {
   it("measures between two clicks", async () => {
     await torus.page.keyboard.press("f");
     await torus.answered();
-    const [[ax, ay, a], [bx, by, b]] = await torus.evaluate(places);
+    const [[ax, ay, a], [bx, by, b]] = await torus.evaluate(surfacePoints);
     await torus.page.keyboard.press("m");
     await torus.page.mouse.click(ax, ay);
     await torus.page.mouse.click(bx, by);
@@ -269,7 +269,7 @@ describe("the tools", () => {
 describe("two pictures of an odd width", () => {
   it("are of the same size", async () => {
     const torus = await openTorus("points=1000&split=1", { viewport: { width: 641, height: 300 } });
-    await torus.until((c) => c.besideStore?.count === 1000);
+    await torus.until((c) => c.uniformStore?.count === 1000);
     const widths = await torus.evaluate((c) => {
       void c.view.screenshot(); // draws at once
       return [document.querySelector("canvas").width, c.view.size.width];

@@ -190,9 +190,9 @@ export class Application {
   private showStores(): void {
     if (this.streams === null) return;
     this.streams.split(this.settings.split);
-    const { main, beside } = this.streams;
-    if (beside === null) this.messages.hideBanner("beside");
-    const stores = beside === null ? [main.store] : [beside.store, main.store];
+    const { main, uniform } = this.streams;
+    if (uniform === null) this.messages.hideBanner("uniform");
+    const stores = uniform === null ? [main.store] : [uniform.store, main.store];
     if (stores.length === this.shown.length && stores.every((store, i) => store === this.shown[i])) return;
     this.shown = stores;
     this.viewport.setStores(stores[0]!, stores[1]);
@@ -225,7 +225,7 @@ export class Application {
   }
 
   private show(session: Session, camera: CameraState | null): void {
-    for (const which of ["stream", "beside"] as const) this.messages.hideBanner(which);
+    for (const which of ["main", "uniform"] as const) this.messages.hideBanner(which);
     this.messages.hideCard();
     this.streams?.close();
     this.streams = null; // the new one is not asked for what the camera of before sees
@@ -282,7 +282,7 @@ export class Application {
     if (state === "failed" && error !== null) {
       if (error.code === "UNAUTHENTICATED" || error.code === "PERMISSION_DENIED") this.refused(error);
       else if (error.code === "NOT_FOUND") this.messages.missingSession(this.session?.sessionId ?? "");
-      else this.messages.failure(which === "stream" ? "The stream has ended" : "The stream of uniform points has ended", error);
+      else this.messages.failure(which === "main" ? "The stream has ended" : "The stream of uniform points has ended", error);
     }
     this.showFigures();
   }

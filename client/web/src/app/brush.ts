@@ -2,14 +2,14 @@
 
 import { distance } from "../view/vector";
 import { roomForDabs } from "./sample_request";
-import { mostTerms, type Dab, type Settings } from "./settings";
+import { maxTerms, type Dab, type Settings } from "./settings";
 
 const spacing = 1.2; // of the dabs of a stroke, in radii: they overlap where they fall off
 
 /// Adds to Settings.dabs, and takes away from them.
 export class Brush {
   private stroke: number | null = null; // under way
-  private isFullTold = false;
+  private hasWarned = false;
 
   constructor(
     private readonly settings: Settings,
@@ -24,13 +24,13 @@ export class Brush {
     const isNear = before !== undefined && before.stroke === this.stroke && distance(before.centre, centre) < spacing * radius;
     const adds = !isNear && roomForDabs(this.settings) > 0;
     if (adds) dabs.push({ centre, radius, factor: this.settings.brushFactor, stroke: this.stroke });
-    else if (!isNear && !this.isFullTold) {
-      this.isFullTold = true;
-      this.notice(`A density has ${mostTerms} terms at most: undo or clear strokes to go on.`);
+    else if (!isNear && !this.hasWarned) {
+      this.hasWarned = true;
+      this.notice(`A density has ${maxTerms} terms at most: undo or clear strokes to go on.`);
     }
     if (done) {
       this.stroke = null;
-      this.isFullTold = false;
+      this.hasWarned = false;
     }
     return adds;
   }

@@ -2,7 +2,7 @@
 
 import type { NamedFile } from "../stream";
 
-const mostFiles = 2000;
+const maxFiles = 2000;
 
 /// Files that were dropped, and all below folders that were: those are named by their paths below the folder. To be called while
 /// the drop is handled. At most 2,000, those of the upper folders first; hidden ones are left out. Rejects where one cannot be read.
@@ -16,17 +16,17 @@ export function droppedFiles(transfer: DataTransfer): Promise<NamedFile[]> {
 }
 
 /// As droppedFiles().
-export async function filesBelow(entries: readonly FileSystemEntry[], most = mostFiles): Promise<NamedFile[]> {
+export async function filesBelow(entries: readonly FileSystemEntry[], max = maxFiles): Promise<NamedFile[]> {
   const files: NamedFile[] = [];
   const waiting = entries.map((entry) => ({ entry, path: entry.isFile ? entry.name : "" }));
   let seen = 0; // also empty folders come to an end
-  for (let next = waiting.shift(); next !== undefined && files.length < most && seen < 2 * most; next = waiting.shift()) {
+  for (let next = waiting.shift(); next !== undefined && files.length < max && seen < 2 * max; next = waiting.shift()) {
     const { entry, path } = next;
     seen += 1;
     if (entry.name.startsWith(".")) continue;
     if (entry.isFile) files.push({ name: path, data: await fileOf(entry as FileSystemFileEntry) });
     else {
-      const children = await childrenOf(entry as FileSystemDirectoryEntry, most);
+      const children = await childrenOf(entry as FileSystemDirectoryEntry, max);
       const below = path === "" ? "" : `${path}/`;
       waiting.push(...children.map((child) => ({ entry: child, path: below + child.name })));
     }
@@ -38,10 +38,10 @@ function fileOf(entry: FileSystemFileEntry): Promise<File> {
   return new Promise((resolve, reject) => entry.file(resolve, reject));
 }
 
-async function childrenOf(folder: FileSystemDirectoryEntry, most: number): Promise<FileSystemEntry[]> {
+async function childrenOf(folder: FileSystemDirectoryEntry, max: number): Promise<FileSystemEntry[]> {
   const reader = folder.createReader();
   const children: FileSystemEntry[] = [];
-  while (children.length < most) {
+  while (children.length < max) {
     // A hundred at a time.
     const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
     if (some.length === 0) break;

@@ -11,15 +11,15 @@ interface Property {
 
 const sizes = { double: 8, float: 4, uchar: 1, uint: 4 };
 
-function propertiesOf({ places, normals, colours, curvatures, ranks, origin }: StreamedPoints): Property[] {
+function propertiesOf({ positions, normals, colours, curvatures, ranks, origin }: StreamedPoints): Property[] {
   const isFar = origin.some((value) => value !== 0);
   const column = (names: string[], type: Property["type"], valueAt: (slot: number, i: number) => number) =>
     names.map((name, i): Property => ({ name, type, valueOf: (slot) => valueAt(slot, i) }));
   return [
-    ...column(["x", "y", "z"], isFar ? "double" : "float", (slot, axis) => places[4 * slot + axis]! + origin[axis]!),
+    ...column(["x", "y", "z"], isFar ? "double" : "float", (slot, axis) => positions[4 * slot + axis]! + origin[axis]!),
     ...column(["nx", "ny", "nz"], "float", (slot, axis) => normals[4 * slot + axis]! / 127),
     ...(colours === null ? [] : column(["red", "green", "blue"], "uchar", (slot, channel) => colours[4 * slot + channel]!)),
-    ...column(["radius"], "float", (slot) => places[4 * slot + 3]!),
+    ...column(["radius"], "float", (slot) => positions[4 * slot + 3]!),
     ...(curvatures === null ? [] : column(["curvature_min", "curvature_max"], "float", (slot, i) => curvatures[2 * slot + i]!)),
     ...(ranks === null ? [] : column(["rank"], "uint", (slot) => ranks[slot]!)),
   ];

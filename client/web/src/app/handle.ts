@@ -14,7 +14,7 @@ export interface Handle {
   readonly statistics: StatisticsSummary | null;
   readonly look: number; // the number of the newest view; FrameReport.sequence of its frames
   readonly store: PointStore | null; // of the view-dependent points
-  readonly besideStore: PointStore | null; // of the uniform ones in a split view
+  readonly uniformStore: PointStore | null; // of the uniform ones in a split view
   readonly view: Viewport;
 }
 
@@ -45,8 +45,8 @@ export function handleOf(app: Application): Handle {
     get store() {
       return app.streams?.main.store ?? null;
     },
-    get besideStore() {
-      return app.streams?.beside?.store ?? null;
+    get uniformStore() {
+      return app.streams?.uniform?.store ?? null;
     },
     view: app.viewport,
   });

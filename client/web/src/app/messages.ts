@@ -9,17 +9,17 @@ interface Action {
 }
 
 /// What a banner may be about.
-export type Concern = "session" | "stream" | "beside" | "graphics";
+export type Concern = "session" | "main" | "uniform" | "graphics";
 
 const noticeSeconds = 5;
-const mostNotices = 4;
+const maxNotices = 4;
 
 /// At most one banner and one card; notices go by themselves. What is said already is not said anew.
 export class Messages {
   private readonly notices = element("div", { class: "notices" });
   private readonly banner = element("div", { class: "banner" });
   private readonly card = element("div", { class: "card" });
-  private readonly said = new Map<string, { notice: HTMLElement; timer?: ReturnType<typeof setTimeout> }>(); // oldest first
+  private readonly shown = new Map<string, { notice: HTMLElement; timer?: ReturnType<typeof setTimeout> }>(); // oldest first
   private readonly concerns = new Map<Concern, { text: string; action: Action | undefined }>(); // the newest is shown
   private bannerText = ""; // with that of its button
   private cardText: string | null = null;
@@ -32,21 +32,21 @@ export class Messages {
   }
 
   notice(text: string): void {
-    if (!this.said.has(text)) this.say(text, element("div", { class: "notice", text }));
-    const entry = this.said.get(text)!;
+    if (!this.shown.has(text)) this.addNotice(text, element("div", { class: "notice", text }));
+    const entry = this.shown.get(text)!;
     clearTimeout(entry.timer);
-    entry.timer = setTimeout(() => this.unsay(text), 1000 * noticeSeconds);
+    entry.timer = setTimeout(() => this.removeNotice(text), 1000 * noticeSeconds);
   }
 
   /// Something failed; the user closes it.
   failure(what: string, error: CurvecastError): void {
     const text = `${what}: ${error.message}`;
-    if (this.said.has(text)) return;
-    this.say(
+    if (this.shown.has(text)) return;
+    this.addNotice(
       text,
       element("div", { class: "notice failure" }, [
         element("div", {}, [element("strong", { text: what }), element("span", { text: error.message })]),
-        button("×", () => this.unsay(text), "Close"),
+        button("×", () => this.removeNotice(text), "Close"),
       ]),
     );
   }
@@ -104,18 +104,18 @@ export class Messages {
     this.showCard("The server does not take this page", error.message);
   }
 
-  private say(text: string, notice: HTMLElement): void {
-    const [oldest] = this.said.keys();
-    if (oldest !== undefined && this.said.size >= mostNotices) this.unsay(oldest);
-    this.said.set(text, { notice });
+  private addNotice(text: string, notice: HTMLElement): void {
+    const [oldest] = this.shown.keys();
+    if (oldest !== undefined && this.shown.size >= maxNotices) this.removeNotice(oldest);
+    this.shown.set(text, { notice });
     this.notices.append(notice);
   }
 
-  private unsay(text: string): void {
-    const entry = this.said.get(text);
+  private removeNotice(text: string): void {
+    const entry = this.shown.get(text);
     clearTimeout(entry?.timer);
     entry?.notice.remove();
-    this.said.delete(text);
+    this.shown.delete(text);
   }
 
   private refreshBanner(): void {

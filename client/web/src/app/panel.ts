@@ -89,8 +89,8 @@ export class Panel {
   }
 
   private addNumber(folder: GUI, key: keyof typeof ranges): Controller {
-    const { least, most, step }: { least: number; most: number; step?: number } = ranges[key];
-    return folder.add(this.settings, key, least, most, step);
+    const { min, max, step }: { min: number; max: number; step?: number } = ranges[key];
+    return folder.add(this.settings, key, min, max, step);
   }
 
   private addSessions(sessions: HTMLElement, actions: PanelActions): void {

@@ -11,7 +11,7 @@ import {
   type SampleRequestSchema,
 } from "../gen/curvecast/v1/curvecast_pb";
 import type { CameraState } from "../view";
-import { mostTerms, type Settings } from "./settings";
+import { maxTerms, type Settings } from "./settings";
 
 /// What SampleRequest is made of.
 export type SampleInit = MessageInitShape<typeof SampleRequestSchema>;
@@ -45,7 +45,7 @@ function plainTerms(settings: Settings): TermInit[] {
 
 /// How many more dabs of the brush there is room for.
 export function roomForDabs(settings: Settings): number {
-  return mostTerms - plainTerms(settings).length - settings.dabs.length;
+  return maxTerms - plainTerms(settings).length - settings.dabs.length;
 }
 
 function budgetOf(settings: Settings): NonNullable<SampleInit["budget"]> {
@@ -69,7 +69,7 @@ export function sampleRequest(
   uniform = false,
 ): SampleInit {
   const terms = uniform ? [] : plainTerms(settings);
-  const dabs = uniform ? [] : settings.dabs.slice(0, mostTerms - terms.length);
+  const dabs = uniform ? [] : settings.dabs.slice(0, maxTerms - terms.length);
   const needsCamera =
     settings.budget === "pixels" || (!uniform && (settings.silhouette || settings.distance || settings.screen || settings.frustum));
   const attributes: PointAttribute[] = [];

@@ -3,7 +3,7 @@
 import { asCurvecastError, SessionState, type Client, type CurvecastError, type Session } from "../stream";
 import type { CameraState } from "../view";
 import type { FirstAnswers } from "./first_answers";
-import { Repeated } from "./repeated";
+import { Poller } from "./poller";
 import { firstReady, nameOf } from "./session_list";
 
 /// Called one at a time. They may call choose() and refresh().
@@ -32,8 +32,8 @@ export class SessionChoice {
   private wanted: { id: string; camera: CameraState | null } | null = null; // to be shown once it is ready
   private takesFirst = true; // nobody has said which
   private isShowing = false;
-  private readonly asking = new Repeated((isCurrent) => this.ask(isCurrent));
-  private readonly listing = new Repeated((isCurrent) => this.list(isCurrent));
+  private readonly asking = new Poller((isCurrent) => this.ask(isCurrent));
+  private readonly listing = new Poller((isCurrent) => this.list(isCurrent));
   private isRefused = false;
 
   /// `isVisible`: whether anybody looks at the list.

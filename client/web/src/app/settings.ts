@@ -43,33 +43,33 @@ export interface Settings {
 }
 
 /// The server multiplies at most so many terms.
-export const mostTerms = 16;
+export const maxTerms = 16;
 
 interface Range {
-  least: number;
-  most: number;
+  min: number;
+  max: number;
   step?: number; // of the panel
 }
 
 /// Of the settings that are numbers.
 export const ranges = {
-  points: { least: 1000, most: 1_000_000, step: 1000 },
-  kilobytes: { least: 4, most: 8192, step: 4 },
-  pixelError: { least: 1, most: 40, step: 0.5 },
-  frameMilliseconds: { least: 10, most: 500, step: 1 },
-  curvatureExponent: { least: 0.1, most: 3 },
-  silhouetteFloor: { least: 0.01, most: 1 },
-  brushSize: { least: 0.5, most: 30 },
-  brushFactor: { least: 0, most: 64 },
-  dotSize: { least: 1, most: 10 },
-  splatScale: { least: 0.2, most: 3 },
+  points: { min: 1000, max: 1_000_000, step: 1000 },
+  kilobytes: { min: 4, max: 8192, step: 4 },
+  pixelError: { min: 1, max: 40, step: 0.5 },
+  frameMilliseconds: { min: 10, max: 500, step: 1 },
+  curvatureExponent: { min: 0.1, max: 3 },
+  silhouetteFloor: { min: 0.01, max: 1 },
+  brushSize: { min: 0.5, max: 30 },
+  brushFactor: { min: 0, max: 64 },
+  dotSize: { min: 1, max: 10 },
+  splatScale: { min: 0.2, max: 3 },
 } satisfies Record<NumberSetting, Range>;
 
 type NumberSetting = { [Key in keyof Settings]: Settings[Key] extends number ? Key : never }[keyof Settings];
 
 /// The nearest value in the range of a setting.
 export function withinRange(key: keyof typeof ranges, value: number): number {
-  return Math.min(Math.max(value, ranges[key].least), ranges[key].most);
+  return Math.min(Math.max(value, ranges[key].min), ranges[key].max);
 }
 
 /// What a page begins with. A renderer without a graphics card takes fewer points.

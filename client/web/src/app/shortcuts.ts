@@ -1,6 +1,6 @@
 // Keys, and the overlay that lists them.
 
-import { isTyping } from "../view";
+import { takesKeys } from "../view";
 import { element } from "./elements";
 
 /// A key as KeyboardEvent.key has it, in lower case; "mod+" before it: control or command.
@@ -63,14 +63,14 @@ export class Shortcuts {
     } else if (this.focusBefore instanceof HTMLElement) this.focusBefore.focus({ preventScroll: true });
   }
 
-  /// Nothing else takes the keys meanwhile: see isTyping(). The focus has nowhere to go within.
+  /// Nothing else takes the keys meanwhile: see takesKeys(). The focus has nowhere to go within.
   private pressInHelp(event: KeyboardEvent): void {
     if (event.key === "Tab") event.preventDefault();
     if (event.key === "Escape" || (event.key === "?" && !event.repeat)) this.toggleHelp();
   }
 
   private press(event: KeyboardEvent): void {
-    if (event.altKey || isTyping(event.target)) return;
+    if (event.altKey || takesKeys(event.target)) return;
     const key = (event.ctrlKey || event.metaKey ? "mod+" : "") + event.key.toLowerCase();
     if (key === "?" && !event.repeat) return this.toggleHelp();
     if (key === "escape" && !this.overlay.hidden) return this.toggleHelp();

@@ -13,7 +13,7 @@ import {
 import type { SampleInit } from "./sample_request";
 
 /// The stream that is looked at, or the one beside it.
-export type Which = "stream" | "beside";
+export type Which = "main" | "uniform";
 
 /// Of both; as those of LiveView.
 export interface StreamsEvents {
@@ -28,7 +28,7 @@ function sameBytes(a: Uint8Array, b: Uint8Array): boolean {
 }
 
 /// A view that is asked only for what is new.
-class Asker {
+class DistinctView {
   private last: Uint8Array = new Uint8Array(0);
 
   constructor(readonly view: LiveView) {}
@@ -45,63 +45,63 @@ class Asker {
 
 /// Of one session.
 export class Streams {
-  private readonly dependent: Asker;
-  private uniform: Asker | null = null;
+  private readonly mainView: DistinctView;
+  private uniformView: DistinctView | null = null;
 
   constructor(
     private readonly client: Client,
     readonly sessionId: string,
     private readonly events: StreamsEvents,
   ) {
-    this.dependent = this.open("stream");
+    this.mainView = this.open("main");
   }
 
   /// The stream that is looked at.
   get main(): LiveView {
-    return this.dependent.view;
+    return this.mainView.view;
   }
 
   /// The one beside it; null where there is none.
-  get beside(): LiveView | null {
-    return this.uniform?.view ?? null;
+  get uniform(): LiveView | null {
+    return this.uniformView?.view ?? null;
   }
 
   /// Whether there is one beside it.
   split(on: boolean): void {
-    if (on === (this.uniform !== null)) return;
-    this.uniform?.view.close();
-    this.uniform = on ? this.open("beside") : null;
+    if (on === (this.uniformView !== null)) return;
+    this.uniformView?.view.close();
+    this.uniformView = on ? this.open("uniform") : null;
   }
 
   /// Of both, over the last seconds.
   get bytesPerSecond(): number {
-    return this.main.statistics().bytesPerSecond + (this.beside?.statistics().bytesPerSecond ?? 0);
+    return this.main.statistics().bytesPerSecond + (this.uniform?.statistics().bytesPerSecond ?? 0);
   }
 
   /// Those that are reconnecting do not wait any longer.
   retryNow(): void {
     this.main.retryNow();
-    this.beside?.retryNow();
+    this.uniform?.retryNow();
   }
 
   /// `uniform`: what the one beside it is to show. Returns whether points for `sample` are about to come.
   look(sample: SampleInit, uniform: SampleInit): boolean {
-    this.uniform?.look(uniform);
+    this.uniformView?.look(uniform);
     const { state } = this.main;
-    return this.dependent.look(sample) && (state === "streaming" || state === "refining");
+    return this.mainView.look(sample) && (state === "streaming" || state === "refining");
   }
 
   close(): void {
-    this.dependent.view.close();
-    this.uniform?.view.close();
+    this.mainView.view.close();
+    this.uniformView?.view.close();
   }
 
-  private open(which: Which): Asker {
+  private open(which: Which): DistinctView {
     const { events } = this;
-    const told = {
+    const handlers = {
       onFrame: (frame: FrameReport) => events.onFrame(frame),
       onState: (...how: [LiveViewState, CurvecastError | null, number | null]) => events.onState(which, ...how),
     };
-    return new Asker(this.client.view(this.sessionId, told, { firstBytes }));
+    return new DistinctView(this.client.view(this.sessionId, handlers, { firstBytes }));
   }
 }

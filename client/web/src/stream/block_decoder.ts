@@ -60,7 +60,7 @@ export class BlockDecoder {
     const points: DecodedPoints = {
       count: block.count,
       origin: block.origin,
-      places: new Float32Array(0),
+      positions: new Float32Array(0),
       normals: new Int8Array(0),
       colours: null,
       curvatures: floatColumn(block.curvatures, 2 * block.count, "curvatures"),
@@ -102,7 +102,7 @@ class RadiusTable {
 }
 
 function makeColumns(points: DecodedPoints, hasColours: boolean): void {
-  points.places = new Float32Array(4 * points.count);
+  points.positions = new Float32Array(4 * points.count);
   points.normals = new Int8Array(4 * points.count);
   if (hasColours) points.colours = new Uint8Array(4 * points.count);
 }
@@ -125,7 +125,7 @@ function decodeRaw(raw: NonNullable<EncodedBlock["raw"]>, points: DecodedPoints)
   writeNormals(asFloats(normals), points);
   asFloats(radii).forEach((radius, i) => {
     if (!(radius >= 0 && radius < Infinity)) throw badPoints(`radius ${radius}`);
-    points.places[4 * i + 3] = radius;
+    points.positions[4 * i + 3] = radius;
   });
   if (points.colours !== null) writeColours(checked(raw.colours, 3 * points.count, "colours"), points.colours);
 }

@@ -20,7 +20,7 @@ export interface CallHandlers<Output extends DescMessage> {
 
 /// A call under way. What is sent after its end is dropped: the end tells why.
 export class Call<Input extends DescMessage, Output extends DescMessage> {
-  private over = false;
+  private isOver = false;
 
   constructor(
     private readonly transmit: (part: CallPart) => void,
@@ -30,30 +30,30 @@ export class Call<Input extends DescMessage, Output extends DescMessage> {
   ) {}
 
   get ended(): boolean {
-    return this.over;
+    return this.isOver;
   }
 
   /// Sends a request message; `last`: no more follow.
   send(message: MessageInitShape<Input>, last = false): void {
-    if (this.over) return;
+    if (this.isOver) return;
     const bytes = toBinary(this.input, create(this.input, message));
     this.transmit(last ? { message: bytes, halfClose: true } : { message: bytes });
   }
 
   halfClose(): void {
-    if (!this.over) this.transmit({ halfClose: true });
+    if (!this.isOver) this.transmit({ halfClose: true });
   }
 
   /// Ends the call as CANCELLED, at once.
   cancel(): void {
-    if (this.over) return;
+    if (this.isOver) return;
     this.transmit({ cancel: true });
     this.end(cancelled());
   }
 
   /// Of the socket: a response message has come.
-  take(message: Uint8Array, bytes: number): void {
-    if (this.over) return;
+  receive(message: Uint8Array, bytes: number): void {
+    if (this.isOver) return;
     let response: MessageShape<Output>;
     try {
       response = fromBinary(this.output, message);
@@ -67,8 +67,8 @@ export class Call<Input extends DescMessage, Output extends DescMessage> {
 
   /// Of the socket: the call is over.
   end(error: CurvecastError | null): void {
-    if (this.over) return;
-    this.over = true;
+    if (this.isOver) return;
+    this.isOver = true;
     this.handlers.onEnd(error);
   }
 }

@@ -12,7 +12,7 @@ import {
 } from "../gen/curvecast/v1/curvecast_pb";
 import { WorkerDecoder, type Decoder } from "./decoder";
 import { CurvecastError } from "./errors";
-import { Line } from "./line";
+import { ReconnectingSocket } from "./reconnecting_socket";
 import { LiveView, type LiveViewEvents, type LiveViewOptions } from "./live_view";
 import { uploadMesh, type NamedFile, type UploadedMesh, type UploadOptions } from "./mesh_upload";
 import { StreamedPoints } from "./point_store";
@@ -40,15 +40,15 @@ export interface SessionRequest {
 export class Client {
   private readonly endpoint: Endpoint;
   private readonly decoder: Decoder;
-  private readonly line: Line;
+  private readonly connection: ReconnectingSocket;
   private readonly closing = new Set<{ close(): void }>(); // what ends with it
 
   constructor({ url, token, webSocket, decoder }: ClientOptions = {}) {
     this.endpoint = { url: url ?? socketUrl("."), token, ...(webSocket !== undefined && { webSocket }) };
-    this.line = new Line(this.endpoint);
+    this.connection = new ReconnectingSocket(this.endpoint);
     if (decoder === undefined) this.closing.add((decoder = new WorkerDecoder()));
     this.decoder = decoder;
-    this.closing.add(this.line);
+    this.closing.add(this.connection);
   }
 
   /// All that the server has in memory, by id.
@@ -56,7 +56,7 @@ export class Client {
     const sessions: Session[] = [];
     let pageToken = "";
     do {
-      const page = await this.line.socket().unary(methods.listSessions, { pageToken }, signal);
+      const page = await this.connection.socket().unary(methods.listSessions, { pageToken }, signal);
       sessions.push(...page.sessions);
       if (page.nextPageToken !== "" && page.nextPageToken === pageToken) {
         throw new CurvecastError("DATA_LOSS", "the server's pages of sessions do not end");
@@ -68,7 +68,7 @@ export class Client {
 
   /// NOT_FOUND: there is none, in memory or in the server's cache.
   async getSession(sessionId: string, signal?: AbortSignal): Promise<Session> {
-    return present((await this.line.socket().unary(methods.getSession, { sessionId }, signal)).session);
+    return present((await this.connection.socket().unary(methods.getSession, { sessionId }, signal)).session);
   }
 
   /// Preprocesses a mesh, or joins the session that there is. Resolves when it is ready. Joins again where the connection is lost
@@ -76,10 +76,10 @@ export class Client {
   async createSession(wanted: SessionRequest): Promise<Session> {
     const { meshId, companions = {}, options, signal } = wanted;
     const request = { meshId, companions, ...(options !== undefined && { options }) };
-    return repeat(async (gotThrough) => {
+    return repeat(async (resetFailures) => {
       let session: Session | undefined;
-      for await (const { update } of this.line.socket().serverStream(methods.createSession, request, signal)) {
-        gotThrough();
+      for await (const { update } of this.connection.socket().serverStream(methods.createSession, request, signal)) {
+        resetFailures();
         if (update.case === "progress") wanted.onProgress?.(update.value);
         if (update.case === "session") session = update.value;
       }
@@ -89,25 +89,25 @@ export class Client {
 
   /// Pins a session in the server's memory, or lets it go.
   async pinSession(sessionId: string, pinned: boolean, signal?: AbortSignal): Promise<Session> {
-    return present((await this.line.socket().unary(methods.updateSession, { sessionId, pinned }, signal)).session);
+    return present((await this.connection.socket().unary(methods.updateSession, { sessionId, pinned }, signal)).session);
   }
 
   /// The server forgets it, in memory and in its cache.
   async closeSession(sessionId: string, signal?: AbortSignal): Promise<void> {
-    await this.line.socket().unary(methods.closeSession, { sessionId }, signal);
+    await this.connection.socket().unary(methods.closeSession, { sessionId }, signal);
   }
 
   /// Sends a mesh, and what it refers to where that is among `others`. Over a socket of its own, or several where one is lost: see
   /// uploadFile().
   async upload(mesh: NamedFile, others: readonly NamedFile[] = [], options: UploadOptions = {}): Promise<UploadedMesh> {
-    this.line.checkOpen();
-    const line = new Line(this.endpoint);
-    this.closing.add(line);
+    this.connection.checkOpen();
+    const connection = new ReconnectingSocket(this.endpoint);
+    this.closing.add(connection);
     try {
-      return await uploadMesh(() => line.socket(), mesh, others, options);
+      return await uploadMesh(() => connection.socket(), mesh, others, options);
     } finally {
-      line.close();
-      this.closing.delete(line);
+      connection.close();
+      this.closing.delete(connection);
     }
   }
 
@@ -119,7 +119,7 @@ export class Client {
   ): Promise<{ points: StreamedPoints; statistics: FrameStatistics | null }> {
     const blocks = [];
     let statistics: FrameStatistics | null = null;
-    for await (const response of this.line.socket().serverStream(methods.resample, { sessionId, sample }, signal)) {
+    for await (const response of this.connection.socket().serverStream(methods.resample, { sessionId, sample }, signal)) {
       if (response.points !== undefined) blocks.push(response.points);
       statistics = response.statistics ?? statistics;
     }
@@ -130,9 +130,9 @@ export class Client {
 
   /// A conversation about a session: see LiveView.
   view(sessionId: string, events: LiveViewEvents = {}, options: LiveViewOptions = {}): LiveView {
-    this.line.checkOpen();
+    this.connection.checkOpen();
     const view = new LiveView(
-      () => this.line.socket(),
+      () => this.connection.socket(),
       this.decoder,
       sessionId,
       events,

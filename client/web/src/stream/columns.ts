@@ -8,15 +8,15 @@ export function asFloats(bytes: Uint8Array): Float32Array {
 }
 
 /// x, y, z of each. Throws where one is not finite.
-export function writePositions(positions: Float32Array, { count, places }: Pick<DecodedPoints, "count" | "places">): void {
+export function writePositions(from: Float32Array, { count, positions }: Pick<DecodedPoints, "count" | "positions">): void {
   let sum = 0; // not 0 where one of them is not finite
   for (let i = 0; i < count; ++i) {
-    const x = positions[3 * i]!,
-      y = positions[3 * i + 1]!,
-      z = positions[3 * i + 2]!;
-    places[4 * i] = x;
-    places[4 * i + 1] = y;
-    places[4 * i + 2] = z;
+    const x = from[3 * i]!,
+      y = from[3 * i + 1]!,
+      z = from[3 * i + 2]!;
+    positions[4 * i] = x;
+    positions[4 * i + 1] = y;
+    positions[4 * i + 2] = z;
     sum += 0 * x + 0 * y + 0 * z;
   }
   if (sum !== 0) throw badPoints("a position that is not finite");

@@ -3,13 +3,13 @@
 import { CurvecastError } from "./errors";
 
 /// A point set has at most so many.
-export const mostPoints = 4_000_000;
+export const maxPoints = 4_000_000;
 
 /// `count` points; the columns as in PointStore.
 export interface DecodedPoints {
   count: number;
   origin: [number, number, number];
-  places: Float32Array;
+  positions: Float32Array;
   normals: Int8Array;
   colours: Uint8Array | null;
   curvatures: Float32Array | null;

@@ -3,7 +3,7 @@
 import type { PointBlock } from "../gen/curvecast/v1/curvecast_pb";
 import { BlockDecoder, buffersOf, encodedBlock } from "./block_decoder";
 import type { DecodeRequest, DecodeResponse } from "./decode_worker";
-import { badPoints, mostPoints, type DecodedPoints } from "./decoded_points";
+import { badPoints, maxPoints, type DecodedPoints } from "./decoded_points";
 import { asCurvecastError, CurvecastError } from "./errors";
 
 const fewPoints = 4096; // are decoded sooner than another thread, and this one after it, get to their messages
@@ -34,7 +34,7 @@ export class WorkerDecoder implements Decoder {
   async decode(blocks: readonly PointBlock[]): Promise<DecodedPoints[]> {
     if (this.isClosed) throw closed();
     const total = blocks.reduce((sum, block) => sum + block.count, 0);
-    if (total > mostPoints) throw badPoints(`${total} in a frame`);
+    if (total > maxPoints) throw badPoints(`${total} in a frame`);
     if (total <= fewPoints) return Promise.all(blocks.map((block) => this.here.decode(encodedBlock(block))));
     return Promise.all(blocks.map((block) => this.decodeBlock(block)));
   }

@@ -28,7 +28,7 @@ const names = [
 export type ErrorCode = (typeof names)[number];
 
 const retryInfo = "google.rpc.RetryInfo";
-const mostSeconds = 3600;
+const maxSeconds = 3600;
 
 /// A call that failed. `message` is the server's: what was wrong, where, and what to do.
 export class CurvecastError extends Error {
@@ -50,7 +50,7 @@ export function codeName(code: number): ErrorCode {
 
 /// Seconds to wait, at most an hour; null for none.
 export function boundedDelay(seconds: number): number | null {
-  return seconds > 0 ? Math.min(seconds, mostSeconds) : null;
+  return seconds > 0 ? Math.min(seconds, maxSeconds) : null;
 }
 
 /// The error that a call ended with; null where it ended well.

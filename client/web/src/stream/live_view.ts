@@ -53,8 +53,8 @@ interface SentView {
   time: number | null; // when it was sent; null once a frame has answered it
 }
 
-const mostRemembered = 256; // views; a frame for an older one can be shown, but not resumed from
-const mostBuffered = 64 << 10; // bytes that wait in the browser before the newest view waits here instead
+const maxRemembered = 256; // views; a frame for an older one can be shown, but not resumed from
+const maxBuffered = 64 << 10; // bytes that wait in the browser before the newest view waits here instead
 const secondsBetweenTries = 0.01;
 const healthySeconds = 1; // a stream that breaks off sooner after its first frame may do so again and again
 
@@ -84,12 +84,12 @@ export class LiveView {
   private looks = 0; // the number of the newest view
   private sent = 0; // the number of the view last sent over this stream
   private views: SentView[] = [];
-  private held: { sample: SampleRequest; digest: bigint } | null = null; // what a new stream can go on from
+  private resumable: { sample: SampleRequest; digest: bigint } | null = null; // what a new stream can go on from
   private hasBase = false; // deltas may follow
   private firstFrameAt: number | null = null; // of this stream, in the store
   private call: ViewCall | null = null;
   private socket: Socket | null = null;
-  private taken: Promise<void> = Promise.resolve(); // frames are taken in in their order
+  private accepted: Promise<void> = Promise.resolve(); // frames are accepted in in their order
   private timer: ReturnType<typeof setTimeout> | null = null;
   private closed = false;
 
@@ -144,11 +144,11 @@ export class LiveView {
 
   private open(): void {
     this.stopTimer();
-    if (this.state !== "reconnecting") this.tell("connecting"); // else it is, until a frame comes
+    if (this.state !== "reconnecting") this.setState("connecting"); // else it is, until a frame comes
     if (this.closed) return;
     const socket = this.connect();
     this.socket = socket;
-    this.hasBase = this.held !== null;
+    this.hasBase = this.resumable !== null;
     this.firstFrameAt = null;
     this.sent = 0;
     this.views = []; // of the stream before; it answers them no more
@@ -163,7 +163,7 @@ export class LiveView {
         value: {
           sessionId: this.sessionId,
           acceptDeltas: this.deltas,
-          ...(this.held !== null && { held: { ...this.held, points: BigInt(this.store.count) } }),
+          ...(this.resumable !== null && { held: { ...this.resumable, points: BigInt(this.store.count) } }),
         },
       },
     });
@@ -174,7 +174,7 @@ export class LiveView {
   private sendNewest(): void {
     if (this.call === null || this.newest === null || this.sent === this.looks) return;
     if (this.timer !== null) return;
-    if (this.socket !== null && this.socket.bufferedBytes > mostBuffered) {
+    if (this.socket !== null && this.socket.bufferedBytes > maxBuffered) {
       this.timer = setTimeout(() => {
         this.timer = null;
         this.sendNewest();
@@ -183,7 +183,7 @@ export class LiveView {
     }
     this.sent = this.looks;
     this.views.push({ sequence: this.sent, sample: this.newest, time: now() });
-    if (this.views.length > mostRemembered) this.views.shift();
+    if (this.views.length > maxRemembered) this.views.shift();
     this.call.send({
       request: { case: "view", value: { sequence: BigInt(this.sent), sample: this.newest, firstBytes: this.firstBytes } },
     });
@@ -198,15 +198,15 @@ export class LiveView {
       .then((points) => ({ points, seconds: now() - arrival }), asCurvecastError);
     this.afterFrames(async () => {
       const result = await decoded;
-      if (this.call === call) this.take(call, frame, result, bytes);
+      if (this.call === call) this.accept(call, frame, result, bytes);
     });
   }
 
   private afterFrames(then: () => void | Promise<void>): void {
-    this.taken = this.taken.then(then);
+    this.accepted = this.accepted.then(then);
   }
 
-  private take(call: ViewCall, frame: PointFrame, decoded: Decoded, bytes: number): void {
+  private accept(call: ViewCall, frame: PointFrame, decoded: Decoded, bytes: number): void {
     const sequence = Number(frame.sequence);
     const view = this.viewOf(sequence);
     const start = now();
@@ -215,13 +215,13 @@ export class LiveView {
       try {
         difference = this.apply(frame, decoded);
       } catch (thrown) {
-        this.held = null;
+        this.resumable = null;
         const error = asCurvecastError(thrown);
         call.cancel(); // it ends as CANCELLED, but this is why
         return this.ended(call, new CurvecastError(error.code, `frame ${sequence}: ${error.message}`));
       }
       this.hasBase = true;
-      this.held = view !== null && frame.digest !== 0n ? { sample: view.sample, digest: frame.digest } : null;
+      this.resumable = view !== null && frame.digest !== 0n ? { sample: view.sample, digest: frame.digest } : null;
     }
     call.send({ request: { case: "ack", value: { sequence: frame.sequence } } });
     const end = now();
@@ -247,7 +247,7 @@ export class LiveView {
     this.counted.add(report, end);
     this.firstFrameAt ??= end;
     const state = report.refining ? "refining" : "streaming";
-    if (state !== this.state) this.tell(state);
+    if (state !== this.state) this.setState(state);
     if (!this.closed) callBack(() => this.events.onFrame?.(report));
   }
 
@@ -274,14 +274,14 @@ export class LiveView {
     const why = error ?? new CurvecastError("ABORTED", "the server has ended the stream");
     if (!mayPass(why)) {
       this.leave();
-      return this.tell("failed", why);
+      return this.setState("failed", why);
     }
     const delay = Math.max(this.backoff.next(), why.retryAfter ?? 0);
     this.timer = setTimeout(() => this.open(), 1000 * delay);
-    this.tell("reconnecting", why, delay);
+    this.setState("reconnecting", why, delay);
   }
 
-  private tell(state: LiveViewState, error: CurvecastError | null = null, delay: number | null = null): void {
+  private setState(state: LiveViewState, error: CurvecastError | null = null, delay: number | null = null): void {
     this.state = state;
     this.error = error;
     callBack(() => this.events.onState?.(state, error, delay));

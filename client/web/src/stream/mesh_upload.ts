@@ -6,8 +6,8 @@ import { repeat } from "./repeat";
 import type { Socket } from "./socket";
 
 const chunkBytes = 256 << 10;
-const mostCompanions = 256;
-const mostRows = 4; // of failures of a file (see repeat()): it may be too large for a line that breaks again and again
+const maxCompanions = 256;
+const maxRestarts = 4; // of failures of a file (see repeat()): it may be too large for a line that breaks again and again
 const referring = /\.(obj|gltf|glb|ply)$/i;
 const companion = /\.(mtl|bin|png|jpe?g|bmp|tga|gif|webp|ktx2)$/i;
 
@@ -44,13 +44,13 @@ export function meshAmong(files: readonly NamedFile[]): NamedFile | null {
 /// where one is lost: what the server has kept of it can only be gone on from by a client that knows the file's hash. `connect`: a
 /// socket that is open, or on its way there; a new one after the last was lost.
 export async function uploadFile(connect: () => Socket, file: NamedFile, options: UploadOptions = {}): Promise<string> {
-  let rows = 0;
-  return repeat((gotThrough) => {
+  let restarts = 0;
+  return repeat((resetFailures) => {
     let hasLeft = false;
     const onLeft = () => {
       if (hasLeft) return;
       hasLeft = true;
-      if (++rows <= mostRows) gotThrough();
+      if (++restarts <= maxRestarts) resetFailures();
     };
     return sendFile(connect(), file, onLeft, options);
   }, options.signal);
@@ -116,7 +116,7 @@ export async function uploadMesh(
       return file === null ? [] : [{ name, file }];
     });
     uploaded.missing = missing.filter((name) => !found.some((other) => other.name === name));
-    if (found.length === 0 || Object.keys(uploaded.companions).length + found.length > mostCompanions) return uploaded;
+    if (found.length === 0 || Object.keys(uploaded.companions).length + found.length > maxCompanions) return uploaded;
     for (const { name, file } of found) uploaded.companions[name] = await uploadFile(connect, file, options);
   }
 }

@@ -1,7 +1,7 @@
 // What a delta does to a list of points, checked before anything is changed. The same as client/lib/point_edits.cpp.
 
 import type { PointEdits } from "../gen/curvecast/v1/curvecast_pb";
-import { badPoints, mostPoints } from "./decoded_points";
+import { badPoints, maxPoints } from "./decoded_points";
 
 /// Indices in lists, ascending: `removed` in the list as it was, `added` in the list of `size` points that it becomes.
 export interface CheckedEdits {
@@ -13,15 +13,15 @@ export interface CheckedEdits {
 const rungsPerOctave = 2;
 const rungs = 64;
 
-/// Throws where edits do not fit a list of `held` points, or do not belong to `added` new ones.
-export function checkEdits(edits: PointEdits, held: number, added: number): CheckedEdits {
-  const removed = readIndices(edits.removed, held, "removed");
-  const size = held - removed.length + added;
-  if (size > mostPoints) throw badPoints(`there would be ${size}`);
-  const places = readIndices(edits.added, size, "added");
-  if (places.length !== added) throw badPoints(`${places.length} indices for ${added} added points`);
+/// Throws where edits do not fit a list of `count` points, or do not belong to `fresh` new ones.
+export function checkEdits(edits: PointEdits, count: number, fresh: number): CheckedEdits {
+  const removed = readIndices(edits.removed, count, "removed");
+  const size = count - removed.length + fresh;
+  if (size > maxPoints) throw badPoints(`there would be ${size}`);
+  const added = readIndices(edits.added, size, "added");
+  if (added.length !== fresh) throw badPoints(`${added.length} indices for ${fresh} added points`);
   checkResized(edits, size);
-  return { removed, added: places, size };
+  return { removed, added, size };
 }
 
 /// Calls `resize` for each step of a disc: the index in the new list, and -1 for one rung larger, 1 for one smaller.
@@ -39,26 +39,27 @@ export function movedRadius(radius: number, step: number, largest: number): numb
   return largest * 2 ** (-Math.min(Math.max(rung, 0), rungs - 1) / rungsPerOctave);
 }
 
-/// `list` without what is removed, and room for what is added, in `to`; the elements of `places` are left to the caller.
-export function splice(list: Uint32Array, { removed, added, size }: CheckedEdits, held: number, to: Uint32Array): void {
+/// Copies the first `count` elements of `list` to `to`, without those that are removed. Leaves gaps at the indices `added`, for the
+/// caller to fill.
+export function splice(list: Uint32Array, { removed, added, size }: CheckedEdits, count: number, to: Uint32Array): void {
   let read = 0;
   let written = 0;
-  let gone = 0;
-  const keep = (count: number) => {
-    while (count > 0) {
-      while (gone < removed.length && removed[gone] === read) {
-        ++gone;
+  let skipped = 0; // elements of `removed`
+  const keep = (left: number) => {
+    while (left > 0) {
+      while (skipped < removed.length && removed[skipped] === read) {
+        ++skipped;
         ++read;
       }
-      const part = Math.min(count, (gone < removed.length ? removed[gone]! : held) - read);
+      const part = Math.min(left, (skipped < removed.length ? removed[skipped]! : count) - read);
       to.set(list.subarray(read, read + part), written);
       read += part;
       written += part;
-      count -= part;
+      left -= part;
     }
   };
-  for (const place of added) {
-    keep(place - written);
+  for (const index of added) {
+    keep(index - written);
     ++written;
   }
   keep(size - written);

@@ -14,7 +14,7 @@ export interface PointStore {
   readonly count: number;
   /// Slots in use, free ones among them; the arrays may be longer.
   readonly slots: number;
-  readonly places: Float32Array; // 4 a slot: x, y, z relative to the origin, radius
+  readonly positions: Float32Array; // 4 a slot: x, y, z relative to the origin, radius
   readonly normals: Int8Array; // 4 a slot: x, y, z of the unit normal, 1 = 127; 0
   readonly colours: Uint8Array | null; // 4 a slot: red, green, blue (sRGB), 255; null where the mesh has none
   readonly curvatures: Float32Array | null; // 2 a slot: least and largest principal curvature; null where not asked for
@@ -36,7 +36,7 @@ export class StreamedPoints implements PointStore {
   origin: [number, number, number] = [0, 0, 0];
   count = 0;
   slots = 0;
-  places = new Float32Array(0);
+  positions = new Float32Array(0);
   normals = new Int8Array(0);
   colours: Uint8Array | null = null;
   curvatures: Float32Array | null = null;
@@ -66,7 +66,7 @@ export class StreamedPoints implements PointStore {
     this.makeColumns(added, parts[0]);
     let slot = 0;
     for (const part of parts) {
-      this.places.set(part.places, 4 * slot);
+      this.positions.set(part.positions, 4 * slot);
       this.normals.set(part.normals, 4 * slot);
       if (part.colours !== null) this.colours?.set(part.colours, 4 * slot);
       if (part.curvatures !== null) this.curvatures?.set(part.curvatures, 2 * slot);
@@ -98,7 +98,7 @@ export class StreamedPoints implements PointStore {
     }
     forEachResized(edits, (index, step) => {
       const slot = this.list[index]!;
-      this.places[4 * slot + 3] = movedRadius(this.places[4 * slot + 3]!, step, edits.radiusMax);
+      this.positions[4 * slot + 3] = movedRadius(this.positions[4 * slot + 3]!, step, edits.radiusMax);
       this.changed.add(slot);
     });
     if (this.slots > fewSlots && this.slots > 2 * this.count) this.compact();
@@ -108,7 +108,7 @@ export class StreamedPoints implements PointStore {
   private remove(removed: Uint32Array): void {
     for (const index of removed) {
       const slot = this.list[index]!;
-      this.places[4 * slot + 3] = 0;
+      this.positions[4 * slot + 3] = 0;
       this.free.push(slot);
       this.changed.add(slot);
     }
@@ -133,7 +133,7 @@ export class StreamedPoints implements PointStore {
 
   private write(slot: number, from: DecodedPoints, i: number): void {
     for (let k = 0; k < 4; ++k) {
-      this.places[4 * slot + k] = from.places[4 * i + k]!;
+      this.positions[4 * slot + k] = from.positions[4 * i + k]!;
       this.normals[4 * slot + k] = from.normals[4 * i + k]!;
       if (this.colours !== null) this.colours[4 * slot + k] = from.colours![4 * i + k]!;
     }
@@ -143,7 +143,7 @@ export class StreamedPoints implements PointStore {
 
   /// New columns of so many slots, those that `like` has.
   private makeColumns(slots: number, like: Columns | undefined): void {
-    this.places = new Float32Array(4 * slots);
+    this.positions = new Float32Array(4 * slots);
     this.normals = new Int8Array(4 * slots);
     this.colours = like?.colours ? new Uint8Array(4 * slots) : null;
     this.curvatures = like?.curvatures ? new Float32Array(2 * slots) : null;
@@ -151,11 +151,11 @@ export class StreamedPoints implements PointStore {
   }
 
   private reserve(slots: number): void {
-    const capacity = this.places.length / 4;
+    const capacity = this.positions.length / 4;
     if (slots <= capacity) return;
     const old = this.columns();
     this.makeColumns(Math.max(slots, capacity + (capacity >> 1)), old);
-    this.places.set(old.places);
+    this.positions.set(old.positions);
     this.normals.set(old.normals);
     if (old.colours !== null) this.colours?.set(old.colours);
     if (old.curvatures !== null) this.curvatures?.set(old.curvatures);
@@ -175,7 +175,13 @@ export class StreamedPoints implements PointStore {
   }
 
   private columns(): Columns {
-    return { places: this.places, normals: this.normals, colours: this.colours, curvatures: this.curvatures, ranks: this.ranks };
+    return {
+      positions: this.positions,
+      normals: this.normals,
+      colours: this.colours,
+      curvatures: this.curvatures,
+      ranks: this.ranks,
+    };
   }
 }
 
@@ -186,4 +192,4 @@ function counted(count: number): Uint32Array<ArrayBuffer> {
   return numbers;
 }
 
-type Columns = Pick<PointStore, "places" | "normals" | "colours" | "curvatures" | "ranks">;
+type Columns = Pick<PointStore, "positions" | "normals" | "colours" | "curvatures" | "ranks">;

@@ -6,11 +6,11 @@ import { asCurvecastError, cancelled } from "./errors";
 
 const firstDelay = 0.1; // seconds, and so are those below
 const longestDelay = 5;
-const patience = 60; // of failures in a row
+const giveUpAfter = 60; // of failures in a row
 
-/// Calls `attempt` until it succeeds, fails otherwise than with UNAVAILABLE, or has failed for a minute. `gotThrough`: the server
+/// Calls `attempt` until it succeeds, fails otherwise than with UNAVAILABLE, or has failed for a minute. `resetFailures`: the server
 /// was heard, so that a failure is the first of a new row. Throws a CurvecastError: that of the last attempt, or CANCELLED.
-export async function repeat<T>(attempt: (gotThrough: () => void) => Promise<T>, signal?: AbortSignal): Promise<T> {
+export async function repeat<T>(attempt: (resetFailures: () => void) => Promise<T>, signal?: AbortSignal): Promise<T> {
   const backoff = new Backoff(firstDelay, longestDelay);
   let failing: number | null = null; // since
   while (true) {
@@ -20,7 +20,7 @@ export async function repeat<T>(attempt: (gotThrough: () => void) => Promise<T>,
       const error = asCurvecastError(thrown);
       failing ??= now();
       const delay = Math.max(backoff.next(), error.retryAfter ?? 0);
-      if (error.code !== "UNAVAILABLE" || now() + delay - failing > patience) throw error;
+      if (error.code !== "UNAVAILABLE" || now() + delay - failing > giveUpAfter) throw error;
       await sleep(delay, signal);
     }
   }

@@ -16,19 +16,19 @@ import { CurvecastService } from "../gen/curvecast/v1/curvecast_pb";
 import { CallRequestSchema, CallResponseSchema, type CallResponse } from "../gen/curvecast/v1/web_socket_pb";
 import { Call, type CallHandlers, type CallPart } from "./call";
 import { cancelled, CurvecastError, errorOf } from "./errors";
-import { SilenceWatch } from "./silence";
+import { LivenessMonitor } from "./liveness";
 
 /// Where a server is, and who asks.
 export interface Endpoint {
   url: string; // ws: or wss:
   token?: string | undefined; // bearer token
-  webSocket?: (url: string, protocols: string[]) => WebSocket; // makes the socket; for tests and for other places than browsers
+  webSocket?: (url: string, protocols: string[]) => WebSocket; // makes the socket; for tests and for other hosts than browsers
 }
 
 /// Seconds without a sign of the server before it is asked for one.
-export const usualPatience = 15;
+export const defaultIdleTimeout = 15;
 
-const mostBuffered = 4 << 20; // bytes that wait in the browser before an upload pauses
+const maxBuffered = 4 << 20; // bytes that wait in the browser before an upload pauses
 const secondsBetweenLooks = 0.01; // at what still waits; nothing tells when it has gone
 
 /// The address of the socket beside a page: `base` is any URL or path below which the server's pages are.
@@ -65,9 +65,9 @@ function errorOfClose(code: number, reason: string, wasOpen: boolean): Curvecast
 }
 
 /// Opens at once. Calls may be made before it is open; once it is lost or closed, all calls end with an error. It is lost, too, where
-/// the server gives no sign of life for `patience` seconds and then leaves a question unanswered: UNAVAILABLE.
+/// the server gives no sign of life for `idleTimeout` seconds and then leaves a question unanswered: UNAVAILABLE.
 export class Socket {
-  fellSilent = false; // it was open, and was lost because the server said nothing any more
+  timedOut = false; // it was open, and was lost because the server said nothing any more
 
   private readonly socket: WebSocket;
   private readonly calls = new Map<number, Call<DescMessage, DescMessage>>();
@@ -75,19 +75,19 @@ export class Socket {
   private sentBytes = 0; // also those that wait
   private lastCall = 0;
   private failure: CurvecastError | null = null;
-  private readonly silence: SilenceWatch; // runs while there are calls
+  private readonly liveness: LivenessMonitor; // runs while there are calls
 
-  constructor(endpoint: Endpoint, patience = usualPatience) {
+  constructor(endpoint: Endpoint, idleTimeout = defaultIdleTimeout) {
     const make = endpoint.webSocket ?? ((url, protocols) => new WebSocket(url, protocols));
     this.socket = make(endpoint.url, subprotocols(endpoint.token));
     this.socket.binaryType = "arraybuffer";
-    this.silence = new SilenceWatch(
+    this.liveness = new LivenessMonitor(
       {
         bytes: () => ({ sent: this.sentBytes, waiting: this.bufferedBytes }),
         probe: () => this.probe(),
         dead: () => this.giveUp(),
       },
-      patience,
+      idleTimeout,
     );
     this.socket.onopen = () => this.flush();
     this.socket.onmessage = (event: MessageEvent<unknown>) => this.receive(event.data);
@@ -106,7 +106,7 @@ export class Socket {
 
   /// Resolves when little waits to go out, or nothing will any more. Throws CANCELLED once `signal` is aborted.
   async drained(signal?: AbortSignal): Promise<void> {
-    while (this.failure === null && this.bufferedBytes > mostBuffered) {
+    while (this.failure === null && this.bufferedBytes > maxBuffered) {
       if (signal?.aborted) throw cancelled();
       await new Promise((resolve) => setTimeout(resolve, 1000 * secondsBetweenLooks));
     }
@@ -140,7 +140,7 @@ export class Socket {
       queueMicrotask(() => call.end(failure));
     } else {
       this.calls.set(number, call);
-      this.silence.start();
+      this.liveness.start();
     }
     return call;
   }
@@ -227,7 +227,7 @@ export class Socket {
   private flush(): void {
     const early = this.early ?? [];
     this.early = null;
-    this.silence.heard();
+    this.liveness.heard();
     for (const bytes of early) this.socket.send(bytes);
   }
 
@@ -238,13 +238,13 @@ export class Socket {
 
   private giveUp(): void {
     const wasOpen = this.early === null;
-    this.fellSilent = wasOpen;
+    this.timedOut = wasOpen;
     this.socket.close(4001, "the server does not answer");
     this.fail(new CurvecastError("UNAVAILABLE", wasOpen ? "the server does not answer" : "the server cannot be reached"));
   }
 
   private receive(data: unknown): void {
-    this.silence.heard();
+    this.liveness.heard();
     let response: CallResponse;
     try {
       if (!(data instanceof ArrayBuffer)) throw new CurvecastError("INTERNAL", "not binary");
@@ -255,7 +255,7 @@ export class Socket {
     }
     const call = this.calls.get(response.call);
     if (call === undefined) return; // cancelled meanwhile
-    if (response.message !== undefined) call.take(response.message, data.byteLength);
+    if (response.message !== undefined) call.receive(response.message, data.byteLength);
     if (response.status === undefined) return;
     this.forget(response.call);
     call.end(errorOf(response.status));
@@ -264,13 +264,13 @@ export class Socket {
   /// A call that is over.
   private forget(call: number): void {
     this.calls.delete(call);
-    if (this.calls.size === 0) this.silence.stop();
+    if (this.calls.size === 0) this.liveness.stop();
   }
 
   private fail(error: CurvecastError): void {
     if (this.failure !== null) return;
     this.failure = error;
-    this.silence.stop();
+    this.liveness.stop();
     const calls = [...this.calls.values()];
     this.calls.clear();
     for (const call of calls) call.end(error);

@@ -35,7 +35,7 @@ export interface StatisticsSummary {
 
 const viewsKept = 200;
 const rateSeconds = 5;
-const leastSeconds = 1; // that a rate is over
+const minSeconds = 1; // that a rate is over
 
 /// The smallest value that at least a part `q` of `values` does not exceed; null of none.
 export function quantile(values: readonly number[], q: number): number | null {
@@ -69,7 +69,7 @@ export class Statistics {
 
   summary(time: number): StatisticsSummary {
     this.forget(time);
-    const seconds = Math.min(Math.max(time - (this.begin ?? time), leastSeconds), rateSeconds);
+    const seconds = Math.min(Math.max(time - (this.begin ?? time), minSeconds), rateSeconds);
     return {
       frames: this.frames,
       deltas: this.deltas,

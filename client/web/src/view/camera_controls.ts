@@ -5,7 +5,7 @@
 import { type Bounds, blend, boundsRadius, centre, farthestRadii, mayMove, orbit, shift, zoom } from "./camera_math";
 import type { Ray } from "./picking";
 import type { CameraState, Vec } from "./types";
-import { isTyping } from "./typing";
+import { takesKeys } from "./keyboard_focus";
 import { along, distance, dot, subtract } from "./vector";
 
 /// What the controls need of the picture. Coordinates are CSS pixels of the canvas.
@@ -210,7 +210,7 @@ export class CameraControls {
   }
 
   private keyDown(event: KeyboardEvent): void {
-    if (isTyping(event.target) || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+    if (takesKeys(event.target) || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     const arrow = arrows[event.key];
     if (arrow) {
       this.stop();

@@ -18,8 +18,8 @@ export interface Axes {
 /// How far away a camera goes, in radii of the box.
 export const farthestRadii = 40;
 
-/// Never nearer to the poles of the up direction: beyond, left and right would change places.
-const leastPolarAngle = 0.01;
+/// Never nearer to the poles of the up direction: beyond, left and right would be exchanged.
+const minPolarAngle = 0.01;
 
 const boundsCentre = (bounds: Bounds): Vec => scale(add(bounds.min, bounds.max), 0.5);
 export const boundsRadius = (bounds: Bounds): number => 0.5 * distance(bounds.min, bounds.max) || 1;
@@ -58,7 +58,7 @@ export function orbit(camera: CameraState, pivot: Vec, yaw: number, pitch: numbe
   const up = normalise(camera.up, [0, 1, 0]);
   const { right, forward } = cameraAxes(camera);
   const polar = Math.acos(Math.min(1, Math.max(-1, dot(forward, up))));
-  const turned = Math.min(Math.PI - leastPolarAngle, Math.max(leastPolarAngle, polar - pitch));
+  const turned = Math.min(Math.PI - minPolarAngle, Math.max(minPolarAngle, polar - pitch));
   const turn = (a: Vec): Vec => add(pivot, rotate(rotate(subtract(a, pivot), right, polar - turned), up, yaw));
   return { ...camera, eye: turn(camera.eye), target: turn(camera.target) };
 }

@@ -4,7 +4,7 @@ import type { PointStore } from "../stream/point_store";
 import type { MapName } from "./colour_maps";
 import type { Colouring } from "./types";
 
-/// A column of a store that goes to the graphics card beside places and normals.
+/// A column of a store that goes to the graphics card beside positions and normals.
 type PointColumn = "colours" | "curvatures" | "ranks";
 
 /// How the shaders colour points: see `splatColour` there.
@@ -26,7 +26,7 @@ function sortedSample(store: PointStore, value: (slot: number) => number): Float
   const values = new Float32Array(Math.ceil(store.slots / step));
   let count = 0;
   for (let slot = 0; slot < store.slots; slot += step) {
-    if (store.places[4 * slot + 3]! <= 0) continue;
+    if (store.positions[4 * slot + 3]! <= 0) continue;
     const v = value(slot);
     if (Number.isFinite(v)) values[count++] = v;
   }
@@ -39,7 +39,7 @@ const quantile = (sorted: Float32Array, q: number, none: number): number =>
 /// The median of the radii, units; 0 without points.
 export const typicalRadius = (store: PointStore): number =>
   quantile(
-    sortedSample(store, (slot) => store.places[4 * slot + 3]!),
+    sortedSample(store, (slot) => store.positions[4 * slot + 3]!),
     0.5,
     0,
   );
@@ -47,7 +47,7 @@ export const typicalRadius = (store: PointStore): number =>
 /// The scale for what a store holds now; extremes do not count. Shading where it lacks what the colouring needs.
 export function colourScale(store: PointStore, colouring: Colouring): ColourScale {
   const plain: ColourScale = { kind: 0, column: null, map: null, scale: 1, offset: 0 };
-  const { curvatures, ranks, places } = store;
+  const { curvatures, ranks, positions } = store;
   if (colouring === "colour" && store.colours) return { ...plain, kind: 1, column: "colours" };
   if (colouring === "curvature" && curvatures) {
     const sizes = sortedSample(store, (slot) => Math.abs(curvatures[2 * slot]! + curvatures[2 * slot + 1]!) / 2);
@@ -58,7 +58,7 @@ export function colourScale(store: PointStore, colouring: Colouring): ColourScal
     return { ...plain, kind: 3, column: "ranks", map: "sequential", scale: Math.max(quantile(sorted, 0.98, 1), 1) };
   }
   if (colouring === "density") {
-    const sorted = sortedSample(store, (slot) => -2 * Math.log2(places[4 * slot + 3]!));
+    const sorted = sortedSample(store, (slot) => -2 * Math.log2(positions[4 * slot + 3]!));
     const [least, most] = [quantile(sorted, 0.01, 0), quantile(sorted, 0.99, 0)];
     // Radii come in steps of half an octave: evenly spread points should not fill the map.
     const span = Math.max(most - least, 4);

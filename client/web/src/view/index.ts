@@ -3,5 +3,5 @@
 export { CurvecastPoints } from "./curvecast_points";
 export { defaultStyle, NoWebGL2Error } from "./types";
 export type { Background, CameraState, Colouring, Mode, Pick, Style, Vec } from "./types";
-export { isTyping } from "./typing";
+export { takesKeys } from "./keyboard_focus";
 export { Viewport } from "./viewport";

@@ -20,14 +20,14 @@ const faces: Record<DiscShape, { corners: number; index: number[] }> = {
 /// What the shaders of points read: see `pointFunctions` there.
 export interface PointUniforms {
   [name: string]: THREE.IUniform;
-  places: THREE.IUniform<THREE.Texture | null>;
+  positions: THREE.IUniform<THREE.Texture | null>;
   normalsOf: THREE.IUniform<THREE.Texture | null>;
   column: THREE.IUniform<THREE.Texture | null>;
   slots: THREE.IUniform<number>;
 }
 
 export const makePointUniforms = (): PointUniforms => ({
-  places: { value: null },
+  positions: { value: null },
   normalsOf: { value: null },
   column: { value: null },
   slots: { value: 0 },
@@ -93,7 +93,7 @@ export class PointsGeometry {
     const { store, pending } = this;
     const all = [0, store.slots];
     const columns: [ColumnName, ColumnArray][] = [
-      ["places", store.places],
+      ["positions", store.positions],
       ["normals", store.normals],
     ];
     const { column } = this.scaleNow;
@@ -115,7 +115,7 @@ export class PointsGeometry {
 
   apply(uniforms: PointUniforms): void {
     const { column } = this.scaleNow;
-    uniforms.places.value = this.textures.get("places")?.texture ?? null;
+    uniforms.positions.value = this.textures.get("positions")?.texture ?? null;
     uniforms.normalsOf.value = this.textures.get("normals")?.texture ?? null;
     uniforms.column.value = (column && this.textures.get(column)?.texture) ?? null;
     uniforms.slots.value = this.store.slots;

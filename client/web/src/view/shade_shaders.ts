@@ -14,7 +14,7 @@ uniform sampler2D normals;
 uniform highp sampler2D depths;
 uniform vec2 clip;         // distances of the near and far plane
 uniform vec2 tangents;     // of half the angles of view
-uniform float leastKernel;  // where the surface ends
+uniform float minKernel;  // where the surface ends
 
 float distanceAt(ivec2 p) {
   return clip.x * clip.y / (clip.y - texelFetch(depths, p, 0).x * (clip.y - clip.x));
@@ -97,7 +97,7 @@ float domeLight(ivec2 p, float here) {
 
 // How much of the pixel the surface covers: at the rim the sums fall to nothing, how steeply tells the rest.
 float coverAt(ivec2 p, float kernel) {
-  float cover = clamp((kernel - leastKernel) / max(fwidth(kernel), 1e-4) + 0.5, 0.0, 1.0);
+  float cover = clamp((kernel - minKernel) / max(fwidth(kernel), 1e-4) + 0.5, 0.0, 1.0);
   if (kernel <= 0.0) return 0.0;
   if (cover == 1.0) return 1.0;
   ivec2 last = textureSize(normals, 0) - 1;
@@ -133,8 +133,8 @@ void main() {
     // Between the smaller discs that make the depths there is none.
     if (edlStrength > 0.0 && here < 0.999 * clip.y) colour *= domeLight(p, here);
     if (brush.w > 0.0) {
-      vec3 place = ray * here + view * surfaceShift;
-      float away = distance(place, brush.xyz);
+      vec3 surface = ray * here + view * surfaceShift;
+      float away = distance(surface, brush.xyz);
       float width = 1.5 * here * 2.0 * tangents.y / float(textureSize(depths, 0).y);
       float inside = 1.0 - smoothstep(brush.w - width, brush.w + width, away);
       float ring = 1.0 - smoothstep(width, 2.0 * width, abs(away - brush.w));

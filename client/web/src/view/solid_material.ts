@@ -16,7 +16,7 @@ export class SolidMaterial extends THREE.ShaderMaterial {
     backShift: { value: 0 },
     // Hexagons that hold the discs.
     extent: { value: 1.1547 },
-    leastRadius: { value: 0 },
+    minRadius: { value: 0 },
     dotDiameter: { value: 0 },
     pixels: { value: new THREE.Vector2(1, 1) },
     plainColour: { value: new THREE.Color(0xd2b79f) },
@@ -45,7 +45,7 @@ export class SolidMaterial extends THREE.ShaderMaterial {
     uniforms.pixels.value.set(width, height);
     uniforms.splatScale.value = style.splatScale;
     uniforms.dotDiameter.value = style.mode === "dots" ? style.dotSize * pixelRatio : 0;
-    uniforms.leastRadius.value = 1 / (height * camera.projectionMatrix.elements[5]);
+    uniforms.minRadius.value = 1 / (height * camera.projectionMatrix.elements[5]);
     this.uniformsNeedUpdate = true;
   }
 

@@ -25,7 +25,7 @@ const blendDepth = 0.8;
 /// A projection that has every place in the middle of its picture.
 const everything = new THREE.Matrix4().set(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
 /// That a disc has where it ends in the picture.
-const leastKernel = 0.5 * (1 - (0.8 / blendExtent) ** 2) ** 3;
+const minKernel = 0.5 * (1 - (0.8 / blendExtent) ** 2) ** 3;
 
 /// Whether sums can be drawn at all: floating point targets that blend.
 export const canBlend = (renderer: THREE.WebGLRenderer): boolean =>
@@ -42,7 +42,7 @@ export class SplatPasses implements Passes {
     splatScale: { value: 1 },
     backShift: { value: 0 },
     extent: { value: 1 },
-    leastRadius: { value: 0 },
+    minRadius: { value: 0 },
     frozenClip: { value: new THREE.Matrix4() },
     frozenEye: { value: new THREE.Vector3() },
     frozenSlim: { value: 0 },
@@ -64,7 +64,7 @@ export class SplatPasses implements Passes {
     origin: { value: new THREE.Vector2() },
     clip: { value: new THREE.Vector2() },
     tangents: { value: new THREE.Vector2() },
-    leastKernel: { value: leastKernel },
+    minKernel: { value: minKernel },
     edlStrength: { value: 0 },
     edlReach: { value: 1 },
     sceneRadius: { value: 1 },
@@ -177,7 +177,7 @@ export class SplatPasses implements Passes {
       disc.frozenSlim.value = isEven ? slimness : 1e6;
     }
     // A square as large as a pixel, whichever way it is turned, holds its middle.
-    disc.leastRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
+    disc.minRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
     if (points) {
       points.apply(disc);
       points.apply(dot);

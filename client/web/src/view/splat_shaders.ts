@@ -2,11 +2,11 @@
 
 /// A point by its slot. In vertex shaders; the numbers are those of store_texture and points_geometry.
 const pointFunctions = /* glsl */ `
-uniform highp sampler2D places;
+uniform highp sampler2D positions;
 uniform highp sampler2D normalsOf;
 uniform int slots;
 
-vec4 place;  // relative to the store's origin; w: radius
+vec4 point;  // relative to the store's origin; w: radius
 vec3 axis;   // the normal
 
 ivec2 texelOf(int slot) { return ivec2(slot & 2047, slot >> 11); }
@@ -14,9 +14,9 @@ ivec2 texelOf(int slot) { return ivec2(slot & 2047, slot >> 11); }
 // False: there is none.
 bool readPoint(int slot) {
   if (slot >= slots) return false;
-  place = texelFetch(places, texelOf(slot), 0);
+  point = texelFetch(positions, texelOf(slot), 0);
   axis = texelFetch(normalsOf, texelOf(slot), 0).xyz;
-  return place.w > 0.0;
+  return point.w > 0.0;
 }
 `;
 
@@ -47,7 +47,7 @@ vec3 splatColour(int slot) {
 #elif COLOURING == 3
   float t = float(texelFetch(column, texelOf(slot), 0).x) / mapScale;
 #else
-  float t = (-2.0 * log2(place.w) - mapOffset) / mapScale;
+  float t = (-2.0 * log2(point.w) - mapOffset) / mapScale;
 #endif
   vec3 c = texture(map, vec2(t, 0.5)).rgb;
   return c * c;
@@ -75,7 +75,7 @@ const float SLIMNESS = ${slimness.toFixed(2)};
 uniform float splatScale;
 uniform float backShift;    // along the ray, in radii
 uniform float extent;       // of the shape, in radii
-uniform float leastRadius;  // at distance 1
+uniform float minRadius;  // at distance 1
 #ifdef IS_FROZEN
 uniform vec3 frozenEye;    // of the camera that the points are for, in eye coordinates
 uniform float frozenSlim;  // as SLIMNESS
@@ -103,7 +103,7 @@ bool placeCorner() {
   if (!readPoint(slot)) return false;
   int which = gl_VertexID - shape * kCorners;
   inShape = kPlaces[which];
-  vec3 center = (modelViewMatrix * vec4(place.xyz, 1.0)).xyz;
+  vec3 center = (modelViewMatrix * vec4(point.xyz, 1.0)).xyz;
   if (center.z >= 0.0) return false;
   vec3 view = -normalize(center);
   discNormal = mat3(modelViewMatrix) * axis;
@@ -115,8 +115,8 @@ bool placeCorner() {
   vec3 major = cross(view, lean);
   vec3 minor = cross(discNormal, major);
   // A disc thinner than a pixel turns a little to the eye: it is never lost between pixels.
-  float least = leastRadius * -center.z;
-  float radius = max(place.w * splatScale * length(modelViewMatrix[0].xyz), least);
+  float least = minRadius * -center.z;
+  float radius = max(point.w * splatScale * length(modelViewMatrix[0].xyz), least);
 #ifdef IS_FROZEN
   radius = max(radius * min(1.0, frozenSlim * sqrt(abs(dot(discNormal, normalize(frozenEye - center))))), least);
 #endif
@@ -257,13 +257,13 @@ void main() {
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
   gl_PointSize = 1.0;
   if (!readPoint(slot)) return;
-  vec3 center = (modelViewMatrix * vec4(place.xyz, 1.0)).xyz;
+  vec3 center = (modelViewMatrix * vec4(point.xyz, 1.0)).xyz;
   if (center.z >= 0.0) return;
   vec4 where = projectionMatrix * vec4(center, 1.0);
   vec2 size = vec2(textureSize(depths, 0));
   ivec2 pixel = ivec2(clamp((0.5 + 0.5 * where.xy / where.w) * size, vec2(0.0), size - 1.0));
   float surface = distanceOf(texelFetch(depths, pixel, 0).x);
-  if (-center.z > surface + tolerance * place.w * splatScale) return;
+  if (-center.z > surface + tolerance * point.w * splatScale) return;
   gl_Position = where;
   gl_PointSize = diameter + 1.0;
   vec3 n = mat3(modelViewMatrix) * axis;
@@ -308,7 +308,7 @@ void main() {
   }
   gl_Position = projectionMatrix * vec4(corner, 1.0);
   if (dotDiameter > 0.0) {
-    gl_Position = projectionMatrix * modelViewMatrix * vec4(place.xyz, 1.0);
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(point.xyz, 1.0);
     gl_Position.xy += inShape * 1.1547 * dotDiameter / pixels * gl_Position.w;
   }
   inDisc = inShape * 1.1547;

@@ -17,7 +17,7 @@ interface Layout {
 
 /// Of the columns, by what they hold.
 const layouts = {
-  places: { size: 4, format: THREE.RGBAFormat, type: THREE.FloatType, internal: "RGBA32F" },
+  positions: { size: 4, format: THREE.RGBAFormat, type: THREE.FloatType, internal: "RGBA32F" },
   normals: { size: 4, format: THREE.RGBAFormat, type: THREE.ByteType, internal: "RGBA8_SNORM" },
   colours: { size: 4, format: THREE.RGBAFormat, type: THREE.UnsignedByteType, internal: "RGBA8" },
   curvatures: { size: 2, format: THREE.RGFormat, type: THREE.FloatType, internal: "RG32F" },

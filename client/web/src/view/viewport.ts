@@ -30,7 +30,7 @@ export class Viewport {
   onCamera: (() => void) | null = null;
   /// The brush paints here; `done` with the last of a stroke.
   onBrush: ((centre: Vec, done: boolean) => void) | null = null;
-  /// A line between two clicked places is there, of this length in units; null: it is no longer.
+  /// A line between two clicked points is there, of this length in units; null: it is no longer.
   onMeasure: ((distance: number | null) => void) | null = null;
   /// The graphics card is lost, and there is no picture; false: it is back.
   onLost: ((isLost: boolean) => void) | null = null;
@@ -293,10 +293,10 @@ export class Viewport {
 
   private click(x: number, y: number): void {
     if (!this.isMeasuring) return;
-    const place = this.pick(x, y);
-    if (!place) return;
+    const hit = this.pick(x, y);
+    if (!hit) return;
     if (this.measured.length === 2) this.forgetMeasured();
-    this.measured.push(place.point);
+    this.measured.push(hit.point);
     const [a, b] = this.measured;
     if (a && b) this.onMeasure?.(distance(a, b));
     this.invalidate();
@@ -311,11 +311,11 @@ export class Viewport {
   }
 
   private paint(x: number, y: number): void {
-    const place = this.pick(x, y);
-    if (!place || this.brushRadius === null) return;
-    if (this.stroke && distance(this.stroke, place.point) < 0.25 * this.brushRadius) return;
-    this.stroke = place.point;
-    this.onBrush?.(place.point, false);
+    const hit = this.pick(x, y);
+    if (!hit || this.brushRadius === null) return;
+    if (this.stroke && distance(this.stroke, hit.point) < 0.25 * this.brushRadius) return;
+    this.stroke = hit.point;
+    this.onBrush?.(hit.point, false);
   }
 
   private endStroke(): void {

@@ -158,23 +158,23 @@ export class WatchedPage {
     assert.ok(found, `the panel has "${label}"${value === null ? "" : `, to be set to ${value}`}`);
   }
 
-  /// Moves the pointer, with a button pressed, through places of the page in CSS pixels.
-  async drag(places, button = "left") {
+  /// Moves the pointer, with a button pressed, through points of the page, in CSS pixels.
+  async drag(path, button = "left") {
     const { mouse } = this.page;
-    await mouse.move(...places[0]);
+    await mouse.move(...path[0]);
     await mouse.down({ button });
-    for (const place of places.slice(1)) await mouse.move(...place, { steps: 4 });
+    for (const point of path.slice(1)) await mouse.move(...point, { steps: 4 });
     await mouse.up({ button });
   }
 
   /// The picture without any points.
   async emptyPicture() {
     const bytes = await this.#png(async () => {
-      const { view, store, besideStore } = window.curvecast;
+      const { view, store, uniformStore } = window.curvecast;
       view.setStores(null);
       const blob = await view.screenshot();
-      if (besideStore === null) view.setStores(store);
-      else view.setStores(besideStore, store);
+      if (uniformStore === null) view.setStores(store);
+      else view.setStores(uniformStore, store);
       return blob;
     });
     return decode(bytes);

@@ -33,7 +33,7 @@ class FakeDecoder {
     return blocks.map((block) => ({
       count: block.count,
       origin: [0, 0, 0],
-      places: new Float32Array(4 * block.count).fill(1),
+      positions: new Float32Array(4 * block.count).fill(1),
       normals: new Int8Array(4 * block.count),
       colours: null,
       curvatures: null,

@@ -80,7 +80,7 @@ describe("zoom", () => {
   });
 });
 
-test("rays go through the places that they are asked for", () => {
+test("rays go through the points that they are asked for", () => {
   const direction = rayDirection(camera, 1.7, 0.6, -0.4);
   expect(length(direction)).toBeCloseTo(1, 12);
   expectSame(project(camera, [0, 1, 2].map((k) => camera.eye[k]! + 3 * direction[k]!) as Vec, 1.7), [0.6, -0.4]);

@@ -10,7 +10,7 @@ const origin: Vec = [100, -20, 7];
 
 /// Evenly spread points of a unit sphere about `origin`, with a free slot after each.
 function sphere(count: number): PointStore {
-  const places = new Float32Array(8 * count);
+  const positions = new Float32Array(8 * count);
   const normals = new Int8Array(8 * count);
   const radius = 1.4 * Math.sqrt((4 * Math.PI) / count);
   for (let i = 0; i < count; ++i) {
@@ -18,14 +18,14 @@ function sphere(count: number): PointStore {
     const angle = i * Math.PI * (3 - Math.sqrt(5));
     const q = Math.sqrt(1 - z * z);
     const p = [q * Math.cos(angle), q * Math.sin(angle), z];
-    places.set([...p, radius], 8 * i);
+    positions.set([...p, radius], 8 * i);
     normals.set(
       p.map((c) => Math.round(127 * c)),
       8 * i,
     );
   }
   const takeChanges = () => ({ all: false, ranges: [] });
-  return { origin, count, slots: 2 * count, places, normals, colours: null, curvatures: null, ranks: null, takeChanges };
+  return { origin, count, slots: 2 * count, positions, normals, colours: null, curvatures: null, ranks: null, takeChanges };
 }
 
 describe("pick", () => {

@@ -1,11 +1,11 @@
 // The start of a Draco point cloud: what it claims is checked before anything takes memory for it.
 
-import { badPoints, mostPoints } from "../decoded_points";
+import { badPoints, maxPoints } from "../decoded_points";
 import { ByteReader } from "./byte_reader";
 
 const pointsPerByte = 256; // 70 were measured, for 4,000,000 points at 1 bit and normals at 2
 const freePoints = 65_536;
-const mostBytesPerPoint = 64;
+const maxBytesPerPoint = 64;
 const hasMetadata = 0x8000;
 const sequential = 0; // a kd-tree keeps no order of the points
 const bytesOfType = [0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8, 1]; // by Draco's number of a type
@@ -44,12 +44,12 @@ export function readHeader(bytes: Uint8Array): DracoHeader {
   if (method !== sequential) throw badPoints(`Draco's method ${method}`);
   if ((reader.u16() & hasMetadata) !== 0) throw badPoints("Draco metadata in a block");
   const points = reader.i32();
-  const possible = Math.min(mostPoints, pointsPerByte * bytes.length + freePoints);
+  const possible = Math.min(maxPoints, pointsPerByte * bytes.length + freePoints);
   if (points <= 0 || points > possible) throw badPoints(`Draco data of ${bytes.length} bytes claims ${points} points`);
   if (reader.u8() !== 1) throw badPoints("Draco data of several groups of attributes");
-  const attributes = Array.from({ length: Math.min(reader.varint(), mostBytesPerPoint + 1) }, () => readAttribute(reader));
+  const attributes = Array.from({ length: Math.min(reader.varint(), maxBytesPerPoint + 1) }, () => readAttribute(reader));
   const bytesPerPoint = attributes.reduce((sum, { type, components }) => sum + components * bytesOfType[type]!, 0);
-  if (bytesPerPoint > mostBytesPerPoint) throw badPoints(`Draco data of ${bytesPerPoint} bytes a point`);
+  if (bytesPerPoint > maxBytesPerPoint) throw badPoints(`Draco data of ${bytesPerPoint} bytes a point`);
   for (const needed of [position, normal, radius]) {
     if (!hasAttribute(attributes, needed)) throw badPoints("Draco data that lacks an attribute");
   }

@@ -60,7 +60,7 @@ class Decoding {
       // Each is copied before the next is read: all use the same memory.
       writePositions(asFloats(column(position)), to);
       writeNormals(asFloats(column(normal)), to);
-      column(radius).forEach((code, i) => (to.places[4 * i + 3] = radii[code]!));
+      column(radius).forEach((code, i) => (to.positions[4 * i + 3] = radii[code]!));
       if (to.colours !== null) writeColours(column(colour), to.colours);
     } finally {
       draco.destroy(cloud);

@@ -4,7 +4,7 @@
 const pressed = ["button", "checkbox", "color", "file", "image", "reset", "submit"];
 
 /// Whether keys that go to `target` are for a field or a dialog there, rather than for the picture.
-export function isTyping(target: EventTarget | null): boolean {
+export function takesKeys(target: EventTarget | null): boolean {
   const field = (target as Partial<Element> | null)?.closest?.(
     "input, textarea, select, [contenteditable]:not([contenteditable='false']), [aria-modal='true']",
   );

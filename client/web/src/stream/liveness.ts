@@ -3,7 +3,7 @@
 import { now } from "./clock";
 
 /// What is watched.
-export interface Watched {
+export interface Monitored {
   /// Bytes that were given to be sent, all told, and those of them that still wait. That some have left is a sign of life while others
   /// wait; where none do it is not: the system takes a few bytes even where they go nowhere.
   bytes(): { sent: number; waiting: number };
@@ -13,31 +13,31 @@ export interface Watched {
   dead(): void;
 }
 
-const secondsBetweenLooks = 1;
+const secondsBetweenChecks = 1;
 const secondsForAnswer = 10; // to a probe
 const lateSeconds = 5; // a timer may be late: hidden tabs have slow ones, and computers sleep
 
-/// Probes after `patience` seconds without a sign of life. Has a timer only while it runs.
-export class SilenceWatch {
+/// Probes after `idleTimeout` seconds without a sign of life. Has a timer only while it runs.
+export class LivenessMonitor {
   private timer: ReturnType<typeof setInterval> | null = null;
   private heardAt = 0;
   private probedAt: number | null = null;
   private wasLate = false; // the last probe went out again because its time was up at a late look
-  private lookedAt = 0;
+  private checkedAt = 0;
   private left = 0; // bytes, up to the last look
 
   constructor(
-    private readonly watched: Watched,
-    private readonly patience: number,
+    private readonly monitored: Monitored,
+    private readonly idleTimeout: number,
   ) {}
 
   start(): void {
     if (this.timer !== null) return;
     this.heard();
-    this.lookedAt = this.heardAt;
-    const { sent, waiting } = this.watched.bytes();
+    this.checkedAt = this.heardAt;
+    const { sent, waiting } = this.monitored.bytes();
     this.left = sent - waiting;
-    this.timer = setInterval(() => this.look(), 1000 * secondsBetweenLooks);
+    this.timer = setInterval(() => this.check(), 1000 * secondsBetweenChecks);
   }
 
   stop(): void {
@@ -52,15 +52,15 @@ export class SilenceWatch {
     this.wasLate = false;
   }
 
-  private look(): void {
+  private check(): void {
     const time = now();
-    const isLate = time - this.lookedAt > lateSeconds;
-    this.lookedAt = time;
-    const { sent, waiting } = this.watched.bytes();
+    const isLate = time - this.checkedAt > lateSeconds;
+    this.checkedAt = time;
+    const { sent, waiting } = this.monitored.bytes();
     if (waiting > 0 && sent - waiting > this.left) this.heard();
     this.left = sent - waiting;
     if (this.probedAt === null) {
-      if (time - this.heardAt >= this.patience) this.probe(time);
+      if (time - this.heardAt >= this.idleTimeout) this.probe(time);
     } else if (time - this.probedAt >= secondsForAnswer) {
       // What came while this page stood still may wait behind this look.
       if (isLate && !this.wasLate) {
@@ -68,13 +68,13 @@ export class SilenceWatch {
         this.probe(time);
       } else {
         this.stop();
-        this.watched.dead();
+        this.monitored.dead();
       }
     }
   }
 
   private probe(time: number): void {
     this.probedAt = time;
-    this.watched.probe();
+    this.monitored.probe();
   }
 }

@@ -2,7 +2,7 @@
 
 /// One run at a time, and one timer. The job returns the seconds until its next run, null: there is none. What it finds counts only
 /// while `isCurrent()`: else it was started anew, or stopped, meanwhile.
-export class Repeated {
+export class Poller {
   private run = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
 

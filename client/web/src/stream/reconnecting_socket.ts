@@ -1,14 +1,14 @@
-// One socket after the other.
+// The socket of a client, made anew after it was lost.
 
 import { CurvecastError } from "./errors";
-import { Socket, usualPatience, type Endpoint } from "./socket";
+import { Socket, defaultIdleTimeout, type Endpoint } from "./socket";
 
-const mostPatience = 120; // seconds
+const maxIdleTimeout = 120; // seconds
 
 /// Has a socket while one is wanted, and makes another after it was lost.
-export class Line {
+export class ReconnectingSocket {
   private current: Socket | null = null;
-  private patience = usualPatience;
+  private idleTimeout = defaultIdleTimeout;
   private isClosed = false;
 
   constructor(private readonly endpoint: Endpoint) {}
@@ -17,9 +17,9 @@ export class Line {
   socket(): Socket {
     this.checkOpen();
     if (this.current === null || this.current.error !== null) {
-      // A large message on a slow line is silence too, until all of it is there: the next socket gets more time.
-      this.patience = this.current?.fellSilent === true ? Math.min(2 * this.patience, mostPatience) : usualPatience;
-      this.current = new Socket(this.endpoint, this.patience);
+      // A large message on a slow line looks like a dead one, until all of it is there: the next socket gets more time.
+      this.idleTimeout = this.current?.timedOut === true ? Math.min(2 * this.idleTimeout, maxIdleTimeout) : defaultIdleTimeout;
+      this.current = new Socket(this.endpoint, this.idleTimeout);
     }
     return this.current;
   }
