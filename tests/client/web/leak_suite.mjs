@@ -34,11 +34,8 @@ async function inventory(page, session) {
   await session.send("HeapProfiler.collectGarbage");
   const { metrics } = await session.send("Performance.getMetrics");
   const metric = (name) => metrics.find((each) => each.name === name).value;
-  const { geometries, textures, programs } = await page.evaluate(({ view }) => {
-    const { memory, programs } = view.renderer.info;
-    return { ...memory, programs: programs.length };
-  });
-  return { heap: metric("JSHeapUsedSize"), listeners: metric("JSEventListeners"), drawing: { geometries, textures, programs } };
+  const drawing = await page.evaluate(({ view }) => view.resources);
+  return { heap: metric("JSHeapUsedSize"), listeners: metric("JSEventListeners"), drawing };
 }
 
 describe("a long visit", () => {

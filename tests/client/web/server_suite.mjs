@@ -13,7 +13,8 @@ import { Server, temporaryFolder } from "./support/server.mjs";
 import { sharedServer } from "./support/shared_server.mjs";
 
 const points = 3000;
-const moreThanPoll = 5.5; // seconds; the page asks for the list of sessions every 5
+const moreThanPoll = 6; // seconds; the page asks for the list of sessions every 5
+const prepare = (page) => page.clock.install();
 const lostConnection = /WebSocket connection|ERR_CONNECTION_REFUSED|net::ERR/; // said by Chromium itself
 
 /// A server without meshes.
@@ -40,11 +41,11 @@ async function choose(page, ...files) {
 describe("uploads", () => {
   it("begin with an invitation, show their progress, and end with the surface", () =>
     withServer([], async ({ url }) => {
-      const page = await WatchedPage.open(`${url}#points=${points}`);
+      const page = await WatchedPage.open(`${url}#points=${points}`, { prepare });
       await page.page.getByText("Drop a mesh here").waitFor();
       await page.screenshot("invitation.png");
       const offer = await page.page.$(".card button");
-      await page.page.waitForTimeout(1000 * moreThanPoll);
+      await page.listedAgain();
       assert.ok(await offer.evaluate((element) => element.isConnected), "it stays what it is while the list is asked for again");
       await page.page.evaluate(() => {
         window.seen = [];
@@ -138,13 +139,15 @@ describe("a token", () => {
     const tokens = join(temporaryFolder(), "tokens");
     writeFileSync(tokens, `someone ${createHash("sha256").update("open sesame").digest("hex")}\n`);
     await withServer(["--tokens", tokens], async ({ url }) => {
-      const page = await WatchedPage.open(url);
+      const page = await WatchedPage.open(url, { prepare });
       page.expect(lostConnection);
       const input = page.page.getByLabel("Token");
       await input.waitFor();
       await page.screenshot("token.png");
       await input.fill("half a");
-      await page.page.waitForTimeout(1000 * moreThanPoll);
+      const { lists } = page;
+      await page.pass(moreThanPoll);
+      assert.equal(page.lists, lists, "nothing is asked before there is another token");
       assert.equal(await input.inputValue(), "half a", "what was typed stays");
       await input.fill("wrong");
       await Promise.all([page.page.waitForEvent("load"), page.page.keyboard.press("Enter")]);
@@ -167,13 +170,14 @@ describe("an address of a session that is not there", () => {
   it("is told of, and nothing else is shown before the user chooses it", async () => {
     const { url } = await sharedServer();
     const page = await WatchedPage.open(`${url}#session=0123456789abcdef0123456789abcdef&points=${points}`, {
+      prepare,
       viewport: { width: 1000, height: 480 }, // with the panel
     });
     const card = page.page.getByText("This session is not there");
     await card.waitFor();
     const row = page.page.locator(".session button").first();
     await row.focus();
-    await page.page.waitForTimeout(1000 * moreThanPoll);
+    await page.listedAgain();
     assert.ok(await card.isVisible());
     assert.equal(await page.evaluate((c) => c.state), "none");
     assert.match(page.page.url(), /session=0123456789abcdef/, "the address stays");

@@ -135,6 +135,12 @@ export class Viewport {
     return this.sizeAt(this.pixelRatio(1));
   }
 
+  /// Counts of what is on the graphics card.
+  get resources(): { geometries: number; textures: number; programs: number } {
+    const { memory, programs } = this.renderer.info;
+    return { geometries: memory.geometries, textures: memory.textures, programs: programs?.length ?? 0 };
+  }
+
   /// Corners of the surface's box.
   setBounds(min: Vec, max: Vec): void {
     this.bounds = { min: [...min], max: [...max] };

@@ -35,6 +35,7 @@ export async function closeBrowser() {
 export class WatchedPage {
   #faults = [];
   #expected = [];
+  #lists = 0; // requests for the list of sessions
 
   /// `options` are those of a browser context. `prepare(page)`: before it loads anything.
   static async open(url, { prepare = async () => {}, ...options } = {}) {
@@ -61,11 +62,32 @@ export class WatchedPage {
     });
     this.page.on("pageerror", (error) => fault(`thrown: ${error.stack ?? error.message}`));
     this.page.on("filechooser", () => {}); // from the first on, choosing files is the test's
+    this.page.on("websocket", (socket) =>
+      socket.on("framesent", ({ payload }) => {
+        if (payload.includes("ListSessions")) ++this.#lists;
+      }),
+    );
     this.page.on("crash", () => fault("the page has crashed"));
     this.page.on("request", (request) => {
       const { protocol, host: asked } = new URL(request.url());
       if (!["data:", "blob:"].includes(protocol) && asked !== host) fault(`asked ${request.url()}`);
     });
+  }
+
+  /// How often the page has asked for the list of sessions.
+  get lists() {
+    return this.#lists;
+  }
+
+  /// Moves the page's clock on, which open() has to have been given: `prepare: (page) => page.clock.install()`.
+  async pass(seconds) {
+    await this.page.clock.fastForward(1000 * seconds);
+    await this.#framesPassed();
+  }
+
+  /// Moves the page's clock on until the list of sessions was asked for twice more: the first answer is shown by then.
+  async listedAgain() {
+    for (const wanted = this.#lists + 2; this.#lists < wanted;) await this.pass(1);
   }
 
   /// Fails where the page has done anything wrong since the last call.
