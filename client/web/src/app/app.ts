@@ -17,6 +17,7 @@ import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
 import { Uploads } from "./upload";
 import { keepToken, readState, writeState } from "./url_state";
+import { ViewPacer } from "./view_pacer";
 
 const secondsBeforeSave = 0.4; // of the address, after the last change
 const longestStart = 500; // ms without a picture
@@ -43,8 +44,10 @@ export class Application {
   private readonly choice: SessionChoice;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
   private shown: unknown[] = []; // the stores that the viewport draws
-  private isLookDue = false;
-  private hasLooked = false; // since the last picture
+  private readonly pacer = new ViewPacer(
+    () => this.look(),
+    () => this.viewport.isDrawing,
+  );
   private saveTimer: ReturnType<typeof setTimeout> | undefined;
   private uploadMilliseconds = 0;
 
@@ -116,10 +119,8 @@ export class Application {
   }
 
   private listen(canvas: HTMLCanvasElement): void {
-    this.viewport.onCamera = () => this.lookSoon();
-    this.viewport.onDrawn = () => {
-      if (this.isLookDue) this.lookSoon();
-    };
+    this.viewport.onCamera = () => this.pacer.request();
+    this.viewport.onDrawn = () => this.pacer.drawn();
     this.viewport.onBrush = (centre, done) => {
       if (this.brush.paint(centre, this.brushRadius(), done)) this.changed();
     };
@@ -128,7 +129,7 @@ export class Application {
       if (isLost) this.messages.showBanner("graphics", "The graphics card was lost; the picture waits until it is back …");
       else this.messages.hideBanner("graphics");
     };
-    new ResizeObserver(() => this.lookSoon()).observe(canvas);
+    new ResizeObserver(() => this.pacer.request()).observe(canvas);
     window.addEventListener("hashchange", () => location.reload());
     setInterval(() => this.showFigures(), 250);
   }
@@ -152,7 +153,7 @@ export class Application {
       isCut: settings.frustum,
       isEven: settings.screen,
     };
-    this.lookSoon();
+    this.pacer.request();
   }
 
   /// Changes settings from outside of the panel.
@@ -160,20 +161,6 @@ export class Application {
     how(this.settings);
     this.panel.refresh();
     this.changed();
-  }
-
-  /// At once, but not more than once before the next picture: the server works while this one is drawn. Where the processor draws,
-  /// they would only take each other's time.
-  private lookSoon(): void {
-    this.isLookDue = true;
-    if (this.hasLooked || this.viewport.isDrawing) return;
-    this.hasLooked = true;
-    requestAnimationFrame(() => {
-      this.hasLooked = false;
-      if (this.isLookDue) this.lookSoon();
-    });
-    this.isLookDue = false;
-    this.look();
   }
 
   private look(): void {
@@ -267,7 +254,9 @@ export class Application {
 
   private frameCame(frame: FrameReport): void {
     if (frame.error !== null) return this.messages.notice(`The server refused this view: ${frame.error.message}`);
-    this.uploadMilliseconds = this.viewport.uploadNow();
+    const isChanged = frame.added + frame.removed + frame.resized > 0;
+    if (isChanged) this.uploadMilliseconds = this.viewport.uploadNow();
+    else this.viewport.expectNoPoints();
     this.showFigures();
   }
 

@@ -13,6 +13,7 @@ import {
   type StreamViewsResponse,
   type StreamViewsResponseSchema,
 } from "../gen/curvecast/v1/curvecast_pb";
+import { AckThrottle } from "./ack_throttle";
 import { Backoff } from "./backoff";
 import type { Call } from "./call";
 import { callBack } from "./call_back";
@@ -77,6 +78,7 @@ export class LiveView {
   error: CurvecastError | null = null; // why it is reconnecting or has failed
 
   private readonly counted = new Statistics();
+  private readonly acks = new AckThrottle((sequence) => this.call?.send({ request: { case: "ack", value: { sequence } } }));
   private readonly backoff: Backoff;
   private readonly deltas: boolean;
   private readonly firstBytes: bigint;
@@ -138,6 +140,7 @@ export class LiveView {
   close(): void {
     this.leave();
     this.stopTimer();
+    this.acks.stop();
     this.call?.cancel();
     this.call = null;
   }
@@ -181,6 +184,7 @@ export class LiveView {
       }, 1000 * secondsBetweenTries);
       return;
     }
+    this.acks.flush();
     this.sent = this.looks;
     this.views.push({ sequence: this.sent, sample: this.newest, time: now() });
     if (this.views.length > maxRemembered) this.views.shift();
@@ -223,7 +227,9 @@ export class LiveView {
       this.hasBase = true;
       this.resumable = view !== null && frame.digest !== 0n ? { sample: view.sample, digest: frame.digest } : null;
     }
-    call.send({ request: { case: "ack", value: { sequence: frame.sequence } } });
+    const refining = frame.statistics?.refining ?? false;
+    const isIdle = refining && difference.added + difference.removed + difference.resized === 0;
+    this.acks.acknowledge(frame.sequence, isIdle);
     const end = now();
     const report: FrameReport = {
       sequence,
@@ -235,7 +241,7 @@ export class LiveView {
       serverSeconds: secondsOf(frame.statistics),
       decodeSeconds: decoded instanceof CurvecastError ? 0 : decoded.seconds,
       storeSeconds: end - start,
-      refining: frame.statistics?.refining ?? false,
+      refining,
       curveRevision: Number(frame.curveRevision),
       curveVertices: Number(frame.statistics?.curveVertices ?? 0n),
       error:
@@ -270,6 +276,7 @@ export class LiveView {
     if (this.closed || this.call !== call) return;
     this.call = null;
     this.stopTimer();
+    this.acks.stop();
     if (this.firstFrameAt !== null && now() - this.firstFrameAt >= healthySeconds) this.backoff.reset();
     const why = error ?? new CurvecastError("ABORTED", "the server has ended the stream");
     if (!mayPass(why)) {

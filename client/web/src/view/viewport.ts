@@ -6,8 +6,9 @@ import { CameraControls, type ControlsHost } from "./camera_controls";
 import { type Bounds, boundsRadius, clipPlanes, fit, isUsable, rayDirection } from "./camera_math";
 import { DrawingWatch } from "./drawing_watch";
 import { FrameClock } from "./frame_clock";
+import { MeasureTool } from "./measure_tool";
 import { OverlayLines, type OverlayLine } from "./overlay_lines";
-import { frustumLines, measureLines } from "./overlay_shapes";
+import { frustumLines } from "./overlay_shapes";
 import { pick, type Ray } from "./picking";
 import type { Passes, Rectangle } from "./picture";
 import { PointsGeometry } from "./points_geometry";
@@ -45,6 +46,7 @@ export class Viewport {
   private readonly clock: FrameClock;
   private readonly watch: DrawingWatch;
   private readonly controls: CameraControls;
+  private readonly measuring = new MeasureTool((length) => this.onMeasure?.(length));
   private readonly drawn = new THREE.PerspectiveCamera();
   private readonly sampled = new THREE.PerspectiveCamera();
   private readonly geometries = new Map<PointStore, PointsGeometry>();
@@ -57,8 +59,6 @@ export class Viewport {
   private bounds: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
   private frozen: FrozenCamera | null = null;
   private brushRadius: number | null = null;
-  private isMeasuring = false;
-  private measured: Vec[] = [];
   private hover: { x: number; y: number } | null = null;
   private hovered: Pick | null = null;
   private stroke: Vec | null = null;
@@ -181,15 +181,12 @@ export class Viewport {
 
   /// Two clicks make a line, which stays until the next click or until measuring ends.
   setMeasuring(on: boolean): void {
-    if (on === this.isMeasuring) return;
-    this.isMeasuring = on;
-    this.forgetMeasured();
+    if (this.measuring.setOn(on)) this.invalidate();
   }
 
   /// As if nothing had been clicked yet.
   forgetMeasured(): void {
-    this.measured = [];
-    this.onMeasure?.(null);
+    this.measuring.clear();
     this.invalidate();
   }
 
@@ -206,6 +203,11 @@ export class Viewport {
   /// many milliseconds or until pointsChanged().
   expectPoints(longest = longestHold): void {
     if (this.isSoftware) this.clock.hold(longest);
+  }
+
+  /// The points on their way have turned out to be those that are there: draws what waited for them.
+  expectNoPoints(): void {
+    this.clock.release();
   }
 
   /// Points of the stores have changed: draws a frame soon.
@@ -298,19 +300,12 @@ export class Viewport {
   }
 
   private click(x: number, y: number): void {
-    if (!this.isMeasuring) return;
-    const hit = this.pick(x, y);
-    if (!hit) return;
-    if (this.measured.length === 2) this.forgetMeasured();
-    this.measured.push(hit.point);
-    const [a, b] = this.measured;
-    if (a && b) this.onMeasure?.(distance(a, b));
-    this.invalidate();
+    if (this.measuring.click(() => this.pick(x, y)?.point ?? null)) this.invalidate();
   }
 
   private hoverAt(at: { x: number; y: number } | null): void {
     this.hover = at;
-    const isNeeded = this.brushRadius !== null || (this.isMeasuring && this.measured.length === 1);
+    const isNeeded = this.brushRadius !== null || this.measuring.followsPointer;
     const found = at && isNeeded ? this.pick(at.x, at.y) : null;
     if (found || this.hovered) this.invalidate();
     this.hovered = found;
@@ -344,13 +339,9 @@ export class Viewport {
   }
 
   private overlayLines(): OverlayLine[] {
-    const lines: OverlayLine[] = [];
-    if (this.frozen) lines.push(...frustumLines(this.frozen.camera, this.frozen.aspect, this.styleNow.background));
-    if (this.isMeasuring) {
-      const [a, b] = this.measured;
-      if (a) lines.push(...measureLines(a, b ?? this.hovered?.point ?? a));
-    }
-    return lines;
+    const { frozen, styleNow, hovered } = this;
+    const frustum = frozen ? frustumLines(frozen.camera, frozen.aspect, styleNow.background) : [];
+    return [...frustum, ...this.measuring.lines(hovered?.point ?? null)];
   }
 
   /// What FrameClock calls.

@@ -332,6 +332,33 @@ describe("a live view", () => {
     view.close();
   });
 
+  it("answers a server that repeats itself without progress later and later, and the next view at once", async () => {
+    const { view, frames } = follow();
+    const acks = () => requests(server()).filter((text) => text.startsWith("ack")).length;
+    const same = { sequence: 1n, kind: FrameKind.DELTA, edits: {}, heldPoints: 5n, statistics: { refining: true } };
+    view.look(points(5));
+    server().open();
+    push(server(), { ...key(1n, 5), statistics: { refining: true } });
+    let pushed = 0;
+    for (let i = 0; i < 10_000; ++i) {
+      await pass(1);
+      for (; pushed < acks(); ++pushed) push(server(), same); // as soon as the last one is acknowledged
+    }
+    expect(acks()).toBeGreaterThan(5);
+    expect(acks()).toBeLessThan(25);
+    expect(view.state).toBe("refining");
+    await pass(1);
+    const before = requests(server()).length;
+    view.look(points(6));
+    expect(requests(server()).slice(before)).toEqual(["ack 1", "view 2: 6"]);
+    push(server(), { ...same, sequence: 2n });
+    await pass(1);
+    expect(requests(server()).at(-1)).toBe("ack 2");
+    expect(frames.at(-1)).toMatchObject({ sequence: 2, points: 5, added: 0, error: null });
+    view.close();
+    expect(vi.getTimerCount()).toBe(0);
+  });
+
   it("opens nothing where it is closed as it begins", () => {
     const { view } = follow(undefined, { onState: () => view.close() });
     view.look(points(5));
