@@ -1,4 +1,4 @@
-// The viewer's page: puts its parts together.
+// The viewer's page: joins its parts.
 
 import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
 import { Viewport, type CameraState } from "../view";
@@ -19,16 +19,16 @@ import { Uploads } from "./upload";
 import { keepToken, readState, writeState } from "./url_state";
 import { ViewPacer } from "./view_pacer";
 
-const secondsBeforeSave = 0.4; // of the address, after the last change
-const longestStart = 500; // ms without a picture
-const noticeableDelay = 0.3; // seconds; a shorter loss of the connection is not spoken of
+const secondsBeforeSave = 0.4; // that the address waits after the last change
+const longestStart = 500; // ms that the first picture waits for points
+const noticeableDelay = 0.3; // seconds; a shorter pause before a reconnection has no banner
 
-/// Its mesh's name without what tells the format.
+/// Returns the name of a session's mesh without its extension.
 function stemOf(session: Session): string {
   return nameOf(session).replace(/\.[a-z]+$/i, "");
 }
 
-/// One for a page. Throws NoWebGL2Error.
+/// The application, of which a page has one. Throws NoWebGL2Error.
 export class Application {
   readonly settings: Settings;
   readonly viewport: Viewport;
@@ -60,7 +60,7 @@ export class Application {
     private readonly token: string | undefined,
   ) {
     this.viewport = new Viewport(canvas);
-    this.viewport.expectPoints(longestStart); // the server is asked for them first, and works while an empty picture is drawn
+    this.viewport.expectPoints(longestStart); // an empty picture would take the processor's time from them
     this.defaults = defaultSettings(
       this.viewport.isSoftware,
       matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
@@ -134,7 +134,7 @@ export class Application {
     setInterval(() => this.showFigures(), 250);
   }
 
-  /// Settings have changed, by the panel or otherwise.
+  /// Applies settings that have changed.
   private changed(): void {
     const { settings, viewport } = this;
     document.documentElement.dataset.theme = settings.background;
@@ -156,7 +156,7 @@ export class Application {
     this.pacer.request();
   }
 
-  /// Changes settings from outside of the panel.
+  /// Changes settings, and shows them in the panel.
   private change(how: (settings: Settings) => void): void {
     how(this.settings);
     this.panel.refresh();
@@ -173,7 +173,7 @@ export class Application {
     this.saveSoon();
   }
 
-  /// One picture, or two.
+  /// Has the viewport draw the store of the main stream, or that of the uniform stream, too, in a split view.
   private showStores(): void {
     if (this.streams === null) return;
     this.streams.split(this.settings.split);
@@ -215,7 +215,7 @@ export class Application {
     for (const which of ["main", "uniform"] as const) this.messages.hideBanner(which);
     this.messages.hideCard();
     this.streams?.close();
-    this.streams = null; // the new one is not asked for what the camera of before sees
+    this.streams = null; // the new session is not asked for views of the camera before
     if (this.session !== null && this.session.sessionId !== session.sessionId) this.brush.clear();
     this.session = session;
     this.list.current = session.sessionId;
@@ -230,7 +230,7 @@ export class Application {
     if (boxMin !== undefined && boxMax !== undefined) {
       this.viewport.setBounds([boxMin.x, boxMin.y, boxMin.z], [boxMax.x, boxMax.y, boxMax.z]);
     }
-    this.showStores(); // what fits depends on how many pictures there are
+    this.showStores(); // first: how much fits into a picture depends on the number of pictures
     if (camera !== null) this.viewport.camera = camera;
     else this.viewport.frame();
     this.look();

@@ -1,14 +1,14 @@
-// Strokes of the brush: dabs of density, as many as the server takes.
+// Strokes of the brush: dabs of density, up to the number that the server takes.
 
 import { distance } from "../view/vector";
 import { roomForDabs } from "./sample_request";
 import { maxTerms, type Dab, type Settings } from "./settings";
 
-const spacing = 1.2; // of the dabs of a stroke, in radii: they overlap where they fall off
+const spacing = 1.2; // between the dabs of a stroke, in radii: dabs overlap where they fall off
 
-/// Adds to Settings.dabs, and takes away from them.
+/// Adds dabs to Settings.dabs, and removes them.
 export class Brush {
-  private stroke: number | null = null; // under way
+  private stroke: number | null = null; // number of the stroke under way
   private hasWarned = false;
 
   constructor(
@@ -16,7 +16,7 @@ export class Brush {
     private readonly notice: (text: string) => void,
   ) {}
 
-  /// The pointer is at `centre`; `done`: it was lifted there. True where that has added a dab.
+  /// Paints with the pointer at `centre`. `done`: the pointer was lifted there. Returns whether a dab was added.
   paint(centre: Dab["centre"], radius: number, done: boolean): boolean {
     const { dabs } = this.settings;
     this.stroke ??= 1 + (dabs.at(-1)?.stroke ?? -1);
@@ -35,6 +35,7 @@ export class Brush {
     return adds;
   }
 
+  /// Removes the last stroke.
   undo(): void {
     const last = this.settings.dabs.at(-1)?.stroke;
     this.settings.dabs = this.settings.dabs.filter(({ stroke }) => stroke !== last);

@@ -1,4 +1,4 @@
-// Settings and a camera, as the API wants them.
+// Makes the API's request for points from settings and a camera.
 
 import type { MessageInitShape } from "@bufbuild/protobuf";
 
@@ -13,7 +13,7 @@ import {
 import type { CameraState } from "../view";
 import { maxTerms, type Settings } from "./settings";
 
-/// What SampleRequest is made of.
+/// The fields of a SampleRequest.
 export type SampleInit = MessageInitShape<typeof SampleRequestSchema>;
 type TermInit = MessageInitShape<typeof DensityTermSchema>;
 
@@ -29,7 +29,7 @@ function vec3([x, y, z]: readonly [number, number, number]): { x: number; y: num
   return { x, y, z };
 }
 
-/// The terms but for those of the brush.
+/// Makes the density terms of all settings but the brush.
 function plainTerms(settings: Settings): TermInit[] {
   const { curvature } = settings;
   const terms: TermInit[] = [];
@@ -43,7 +43,7 @@ function plainTerms(settings: Settings): TermInit[] {
   return terms;
 }
 
-/// How many more dabs of the brush there is room for.
+/// Returns how many more dabs of the brush a request has room for.
 export function roomForDabs(settings: Settings): number {
   return maxTerms - plainTerms(settings).length - settings.dabs.length;
 }
@@ -61,7 +61,7 @@ function budgetOf(settings: Settings): NonNullable<SampleInit["budget"]> {
   }
 }
 
-/// The view that these settings ask for. `uniform`: with an even density, whatever is set. `size`: of the picture, in pixels.
+/// Makes the request for a view. `uniform`: its density is even, whatever the settings say. `size`: of the picture, in pixels.
 export function sampleRequest(
   settings: Settings,
   camera: CameraState,
@@ -83,7 +83,7 @@ export function sampleRequest(
         term: { case: "brush", value: { centre: vec3(centre), radius, factor } },
       })),
     ],
-    // Without: moving it makes no other request.
+    // A request without a camera stays the same while the camera moves, and is not sent again.
     cameras: needsCamera
       ? [{ eye: vec3(camera.eye), target: vec3(camera.target), up: vec3(camera.up), verticalFovDegrees: camera.fov }]
       : [],

@@ -1,9 +1,8 @@
-// What a user can set. Lengths are in the units of the mesh where nothing else is said.
+// What a user can set. Lengths are in the units of the mesh unless a comment says otherwise.
 
 import type { Background, Colouring, Mode } from "../view";
 
-/// A dab of the brush: the density is multiplied by `factor` within `radius` of the centre. `stroke`: dabs of one movement are
-/// undone together.
+/// A dab of the brush, which multiplies the density by `factor` within `radius` of the centre. Dabs of one `stroke` are undone together.
 export interface Dab {
   centre: [number, number, number];
   radius: number;
@@ -11,12 +10,13 @@ export interface Dab {
   stroke: number;
 }
 
+/// All settings of the page.
 export interface Settings {
   budget: "points" | "bytes" | "pixels" | "automatic";
   points: number;
   kilobytes: number; // 1,024 bytes
   pixelError: number; // side of the largest square that a point may stand for, pixels
-  frameMilliseconds: number; // of the automatic budget
+  frameMilliseconds: number; // that a frame of the automatic budget may take
   sampler: "progressive" | "equalised";
   sequence: "jittered" | "regular" | "vanDerCorput" | "goldenRatio"; // of the equalised sampler
   curvature: "none" | "gauss" | "mean" | "max";
@@ -37,12 +37,12 @@ export interface Settings {
   dotSize: number; // CSS pixels
   splatScale: number;
   navigation: "orbit" | "fly";
-  frozen: boolean; // views are sampled for the camera as it was
+  frozen: boolean; // views are sampled for the camera of the moment when this was set
   split: boolean; // left: a uniform density, right: the one set; both with the same budget
   measuring: boolean;
 }
 
-/// The server multiplies at most so many terms.
+/// The most terms of a density; the same limit as the server's.
 export const maxTerms = 16;
 
 interface Range {
@@ -51,7 +51,7 @@ interface Range {
   step?: number; // of the panel
 }
 
-/// Of the settings that are numbers.
+/// The ranges of the settings that are numbers.
 export const ranges = {
   points: { min: 1000, max: 1_000_000, step: 1000 },
   kilobytes: { min: 4, max: 8192, step: 4 },
@@ -67,12 +67,12 @@ export const ranges = {
 
 type NumberSetting = { [Key in keyof Settings]: Settings[Key] extends number ? Key : never }[keyof Settings];
 
-/// The nearest value in the range of a setting.
+/// Returns the value nearest to `value` in the range of a setting.
 export function withinRange(key: keyof typeof ranges, value: number): number {
   return Math.min(Math.max(value, ranges[key].min), ranges[key].max);
 }
 
-/// What a page begins with. A renderer without a graphics card takes fewer points.
+/// Returns the settings that a page begins with. A renderer without a graphics card gets fewer points.
 export function defaultSettings(isSoftware: boolean, background: Background): Settings {
   return {
     budget: "points",

@@ -2,9 +2,9 @@
 
 const maxDelay = 1000; // ms that a view waits while the processor draws
 
-/// Asks at once, but once a picture at most: the server works while the picture is drawn. Where the processor draws, both would take
-/// each other's time, so that a view waits until the picture is there; but never longer than `maxDelay`, however many pictures follow
-/// each other.
+/// Asks for a view at once, but once a picture at most: the server works while the picture is drawn. Where the processor draws, server
+/// and picture would take each other's time: the view waits until the picture is there, but no longer than `maxDelay`, because pictures
+/// may follow each other without a pause.
 export class ViewPacer {
   private isDue = false;
   private hasAsked = false; // since the last picture
@@ -16,7 +16,7 @@ export class ViewPacer {
     private readonly isDrawing: () => boolean,
   ) {}
 
-  /// What is to be seen has changed.
+  /// Asks for a view as soon as possible: camera or settings have changed.
   request(): void {
     this.isDue = true;
     if (this.hasAsked) return; // the next picture's callback asks
@@ -24,7 +24,7 @@ export class ViewPacer {
     else this.askNow();
   }
 
-  /// The processor has drawn the picture.
+  /// Notes that the processor has drawn.
   drawn(): void {
     if (this.isDue) this.request();
   }

@@ -1,11 +1,11 @@
-// Paces the acknowledgements of frames, which the server waits for before it sends more.
+// Paces the acknowledgements of frames: the server sends the next frame once the last ones are acknowledged.
 
 const freeFrames = 4; // frames in a row without progress that are acknowledged at once
 const firstDelay = 0.02; // seconds, for the next one; doubles with each
 const longestDelay = 1;
 
-/// Acknowledges frames at once while they make progress. A server that repeats a view without changing it is answered later and later,
-/// so that such a loop takes neither the page's time nor the server's.
+/// Acknowledges frames at once while they make progress, and frames that repeat a view without changing it later and later: a server
+/// that repeats itself without end takes neither the page's time nor its own.
 export class AckThrottle {
   private idleFrames = 0; // in a row
   private waiting: bigint[] = []; // sequences

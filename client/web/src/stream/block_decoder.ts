@@ -1,4 +1,4 @@
-// Blocks of points, Draco or raw, to the arrays of a PointStore. Runs in a worker; needs nothing of a browser.
+// Decodes blocks of points, Draco or raw, into the columns of a PointStore. Runs in a worker, and needs nothing of a browser.
 
 import type { PointAttributes, PointBlock, RawPoints } from "../gen/curvecast/v1/curvecast_pb";
 import { asFloats, writeColours, writeNormals, writePositions } from "./columns";
@@ -7,7 +7,7 @@ import { readHeader } from "./draco/header";
 import { DracoLibrary } from "./draco/library";
 import { DracoReader } from "./draco/reader";
 
-/// A block as it goes to a worker: plain, with bytes of its own.
+/// A block in the form that goes to a worker: plain values, with copies of the message's bytes.
 export interface EncodedBlock {
   count: number;
   origin: [number, number, number];
@@ -17,7 +17,7 @@ export interface EncodedBlock {
   ranks: Uint8Array;
 }
 
-/// A block of a message, with copies of its bytes. Throws where it can be no block.
+/// Copies a block of a message. Throws DATA_LOSS where the origin is not finite.
 export function encodedBlock(block: PointBlock): EncodedBlock {
   const origin: [number, number, number] = [block.origin?.x ?? 0, block.origin?.y ?? 0, block.origin?.z ?? 0];
   if (!origin.every(Number.isFinite)) throw badPoints("an origin that is not finite");
@@ -37,7 +37,7 @@ export function encodedBlock(block: PointBlock): EncodedBlock {
   };
 }
 
-/// The buffers of a block or of its points, for a transfer to another thread.
+/// Lists the buffers of a block or of its points, for their transfer to another thread.
 export function buffersOf(holder: EncodedBlock | DecodedPoints): ArrayBuffer[] {
   const arrays = Object.values(holder).flatMap((value: unknown) =>
     ArrayBuffer.isView(value)
@@ -49,7 +49,7 @@ export function buffersOf(holder: EncodedBlock | DecodedPoints): ArrayBuffer[] {
   return [...new Set(arrays.map((array) => array.buffer))].filter((buffer) => buffer instanceof ArrayBuffer);
 }
 
-/// Decodes blocks. Rejects with a CurvecastError for bad data, and stays usable.
+/// Decodes blocks, one after the other. Rejects bad data with DATA_LOSS, and stays usable.
 export class BlockDecoder {
   private readonly reader = new DracoReader();
   private readonly radii = new RadiusTable();
@@ -84,7 +84,7 @@ export class BlockDecoder {
   }
 }
 
-/// The radius of every code: min (max / min)^(code / 255).
+/// Keeps the radius of every code between two radii: min (max / min)^(code / 255).
 class RadiusTable {
   private radii = new Float32Array(256);
   private min = 0;

@@ -1,24 +1,25 @@
-// One call of the service among those that share a socket.
+// A call of the service, one of those that share a socket.
 
 import { create, fromBinary, toBinary, type DescMessage, type MessageInitShape, type MessageShape } from "@bufbuild/protobuf";
 
 import { asCurvecastError, cancelled, CurvecastError } from "./errors";
 
-/// What is sent of a call at once.
+/// A part of a call that is sent in one WebSocket message.
 export interface CallPart {
   message?: Uint8Array;
   halfClose?: boolean;
   cancel?: boolean;
 }
 
-/// Told of a call's responses, in their order, as they come in; `bytes`: of the WebSocket message.
+/// Takes the responses of a call, in their order.
 export interface CallHandlers<Output extends DescMessage> {
+  /// A response has come. `bytes`: size of its WebSocket message.
   onMessage(message: MessageShape<Output>, bytes: number): void;
-  /// Once, and nothing after it. null: it ended well.
+  /// The call has ended, well where `error` is null. Nothing is called after it.
   onEnd(error: CurvecastError | null): void;
 }
 
-/// A call under way. What is sent after its end is dropped: the end tells why.
+/// A call under way. Messages that are sent after its end are dropped: onEnd() has said why it ended.
 export class Call<Input extends DescMessage, Output extends DescMessage> {
   private isOver = false;
 
@@ -33,7 +34,7 @@ export class Call<Input extends DescMessage, Output extends DescMessage> {
     return this.isOver;
   }
 
-  /// Sends a request message; `last`: no more follow.
+  /// Sends a request message. `last`: no other follows.
   send(message: MessageInitShape<Input>, last = false): void {
     if (this.isOver) return;
     const bytes = toBinary(this.input, create(this.input, message));
@@ -44,14 +45,14 @@ export class Call<Input extends DescMessage, Output extends DescMessage> {
     if (!this.isOver) this.transmit({ halfClose: true });
   }
 
-  /// Ends the call as CANCELLED, at once.
+  /// Ends the call at once, as CANCELLED.
   cancel(): void {
     if (this.isOver) return;
     this.transmit({ cancel: true });
     this.end(cancelled());
   }
 
-  /// Of the socket: a response message has come.
+  /// Takes a response message from the socket. `bytes`: size of its WebSocket message.
   receive(message: Uint8Array, bytes: number): void {
     if (this.isOver) return;
     let response: MessageShape<Output>;
@@ -65,7 +66,7 @@ export class Call<Input extends DescMessage, Output extends DescMessage> {
     this.handlers.onMessage(response, bytes);
   }
 
-  /// Of the socket: the call is over.
+  /// Takes the end of the call from the socket.
   end(error: CurvecastError | null): void {
     if (this.isOver) return;
     this.isOver = true;

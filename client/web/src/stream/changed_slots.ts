@@ -1,12 +1,12 @@
-// Remembers which slots of a store have changed, in groups: few large transfers are faster than many small ones.
+// Remembers which slots of a store have changed. Slots are noted in groups: few large transfers are faster than many small ones.
 
 const slotsPerGroup = 32;
 
-/// Slots that have changed since they were last asked for.
+/// The slots that have changed since takeChanges() was called last.
 export interface PointChanges {
-  /// All of them, or the arrays have been replaced by larger ones.
+  /// All slots have changed, or the arrays were replaced by larger ones.
   all: boolean;
-  /// [begin, end) pairs, ascending and apart; empty where `all`.
+  /// Pairs [begin, end) of slots, ascending and apart. Empty where `all` is true.
   ranges: number[];
 }
 
@@ -29,7 +29,7 @@ export class ChangedSlots {
     this.everything = true;
   }
 
-  /// The changes among the first `slots` slots, which are forgotten.
+  /// Returns the changes among the first `slots` slots, and forgets them.
   take(slots: number): PointChanges {
     const changes: PointChanges = { all: this.everything, ranges: this.everything ? [] : this.ranges(slots) };
     this.everything = false;

@@ -1,4 +1,4 @@
-// The streaming client: sessions, uploads, and points that follow a camera. No three.js, no page.
+// The streaming client: sessions, uploads, and points that follow a camera. It needs neither three.js nor a page.
 
 export type { PointChanges } from "./changed_slots";
 export { Client, type ClientOptions, type SessionRequest } from "./client";

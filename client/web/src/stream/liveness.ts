@@ -1,30 +1,31 @@
-// Notices that the other end is gone although nothing has told so: a browser does not see the pings of a server.
+// Notices that a server is gone although the connection seems open: browsers hide a server's pings from pages.
 
 import { now } from "./clock";
 
-/// What is watched.
+/// The connection that is monitored.
 export interface Monitored {
-  /// Bytes that were given to be sent, all told, and those of them that still wait. That some have left is a sign of life while others
-  /// wait; where none do it is not: the system takes a few bytes even where they go nowhere.
+  /// Returns the bytes that were given to be sent so far, and those among them that still wait. Bytes that leave while others wait are a
+  /// sign of life. Bytes that leave while none wait are no sign: the system takes a few even where they go nowhere.
   bytes(): { sent: number; waiting: number };
-  /// Asks for a sign of life. May be called again before there is one.
+  /// Asks the server for a sign of life. May be called again before there is one.
   probe(): void;
-  /// There was none.
+  /// Gives the connection up: a probe was not answered.
   dead(): void;
 }
 
 const secondsBetweenChecks = 1;
-const secondsForAnswer = 10; // to a probe
-const lateSeconds = 5; // a timer may be late: hidden tabs have slow ones, and computers sleep
+const secondsForAnswer = 10; // that a probe may take
+const lateSeconds = 5; // a check so late says that the page stood still: hidden tabs have slow timers, and computers sleep
 
-/// Probes after `idleTimeout` seconds without a sign of life. Has a timer only while it runs.
+/// Probes a connection after `idleTimeout` seconds without a sign of life, and gives it up where the probe is not answered. Has a timer
+/// only between start() and stop().
 export class LivenessMonitor {
   private timer: ReturnType<typeof setInterval> | null = null;
   private heardAt = 0;
   private probedAt: number | null = null;
-  private wasLate = false; // the last probe went out again because its time was up at a late look
+  private wasLate = false; // the probe was repeated because its time was up at a late check
   private checkedAt = 0;
-  private left = 0; // bytes, up to the last look
+  private left = 0; // bytes that had left at the last check
 
   constructor(
     private readonly monitored: Monitored,
@@ -45,7 +46,7 @@ export class LivenessMonitor {
     this.timer = null;
   }
 
-  /// There was a sign of life.
+  /// Notes a sign of life.
   heard(): void {
     this.heardAt = now();
     this.probedAt = null;
@@ -62,7 +63,7 @@ export class LivenessMonitor {
     if (this.probedAt === null) {
       if (time - this.heardAt >= this.idleTimeout) this.probe(time);
     } else if (time - this.probedAt >= secondsForAnswer) {
-      // What came while this page stood still may wait behind this look.
+      // Answers that came while the page stood still may wait behind this check: probe once more.
       if (isLate && !this.wasLate) {
         this.wasLate = true;
         this.probe(time);

@@ -5,7 +5,7 @@ import { Socket, defaultIdleTimeout, type Endpoint } from "./socket";
 
 const maxIdleTimeout = 120; // seconds
 
-/// Has a socket while one is wanted, and makes another after it was lost.
+/// Opens a socket when it is needed, and another after that one was lost.
 export class ReconnectingSocket {
   private current: Socket | null = null;
   private idleTimeout = defaultIdleTimeout;
@@ -13,11 +13,11 @@ export class ReconnectingSocket {
 
   constructor(private readonly endpoint: Endpoint) {}
 
-  /// Open, or on its way there. Throws as checkOpen().
+  /// Returns a socket that is open or opening. Throws CANCELLED after close().
   socket(): Socket {
     this.checkOpen();
     if (this.current === null || this.current.error !== null) {
-      // A large message on a slow line looks like a dead one, until all of it is there: the next socket gets more time.
+      // A large message on a slow line comes without a sign of life until all of it is there: the next socket gets more time.
       this.idleTimeout = this.current?.timedOut === true ? Math.min(2 * this.idleTimeout, maxIdleTimeout) : defaultIdleTimeout;
       this.current = new Socket(this.endpoint, this.idleTimeout);
     }
@@ -29,7 +29,7 @@ export class ReconnectingSocket {
     if (this.isClosed) throw new CurvecastError("CANCELLED", "the client was closed");
   }
 
-  /// Ends all calls.
+  /// Ends all calls, and lets no other socket be opened.
   close(): void {
     this.isClosed = true;
     this.current?.close();

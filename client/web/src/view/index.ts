@@ -1,4 +1,4 @@
-// Drawing points: the viewer's picture, and an object for other people's scenes.
+// Draws points: the viewer's picture, and an object for other scenes of three.js.
 
 export { CurvecastPoints } from "./curvecast_points";
 export { defaultStyle, NoWebGL2Error } from "./types";

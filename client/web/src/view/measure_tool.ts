@@ -5,12 +5,12 @@ import type { OverlayLine } from "./overlay_lines";
 import type { Vec } from "./types";
 import { distance } from "./vector";
 
-/// Two clicks make a line, which stays until the next click or until the tool is switched off.
+/// Makes a line of two clicks, which stays until the next click or until the tool is switched off.
 export class MeasureTool {
   private isOn = false;
   private points: Vec[] = []; // two at most
 
-  /// `onLength`: the line is there, of this length in units; null: it is no longer.
+  /// `onLength` is called with the length of a line in units once it is complete, and with null once there is none.
   constructor(private readonly onLength: (length: number | null) => void) {}
 
   /// Whether the line has one end, and follows the pointer with the other.
@@ -18,7 +18,7 @@ export class MeasureTool {
     return this.isOn && this.points.length === 1;
   }
 
-  /// Switches the tool on or off. False where it was so already.
+  /// Switches the tool on or off. Returns whether that has changed anything.
   setOn(on: boolean): boolean {
     if (on === this.isOn) return false;
     this.isOn = on;
@@ -32,7 +32,7 @@ export class MeasureTool {
     this.onLength(null);
   }
 
-  /// Takes the point that `pick` finds under a click, where the tool is on. False where that changes nothing.
+  /// Takes the point that `pick` finds under a click, where the tool is on. Returns whether that has changed anything.
   click(pick: () => Vec | null): boolean {
     const point = this.isOn ? pick() : null;
     if (point === null) return false;
@@ -43,7 +43,7 @@ export class MeasureTool {
     return true;
   }
 
-  /// The line, as far as it is there. `hovered`: the point under the pointer.
+  /// Returns the line as far as it is there. `hovered`: the point under the pointer, which is its end until the second click.
   lines(hovered: Vec | null): OverlayLine[] {
     const [a, b] = this.points;
     return this.isOn && a ? measureLines(a, b ?? hovered ?? a) : [];

@@ -1,10 +1,10 @@
-// Lines and dots over the picture: of even width in pixels, smooth, pale where the surface hides them.
+// Draws lines and dots over the picture: of even width in pixels, smooth, and pale where the surface hides them.
 
 import * as THREE from "three";
 import type { Rectangle } from "./picture";
 import type { Vec } from "./types";
 
-/// A dot where both ends are one.
+/// A line, or a dot where both ends are one.
 export interface OverlayLine {
   from: Vec;
   to: Vec;
@@ -79,6 +79,7 @@ void main() {
 }
 `;
 
+/// Keeps lines on the graphics card, and draws them.
 export class OverlayLines {
   private readonly geometry = new THREE.InstancedBufferGeometry();
   private readonly uniforms = {
@@ -107,6 +108,7 @@ export class OverlayLines {
     this.set([]);
   }
 
+  /// Replaces all lines.
   set(lines: readonly OverlayLine[]): void {
     const { geometry } = this;
     // Ends are kept relative to the first one: single precision serves coordinates far from 0.
@@ -132,7 +134,7 @@ export class OverlayLines {
     geometry.instanceCount = lines.length;
   }
 
-  /// Into the picture that `renderer`'s viewport shows. `depths`: of the surface, null: nothing hides.
+  /// Draws the lines into `renderer`'s viewport. `depths`: those of the surface; null: the surface hides nothing.
   render(
     renderer: THREE.WebGLRenderer,
     camera: THREE.PerspectiveCamera,

@@ -1,16 +1,18 @@
-// What lies under the pointer: a search through all points, which takes about a millisecond for 100,000 of them.
+// Finds the surface under the pointer by a search through all points, which takes about a millisecond for 100,000 of them.
 
 import type { PointStore } from "../stream/point_store";
 import type { Pick, Vec } from "./types";
 import { add, along, normalise } from "./vector";
 
+/// A ray from the eye.
 export interface Ray {
   origin: Vec;
   /// Unit length.
   direction: Vec;
 }
 
-/// Distance along a ray to the disc in a slot; NaN where it misses. `x`, `y`, `z`: of the ray's origin, relative to the store's.
+/// Returns the distance along a ray to the disc in a slot; NaN where the ray misses it. `x`, `y`, `z`: the ray's origin relative to the
+/// store's.
 function discDistance(store: PointStore, slot: number, x: number, y: number, z: number, direction: Vec, scale: number): number {
   const { positions, normals } = store;
   const at = 4 * slot;
@@ -24,9 +26,9 @@ function discDistance(store: PointStore, slot: number, x: number, y: number, z: 
   return ex * ex + ey * ey + ez * ez <= radius * radius ? t : NaN;
 }
 
-/// The surface where a ray first hits a disc: the mean of the discs that lie together there, like in the picture. Where it hits none,
-/// the point nearest to the ray within `tolerance` (tangent of an angle), of like ones the nearest to the eye. Discs nearer than
-/// `near` do not count; their radii are times `scale`.
+/// Finds the surface where a ray first hits a disc: the mean of the discs that lie together there, as in the picture. A ray that hits no
+/// disc finds the point nearest to it within `tolerance` (tangent of an angle), and among equally near ones the nearest to the eye.
+/// Ignores discs nearer than `near`. Radii are multiplied by `scale`.
 export function pick(store: PointStore, ray: Ray, near: number, tolerance: number, scale = 1): Pick | null {
   const { positions, normals, slots, origin } = store;
   const { direction } = ray;
@@ -57,7 +59,7 @@ export function pick(store: PointStore, ray: Ray, near: number, tolerance: numbe
       }
     }
     const angle = Math.max(away, 0) / (t * t * tolerance * tolerance);
-    // A point twice as far has to be much nearer to the ray.
+    // A point twice as far away from the eye has to be much nearer to the ray.
     if (angle <= 1 && (angle + 0.25) * t < nearestScore) {
       nearestScore = (angle + 0.25) * t;
       nearest = slot;

@@ -1,4 +1,4 @@
-// Opaque discs in one pass, lit by a light at the eye.
+// A material that draws opaque discs in one pass, with a light at the eye.
 
 import * as THREE from "three";
 import { ColourTextures, makeColourUniforms } from "./colour_texture";
@@ -6,7 +6,7 @@ import { makePointUniforms, type PointsGeometry } from "./points_geometry";
 import { solidFragmentShader, solidVertexShader } from "./splat_shaders";
 import type { Style } from "./types";
 
-/// For geometries of the shape "cone". Dots hide nothing; those on the far side are left out.
+/// Draws geometries of the shape "cone". Dots hide nothing, and those on the far side are left out.
 export class SolidMaterial extends THREE.ShaderMaterial {
   private readonly textures = new ColourTextures();
   private readonly colourUniforms = makeColourUniforms();
@@ -14,8 +14,7 @@ export class SolidMaterial extends THREE.ShaderMaterial {
   private readonly styleUniforms = {
     splatScale: { value: 1 },
     backShift: { value: 0 },
-    // Hexagons that hold the discs.
-    extent: { value: 1.1547 },
+    extent: { value: 1.1547 }, // of hexagons around the discs
     minRadius: { value: 0 },
     dotDiameter: { value: 0 },
     pixels: { value: new THREE.Vector2(1, 1) },
@@ -32,7 +31,7 @@ export class SolidMaterial extends THREE.ShaderMaterial {
     this.uniforms = { ...this.pointUniforms, ...this.colourUniforms, ...this.styleUniforms };
   }
 
-  /// Before it is drawn into a picture of so many pixels.
+  /// Sets the uniforms for a picture of so many pixels. To be called before drawing.
   prepare(points: PointsGeometry, style: Style, width: number, height: number, pixelRatio: number, camera: THREE.Camera): void {
     const { scale } = points;
     points.apply(this.pointUniforms);
