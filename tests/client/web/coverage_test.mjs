@@ -19,7 +19,7 @@ const views = 20;
 const points = 20_000;
 const outlineViews = 4;
 const fewPoints = 5000; // of the silhouettes
-const leastCovered = 0.995;
+const minCovered = 0.995;
 const edge = 2; // pixels at the outline that do not count: the mesh's lines are a pixel wide
 const execute = promisify(execFile);
 
@@ -47,15 +47,30 @@ function camerasAround({ boxMin, boxMax }, count) {
   const radius = Math.hypot(...axes.map((axis) => boxMax[axis] - boxMin[axis])) / 2;
   const distance = (1.02 * radius) / Math.sin((fov * Math.PI) / 360);
   return directions(count).map((direction) => ({
-    eye: target.map((value, k) => value + distance * direction[k]), target, up: Math.abs(direction[1]) > 0.9 ? [0, 0, 1] : [0, 1, 0], fov,
+    eye: target.map((value, k) => value + distance * direction[k]),
+    target,
+    up: Math.abs(direction[1]) > 0.9 ? [0, 0, 1] : [0, 1, 0],
+    fov,
   }));
 }
 
 /// A picture of the mesh's triangles.
 async function drawMesh(mesh, { eye, target, up }) {
   const file = join(temporaryFolder(), "mesh.png");
-  await execute(command, ["render", mesh, "--what", "mesh", "--no-cache", "--quiet", "--size", `${size.width}x${size.height}`,
-                          "--camera", `eye=${eye},target=${target},up=${up},fov=${fov}`, "-o", file]);
+  await execute(command, [
+    "render",
+    mesh,
+    "--what",
+    "mesh",
+    "--no-cache",
+    "--quiet",
+    "--size",
+    `${size.width}x${size.height}`,
+    "--camera",
+    `eye=${eye},target=${target},up=${up},fov=${fov}`,
+    "-o",
+    file,
+  ]);
   return decode(readFileSync(file));
 }
 
@@ -98,23 +113,27 @@ describe(`splats of ${points} points`, { skip: meshes.length === 0 && "no meshes
   after(closeBrowser);
 
   for (const mesh of meshes) {
-    it(`cover ${mesh.split("/").at(-1)}`, () => withMesh(mesh, `points=${points}`, async (page) => {
-      const empty = await page.emptyPicture();
-      const shares = [];
-      const cameras = camerasAround(await page.evaluate(box), views);
-      const maskOfMesh = await masksOf(mesh, cameras[0]);
-      for (const [i, camera] of cameras.entries()) {
-        const [whole] = await Promise.all([maskOfMesh(camera), look(page, camera)]);
-        const { mask } = await maskOfSplats(page, empty);
-        const interior = eroded(whole, size.width, edge);
-        const covered = interior.map((value, at) => value & mask[at]);
-        shares.push(countOf(covered) / countOf(interior));
-        if (shares.at(-1) < leastCovered) await page.picture(`uncovered_${i}.png`);
-      }
-      const mean = shares.reduce((sum, value) => sum + value, 0) / shares.length;
-      print(mesh, `covered, of ${views} views: least ${(100 * Math.min(...shares)).toFixed(3)} %, mean ${(100 * mean).toFixed(3)} %`);
-      assert.ok(Math.min(...shares) >= leastCovered, `${shares}`);
-    }));
+    it(`cover ${mesh.split("/").at(-1)}`, () =>
+      withMesh(mesh, `points=${points}`, async (page) => {
+        const empty = await page.emptyPicture();
+        const shares = [];
+        const cameras = camerasAround(await page.evaluate(box), views);
+        const maskOfMesh = await masksOf(mesh, cameras[0]);
+        for (const [i, camera] of cameras.entries()) {
+          const [whole] = await Promise.all([maskOfMesh(camera), look(page, camera)]);
+          const { mask } = await maskOfSplats(page, empty);
+          const interior = eroded(whole, size.width, edge);
+          const covered = interior.map((value, at) => value & mask[at]);
+          shares.push(countOf(covered) / countOf(interior));
+          if (shares.at(-1) < minCovered) await page.picture(`uncovered_${i}.png`);
+        }
+        const mean = shares.reduce((sum, value) => sum + value, 0) / shares.length;
+        print(
+          mesh,
+          `covered, of ${views} views: least ${(100 * Math.min(...shares)).toFixed(3)} %, mean ${(100 * mean).toFixed(3)} %`,
+        );
+        assert.ok(Math.min(...shares) >= minCovered, `${shares}`);
+      }));
   }
 
   it(`follow the outline better where the density does, at ${fewPoints} points`, async () => {
@@ -138,8 +157,11 @@ describe(`splats of ${points} points`, { skip: meshes.length === 0 && "no meshes
           }
           if (i === 0) writeBeside(`silhouettes_${mesh.split("/").at(-1)}.png`, ...pictures);
         }
-        print(mesh, `wrong pixels at the outline, ${outlineViews} views: even ${errors.even}, silhouettes ${errors.silhouettes}, ` +
-                    `ratio ${(errors.silhouettes / errors.even).toFixed(2)}`);
+        print(
+          mesh,
+          `wrong pixels at the outline, ${outlineViews} views: even ${errors.even}, silhouettes ${errors.silhouettes}, ` +
+            `ratio ${(errors.silhouettes / errors.even).toFixed(2)}`,
+        );
         assert.ok(errors.silhouettes < errors.even);
       });
     }

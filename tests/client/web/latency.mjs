@@ -14,7 +14,10 @@ const points = Number(pointsGiven);
 const navigations = 3;
 const turns = Number(turnsGiven); // of 1 degree each
 const jumps = Math.ceil(turns / 3); // to another side
-const rounds = [[640, 480], [1280, 720]];
+const rounds = [
+  [640, 480],
+  [1280, 720],
+];
 
 /// Before the page's own scripts: notes when the first picture with points has been drawn, ms after the navigation began.
 function noteFirstPoints() {
@@ -23,11 +26,13 @@ function noteFirstPoints() {
     if (c !== undefined) window.scriptRan ??= performance.now();
     if (!((c?.store?.count ?? 0) > 0)) return requestAnimationFrame(look);
     window.pointsCame = performance.now();
-    requestAnimationFrame(() => requestAnimationFrame(() => {
-      const gl = document.querySelector("canvas").getContext("webgl2");
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until it is drawn
-      window.firstPoints = performance.now();
-    }));
+    requestAnimationFrame(() =>
+      requestAnimationFrame(() => {
+        const gl = document.querySelector("canvas").getContext("webgl2");
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until it is drawn
+        window.firstPoints = performance.now();
+      }),
+    );
   };
   requestAnimationFrame(look);
 }
@@ -52,7 +57,11 @@ const measure = async (c, { count, degrees }) => {
     const look = c.look;
     came.length = 0;
     const begin = performance.now();
-    const at = [target[0] + x * Math.cos(angle) - z * Math.sin(angle), eye[1], target[2] + x * Math.sin(angle) + z * Math.cos(angle)];
+    const at = [
+      target[0] + x * Math.cos(angle) - z * Math.sin(angle),
+      eye[1],
+      target[2] + x * Math.sin(angle) + z * Math.cos(angle),
+    ];
     view.camera = { ...rest, target, eye: at };
     const isWhole = () => c.look > look && c.statistics.last.sequence === c.look && c.store.count === c.settings.points;
     while (!isWhole()) await frame();
@@ -61,11 +70,18 @@ const measure = async (c, { count, degrees }) => {
     const { report } = first;
     const whole = frames.find(({ report: each }) => each.points === c.settings.points);
     found.push({
-      isDelta: report.isDelta, frames: frames.length, bytes: frames.reduce((sum, each) => sum + each.report.bytes, 0),
-      waiting: (first.time - begin) / 1000 - report.viewSeconds - first.upload, server: report.serverSeconds,
-      decode: report.decodeSeconds, store: report.storeSeconds, upload: first.upload,
+      isDelta: report.isDelta,
+      frames: frames.length,
+      bytes: frames.reduce((sum, each) => sum + each.report.bytes, 0),
+      waiting: (first.time - begin) / 1000 - report.viewSeconds - first.upload,
+      server: report.serverSeconds,
+      decode: report.decodeSeconds,
+      store: report.storeSeconds,
+      upload: first.upload,
       transport: report.viewSeconds - report.serverSeconds - report.decodeSeconds - report.storeSeconds,
-      sent: report.viewSeconds + first.upload, first: (first.time - begin) / 1000, whole: (whole.time - begin) / 1000,
+      sent: report.viewSeconds + first.upload,
+      first: (first.time - begin) / 1000,
+      whole: (whole.time - begin) / 1000,
     });
     await frame();
   }
@@ -84,11 +100,33 @@ const inMilliseconds = (seconds) => (1000 * seconds).toFixed(1).padStart(7);
 function print(name, found) {
   if (found.length === 0) return console.log(`${name}: none`);
   const columns = ["sent", "waiting", "transport", "server", "decode", "store", "upload", "first", "whole"];
-  const bytes = quantile(found.map((each) => each.bytes), 0.5);
-  console.log(`${name}: ${found.length} views, ${(bytes / 1024).toFixed(1)} KiB and ${quantile(found.map((each) => each.frames), 0.5)} frames each`);
+  const bytes = quantile(
+    found.map((each) => each.bytes),
+    0.5,
+  );
+  console.log(
+    `${name}: ${found.length} views, ${(bytes / 1024).toFixed(1)} KiB and ${quantile(
+      found.map((each) => each.frames),
+      0.5,
+    )} frames each`,
+  );
   console.log(`        ${columns.map((column) => column.padStart(9)).join("")}`);
   for (const q of [0.5, 0.99]) {
-    console.log(`  p${100 * q}`.padEnd(8) + columns.map((column) => "  " + inMilliseconds(quantile(found.map((each) => each[column]), q))).join(""));
+    console.log(
+      `  p${100 * q}`.padEnd(8) +
+        columns
+          .map(
+            (column) =>
+              "  " +
+              inMilliseconds(
+                quantile(
+                  found.map((each) => each[column]),
+                  q,
+                ),
+              ),
+          )
+          .join(""),
+    );
   }
 }
 
@@ -115,8 +153,14 @@ for (const [width, height] of rounds) {
   const small = await page.evaluate(measure, { count: turns, degrees: 1 });
   await page.answered();
   const large = await page.evaluate(measure, { count: jumps, degrees: 97 });
-  print("deltas, 1 degree each", small.filter(({ isDelta }) => isDelta));
-  print("key frames, another side each", large.filter(({ isDelta }) => !isDelta));
+  print(
+    "deltas, 1 degree each",
+    small.filter(({ isDelta }) => isDelta),
+  );
+  print(
+    "key frames, another side each",
+    large.filter(({ isDelta }) => !isDelta),
+  );
   const pictures = await page.evaluate(async (c) => {
     const times = [];
     for (let i = 0; i < 8; ++i) {

@@ -7,7 +7,7 @@ import { openTorus } from "./support/shared_server.mjs";
 
 const updates = 500;
 const fewListeners = 20; // rows of the list of sessions change now and then
-const mostGrowth = 2 << 20; // bytes of JavaScript's heap; statistics keep some history
+const maxGrowth = 2 << 20; // bytes of JavaScript's heap; statistics keep some history
 
 /// So many views, one degree apart, each awaited.
 const orbit = async (c, count) => {
@@ -19,7 +19,8 @@ const orbit = async (c, count) => {
     const angle = (i * Math.PI) / 180;
     const look = c.look;
     c.view.camera = {
-      ...rest, eye: [target[0] + x * Math.cos(angle) - z * Math.sin(angle), eye[1], target[2] + x * Math.sin(angle) + z * Math.cos(angle)],
+      ...rest,
+      eye: [target[0] + x * Math.cos(angle) - z * Math.sin(angle), eye[1], target[2] + x * Math.sin(angle) + z * Math.cos(angle)],
     };
     while (c.look === look || c.statistics.last.sequence !== c.look) await frame();
   }
@@ -33,11 +34,8 @@ async function inventory(page, session) {
   await session.send("HeapProfiler.collectGarbage");
   const { metrics } = await session.send("Performance.getMetrics");
   const metric = (name) => metrics.find((each) => each.name === name).value;
-  const { geometries, textures, programs } = await page.evaluate(({ view }) => {
-    const { memory, programs } = view.renderer.info;
-    return { ...memory, programs: programs.length };
-  });
-  return { heap: metric("JSHeapUsedSize"), listeners: metric("JSEventListeners"), drawing: { geometries, textures, programs } };
+  const drawing = await page.evaluate(({ view }) => view.resources);
+  return { heap: metric("JSHeapUsedSize"), listeners: metric("JSEventListeners"), drawing };
 }
 
 describe("a long visit", () => {
@@ -47,9 +45,9 @@ describe("a long visit", () => {
     await session.send("Performance.enable");
     const toggleSplit = async () => {
       await torus.page.keyboard.press("v");
-      await torus.until((c) => c.besideStore !== null && c.besideStore.count === c.store.count);
+      await torus.until((c) => c.uniformStore !== null && c.uniformStore.count === c.store.count);
       await torus.page.keyboard.press("v");
-      await torus.until((c) => c.besideStore === null);
+      await torus.until((c) => c.uniformStore === null);
     };
     await toggleSplit();
     await torus.evaluate(orbit, 60);
@@ -59,8 +57,8 @@ describe("a long visit", () => {
     const after = await inventory(torus, session);
     assert.deepEqual(after.drawing, before.drawing);
     assert.ok(after.listeners < before.listeners + fewListeners, `${after.listeners} listeners, ${before.listeners} before`);
-    assert.ok(after.heap - before.heap < mostGrowth, `${updates} views have left ${after.heap - before.heap} bytes behind`);
-    assert.ok(await torus.evaluate((c) => c.statistics.frames) > updates);
+    assert.ok(after.heap - before.heap < maxGrowth, `${updates} views have left ${after.heap - before.heap} bytes behind`);
+    assert.ok((await torus.evaluate((c) => c.statistics.frames)) > updates);
     assert.equal(await torus.evaluate((c) => c.store.count), 1000);
     await torus.close();
   });

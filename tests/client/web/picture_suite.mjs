@@ -13,7 +13,7 @@ const facing = (c) => {
   const { store, view } = c;
   let sum = 0;
   for (const slot of store.order()) {
-    const v = [0, 1, 2].map((k) => view.camera.eye[k] - store.origin[k] - store.places[4 * slot + k]);
+    const v = [0, 1, 2].map((k) => view.camera.eye[k] - store.origin[k] - store.positions[4 * slot + k]);
     const n = [0, 1, 2].map((k) => store.normals[4 * slot + k]);
     sum += Math.abs(n[0] * v[0] + n[1] * v[1] + n[2] * v[2]) / Math.hypot(...n) / Math.hypot(...v);
   }
@@ -30,9 +30,9 @@ const bending = (c) => {
 const cameraOf = (c) => c.view.camera;
 const distanceOf = ({ eye, target }) => Math.hypot(...eye.map((value, k) => value - target[k]));
 
-function assertChanged(a, b, what, leastShare = 0.01) {
+function assertChanged(a, b, what, minShare = 0.01) {
   const share = countOf(difference(a, b)) / (a.width * a.height);
-  assert.ok(share > leastShare, `${what}: ${(100 * share).toFixed(2)} % of the pixels have changed`);
+  assert.ok(share > minShare, `${what}: ${(100 * share).toFixed(2)} % of the pixels have changed`);
 }
 
 describe("the picture", () => {
@@ -50,7 +50,10 @@ describe("the picture", () => {
     assert.ok(share > 0.1 && share < 0.7, `the surface covers ${(100 * share).toFixed(1)} %`);
     const box = boxOf(mask, width);
     assert.ok(box.left > 0 && box.top > 0 && box.right < width - 1 && box.bottom < height - 1, "nothing is cut off");
-    assert.ok(Math.abs(box.left + box.right - width) < 0.3 * width && Math.abs(box.top + box.bottom - height) < 0.3 * height, "in the middle");
+    assert.ok(
+      Math.abs(box.left + box.right - width) < 0.3 * width && Math.abs(box.top + box.bottom - height) < 0.3 * height,
+      "in the middle",
+    );
     assert.ok(box.right - box.left > 0.4 * width || box.bottom - box.top > 0.4 * height, "it fills the picture");
     await torus.screenshot("page.png");
   });
@@ -58,10 +61,15 @@ describe("the picture", () => {
   it("turns with the mouse, and keeps its points", async () => {
     const [from, picture] = [await torus.evaluate(cameraOf), await torus.picture()];
     const deltas = await torus.evaluate((c) => c.statistics.deltas);
-    await torus.change(() => torus.drag([[320, 240], [380, 260]]));
+    await torus.change(() =>
+      torus.drag([
+        [320, 240],
+        [380, 260],
+      ]),
+    );
     const to = await torus.evaluate(cameraOf);
     assert.notDeepEqual(to.eye, from.eye);
-    assert.ok(await torus.evaluate((c) => c.statistics.deltas) > deltas, "views are answered by deltas");
+    assert.ok((await torus.evaluate((c) => c.statistics.deltas)) > deltas, "views are answered by deltas");
     assert.equal(await torus.evaluate((c) => c.store.count), points);
     assertChanged(picture, await torus.picture(), "turned");
   });
@@ -78,7 +86,15 @@ describe("the picture", () => {
 
   it("moves with the right button, and looks where it is double clicked", async () => {
     const from = await torus.evaluate(cameraOf);
-    await torus.change(() => torus.drag([[320, 240], [360, 220]], "right"));
+    await torus.change(() =>
+      torus.drag(
+        [
+          [320, 240],
+          [360, 220],
+        ],
+        "right",
+      ),
+    );
     const to = await torus.evaluate(cameraOf);
     assert.notDeepEqual(to.target, from.target);
     assert.ok(Math.abs(distanceOf(to) - distanceOf(from)) < 1e-3 * distanceOf(from), "at the same distance");
@@ -91,7 +107,10 @@ describe("the picture", () => {
     });
     assert.ok(place !== null, "the torus can be picked");
     await torus.page.mouse.dblclick(place.x, 240);
-    await torus.until((c, [x, y, z]) => Math.hypot(...[x, y, z].map((value, k) => value - c.view.camera.target[k])) < 0.05, place.point);
+    await torus.until(
+      (c, [x, y, z]) => Math.hypot(...[x, y, z].map((value, k) => value - c.view.camera.target[k])) < 0.05,
+      place.point,
+    );
     await torus.settled();
   });
 
@@ -118,12 +137,12 @@ describe("the picture", () => {
     await torus.change(() => torus.set("budget", "bytes"));
     const few = await torus.evaluate((c) => c.store.count);
     await torus.change(() => torus.set("kilobytes", 24));
-    assert.ok(await torus.evaluate((c) => c.store.count) > 2 * few, "more bytes, more points");
+    assert.ok((await torus.evaluate((c) => c.store.count)) > 2 * few, "more bytes, more points");
     await torus.set("pixels", 16);
     await torus.change(() => torus.set("budget", "error in pixels"));
     const coarse = await torus.evaluate((c) => c.store.count);
     await torus.change(() => torus.set("pixels", 8));
-    const ratio = await torus.evaluate((c) => c.store.count) / coarse;
+    const ratio = (await torus.evaluate((c) => c.store.count)) / coarse;
     assert.ok(ratio > 3 && ratio < 5, `half the distance between points, ${ratio.toFixed(2)} times the points`);
     await torus.set("points", points);
     await torus.change(() => torus.set("budget", "points"));
@@ -144,12 +163,16 @@ describe("the picture", () => {
     await torus.change(() => torus.set("curvature", "– off"));
     assert.equal(await torus.evaluate((c) => c.store.count), points);
     await torus.settled();
-    assert.ok(Math.abs(await torus.evaluate(bending) / even.bending - 1) < 1e-6, "the points of before");
+    assert.ok(Math.abs((await torus.evaluate(bending)) / even.bending - 1) < 1e-6, "the points of before");
     await torus.change(() => torus.set("colour by", "shading"));
   });
 
   it("samples as the paper does, too", async () => {
-    for (const [sequence, count] of [["jittered", 6000], ["regular", 7000], ["golden ratio", 8000]]) {
+    for (const [sequence, count] of [
+      ["jittered", 6000],
+      ["regular", 7000],
+      ["golden ratio", 8000],
+    ]) {
       await torus.change(async () => {
         await torus.set("sampler", "equalised (the paper's)");
         await torus.set("sequence", sequence);

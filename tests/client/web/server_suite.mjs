@@ -13,7 +13,8 @@ import { Server, temporaryFolder } from "./support/server.mjs";
 import { sharedServer } from "./support/shared_server.mjs";
 
 const points = 3000;
-const moreThanPoll = 5.5; // seconds; the page asks for the list of sessions every 5
+const moreThanPoll = 6; // seconds; the page asks for the list of sessions every 5
+const prepare = (page) => page.clock.install();
 const lostConnection = /WebSocket connection|ERR_CONNECTION_REFUSED|net::ERR/; // said by Chromium itself
 
 /// A server without meshes.
@@ -38,57 +39,68 @@ async function choose(page, ...files) {
 }
 
 describe("uploads", () => {
-  it("begin with an invitation, show their progress, and end with the surface", () => withServer([], async ({ url }) => {
-    const page = await WatchedPage.open(`${url}#points=${points}`);
-    await page.page.getByText("Drop a mesh here").waitFor();
-    await page.screenshot("invitation.png");
-    const offer = await page.page.$(".card button");
-    await page.page.waitForTimeout(1000 * moreThanPoll);
-    assert.ok(await offer.evaluate((element) => element.isConnected), "it stays what it is while the list is asked for again");
-    await page.page.evaluate(() => {
-      window.seen = [];
-      new MutationObserver(() => document.querySelectorAll(".upload progress").forEach((bar) => window.seen.push(bar.value)))
-        .observe(document.body, { subtree: true, childList: true, attributes: true, characterData: true });
-    });
-    await choose(page, sharedMesh("spot.obj") ?? torusFile());
-    await page.settled();
-    assert.equal(await page.evaluate((c) => c.store.count), points);
-    const seen = await page.page.evaluate(() => window.seen);
-    assert.ok(seen.length > 0 && seen.every((value, i) => i === 0 || value >= seen[i - 1] - 1e-3), `progress grows: ${seen}`);
-    assert.equal(await page.page.getByText("Drop a mesh here").isVisible(), false);
-    await page.screenshot("uploaded.png");
+  it("begin with an invitation, show their progress, and end with the surface", () =>
+    withServer([], async ({ url }) => {
+      const page = await WatchedPage.open(`${url}#points=${points}`, { prepare });
+      await page.page.getByText("Drop a mesh here").waitFor();
+      await page.screenshot("invitation.png");
+      const offer = await page.page.$(".card button");
+      await page.listedAgain();
+      assert.ok(await offer.evaluate((element) => element.isConnected), "it stays what it is while the list is asked for again");
+      await page.page.evaluate(() => {
+        window.seen = [];
+        new MutationObserver(() =>
+          document.querySelectorAll(".upload progress").forEach((bar) => window.seen.push(bar.value)),
+        ).observe(document.body, { subtree: true, childList: true, attributes: true, characterData: true });
+      });
+      await choose(page, sharedMesh("spot.obj") ?? torusFile());
+      await page.settled();
+      assert.equal(await page.evaluate((c) => c.store.count), points);
+      const seen = await page.page.evaluate(() => window.seen);
+      assert.ok(seen.length > 0 && seen.every((value, i) => i === 0 || value >= seen[i - 1] - 1e-3), `progress grows: ${seen}`);
+      assert.equal(await page.page.getByText("Drop a mesh here").isVisible(), false);
+      await page.screenshot("uploaded.png");
 
-    // One that is broken: the page says why, and goes on with what it shows.
-    const session = await page.evaluate((c) => c.session.sessionId);
-    await choose(page, { name: "broken.ply", mimeType: "application/octet-stream", buffer: Buffer.from("ply\nformat ascii 1.0\nelement vertex 3\n") });
-    const failure = page.page.locator(".failure");
-    await failure.waitFor();
-    assert.match(await failure.innerText(), /broken\.ply could not be opened[\s\S]*\w{3}/);
-    await page.screenshot("broken_upload.png");
-    await failure.getByRole("button").click();
-    await choose(page, { name: "leaves.mtl", mimeType: "text/plain", buffer: Buffer.from("newmtl leaves\n") });
-    await page.page.getByText("none of these files is a mesh").waitFor();
-    assert.equal(await page.evaluate((c) => c.session.sessionId), session);
-    await page.change(() => page.drag([[320, 240], [380, 260]]));
-    assert.equal(await page.evaluate((c) => c.store.count), points);
+      // One that is broken: the page says why, and goes on with what it shows.
+      const session = await page.evaluate((c) => c.session.sessionId);
+      await choose(page, {
+        name: "broken.ply",
+        mimeType: "application/octet-stream",
+        buffer: Buffer.from("ply\nformat ascii 1.0\nelement vertex 3\n"),
+      });
+      const failure = page.page.locator(".failure");
+      await failure.waitFor();
+      assert.match(await failure.innerText(), /broken\.ply could not be opened[\s\S]*\w{3}/);
+      await page.screenshot("broken_upload.png");
+      await failure.getByRole("button").click();
+      await choose(page, { name: "leaves.mtl", mimeType: "text/plain", buffer: Buffer.from("newmtl leaves\n") });
+      await page.page.getByText("none of these files is a mesh").waitFor();
+      assert.equal(await page.evaluate((c) => c.session.sessionId), session);
+      await page.change(() =>
+        page.drag([
+          [320, 240],
+          [380, 260],
+        ]),
+      );
+      assert.equal(await page.evaluate((c) => c.store.count), points);
 
-    // Dropped anywhere; then the list has two.
-    const data = await page.page.evaluateHandle((text) => {
-      const transfer = new DataTransfer();
-      transfer.items.add(new File([text], "ring.off"));
-      return transfer;
-    }, bumpyTorus(48, 20).toString()); // another one than might have been chosen before
-    await page.page.keyboard.press("z");
-    for (const type of ["dragenter", "dragover", "drop"]) await page.page.dispatchEvent("canvas", type, { dataTransfer: data });
-    await page.until((c, old) => c.session.sessionId !== old, session);
-    await page.settled();
-    assert.equal(await page.evaluate((c) => c.settings.frozen), false);
-    assert.equal(await page.evaluate((c) => c.look), 1, "it was never asked for what the camera of before sees");
-    await page.page.waitForFunction(() => document.querySelectorAll(".session").length === 2);
-    assert.equal(await page.page.locator("body.dropping").count(), 0);
-    assert.match(await page.page.title(), /ring\.off/);
-    await page.close();
-  }));
+      // Dropped anywhere; then the list has two.
+      const data = await page.page.evaluateHandle((text) => {
+        const transfer = new DataTransfer();
+        transfer.items.add(new File([text], "ring.off"));
+        return transfer;
+      }, bumpyTorus(48, 20).toString()); // another one than might have been chosen before
+      await page.page.keyboard.press("z");
+      for (const type of ["dragenter", "dragover", "drop"]) await page.page.dispatchEvent("canvas", type, { dataTransfer: data });
+      await page.until((c, old) => c.session.sessionId !== old, session);
+      await page.settled();
+      assert.equal(await page.evaluate((c) => c.settings.frozen), false);
+      assert.equal(await page.evaluate((c) => c.look), 1, "it was never asked for what the camera of before sees");
+      await page.page.waitForFunction(() => document.querySelectorAll(".session").length === 2);
+      assert.equal(await page.page.locator("body.dropping").count(), 0);
+      assert.match(await page.page.title(), /ring\.off/);
+      await page.close();
+    }));
 });
 
 describe("a lost server", () => {
@@ -107,7 +119,12 @@ describe("a lost server", () => {
     await server.restart();
     await page.until((c) => c.state === "streaming" || c.state === "refining");
     await page.page.getByRole("alert").waitFor({ state: "hidden" });
-    await page.change(() => page.drag([[320, 240], [380, 260]]));
+    await page.change(() =>
+      page.drag([
+        [320, 240],
+        [380, 260],
+      ]),
+    );
     const now = await page.evaluate((c) => ({ count: c.store.count, frames: c.statistics.frames, last: c.statistics.last }));
     assert.equal(now.count, points);
     assert.ok(now.frames > frames);
@@ -122,13 +139,15 @@ describe("a token", () => {
     const tokens = join(temporaryFolder(), "tokens");
     writeFileSync(tokens, `someone ${createHash("sha256").update("open sesame").digest("hex")}\n`);
     await withServer(["--tokens", tokens], async ({ url }) => {
-      const page = await WatchedPage.open(url);
+      const page = await WatchedPage.open(url, { prepare });
       page.expect(lostConnection);
       const input = page.page.getByLabel("Token");
       await input.waitFor();
       await page.screenshot("token.png");
       await input.fill("half a");
-      await page.page.waitForTimeout(1000 * moreThanPoll);
+      const { lists } = page;
+      await page.pass(moreThanPoll);
+      assert.equal(page.lists, lists, "nothing is asked before there is another token");
       assert.equal(await input.inputValue(), "half a", "what was typed stays");
       await input.fill("wrong");
       await Promise.all([page.page.waitForEvent("load"), page.page.keyboard.press("Enter")]);
@@ -151,13 +170,14 @@ describe("an address of a session that is not there", () => {
   it("is told of, and nothing else is shown before the user chooses it", async () => {
     const { url } = await sharedServer();
     const page = await WatchedPage.open(`${url}#session=0123456789abcdef0123456789abcdef&points=${points}`, {
+      prepare,
       viewport: { width: 1000, height: 480 }, // with the panel
     });
     const card = page.page.getByText("This session is not there");
     await card.waitFor();
     const row = page.page.locator(".session button").first();
     await row.focus();
-    await page.page.waitForTimeout(1000 * moreThanPoll);
+    await page.listedAgain();
     assert.ok(await card.isVisible());
     assert.equal(await page.evaluate((c) => c.state), "none");
     assert.match(page.page.url(), /session=0123456789abcdef/, "the address stays");
@@ -170,46 +190,58 @@ describe("an address of a session that is not there", () => {
 });
 
 describe("a page in another scene", () => {
-  it("says where there is no session", () => withServer([], async ({ url }) => {
-    const page = await WatchedPage.open(`${url}example.html`);
-    await page.page.getByText("no session that is ready").waitFor();
-    await page.close();
-  }));
+  it("says where there is no session", () =>
+    withServer([], async ({ url }) => {
+      const page = await WatchedPage.open(`${url}example.html`);
+      await page.page.getByText("no session that is ready").waitFor();
+      await page.close();
+    }));
 });
 
 describe("a page of which a part does not load", () => {
-  it("says so", () => withServer([], async ({ url }) => {
-    const page = await WatchedPage.open(url, { prepare: (opened) => opened.route(/\/open-[^/]*\.js$/, (route) => route.abort()) });
-    page.expect(/net::ERR|Failed to load/); // said by Chromium itself
-    await page.page.getByText("could not be loaded").waitFor();
-    await page.close();
-  }));
+  it("says so", () =>
+    withServer([], async ({ url }) => {
+      const page = await WatchedPage.open(url, {
+        prepare: (opened) => opened.route(/\/open-[^/]*\.js$/, (route) => route.abort()),
+      });
+      page.expect(/net::ERR|Failed to load/); // said by Chromium itself
+      await page.page.getByText("could not be loaded").waitFor();
+      await page.close();
+    }));
 });
 
 describe("a browser that keeps nothing for pages", () => {
-  it("shows the page all the same", () => withServer([], async ({ url }) => {
-    const page = await WatchedPage.open(url, {
-      prepare: (opened) => opened.addInitScript(() => {
-        Object.defineProperty(window, "sessionStorage", { get: () => { throw new DOMException("blocked", "SecurityError"); } });
-      }),
-    });
-    await page.page.getByText("Drop a mesh here").waitFor();
-    await page.close();
-  }));
+  it("shows the page all the same", () =>
+    withServer([], async ({ url }) => {
+      const page = await WatchedPage.open(url, {
+        prepare: (opened) =>
+          opened.addInitScript(() => {
+            Object.defineProperty(window, "sessionStorage", {
+              get: () => {
+                throw new DOMException("blocked", "SecurityError");
+              },
+            });
+          }),
+      });
+      await page.page.getByText("Drop a mesh here").waitFor();
+      await page.close();
+    }));
 });
 
 describe("a browser without WebGL 2", () => {
-  it("says so", () => withServer([], async ({ url }) => {
-    const page = await WatchedPage.open(url, {
-      prepare: (opened) => opened.addInitScript(() => {
-        const getContext = HTMLCanvasElement.prototype.getContext;
-        HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
-          return kind === "webgl2" ? null : getContext.call(this, kind, ...rest);
-        };
-      }),
-    });
-    await page.page.getByText("WebGL 2").first().waitFor();
-    await page.screenshot("no_webgl2.png");
-    await page.close();
-  }));
+  it("says so", () =>
+    withServer([], async ({ url }) => {
+      const page = await WatchedPage.open(url, {
+        prepare: (opened) =>
+          opened.addInitScript(() => {
+            const getContext = HTMLCanvasElement.prototype.getContext;
+            HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+              return kind === "webgl2" ? null : getContext.call(this, kind, ...rest);
+            };
+          }),
+      });
+      await page.page.getByText("WebGL 2").first().waitFor();
+      await page.screenshot("no_webgl2.png");
+      await page.close();
+    }));
 });

@@ -10,10 +10,13 @@ import { openTorus, sharedServer } from "./support/shared_server.mjs";
 
 const points = 5000;
 
-/// Places of the page on the surface, near the middle of the picture's left and right half: [x, y, point].
-const places = (c) => {
+/// Points of the page on the surface, near the middle of the picture's left and right half: [x, y, point].
+const surfacePoints = (c) => {
   const found = [];
-  for (const [from, to] of [[60, 300], [340, 580]]) {
+  for (const [from, to] of [
+    [60, 300],
+    [340, 580],
+  ]) {
     for (let x = from; x < to; x += 8) {
       const pick = c.view.pick(x, 240);
       if (pick === null) continue;
@@ -28,7 +31,7 @@ const places = (c) => {
 const fingerprint = (c) => {
   let sum = 0;
   for (const slot of c.store.order()) {
-    for (let k = 0; k < 4; ++k) sum += (k + 1) * c.store.places[4 * slot + k] ** 2;
+    for (let k = 0; k < 4; ++k) sum += (k + 1) * c.store.positions[4 * slot + k] ** 2;
   }
   return [c.store.count, sum];
 };
@@ -36,7 +39,7 @@ const fingerprint = (c) => {
 const within = (c, { centre, radius }) => {
   let count = 0;
   for (const slot of c.store.order()) {
-    const d = centre.map((value, k) => value - c.store.origin[k] - c.store.places[4 * slot + k]);
+    const d = centre.map((value, k) => value - c.store.origin[k] - c.store.positions[4 * slot + k]);
     if (Math.hypot(...d) < radius) ++count;
   }
   return count;
@@ -50,12 +53,17 @@ describe("the tools", () => {
 
   it("paints density with the brush, and takes it back", async () => {
     const even = await torus.evaluate(fingerprint);
-    const [[x, y]] = await torus.evaluate(places);
+    const [[x, y]] = await torus.evaluate(surfacePoints);
     await torus.set("radius, % of size", 6);
     await torus.page.keyboard.press("b");
     const counts = await torus.evaluate((c) => c.view.camera);
     await torus.page.mouse.move(x + 12, y);
-    await torus.change(() => torus.drag([[x + 12, y], [x + 14, y + 40]]));
+    await torus.change(() =>
+      torus.drag([
+        [x + 12, y],
+        [x + 14, y + 40],
+      ]),
+    );
     assert.deepEqual(await torus.evaluate((c) => c.view.camera), counts, "the picture does not turn");
     const dabs = await torus.evaluate((c) => c.settings.dabs);
     assert.ok(dabs.length >= 1);
@@ -77,7 +85,10 @@ describe("the tools", () => {
     await torus.page.keyboard.press("z");
     await torus.settled();
     const [look, sum, picture] = [await torus.evaluate((c) => c.look), await torus.evaluate(fingerprint), await torus.picture()];
-    await torus.drag([[320, 20], [480, 60]]);
+    await torus.drag([
+      [320, 20],
+      [480, 60],
+    ]);
     await torus.answered();
     assert.notDeepEqual(await torus.evaluate((c) => c.view.camera), view);
     assert.equal(await torus.evaluate((c) => c.look), look, "no view is asked for");
@@ -115,7 +126,7 @@ describe("the tools", () => {
     await torus.settled();
     const single = await torus.evaluate(fingerprint);
     await torus.change(() => torus.page.keyboard.press("v"));
-    await torus.until((c, count) => c.besideStore?.count === count, points);
+    await torus.until((c, count) => c.uniformStore?.count === count, points);
     await torus.settled();
     const sum = await torus.evaluate(fingerprint);
     const picture = await torus.picture("split.png");
@@ -131,7 +142,7 @@ describe("the tools", () => {
     await torus.settled();
     assert.deepEqual(await torus.evaluate(fingerprint), sum, "the points of before");
     await torus.change(() => torus.page.keyboard.press("v"));
-    await torus.until((c) => c.besideStore === null);
+    await torus.until((c) => c.uniformStore === null);
     await torus.settled();
     assert.deepEqual(await torus.evaluate(fingerprint), single, "the points of one picture");
   });
@@ -148,7 +159,7 @@ describe("the tools", () => {
   it("measures between two clicks", async () => {
     await torus.page.keyboard.press("f");
     await torus.answered();
-    const [[ax, ay, a], [bx, by, b]] = await torus.evaluate(places);
+    const [[ax, ay, a], [bx, by, b]] = await torus.evaluate(surfacePoints);
     await torus.page.keyboard.press("m");
     await torus.page.mouse.click(ax, ay);
     await torus.page.mouse.click(bx, by);
@@ -212,12 +223,16 @@ describe("the tools", () => {
   });
 
   it("obeys keys while a checkbox of the panel has the focus, and a key that is held down only once", async () => {
-    const press = (row, repeat = false) => torus.evaluate((c, [label, repeated]) => {
-      const rows = [...document.querySelectorAll(".lil-gui .controller")];
-      const input = rows.find(({ textContent }) => textContent.startsWith(label)).querySelector("input");
-      input.dispatchEvent(new KeyboardEvent("keydown", { key: "o", repeat: repeated, bubbles: true, cancelable: true }));
-      return c.settings.edl;
-    }, [row, repeat]);
+    const press = (row, repeat = false) =>
+      torus.evaluate(
+        (c, [label, repeated]) => {
+          const rows = [...document.querySelectorAll(".lil-gui .controller")];
+          const input = rows.find(({ textContent }) => textContent.startsWith(label)).querySelector("input");
+          input.dispatchEvent(new KeyboardEvent("keydown", { key: "o", repeat: repeated, bubbles: true, cancelable: true }));
+          return c.settings.edl;
+        },
+        [row, repeat],
+      );
     const { edl } = await torus.evaluate((c) => c.settings);
     assert.equal(await press("eye-dome lighting"), !edl);
     assert.equal(await press("eye-dome lighting", true), !edl, "it is still held down");
@@ -226,7 +241,12 @@ describe("the tools", () => {
   });
 
   it("keeps camera and settings in the address", async () => {
-    await torus.change(() => torus.drag([[320, 20], [400, 90]]));
+    await torus.change(() =>
+      torus.drag([
+        [320, 20],
+        [400, 90],
+      ]),
+    );
     await torus.change(() => torus.set("points", 4000));
     await torus.change(() => torus.set("silhouettes", true));
     const [camera, settings] = [await torus.evaluate((c) => c.view.camera), await torus.evaluate((c) => c.settings)];
@@ -249,7 +269,7 @@ describe("the tools", () => {
 describe("two pictures of an odd width", () => {
   it("are of the same size", async () => {
     const torus = await openTorus("points=1000&split=1", { viewport: { width: 641, height: 300 } });
-    await torus.until((c) => c.besideStore?.count === 1000);
+    await torus.until((c) => c.uniformStore?.count === 1000);
     const widths = await torus.evaluate((c) => {
       void c.view.screenshot(); // draws at once
       return [document.querySelector("canvas").width, c.view.size.width];
@@ -295,10 +315,40 @@ describe("a finger, and two", () => {
     await torus.change(() => touch([[200, 250]], [[215, 255]], [[240, 260]]));
     const turned = await torus.evaluate((c) => c.view.camera);
     assert.notDeepEqual(turned.eye, from.eye);
-    await torus.change(() => touch([[180, 250], [220, 250]], [[170, 250], [230, 250]], [[160, 250], [240, 250]]));
+    await torus.change(() =>
+      touch(
+        [
+          [180, 250],
+          [220, 250],
+        ],
+        [
+          [170, 250],
+          [230, 250],
+        ],
+        [
+          [160, 250],
+          [240, 250],
+        ],
+      ),
+    );
     const near = await torus.evaluate((c) => c.view.camera);
     assert.ok(distanceOf(near) < 0.7 * distanceOf(turned), "nearer");
-    await torus.change(() => touch([[180, 250], [220, 250]], [[180, 280], [220, 280]], [[180, 310], [220, 310]]));
+    await torus.change(() =>
+      touch(
+        [
+          [180, 250],
+          [220, 250],
+        ],
+        [
+          [180, 280],
+          [220, 280],
+        ],
+        [
+          [180, 310],
+          [220, 310],
+        ],
+      ),
+    );
     const moved = await torus.evaluate((c) => c.view.camera);
     assert.notDeepEqual(moved.target, near.target);
     assert.ok(Math.abs(distanceOf(moved) / distanceOf(near) - 1) < 0.01, "as near");

@@ -1,4 +1,4 @@
-// The viewer's page: puts its parts together.
+// The viewer's page: joins its parts.
 
 import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
 import { Viewport, type CameraState } from "../view";
@@ -17,17 +17,18 @@ import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
 import { Uploads } from "./upload";
 import { keepToken, readState, writeState } from "./url_state";
+import { ViewPacer } from "./view_pacer";
 
-const secondsBeforeSave = 0.4; // of the address, after the last change
-const longestStart = 500; // ms without a picture
-const noticeableDelay = 0.3; // seconds; a shorter loss of the connection is not spoken of
+const secondsBeforeSave = 0.4; // that the address waits after the last change
+const longestStart = 500; // ms that the first picture waits for points
+const noticeableDelay = 0.3; // seconds; a shorter pause before a reconnection has no banner
 
-/// Its mesh's name without what tells the format.
+/// Returns the name of a session's mesh without its extension.
 function stemOf(session: Session): string {
   return nameOf(session).replace(/\.[a-z]+$/i, "");
 }
 
-/// One for a page. Throws NoWebGL2Error.
+/// The application, of which a page has one. Throws NoWebGL2Error.
 export class Application {
   readonly settings: Settings;
   readonly viewport: Viewport;
@@ -43,8 +44,10 @@ export class Application {
   private readonly choice: SessionChoice;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
   private shown: unknown[] = []; // the stores that the viewport draws
-  private isLookDue = false;
-  private hasLooked = false; // since the last picture
+  private readonly pacer = new ViewPacer(
+    () => this.look(),
+    () => this.viewport.isDrawing,
+  );
   private saveTimer: ReturnType<typeof setTimeout> | undefined;
   private uploadMilliseconds = 0;
 
@@ -57,7 +60,7 @@ export class Application {
     private readonly token: string | undefined,
   ) {
     this.viewport = new Viewport(canvas);
-    this.viewport.expectPoints(longestStart); // the server is asked for them first, and works while an empty picture is drawn
+    this.viewport.expectPoints(longestStart); // an empty picture would take the processor's time from them
     this.defaults = defaultSettings(
       this.viewport.isSoftware,
       matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
@@ -116,10 +119,8 @@ export class Application {
   }
 
   private listen(canvas: HTMLCanvasElement): void {
-    this.viewport.onCamera = () => this.lookSoon();
-    this.viewport.onDrawn = () => {
-      if (this.isLookDue) this.lookSoon();
-    };
+    this.viewport.onCamera = () => this.pacer.request();
+    this.viewport.onDrawn = () => this.pacer.drawn();
     this.viewport.onBrush = (centre, done) => {
       if (this.brush.paint(centre, this.brushRadius(), done)) this.changed();
     };
@@ -128,12 +129,12 @@ export class Application {
       if (isLost) this.messages.showBanner("graphics", "The graphics card was lost; the picture waits until it is back …");
       else this.messages.hideBanner("graphics");
     };
-    new ResizeObserver(() => this.lookSoon()).observe(canvas);
+    new ResizeObserver(() => this.pacer.request()).observe(canvas);
     window.addEventListener("hashchange", () => location.reload());
     setInterval(() => this.showFigures(), 250);
   }
 
-  /// Settings have changed, by the panel or otherwise.
+  /// Applies settings that have changed.
   private changed(): void {
     const { settings, viewport } = this;
     document.documentElement.dataset.theme = settings.background;
@@ -152,28 +153,14 @@ export class Application {
       isCut: settings.frustum,
       isEven: settings.screen,
     };
-    this.lookSoon();
+    this.pacer.request();
   }
 
-  /// Changes settings from outside of the panel.
+  /// Changes settings, and shows them in the panel.
   private change(how: (settings: Settings) => void): void {
     how(this.settings);
     this.panel.refresh();
     this.changed();
-  }
-
-  /// At once, but not more than once before the next picture: the server works while this one is drawn. Where the processor draws,
-  /// they would only take each other's time.
-  private lookSoon(): void {
-    this.isLookDue = true;
-    if (this.hasLooked || this.viewport.isDrawing) return;
-    this.hasLooked = true;
-    requestAnimationFrame(() => {
-      this.hasLooked = false;
-      if (this.isLookDue) this.lookSoon();
-    });
-    this.isLookDue = false;
-    this.look();
   }
 
   private look(): void {
@@ -186,13 +173,13 @@ export class Application {
     this.saveSoon();
   }
 
-  /// One picture, or two.
+  /// Has the viewport draw the store of the main stream, or that of the uniform stream, too, in a split view.
   private showStores(): void {
     if (this.streams === null) return;
     this.streams.split(this.settings.split);
-    const { main, beside } = this.streams;
-    if (beside === null) this.messages.hideBanner("beside");
-    const stores = beside === null ? [main.store] : [beside.store, main.store];
+    const { main, uniform } = this.streams;
+    if (uniform === null) this.messages.hideBanner("uniform");
+    const stores = uniform === null ? [main.store] : [uniform.store, main.store];
     if (stores.length === this.shown.length && stores.every((store, i) => store === this.shown[i])) return;
     this.shown = stores;
     this.viewport.setStores(stores[0]!, stores[1]);
@@ -225,10 +212,10 @@ export class Application {
   }
 
   private show(session: Session, camera: CameraState | null): void {
-    for (const which of ["stream", "beside"] as const) this.messages.hideBanner(which);
+    for (const which of ["main", "uniform"] as const) this.messages.hideBanner(which);
     this.messages.hideCard();
     this.streams?.close();
-    this.streams = null; // the new one is not asked for what the camera of before sees
+    this.streams = null; // the new session is not asked for views of the camera before
     if (this.session !== null && this.session.sessionId !== session.sessionId) this.brush.clear();
     this.session = session;
     this.list.current = session.sessionId;
@@ -243,7 +230,7 @@ export class Application {
     if (boxMin !== undefined && boxMax !== undefined) {
       this.viewport.setBounds([boxMin.x, boxMin.y, boxMin.z], [boxMax.x, boxMax.y, boxMax.z]);
     }
-    this.showStores(); // what fits depends on how many pictures there are
+    this.showStores(); // first: how much fits into a picture depends on the number of pictures
     if (camera !== null) this.viewport.camera = camera;
     else this.viewport.frame();
     this.look();
@@ -267,7 +254,9 @@ export class Application {
 
   private frameCame(frame: FrameReport): void {
     if (frame.error !== null) return this.messages.notice(`The server refused this view: ${frame.error.message}`);
-    this.uploadMilliseconds = this.viewport.uploadNow();
+    const isChanged = frame.added + frame.removed + frame.resized > 0;
+    if (isChanged) this.uploadMilliseconds = this.viewport.uploadNow();
+    else this.viewport.expectNoPoints();
     this.showFigures();
   }
 
@@ -282,7 +271,7 @@ export class Application {
     if (state === "failed" && error !== null) {
       if (error.code === "UNAUTHENTICATED" || error.code === "PERMISSION_DENIED") this.refused(error);
       else if (error.code === "NOT_FOUND") this.messages.missingSession(this.session?.sessionId ?? "");
-      else this.messages.failure(which === "stream" ? "The stream has ended" : "The stream of uniform points has ended", error);
+      else this.messages.failure(which === "main" ? "The stream has ended" : "The stream of uniform points has ended", error);
     }
     this.showFigures();
   }

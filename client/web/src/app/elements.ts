@@ -1,4 +1,4 @@
-// Shorter ways to make parts of the page.
+// Short ways to make elements of the page.
 
 interface Properties {
   class?: string;
@@ -7,7 +7,7 @@ interface Properties {
   onClick?: () => void;
 }
 
-/// A new element with what it holds.
+/// Makes an element with its children.
 export function element<Tag extends keyof HTMLElementTagNameMap>(
   tag: Tag,
   { class: name, text, title, onClick }: Properties = {},
@@ -22,7 +22,7 @@ export function element<Tag extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
-/// A button that does not submit anything.
+/// Makes a button that submits no form.
 export function button(text: string, onClick: () => void, title?: string): HTMLButtonElement {
   const made = element("button", { text, onClick, ...(title !== undefined && { title }) });
   made.type = "button";

@@ -2,7 +2,7 @@
 
 import type { StreamedPoints } from "../stream";
 
-/// A value of each point: how it is written, and where its bytes are.
+/// A PLY property: its name and type, and its value for the point in a slot.
 interface Property {
   name: string;
   type: "double" | "float" | "uchar" | "uint";
@@ -11,18 +11,16 @@ interface Property {
 
 const sizes = { double: 8, float: 4, uchar: 1, uint: 4 };
 
-function propertiesOf({ places, normals, colours, curvatures, ranks, origin }: StreamedPoints): Property[] {
+function propertiesOf({ positions, normals, colours, curvatures, ranks, origin }: StreamedPoints): Property[] {
   const isFar = origin.some((value) => value !== 0);
   const column = (names: string[], type: Property["type"], valueAt: (slot: number, i: number) => number) =>
     names.map((name, i): Property => ({ name, type, valueOf: (slot) => valueAt(slot, i) }));
   return [
-    ...column(["x", "y", "z"], isFar ? "double" : "float", (slot, axis) => places[4 * slot + axis]! + origin[axis]!),
+    ...column(["x", "y", "z"], isFar ? "double" : "float", (slot, axis) => positions[4 * slot + axis]! + origin[axis]!),
     ...column(["nx", "ny", "nz"], "float", (slot, axis) => normals[4 * slot + axis]! / 127),
     ...(colours === null ? [] : column(["red", "green", "blue"], "uchar", (slot, channel) => colours[4 * slot + channel]!)),
-    ...column(["radius"], "float", (slot) => places[4 * slot + 3]!),
-    ...(curvatures === null
-      ? []
-      : column(["curvature_min", "curvature_max"], "float", (slot, i) => curvatures[2 * slot + i]!)),
+    ...column(["radius"], "float", (slot) => positions[4 * slot + 3]!),
+    ...(curvatures === null ? [] : column(["curvature_min", "curvature_max"], "float", (slot, i) => curvatures[2 * slot + i]!)),
     ...(ranks === null ? [] : column(["rank"], "uint", (slot) => ranks[slot]!)),
   ];
 }
@@ -34,8 +32,9 @@ function put(view: DataView, at: number, type: Property["type"], value: number):
   else view.setUint8(at, value);
 }
 
-/// Little-endian: x y z nx ny nz, red green blue where there are colours, radius, then curvatures and ranks where there are any. In
-/// the mesh's own frame, as doubles where the points have an origin; in the order of the curve. As the command writes them.
+/// Writes the points as a little-endian PLY file: x y z nx ny nz, red green blue where there are colours, radius, then curvatures and
+/// ranks where there are any. Positions are in the mesh's own frame, as doubles where the points have an origin. The points are in the
+/// order of the curve. `curvecast sample` writes the same.
 export function plyOf(store: StreamedPoints): Blob {
   const properties = propertiesOf(store);
   const lines = properties.map(({ name, type }) => `property ${type} ${name}\n`).join("");
@@ -53,7 +52,7 @@ export function plyOf(store: StreamedPoints): Blob {
   return new Blob([header, view], { type: "application/octet-stream" });
 }
 
-/// Offers a file to the user.
+/// Offers a file to the user as a download.
 export function download(blob: Blob, name: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);

@@ -1,25 +1,25 @@
-// Numbers as people read them.
+// Formats numbers for people.
 
-/// With separators: 50,000.
+/// Formats a count with separators: 50,000.
 export function count(value: number): string {
   return Math.round(value).toLocaleString("en");
 }
 
-/// 512 B, 8.1 KB, 1.2 MB; of 1,000.
+/// Formats bytes, with 1,000 to a kilobyte: 512 B, 8.1 KB, 1.2 MB.
 export function bytes(value: number): string {
   if (value < 1000) return `${Math.round(value)} B`;
   if (value < 999_500) return `${(value / 1e3).toFixed(value < 9950 ? 1 : 0)} KB`;
   return `${(value / 1e6).toFixed(value < 9.95e6 ? 1 : 0)} MB`;
 }
 
-/// Of seconds: 0.8 ms, 42 ms, 1.3 s; a dash where there is none.
+/// Formats seconds: 0.8 ms, 42 ms, 1.3 s; a dash for null.
 export function seconds(value: number | null): string {
   if (value === null) return "–";
   if (value >= 0.9995) return `${value.toFixed(1)} s`;
   return `${(1000 * value).toFixed(value < 0.00995 ? 1 : 0)} ms`;
 }
 
-/// Four significant digits.
+/// Formats a length with four significant digits.
 export function length(value: number): string {
   return String(Number(value.toPrecision(4)));
 }

@@ -1,20 +1,20 @@
-// What scripts and tests may read of the page.
+// The page's handle for scripts and tests.
 
 import type { LiveViewState, PointStore, Session, StatisticsSummary } from "../stream";
 import type { Viewport } from "../view";
 import type { Application } from "./app";
 import type { Settings } from "./settings";
 
-/// `window.curvecast`, for scripts and tests: what there is at the moment. Nothing of it is to be changed but by the viewport's
-/// own functions (`view.camera = ...`).
+/// `window.curvecast`: the state of the page at the moment. Scripts may change the page only through the viewport's own functions
+/// (`view.camera = ...`).
 export interface Handle {
   readonly state: LiveViewState | "none"; // none: no session is open
   readonly session: Session | null;
   readonly settings: Readonly<Settings>;
   readonly statistics: StatisticsSummary | null;
-  readonly look: number; // the number of the newest view; FrameReport.sequence of its frames
-  readonly store: PointStore | null; // of the view-dependent points
-  readonly besideStore: PointStore | null; // of the uniform ones in a split view
+  readonly look: number; // number of the newest view, as FrameReport.sequence of its frames
+  readonly store: PointStore | null; // the view-dependent points
+  readonly uniformStore: PointStore | null; // the uniform points of a split view
   readonly view: Viewport;
 }
 
@@ -24,7 +24,7 @@ declare global {
   }
 }
 
-/// A handle on an application.
+/// Makes the handle of an application.
 export function handleOf(app: Application): Handle {
   return Object.freeze({
     get state() {
@@ -45,8 +45,8 @@ export function handleOf(app: Application): Handle {
     get store() {
       return app.streams?.main.store ?? null;
     },
-    get besideStore() {
-      return app.streams?.beside?.store ?? null;
+    get uniformStore() {
+      return app.streams?.uniform?.store ?? null;
     },
     view: app.viewport,
   });

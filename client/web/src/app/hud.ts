@@ -1,4 +1,4 @@
-// Figures over the picture.
+// The figures over the picture.
 
 import type { LiveViewState } from "../stream";
 import { element } from "./elements";
@@ -13,7 +13,7 @@ const words: Record<LiveViewState, string> = {
   failed: "ended",
 };
 
-/// Shows what it is given; asks nobody. Folded, the state alone stays.
+/// Shows the figures of the streams. Folded, it shows the state alone.
 export class Hud {
   private readonly state = element("span", { class: "state" });
   private readonly rows = new Map<string, HTMLElement>();
@@ -42,7 +42,7 @@ export class Hud {
     this.root.open = !this.root.open;
   }
 
-  /// Of the line that is measured, units; null: there is none, and nothing is said of it.
+  /// Shows the length of the measured line, in units; null hides the row.
   set distance(distance: number | null) {
     const row = this.rows.get("distance")!;
     row.hidden = distance === null;
@@ -52,7 +52,7 @@ export class Hud {
     this.root.open = true;
   }
 
-  /// `framesPerSecond`: 0 where nothing moves.
+  /// Shows the figures of the moment. `framesPerSecond`: 0 where nothing moves.
   show(streams: Streams, framesPerSecond: number, uploadMilliseconds: number): void {
     const view = streams.main;
     const { last, viewP50, viewP99 } = view.statistics();

@@ -1,9 +1,9 @@
-// Which keys change settings, and which begin something.
+// The keys, and what they do.
 
 import { withinRange, type Settings } from "./settings";
 import type { Shortcut } from "./shortcuts";
 
-/// What keys do besides changing settings.
+/// What keys call.
 export interface KeyActions {
   change(how: (settings: Settings) => void): void;
   fit(): void;
@@ -23,7 +23,7 @@ function scalePoints(settings: Settings, factor: number): void {
   settings.points = withinRange("points", Math.round(settings.points * factor));
 }
 
-/// All of them.
+/// Lists all shortcuts of the page.
 export function keyTable(actions: KeyActions): Shortcut[] {
   const sets = (key: string, what: string, how: (settings: Settings) => void, repeats = false): Shortcut => ({
     key,

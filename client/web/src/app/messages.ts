@@ -1,4 +1,4 @@
-// What the page says: short notices, a banner while something is not right, and a card where nothing can be shown.
+// What the page says to its user: notices for a moment, a banner while something is wrong, a card where nothing can be shown.
 
 import type { CurvecastError } from "../stream";
 import { button, element } from "./elements";
@@ -8,20 +8,20 @@ interface Action {
   run: () => void;
 }
 
-/// What a banner may be about.
-export type Concern = "session" | "stream" | "beside" | "graphics";
+/// What a banner is about.
+export type Concern = "session" | "main" | "uniform" | "graphics";
 
 const noticeSeconds = 5;
-const mostNotices = 4;
+const maxNotices = 4;
 
-/// At most one banner and one card; notices go by themselves. What is said already is not said anew.
+/// Shows one banner and one card at most. Notices go by themselves. A message that is shown already is not shown twice.
 export class Messages {
   private readonly notices = element("div", { class: "notices" });
   private readonly banner = element("div", { class: "banner" });
   private readonly card = element("div", { class: "card" });
-  private readonly said = new Map<string, { notice: HTMLElement; timer?: ReturnType<typeof setTimeout> }>(); // oldest first
+  private readonly shown = new Map<string, { notice: HTMLElement; timer?: ReturnType<typeof setTimeout> }>(); // oldest first
   private readonly concerns = new Map<Concern, { text: string; action: Action | undefined }>(); // the newest is shown
-  private bannerText = ""; // with that of its button
+  private bannerText = ""; // of the banner and its button
   private cardText: string | null = null;
 
   constructor(parent: HTMLElement) {
@@ -31,27 +31,28 @@ export class Messages {
     parent.append(this.notices, this.banner, this.card);
   }
 
+  /// Shows a notice for a few seconds.
   notice(text: string): void {
-    if (!this.said.has(text)) this.say(text, element("div", { class: "notice", text }));
-    const entry = this.said.get(text)!;
+    if (!this.shown.has(text)) this.addNotice(text, element("div", { class: "notice", text }));
+    const entry = this.shown.get(text)!;
     clearTimeout(entry.timer);
-    entry.timer = setTimeout(() => this.unsay(text), 1000 * noticeSeconds);
+    entry.timer = setTimeout(() => this.removeNotice(text), 1000 * noticeSeconds);
   }
 
-  /// Something failed; the user closes it.
+  /// Shows a failure until the user closes it.
   failure(what: string, error: CurvecastError): void {
     const text = `${what}: ${error.message}`;
-    if (this.said.has(text)) return;
-    this.say(
+    if (this.shown.has(text)) return;
+    this.addNotice(
       text,
       element("div", { class: "notice failure" }, [
         element("div", {}, [element("strong", { text: what }), element("span", { text: error.message })]),
-        button("×", () => this.unsay(text), "Close"),
+        button("×", () => this.removeNotice(text), "Close"),
       ]),
     );
   }
 
-  /// Stays until hideBanner().
+  /// Shows a banner until hideBanner().
   showBanner(about: Concern, text: string, action?: Action): void {
     this.concerns.set(about, { text, action });
     this.refreshBanner();
@@ -66,7 +67,7 @@ export class Messages {
     this.cardText = null;
   }
 
-  /// There is no session yet.
+  /// Shows a card that asks for a mesh.
   invite(pick: () => void): void {
     this.showCard(
       "Drop a mesh here",
@@ -76,11 +77,12 @@ export class Messages {
     );
   }
 
-  /// A session of the address that the server has not.
+  /// Shows that the server does not have the session of the address.
   missingSession(id: string): void {
     this.showCard("This session is not there", `The server knows no session ${id}. Choose another in the panel, or drop a mesh.`);
   }
 
+  /// Shows that the browser cannot draw.
   noWebGL2(): void {
     this.showCard(
       "This browser shows no WebGL 2",
@@ -88,8 +90,7 @@ export class Messages {
     );
   }
 
-  /// The server does not take this caller; `use` is given another token. `why`: what is wrong with the one before, if there
-  /// was one.
+  /// Asks the user for a token, and calls `use` with it. `why`: what is wrong with the token before; null where there was none.
   askToken(why: string | null, use: (token: string) => void): void {
     const isNew = this.showCard(
       "The server asks who you are",
@@ -99,23 +100,23 @@ export class Messages {
     if (isNew) this.card.querySelector("input")?.focus();
   }
 
-  /// Nothing can be done here about what is wrong.
+  /// Shows that the server refuses this page, whatever its user does.
   refuse(error: CurvecastError): void {
     this.showCard("The server does not take this page", error.message);
   }
 
-  private say(text: string, notice: HTMLElement): void {
-    const [oldest] = this.said.keys();
-    if (oldest !== undefined && this.said.size >= mostNotices) this.unsay(oldest);
-    this.said.set(text, { notice });
+  private addNotice(text: string, notice: HTMLElement): void {
+    const [oldest] = this.shown.keys();
+    if (oldest !== undefined && this.shown.size >= maxNotices) this.removeNotice(oldest);
+    this.shown.set(text, { notice });
     this.notices.append(notice);
   }
 
-  private unsay(text: string): void {
-    const entry = this.said.get(text);
+  private removeNotice(text: string): void {
+    const entry = this.shown.get(text);
     clearTimeout(entry?.timer);
     entry?.notice.remove();
-    this.said.delete(text);
+    this.shown.delete(text);
   }
 
   private refreshBanner(): void {
@@ -129,7 +130,7 @@ export class Messages {
     if (newest.action !== undefined) this.banner.append(button(newest.action.text, newest.action.run));
   }
 
-  /// The one that is there stays as it is, with what was typed into it; returns whether it is another.
+  /// Shows a card. A card of the same text stays as it is, with what was typed into it. Returns whether the card is new.
   private showCard(title: string, text: string, makeParts: () => readonly Node[] = () => []): boolean {
     if (this.cardText === title + text) return false;
     this.cardText = title + text;

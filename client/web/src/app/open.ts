@@ -1,4 +1,4 @@
-// Begins the page once all of it is loaded.
+// Starts the application once the page is loaded.
 
 import type { Client } from "../stream";
 import { NoWebGL2Error } from "../view";
@@ -7,7 +7,7 @@ import type { FirstAnswers } from "./first_answers";
 import { handleOf } from "./handle";
 import { Messages } from "./messages";
 
-/// `token`: that the client has.
+/// Opens the page. `token`: the one that the client has.
 export function open(client: Client, answers: FirstAnswers, token: string | undefined): void {
   const canvas = document.querySelector("canvas")!;
   const messages = new Messages(document.body);

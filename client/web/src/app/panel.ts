@@ -1,4 +1,4 @@
-// The settings, as a panel of lil-gui.
+// The panel of settings, made with lil-gui.
 
 import GUI, { type Controller } from "lil-gui";
 
@@ -6,7 +6,7 @@ import { element } from "./elements";
 import guiStyle from "../../node_modules/lil-gui/dist/lil-gui.min.css?inline";
 import { ranges, type Settings } from "./settings";
 
-/// What the panel's buttons do, and whom it tells.
+/// What the panel calls: `changed` after a setting has changed, the others for its buttons.
 export interface PanelActions {
   changed(): void;
   upload(): void;
@@ -18,7 +18,7 @@ export interface PanelActions {
   help(): void;
 }
 
-/// Labels to values, as lil-gui wants them.
+// Labels and their values, in the form that lil-gui wants.
 const budgets = { points: "points", bytes: "bytes", "error in pixels": "pixels", automatic: "automatic" };
 const sequences = { jittered: "jittered", regular: "regular", "van der Corput": "vanDerCorput", "golden ratio": "goldenRatio" };
 const curvatures = { "– off": "none", Gaussian: "gauss", mean: "mean", largest: "max" };
@@ -31,12 +31,12 @@ const colourings = {
   "mesh's colour": "colour",
 };
 
-/// lil-gui brings a font for a few signs as a data URL, which the page's policy does not allow; other fonts have them too.
+/// Removes lil-gui's font for a few signs, a data URL that the page's content policy does not allow. Other fonts have these signs, too.
 function withoutFonts(style: string): string {
   return style.replace(/@font-face\s*\{[^}]*\}/g, "");
 }
 
-/// Shows `settings`, writes to them and then calls `changed`. `sessions` is the list to put at the top.
+/// Shows `settings`, writes to them, and then calls `changed`. `sessions`: the list that stands at the top.
 export class Panel {
   private readonly gui: GUI;
   private readonly conditions: { controller: Controller; applies: () => boolean }[] = [];
@@ -64,7 +64,7 @@ export class Panel {
     this.showWhatApplies();
   }
 
-  /// After settings were changed elsewhere.
+  /// Shows settings that were changed elsewhere.
   refresh(): void {
     for (const controller of this.gui.controllersRecursive()) controller.updateDisplay();
     this.showWhatApplies();
@@ -75,7 +75,7 @@ export class Panel {
     this.makeRoom();
   }
 
-  /// The page's style leaves the panel its place.
+  /// Has the page's style leave room for the panel while it is open.
   private makeRoom(): void {
     document.body.classList.toggle("with-panel", !this.gui._hidden && !this.gui._closed);
   }
@@ -89,8 +89,8 @@ export class Panel {
   }
 
   private addNumber(folder: GUI, key: keyof typeof ranges): Controller {
-    const { least, most, step }: { least: number; most: number; step?: number } = ranges[key];
-    return folder.add(this.settings, key, least, most, step);
+    const { min, max, step }: { min: number; max: number; step?: number } = ranges[key];
+    return folder.add(this.settings, key, min, max, step);
   }
 
   private addSessions(sessions: HTMLElement, actions: PanelActions): void {

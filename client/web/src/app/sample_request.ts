@@ -1,4 +1,4 @@
-// Settings and a camera, as the API wants them.
+// Makes the API's request for points from settings and a camera.
 
 import type { MessageInitShape } from "@bufbuild/protobuf";
 
@@ -11,9 +11,9 @@ import {
   type SampleRequestSchema,
 } from "../gen/curvecast/v1/curvecast_pb";
 import type { CameraState } from "../view";
-import { mostTerms, type Settings } from "./settings";
+import { maxTerms, type Settings } from "./settings";
 
-/// What SampleRequest is made of.
+/// The fields of a SampleRequest.
 export type SampleInit = MessageInitShape<typeof SampleRequestSchema>;
 type TermInit = MessageInitShape<typeof DensityTermSchema>;
 
@@ -29,7 +29,7 @@ function vec3([x, y, z]: readonly [number, number, number]): { x: number; y: num
   return { x, y, z };
 }
 
-/// The terms but for those of the brush.
+/// Makes the density terms of all settings but the brush.
 function plainTerms(settings: Settings): TermInit[] {
   const { curvature } = settings;
   const terms: TermInit[] = [];
@@ -43,9 +43,9 @@ function plainTerms(settings: Settings): TermInit[] {
   return terms;
 }
 
-/// How many more dabs of the brush there is room for.
+/// Returns how many more dabs of the brush a request has room for.
 export function roomForDabs(settings: Settings): number {
-  return mostTerms - plainTerms(settings).length - settings.dabs.length;
+  return maxTerms - plainTerms(settings).length - settings.dabs.length;
 }
 
 function budgetOf(settings: Settings): NonNullable<SampleInit["budget"]> {
@@ -61,7 +61,7 @@ function budgetOf(settings: Settings): NonNullable<SampleInit["budget"]> {
   }
 }
 
-/// The view that these settings ask for. `uniform`: with an even density, whatever is set. `size`: of the picture, in pixels.
+/// Makes the request for a view. `uniform`: its density is even, whatever the settings say. `size`: of the picture, in pixels.
 export function sampleRequest(
   settings: Settings,
   camera: CameraState,
@@ -69,10 +69,9 @@ export function sampleRequest(
   uniform = false,
 ): SampleInit {
   const terms = uniform ? [] : plainTerms(settings);
-  const dabs = uniform ? [] : settings.dabs.slice(0, mostTerms - terms.length);
+  const dabs = uniform ? [] : settings.dabs.slice(0, maxTerms - terms.length);
   const needsCamera =
-    settings.budget === "pixels" ||
-    (!uniform && (settings.silhouette || settings.distance || settings.screen || settings.frustum));
+    settings.budget === "pixels" || (!uniform && (settings.silhouette || settings.distance || settings.screen || settings.frustum));
   const attributes: PointAttribute[] = [];
   if (settings.colouring === "curvature") attributes.push(PointAttribute.CURVATURES);
   if (settings.colouring === "rank" && settings.sampler === "progressive") attributes.push(PointAttribute.RANK);
@@ -84,7 +83,7 @@ export function sampleRequest(
         term: { case: "brush", value: { centre: vec3(centre), radius, factor } },
       })),
     ],
-    // Without: moving it makes no other request.
+    // A request without a camera stays the same while the camera moves, and is not sent again.
     cameras: needsCamera
       ? [{ eye: vec3(camera.eye), target: vec3(camera.target), up: vec3(camera.up), verticalFovDegrees: camera.fov }]
       : [],

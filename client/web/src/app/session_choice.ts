@@ -1,55 +1,57 @@
-// Which session the page shows: the one of its address or one that was chosen, as soon as it is ready; without, the first that is.
+// Chooses the session that the page shows: the one of its address or the one that the user chose, as soon as it is ready; else the
+// first that is ready.
 
 import { asCurvecastError, SessionState, type Client, type CurvecastError, type Session } from "../stream";
 import type { CameraState } from "../view";
 import type { FirstAnswers } from "./first_answers";
-import { Repeated } from "./repeated";
+import { Poller } from "./poller";
 import { firstReady, nameOf } from "./session_list";
 
-/// Called one at a time. They may call choose() and refresh().
+/// Callbacks, called one at a time. They may call choose() and refresh().
 export interface ChoiceEvents {
+  /// The list of sessions has come.
   onSessions(sessions: readonly Session[]): void;
-  /// It is ready, and to be shown; `camera`: from where, null: from anywhere.
+  /// The session to show is ready. `camera`: the one of the address; null where there is none.
   onReady(session: Session, camera: CameraState | null): void;
-  /// There is none to show, and none is waited for.
+  /// There is no session to show, and none is prepared.
   onNone(): void;
-  /// What is waited for; null: nothing any more.
+  /// Says what the page waits for; null: nothing any more.
   onWaiting(text: string | null): void;
-  /// The session that was asked for cannot be shown. No other is before the user chooses one.
+  /// The session that was asked for cannot be shown. No other is shown before the user chooses one.
   onFailure(sessionId: string, error: CurvecastError): void;
-  /// The server does not take this caller: nothing is asked any more before the user chooses a session.
+  /// The server refuses this caller. Nothing is asked any more before the user chooses a session.
   onRefused(error: CurvecastError): void;
 }
 
 const secondsBetweenLists = 5;
-const secondsUntilReady = 1; // between questions whether a session is prepared
-const secondsBetweenTries = 2; // where the server cannot be reached
+const secondsUntilReady = 1; // between questions for a session that is being prepared
+const secondsBetweenTries = 2; // while the server cannot be reached
 const passing = ["UNAVAILABLE", "CANCELLED", "ABORTED", "DEADLINE_EXCEEDED", "RESOURCE_EXHAUSTED", "DATA_LOSS"];
 const refusing = ["UNAUTHENTICATED", "PERMISSION_DENIED"];
 
 /// Asks the server for the list of its sessions, and for the one that is wanted.
 export class SessionChoice {
-  private wanted: { id: string; camera: CameraState | null } | null = null; // to be shown once it is ready
-  private takesFirst = true; // nobody has said which
+  private wanted: { id: string; camera: CameraState | null } | null = null; // the session to show once it is ready
+  private takesFirst = true; // neither the address nor the user has named a session
   private isShowing = false;
-  private readonly asking = new Repeated((isCurrent) => this.ask(isCurrent));
-  private readonly listing = new Repeated((isCurrent) => this.list(isCurrent));
+  private readonly asking = new Poller((isCurrent) => this.ask(isCurrent));
+  private readonly listing = new Poller((isCurrent) => this.list(isCurrent));
   private isRefused = false;
 
-  /// `isVisible`: whether anybody looks at the list.
+  /// `isVisible`: whether the page is visible; the list is not asked for while it is not.
   constructor(
     private readonly client: Pick<Client, "listSessions" | "getSession">,
     private readonly events: ChoiceEvents,
     private readonly isVisible: () => boolean,
   ) {}
 
-  /// `sessionId`, `camera`: of the page's address.
+  /// Begins with the session and the camera of the page's address, where it names them.
   start(answers: FirstAnswers, sessionId: string | null, camera: CameraState | null): void {
     if (sessionId !== null) this.want(sessionId, camera, answers.session ?? undefined);
     void this.listing.start((isCurrent) => this.list(isCurrent, answers.sessions));
   }
 
-  /// The user wants this session, whatever was wanted before.
+  /// Shows the session that the user has chosen, once it is ready.
   choose(sessionId: string): void {
     this.want(sessionId, null);
   }
@@ -81,7 +83,7 @@ export class SessionChoice {
       return secondsUntilReady;
     }
     this.show(session, camera);
-    this.refresh(); // it may be new there
+    this.refresh(); // the list may not have the session yet
     return null;
   }
 
@@ -112,7 +114,7 @@ export class SessionChoice {
     if (!this.takesFirst) return secondsBetweenLists;
     const first = firstReady(sessions);
     if (first === null) this.events.onNone();
-    else this.show(first, null); // the list tells all of it
+    else this.show(first, null); // a session of the list has all that getSession() returns
     return secondsBetweenLists;
   }
 
@@ -121,7 +123,7 @@ export class SessionChoice {
       this.refuse(error);
       return null;
     }
-    // Else the session that is wanted, or the stream of the one that is shown, tells.
+    // The question for the wanted session, or the stream of the shown one, reports the failure in these cases.
     if (this.wanted !== null || this.isShowing) return secondsBetweenLists;
     this.events.onWaiting(tryingAgain(error));
     return secondsBetweenTries;

@@ -1,21 +1,22 @@
-// The server's sessions, as a list to choose from.
+// The list of the server's sessions, to choose from.
 
 import { SessionState, type Session } from "../stream";
 import { button, element } from "./elements";
 import { bytes, count } from "./format";
 
-/// What a row of the list can be asked to do.
+/// What the buttons of a row call.
 export interface SessionActions {
   open(session: Session): void;
   forget(session: Session): void;
 }
 
-/// The name of a session's mesh, as far as it is known.
+/// Returns the name of a session's mesh, or the beginning of the mesh's id where it has no name yet.
 export function nameOf(session: Session): string {
-  return session.report?.mesh?.name || session.meshId.slice(0, 8);
+  const name = session.report?.mesh?.name ?? "";
+  return name === "" ? session.meshId.slice(0, 8) : name;
 }
 
-/// The session to show when none is asked for: the first that is ready.
+/// Returns the first session that is ready; null where none is.
 export function firstReady(sessions: readonly Session[]): Session | null {
   return sessions.find((session) => session.state === SessionState.READY) ?? null;
 }
@@ -35,7 +36,7 @@ function detailsOf(session: Session): string {
   }
 }
 
-/// One session, whatever becomes of it.
+/// The row of one session.
 class Row {
   private readonly name = element("strong");
   private readonly details = element("small");
@@ -64,7 +65,7 @@ class Row {
   }
 }
 
-/// `root` is to be put somewhere.
+/// The list. The caller puts `root` into the page.
 export class SessionList {
   readonly root = element("div", { class: "sessions" });
   private readonly none = element("p", { text: "none yet" });
@@ -79,13 +80,13 @@ export class SessionList {
     this.refresh();
   }
 
-  /// The id of the session that is shown.
+  /// Marks the session that is shown, by its id.
   set current(id: string) {
     this.currentId = id;
     this.refresh();
   }
 
-  /// Rows that stay keep their elements, with focus and presses.
+  /// Shows the sessions. Rows that stay keep their elements, and so the focus and a press under way.
   private refresh(): void {
     const { rows, root, sessions } = this;
     const gone = new Set(rows.keys());

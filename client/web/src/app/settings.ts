@@ -1,9 +1,8 @@
-// What a user can set. Lengths are in the units of the mesh where nothing else is said.
+// What a user can set. Lengths are in the units of the mesh unless a comment says otherwise.
 
 import type { Background, Colouring, Mode } from "../view";
 
-/// A dab of the brush: the density is multiplied by `factor` within `radius` of the centre. `stroke`: dabs of one movement are
-/// undone together.
+/// A dab of the brush, which multiplies the density by `factor` within `radius` of the centre. Dabs of one `stroke` are undone together.
 export interface Dab {
   centre: [number, number, number];
   radius: number;
@@ -11,12 +10,13 @@ export interface Dab {
   stroke: number;
 }
 
+/// All settings of the page.
 export interface Settings {
   budget: "points" | "bytes" | "pixels" | "automatic";
   points: number;
   kilobytes: number; // 1,024 bytes
   pixelError: number; // side of the largest square that a point may stand for, pixels
-  frameMilliseconds: number; // of the automatic budget
+  frameMilliseconds: number; // that a frame of the automatic budget may take
   sampler: "progressive" | "equalised";
   sequence: "jittered" | "regular" | "vanDerCorput" | "goldenRatio"; // of the equalised sampler
   curvature: "none" | "gauss" | "mean" | "max";
@@ -37,42 +37,42 @@ export interface Settings {
   dotSize: number; // CSS pixels
   splatScale: number;
   navigation: "orbit" | "fly";
-  frozen: boolean; // views are sampled for the camera as it was
+  frozen: boolean; // views are sampled for the camera of the moment when this was set
   split: boolean; // left: a uniform density, right: the one set; both with the same budget
   measuring: boolean;
 }
 
-/// The server multiplies at most so many terms.
-export const mostTerms = 16;
+/// The most terms of a density; the same limit as the server's.
+export const maxTerms = 16;
 
 interface Range {
-  least: number;
-  most: number;
+  min: number;
+  max: number;
   step?: number; // of the panel
 }
 
-/// Of the settings that are numbers.
+/// The ranges of the settings that are numbers.
 export const ranges = {
-  points: { least: 1000, most: 1_000_000, step: 1000 },
-  kilobytes: { least: 4, most: 8192, step: 4 },
-  pixelError: { least: 1, most: 40, step: 0.5 },
-  frameMilliseconds: { least: 10, most: 500, step: 1 },
-  curvatureExponent: { least: 0.1, most: 3 },
-  silhouetteFloor: { least: 0.01, most: 1 },
-  brushSize: { least: 0.5, most: 30 },
-  brushFactor: { least: 0, most: 64 },
-  dotSize: { least: 1, most: 10 },
-  splatScale: { least: 0.2, most: 3 },
+  points: { min: 1000, max: 1_000_000, step: 1000 },
+  kilobytes: { min: 4, max: 8192, step: 4 },
+  pixelError: { min: 1, max: 40, step: 0.5 },
+  frameMilliseconds: { min: 10, max: 500, step: 1 },
+  curvatureExponent: { min: 0.1, max: 3 },
+  silhouetteFloor: { min: 0.01, max: 1 },
+  brushSize: { min: 0.5, max: 30 },
+  brushFactor: { min: 0, max: 64 },
+  dotSize: { min: 1, max: 10 },
+  splatScale: { min: 0.2, max: 3 },
 } satisfies Record<NumberSetting, Range>;
 
 type NumberSetting = { [Key in keyof Settings]: Settings[Key] extends number ? Key : never }[keyof Settings];
 
-/// The nearest value in the range of a setting.
+/// Returns the value nearest to `value` in the range of a setting.
 export function withinRange(key: keyof typeof ranges, value: number): number {
-  return Math.min(Math.max(value, ranges[key].least), ranges[key].most);
+  return Math.min(Math.max(value, ranges[key].min), ranges[key].max);
 }
 
-/// What a page begins with. A renderer without a graphics card takes fewer points.
+/// Returns the settings that a page begins with. A renderer without a graphics card gets fewer points.
 export function defaultSettings(isSoftware: boolean, background: Background): Settings {
   return {
     budget: "points",

@@ -1,18 +1,18 @@
-// Keys, and the overlay that lists them.
+// Runs the shortcuts of keys, and lists them in an overlay.
 
-import { isTyping } from "../view";
+import { takesKeys } from "../view";
 import { element } from "./elements";
 
-/// A key as KeyboardEvent.key has it, in lower case; "mod+" before it: control or command.
+/// A shortcut. `key`: as KeyboardEvent.key, in lower case; with "mod+" before it for control or command.
 export interface Shortcut {
   key: string;
   what: string;
   run: () => void;
-  /// Also while the key is held down.
+  /// Runs again and again while the key is held down.
   repeats?: boolean;
 }
 
-// What the picture itself understands.
+// The gestures and keys that the picture takes by itself.
 const pointer: readonly (readonly [string, string])[] = [
   ["drag · one finger", "turn"],
   ["right drag · two fingers", "move"],
@@ -22,10 +22,10 @@ const pointer: readonly (readonly [string, string])[] = [
   ["arrows, + −", "turn, nearer, farther"],
 ];
 
-/// Listens until the page ends. Keys in fields are theirs.
+/// Listens to keys until the page ends, but not to those in fields.
 export class Shortcuts {
   private readonly overlay = element("div", { class: "help" });
-  private focusBefore: Element | null = null; // the list was opened
+  private focusBefore: Element | null = null; // the element that gets the focus back
 
   constructor(
     parent: HTMLElement,
@@ -50,10 +50,10 @@ export class Shortcuts {
       ]),
     );
     parent.append(this.overlay);
-    window.addEventListener("keydown", (event) => this.press(event), { capture: true }); // the panel lets none of its own up again
+    window.addEventListener("keydown", (event) => this.press(event), { capture: true }); // on their way down: the panel stops its keys on their way up
   }
 
-  /// It takes the focus, and gives it back.
+  /// Shows or hides the overlay. The overlay takes the focus, and gives it back.
   toggleHelp(): void {
     const { overlay } = this;
     overlay.hidden = !overlay.hidden;
@@ -63,14 +63,14 @@ export class Shortcuts {
     } else if (this.focusBefore instanceof HTMLElement) this.focusBefore.focus({ preventScroll: true });
   }
 
-  /// Nothing else takes the keys meanwhile: see isTyping(). The focus has nowhere to go within.
+  /// Takes the keys while the overlay is open: see takesKeys(). The overlay has nothing else for the focus to go to.
   private pressInHelp(event: KeyboardEvent): void {
     if (event.key === "Tab") event.preventDefault();
     if (event.key === "Escape" || (event.key === "?" && !event.repeat)) this.toggleHelp();
   }
 
   private press(event: KeyboardEvent): void {
-    if (event.altKey || isTyping(event.target)) return;
+    if (event.altKey || takesKeys(event.target)) return;
     const key = (event.ctrlKey || event.metaKey ? "mod+" : "") + event.key.toLowerCase();
     if (key === "?" && !event.repeat) return this.toggleHelp();
     if (key === "escape" && !this.overlay.hidden) return this.toggleHelp();

@@ -1,4 +1,4 @@
-// The streams of a page: the one that is looked at, and beside it one of even density where the picture is split.
+// The streams of a page: the main one, and in a split view one of uniform density beside it.
 
 import { create, toBinary } from "@bufbuild/protobuf";
 
@@ -12,28 +12,28 @@ import {
 } from "../stream";
 import type { SampleInit } from "./sample_request";
 
-/// The stream that is looked at, or the one beside it.
-export type Which = "stream" | "beside";
+/// The main stream, whose density the user sets, or the one of uniform density.
+export type Which = "main" | "uniform";
 
-/// Of both; as those of LiveView.
+/// The events of both streams, as those of LiveView.
 export interface StreamsEvents {
   onFrame(frame: FrameReport): void;
   onState(which: Which, state: LiveViewState, error: CurvecastError | null, delay: number | null): void;
 }
 
-const firstBytes = 48 << 10; // something shows as soon as these have come
+const firstBytes = 48 << 10; // of a frame, that come first and are shown at once
 
 function sameBytes(a: Uint8Array, b: Uint8Array): boolean {
   return a.length === b.length && a.every((byte, i) => byte === b[i]);
 }
 
-/// A view that is asked only for what is new.
-class Asker {
+/// Asks a view only for samples that differ from the last one.
+class DistinctView {
   private last: Uint8Array = new Uint8Array(0);
 
   constructor(readonly view: LiveView) {}
 
-  /// Whether it was new.
+  /// Asks for a sample. Returns whether it differed from the last one.
   look(sample: SampleInit): boolean {
     const bytes = toBinary(SampleRequestSchema, create(SampleRequestSchema, sample));
     if (this.view.lastLook > 0 && sameBytes(bytes, this.last)) return false;
@@ -43,65 +43,65 @@ class Asker {
   }
 }
 
-/// Of one session.
+/// The streams of one session.
 export class Streams {
-  private readonly dependent: Asker;
-  private uniform: Asker | null = null;
+  private readonly mainView: DistinctView;
+  private uniformView: DistinctView | null = null;
 
   constructor(
     private readonly client: Client,
     readonly sessionId: string,
     private readonly events: StreamsEvents,
   ) {
-    this.dependent = this.open("stream");
+    this.mainView = this.open("main");
   }
 
-  /// The stream that is looked at.
+  /// The main stream.
   get main(): LiveView {
-    return this.dependent.view;
+    return this.mainView.view;
   }
 
-  /// The one beside it; null where there is none.
-  get beside(): LiveView | null {
-    return this.uniform?.view ?? null;
+  /// The stream of uniform density; null without a split view.
+  get uniform(): LiveView | null {
+    return this.uniformView?.view ?? null;
   }
 
-  /// Whether there is one beside it.
+  /// Opens or closes the stream of uniform density.
   split(on: boolean): void {
-    if (on === (this.uniform !== null)) return;
-    this.uniform?.view.close();
-    this.uniform = on ? this.open("beside") : null;
+    if (on === (this.uniformView !== null)) return;
+    this.uniformView?.view.close();
+    this.uniformView = on ? this.open("uniform") : null;
   }
 
-  /// Of both, over the last seconds.
+  /// Bytes a second of both streams, over the last seconds.
   get bytesPerSecond(): number {
-    return this.main.statistics().bytesPerSecond + (this.beside?.statistics().bytesPerSecond ?? 0);
+    return this.main.statistics().bytesPerSecond + (this.uniform?.statistics().bytesPerSecond ?? 0);
   }
 
-  /// Those that are reconnecting do not wait any longer.
+  /// Lets streams that wait before they reconnect do so now.
   retryNow(): void {
     this.main.retryNow();
-    this.beside?.retryNow();
+    this.uniform?.retryNow();
   }
 
-  /// `uniform`: what the one beside it is to show. Returns whether points for `sample` are about to come.
+  /// Asks the main stream for `sample`, and the other one for `uniform`. Returns whether points for `sample` are about to come.
   look(sample: SampleInit, uniform: SampleInit): boolean {
-    this.uniform?.look(uniform);
+    this.uniformView?.look(uniform);
     const { state } = this.main;
-    return this.dependent.look(sample) && (state === "streaming" || state === "refining");
+    return this.mainView.look(sample) && (state === "streaming" || state === "refining");
   }
 
   close(): void {
-    this.dependent.view.close();
-    this.uniform?.view.close();
+    this.mainView.view.close();
+    this.uniformView?.view.close();
   }
 
-  private open(which: Which): Asker {
+  private open(which: Which): DistinctView {
     const { events } = this;
-    const told = {
+    const handlers = {
       onFrame: (frame: FrameReport) => events.onFrame(frame),
       onState: (...how: [LiveViewState, CurvecastError | null, number | null]) => events.onState(which, ...how),
     };
-    return new Asker(this.client.view(this.sessionId, told, { firstBytes }));
+    return new DistinctView(this.client.view(this.sessionId, handlers, { firstBytes }));
   }
 }

@@ -1,11 +1,11 @@
-// From files to a session: dropped or chosen, sent, prepared.
+// Makes sessions of files that the user drops or chooses.
 
 import { asCurvecastError, meshAmong, type Client, type CurvecastError, type NamedFile, type Session } from "../stream";
 import { droppedFiles } from "./dropped_files";
 import { button, element } from "./elements";
 import { bytes } from "./format";
 
-/// Told of the outcome of each upload.
+/// The outcomes of an upload.
 export interface UploadEvents {
   onReady(session: Session, missing: readonly string[]): void;
   onFailure(what: string, error: CurvecastError): void;
@@ -23,16 +23,16 @@ const stageWords: Record<string, string> = {
   map: "finding the surface",
   area: "measuring areas",
 };
-const sendingShare = 0.3; // of the bar
-const dropLinger = 700; // ms; while files are over the page, it is told so every 350 ms at least
+const sendingShare = 0.3; // of the bar, for sending the files; the rest is for preparing the session
+const dropLinger = 700; // ms; browsers send dragover every 350 ms at least while files are over the page
 
-/// Of the preparation: it grows from stage to stage. Those that are none of them are nothing yet.
+/// Returns the share of the preparation that is done, which grows from stage to stage; 0 for the stages before the first one.
 function preparedShare(stage: string, fraction: number): number {
   const index = stages.indexOf(stage);
   return index < 0 ? 0 : (index + fraction) / stages.length;
 }
 
-/// Files may be dropped anywhere on the page. Several uploads may run at once; each has a bar and can be cancelled.
+/// Takes files from anywhere on the page. Several uploads may run at once. Each has a bar, and can be cancelled.
 export class Uploads {
   private readonly bars = element("div", { class: "uploads" });
   private readonly input = element("input");
@@ -130,7 +130,7 @@ export class Uploads {
       showTarget(false);
       droppedFiles(event.dataTransfer!).then(
         (files) => this.start(files),
-        (thrown) => this.events.onFailure("What was dropped cannot be read", asCurvecastError(thrown)),
+        (thrown: unknown) => this.events.onFailure("What was dropped cannot be read", asCurvecastError(thrown)),
       );
     });
   }

@@ -1,10 +1,10 @@
-// What the page's address says after #: the session, the camera, and settings that need not be the default ones elsewhere.
+// Reads and writes the part of the page's address after #: the session, the camera, and settings that differ from the defaults.
 
 import { isUsable } from "../view/camera_math";
 import type { CameraState } from "../view";
 import { ranges, withinRange, type Dab, type Settings } from "./settings";
 
-/// What an address may hold; all of it is optional.
+/// What an address says. All parts are optional.
 export interface UrlState {
   session: string | null;
   camera: CameraState | null;
@@ -12,10 +12,10 @@ export interface UrlState {
 }
 
 const tokenKey = "curvecast.token";
-const digits = 12; // of a number: coordinates may lie far from 0, and cameras near to what they show
-// Written even where they are the default ones, which are not the same for every machine.
+const digits = 12; // of a number: coordinates may lie far from 0, and cameras near the surface
+// Settings that are written even where they are the defaults, because these differ from machine to machine.
 const always: readonly (keyof Settings)[] = ["points", "background"];
-// What a visit does, and not how it looks.
+// Settings of what a visit does, not of how the page looks.
 const unsaved: readonly (keyof Settings)[] = ["dabs", "brush", "measuring", "frozen"];
 
 const choices: { [Key in keyof Settings]?: readonly string[] } = {
@@ -34,7 +34,7 @@ function numbers(text: string, count: number): number[] | null {
   return values.length === count && values.every(Number.isFinite) ? values : null;
 }
 
-/// The shortest text of a number that keeps its digits.
+/// Returns the shortest text of a number that keeps its digits.
 function short(value: number): string {
   return String(Number(value.toPrecision(digits)));
 }
@@ -76,12 +76,12 @@ function readSetting(key: keyof Settings, text: string, like: unknown): unknown 
   return choices[key]?.includes(text) === true ? text : undefined;
 }
 
-/// The session that an address asks for.
+/// Returns the id of the session that an address names; null where it names none.
 export function readSession(hash: string): string | null {
   return new URLSearchParams(hash.replace(/^#/, "")).get("session");
 }
 
-/// What cannot be understood is left out. `defaults` tells which settings there are.
+/// Reads an address, and leaves out what cannot be understood. `defaults`: all settings that there are.
 export function readState(hash: string, defaults: Settings): UrlState {
   const given = new URLSearchParams(hash.replace(/^#/, ""));
   const settings: Record<string, unknown> = {};
@@ -95,30 +95,27 @@ export function readState(hash: string, defaults: Settings): UrlState {
   return {
     session: readSession(hash),
     camera: readCamera(given.get("camera") ?? ""),
-    settings: settings as Partial<Settings>,
+    settings,
   };
 }
 
-/// The same as text, # included.
+/// Writes an address that readState() reads, # included.
 export function writeState(session: string | null, camera: CameraState | null, settings: Settings, defaults: Settings): string {
   const out = new URLSearchParams();
   if (session !== null) out.set("session", session);
   if (camera !== null) out.set("camera", [...camera.eye, ...camera.target, ...camera.up, camera.fov].map(short).join(","));
   for (const key of Object.keys(defaults) as (keyof Settings)[]) {
     const value = settings[key];
-    if (unsaved.includes(key) || (value === defaults[key] && !always.includes(key))) continue;
-    out.set(key, typeof value === "boolean" ? (value ? "1" : "0") : typeof value === "number" ? short(value) : String(value));
+    if (typeof value === "object" || unsaved.includes(key) || (value === defaults[key] && !always.includes(key))) continue;
+    out.set(key, typeof value === "boolean" ? (value ? "1" : "0") : typeof value === "number" ? short(value) : value);
   }
   if (settings.dabs.length > 0) {
-    out.set(
-      "dabs",
-      settings.dabs.map(({ centre, radius, factor }) => [...centre, radius, factor].map(short).join(",")).join(";"),
-    );
+    out.set("dabs", settings.dabs.map(({ centre, radius, factor }) => [...centre, radius, factor].map(short).join(",")).join(";"));
   }
   return "#" + out.toString().replaceAll("%2C", ",").replaceAll("%3B", ";");
 }
 
-/// The token of the address, which it does not keep, or that of an earlier page in this tab.
+/// Takes the token out of the address, or that of an earlier page in this tab.
 export function takeToken(): string | undefined {
   const given = new URLSearchParams(location.hash.replace(/^#/, ""));
   const token = given.get("token");
@@ -134,7 +131,8 @@ export function takeToken(): string | undefined {
   }
 }
 
-/// For the next page in this tab, which is to be loaded at once: it may be in the address until then.
+/// Keeps a token for the next page in this tab. Where the browser stores nothing for pages, the token is in the address until that page
+/// takes it: load it at once.
 export function keepToken(token: string): void {
   if (store(token)) return;
   const given = new URLSearchParams(location.hash.replace(/^#/, ""));
@@ -142,7 +140,7 @@ export function keepToken(token: string): void {
   replaceHash(given);
 }
 
-/// False where the browser keeps nothing for pages.
+/// Stores a token for this tab. Returns false where the browser stores nothing for pages.
 function store(token: string): boolean {
   try {
     sessionStorage.setItem(tokenKey, token);

@@ -1,4 +1,4 @@
-// Blocks of points, Draco or raw, to the arrays of a PointStore. Runs in a worker; needs nothing of a browser.
+// Decodes blocks of points, Draco or raw, into the columns of a PointStore. Runs in a worker, and needs nothing of a browser.
 
 import type { PointAttributes, PointBlock, RawPoints } from "../gen/curvecast/v1/curvecast_pb";
 import { asFloats, writeColours, writeNormals, writePositions } from "./columns";
@@ -7,7 +7,7 @@ import { readHeader } from "./draco/header";
 import { DracoLibrary } from "./draco/library";
 import { DracoReader } from "./draco/reader";
 
-/// A block as it goes to a worker: plain, with bytes of its own.
+/// A block in the form that goes to a worker: plain values, with copies of the message's bytes.
 export interface EncodedBlock {
   count: number;
   origin: [number, number, number];
@@ -17,7 +17,7 @@ export interface EncodedBlock {
   ranks: Uint8Array;
 }
 
-/// A block of a message, with copies of its bytes. Throws where it can be no block.
+/// Copies a block of a message. Throws DATA_LOSS where the origin is not finite.
 export function encodedBlock(block: PointBlock): EncodedBlock {
   const origin: [number, number, number] = [block.origin?.x ?? 0, block.origin?.y ?? 0, block.origin?.z ?? 0];
   if (!origin.every(Number.isFinite)) throw badPoints("an origin that is not finite");
@@ -37,19 +37,19 @@ export function encodedBlock(block: PointBlock): EncodedBlock {
   };
 }
 
-/// The buffers of a block or of its points, for a transfer to another thread.
+/// Lists the buffers of a block or of its points, for their transfer to another thread.
 export function buffersOf(holder: EncodedBlock | DecodedPoints): ArrayBuffer[] {
   const arrays = Object.values(holder).flatMap((value: unknown) =>
     ArrayBuffer.isView(value)
       ? [value]
       : value !== null && typeof value === "object"
-        ? Object.values(value).filter(ArrayBuffer.isView)
+        ? Object.values(value).filter((part) => ArrayBuffer.isView(part))
         : [],
   );
   return [...new Set(arrays.map((array) => array.buffer))].filter((buffer) => buffer instanceof ArrayBuffer);
 }
 
-/// Decodes blocks. Rejects with a CurvecastError for bad data, and stays usable.
+/// Decodes blocks, one after the other. Rejects bad data with DATA_LOSS, and stays usable.
 export class BlockDecoder {
   private readonly reader = new DracoReader();
   private readonly radii = new RadiusTable();
@@ -60,7 +60,7 @@ export class BlockDecoder {
     const points: DecodedPoints = {
       count: block.count,
       origin: block.origin,
-      places: new Float32Array(0),
+      positions: new Float32Array(0),
       normals: new Int8Array(0),
       colours: null,
       curvatures: floatColumn(block.curvatures, 2 * block.count, "curvatures"),
@@ -72,7 +72,10 @@ export class BlockDecoder {
     return points;
   }
 
-  private async decodeDraco({ data, radiusMin, radiusMax }: NonNullable<EncodedBlock["draco"]>, points: DecodedPoints): Promise<void> {
+  private async decodeDraco(
+    { data, radiusMin, radiusMax }: NonNullable<EncodedBlock["draco"]>,
+    points: DecodedPoints,
+  ): Promise<void> {
     const header = readHeader(data);
     if (header.points !== points.count) throw badPoints(`Draco data of ${header.points} points in a block of ${points.count}`);
     const radii = this.radii.of(radiusMin, radiusMax);
@@ -81,7 +84,7 @@ export class BlockDecoder {
   }
 }
 
-/// The radius of every code: min (max / min)^(code / 255).
+/// Keeps the radius of every code between two radii: min (max / min)^(code / 255).
 class RadiusTable {
   private radii = new Float32Array(256);
   private min = 0;
@@ -99,7 +102,7 @@ class RadiusTable {
 }
 
 function makeColumns(points: DecodedPoints, hasColours: boolean): void {
-  points.places = new Float32Array(4 * points.count);
+  points.positions = new Float32Array(4 * points.count);
   points.normals = new Int8Array(4 * points.count);
   if (hasColours) points.colours = new Uint8Array(4 * points.count);
 }
@@ -122,7 +125,7 @@ function decodeRaw(raw: NonNullable<EncodedBlock["raw"]>, points: DecodedPoints)
   writeNormals(asFloats(normals), points);
   asFloats(radii).forEach((radius, i) => {
     if (!(radius >= 0 && radius < Infinity)) throw badPoints(`radius ${radius}`);
-    points.places[4 * i + 3] = radius;
+    points.positions[4 * i + 3] = radius;
   });
   if (points.colours !== null) writeColours(checked(raw.colours, 3 * points.count, "colours"), points.colours);
 }

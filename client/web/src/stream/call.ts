@@ -1,26 +1,27 @@
-// One call of the service among those that share a socket.
+// A call of the service, one of those that share a socket.
 
 import { create, fromBinary, toBinary, type DescMessage, type MessageInitShape, type MessageShape } from "@bufbuild/protobuf";
 
 import { asCurvecastError, cancelled, CurvecastError } from "./errors";
 
-/// What is sent of a call at once.
+/// A part of a call that is sent in one WebSocket message.
 export interface CallPart {
   message?: Uint8Array;
   halfClose?: boolean;
   cancel?: boolean;
 }
 
-/// Told of a call's responses, in their order, as they come in; `bytes`: of the WebSocket message.
+/// Takes the responses of a call, in their order.
 export interface CallHandlers<Output extends DescMessage> {
+  /// A response has come. `bytes`: size of its WebSocket message.
   onMessage(message: MessageShape<Output>, bytes: number): void;
-  /// Once, and nothing after it. null: it ended well.
+  /// The call has ended, well where `error` is null. Nothing is called after it.
   onEnd(error: CurvecastError | null): void;
 }
 
-/// A call under way. What is sent after its end is dropped: the end tells why.
+/// A call under way. Messages that are sent after its end are dropped: onEnd() has said why it ended.
 export class Call<Input extends DescMessage, Output extends DescMessage> {
-  private over = false;
+  private isOver = false;
 
   constructor(
     private readonly transmit: (part: CallPart) => void,
@@ -30,30 +31,30 @@ export class Call<Input extends DescMessage, Output extends DescMessage> {
   ) {}
 
   get ended(): boolean {
-    return this.over;
+    return this.isOver;
   }
 
-  /// Sends a request message; `last`: no more follow.
+  /// Sends a request message. `last`: no other follows.
   send(message: MessageInitShape<Input>, last = false): void {
-    if (this.over) return;
+    if (this.isOver) return;
     const bytes = toBinary(this.input, create(this.input, message));
     this.transmit(last ? { message: bytes, halfClose: true } : { message: bytes });
   }
 
   halfClose(): void {
-    if (!this.over) this.transmit({ halfClose: true });
+    if (!this.isOver) this.transmit({ halfClose: true });
   }
 
-  /// Ends the call as CANCELLED, at once.
+  /// Ends the call at once, as CANCELLED.
   cancel(): void {
-    if (this.over) return;
+    if (this.isOver) return;
     this.transmit({ cancel: true });
     this.end(cancelled());
   }
 
-  /// Of the socket: a response message has come.
-  take(message: Uint8Array, bytes: number): void {
-    if (this.over) return;
+  /// Takes a response message from the socket. `bytes`: size of its WebSocket message.
+  receive(message: Uint8Array, bytes: number): void {
+    if (this.isOver) return;
     let response: MessageShape<Output>;
     try {
       response = fromBinary(this.output, message);
@@ -65,10 +66,10 @@ export class Call<Input extends DescMessage, Output extends DescMessage> {
     this.handlers.onMessage(response, bytes);
   }
 
-  /// Of the socket: the call is over.
+  /// Takes the end of the call from the socket.
   end(error: CurvecastError | null): void {
-    if (this.over) return;
-    this.over = true;
+    if (this.isOver) return;
+    this.isOver = true;
     this.handlers.onEnd(error);
   }
 }

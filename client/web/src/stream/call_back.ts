@@ -1,6 +1,6 @@
-// Errors of callbacks, which nobody here awaits.
+// Keeps errors of a page's callbacks away from the client that calls them.
 
-/// Calls back. What that throws is told as an error of the page (console, "error" event), and goes no further.
+/// Calls back. Reports what the callback throws as an error of the page (console, "error" event).
 export function callBack(callback: () => void): void {
   try {
     callback();

@@ -1,8 +1,14 @@
-// Remembers which slots of a store have changed, in groups: few large transfers are faster than many small ones.
-
-import type { PointChanges } from "./point_store";
+// Remembers which slots of a store have changed. Slots are noted in groups: few large transfers are faster than many small ones.
 
 const slotsPerGroup = 32;
+
+/// The slots that have changed since takeChanges() was called last.
+export interface PointChanges {
+  /// All slots have changed, or the arrays were replaced by larger ones.
+  all: boolean;
+  /// Pairs [begin, end) of slots, ascending and apart. Empty where `all` is true.
+  ranges: number[];
+}
 
 /// Slots are numbered from 0.
 export class ChangedSlots {
@@ -23,7 +29,7 @@ export class ChangedSlots {
     this.everything = true;
   }
 
-  /// The changes among the first `slots` slots, which are forgotten.
+  /// Returns the changes among the first `slots` slots, and forgets them.
   take(slots: number): PointChanges {
     const changes: PointChanges = { all: this.everything, ranges: this.everything ? [] : this.ranges(slots) };
     this.everything = false;

@@ -1,4 +1,4 @@
-// The service as a page uses it.
+// The client that a page uses: one object for all calls of a server.
 
 import type { MessageInitShape } from "@bufbuild/protobuf";
 
@@ -12,7 +12,7 @@ import {
 } from "../gen/curvecast/v1/curvecast_pb";
 import { WorkerDecoder, type Decoder } from "./decoder";
 import { CurvecastError } from "./errors";
-import { Line } from "./line";
+import { ReconnectingSocket } from "./reconnecting_socket";
 import { LiveView, type LiveViewEvents, type LiveViewOptions } from "./live_view";
 import { uploadMesh, type NamedFile, type UploadedMesh, type UploadOptions } from "./mesh_upload";
 import { StreamedPoints } from "./point_store";
@@ -21,12 +21,12 @@ import { socketUrl, type Endpoint } from "./socket";
 
 const methods = CurvecastService.method;
 
-/// Where the server is, and who asks. Nothing given: beside the page, without a token.
+/// Where the server is, and who asks. By default the server that the page comes from, without a token.
 export interface ClientOptions extends Partial<Endpoint> {
-  decoder?: Decoder; // is not closed with the client; default: worker threads of its own
+  decoder?: Decoder; // close() leaves it open; default: worker threads that the client owns
 }
 
-/// What createSession() works on. Stages as in the API's Progress.
+/// What createSession() prepares. The stages are those of the API's Progress.
 export interface SessionRequest {
   meshId: string;
   companions?: Record<string, string>;
@@ -35,28 +35,28 @@ export interface SessionRequest {
   signal?: AbortSignal;
 }
 
-/// All calls share a socket, but for uploads. It is opened when it is needed, and again after it was lost. Calls throw
-/// a CurvecastError.
+/// Calls the service. All calls but uploads share a socket, which is opened when a call needs it, and again after it was lost. Calls
+/// reject with a CurvecastError.
 export class Client {
   private readonly endpoint: Endpoint;
   private readonly decoder: Decoder;
-  private readonly line: Line;
-  private readonly closing = new Set<{ close(): void }>(); // what ends with it
+  private readonly connection: ReconnectingSocket;
+  private readonly closing = new Set<{ close(): void }>(); // ends with the client
 
   constructor({ url, token, webSocket, decoder }: ClientOptions = {}) {
     this.endpoint = { url: url ?? socketUrl("."), token, ...(webSocket !== undefined && { webSocket }) };
-    this.line = new Line(this.endpoint);
+    this.connection = new ReconnectingSocket(this.endpoint);
     if (decoder === undefined) this.closing.add((decoder = new WorkerDecoder()));
     this.decoder = decoder;
-    this.closing.add(this.line);
+    this.closing.add(this.connection);
   }
 
-  /// All that the server has in memory, by id.
+  /// Lists the sessions that the server has in memory, by id.
   async listSessions(signal?: AbortSignal): Promise<Session[]> {
     const sessions: Session[] = [];
     let pageToken = "";
     do {
-      const page = await this.line.socket().unary(methods.listSessions, { pageToken }, signal);
+      const page = await this.connection.socket().unary(methods.listSessions, { pageToken }, signal);
       sessions.push(...page.sessions);
       if (page.nextPageToken !== "" && page.nextPageToken === pageToken) {
         throw new CurvecastError("DATA_LOSS", "the server's pages of sessions do not end");
@@ -66,51 +66,52 @@ export class Client {
     return sessions;
   }
 
-  /// NOT_FOUND: there is none, in memory or in the server's cache.
+  /// Asks for one session. Rejects with NOT_FOUND where neither the server's memory nor its cache has it.
   async getSession(sessionId: string, signal?: AbortSignal): Promise<Session> {
-    return present((await this.line.socket().unary(methods.getSession, { sessionId }, signal)).session);
+    return present((await this.connection.socket().unary(methods.getSession, { sessionId }, signal)).session);
   }
 
-  /// Preprocesses a mesh, or joins the session that there is. Resolves when it is ready. Joins again where the connection is lost
-  /// meanwhile: UNAVAILABLE only once it was for a minute.
-  async createSession({ meshId, companions = {}, options, onProgress, signal }: SessionRequest): Promise<Session> {
+  /// Has a mesh preprocessed, or joins the session that there is. Resolves when the session is ready. Joins again where the connection
+  /// is lost meanwhile, and rejects with UNAVAILABLE after a minute without one.
+  async createSession(wanted: SessionRequest): Promise<Session> {
+    const { meshId, companions = {}, options, signal } = wanted;
     const request = { meshId, companions, ...(options !== undefined && { options }) };
-    return repeat(async (gotThrough) => {
+    return repeat(async (resetFailures) => {
       let session: Session | undefined;
-      for await (const { update } of this.line.socket().serverStream(methods.createSession, request, signal)) {
-        gotThrough();
-        if (update.case === "progress") onProgress?.(update.value);
+      for await (const { update } of this.connection.socket().serverStream(methods.createSession, request, signal)) {
+        resetFailures();
+        if (update.case === "progress") wanted.onProgress?.(update.value);
         if (update.case === "session") session = update.value;
       }
       return present(session);
     }, signal);
   }
 
-  /// Pins a session in the server's memory, or lets it go.
+  /// Pins a session in the server's memory, or unpins it.
   async pinSession(sessionId: string, pinned: boolean, signal?: AbortSignal): Promise<Session> {
-    return present((await this.line.socket().unary(methods.updateSession, { sessionId, pinned }, signal)).session);
+    return present((await this.connection.socket().unary(methods.updateSession, { sessionId, pinned }, signal)).session);
   }
 
-  /// The server forgets it, in memory and in its cache.
+  /// Has the server forget a session, in its memory and in its cache.
   async closeSession(sessionId: string, signal?: AbortSignal): Promise<void> {
-    await this.line.socket().unary(methods.closeSession, { sessionId }, signal);
+    await this.connection.socket().unary(methods.closeSession, { sessionId }, signal);
   }
 
-  /// Sends a mesh, and what it refers to where that is among `others`. Over a socket of its own, or several where one is lost: see
-  /// uploadFile().
+  /// Uploads a mesh, and the files among `others` that it refers to. Uses a socket apart from the other calls, so that these do not wait;
+  /// see uploadFile() for what happens where that socket is lost.
   async upload(mesh: NamedFile, others: readonly NamedFile[] = [], options: UploadOptions = {}): Promise<UploadedMesh> {
-    this.line.checkOpen();
-    const line = new Line(this.endpoint);
-    this.closing.add(line);
+    this.connection.checkOpen();
+    const connection = new ReconnectingSocket(this.endpoint);
+    this.closing.add(connection);
     try {
-      return await uploadMesh(() => line.socket(), mesh, others, options);
+      return await uploadMesh(() => connection.socket(), mesh, others, options);
     } finally {
-      line.close();
-      this.closing.delete(line);
+      connection.close();
+      this.closing.delete(connection);
     }
   }
 
-  /// One set of points.
+  /// Asks for one set of points.
   async resample(
     sessionId: string,
     sample: MessageInitShape<typeof SampleRequestSchema>,
@@ -118,7 +119,7 @@ export class Client {
   ): Promise<{ points: StreamedPoints; statistics: FrameStatistics | null }> {
     const blocks = [];
     let statistics: FrameStatistics | null = null;
-    for await (const response of this.line.socket().serverStream(methods.resample, { sessionId, sample }, signal)) {
+    for await (const response of this.connection.socket().serverStream(methods.resample, { sessionId, sample }, signal)) {
       if (response.points !== undefined) blocks.push(response.points);
       statistics = response.statistics ?? statistics;
     }
@@ -127,11 +128,11 @@ export class Client {
     return { points, statistics };
   }
 
-  /// A conversation about a session: see LiveView.
+  /// Opens a stream of views of a session: see LiveView.
   view(sessionId: string, events: LiveViewEvents = {}, options: LiveViewOptions = {}): LiveView {
-    this.line.checkOpen();
+    this.connection.checkOpen();
     const view = new LiveView(
-      () => this.line.socket(),
+      () => this.connection.socket(),
       this.decoder,
       sessionId,
       events,
@@ -142,7 +143,7 @@ export class Client {
     return view;
   }
 
-  /// Ends all calls, uploads and views, and the decoder's threads where they are its own. For good: later calls are CANCELLED.
+  /// Ends all calls, uploads and views, and the decoder's threads where the client owns them. Later calls are CANCELLED.
   close(): void {
     for (const one of this.closing) one.close();
     this.closing.clear();

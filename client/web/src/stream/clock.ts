@@ -1,2 +1,2 @@
-/// Seconds on a clock that never goes back.
+/// Returns seconds of a clock that never goes back.
 export const now = (): number => performance.now() / 1000;

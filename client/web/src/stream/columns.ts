@@ -1,28 +1,28 @@
-// Packed values of points to the columns of a PointStore, which have four to a point.
+// Writes packed values of points into the columns of a PointStore, which have four values a point.
 
 import { badPoints, type DecodedPoints } from "./decoded_points";
 
-/// Bytes whose place in memory suits floats.
+/// Views bytes as floats. Precondition: their offset is a multiple of 4.
 export function asFloats(bytes: Uint8Array): Float32Array {
   return new Float32Array(bytes.buffer, bytes.byteOffset, bytes.length / 4);
 }
 
-/// x, y, z of each. Throws where one is not finite.
-export function writePositions(positions: Float32Array, { count, places }: Pick<DecodedPoints, "count" | "places">): void {
-  let sum = 0; // not 0 where one of them is not finite
+/// Writes x, y, z of each point. Throws DATA_LOSS where a value is not finite.
+export function writePositions(from: Float32Array, { count, positions }: Pick<DecodedPoints, "count" | "positions">): void {
+  let sum = 0; // NaN after a value that is not finite
   for (let i = 0; i < count; ++i) {
-    const x = positions[3 * i]!,
-      y = positions[3 * i + 1]!,
-      z = positions[3 * i + 2]!;
-    places[4 * i] = x;
-    places[4 * i + 1] = y;
-    places[4 * i + 2] = z;
+    const x = from[3 * i]!,
+      y = from[3 * i + 1]!,
+      z = from[3 * i + 2]!;
+    positions[4 * i] = x;
+    positions[4 * i + 1] = y;
+    positions[4 * i + 2] = z;
     sum += 0 * x + 0 * y + 0 * z;
   }
   if (sum !== 0) throw badPoints("a position that is not finite");
 }
 
-/// Unit vectors. Throws where one is not finite.
+/// Writes unit normals, 127 for 1. Throws DATA_LOSS where a value is not finite.
 export function writeNormals(from: Float32Array, { count, normals }: Pick<DecodedPoints, "count" | "normals">): void {
   let sum = 0;
   for (let i = 0; i < count; ++i) {
@@ -37,7 +37,7 @@ export function writeNormals(from: Float32Array, { count, normals }: Pick<Decode
   if (sum !== 0) throw badPoints("a normal that is not finite");
 }
 
-/// Red, green, blue.
+/// Writes red, green and blue of each point, with an alpha of 255.
 export function writeColours(rgb: Uint8Array, rgba: Uint8Array): void {
   for (let from = 0, to = 0; from < rgb.length; from += 3, to += 4) {
     rgba[to] = rgb[from]!;

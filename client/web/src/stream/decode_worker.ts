@@ -1,16 +1,15 @@
-// A thread that decodes blocks of points.
+// A worker thread that decodes blocks of points.
 
 import { BlockDecoder, buffersOf, type EncodedBlock } from "./block_decoder";
 import type { DecodedPoints } from "./decoded_points";
 import { asCurvecastError, type ErrorCode } from "./errors";
 
-/// To the worker, and back from it.
+/// The messages to the worker and back.
 export interface DecodeRequest {
   job: number;
   block: EncodedBlock;
 }
-export type DecodeResponse =
-  { job: number; points: DecodedPoints } | { job: number; error: { code: ErrorCode; message: string } };
+export type DecodeResponse = { job: number; points: DecodedPoints } | { job: number; error: { code: ErrorCode; message: string } };
 
 const decoder = new BlockDecoder();
 

@@ -1,27 +1,27 @@
-// Points of a block, decoded, in the layout of PointStore.
+// The points of a decoded block, in the layout of a PointStore.
 
 import { CurvecastError } from "./errors";
 
-/// A point set has at most so many.
-export const mostPoints = 4_000_000;
+/// The most points that a set may have; the same limit as the server's.
+export const maxPoints = 4_000_000;
 
-/// `count` points; the columns as in PointStore.
+/// `count` points, in columns as those of PointStore.
 export interface DecodedPoints {
   count: number;
   origin: [number, number, number];
-  places: Float32Array;
+  positions: Float32Array;
   normals: Int8Array;
   colours: Uint8Array | null;
   curvatures: Float32Array | null;
   ranks: Uint32Array | null;
 }
 
-/// Points that cannot be taken in: DATA_LOSS.
+/// Makes the error for points that cannot be used: DATA_LOSS.
 export function badPoints(why: string): CurvecastError {
   return new CurvecastError("DATA_LOSS", `the server sent bad points: ${why}`);
 }
 
-/// Throws where blocks do not belong into one set: other origins, or columns that only some have.
+/// Throws DATA_LOSS where blocks do not belong to one set: their origins differ, or only some have a column.
 export function checkAlike(blocks: readonly Omit<DecodedPoints, "count">[]): void {
   const [first, ...others] = blocks;
   if (first === undefined) return;

@@ -1,14 +1,14 @@
-// Decodes the blocks of frames, several at once.
+// Decodes the blocks of frames on worker threads.
 
 import type { PointBlock } from "../gen/curvecast/v1/curvecast_pb";
 import { BlockDecoder, buffersOf, encodedBlock } from "./block_decoder";
 import type { DecodeRequest, DecodeResponse } from "./decode_worker";
-import { badPoints, mostPoints, type DecodedPoints } from "./decoded_points";
+import { badPoints, maxPoints, type DecodedPoints } from "./decoded_points";
 import { asCurvecastError, CurvecastError } from "./errors";
 
-const fewPoints = 4096; // are decoded sooner than another thread, and this one after it, get to their messages
+const fewPoints = 4096; // decoding them on this thread is faster than a message to another thread and back
 
-/// What turns the blocks of a message into points. Rejects with a CurvecastError; later calls go on.
+/// Turns the blocks of a message into points. Rejects with a CurvecastError; later calls are not affected.
 export interface Decoder {
   decode(blocks: readonly PointBlock[]): Promise<DecodedPoints[]>;
 }
@@ -19,9 +19,9 @@ interface Job {
   reject(error: CurvecastError): void;
 }
 
-/// Worker threads; a few points are decoded where they are wanted. Any number of streams may share one.
+/// Decodes on worker threads, and small frames on the calling thread. Any number of streams may share one decoder.
 export class WorkerDecoder implements Decoder {
-  private workers: { worker: Worker; load: number }[] = []; // load: points that wait there
+  private workers: { worker: Worker; load: number }[] = []; // load: points that the worker has yet to decode
   private readonly jobs = new Map<number, Job>();
   private lastJob = 0;
   private readonly here = new BlockDecoder();
@@ -34,12 +34,12 @@ export class WorkerDecoder implements Decoder {
   async decode(blocks: readonly PointBlock[]): Promise<DecodedPoints[]> {
     if (this.isClosed) throw closed();
     const total = blocks.reduce((sum, block) => sum + block.count, 0);
-    if (total > mostPoints) throw badPoints(`${total} in a frame`);
+    if (total > maxPoints) throw badPoints(`${total} in a frame`);
     if (total <= fewPoints) return Promise.all(blocks.map((block) => this.here.decode(encodedBlock(block))));
     return Promise.all(blocks.map((block) => this.decodeBlock(block)));
   }
 
-  /// Ends the threads; what is being decoded, and all that comes later, is rejected as CANCELLED.
+  /// Ends the threads. Rejects blocks that are being decoded, and later ones, as CANCELLED.
   close(): void {
     this.isClosed = true;
     for (const { worker } of this.workers) worker.terminate();
@@ -88,7 +88,7 @@ export class WorkerDecoder implements Decoder {
     return worker;
   }
 
-  /// A worker that failed as a whole: the next block gets a new one.
+  /// Drops a worker that failed as a whole, and rejects its blocks. The next block gets a new worker.
   private replace(worker: Worker, error: CurvecastError): void {
     worker.terminate();
     this.workers = this.workers.filter((other) => other.worker !== worker);

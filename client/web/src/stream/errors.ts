@@ -1,4 +1,4 @@
-// What goes wrong, in the terms of gRPC.
+// Errors of calls, in the terms of gRPC.
 
 import { fromBinary } from "@bufbuild/protobuf";
 
@@ -28,11 +28,11 @@ const names = [
 export type ErrorCode = (typeof names)[number];
 
 const retryInfo = "google.rpc.RetryInfo";
-const mostSeconds = 3600;
+const maxSeconds = 3600;
 
-/// A call that failed. `message` is the server's: what was wrong, where, and what to do.
+/// The error of a call that failed. `message` is the server's: what was wrong, where, and what to do.
 export class CurvecastError extends Error {
-  /// retryAfter: seconds after which the server asks to try again; null where it does not say.
+  /// `retryAfter`: seconds after which the server asks to try again; null where the server does not say.
   constructor(
     readonly code: ErrorCode,
     message: string,
@@ -43,27 +43,27 @@ export class CurvecastError extends Error {
   }
 }
 
-/// The name of a code as it is sent; one that is not known, or stands for no error, counts as UNKNOWN.
+/// Names a status code of the wire. A code that is not known, or that stands for no error, is UNKNOWN.
 export function codeName(code: number): ErrorCode {
   return code === 0 ? "UNKNOWN" : (names[code] ?? "UNKNOWN");
 }
 
-/// Seconds to wait, at most an hour; null for none.
+/// Bounds the seconds that a server asks to wait by an hour. Returns null where the server asks for none.
 export function boundedDelay(seconds: number): number | null {
-  return seconds > 0 ? Math.min(seconds, mostSeconds) : null;
+  return seconds > 0 ? Math.min(seconds, maxSeconds) : null;
 }
 
-/// The error that a call ended with; null where it ended well.
+/// Returns the error that a call ended with; null where the call ended well.
 export function errorOf(status: Status): CurvecastError | null {
   return status.code === 0 ? null : new CurvecastError(codeName(status.code), status.message, retryAfterOf(status));
 }
 
-/// What the caller wanted to end.
+/// Makes the error of a call that its caller has cancelled.
 export function cancelled(): CurvecastError {
   return new CurvecastError("CANCELLED", "cancelled");
 }
 
-/// Anything that was thrown, as an error of this kind.
+/// Turns anything that was thrown into a CurvecastError.
 export function asCurvecastError(thrown: unknown): CurvecastError {
   if (thrown instanceof CurvecastError) return thrown;
   if (thrown instanceof DOMException && thrown.name === "AbortError") return cancelled();

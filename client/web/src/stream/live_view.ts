@@ -1,4 +1,4 @@
-// A view that lives on: frames into a store, over a stream that is opened again when it breaks off.
+// A stream of views into a store, which is opened again when it breaks off.
 
 import { create, type MessageInitShape } from "@bufbuild/protobuf";
 
@@ -13,6 +13,7 @@ import {
   type StreamViewsResponse,
   type StreamViewsResponseSchema,
 } from "../gen/curvecast/v1/curvecast_pb";
+import { AckThrottle } from "./ack_throttle";
 import { Backoff } from "./backoff";
 import type { Call } from "./call";
 import { callBack } from "./call_back";
@@ -24,23 +25,23 @@ import { StreamedPoints, type PointDifference } from "./point_store";
 import type { Socket } from "./socket";
 import { Statistics, type FrameReport, type StatisticsSummary } from "./statistics";
 
-/// connecting: at the first look(). streaming: the points are those of the last view, or of one just before it. refining: so
-/// they are, and better ones are being made. reconnecting: the stream broke off and is opened again in a moment; the points stay.
-/// failed: for good.
+/// connecting: the first look() opens the stream. streaming: the store has the points of the newest view, or of one just before it.
+/// refining: the same, and the server makes better points. reconnecting: the stream broke off and is opened again in a moment; the
+/// points stay. failed: the stream is not opened again.
 export type LiveViewState = "connecting" | "streaming" | "refining" | "reconnecting" | "failed";
 
-/// Called one at a time. They may call look() and close(). What they throw is told as an error of the page.
+/// Callbacks, called one at a time. They may call look() and close(). What they throw is reported as an error of the page.
 export interface LiveViewEvents {
-  /// A frame is in the store, or a view was refused: see FrameReport.error.
+  /// A frame is in the store, or the server has refused a view: see FrameReport.error.
   onFrame?(frame: FrameReport): void;
-  /// `error`: why, of reconnecting and failed. `delay`: seconds until the next attempt, of reconnecting.
+  /// The state has changed. `error`: why it is reconnecting or has failed. `delay`: seconds until it reconnects.
   onState?(state: LiveViewState, error: CurvecastError | null, delay: number | null): void;
 }
 
 export interface LiveViewOptions {
   deltas?: boolean; // default: true
-  firstBytes?: number; // see ViewUpdate.first_bytes; default: 0, frames come whole
-  firstDelay?: number; // seconds before a broken stream is opened again, doubles until one lives for a while; default: 0.1
+  firstBytes?: number; // as ViewUpdate.first_bytes; default: 0, frames come whole
+  firstDelay?: number; // seconds before a broken stream is opened again; doubles until a stream lives for a second; default: 0.1
   longestDelay?: number; // seconds; a server that asks for a longer one gets it; default: 5
 }
 
@@ -53,12 +54,13 @@ interface SentView {
   time: number | null; // when it was sent; null once a frame has answered it
 }
 
-const mostRemembered = 256; // views; a frame for an older one can be shown, but not resumed from
-const mostBuffered = 64 << 10; // bytes that wait in the browser before the newest view waits here instead
+const maxRemembered = 256; // views; a frame of an older view is shown, but a new stream cannot resume from it
+const maxBuffered = 64 << 10; // bytes; while more wait in the browser, the newest view waits here and can be overtaken
 const secondsBetweenTries = 0.01;
-const healthySeconds = 1; // a stream that breaks off sooner after its first frame may do so again and again
+const healthySeconds = 1; // that a stream lives after its first frame, for the pauses to begin anew
 
-/// Whether a stream that ended so is worth opening again. FAILED_PRECONDITION: a server that has come back prepares the session anew.
+/// Whether a stream that ended with `error` is worth opening again. FAILED_PRECONDITION comes from a server that was restarted and
+/// prepares the session anew.
 function mayPass(error: CurvecastError): boolean {
   return (
     ["UNAVAILABLE", "CANCELLED", "ABORTED", "DEADLINE_EXCEEDED", "DATA_LOSS", "FAILED_PRECONDITION"].includes(error.code) ||
@@ -70,13 +72,15 @@ function secondsOf(statistics: FrameStatistics | undefined): number {
   return statistics === undefined ? 0 : statistics.densitySeconds + statistics.equaliseSeconds + statistics.encodeSeconds;
 }
 
-/// Acknowledges each frame once its points are in the store. The newest view wins: one that is overtaken gets no frame.
+/// Follows the views of a session. Acknowledges each frame once its points are in the store. The newest view wins: a view that is
+/// overtaken gets no frame.
 export class LiveView {
   readonly store = new StreamedPoints();
   state: LiveViewState = "connecting";
   error: CurvecastError | null = null; // why it is reconnecting or has failed
 
   private readonly counted = new Statistics();
+  private readonly acks = new AckThrottle((sequence) => this.call?.send({ request: { case: "ack", value: { sequence } } }));
   private readonly backoff: Backoff;
   private readonly deltas: boolean;
   private readonly firstBytes: bigint;
@@ -84,17 +88,17 @@ export class LiveView {
   private looks = 0; // the number of the newest view
   private sent = 0; // the number of the view last sent over this stream
   private views: SentView[] = [];
-  private held: { sample: SampleRequest; digest: bigint } | null = null; // what a new stream can go on from
-  private hasBase = false; // deltas may follow
-  private firstFrameAt: number | null = null; // of this stream, in the store
+  private resumable: { sample: SampleRequest; digest: bigint } | null = null; // the points in the store, as a new stream names them
+  private hasBase = false; // the store has the points that deltas of this stream refer to
+  private firstFrameAt: number | null = null; // when the first frame of this stream was in the store
   private call: ViewCall | null = null;
   private socket: Socket | null = null;
-  private taken: Promise<void> = Promise.resolve(); // frames are taken in in their order
+  private accepted: Promise<void> = Promise.resolve(); // resolves once all frames so far are in the store, in their order
   private timer: ReturnType<typeof setTimeout> | null = null;
   private closed = false;
 
-  /// `connect`: a socket that is open, or on its way there; a new one after the last was lost. `onOver`: called once it is closed or
-  /// has failed, for the one who made it.
+  /// `connect` returns a socket that is open or opening: a new one after the last was lost. `onOver` is called once the view is closed
+  /// or has failed.
   constructor(
     private readonly connect: () => Socket,
     private readonly decoder: Decoder,
@@ -108,7 +112,7 @@ export class LiveView {
     this.backoff = new Backoff(options.firstDelay ?? 0.1, options.longestDelay ?? 5);
   }
 
-  /// Asks for a view, and returns its number: 1, 2 ...
+  /// Asks for a view. Returns the number of the view: 1, 2 ...
   look(sample: MessageInitShape<typeof SampleRequestSchema>): number {
     if (this.closed) return this.looks;
     this.newest = create(SampleRequestSchema, sample);
@@ -118,7 +122,7 @@ export class LiveView {
     return this.looks;
   }
 
-  /// The number of the newest view.
+  /// The number of the newest view; 0 before the first.
   get lastLook(): number {
     return this.looks;
   }
@@ -127,31 +131,32 @@ export class LiveView {
     return this.counted.summary(now());
   }
 
-  /// Does not wait any longer where it is reconnecting.
+  /// Reconnects now instead of after the pause.
   retryNow(): void {
     if (this.state !== "reconnecting" || this.closed) return;
     this.backoff.reset();
     if (this.call === null) this.open(); // else the next attempt is under way
   }
 
-  /// Ends it. The points stay in the store; no callback comes any more.
+  /// Ends the stream. The points stay in the store. No callback is called any more.
   close(): void {
     this.leave();
     this.stopTimer();
+    this.acks.stop();
     this.call?.cancel();
     this.call = null;
   }
 
   private open(): void {
     this.stopTimer();
-    if (this.state !== "reconnecting") this.tell("connecting"); // else it is, until a frame comes
+    if (this.state !== "reconnecting") this.setState("connecting"); // a stream that reconnects does so until a frame comes
     if (this.closed) return;
     const socket = this.connect();
     this.socket = socket;
-    this.hasBase = this.held !== null;
+    this.hasBase = this.resumable !== null;
     this.firstFrameAt = null;
     this.sent = 0;
-    this.views = []; // of the stream before; it answers them no more
+    this.views = []; // the stream before does not answer them any more
     const call: ViewCall = socket.start(CurvecastService.method.streamViews, {
       onMessage: (response, bytes) => this.receive(call, response, bytes),
       onEnd: (error) => this.afterFrames(() => this.ended(call, error)),
@@ -163,33 +168,34 @@ export class LiveView {
         value: {
           sessionId: this.sessionId,
           acceptDeltas: this.deltas,
-          ...(this.held !== null && { held: { ...this.held, points: BigInt(this.store.count) } }),
+          ...(this.resumable !== null && { held: { ...this.resumable, points: BigInt(this.store.count) } }),
         },
       },
     });
     this.sendNewest();
   }
 
-  /// At most one view waits, and only while the socket takes no more.
+  /// Sends the newest view, or tries again in a moment where the socket takes no more. At most one view waits.
   private sendNewest(): void {
     if (this.call === null || this.newest === null || this.sent === this.looks) return;
     if (this.timer !== null) return;
-    if (this.socket !== null && this.socket.bufferedBytes > mostBuffered) {
+    if (this.socket !== null && this.socket.bufferedBytes > maxBuffered) {
       this.timer = setTimeout(() => {
         this.timer = null;
         this.sendNewest();
       }, 1000 * secondsBetweenTries);
       return;
     }
+    this.acks.flush();
     this.sent = this.looks;
     this.views.push({ sequence: this.sent, sample: this.newest, time: now() });
-    if (this.views.length > mostRemembered) this.views.shift();
+    if (this.views.length > maxRemembered) this.views.shift();
     this.call.send({
       request: { case: "view", value: { sequence: BigInt(this.sent), sample: this.newest, firstBytes: this.firstBytes } },
     });
   }
 
-  /// Decoding begins at once, and ends in any order.
+  /// Begins to decode a frame at once. Frames may be decoded in any order; they are accepted in that of the stream.
   private receive(call: ViewCall, { frame }: StreamViewsResponse, bytes: number): void {
     if (frame === undefined) return;
     const arrival = now();
@@ -198,15 +204,15 @@ export class LiveView {
       .then((points) => ({ points, seconds: now() - arrival }), asCurvecastError);
     this.afterFrames(async () => {
       const result = await decoded;
-      if (this.call === call) this.take(call, frame, result, bytes);
+      if (this.call === call) this.accept(call, frame, result, bytes);
     });
   }
 
   private afterFrames(then: () => void | Promise<void>): void {
-    this.taken = this.taken.then(then);
+    this.accepted = this.accepted.then(then);
   }
 
-  private take(call: ViewCall, frame: PointFrame, decoded: Decoded, bytes: number): void {
+  private accept(call: ViewCall, frame: PointFrame, decoded: Decoded, bytes: number): void {
     const sequence = Number(frame.sequence);
     const view = this.viewOf(sequence);
     const start = now();
@@ -215,15 +221,17 @@ export class LiveView {
       try {
         difference = this.apply(frame, decoded);
       } catch (thrown) {
-        this.held = null;
+        this.resumable = null;
         const error = asCurvecastError(thrown);
-        call.cancel(); // it ends as CANCELLED, but this is why
+        call.cancel(); // the call would end as CANCELLED, which says less than this error
         return this.ended(call, new CurvecastError(error.code, `frame ${sequence}: ${error.message}`));
       }
       this.hasBase = true;
-      this.held = view !== null && frame.digest !== 0n ? { sample: view.sample, digest: frame.digest } : null;
+      this.resumable = view !== null && frame.digest !== 0n ? { sample: view.sample, digest: frame.digest } : null;
     }
-    call.send({ request: { case: "ack", value: { sequence: frame.sequence } } });
+    const refining = frame.statistics?.refining ?? false;
+    const isIdle = refining && difference.added + difference.removed + difference.resized === 0;
+    this.acks.acknowledge(frame.sequence, isIdle);
     const end = now();
     const report: FrameReport = {
       sequence,
@@ -235,7 +243,7 @@ export class LiveView {
       serverSeconds: secondsOf(frame.statistics),
       decodeSeconds: decoded instanceof CurvecastError ? 0 : decoded.seconds,
       storeSeconds: end - start,
-      refining: frame.statistics?.refining ?? false,
+      refining,
       curveRevision: Number(frame.curveRevision),
       curveVertices: Number(frame.statistics?.curveVertices ?? 0n),
       error:
@@ -247,7 +255,7 @@ export class LiveView {
     this.counted.add(report, end);
     this.firstFrameAt ??= end;
     const state = report.refining ? "refining" : "streaming";
-    if (state !== this.state) this.tell(state);
+    if (state !== this.state) this.setState(state);
     if (!this.closed) callBack(() => this.events.onFrame?.(report));
   }
 
@@ -260,7 +268,7 @@ export class LiveView {
     return this.store.edit(frame.edits, decoded.points, Number(frame.heldPoints));
   }
 
-  /// The view that a frame answers; null where it is forgotten. Older ones are.
+  /// Returns the view that a frame answers, and forgets older views. Returns null where the view itself is forgotten.
   private viewOf(sequence: number): SentView | null {
     while (this.views.length > 0 && this.views[0]!.sequence < sequence) this.views.shift();
     return this.views[0]?.sequence === sequence ? this.views[0] : null;
@@ -270,18 +278,19 @@ export class LiveView {
     if (this.closed || this.call !== call) return;
     this.call = null;
     this.stopTimer();
+    this.acks.stop();
     if (this.firstFrameAt !== null && now() - this.firstFrameAt >= healthySeconds) this.backoff.reset();
     const why = error ?? new CurvecastError("ABORTED", "the server has ended the stream");
     if (!mayPass(why)) {
       this.leave();
-      return this.tell("failed", why);
+      return this.setState("failed", why);
     }
     const delay = Math.max(this.backoff.next(), why.retryAfter ?? 0);
     this.timer = setTimeout(() => this.open(), 1000 * delay);
-    this.tell("reconnecting", why, delay);
+    this.setState("reconnecting", why, delay);
   }
 
-  private tell(state: LiveViewState, error: CurvecastError | null = null, delay: number | null = null): void {
+  private setState(state: LiveViewState, error: CurvecastError | null = null, delay: number | null = null): void {
     this.state = state;
     this.error = error;
     callBack(() => this.events.onState?.(state, error, delay));

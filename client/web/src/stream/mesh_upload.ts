@@ -1,4 +1,4 @@
-// Sends a mesh file and the files that it refers to.
+// Uploads a mesh file and the files that it refers to.
 
 import { CurvecastService, type UploadMeshResponse } from "../gen/curvecast/v1/curvecast_pb";
 import { asCurvecastError, CurvecastError } from "./errors";
@@ -6,32 +6,32 @@ import { repeat } from "./repeat";
 import type { Socket } from "./socket";
 
 const chunkBytes = 256 << 10;
-const mostCompanions = 256;
-const mostRows = 4; // of failures of a file (see repeat()): it may be too large for a line that breaks again and again
+const maxCompanions = 256;
+const maxRestarts = 4; // of a file's minute of failures (see repeat()): a line that breaks again and again may be too slow for the file
 const referring = /\.(obj|gltf|glb|ply)$/i;
 const companion = /\.(mtl|bin|png|jpe?g|bmp|tga|gif|webp|ktx2)$/i;
 
-/// A file that a page was given, by its name or by a path below the mesh's folder.
+/// A file of the user. `name`: its name, or its path below the mesh's folder.
 export interface NamedFile {
   name: string;
   data: Blob;
 }
 
-/// What is under way, and how to stop it.
+/// How to follow an upload, and how to stop it.
 export interface UploadOptions {
-  /// Bytes of the file `name` that have left; again from 0 where the connection was lost.
+  /// `sent` of `total` bytes of the file `name` have left. Begins again from 0 where the connection was lost.
   onProgress?(sent: number, total: number, name: string): void;
   signal?: AbortSignal;
 }
 
-/// What CreateSession wants to know. `missing`: files that the mesh refers to and that are not among those given.
+/// A mesh that the server has, as createSession() wants it. `missing`: files that the mesh refers to and that were not given.
 export interface UploadedMesh {
   meshId: string;
   companions: Record<string, string>;
   missing: string[];
 }
 
-/// Which of several files is the mesh: the first that can be one. Null where none can.
+/// Finds the mesh among several files: the first that can be one. Returns null where none can.
 export function meshAmong(files: readonly NamedFile[]): NamedFile | null {
   return (
     files.find((file) => /\.(ply|obj|off|stl|gltf|glb)$/i.test(file.name)) ??
@@ -40,33 +40,29 @@ export function meshAmong(files: readonly NamedFile[]): NamedFile | null {
   );
 }
 
-/// Sends one file, and returns its mesh_id. A long one deserves a socket of its own. Sent again from its start, over the next socket,
-/// where one is lost: what the server has kept of it can only be gone on from by a client that knows the file's hash. `connect`: a
-/// socket that is open, or on its way there; a new one after the last was lost.
+/// Uploads one file, and returns its mesh_id. A long file deserves a socket of its own. Where the socket is lost, the file is sent from
+/// its start over the next one: only a client that knows the file's hash could resume what the server has kept. `connect` returns a
+/// socket that is open or opening: a new one after the last was lost.
 export async function uploadFile(connect: () => Socket, file: NamedFile, options: UploadOptions = {}): Promise<string> {
-  let rows = 0;
-  return repeat((gotThrough) => {
+  let restarts = 0;
+  return repeat((resetFailures) => {
     let hasLeft = false;
     const onLeft = () => {
       if (hasLeft) return;
       hasLeft = true;
-      if (++rows <= mostRows) gotThrough();
+      if (++restarts <= maxRestarts) resetFailures();
     };
     return sendFile(connect(), file, onLeft, options);
   }, options.signal);
 }
 
-/// `onLeft`: some of it has.
-async function sendFile(
-  socket: Socket,
-  file: NamedFile,
-  onLeft: () => void,
-  { onProgress, signal }: UploadOptions,
-): Promise<string> {
+/// Sends one file over one socket. `onLeft` is called whenever some of the file has left.
+async function sendFile(socket: Socket, file: NamedFile, onLeft: () => void, options: UploadOptions): Promise<string> {
+  const { signal } = options;
   let response: UploadMeshResponse | null = null;
   let onEnd!: (error: CurvecastError | null) => void;
   const ended = new Promise<void>((resolve, reject) => (onEnd = (error) => (error === null ? resolve() : reject(error))));
-  ended.catch(() => {}); // told below
+  ended.catch(() => {}); // awaited below
   const call = socket.start(CurvecastService.method.uploadMesh, { onMessage: (message) => (response = message), onEnd });
   const cancel = () => call.cancel();
   signal?.addEventListener("abort", cancel, { once: true });
@@ -79,7 +75,7 @@ async function sendFile(
       await socket.drained(signal);
       const left = Math.max(0, begin + chunk.length - socket.bufferedBytes);
       if (left > 0) onLeft();
-      onProgress?.(left, file.data.size, file.name);
+      options.onProgress?.(left, file.data.size, file.name);
     }
     call.halfClose();
     await ended;
@@ -94,11 +90,11 @@ async function sendFile(
   }
   const result = response as UploadMeshResponse | null;
   if (result === null) throw new CurvecastError("INTERNAL", "the upload ended without a response");
-  onProgress?.(file.data.size, file.data.size, file.name);
+  options.onProgress?.(file.data.size, file.data.size, file.name);
   return result.meshId;
 }
 
-/// Sends a mesh, then those of `others` that it refers to, and those that these refer to. `connect` as for uploadFile().
+/// Uploads a mesh, then the files among `others` that it refers to, and those that these refer to. `connect` as for uploadFile().
 export async function uploadMesh(
   connect: () => Socket,
   mesh: NamedFile,
@@ -114,18 +110,18 @@ export async function uploadMesh(
       () => connect().unary(listMeshReferences, { meshId, companions }, options.signal),
       options.signal,
     );
-    const unknown = missing.filter((name) => !Object.hasOwn(companions, name)); // else there would be no end
+    const unknown = missing.filter((name) => !Object.hasOwn(companions, name)); // a server that repeats a name does not keep the loop going
     const found = unknown.flatMap((name) => {
       const file = fileFor(name, others);
       return file === null ? [] : [{ name, file }];
     });
     uploaded.missing = missing.filter((name) => !found.some((other) => other.name === name));
-    if (found.length === 0 || Object.keys(uploaded.companions).length + found.length > mostCompanions) return uploaded;
+    if (found.length === 0 || Object.keys(uploaded.companions).length + found.length > maxCompanions) return uploaded;
     for (const { name, file } of found) uploaded.companions[name] = await uploadFile(connect, file, options);
   }
 }
 
-/// A page is told no folders, or only those below what was dropped: the file's name decides.
+/// Finds the file for a reference. Browsers give a page no folders, or only those below a dropped one, so that a file's name suffices.
 function fileFor(reference: string, files: readonly NamedFile[]): NamedFile | null {
   if (!companion.test(reference)) return null;
   const lastOf = (path: string) => path.slice(path.lastIndexOf("/") + 1).toLowerCase();

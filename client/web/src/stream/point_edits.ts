@@ -1,9 +1,10 @@
-// What a delta does to a list of points, checked before anything is changed. The same as client/lib/point_edits.cpp.
+// What a delta does to a list of points, checked before anything is changed. The C++ and Python clients do the same, and all follow
+// tests/client/point_edits.json.
 
 import type { PointEdits } from "../gen/curvecast/v1/curvecast_pb";
-import { badPoints, mostPoints } from "./decoded_points";
+import { badPoints, maxPoints } from "./decoded_points";
 
-/// Indices in lists, ascending: `removed` in the list as it was, `added` in the list of `size` points that it becomes.
+/// Edits as ascending indices: `removed` in the list before, `added` in the list of `size` points after.
 export interface CheckedEdits {
   removed: Uint32Array;
   added: Uint32Array;
@@ -13,18 +14,18 @@ export interface CheckedEdits {
 const rungsPerOctave = 2;
 const rungs = 64;
 
-/// Throws where edits do not fit a list of `held` points, or do not belong to `added` new ones.
-export function checkEdits(edits: PointEdits, held: number, added: number): CheckedEdits {
-  const removed = readIndices(edits.removed, held, "removed");
-  const size = held - removed.length + added;
-  if (size > mostPoints) throw badPoints(`there would be ${size}`);
-  const places = readIndices(edits.added, size, "added");
-  if (places.length !== added) throw badPoints(`${places.length} indices for ${added} added points`);
+/// Checks edits of a list of `count` points that come with `fresh` new points. Throws DATA_LOSS where the edits do not fit them.
+export function checkEdits(edits: PointEdits, count: number, fresh: number): CheckedEdits {
+  const removed = readIndices(edits.removed, count, "removed");
+  const size = count - removed.length + fresh;
+  if (size > maxPoints) throw badPoints(`there would be ${size}`);
+  const added = readIndices(edits.added, size, "added");
+  if (added.length !== fresh) throw badPoints(`${added.length} indices for ${fresh} added points`);
   checkResized(edits, size);
-  return { removed, added: places, size };
+  return { removed, added, size };
 }
 
-/// Calls `resize` for each step of a disc: the index in the new list, and -1 for one rung larger, 1 for one smaller.
+/// Calls `resize` for each step of a disc, with the index in the list after, and -1 for one rung larger or 1 for one rung smaller.
 export function forEachResized(edits: PointEdits, resize: (index: number, step: number) => void): void {
   let index = 0;
   for (const code of edits.resized) {
@@ -33,38 +34,39 @@ export function forEachResized(edits: PointEdits, resize: (index: number, step: 
   }
 }
 
-/// The radius `step` rungs below another.
+/// Returns the radius `step` rungs below `radius`, on the ladder whose first rung is `largest`.
 export function movedRadius(radius: number, step: number, largest: number): number {
   const rung = Math.round(rungsPerOctave * Math.log2(largest / radius)) + step;
   return largest * 2 ** (-Math.min(Math.max(rung, 0), rungs - 1) / rungsPerOctave);
 }
 
-/// `list` without what is removed, and room for what is added, in `to`; the elements of `places` are left to the caller.
-export function splice(list: Uint32Array, { removed, added, size }: CheckedEdits, held: number, to: Uint32Array): void {
+/// Copies the first `count` elements of `list` to `to`, without those that are removed. Leaves gaps at the indices `added`, for the
+/// caller to fill.
+export function splice(list: Uint32Array, { removed, added, size }: CheckedEdits, count: number, to: Uint32Array): void {
   let read = 0;
   let written = 0;
-  let gone = 0;
-  const keep = (count: number) => {
-    while (count > 0) {
-      while (gone < removed.length && removed[gone] === read) {
-        ++gone;
+  let skipped = 0; // elements of `removed`
+  const keep = (left: number) => {
+    while (left > 0) {
+      while (skipped < removed.length && removed[skipped] === read) {
+        ++skipped;
         ++read;
       }
-      const part = Math.min(count, (gone < removed.length ? removed[gone]! : held) - read);
+      const part = Math.min(left, (skipped < removed.length ? removed[skipped]! : count) - read);
       to.set(list.subarray(read, read + part), written);
       read += part;
       written += part;
-      count -= part;
+      left -= part;
     }
   };
-  for (const place of added) {
-    keep(place - written);
+  for (const index of added) {
+    keep(index - written);
     ++written;
   }
   keep(size - written);
 }
 
-/// The first index, then the differences; ascending, and below `size`.
+/// Sums up the first index and the differences. Throws DATA_LOSS where the indices do not ascend, or are not below `size`.
 function readIndices(steps: readonly number[], size: number, what: string): Uint32Array {
   const indices = new Uint32Array(steps.length);
   let last = 0;

@@ -1,57 +1,49 @@
-// The points of a stream in arrays that go to the graphics card as they are.
+// The points of a stream, in arrays that go to the graphics card unchanged.
 
 import type { PointEdits } from "../gen/curvecast/v1/curvecast_pb";
-import { ChangedSlots } from "./changed_slots";
+import { ChangedSlots, type PointChanges } from "./changed_slots";
 import { badPoints, checkAlike, type DecodedPoints } from "./decoded_points";
 import { checkEdits, forEachResized, movedRadius, splice, type CheckedEdits } from "./point_edits";
 
-/// Slots that have changed since they were last asked for.
-export interface PointChanges {
-  /// All of them, or the arrays have been replaced by larger ones.
-  all: boolean;
-  /// [begin, end) pairs, ascending and apart; empty where `all`.
-  ranges: number[];
-}
-
-/// Points live in slots, which are those of the list in no order: a delta touches only the slots of what it changes. Free slots
-/// have radius 0.
+/// Points in slots. The slots are in no order, so that a delta touches only those of the points that it changes. Free slots have radius 0.
 export interface PointStore {
-  /// Add it to every position.
+  /// Is to be added to every position.
   readonly origin: readonly [number, number, number];
-  /// Points there are.
+  /// Number of points.
   readonly count: number;
-  /// Slots in use, free ones among them; the arrays may be longer.
+  /// Number of slots in use, free ones among them. The arrays may be longer.
   readonly slots: number;
-  readonly places: Float32Array; // 4 a slot: x, y, z relative to the origin, radius
+  readonly positions: Float32Array; // 4 a slot: x, y, z relative to the origin, radius
   readonly normals: Int8Array; // 4 a slot: x, y, z of the unit normal, 1 = 127; 0
   readonly colours: Uint8Array | null; // 4 a slot: red, green, blue (sRGB), 255; null where the mesh has none
-  readonly curvatures: Float32Array | null; // 2 a slot: least and largest principal curvature; null where not asked for
-  readonly ranks: Uint32Array | null; // 1 a slot; null where not asked for
+  readonly curvatures: Float32Array | null; // 2 a slot: least and largest principal curvature; null where the view does not ask for them
+  readonly ranks: Uint32Array | null; // 1 a slot; null where the view does not ask for them
+  /// Returns the changes since the last call. One reader may call it.
   takeChanges(): PointChanges;
 }
 
-/// How many points a frame has added, removed, and given another radius.
+/// How many points a frame has added, removed, and resized.
 export interface PointDifference {
   added: number;
   removed: number;
   resized: number;
 }
 
-const fewSlots = 4096; // free ones are not given back below
+const fewSlots = 4096; // a store of at most so many slots keeps its free ones
 
-/// A store that takes frames in. What does not fit is refused with DATA_LOSS, and changes nothing.
+/// Applies frames to its points. Throws DATA_LOSS for a frame that does not fit, and then changes nothing.
 export class StreamedPoints implements PointStore {
   origin: [number, number, number] = [0, 0, 0];
   count = 0;
   slots = 0;
-  places = new Float32Array(0);
+  positions = new Float32Array(0);
   normals = new Int8Array(0);
   colours: Uint8Array | null = null;
   curvatures: Float32Array | null = null;
   ranks: Uint32Array | null = null;
 
   private list = new Uint32Array(0); // the slots of the points in the order of the stream, `count` of them
-  private spare = new Uint32Array(0); // the list before; written to next
+  private spare = new Uint32Array(0); // the memory of the list before, for the next one
   private free: number[] = []; // slots below `slots` without a point
   private readonly changed = new ChangedSlots();
 
@@ -59,12 +51,12 @@ export class StreamedPoints implements PointStore {
     return this.changed.take(this.slots);
   }
 
-  /// The slots of the points in the order of the stream, which is that along the curve.
+  /// Lists the slots of the points in the order of the stream, which is that along the curve.
   order(): Uint32Array {
     return this.list.subarray(0, this.count);
   }
 
-  /// A key frame: these points, and no others.
+  /// Applies a key frame: the store has the points of `blocks` after it.
   replace(blocks: readonly DecodedPoints[]): PointDifference {
     const parts = blocks.filter((block) => block.count > 0);
     checkAlike(parts);
@@ -74,7 +66,7 @@ export class StreamedPoints implements PointStore {
     this.makeColumns(added, parts[0]);
     let slot = 0;
     for (const part of parts) {
-      this.places.set(part.places, 4 * slot);
+      this.positions.set(part.positions, 4 * slot);
       this.normals.set(part.normals, 4 * slot);
       if (part.colours !== null) this.colours?.set(part.colours, 4 * slot);
       if (part.curvatures !== null) this.curvatures?.set(part.curvatures, 2 * slot);
@@ -88,7 +80,7 @@ export class StreamedPoints implements PointStore {
     return { added, removed, resized: 0 };
   }
 
-  /// A delta: after it there are `expected` points.
+  /// Applies a delta, whose new points are those of `blocks`. The store has `expected` points after it.
   edit(edits: PointEdits, blocks: readonly DecodedPoints[], expected: number): PointDifference {
     const parts = blocks.filter((block) => block.count > 0);
     checkAlike(this.count > 0 ? [this, ...parts] : parts);
@@ -106,7 +98,7 @@ export class StreamedPoints implements PointStore {
     }
     forEachResized(edits, (index, step) => {
       const slot = this.list[index]!;
-      this.places[4 * slot + 3] = movedRadius(this.places[4 * slot + 3]!, step, edits.radiusMax);
+      this.positions[4 * slot + 3] = movedRadius(this.positions[4 * slot + 3]!, step, edits.radiusMax);
       this.changed.add(slot);
     });
     if (this.slots > fewSlots && this.slots > 2 * this.count) this.compact();
@@ -116,7 +108,7 @@ export class StreamedPoints implements PointStore {
   private remove(removed: Uint32Array): void {
     for (const index of removed) {
       const slot = this.list[index]!;
-      this.places[4 * slot + 3] = 0;
+      this.positions[4 * slot + 3] = 0;
       this.free.push(slot);
       this.changed.add(slot);
     }
@@ -141,7 +133,7 @@ export class StreamedPoints implements PointStore {
 
   private write(slot: number, from: DecodedPoints, i: number): void {
     for (let k = 0; k < 4; ++k) {
-      this.places[4 * slot + k] = from.places[4 * i + k]!;
+      this.positions[4 * slot + k] = from.positions[4 * i + k]!;
       this.normals[4 * slot + k] = from.normals[4 * i + k]!;
       if (this.colours !== null) this.colours[4 * slot + k] = from.colours![4 * i + k]!;
     }
@@ -149,9 +141,9 @@ export class StreamedPoints implements PointStore {
     if (this.ranks !== null) this.ranks[slot] = from.ranks![i]!;
   }
 
-  /// New columns of so many slots, those that `like` has.
+  /// Makes empty columns of so many slots: those that `like` has.
   private makeColumns(slots: number, like: Columns | undefined): void {
-    this.places = new Float32Array(4 * slots);
+    this.positions = new Float32Array(4 * slots);
     this.normals = new Int8Array(4 * slots);
     this.colours = like?.colours ? new Uint8Array(4 * slots) : null;
     this.curvatures = like?.curvatures ? new Float32Array(2 * slots) : null;
@@ -159,11 +151,11 @@ export class StreamedPoints implements PointStore {
   }
 
   private reserve(slots: number): void {
-    const capacity = this.places.length / 4;
+    const capacity = this.positions.length / 4;
     if (slots <= capacity) return;
     const old = this.columns();
     this.makeColumns(Math.max(slots, capacity + (capacity >> 1)), old);
-    this.places.set(old.places);
+    this.positions.set(old.positions);
     this.normals.set(old.normals);
     if (old.colours !== null) this.colours?.set(old.colours);
     if (old.curvatures !== null) this.curvatures?.set(old.curvatures);
@@ -171,7 +163,7 @@ export class StreamedPoints implements PointStore {
     this.changed.addAll();
   }
 
-  /// Gives free slots back: the points move to the first ones, in the order of the stream.
+  /// Gives free slots back: moves the points to the first slots, in the order of the stream.
   private compact(): void {
     const old = { count: this.count, origin: this.origin, ...this.columns() };
     this.makeColumns(this.count, old);
@@ -183,15 +175,21 @@ export class StreamedPoints implements PointStore {
   }
 
   private columns(): Columns {
-    return { places: this.places, normals: this.normals, colours: this.colours, curvatures: this.curvatures, ranks: this.ranks };
+    return {
+      positions: this.positions,
+      normals: this.normals,
+      colours: this.colours,
+      curvatures: this.curvatures,
+      ranks: this.ranks,
+    };
   }
 }
 
-/// 0, 1, 2 ...
+/// Makes the array 0, 1, 2 ... of `count` numbers.
 function counted(count: number): Uint32Array<ArrayBuffer> {
   const numbers = new Uint32Array(count);
   for (let i = 0; i < count; ++i) numbers[i] = i;
   return numbers;
 }
 
-type Columns = Pick<PointStore, "places" | "normals" | "colours" | "curvatures" | "ranks">;
+type Columns = Pick<PointStore, "positions" | "normals" | "colours" | "curvatures" | "ranks">;

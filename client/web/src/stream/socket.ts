@@ -1,4 +1,4 @@
-// The WebSocket that carries the API: any number of calls at once. See web_socket.proto.
+// The WebSocket that carries the API, with any number of calls at once. See web_socket.proto.
 
 import {
   create,
@@ -16,24 +16,24 @@ import { CurvecastService } from "../gen/curvecast/v1/curvecast_pb";
 import { CallRequestSchema, CallResponseSchema, type CallResponse } from "../gen/curvecast/v1/web_socket_pb";
 import { Call, type CallHandlers, type CallPart } from "./call";
 import { cancelled, CurvecastError, errorOf } from "./errors";
-import { SilenceWatch } from "./silence";
+import { LivenessMonitor } from "./liveness";
 
 /// Where a server is, and who asks.
 export interface Endpoint {
   url: string; // ws: or wss:
   token?: string | undefined; // bearer token
-  webSocket?: (url: string, protocols: string[]) => WebSocket; // makes the socket; for tests and for other places than browsers
+  webSocket?: (url: string, protocols: string[]) => WebSocket; // makes the socket, for tests and where there is no browser; default: the browser's
 }
 
-/// Seconds without a sign of the server before it is asked for one.
-export const usualPatience = 15;
+/// Seconds without a sign of life before the server is asked for one.
+export const defaultIdleTimeout = 15;
 
-const mostBuffered = 4 << 20; // bytes that wait in the browser before an upload pauses
-const secondsBetweenLooks = 0.01; // at what still waits; nothing tells when it has gone
+const maxBuffered = 4 << 20; // bytes; while more wait in the browser, an upload pauses
+const secondsBetweenLooks = 0.01; // at the bytes that still wait: browsers have no event for that
 
-/// The address of the socket beside a page: `base` is any URL or path below which the server's pages are.
+/// Makes the address of a server's socket. `base`: URL or path below which the server's pages are.
 export function socketUrl(base: string): string {
-  const url = new URL("v1/socket", new URL(base, globalThis.location?.href));
+  const url = new URL("v1/socket", new URL(base, (globalThis as { location?: Location }).location?.href));
   url.protocol = url.protocol === "https:" || url.protocol === "wss:" ? "wss:" : "ws:";
   url.hash = url.search = "";
   return url.href;
@@ -45,7 +45,7 @@ function subprotocols(token: string | undefined): string[] {
   return ["curvecast.v1", "curvecast.bearer." + btoa(bytes).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "")];
 }
 
-/// What a socket that closed means to the calls that were on it. A browser does not tell of an HTTP answer that refused it: 1006.
+/// Makes the error of the calls on a socket that was closed. Browsers hide an HTTP answer that refused a socket behind code 1006.
 function errorOfClose(code: number, reason: string, wasOpen: boolean): CurvecastError {
   switch (code) {
     case 1001:
@@ -64,49 +64,49 @@ function errorOfClose(code: number, reason: string, wasOpen: boolean): Curvecast
   }
 }
 
-/// Opens at once. Calls may be made before it is open; once it is lost or closed, all calls end with an error. It is lost, too, where
-/// the server gives no sign of life for `patience` seconds and then leaves a question unanswered: UNAVAILABLE.
+/// Opens a WebSocket at once. Calls may be made before it is open. Once it is lost or closed, all calls end with an error. A socket is
+/// lost, too, where the server gives no sign of life for `idleTimeout` seconds and then does not answer a probe: UNAVAILABLE.
 export class Socket {
-  fellSilent = false; // it was open, and was lost because the server said nothing any more
+  timedOut = false; // the socket was open, and was lost because the server did not answer any more
 
   private readonly socket: WebSocket;
   private readonly calls = new Map<number, Call<DescMessage, DescMessage>>();
-  private early: Uint8Array[] | null = []; // until it is open
-  private sentBytes = 0; // also those that wait
+  private early: Uint8Array[] | null = []; // messages that wait until the socket is open; null from then on
+  private sentBytes = 0; // so far, with those that still wait
   private lastCall = 0;
   private failure: CurvecastError | null = null;
-  private readonly silence: SilenceWatch; // runs while there are calls
+  private readonly liveness: LivenessMonitor; // runs while there are calls
 
-  constructor(endpoint: Endpoint, patience = usualPatience) {
+  constructor(endpoint: Endpoint, idleTimeout = defaultIdleTimeout) {
     const make = endpoint.webSocket ?? ((url, protocols) => new WebSocket(url, protocols));
     this.socket = make(endpoint.url, subprotocols(endpoint.token));
     this.socket.binaryType = "arraybuffer";
-    this.silence = new SilenceWatch(
+    this.liveness = new LivenessMonitor(
       {
         bytes: () => ({ sent: this.sentBytes, waiting: this.bufferedBytes }),
         probe: () => this.probe(),
         dead: () => this.giveUp(),
       },
-      patience,
+      idleTimeout,
     );
     this.socket.onopen = () => this.flush();
     this.socket.onmessage = (event: MessageEvent<unknown>) => this.receive(event.data);
     this.socket.onclose = (event) => this.fail(errorOfClose(event.code, event.reason, this.early === null));
   }
 
-  /// Why no call can be made any more; null while they can.
+  /// Why no call can be made any more; null while calls can be made.
   get error(): CurvecastError | null {
     return this.failure;
   }
 
-  /// Bytes that were sent and still wait here.
+  /// Bytes that were sent and still wait in the page or in the browser.
   get bufferedBytes(): number {
     return this.socket.bufferedAmount + (this.early ?? []).reduce((sum, bytes) => sum + bytes.length, 0);
   }
 
-  /// Resolves when little waits to go out, or nothing will any more. Throws CANCELLED once `signal` is aborted.
+  /// Resolves when few bytes wait to leave, or when the socket is lost. Rejects with CANCELLED once `signal` is aborted.
   async drained(signal?: AbortSignal): Promise<void> {
-    while (this.failure === null && this.bufferedBytes > mostBuffered) {
+    while (this.failure === null && this.bufferedBytes > maxBuffered) {
       if (signal?.aborted) throw cancelled();
       await new Promise((resolve) => setTimeout(resolve, 1000 * secondsBetweenLooks));
     }
@@ -122,7 +122,7 @@ export class Socket {
     let name: string | undefined = method.name;
     const transmit = (part: CallPart) => {
       if (part.cancel === true) this.forget(number);
-      if (name !== undefined && part.cancel === true) return; // the server has not heard of it
+      if (name !== undefined && part.cancel === true) return; // the server does not know the call
       this.transmit(
         toBinary(
           CallRequestSchema,
@@ -139,25 +139,26 @@ export class Socket {
     if (failure !== null) {
       queueMicrotask(() => call.end(failure));
     } else {
-      this.calls.set(number, call as unknown as Call<DescMessage, DescMessage>);
-      this.silence.start();
+      this.calls.set(number, call);
+      this.liveness.start();
     }
     return call;
   }
 
-  /// One request, one response.
+  /// Sends one request, and resolves with the response.
   async unary<Input extends DescMessage, Output extends DescMessage>(
     method: DescMethodUnary<Input, Output>,
     request: MessageInitShape<Input>,
     signal?: AbortSignal,
   ): Promise<MessageShape<Output>> {
-    let last: MessageShape<Output> | null = null;
-    await this.run(method, request, (message) => (last = message), signal);
-    if (last === null) throw new CurvecastError("INTERNAL", `${method.name} ended without a response`);
+    const responses: MessageShape<Output>[] = [];
+    await this.run(method, request, (message) => responses.push(message), signal);
+    const last = responses.at(-1);
+    if (last === undefined) throw new CurvecastError("INTERNAL", `${method.name} ended without a response`);
     return last;
   }
 
-  /// One request, any number of responses. Leaving the loop cancels the call.
+  /// Sends one request, and yields the responses. Leaving the loop cancels the call.
   async *serverStream<Input extends DescMessage, Output extends DescMessage>(
     method: DescMethodServerStreaming<Input, Output>,
     request: MessageInitShape<Input>,
@@ -165,20 +166,20 @@ export class Socket {
   ): AsyncGenerator<MessageShape<Output>, void, undefined> {
     const waiting: MessageShape<Output>[] = [];
     let wake = () => {};
-    let over = false;
+    const call = { isOver: false };
     const leave = new AbortController();
     const abort = () => leave.abort(); // without AbortSignal.any(), which is too new for some browsers
     signal?.addEventListener("abort", abort, { once: true });
     if (signal?.aborted) abort();
     const ended = this.run(method, request, (message) => (waiting.push(message), wake()), leave.signal).finally(() => {
-      over = true;
+      call.isOver = true;
       wake();
     });
-    ended.catch(() => {}); // told below
+    ended.catch(() => {}); // awaited below
     try {
       while (true) {
         for (let message = waiting.shift(); message !== undefined; message = waiting.shift()) yield message;
-        if (over) break;
+        if (call.isOver) break;
         await new Promise<void>((resolve) => (wake = resolve));
       }
       await ended;
@@ -188,7 +189,7 @@ export class Socket {
     }
   }
 
-  /// No call goes on.
+  /// Closes the socket. All calls end as CANCELLED.
   close(): void {
     this.socket.close(1000);
     this.fail(new CurvecastError("CANCELLED", "the connection was closed"));
@@ -220,30 +221,30 @@ export class Socket {
     if (this.failure !== null) return;
     this.sentBytes += bytes.length;
     if (this.early !== null) this.early.push(bytes);
-    else this.socket.send(bytes as Uint8Array<ArrayBuffer>);
+    else this.socket.send(bytes);
   }
 
   private flush(): void {
     const early = this.early ?? [];
     this.early = null;
-    this.silence.heard();
-    for (const bytes of early) this.socket.send(bytes as Uint8Array<ArrayBuffer>);
+    this.liveness.heard();
+    for (const bytes of early) this.socket.send(bytes);
   }
 
-  /// Any answer will do; this one is the cheapest.
+  /// Asks for a sign of life. Any answer is one; this is the cheapest.
   private probe(): void {
     if (this.early === null) this.unary(CurvecastService.method.listSessions, { pageSize: 1 }).catch(() => {});
   }
 
   private giveUp(): void {
     const wasOpen = this.early === null;
-    this.fellSilent = wasOpen;
+    this.timedOut = wasOpen;
     this.socket.close(4001, "the server does not answer");
     this.fail(new CurvecastError("UNAVAILABLE", wasOpen ? "the server does not answer" : "the server cannot be reached"));
   }
 
   private receive(data: unknown): void {
-    this.silence.heard();
+    this.liveness.heard();
     let response: CallResponse;
     try {
       if (!(data instanceof ArrayBuffer)) throw new CurvecastError("INTERNAL", "not binary");
@@ -253,23 +254,23 @@ export class Socket {
       return this.fail(new CurvecastError("DATA_LOSS", "the server sent a message that is none"));
     }
     const call = this.calls.get(response.call);
-    if (call === undefined) return; // cancelled meanwhile
-    if (response.message !== undefined) call.take(response.message, data.byteLength);
+    if (call === undefined) return; // the call was cancelled meanwhile
+    if (response.message !== undefined) call.receive(response.message, data.byteLength);
     if (response.status === undefined) return;
     this.forget(response.call);
     call.end(errorOf(response.status));
   }
 
-  /// A call that is over.
+  /// Drops a call that is over.
   private forget(call: number): void {
     this.calls.delete(call);
-    if (this.calls.size === 0) this.silence.stop();
+    if (this.calls.size === 0) this.liveness.stop();
   }
 
   private fail(error: CurvecastError): void {
     if (this.failure !== null) return;
     this.failure = error;
-    this.silence.stop();
+    this.liveness.stop();
     const calls = [...this.calls.values()];
     this.calls.clear();
     for (const call of calls) call.end(error);

@@ -1,25 +1,25 @@
-// What frames cost, measured where they arrive.
+// What frames cost, measured by the client.
 
 import type { CurvecastError } from "./errors";
 
-/// A frame that was taken in, or that says why its view was refused. Seconds and bytes.
+/// A frame that was applied, or that says why its view was refused. Seconds and bytes.
 export interface FrameReport {
-  sequence: number; // what look() returned
+  sequence: number; // of the view, as look() returned it
   isDelta: boolean;
-  points: number; // there are after it
+  points: number; // in the store after the frame
   added: number;
   removed: number;
   resized: number;
   bytes: number; // of the whole message on the socket
-  /// From sending the view to its points in the store; of the first frame of a view only, null of later ones.
+  /// From sending the view to its points in the store. Null for all but the first frame of a view.
   viewSeconds: number | null;
   serverSeconds: number; // density, sampling and encoding
   decodeSeconds: number; // from the message's arrival to decoded points, waiting for a free thread included
-  storeSeconds: number; // taking them into the store
+  storeSeconds: number; // applying the points to the store
   refining: boolean; // better points are to follow
   curveRevision: number;
   curveVertices: number;
-  error: CurvecastError | null; // the view was refused; the points are those of the frame before
+  error: CurvecastError | null; // why the view was refused; the points are those of the frame before
 }
 
 /// Sums over a stream. Seconds and bytes.
@@ -30,20 +30,20 @@ export interface StatisticsSummary {
   bytesPerSecond: number; // over the last 5 s, or since the first frame where that is sooner
   viewP50: number | null; // view sent -> points in the store, of the last 200 views that were answered
   viewP99: number | null;
-  last: FrameReport | null; // without error
+  last: FrameReport | null; // the last frame without error
 }
 
 const viewsKept = 200;
 const rateSeconds = 5;
-const leastSeconds = 1; // that a rate is over
+const minSeconds = 1; // a rate is an average over at least so long
 
-/// The smallest value that at least a part `q` of `values` does not exceed; null of none.
+/// Returns the smallest value that at least the share `q` of `values` does not exceed; null of no values.
 export function quantile(values: readonly number[], q: number): number | null {
   const sorted = [...values].sort((a, b) => a - b);
   return sorted[Math.max(0, Math.ceil(q * sorted.length) - 1)] ?? null;
 }
 
-/// Times are seconds of any one clock.
+/// Sums up frames. Times are seconds of any one clock.
 export class Statistics {
   private frames = 0;
   private deltas = 0;
@@ -69,7 +69,7 @@ export class Statistics {
 
   summary(time: number): StatisticsSummary {
     this.forget(time);
-    const seconds = Math.min(Math.max(time - (this.begin ?? time), leastSeconds), rateSeconds);
+    const seconds = Math.min(Math.max(time - (this.begin ?? time), minSeconds), rateSeconds);
     return {
       frames: this.frames,
       deltas: this.deltas,

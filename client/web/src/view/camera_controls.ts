@@ -1,25 +1,25 @@
-// Pointer, wheel and keys move a camera. Left drag or one finger: orbit about what is under the pointer; right drag, shift or two
+// Moves a camera by pointer, wheel and keys. Left drag or one finger: orbit about what is under the pointer; right drag, shift or two
 // fingers: pan; wheel or pinch: zoom to the pointer; double click: look there; arrows: orbit, with shift pan; + and -: zoom.
 // Flying: W A S D Q E move, dragging looks around, shift is faster.
 
 import { type Bounds, blend, boundsRadius, centre, farthestRadii, mayMove, orbit, shift, zoom } from "./camera_math";
 import type { Ray } from "./picking";
 import type { CameraState, Vec } from "./types";
-import { isTyping } from "./typing";
+import { takesKeys } from "./keyboard_focus";
 import { along, distance, dot, subtract } from "./vector";
 
-/// What the controls need of the picture. Coordinates are CSS pixels of the canvas.
+/// What the controls need of the viewport. Coordinates are CSS pixels of the canvas.
 export interface ControlsHost {
   camera: CameraState;
   readonly bounds: Bounds;
-  /// A place on the surface, null beside it.
+  /// Returns the point of the surface at a pixel; null beside the surface.
   surfaceAt(x: number, y: number): Vec | null;
   rayAt(x: number, y: number): Ray;
-  /// Has `tick` called with the next frame.
+  /// Has tick() called with the next frame.
   wake(): void;
 }
 
-/// Takes the left button or one finger instead of the camera.
+/// A tool, which takes the left button or one finger instead of the camera.
 export interface PointerTool {
   press(x: number, y: number): void;
   drag(x: number, y: number): void;
@@ -32,12 +32,13 @@ const turnsPerHeight = 0.8;
 const flyKeys = ["KeyW", "KeyA", "KeyS", "KeyD", "KeyQ", "KeyE"];
 const arrows: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
+/// Moves the camera of a host. Listens to the canvas and, for keys, to the window until dispose().
 export class CameraControls {
   navigation: "orbit" | "fly" = "orbit";
   tool: PointerTool | null = null;
-  /// Pressed and released in one place.
+  /// Is called for a press and a release at one point.
   onClick: ((x: number, y: number) => void) | null = null;
-  /// The pointer moves, pressed or not; null: it has left.
+  /// Is called when the pointer moves, pressed or not, and with null when the pointer leaves.
   onHover: ((at: { x: number; y: number } | null) => void) | null = null;
 
   private readonly pointers = new Map<number, { x: number; y: number }>();
@@ -64,24 +65,24 @@ export class CameraControls {
     canvas.addEventListener("wheel", (event) => this.wheel(event), { signal, passive: false });
     canvas.addEventListener("dblclick", (event) => this.lookAt(event), { signal });
     canvas.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
-    // While they are on their way down: panels let none of their own up again.
+    // Keys on their way down: panels stop theirs on their way up.
     window.addEventListener("keydown", (event) => this.keyDown(event), { signal, capture: true });
     window.addEventListener("keyup", (event) => this.keys.delete(event.code), { signal, capture: true });
     window.addEventListener("blur", () => this.keys.clear(), { signal });
   }
 
-  /// Goes to a camera within a third of a second.
+  /// Moves the camera to another one within a third of a second.
   flyTo(to: CameraState): void {
     this.flight = { from: this.host.camera, to, begin: performance.now() };
     this.host.wake();
   }
 
-  /// The camera stays where it is.
+  /// Ends a flight: the camera stays where it is.
   stop(): void {
     this.flight = null;
   }
 
-  /// Moves on with time; milliseconds. Whether it wants another frame.
+  /// Moves the camera on to a time in milliseconds. Returns whether it goes on moving.
   tick(now: number): boolean {
     const seconds = Math.min((now - this.lastTick) / 1000, 0.1);
     this.lastTick = now;
@@ -104,7 +105,7 @@ export class CameraControls {
     return { x: event.clientX - box.left, y: event.clientY - box.top };
   }
 
-  /// The surface there, else as far away as the target.
+  /// Returns the point of the surface at a pixel, or beside the surface the point as far away as the target.
   private grab(x: number, y: number): Vec {
     const ray = this.host.rayAt(x, y);
     const { camera } = this.host;
@@ -166,7 +167,7 @@ export class CameraControls {
     }
   }
 
-  /// What was grabbed stays under the pointer.
+  /// Shifts the camera so that the grabbed point stays under the pointer.
   private pan(dx: number, dy: number): void {
     const { camera } = this.host;
     const forward = subtract(camera.target, camera.eye);
@@ -182,7 +183,7 @@ export class CameraControls {
     } else if (!this.pressed.moved && event.type === "pointerup" && event.timeStamp - this.pressed.time < 500) {
       this.onClick?.(this.pressed.x, this.pressed.y);
     }
-    // Of two fingers one is left: it goes on panning.
+    // The finger that is left of two goes on panning.
     this.gesture = this.pointers.size > 0 ? "pan" : "none";
   }
 
@@ -196,7 +197,7 @@ export class CameraControls {
     event.preventDefault();
     this.stop();
     const unit = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 30 : event.deltaMode === WheelEvent.DOM_DELTA_PAGE ? 300 : 1;
-    // Pinching a trackpad comes as a wheel with the control key.
+    // Browsers send a pinch on a trackpad as a wheel with the control key.
     const steps = Math.min(300, Math.max(-300, event.deltaY * unit * (event.ctrlKey ? 8 : 1)));
     const { x, y } = this.at(event);
     this.zoomTo(this.grab(x, y), Math.exp(steps * 0.0015));
@@ -210,7 +211,7 @@ export class CameraControls {
   }
 
   private keyDown(event: KeyboardEvent): void {
-    if (isTyping(event.target) || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+    if (takesKeys(event.target) || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     const arrow = arrows[event.key];
     if (arrow) {
       this.stop();

@@ -1,30 +1,31 @@
-// How a camera moves: functions of camera states, free of the page. Angles in radians.
+// Functions of camera states: how a camera moves, and what it sees. Angles in radians.
 
 import type { CameraState, Vec } from "./types";
 import { add, along, cross, distance, dot, isFinite, length, normalise, perpendicular, rotate, scale, subtract } from "./vector";
 
-/// A box and what follows from it.
+/// The corners of a box.
 export interface Bounds {
   min: Vec;
   max: Vec;
 }
 
+/// The axes of a camera, of unit length.
 export interface Axes {
   right: Vec;
   up: Vec;
   forward: Vec;
 }
 
-/// How far away a camera goes, in radii of the box.
+/// The farthest distance of a camera from the box, in radii of the box.
 export const farthestRadii = 40;
 
-/// Never nearer to the poles of the up direction: beyond, left and right would change places.
-const leastPolarAngle = 0.01;
+/// The smallest angle between view and up direction: beyond the pole, left and right would be exchanged.
+const minPolarAngle = 0.01;
 
 const boundsCentre = (bounds: Bounds): Vec => scale(add(bounds.min, bounds.max), 0.5);
 export const boundsRadius = (bounds: Bounds): number => 0.5 * distance(bounds.min, bounds.max) || 1;
 
-/// Unit axes of a camera; some orthogonal ones where its state has no direction.
+/// Returns the axes of a camera. They are orthogonal also where the camera has no direction.
 export function cameraAxes(camera: CameraState): Axes {
   const forward = normalise(subtract(camera.target, camera.eye), [0, 0, -1]);
   const up = normalise(camera.up, [0, 1, 0]);
@@ -32,7 +33,7 @@ export function cameraAxes(camera: CameraState): Axes {
   return { right, up: cross(right, forward), forward };
 }
 
-/// Whether it can be drawn with.
+/// Whether a picture can be drawn with a camera.
 export function isUsable(camera: CameraState): boolean {
   return (
     isFinite(camera.eye) &&
@@ -45,25 +46,25 @@ export function isUsable(camera: CameraState): boolean {
   );
 }
 
-/// Direction of the ray through a place of the picture: x and y from -1 to 1, right and up.
+/// Returns the direction of the ray through a point of the picture. `x`, `y`: from -1 to 1, right and up.
 export function rayDirection(camera: CameraState, aspect: number, x: number, y: number): Vec {
   const axes = cameraAxes(camera);
   const tangent = Math.tan((camera.fov * Math.PI) / 360);
   return normalise(along(along(axes.forward, axes.right, x * tangent * aspect), axes.up, y * tangent), axes.forward);
 }
 
-/// Turns the camera about a pivot: by `yaw` about the up direction, by `pitch` about its own right; short of the poles.
+/// Turns a camera about a pivot: by `yaw` about the up direction, and by `pitch` about the camera's right, short of the poles.
 export function orbit(camera: CameraState, pivot: Vec, yaw: number, pitch: number): CameraState {
   if (!Number.isFinite(yaw) || !Number.isFinite(pitch)) return camera;
   const up = normalise(camera.up, [0, 1, 0]);
   const { right, forward } = cameraAxes(camera);
   const polar = Math.acos(Math.min(1, Math.max(-1, dot(forward, up))));
-  const turned = Math.min(Math.PI - leastPolarAngle, Math.max(leastPolarAngle, polar - pitch));
+  const turned = Math.min(Math.PI - minPolarAngle, Math.max(minPolarAngle, polar - pitch));
   const turn = (a: Vec): Vec => add(pivot, rotate(rotate(subtract(a, pivot), right, polar - turned), up, yaw));
   return { ...camera, eye: turn(camera.eye), target: turn(camera.target) };
 }
 
-/// Moves eye and target alike, along the camera's axes; units.
+/// Moves eye and target along the camera's axes, by distances in units.
 export function shift(camera: CameraState, right: number, up: number, forward: number): CameraState {
   if (!Number.isFinite(right + up + forward)) return camera;
   const axes = cameraAxes(camera);
@@ -71,14 +72,15 @@ export function shift(camera: CameraState, right: number, up: number, forward: n
   return { ...camera, eye: add(camera.eye, by), target: add(camera.target, by) };
 }
 
-/// Whether a camera may go on from one place to another: not far away from the surface, unless it comes nearer.
+/// Whether a camera may move from one eye to another: not farther than farthestRadii from the surface, unless it comes nearer.
 export function mayMove(from: Vec, to: Vec, bounds: Bounds): boolean {
   const middle = boundsCentre(bounds);
   const reach = distance(to, middle);
   return reach < farthestRadii * boundsRadius(bounds) || reach < distance(from, middle);
 }
 
-/// Goes towards a point, which stays where it is in the picture, until it is `factor` times as far; within [nearest, farthest] of it.
+/// Moves a camera towards a point, until the point is `factor` times as far. The distance stays within [nearest, farthest], and the
+/// point stays where it is in the picture.
 export function zoom(camera: CameraState, towards: Vec, factor: number, nearest: number, farthest: number): CameraState {
   const now = distance(camera.eye, towards);
   if (!(factor > 0) || !(now > 0) || !Number.isFinite(factor)) return camera;
@@ -87,12 +89,12 @@ export function zoom(camera: CameraState, towards: Vec, factor: number, nearest:
   return { ...camera, eye: move(camera.eye), target: move(camera.target) };
 }
 
-/// Looks at a point from the same side and distance.
+/// Aims a camera at a point, from the same side and distance.
 export function centre(camera: CameraState, point: Vec): CameraState {
   return { ...camera, eye: add(camera.eye, subtract(point, camera.target)), target: point };
 }
 
-/// Between two cameras: t from 0 to 1. Distances change evenly in proportion.
+/// Blends two cameras. `t`: from 0, `a`, to 1, `b`. Distances change by equal factors in equal steps.
 export function blend(a: CameraState, b: CameraState, t: number): CameraState {
   if (t >= 1) return b;
   const mix = (p: Vec, q: Vec): Vec => along(scale(p, 1 - t), q, t);
@@ -109,7 +111,7 @@ export function blend(a: CameraState, b: CameraState, t: number): CameraState {
   };
 }
 
-/// The camera whose picture a box fills, seen from where `camera` stands.
+/// Returns the camera whose picture a box fills, seen from the side of `camera`.
 export function fit(camera: CameraState, bounds: Bounds, aspect: number): CameraState {
   const axes = cameraAxes(camera);
   const middle = boundsCentre(bounds);
@@ -118,11 +120,11 @@ export function fit(camera: CameraState, bounds: Bounds, aspect: number): Camera
   const filled = 0.86;
   const ty = Math.tan((camera.fov * Math.PI) / 360) * (1 - 2 * margin);
   const tx = ty * aspect;
-  // For each side of the picture how far the eye has to be for all corners to lie within.
+  // How far the eye has to be for all corners to lie within each side of the picture.
   let [left, right, below, above] = [0, 0, 0, 0];
   for (let i = 0; i < 8; ++i) {
     const corner: Vec = [i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1];
-    const p = corner.map((side, k) => side * filled * 0.5 * (bounds.max[k] - bounds.min[k])) as Vec;
+    const p = corner.map((side, k) => side * filled * 0.5 * (bounds.max[k]! - bounds.min[k]!)) as Vec;
     const [x, y, depth] = [dot(axes.right, p), dot(axes.up, p), -dot(axes.forward, p)];
     right = Math.max(right, x + tx * depth);
     left = Math.max(left, -x + tx * depth);
@@ -134,12 +136,13 @@ export function fit(camera: CameraState, bounds: Bounds, aspect: number): Camera
   return { ...camera, target, eye: along(target, axes.forward, -reach) };
 }
 
-/// Distances of the near and far plane. What is nearer than the near plane is not seen: it stays well before the target.
+/// Returns the distances of the near and the far plane. Surface before the near plane is not drawn, so that this plane stays well before
+/// the target.
 export function clipPlanes(camera: CameraState, bounds: Bounds): { near: number; far: number } {
   const radius = boundsRadius(bounds) * 1.02;
   const reach = distance(camera.eye, boundsCentre(bounds));
   const far = Math.max(reach + radius, 1e-3 * radius);
-  // Walls nearby are seen from within, too; a depth buffer of 32 bits still tells 1e-4 radii apart on the far side.
+  // From within, nearby walls are drawn, too. A depth buffer of 32 bits still separates 1e-4 radii on the far side.
   const inside = Math.min(0.003 * radius, 0.05 * distance(camera.eye, camera.target));
   return { near: Math.max(reach - radius, inside, 2e-5 * far), far: far * 1.001 };
 }

@@ -1,17 +1,17 @@
 // Colour maps that are even to the eye: control colours, joined in Oklab (Ottosson, "A perceptual color space for image
 // processing", 2020).
 
-/// Entries of a map.
+/// Number of colours of a map.
 export const mapSize = 256;
 
 export type MapName = "diverging" | "sequential" | "warm";
 
 const controls: Record<MapName, readonly string[]> = {
-  // Of curvature: hollows blue, the flat nearly white, ridges red.
+  // For curvature: hollows blue, the flat nearly white, ridges red.
   diverging: ["#1b3a7a", "#2f6db3", "#7fb0d6", "#f1eee8", "#e2a27c", "#c4512f", "#7a1626"],
-  // Of ranks: from the first points, dark, to the last.
+  // For ranks: from the first points, dark, to the last.
   sequential: ["#2a1a5e", "#2b4a8f", "#1f7a96", "#35a07e", "#93c452", "#f4dc4a"],
-  // Of densities: from sparse, dark, to dense.
+  // For densities: from sparse, dark, to dense.
   warm: ["#231942", "#5a2a77", "#a0336f", "#de5a52", "#f69a48", "#fbe491"],
 };
 
@@ -44,14 +44,14 @@ function toBytes([lightness, a, b]: Triple): Triple {
   return rgb.map((c) => Math.round(255 * encoded(Math.min(1, Math.max(0, c))))) as Triple;
 }
 
-/// mapSize colours of 4 bytes: red, green, blue (sRGB), 255.
+/// Makes a map: mapSize colours of 4 bytes, red, green, blue (sRGB), 255.
 export function makeColourMap(name: MapName): Uint8Array {
   const points = controls[name].map(fromHex);
   const map = new Uint8Array(4 * mapSize);
   for (let i = 0; i < mapSize; ++i) {
     const at = (i / (mapSize - 1)) * (points.length - 1);
     const k = Math.min(Math.floor(at), points.length - 2);
-    const mixed = points[k].map((c, j) => c + (at - k) * (points[k + 1][j] - c)) as Triple;
+    const mixed = points[k]!.map((c, j) => c + (at - k) * (points[k + 1]![j]! - c)) as Triple;
     map.set([...toBytes(mixed), 255], 4 * i);
   }
   return map;

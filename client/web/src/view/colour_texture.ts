@@ -1,9 +1,10 @@
-// Colour maps as textures, and what the shaders need to know of a ColourScale.
+// Colour maps as textures, and the uniforms of a ColourScale.
 
 import * as THREE from "three";
 import { makeColourMap, mapSize, type MapName } from "./colour_maps";
 import type { ColourScale } from "./colouring";
 
+/// The uniforms that `splatColour` of the shaders reads.
 export interface ColourUniforms {
   [name: string]: THREE.IUniform;
   map: THREE.IUniform<THREE.Texture | null>;
@@ -13,10 +14,11 @@ export interface ColourUniforms {
 
 export const makeColourUniforms = (): ColourUniforms => ({ map: { value: null }, mapScale: { value: 1 }, mapOffset: { value: 0 } });
 
-/// The textures of the maps, each made when it is first asked for.
+/// Keeps the textures of the maps. Makes each when it is first needed.
 export class ColourTextures {
   private readonly textures = new Map<MapName, THREE.DataTexture>();
 
+  /// Sets the uniforms for a scale.
   apply(scale: ColourScale, uniforms: ColourUniforms): void {
     uniforms.map.value = scale.map ? this.texture(scale.map) : null;
     uniforms.mapScale.value = scale.scale;

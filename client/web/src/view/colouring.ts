@@ -1,32 +1,32 @@
-// What points are coloured by: which of a store's arrays that needs, and the scale of its numbers.
+// What colours points: the column of the store that has the values, and their scale.
 
 import type { PointStore } from "../stream/point_store";
 import type { MapName } from "./colour_maps";
 import type { Colouring } from "./types";
 
-/// A column of a store that goes to the graphics card beside places and normals.
+/// A column of a store that a colouring needs beside positions and normals.
 type PointColumn = "colours" | "curvatures" | "ranks";
 
-/// How the shaders colour points: see `splatColour` there.
+/// How the shaders colour points: see their `splatColour`.
 export interface ColourScale {
-  /// Value of COLOURING in the shaders; 0: all alike, or by what the passes know anyway.
+  /// The value of COLOURING in the shaders; 0: one colour for all.
   kind: number;
   column: PointColumn | null;
   map: MapName | null;
-  /// What the number is divided by after `offset` has been taken away.
+  /// The divisor of a value, after `offset` is subtracted.
   scale: number;
   offset: number;
 }
 
 const samples = 2048;
 
-/// `value` of so many slots that hold points, spread over all of them; ascending.
+/// Returns `value` of about `samples` slots with points, spread over all slots; ascending.
 function sortedSample(store: PointStore, value: (slot: number) => number): Float32Array {
   const step = Math.max(1, Math.floor(store.slots / samples));
   const values = new Float32Array(Math.ceil(store.slots / step));
   let count = 0;
   for (let slot = 0; slot < store.slots; slot += step) {
-    if (store.places[4 * slot + 3] <= 0) continue;
+    if (store.positions[4 * slot + 3]! <= 0) continue;
     const v = value(slot);
     if (Number.isFinite(v)) values[count++] = v;
   }
@@ -34,28 +34,33 @@ function sortedSample(store: PointStore, value: (slot: number) => number): Float
 }
 
 const quantile = (sorted: Float32Array, q: number, none: number): number =>
-  sorted.length > 0 ? sorted[Math.round(q * (sorted.length - 1))] : none;
+  sorted.length > 0 ? sorted[Math.round(q * (sorted.length - 1))]! : none;
 
-/// The median of the radii, units; 0 without points.
-export const typicalRadius = (store: PointStore): number => quantile(sortedSample(store, (slot) => store.places[4 * slot + 3]), 0.5, 0);
+/// Returns the median radius in units; 0 without points.
+export const typicalRadius = (store: PointStore): number =>
+  quantile(
+    sortedSample(store, (slot) => store.positions[4 * slot + 3]!),
+    0.5,
+    0,
+  );
 
-/// The scale for what a store holds now; extremes do not count. Shading where it lacks what the colouring needs.
+/// Makes the scale for the points of a store, without regard to extremes. A store without the column that the colouring needs is shaded.
 export function colourScale(store: PointStore, colouring: Colouring): ColourScale {
   const plain: ColourScale = { kind: 0, column: null, map: null, scale: 1, offset: 0 };
-  const { curvatures, ranks, places } = store;
+  const { curvatures, ranks, positions } = store;
   if (colouring === "colour" && store.colours) return { ...plain, kind: 1, column: "colours" };
   if (colouring === "curvature" && curvatures) {
-    const sizes = sortedSample(store, (slot) => Math.abs(curvatures[2 * slot] + curvatures[2 * slot + 1]) / 2);
+    const sizes = sortedSample(store, (slot) => Math.abs(curvatures[2 * slot]! + curvatures[2 * slot + 1]!) / 2);
     return { ...plain, kind: 2, column: "curvatures", map: "diverging", scale: Math.max(quantile(sizes, 0.7, 1), 1e-20) };
   }
   if (colouring === "rank" && ranks) {
-    const sorted = sortedSample(store, (slot) => ranks[slot]);
+    const sorted = sortedSample(store, (slot) => ranks[slot]!);
     return { ...plain, kind: 3, column: "ranks", map: "sequential", scale: Math.max(quantile(sorted, 0.98, 1), 1) };
   }
   if (colouring === "density") {
-    const sorted = sortedSample(store, (slot) => -2 * Math.log2(places[4 * slot + 3]));
+    const sorted = sortedSample(store, (slot) => -2 * Math.log2(positions[4 * slot + 3]!));
     const [least, most] = [quantile(sorted, 0.01, 0), quantile(sorted, 0.99, 0)];
-    // Radii come in steps of half an octave: evenly spread points should not fill the map.
+    // Radii are on rungs of half an octave: points of an even density should not spread over the whole map.
     const span = Math.max(most - least, 4);
     return { ...plain, kind: 4, map: "warm", scale: span, offset: (least + most - span) / 2 };
   }

@@ -1,4 +1,4 @@
-// Points of a stream in any three.js scene.
+// The points of a stream in any three.js scene.
 
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
@@ -6,10 +6,10 @@ import { PointsGeometry } from "./points_geometry";
 import { SolidMaterial } from "./solid_material";
 import { defaultStyle, type Style } from "./types";
 
-/// Opaque discs, drawn in one pass with the scene's depth and lit by a light at the eye: any renderer, camera and transformation will
-/// do. Dots hide nothing; those on the far side are left out. The style's background and edl are the scene's affair.
+/// Draws points as opaque discs, in one pass, with the scene's depth and a light at the eye: for any renderer, camera and
+/// transformation. Dots hide nothing, and those on the far side are left out. The style's background and edl have no effect.
 export class CurvecastPoints extends THREE.Object3D {
-  /// Assign a new object to change it; it counts from the next refresh on.
+  /// How points are drawn. Assign a new object to change it: refresh() applies it.
   style: Style = { ...defaultStyle };
   private readonly points: PointsGeometry;
   private readonly material = new SolidMaterial();
@@ -20,7 +20,7 @@ export class CurvecastPoints extends THREE.Object3D {
     this.points = new PointsGeometry(store, "cone");
     this.mesh = new THREE.Mesh(this.points.discs, this.material);
     this.mesh.frustumCulled = false;
-    // Its triangles are where the shader puts them.
+    // The shader places the triangles: three.js cannot hit them with a ray.
     this.mesh.raycast = () => {};
     const size = new THREE.Vector2();
     this.mesh.onBeforeRender = (renderer, _scene, camera) => {
@@ -34,13 +34,13 @@ export class CurvecastPoints extends THREE.Object3D {
     this.refresh();
   }
 
-  /// Takes the store's changes; rendering the scene does so by itself.
+  /// Takes the store's changes. Rendering the scene calls it.
   refresh(): void {
     this.points.refresh(this.style.colouring);
     this.mesh.position.fromArray(this.store.origin);
   }
 
-  /// Scenes call it before they are drawn.
+  /// Is called by the scene before it is drawn.
   override updateMatrixWorld(force?: boolean): void {
     this.refresh();
     super.updateMatrixWorld(force);

@@ -1,7 +1,8 @@
-// When the graphics card, or the processor in its place, has drawn what it was given.
+// Notices when the graphics card, or the processor in its stead, has drawn what it was given.
 
 const betweenLooks = 4; // ms
 
+/// Watches the commands of a context. Calls `onDrawn` once all watched commands are done.
 export class DrawingWatch {
   private sync: WebGLSync | null = null;
 
@@ -14,7 +15,7 @@ export class DrawingWatch {
     return this.sync !== null;
   }
 
-  /// All that has been asked for so far is watched.
+  /// Watches all commands that were given so far, instead of those watched before.
   begin(): void {
     const isWatching = this.isDrawing;
     this.gl.deleteSync(this.sync);
@@ -26,7 +27,7 @@ export class DrawingWatch {
   private look(): void {
     const { gl, sync } = this;
     if (sync === null) return;
-    // Of a context that was lost there is no status.
+    // A context that was lost has no status.
     const isOver = gl.isContextLost() || gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.UNSIGNALED;
     if (!isOver) {
       setTimeout(() => this.look(), betweenLooks);

@@ -1,29 +1,29 @@
-// When frames are drawn, and how finely: on demand only; coarser while something moves on a machine that is too slow for it.
+// Decides when frames are drawn, and how finely: on demand only, and coarser while something moves on a slow machine.
 
-/// While things change, frames are drawn as coarsely as keeps them under this.
-const slowFrame = 42; // ms
-const fastFrame = 19;
-const quiet = 160; // ms until a moving picture counts as still
-const coarsest = 0.35;
-const longestGap = 1000; // ms; frames farther apart do not follow each other
+const slowFrame = 42; // ms; while frames take longer, they are drawn more coarsely
+const fastFrame = 19; // ms; while frames take less, they are drawn more finely
+const quiet = 160; // ms without motion until the picture counts as still
+const coarsest = 0.35; // scale
+const longestGap = 1000; // ms; frames farther apart do not belong to one motion
 
+/// Calls `draw` for the frames that invalidate() asks for.
 export class FrameClock {
   private request = 0;
   private settling: ReturnType<typeof setTimeout> | undefined;
   private lastFrame = -Infinity;
   private lastMotion = -Infinity;
   private measured = 0; // ms between frames while something moves; 0: not known
-  private expected = 0; // the same as the choice of the scale takes it
-  private isMoving = false; // in the last frame
+  private expected = 0; // ms between frames at the scale of now
+  private isMoving = false; // the last frame was part of a motion
   private scaleNow: number;
   private isStopped = false;
   private heldUntil = -Infinity;
   private isReleased = false;
-  private isCoarse = false; // the last frame was
+  private isCoarse = false; // the last frame was coarse
   private holding: ReturnType<typeof setTimeout> | undefined;
 
-  /// `draw` gets the time, ms, and the scale of the picture; true: it wants another frame, and moves. `isSlow`: each takes longer
-  /// than the next comes after, so that settle() has to tell when it has been drawn.
+  /// `draw` gets the time in ms and the scale of the picture, and returns whether something moves on. `isSlow`: drawing a frame takes
+  /// longer than the time to the next, so that settle() is called when a frame is drawn.
   constructor(
     private readonly draw: (now: number, scale: number) => boolean,
     private readonly isSlow: boolean,
@@ -31,39 +31,40 @@ export class FrameClock {
     this.scaleNow = isSlow ? 0.5 : 1;
   }
 
-  /// Of the frames that followed each other; 0 where nothing has moved for a second.
+  /// Frames a second while something moves; 0 where nothing has moved for a second.
   get framesPerSecond(): number {
     const isStale = performance.now() - this.lastMotion > longestGap;
     return this.measured > 0 && !isStale ? 1000 / this.measured : 0;
   }
 
-  /// Has a frame drawn. `isMotion`: one of several, which has to come soon rather than be fine.
+  /// Asks for a frame. `isMotion`: the frame is one of several, and has to come soon rather than be fine.
   invalidate(isMotion: boolean): void {
     if (isMotion) this.lastMotion = performance.now();
     if (this.request === 0 && !this.isStopped) this.request = requestAnimationFrame((now) => this.frame(now));
   }
 
-  /// What was held back has yet to be drawn.
+  /// Whether a frame that was held back has yet to be drawn.
   get isDue(): boolean {
     return this.isReleased;
   }
 
-  /// No frames for so long, or until release().
+  /// Holds frames back for so many milliseconds, or until release().
   hold(milliseconds: number): void {
     this.heldUntil = performance.now() + milliseconds;
     clearTimeout(this.holding);
     this.holding = setTimeout(() => this.release(), milliseconds);
   }
 
+  /// Draws the frames that hold() has held back.
   release(): void {
     clearTimeout(this.holding);
     if (this.heldUntil === -Infinity) return;
     this.heldUntil = -Infinity;
     this.isReleased = true;
-    this.invalidate(false); // for those that were asked for meanwhile
+    this.invalidate(false); // for the frames that were asked for meanwhile
   }
 
-  /// No frames until it is resumed.
+  /// Draws no frames while it is paused.
   pause(isPaused: boolean): void {
     this.isStopped = isPaused;
     cancelAnimationFrame(this.request);
@@ -88,7 +89,7 @@ export class FrameClock {
     if (!this.isSlow) this.settle();
   }
 
-  /// A fine frame follows a coarse one, unless another comes soon.
+  /// Draws a fine frame after a coarse one, unless another frame comes soon.
   settle(): void {
     if (!this.isCoarse || this.isStopped) return;
     clearTimeout(this.settling);
@@ -101,7 +102,7 @@ export class FrameClock {
     this.expected = smooth(this.expected);
     if (this.expected > slowFrame && this.scaleNow > coarsest) {
       this.scaleNow = Math.max(coarsest, this.scaleNow * 0.8);
-      this.expected *= 0.7; // that coarser frames will take
+      this.expected *= 0.7; // coarser frames will take less
     } else if (this.expected < fastFrame && this.scaleNow < 1) {
       this.scaleNow = Math.min(1, this.scaleNow * 1.02);
     }

@@ -1,10 +1,10 @@
-// Lines and dots over the picture: of even width in pixels, smooth, pale where the surface hides them.
+// Draws lines and dots over the picture: of even width in pixels, smooth, and pale where the surface hides them.
 
 import * as THREE from "three";
 import type { Rectangle } from "./picture";
 import type { Vec } from "./types";
 
-/// A dot where both ends are one.
+/// A line, or a dot where both ends are one.
 export interface OverlayLine {
   from: Vec;
   to: Vec;
@@ -21,7 +21,7 @@ uniform float pixelRatio, near;
 in vec3 position;
 in vec3 from, to;
 in vec4 colourWidth;
-out vec2 place;  // pixels
+out vec2 pixelPosition;
 flat out vec2 start, end;
 flat out vec4 look;
 out float inverseDepth;  // linear in the picture
@@ -48,9 +48,9 @@ void main() {
   float size = length(along);
   along = size > 1e-3 ? along / size : vec2(1.0, 0.0);
   float reach = 0.5 * look.w + 1.0;
-  place = mix(start, end, step(0.0, position.x)) + reach * (position.x * along + position.y * vec2(-along.y, along.x));
+  pixelPosition = mix(start, end, step(0.0, position.x)) + reach * (position.x * along + position.y * vec2(-along.y, along.x));
   inverseDepth = -1.0 / (position.x < 0.0 ? a.z : b.z);
-  gl_Position = vec4(place / pixels * 2.0 - 1.0, 0.0, 1.0);
+  gl_Position = vec4(pixelPosition / pixels * 2.0 - 1.0, 0.0, 1.0);
 }
 `;
 
@@ -60,18 +60,18 @@ uniform highp sampler2D depths;
 uniform bool hasDepths;
 uniform vec2 clip;
 uniform float tolerance;  // units
-in vec2 place;
+in vec2 pixelPosition;
 flat in vec2 start, end;
 flat in vec4 look;
 in float inverseDepth;
 layout(location = 0) out vec4 pixel;
 void main() {
   vec2 along = end - start;
-  float t = clamp(dot(place - start, along) / max(dot(along, along), 1e-6), 0.0, 1.0);
-  float away = distance(place, start + t * along);
+  float t = clamp(dot(pixelPosition - start, along) / max(dot(along, along), 1e-6), 0.0, 1.0);
+  float away = distance(pixelPosition, start + t * along);
   float cover = clamp(0.5 * look.w - away + 0.5, 0.0, 1.0);
   if (hasDepths) {
-    ivec2 at = clamp(ivec2(place), ivec2(0), textureSize(depths, 0) - 1);
+    ivec2 at = clamp(ivec2(pixelPosition), ivec2(0), textureSize(depths, 0) - 1);
     float surface = clip.x * clip.y / (clip.y - texelFetch(depths, at, 0).x * (clip.y - clip.x));
     if (1.0 / inverseDepth > surface + tolerance) cover *= 0.4;
   }
@@ -79,6 +79,7 @@ void main() {
 }
 `;
 
+/// Keeps lines on the graphics card, and draws them.
 export class OverlayLines {
   private readonly geometry = new THREE.InstancedBufferGeometry();
   private readonly uniforms = {
@@ -107,6 +108,7 @@ export class OverlayLines {
     this.set([]);
   }
 
+  /// Replaces all lines.
   set(lines: readonly OverlayLine[]): void {
     const { geometry } = this;
     // Ends are kept relative to the first one: single precision serves coordinates far from 0.
@@ -119,11 +121,11 @@ export class OverlayLines {
     geometry.setAttribute("position", new THREE.Float32BufferAttribute([-1, -1, 0, 1, -1, 0, -1, 1, 0, 1, 1, 0], 3));
     geometry.setAttribute(
       "from",
-      column(3, ({ from }) => from.map((c, k) => c - origin[k])),
+      column(3, ({ from }) => from.map((c, k) => c - origin[k]!)),
     );
     geometry.setAttribute(
       "to",
-      column(3, ({ to }) => to.map((c, k) => c - origin[k])),
+      column(3, ({ to }) => to.map((c, k) => c - origin[k]!)),
     );
     geometry.setAttribute(
       "colourWidth",
@@ -132,7 +134,7 @@ export class OverlayLines {
     geometry.instanceCount = lines.length;
   }
 
-  /// Into the picture that `renderer`'s viewport shows. `depths`: of the surface, null: nothing hides.
+  /// Draws the lines into `renderer`'s viewport. `depths`: those of the surface; null: the surface hides nothing.
   render(
     renderer: THREE.WebGLRenderer,
     camera: THREE.PerspectiveCamera,

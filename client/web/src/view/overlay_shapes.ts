@@ -1,4 +1,4 @@
-// What is drawn over the picture, as lines.
+// Shapes of lines that are drawn over the picture.
 
 import * as THREE from "three";
 import { cameraAxes } from "./camera_math";
@@ -9,7 +9,7 @@ import { along, distance } from "./vector";
 const frustumColours: Record<Background, THREE.Color> = { light: new THREE.Color(0x1d5fa8), dark: new THREE.Color(0x7db8f5) };
 const measureColour = new THREE.Color(0xe0531c);
 
-/// A camera's pyramid of sight as far as its target, with a roof on the side that is up.
+/// Makes the frustum of a camera up to its target, with a roof on the side that is up.
 export function frustumLines(camera: CameraState, aspect: number, background: Background): OverlayLine[] {
   const colour = frustumColours[background];
   const { eye } = camera;
@@ -21,14 +21,14 @@ export function frustumLines(camera: CameraState, aspect: number, background: Ba
   const corners = [at(-1, -1), at(1, -1), at(1, 1), at(-1, 1)];
   return [
     ...corners.map((corner) => line(eye, corner, 1.4)),
-    ...corners.map((corner, i) => line(corner, corners[(i + 1) % 4], 1.8)),
+    ...corners.map((corner, i) => line(corner, corners[(i + 1) % 4]!, 1.8)),
     line(at(-0.3, 1), at(0, 1.25), 1.8),
     line(at(0.3, 1), at(0, 1.25), 1.8),
     line(eye, eye, 7),
   ];
 }
 
-/// A line with a dot at both ends.
+/// Makes a line with a dot at both ends.
 export function measureLines(a: Vec, b: Vec): OverlayLine[] {
   const colour = measureColour;
   return [

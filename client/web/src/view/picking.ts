@@ -1,22 +1,24 @@
-// What lies under the pointer: a search through all points, which takes about a millisecond for 100,000 of them.
+// Finds the surface under the pointer by a search through all points, which takes about a millisecond for 100,000 of them.
 
 import type { PointStore } from "../stream/point_store";
 import type { Pick, Vec } from "./types";
 import { add, along, normalise } from "./vector";
 
+/// A ray from the eye.
 export interface Ray {
   origin: Vec;
   /// Unit length.
   direction: Vec;
 }
 
-/// Distance along a ray to the disc in a slot; NaN where it misses. `x`, `y`, `z`: of the ray's origin, relative to the store's.
+/// Returns the distance along a ray to the disc in a slot; NaN where the ray misses it. `x`, `y`, `z`: the ray's origin relative to the
+/// store's.
 function discDistance(store: PointStore, slot: number, x: number, y: number, z: number, direction: Vec, scale: number): number {
-  const { places, normals } = store;
+  const { positions, normals } = store;
   const at = 4 * slot;
-  const radius = places[at + 3] * scale;
-  const [dx, dy, dz] = [places[at] - x, places[at + 1] - y, places[at + 2] - z];
-  const [nx, ny, nz] = [normals[at], normals[at + 1], normals[at + 2]];
+  const radius = positions[at + 3]! * scale;
+  const [dx, dy, dz] = [positions[at]! - x, positions[at + 1]! - y, positions[at + 2]! - z];
+  const [nx, ny, nz] = [normals[at]!, normals[at + 1]!, normals[at + 2]!];
   const facing = nx * direction[0] + ny * direction[1] + nz * direction[2];
   if (facing === 0) return NaN;
   const t = (nx * dx + ny * dy + nz * dz) / facing;
@@ -24,11 +26,11 @@ function discDistance(store: PointStore, slot: number, x: number, y: number, z: 
   return ex * ex + ey * ey + ez * ez <= radius * radius ? t : NaN;
 }
 
-/// The surface where a ray first hits a disc: the mean of the discs that lie together there, like in the picture. Where it hits none,
-/// the point nearest to the ray within `tolerance` (tangent of an angle), of like ones the nearest to the eye. Discs nearer than
-/// `near` do not count; their radii are times `scale`.
+/// Finds the surface where a ray first hits a disc: the mean of the discs that lie together there, as in the picture. A ray that hits no
+/// disc finds the point nearest to it within `tolerance` (tangent of an angle), and among equally near ones the nearest to the eye.
+/// Ignores discs nearer than `near`. Radii are multiplied by `scale`.
 export function pick(store: PointStore, ray: Ray, near: number, tolerance: number, scale = 1): Pick | null {
-  const { places, normals, slots, origin } = store;
+  const { positions, normals, slots, origin } = store;
   const { direction } = ray;
   const [x, y, z] = [ray.origin[0] - origin[0], ray.origin[1] - origin[1], ray.origin[2] - origin[2]];
   const hits: number[] = [];
@@ -37,11 +39,11 @@ export function pick(store: PointStore, ray: Ray, near: number, tolerance: numbe
   let nearest = -1;
   let nearestScore = Infinity;
   for (let slot = 0, at = 0; slot < slots; ++slot, at += 4) {
-    const radius = places[at + 3] * scale;
+    const radius = positions[at + 3]! * scale;
     if (!(radius > 0)) continue;
-    const dx = places[at] - x;
-    const dy = places[at + 1] - y;
-    const dz = places[at + 2] - z;
+    const dx = positions[at]! - x;
+    const dy = positions[at + 1]! - y;
+    const dz = positions[at + 2]! - z;
     const t = dx * direction[0] + dy * direction[1] + dz * direction[2];
     if (t < near) continue;
     const away = dx * dx + dy * dy + dz * dz - t * t;
@@ -57,17 +59,18 @@ export function pick(store: PointStore, ray: Ray, near: number, tolerance: numbe
       }
     }
     const angle = Math.max(away, 0) / (t * t * tolerance * tolerance);
-    // A point twice as far has to be much nearer to the ray.
+    // A point twice as far away from the eye has to be much nearer to the ray.
     if (angle <= 1 && (angle + 0.25) * t < nearestScore) {
       nearestScore = (angle + 0.25) * t;
       nearest = slot;
     }
   }
-  const pointAt = (slot: number): Vec => add([places[4 * slot], places[4 * slot + 1], places[4 * slot + 2]], [...origin]);
-  const normalAt = (slot: number): Vec => [normals[4 * slot], normals[4 * slot + 1], normals[4 * slot + 2]];
+  const pointAt = (slot: number): Vec =>
+    add([positions[4 * slot]!, positions[4 * slot + 1]!, positions[4 * slot + 2]!], [...origin]);
+  const normalAt = (slot: number): Vec => [normals[4 * slot]!, normals[4 * slot + 1]!, normals[4 * slot + 2]!];
   if (front === Infinity) {
     if (nearest < 0) return null;
-    return { point: pointAt(nearest), normal: normalise(normalAt(nearest), [0, 0, 1]), radius: places[4 * nearest + 3] };
+    return { point: pointAt(nearest), normal: normalise(normalAt(nearest), [0, 0, 1]), radius: positions[4 * nearest + 3]! };
   }
   let weights = 0;
   let distance = 0;
@@ -75,10 +78,10 @@ export function pick(store: PointStore, ray: Ray, near: number, tolerance: numbe
   let middle = -1;
   let middleWeight = -1;
   for (let i = 0; i < hits.length; i += 2) {
-    const [slot, hit] = [hits[i], hits[i + 1]];
+    const [slot, hit] = [hits[i]!, hits[i + 1]!];
     if (hit > front + frontReach) continue;
-    const radius = places[4 * slot + 3] * scale;
-    const [dx, dy, dz] = [places[4 * slot] - x, places[4 * slot + 1] - y, places[4 * slot + 2] - z];
+    const radius = positions[4 * slot + 3]! * scale;
+    const [dx, dy, dz] = [positions[4 * slot]! - x, positions[4 * slot + 1]! - y, positions[4 * slot + 2]! - z];
     const [ex, ey, ez] = [hit * direction[0] - dx, hit * direction[1] - dy, hit * direction[2] - dz];
     const weight = 1e-3 + Math.max(0, 1 - (ex * ex + ey * ey + ez * ez) / (radius * radius)) ** 3;
     weights += weight;
@@ -89,6 +92,6 @@ export function pick(store: PointStore, ray: Ray, near: number, tolerance: numbe
   return {
     point: along(ray.origin, direction, distance / weights),
     normal: normalise(normal, normalise(normalAt(middle), [0, 0, 1])),
-    radius: places[4 * middle + 3],
+    radius: positions[4 * middle + 3]!,
   };
 }

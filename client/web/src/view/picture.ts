@@ -1,4 +1,4 @@
-// What is drawn, and the colours around it.
+// A picture: what is drawn, and its colours.
 
 import * as THREE from "three";
 import type { DiscShape, PointsGeometry } from "./points_geometry";
@@ -9,7 +9,7 @@ interface Look {
   bottom: THREE.Color;
   clay: THREE.Color;
   back: THREE.Color;
-  /// Under dots.
+  /// The surface under dots.
   pale: THREE.Color;
   dots: THREE.Color;
 }
@@ -34,7 +34,7 @@ export const looks: Record<Background, Look> = {
   },
 };
 
-/// Where on the canvas a picture goes, in its pixels, from below.
+/// Where a picture is on the canvas, in pixels of the canvas, from its lower left corner.
 export interface Rectangle {
   x: number;
   y: number;
@@ -42,27 +42,28 @@ export interface Rectangle {
   height: number;
 }
 
+/// All that a picture shows.
 export interface Picture {
   points: PointsGeometry | null;
   style: Style;
   camera: THREE.PerspectiveCamera;
   where: Rectangle;
-  /// Pixels of the canvas to a CSS pixel.
+  /// Pixels of the canvas per CSS pixel.
   pixelRatio: number;
-  /// Rather soon than fine.
+  /// Drawn soon rather than finely.
   isQuick: boolean;
   /// Half the diagonal of the surface's box.
   sceneRadius: number;
   brush: { centre: THREE.Vector3; radius: number } | null;
-  /// The camera that the points are for, where it is not the picture's; the rest as of FrozenCamera.
+  /// The camera that the points are for, where that is not the picture's. The rest as in FrozenCamera.
   frozen: { camera: THREE.PerspectiveCamera; isCut: boolean; isEven: boolean } | null;
 }
 
 /// A way to draw pictures.
 export interface Passes {
-  /// That the geometry of the points must have.
+  /// The shape that the geometry of the points must have.
   readonly shape: DiscShape;
-  /// Of the surface in the picture drawn last, null: they are not kept.
+  /// The depths of the surface in the picture drawn last; null where they are not kept.
   readonly depths: THREE.Texture | null;
   render(picture: Picture): void;
   dispose(): void;

@@ -1,4 +1,4 @@
-// The points of a store on the graphics card, and the shapes that they are drawn as.
+// The points of a store on the graphics card, and the shapes that draw them.
 
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
@@ -10,31 +10,31 @@ import { mergeRanges } from "./update_ranges";
 /// What each point is drawn as: a square in the disc's plane, or a hexagon whose middle stands out, so that neighbours meet halfway.
 export type DiscShape = "square" | "cone";
 
-/// Shapes to an instance; the shaders know it too.
-const blockSlots = 1024;
+const blockSlots = 1024; // shapes per instance, as in the shaders
 const faces: Record<DiscShape, { corners: number; index: number[] }> = {
   square: { corners: 4, index: [0, 1, 2, 2, 1, 3] },
   cone: { corners: 7, index: [0, 1, 2, 3, 4, 5].flatMap((i) => [6, i, (i + 1) % 6]) },
 };
 
-/// What the shaders of points read: see `pointFunctions` there.
+/// The uniforms that `pointFunctions` of the shaders reads.
 export interface PointUniforms {
   [name: string]: THREE.IUniform;
-  places: THREE.IUniform<THREE.Texture | null>;
+  positions: THREE.IUniform<THREE.Texture | null>;
   normalsOf: THREE.IUniform<THREE.Texture | null>;
   column: THREE.IUniform<THREE.Texture | null>;
   slots: THREE.IUniform<number>;
 }
 
 export const makePointUniforms = (): PointUniforms => ({
-  places: { value: null },
+  positions: { value: null },
   normalsOf: { value: null },
   column: { value: null },
   slots: { value: 0 },
 });
 
+/// Keeps the columns of a store as textures, and uploads what changes.
 export class PointsGeometry {
-  /// Discs of all slots, without attributes: the shaders know the slot by the numbers of vertex and instance.
+  /// Discs of all slots. They have no attributes: the shaders compute the slot from the numbers of vertex and instance.
   readonly discs = new THREE.InstancedBufferGeometry();
   /// A vertex for each slot.
   readonly dots = new THREE.BufferGeometry();
@@ -42,7 +42,7 @@ export class PointsGeometry {
   private colouring: Colouring = "shading";
   private scaleNow: ColourScale;
   private radiusNow: number;
-  /// Not yet uploaded; null: everything.
+  /// Slots that are not uploaded yet; null: all.
   private pending: number[] | null = null;
 
   constructor(
@@ -51,30 +51,34 @@ export class PointsGeometry {
   ) {
     const { corners, index } = faces[shape];
     const all = new Uint16Array(index.length * blockSlots);
-    for (let i = 0; i < blockSlots; ++i) all.set(index.map((corner) => corner + i * corners), i * index.length);
+    for (let i = 0; i < blockSlots; ++i)
+      all.set(
+        index.map((corner) => corner + i * corners),
+        i * index.length,
+      );
     this.discs.setIndex(new THREE.BufferAttribute(all, 1));
     this.scaleNow = colourScale(store, this.colouring);
     this.radiusNow = typicalRadius(store);
   }
 
-  /// For the colouring of the last refresh.
+  /// The scale for the colouring of the last refresh.
   get scale(): ColourScale {
     return this.scaleNow;
   }
 
-  /// The median, units.
+  /// The median radius in units.
   get typicalRadius(): number {
     return this.radiusNow;
   }
 
-  /// Takes the store's changes.
+  /// Takes the store's changes, and the scale for a colouring.
   refresh(colouring: Colouring): void {
     const { store } = this;
     const changes = store.takeChanges();
     const changed = changes.all || changes.ranges.length > 0;
     if (changed) {
       this.radiusNow = typicalRadius(store);
-      // Those that were not uploaded in between are rare.
+      // Changes that were not uploaded before the next ones are rare: then all slots are uploaded.
       const isFirst = this.pending !== null && this.pending.length === 0;
       this.pending = changes.all || !isFirst ? null : mergeRanges(changes.ranges, store.slots);
     }
@@ -84,12 +88,12 @@ export class PointsGeometry {
     this.dots.setDrawRange(0, store.slots);
   }
 
-  /// Brings what has changed to the graphics card. Before drawing.
+  /// Uploads what has changed. To be called before drawing.
   upload(renderer: THREE.WebGLRenderer): void {
     const { store, pending } = this;
     const all = [0, store.slots];
     const columns: [ColumnName, ColumnArray][] = [
-      ["places", store.places],
+      ["positions", store.positions],
       ["normals", store.normals],
     ];
     const { column } = this.scaleNow;
@@ -109,9 +113,10 @@ export class PointsGeometry {
     this.pending = [];
   }
 
+  /// Sets the uniforms of the shaders.
   apply(uniforms: PointUniforms): void {
     const { column } = this.scaleNow;
-    uniforms.places.value = this.textures.get("places")?.texture ?? null;
+    uniforms.positions.value = this.textures.get("positions")?.texture ?? null;
     uniforms.normalsOf.value = this.textures.get("normals")?.texture ?? null;
     uniforms.column.value = (column && this.textures.get(column)?.texture) ?? null;
     uniforms.slots.value = this.store.slots;

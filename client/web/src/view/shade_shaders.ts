@@ -1,4 +1,4 @@
-// GLSL of the passes over the whole picture: from the sums of the discs to colours.
+// GLSL of the pass over the whole picture, which turns the sums of the discs into colours.
 
 export const screenVertexShader = /* glsl */ `
 precision highp float;
@@ -6,7 +6,7 @@ in vec3 position;
 void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
 `;
 
-/// What the passes share: the visible surface at a pixel.
+/// The visible surface at a pixel.
 const surfaceFunctions = /* glsl */ `
 precision highp float;
 precision highp int;
@@ -14,7 +14,7 @@ uniform sampler2D normals;
 uniform highp sampler2D depths;
 uniform vec2 clip;         // distances of the near and far plane
 uniform vec2 tangents;     // of half the angles of view
-uniform float leastKernel;  // where the surface ends
+uniform float minKernel;   // sum of the kernels where the surface ends
 
 float distanceAt(ivec2 p) {
   return clip.x * clip.y / (clip.y - texelFetch(depths, p, 0).x * (clip.y - clip.x));
@@ -31,7 +31,7 @@ vec3 normalOf(vec3 sum, vec3 view) {
   vec3 n = size > 1e-7 ? sum / size : view;
   float facing = dot(n, view);
   if (facing >= 0.0) return n;
-  // The back of an open surface is turned round. At a grazing angle it is the rim of discs that stick out behind the silhouette:
+  // The normal of a back is turned round. Near the silhouette, a back is the rim of discs that stick out behind it: its normal is
   // mirrored, so that shading goes on as before the silhouette.
   return normalize(mix(n - 2.0 * facing * view, -n, smoothstep(0.75, 0.95, -facing)));
 }
@@ -91,13 +91,13 @@ float domeLight(ivec2 p, float here) {
     float before = max(here - distanceAt(tap), 0.0) * scale;
     sum += before / (1.0 + before);
   }
-  // Behind everything around: a gap between discs.
+  // A pixel behind all pixels around it is a gap between discs.
   return sum > 6.0 ? 1.0 : exp(-edlStrength * sum / 8.0);
 }
 
-// How much of the pixel the surface covers: at the rim the sums fall to nothing, how steeply tells the rest.
+// How much of a pixel the surface covers. At the rim the sums fall to nothing: their slope gives the distance to the edge.
 float coverAt(ivec2 p, float kernel) {
-  float cover = clamp((kernel - leastKernel) / max(fwidth(kernel), 1e-4) + 0.5, 0.0, 1.0);
+  float cover = clamp((kernel - minKernel) / max(fwidth(kernel), 1e-4) + 0.5, 0.0, 1.0);
   if (kernel <= 0.0) return 0.0;
   if (cover == 1.0) return 1.0;
   ivec2 last = textureSize(normals, 0) - 1;
@@ -105,7 +105,7 @@ float coverAt(ivec2 p, float kernel) {
     ivec2 step = ivec2((i & 1) * 2 - 1, (i & 2) - 1);
     if (texelFetch(normals, clamp(p + step, ivec2(0), last), 0).w <= 0.0) return cover;
   }
-  return 1.0;  // an edge before more of the surface
+  return 1.0;  // the surface goes on behind this edge
 }
 
 void main() {
@@ -120,7 +120,7 @@ void main() {
     vec3 view = -normalize(ray);
     float here = distanceAt(p);
     vec3 n = normalOf(sum.xyz, view);
-    // The rims of discs that stick out behind a sharp bend are no backs.
+    // Rims of discs that stick out behind a sharp bend are not coloured as backs.
     float back = smoothstep(0.55, 0.85, -dot(sum.xyz, view) / max(length(sum.xyz), 1e-7));
 #ifdef HAS_COLOURS
     vec4 colourSum = texelFetch(colours, p, 0);
@@ -130,11 +130,11 @@ void main() {
     vec3 albedo = mix(clay, backTint, back);
 #endif
     colour = shade(albedo, n, view);
-    // Between the smaller discs that make the depths there is none.
+    // Pixels between the smaller discs that make the depths have no depth.
     if (edlStrength > 0.0 && here < 0.999 * clip.y) colour *= domeLight(p, here);
     if (brush.w > 0.0) {
-      vec3 place = ray * here + view * surfaceShift;
-      float away = distance(place, brush.xyz);
+      vec3 surface = ray * here + view * surfaceShift;
+      float away = distance(surface, brush.xyz);
       float width = 1.5 * here * 2.0 * tangents.y / float(textureSize(depths, 0).y);
       float inside = 1.0 - smoothstep(brush.w - width, brush.w + width, away);
       float ring = 1.0 - smoothstep(width, 2.0 * width, abs(away - brush.w));
@@ -142,7 +142,7 @@ void main() {
     }
     colour = mix(behind, colour, cover);
   }
-  // An ordered pattern of half a step of 8 bits, or the gradient shows its steps.
+  // An ordered dither of half a step of 8 bits hides the steps of the gradient.
   ivec2 cell = ivec2(gl_FragCoord.xy) & 3;
   float dither = float(((cell.x ^ cell.y) & 1) * 8 + (cell.y & 1) * 4 + (((cell.x ^ cell.y) >> 1) & 1) * 2 + (cell.y >> 1));
   pixel = vec4(encoded(colour) + ((dither + 0.5) / 16.0 - 0.5) / 255.0, 1.0);

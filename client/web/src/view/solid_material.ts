@@ -1,4 +1,4 @@
-// Opaque discs in one pass, lit by a light at the eye.
+// A material that draws opaque discs in one pass, with a light at the eye.
 
 import * as THREE from "three";
 import { ColourTextures, makeColourUniforms } from "./colour_texture";
@@ -6,11 +6,20 @@ import { makePointUniforms, type PointsGeometry } from "./points_geometry";
 import { solidFragmentShader, solidVertexShader } from "./splat_shaders";
 import type { Style } from "./types";
 
-/// For geometries of the shape "cone". Dots hide nothing; those on the far side are left out.
+/// Draws geometries of the shape "cone". Dots hide nothing, and those on the far side are left out.
 export class SolidMaterial extends THREE.ShaderMaterial {
   private readonly textures = new ColourTextures();
   private readonly colourUniforms = makeColourUniforms();
   private readonly pointUniforms = makePointUniforms();
+  private readonly styleUniforms = {
+    splatScale: { value: 1 },
+    backShift: { value: 0 },
+    extent: { value: 1.1547 }, // of hexagons around the discs
+    minRadius: { value: 0 },
+    dotDiameter: { value: 0 },
+    pixels: { value: new THREE.Vector2(1, 1) },
+    plainColour: { value: new THREE.Color(0xd2b79f) },
+  };
 
   constructor() {
     super({
@@ -19,34 +28,23 @@ export class SolidMaterial extends THREE.ShaderMaterial {
       defines: { COLOURING: 0 },
       side: THREE.DoubleSide,
     });
-    this.uniforms = {
-      ...this.pointUniforms,
-      ...this.colourUniforms,
-      splatScale: { value: 1 },
-      backShift: { value: 0 },
-      // Hexagons that hold the discs.
-      extent: { value: 1.1547 },
-      leastRadius: { value: 0 },
-      dotDiameter: { value: 0 },
-      pixels: { value: new THREE.Vector2(1, 1) },
-      plainColour: { value: new THREE.Color(0xd2b79f) },
-    };
+    this.uniforms = { ...this.pointUniforms, ...this.colourUniforms, ...this.styleUniforms };
   }
 
-  /// Before it is drawn into a picture of so many pixels.
+  /// Sets the uniforms for a picture of so many pixels. To be called before drawing.
   prepare(points: PointsGeometry, style: Style, width: number, height: number, pixelRatio: number, camera: THREE.Camera): void {
     const { scale } = points;
     points.apply(this.pointUniforms);
     this.textures.apply(scale, this.colourUniforms);
-    if (this.defines["COLOURING"] !== scale.kind) {
-      this.defines["COLOURING"] = scale.kind;
+    if (this.defines.COLOURING !== scale.kind) {
+      this.defines.COLOURING = scale.kind;
       this.needsUpdate = true;
     }
-    const { uniforms } = this;
-    uniforms["pixels"].value.set(width, height);
-    uniforms["splatScale"].value = style.splatScale;
-    uniforms["dotDiameter"].value = style.mode === "dots" ? style.dotSize * pixelRatio : 0;
-    uniforms["leastRadius"].value = 1 / (height * camera.projectionMatrix.elements[5]);
+    const uniforms = this.styleUniforms;
+    uniforms.pixels.value.set(width, height);
+    uniforms.splatScale.value = style.splatScale;
+    uniforms.dotDiameter.value = style.mode === "dots" ? style.dotSize * pixelRatio : 0;
+    uniforms.minRadius.value = 1 / (height * camera.projectionMatrix.elements[5]);
     this.uniformsNeedUpdate = true;
   }
 

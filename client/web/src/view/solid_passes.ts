@@ -1,9 +1,10 @@
-// Pictures without floating point targets: discs that hide each other, before a plain background.
+// Draws pictures without floating point targets: opaque discs before a plain background.
 
 import * as THREE from "three";
 import { looks, type Passes, type Picture } from "./picture";
 import { SolidMaterial } from "./solid_material";
 
+/// Draws pictures on graphics cards that cannot blend floating point targets.
 export class SolidPasses implements Passes {
   readonly shape = "cone";
   readonly depths = null;

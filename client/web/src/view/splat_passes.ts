@@ -1,4 +1,4 @@
-// Points as a closed, smoothly shaded surface: Botsch, Hornung, Zwicker, Kobbelt, "High-Quality Surface Splatting on Today's GPUs",
+// Draws points as a closed, smoothly shaded surface: Botsch, Hornung, Zwicker, Kobbelt, "High-Quality Surface Splatting on Today's GPUs",
 // PBG 2005. Visibility of the tilted discs, blending of what lies near the visible surface, shading of every pixel.
 
 import * as THREE from "three";
@@ -16,22 +16,21 @@ import {
   slimness,
 } from "./splat_shaders";
 
-// Of the shapes, in radii. Squares about as large as the discs hide what is behind them; larger discs blend, and end where their kernels sum up
-// to what they have there: gaps and the notches of the silhouette between neighbouring discs close.
+// Sizes of the shapes, in radii. Squares about as large as the discs hide what is behind them. Larger discs blend, up to where their
+// kernels sum to minKernel: that closes gaps, and the notches of the silhouette between neighbouring discs.
 const hidingExtent = 0.8;
 const blendExtent = 1.1;
-// How far behind the nearest disc others still blend, in radii along the ray.
-const blendDepth = 0.8;
-/// A projection that has every place in the middle of its picture.
+const blendDepth = 0.8; // how far behind the nearest disc others still blend, in radii along the ray
+/// A projection that has every point in the middle of its picture.
 const everything = new THREE.Matrix4().set(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
-/// That a disc has where it ends in the picture.
-const leastKernel = 0.5 * (1 - (0.8 / blendExtent) ** 2) ** 3;
+/// The kernel of a disc where it ends in the picture.
+const minKernel = 0.5 * (1 - (0.8 / blendExtent) ** 2) ** 3;
 
-/// Whether sums can be drawn at all: floating point targets that blend.
+/// Whether the graphics card has floating point targets that blend, which the sums need.
 export const canBlend = (renderer: THREE.WebGLRenderer): boolean =>
   renderer.extensions.has("EXT_color_buffer_float") || renderer.extensions.has("EXT_color_buffer_half_float");
 
-/// Needs floating point targets that blend. Pictures may follow each other on parts of one canvas.
+/// Draws pictures, one after the other, on parts of one canvas. Precondition: canBlend().
 export class SplatPasses implements Passes {
   readonly shape = "square";
   private target: THREE.WebGLRenderTarget | null = null;
@@ -42,7 +41,7 @@ export class SplatPasses implements Passes {
     splatScale: { value: 1 },
     backShift: { value: 0 },
     extent: { value: 1 },
-    leastRadius: { value: 0 },
+    minRadius: { value: 0 },
     frozenClip: { value: new THREE.Matrix4() },
     frozenEye: { value: new THREE.Vector3() },
     frozenSlim: { value: 0 },
@@ -64,7 +63,7 @@ export class SplatPasses implements Passes {
     origin: { value: new THREE.Vector2() },
     clip: { value: new THREE.Vector2() },
     tangents: { value: new THREE.Vector2() },
-    leastKernel: { value: leastKernel },
+    minKernel: { value: minKernel },
     edlStrength: { value: 0 },
     edlReach: { value: 1 },
     sceneRadius: { value: 1 },
@@ -83,8 +82,10 @@ export class SplatPasses implements Passes {
     blendSrc: THREE.OneFactor,
     blendDst: THREE.OneFactor,
   });
-  /// Instead of both: each pixel shows its nearest disc.
-  private readonly quickMaterial = makeMaterial(blendVertexShader, blendFragmentShader, this.discUniforms, { defines: { QUICK: "" } });
+  /// Replaces both in quick pictures: each pixel shows its nearest disc.
+  private readonly quickMaterial = makeMaterial(blendVertexShader, blendFragmentShader, this.discUniforms, {
+    defines: { QUICK: "" },
+  });
   private readonly dotMaterial = makeMaterial(dotVertexShader, dotFragmentShader, this.dotUniforms, {
     depthTest: false,
     depthWrite: false,
@@ -164,16 +165,18 @@ export class SplatPasses implements Passes {
     const [disc, dot, shade] = [this.discUniforms, this.dotUniforms, this.shadeUniforms];
 
     disc.splatScale.value = dot.splatScale.value = style.splatScale;
-    for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial]) define(material, "IS_FROZEN", picture.frozen !== null);
+    for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial])
+      define(material, "IS_FROZEN", picture.frozen !== null);
     if (picture.frozen) {
       const { camera: sampled, isCut, isEven } = picture.frozen;
       disc.frozenClip.value.copy(everything);
-      if (isCut) disc.frozenClip.value.multiplyMatrices(sampled.projectionMatrix, sampled.matrixWorldInverse).multiply(camera.matrixWorld);
+      if (isCut)
+        disc.frozenClip.value.multiplyMatrices(sampled.projectionMatrix, sampled.matrixWorldInverse).multiply(camera.matrixWorld);
       disc.frozenEye.value.copy(sampled.position).applyMatrix4(camera.matrixWorldInverse);
       disc.frozenSlim.value = isEven ? slimness : 1e6;
     }
-    // A square as large as a pixel, whichever way it is turned, holds its middle.
-    disc.leastRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
+    // However it is turned, a square of this radius covers the middle of a pixel.
+    disc.minRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
     if (points) {
       points.apply(disc);
       points.apply(dot);
@@ -188,7 +191,7 @@ export class SplatPasses implements Passes {
     dot.diameter.value = style.dotSize * pixelRatio;
     dot.plainColour.value = look.dots;
 
-    shade.normals.value = target.textures[0];
+    shade.normals.value = target.textures[0]!;
     shade.colours.value = target.textures[1] ?? null;
     shade.origin.value.set(where.x, where.y);
     shade.clip.value.copy(dot.clip.value);
@@ -239,14 +242,22 @@ function makeMaterial(
   more: THREE.ShaderMaterialParameters,
 ): THREE.RawShaderMaterial {
   const glslVersion = THREE.GLSL3;
-  return new THREE.RawShaderMaterial({ vertexShader, fragmentShader, uniforms, glslVersion, side: THREE.DoubleSide, defines: {}, ...more });
+  return new THREE.RawShaderMaterial({
+    vertexShader,
+    fragmentShader,
+    uniforms,
+    glslVersion,
+    side: THREE.DoubleSide,
+    defines: {},
+    ...more,
+  });
 }
 
-/// Sets a constant of a material's shaders; false: not defined.
+/// Defines a constant of a material's shaders; false: undefines it.
 function define(material: THREE.ShaderMaterial, name: string, value: number | boolean): void {
   const now = material.defines[name] as number | string | undefined;
   if (now === (value === true ? "" : value === false ? undefined : value)) return;
-  if (value === false) delete material.defines[name];
+  if (value === false) Reflect.deleteProperty(material.defines, name);
   else material.defines[name] = value === true ? "" : value;
   material.needsUpdate = true;
 }

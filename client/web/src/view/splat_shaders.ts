@@ -1,26 +1,26 @@
-// GLSL of what is drawn for each point. `COLOURING` is the kind of a ColourScale.
+// GLSL of the passes that draw each point. `COLOURING` is the kind of a ColourScale.
 
-/// A point by its slot. In vertex shaders; the numbers are those of store_texture and points_geometry.
+/// Reads a point by its slot, in vertex shaders. The numbers are those of store_texture and points_geometry.
 const pointFunctions = /* glsl */ `
-uniform highp sampler2D places;
+uniform highp sampler2D positions;
 uniform highp sampler2D normalsOf;
 uniform int slots;
 
-vec4 place;  // relative to the store's origin; w: radius
+vec4 point;  // relative to the store's origin; w: radius
 vec3 axis;   // the normal
 
 ivec2 texelOf(int slot) { return ivec2(slot & 2047, slot >> 11); }
 
-// False: there is none.
+// Returns false for a slot without a point.
 bool readPoint(int slot) {
   if (slot >= slots) return false;
-  place = texelFetch(places, texelOf(slot), 0);
+  point = texelFetch(positions, texelOf(slot), 0);
   axis = texelFetch(normalsOf, texelOf(slot), 0).xyz;
-  return place.w > 0.0;
+  return point.w > 0.0;
 }
 `;
 
-/// Colour of a point, as squares of sRGB: nearly linear light.
+/// Computes the colour of a point as squares of sRGB, which is nearly linear light.
 const splatColour = /* glsl */ `
 #if COLOURING == 3
 uniform highp usampler2D column;
@@ -47,7 +47,7 @@ vec3 splatColour(int slot) {
 #elif COLOURING == 3
   float t = float(texelFetch(column, texelOf(slot), 0).x) / mapScale;
 #else
-  float t = (-2.0 * log2(place.w) - mapOffset) / mapScale;
+  float t = (-2.0 * log2(point.w) - mapOffset) / mapScale;
 #endif
   vec3 c = texture(map, vec2(t, 0.5)).rgb;
   return c * c;
@@ -57,25 +57,25 @@ vec3 splatColour(int slot) {
 }
 `;
 
-/// What three.js declares by itself in shaders that are not raw.
+/// The declarations that three.js adds to shaders that are not raw.
 const declarations = /* glsl */ `
 precision highp float;
 precision highp int;
 uniform mat4 modelViewMatrix, projectionMatrix;
 `;
 
-/// Discs seen from their edges are no longer than this times the square root of their cosine, in radii: those that are even on the
-/// screen, and the larger the more they lean, are all about as long.
+/// The longest that a disc seen from its edge may be, in radii, over the square root of its cosine. Discs of points that are even on the
+/// screen grow as they lean: with this bound they are all about as long.
 export const slimness = 2.2;
 
-/// A disc in its tangent plane: a corner of a square, or of a hexagon whose middle stands out by CONE radii.
+/// Places a corner of a disc in its tangent plane: that of a square, or of a hexagon whose middle stands out by CONE radii.
 const discFunctions = /* glsl */ `
 ${pointFunctions}
 const float SLIMNESS = ${slimness.toFixed(2)};
 uniform float splatScale;
-uniform float backShift;    // along the ray, in radii
-uniform float extent;       // of the shape, in radii
-uniform float leastRadius;  // at distance 1
+uniform float backShift;  // along the ray, in radii
+uniform float extent;     // of the shape, in radii
+uniform float minRadius;  // at distance 1 from the eye
 #ifdef IS_FROZEN
 uniform vec3 frozenEye;    // of the camera that the points are for, in eye coordinates
 uniform float frozenSlim;  // as SLIMNESS
@@ -91,19 +91,19 @@ const vec2 kPlaces[4] = vec2[4](vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(-1.0, 1.
 #endif
 
 int slot;
-vec2 inShape;     // where the corner is: of the square around the unit circle, or of the hexagon in it
+vec2 inShape;     // the corner of the square around the unit circle, or of the hexagon in it
 vec3 corner;      // in eye coordinates
-vec3 discNormal;  // the same
+vec3 discNormal;  // in eye coordinates
 float facing;
 
-// False: there is nothing to draw.
+// Returns false where there is nothing to draw.
 bool placeCorner() {
   int shape = gl_VertexID / kCorners;
   slot = gl_InstanceID * 1024 + shape;
   if (!readPoint(slot)) return false;
   int which = gl_VertexID - shape * kCorners;
   inShape = kPlaces[which];
-  vec3 center = (modelViewMatrix * vec4(place.xyz, 1.0)).xyz;
+  vec3 center = (modelViewMatrix * vec4(point.xyz, 1.0)).xyz;
   if (center.z >= 0.0) return false;
   vec3 view = -normalize(center);
   discNormal = mat3(modelViewMatrix) * axis;
@@ -114,16 +114,16 @@ bool placeCorner() {
   lean = normalize(lean);
   vec3 major = cross(view, lean);
   vec3 minor = cross(discNormal, major);
-  // A disc thinner than a pixel turns a little to the eye: it is never lost between pixels.
-  float least = leastRadius * -center.z;
-  float radius = max(place.w * splatScale * length(modelViewMatrix[0].xyz), least);
+  // A disc thinner than a pixel is turned a little to the eye, so that it is never lost between pixels.
+  float least = minRadius * -center.z;
+  float radius = max(point.w * splatScale * length(modelViewMatrix[0].xyz), least);
 #ifdef IS_FROZEN
   radius = max(radius * min(1.0, frozenSlim * sqrt(abs(dot(discNormal, normalize(frozenEye - center))))), least);
 #endif
   float lost = max(least - radius * abs(facing), 0.0);
   minor = radius * minor - (facing < 0.0 ? -lost : lost) * lean;
-  // Where a surface is rough, discs seen from their edges would stick out as needles. Next to a smooth one's rim only its last pixels
-  // are theirs alone.
+  // Discs seen from their edges would stick out of a rough surface as needles. On a smooth surface, shorter discs change only the last
+  // pixels of the rim.
   float slim = min(1.0, SLIMNESS * sqrt(abs(facing)));
   major *= max(radius * slim, least);
   vec2 disc = extent * inShape;
@@ -136,7 +136,7 @@ bool placeCorner() {
 }
 `;
 
-/// What lies outside of a frozen camera's picture is cut off: discs would stand over its border.
+/// Cuts off the parts of discs that reach out of a frozen camera's picture.
 const cutVertex = /* glsl */ `
 #ifdef IS_FROZEN
 uniform mat4 frozenClip;  // eye coordinates to that camera's clip space
@@ -155,7 +155,7 @@ in highp vec4 inFrozen;
 #endif
 `;
 
-/// Depth alone: squares about as large as the discs, so that no pixel is discarded.
+/// Draws depths alone, by squares about as large as the discs: no pixel is discarded.
 export const depthVertexShader = /* glsl */ `
 ${declarations}
 ${discFunctions}
@@ -182,7 +182,7 @@ void main() {
 }
 `;
 
-/// Sums of normals and colours over the discs that lie near the visible surface.
+/// Sums normals and colours over the discs near the visible surface.
 export const blendVertexShader = /* glsl */ `
 ${declarations}
 ${discFunctions}
@@ -203,7 +203,7 @@ void main() {
   }
   gl_Position = projectionMatrix * vec4(corner, 1.0);
   inDisc = inShape;
-  // Back faces count only where nothing faces the eye: through the holes of an open surface, not behind its rim.
+  // Back faces count only where nothing faces the eye: in the holes of an open surface, but not behind its rim.
   normalWeight = vec4(discNormal, mix(0.002, 1.0, smoothstep(-0.15, 0.15, facing)));
 #ifdef HAS_COLOURS
   colour = splatColour(slot);
@@ -216,7 +216,7 @@ precision highp float;
 ${cutFragment}
 in vec2 inDisc;
 flat in vec4 normalWeight;
-layout(location = 0) out vec4 normalSum;  // w: sum of the kernels, whichever way they face
+layout(location = 0) out vec4 normalSum;  // w: sum of the kernels of front and back faces
 #ifdef HAS_COLOURS
 flat in vec3 colour;
 layout(location = 1) out vec4 colourSum;  // w: sum of the weights
@@ -224,7 +224,7 @@ layout(location = 1) out vec4 colourSum;  // w: sum of the weights
 void main() {
   CUT
 #ifdef QUICK
-  float kernel = 1.0;  // the nearest disc is all there is
+  float kernel = 1.0;  // only the nearest disc counts
 #else
   float t = max(1.0 - dot(inDisc, inDisc), 0.0);
   float kernel = t * t * t;  // like a Gaussian, and 0 at the edge
@@ -237,7 +237,7 @@ void main() {
 }
 `;
 
-/// Dots of one size, those before the surface only; each is kept or hidden as a whole.
+/// Draws dots of one size before the surface. Each dot is drawn as a whole, or not at all.
 export const dotVertexShader = /* glsl */ `
 ${declarations}
 ${pointFunctions}
@@ -257,13 +257,13 @@ void main() {
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
   gl_PointSize = 1.0;
   if (!readPoint(slot)) return;
-  vec3 center = (modelViewMatrix * vec4(place.xyz, 1.0)).xyz;
+  vec3 center = (modelViewMatrix * vec4(point.xyz, 1.0)).xyz;
   if (center.z >= 0.0) return;
   vec4 where = projectionMatrix * vec4(center, 1.0);
   vec2 size = vec2(textureSize(depths, 0));
   ivec2 pixel = ivec2(clamp((0.5 + 0.5 * where.xy / where.w) * size, vec2(0.0), size - 1.0));
   float surface = distanceOf(texelFetch(depths, pixel, 0).x);
-  if (-center.z > surface + tolerance * place.w * splatScale) return;
+  if (-center.z > surface + tolerance * point.w * splatScale) return;
   gl_Position = where;
   gl_PointSize = diameter + 1.0;
   vec3 n = mat3(modelViewMatrix) * axis;
@@ -290,7 +290,7 @@ void main() {
 }
 `;
 
-/// One pass, discs that hide each other: for any scene, and where sums cannot be drawn. Lit by a light at the eye.
+/// Draws opaque discs in one pass, with a light at the eye: for any scene, and where sums cannot be drawn.
 export const solidVertexShader = /* glsl */ `
 #define CONE 0.3
 ${discFunctions}
@@ -308,7 +308,7 @@ void main() {
   }
   gl_Position = projectionMatrix * vec4(corner, 1.0);
   if (dotDiameter > 0.0) {
-    gl_Position = projectionMatrix * modelViewMatrix * vec4(place.xyz, 1.0);
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(point.xyz, 1.0);
     gl_Position.xy += inShape * 1.1547 * dotDiameter / pixels * gl_Position.w;
   }
   inDisc = inShape * 1.1547;

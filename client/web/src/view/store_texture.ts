@@ -1,9 +1,9 @@
-// A column of a PointStore as a texture, which vertex shaders read by slot. Instances of small shapes would be simpler, but some
-// drivers take a draw call's time for each of them.
+// A column of a PointStore as a texture, which vertex shaders read by slot. An instance for each point would be simpler, but some drivers
+// take the time of a draw call for each instance.
 
 import * as THREE from "three";
 
-/// Slots to a row; a power of two that the shaders know too.
+/// Slots in a row, as in the shaders; a power of two.
 export const rowSlots = 2048;
 
 export type ColumnArray = Float32Array | Int8Array | Uint8Array | Uint32Array;
@@ -15,9 +15,9 @@ interface Layout {
   internal: THREE.PixelFormatGPU;
 }
 
-/// Of the columns, by what they hold.
+/// The layouts of the columns.
 const layouts = {
-  places: { size: 4, format: THREE.RGBAFormat, type: THREE.FloatType, internal: "RGBA32F" },
+  positions: { size: 4, format: THREE.RGBAFormat, type: THREE.FloatType, internal: "RGBA32F" },
   normals: { size: 4, format: THREE.RGBAFormat, type: THREE.ByteType, internal: "RGBA8_SNORM" },
   colours: { size: 4, format: THREE.RGBAFormat, type: THREE.UnsignedByteType, internal: "RGBA8" },
   curvatures: { size: 2, format: THREE.RGFormat, type: THREE.FloatType, internal: "RG32F" },
@@ -26,11 +26,12 @@ const layouts = {
 
 export type ColumnName = keyof typeof layouts;
 
+/// Keeps one column on the graphics card.
 export class StoreTexture {
   private readonly layout: Layout;
   private textureNow: THREE.DataTexture | null = null;
   private rows = 0;
-  /// What was uploaded last, and where to: another one, and everything goes up again.
+  /// The array and the texture of the last upload. Where either has changed, all slots are uploaded again.
   private array: ColumnArray | null = null;
   private handle: WebGLTexture | null = null;
 
@@ -42,7 +43,7 @@ export class StoreTexture {
     return this.textureNow;
   }
 
-  /// Whether the graphics card lacks all of an array: it is new, or the context has been lost.
+  /// Whether the graphics card has nothing of an array: the array is new, or the context was lost.
   lacks(renderer: THREE.WebGLRenderer, array: ColumnArray): boolean {
     const handle = this.textureNow && this.handleOf(renderer, this.textureNow);
     return array !== this.array || handle === null || handle !== this.handle;
@@ -65,7 +66,7 @@ export class StoreTexture {
       const [x, y] = [begin % rowSlots, Math.floor(begin / rowSlots)];
       gl.texSubImage2D(gl.TEXTURE_2D, 0, x, y, width, height, format, type, array, begin * this.layout.size);
     };
-    for (let i = 0; i < ranges.length; i += 2) putRows(ranges[i], ranges[i + 1], put);
+    for (let i = 0; i < ranges.length; i += 2) putRows(ranges[i]!, ranges[i + 1]!, put);
     renderer.state.unbindTexture();
   }
 
@@ -82,7 +83,7 @@ export class StoreTexture {
     const { format, type, internal } = this.layout;
     const texture = new THREE.DataTexture(null, rowSlots, rows, format, type);
     texture.internalFormat = internal;
-    // Room without contents: those are uploaded here, from the store's own arrays.
+    // three.js reserves memory only: upload() fills it from the store's own arrays.
     texture.source.dataReady = false;
     texture.needsUpdate = true;
     this.rows = rows;
@@ -109,7 +110,7 @@ function glNames(gl: WebGL2RenderingContext, layout: Layout): [number, number] {
   return [formats.get(layout.format) ?? gl.RGBA, types.get(layout.type) ?? gl.FLOAT];
 }
 
-/// Slots [begin, end) as rectangles: the rest of a row, whole rows, the beginning of one.
+/// Covers slots [begin, end) by rectangles: the rest of a row, whole rows, the beginning of a row.
 export function putRows(begin: number, end: number, put: (begin: number, width: number, height: number) => void): void {
   while (begin < end) {
     const left = rowSlots - (begin % rowSlots);

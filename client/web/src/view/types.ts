@@ -1,4 +1,4 @@
-// What the parts of the view have in common.
+// The types that the parts of the view share.
 
 /// Coordinates or a direction, in the units and the frame of the mesh's file.
 export type Vec = [number, number, number];
@@ -6,27 +6,27 @@ export type Vec = [number, number, number];
 /// A perspective camera.
 export interface CameraState {
   eye: Vec;
-  /// What it looks at and turns about.
+  /// The point that the camera looks at and turns about.
   target: Vec;
   up: Vec;
   /// Vertical angle of view, degrees.
   fov: number;
 }
 
-/// A camera that points are sampled for, whatever the picture is seen from.
+/// A camera that points are sampled for, while the picture may be seen from elsewhere.
 export interface FrozenCamera {
   camera: CameraState;
-  /// Of its picture.
+  /// Width over height of its picture.
   aspect: number;
-  /// There are points in its picture only: what of their discs reaches out of it is not drawn.
+  /// Points lie in its picture only: the parts of discs that reach out of it are not drawn.
   isCut: boolean;
-  /// They are even on its screen: discs on what it sees from the side are far too large from elsewhere.
+  /// Points are even on its screen: discs that it sees from the side are far too large from elsewhere, and are drawn slimmer.
   isEven: boolean;
 }
 
 /// A closed surface of discs, or the points alone.
 export type Mode = "splats" | "dots";
-/// What the colours tell; "colour" are the mesh's own. Where the points lack what is asked for, they are shaded.
+/// What the colours show; "colour": those of the mesh. Points without the values that a colouring needs are shaded.
 export type Colouring = "shading" | "normal" | "curvature" | "rank" | "density" | "colour";
 export type Background = "light" | "dark";
 
@@ -35,11 +35,11 @@ export interface Style {
   mode: Mode;
   colouring: Colouring;
   background: Background;
-  /// Eye-dome lighting: edges in depth are darkened. Dots lie on a pale surface then.
+  /// Eye-dome lighting, which darkens edges in depth. Dots then lie on a pale surface.
   edl: boolean;
   /// Diameter of a dot, CSS pixels.
   dotSize: number;
-  /// Times every radius.
+  /// Factor of every radius.
   splatScale: number;
 }
 
@@ -52,16 +52,16 @@ export const defaultStyle: Readonly<Style> = {
   splatScale: 1,
 };
 
-/// A place on the surface under the pointer.
+/// The point of the surface under the pointer.
 export interface Pick {
   point: Vec;
   /// Unit length.
   normal: Vec;
-  /// Of the disc that is nearest.
+  /// Radius of the nearest disc.
   radius: number;
 }
 
-/// The browser has no WebGL2, or refuses it.
+/// The error of a browser that has no WebGL 2, or refuses it.
 export class NoWebGL2Error extends Error {
   constructor() {
     super("The browser offers no WebGL 2.");

@@ -1,4 +1,4 @@
-// The viewer's picture: points of one or two stores, what is drawn over them, and the pointer's tools.
+// The viewer's picture: the points of one or two stores, the lines over them, and the pointer's tools.
 
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
@@ -6,36 +6,36 @@ import { CameraControls, type ControlsHost } from "./camera_controls";
 import { type Bounds, boundsRadius, clipPlanes, fit, isUsable, rayDirection } from "./camera_math";
 import { DrawingWatch } from "./drawing_watch";
 import { FrameClock } from "./frame_clock";
+import { MeasureTool } from "./measure_tool";
 import { OverlayLines, type OverlayLine } from "./overlay_lines";
-import { frustumLines, measureLines } from "./overlay_shapes";
+import { frustumLines } from "./overlay_shapes";
 import { pick, type Ray } from "./picking";
 import type { Passes, Rectangle } from "./picture";
 import { PointsGeometry } from "./points_geometry";
 import { SolidPasses } from "./solid_passes";
 import { canBlend, SplatPasses } from "./splat_passes";
+import { aim } from "./three_camera";
 import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
 import { distance } from "./vector";
 
-/// From the front, a little from above and from the right, like the pictures that the server renders.
+/// The first camera looks from the front, a little from above and from the right, as in the pictures that the server renders.
 const firstCamera: CameraState = { eye: [0.55, 0.35, 1], target: [0, 0, 0], up: [0, 1, 0], fov: 30 };
-/// Of a picture that waits for its points, where the processor draws; ms.
-const longestHold = 120;
-/// CSS pixels around a point that still count as it.
-const pickReach = 8;
+const longestHold = 120; // ms that a picture waits for its points, where the processor draws
+const pickReach = 8; // CSS pixels between the pointer and a point that it picks
 
-/// One canvas. Draws on demand, when something has changed; while it changes, on slow machines, with fewer pixels.
+/// Draws on a canvas. Draws on demand, when something has changed, and on slow machines with fewer pixels while it changes.
 export class Viewport {
-  /// It moved, whoever moved it.
+  /// Is called when the camera has moved, by the user or by the page.
   onCamera: (() => void) | null = null;
-  /// The brush paints here; `done` with the last of a stroke.
+  /// Is called when the brush paints at `centre`. `done`: the stroke ends there.
   onBrush: ((centre: Vec, done: boolean) => void) | null = null;
-  /// A line between two clicked places is there, of this length in units; null: it is no longer.
+  /// Is called with the length in units of a line between two clicked points, and with null once there is none.
   onMeasure: ((distance: number | null) => void) | null = null;
-  /// The graphics card is lost, and there is no picture; false: it is back.
+  /// Is called when the graphics card is lost, and with false when it is back.
   onLost: ((isLost: boolean) => void) | null = null;
-  /// What isDrawing told of is over.
+  /// Is called when the processor has drawn: isDrawing is false again.
   onDrawn: (() => void) | null = null;
-  /// Drawn by software: slowly.
+  /// Whether the processor draws, for want of a graphics card.
   readonly isSoftware: boolean;
 
   private readonly renderer: THREE.WebGLRenderer;
@@ -44,6 +44,7 @@ export class Viewport {
   private readonly clock: FrameClock;
   private readonly watch: DrawingWatch;
   private readonly controls: CameraControls;
+  private readonly measuring = new MeasureTool((length) => this.onMeasure?.(length));
   private readonly drawn = new THREE.PerspectiveCamera();
   private readonly sampled = new THREE.PerspectiveCamera();
   private readonly geometries = new Map<PointStore, PointsGeometry>();
@@ -56,8 +57,6 @@ export class Viewport {
   private bounds: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
   private frozen: FrozenCamera | null = null;
   private brushRadius: number | null = null;
-  private isMeasuring = false;
-  private measured: Vec[] = [];
   private hover: { x: number; y: number } | null = null;
   private hovered: Pick | null = null;
   private stroke: Vec | null = null;
@@ -65,7 +64,12 @@ export class Viewport {
 
   /// Throws NoWebGL2Error.
   constructor(private readonly canvas: HTMLCanvasElement) {
-    const context = canvas.getContext("webgl2", { antialias: false, alpha: false, depth: true, powerPreference: "high-performance" });
+    const context = canvas.getContext("webgl2", {
+      antialias: false,
+      alpha: false,
+      depth: true,
+      powerPreference: "high-performance",
+    });
     if (!context) throw new NoWebGL2Error();
     const info = context.getExtension("WEBGL_debug_renderer_info");
     const name = String(context.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : context.RENDERER));
@@ -86,7 +90,7 @@ export class Viewport {
     this.invalidate();
   }
 
-  /// One store, or two side by side, seen by the same camera. The viewport is the one that takes their changes.
+  /// Shows one store, or two side by side, seen by the same camera. The viewport is the reader of their changes.
   setStores(left: PointStore | null, right?: PointStore | null): void {
     this.stores = right === undefined ? [left] : [left, right];
     for (const [store, points] of this.geometries) {
@@ -109,7 +113,7 @@ export class Viewport {
     return this.cameraNow;
   }
 
-  /// One that cannot be drawn with is ignored.
+  /// Ignores a camera that cannot be drawn with.
   set camera(camera: CameraState) {
     this.controls.stop();
     this.moveTo(camera);
@@ -119,35 +123,41 @@ export class Viewport {
     this.controls.navigation = navigation;
   }
 
-  /// Of the last frames while something moved; 0 where nothing has for a second.
+  /// Frames a second while something moves; 0 where nothing has moved for a second.
   get framesPerSecond(): number {
     return this.clock.framesPerSecond;
   }
 
-  /// Of one picture, device pixels: in split view half of the canvas.
+  /// Size of one picture in device pixels. In a split view a picture is half of the canvas.
   get size(): { width: number; height: number } {
     return this.sizeAt(this.pixelRatio(1));
   }
 
-  /// Corners of the surface's box.
+  /// Counts of the objects on the graphics card.
+  get resources(): { geometries: number; textures: number; programs: number } {
+    const { memory, programs } = this.renderer.info;
+    return { geometries: memory.geometries, textures: memory.textures, programs: programs?.length ?? 0 };
+  }
+
+  /// Sets the corners of the surface's box.
   setBounds(min: Vec, max: Vec): void {
     this.bounds = { min: [...min], max: [...max] };
     this.invalidate();
   }
 
-  /// Shows the whole surface, from the side that is seen now.
+  /// Shows the whole surface, from the side that the camera is on.
   frame(): void {
     const { width, height } = this.size;
     this.camera = fit(this.cameraNow, this.bounds, width / height);
   }
 
-  /// Draws the frustum of the camera that points are sampled for; null: none.
+  /// Sets the camera that points are sampled for, whose frustum is drawn; null: the picture's own.
   set frozenCamera(frozen: FrozenCamera | null) {
     this.frozen = frozen;
     this.invalidate();
   }
 
-  /// The surface, or the nearest visible point, at a place of the canvas in CSS pixels.
+  /// Finds the surface, or the nearest visible point, at a point of the canvas in CSS pixels.
   pick(x: number, y: number): Pick | null {
     const { store } = this.partAt(x);
     if (!store) return null;
@@ -157,7 +167,7 @@ export class Viewport {
     return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale);
   }
 
-  /// With a radius, in units, the pointer paints instead of turning the picture.
+  /// Lets the pointer paint with a radius in units, instead of turning the picture; null ends that.
   setBrush(radius: number | null): void {
     this.brushRadius = radius;
     this.controls.tool =
@@ -167,17 +177,14 @@ export class Viewport {
     this.hoverAt(this.hover);
   }
 
-  /// Two clicks make a line, which stays until the next click or until measuring ends.
+  /// Switches the tool that measures between two clicks.
   setMeasuring(on: boolean): void {
-    if (on === this.isMeasuring) return;
-    this.isMeasuring = on;
-    this.forgetMeasured();
+    if (this.measuring.setOn(on)) this.invalidate();
   }
 
-  /// As if nothing had been clicked yet.
+  /// Forgets the points that were clicked.
   forgetMeasured(): void {
-    this.measured = [];
-    this.onMeasure?.(null);
+    this.measuring.clear();
     this.invalidate();
   }
 
@@ -185,25 +192,30 @@ export class Viewport {
     this.clock.invalidate(false);
   }
 
-  /// The processor is drawing, or about to, and everything else takes its time until onDrawn. Never so with a graphics card.
+  /// Whether the processor draws, or is about to. All other work would take its time until onDrawn. Always false with a graphics card.
   get isDrawing(): boolean {
     return this.watch.isDrawing || this.clock.isDue;
   }
 
-  /// Points for this camera are on their way. Where the processor draws, it first leaves its time to those who make them, for so
-  /// many milliseconds or until pointsChanged().
+  /// Expects points for this camera. Where the processor draws, drawing waits for them for so many milliseconds, and leaves the
+  /// processor's time to the server.
   expectPoints(longest = longestHold): void {
     if (this.isSoftware) this.clock.hold(longest);
   }
 
-  /// Points of the stores have changed: draws a frame soon.
+  /// Expects no points any more: those that came have changed nothing. Draws the picture that waited for them.
+  expectNoPoints(): void {
+    this.clock.release();
+  }
+
+  /// Draws a frame soon, because points of the stores have changed.
   pointsChanged(): void {
     this.clock.release();
     this.clock.invalidate(true);
   }
 
-  /// Takes the stores' changes into the buffers of the graphics card now instead of with the next frame. Milliseconds that took.
-  /// Without a graphics card they stay where they are.
+  /// Uploads the stores' changes to the graphics card now, instead of with the next frame. Returns the milliseconds that it took. Does
+  /// nothing while the graphics card is lost.
   uploadNow(): number {
     if (this.isLost) return 0;
     const begin = performance.now();
@@ -215,7 +227,7 @@ export class Viewport {
     return performance.now() - begin;
   }
 
-  /// A PNG of the picture as it is, with all its pixels. Rejects where there is none.
+  /// Returns the picture as a PNG, with all its pixels. Rejects while the graphics card is lost.
   screenshot(): Promise<Blob> {
     if (this.isLost) return Promise.reject(new Error("The graphics card was lost."));
     this.render(1);
@@ -266,16 +278,16 @@ export class Viewport {
   private lose(isLost: boolean): void {
     this.isLost = isLost;
     this.clock.pause(isLost);
-    // What was on it is gone, and made anew when it is drawn next.
+    // The objects on the graphics card are gone. The next frame makes them anew.
     if (isLost) for (const part of [this.passes, this.overlay, ...this.geometries.values()]) part.dispose();
     this.onLost?.(isLost);
   }
 
-  /// The picture under a place of the canvas: what it shows, where it begins and ends; CSS pixels.
+  /// Returns the picture at a column of the canvas: its store, its left edge and its width, in CSS pixels.
   private partAt(x: number): { store: PointStore | null; left: number; width: number } {
     const width = (this.canvas.clientWidth || 1) / this.stores.length;
     const index = Math.min(this.stores.length - 1, Math.max(0, Math.floor(x / width)));
-    return { store: this.stores[index], left: index * width, width };
+    return { store: this.stores[index] ?? null, left: index * width, width };
   }
 
   private rayAt(x: number, y: number): Ray {
@@ -286,30 +298,23 @@ export class Viewport {
   }
 
   private click(x: number, y: number): void {
-    if (!this.isMeasuring) return;
-    const place = this.pick(x, y);
-    if (!place) return;
-    if (this.measured.length === 2) this.forgetMeasured();
-    this.measured.push(place.point);
-    const [a, b] = this.measured;
-    if (b) this.onMeasure?.(distance(a, b));
-    this.invalidate();
+    if (this.measuring.click(() => this.pick(x, y)?.point ?? null)) this.invalidate();
   }
 
   private hoverAt(at: { x: number; y: number } | null): void {
     this.hover = at;
-    const isNeeded = this.brushRadius !== null || (this.isMeasuring && this.measured.length === 1);
+    const isNeeded = this.brushRadius !== null || this.measuring.followsPointer;
     const found = at && isNeeded ? this.pick(at.x, at.y) : null;
     if (found || this.hovered) this.invalidate();
     this.hovered = found;
   }
 
   private paint(x: number, y: number): void {
-    const place = this.pick(x, y);
-    if (!place || this.brushRadius === null) return;
-    if (this.stroke && distance(this.stroke, place.point) < 0.25 * this.brushRadius) return;
-    this.stroke = place.point;
-    this.onBrush?.(place.point, false);
+    const hit = this.pick(x, y);
+    if (!hit || this.brushRadius === null) return;
+    if (this.stroke && distance(this.stroke, hit.point) < 0.25 * this.brushRadius) return;
+    this.stroke = hit.point;
+    this.onBrush?.(hit.point, false);
   }
 
   private endStroke(): void {
@@ -322,7 +327,7 @@ export class Viewport {
     return Math.min(window.devicePixelRatio || 1, this.isSoftware ? 1 : 2) * scale;
   }
 
-  /// Of one picture, in pixels of the canvas: all are of the same size.
+  /// Returns the size of a picture in pixels of the canvas. All pictures are of the same size.
   private sizeAt(ratio: number): { width: number; height: number } {
     const { clientWidth, clientHeight } = this.canvas;
     return {
@@ -331,28 +336,13 @@ export class Viewport {
     };
   }
 
-  private aim(drawn: THREE.PerspectiveCamera, camera: CameraState, aspect: number): void {
-    drawn.position.fromArray(camera.eye);
-    drawn.up.fromArray(camera.up);
-    drawn.lookAt(...camera.target);
-    drawn.fov = camera.fov;
-    drawn.aspect = aspect;
-    Object.assign(drawn, clipPlanes(camera, this.bounds));
-    drawn.updateProjectionMatrix();
-    drawn.updateMatrixWorld();
-  }
-
   private overlayLines(): OverlayLine[] {
-    const lines: OverlayLine[] = [];
-    if (this.frozen) lines.push(...frustumLines(this.frozen.camera, this.frozen.aspect, this.styleNow.background));
-    if (this.isMeasuring) {
-      const [a, b] = this.measured;
-      if (a) lines.push(...measureLines(a, b ?? this.hovered?.point ?? a));
-    }
-    return lines;
+    const { frozen, styleNow, hovered } = this;
+    const frustum = frozen ? frustumLines(frozen.camera, frozen.aspect, styleNow.background) : [];
+    return [...frustum, ...this.measuring.lines(hovered?.point ?? null)];
   }
 
-  /// What FrameClock calls.
+  /// Draws a frame for the clock. Returns whether the camera moves on.
   private drawFrame(now: number, scale: number): boolean {
     const moves = this.controls.tick(now);
     if (!this.isLost) this.render(scale);
@@ -370,12 +360,12 @@ export class Viewport {
       points.upload(renderer);
     }
     this.overlay.set(this.overlayLines());
-    if (this.frozen) this.aim(this.sampled, this.frozen.camera, this.frozen.aspect);
+    if (this.frozen) aim(this.sampled, this.frozen.camera, this.bounds, this.frozen.aspect);
     const frozen = this.frozen && { ...this.frozen, camera: this.sampled };
     renderer.setScissorTest(true);
     for (const [i, store] of this.stores.entries()) {
       const where: Rectangle = { x: i * width, y: 0, width, height };
-      this.aim(this.drawn, this.cameraNow, where.width / height);
+      aim(this.drawn, this.cameraNow, this.bounds, where.width / height);
       const brush = this.hovered && this.brushRadius !== null ? this.hovered.point : null;
       const points = store ? (this.geometries.get(store) ?? null) : null;
       this.passes.render({

@@ -21,7 +21,8 @@ export function bumpyTorus(columns = 120, rows = 48, isColoured = false) {
   const lines = [isColoured ? "COFF" : "OFF", `${columns * rows} ${2 * columns * rows} 0`];
   for (let i = 0; i < columns; ++i) {
     for (let j = 0; j < rows; ++j) {
-      const u = (2 * Math.PI * i) / columns, v = (2 * Math.PI * j) / rows;
+      const u = (2 * Math.PI * i) / columns,
+        v = (2 * Math.PI * j) / rows;
       const tube = 0.4 + 0.05 * Math.sin(7 * u) * Math.cos(3 * v);
       const place = [(1 + tube * Math.cos(v)) * Math.cos(u), (1 + tube * Math.cos(v)) * Math.sin(u), tube * Math.sin(v)];
       const colour = isColoured ? [127 + 127 * Math.sin(u), 127 + 127 * Math.cos(u), 127 + 127 * Math.sin(v)].map(Math.round) : [];

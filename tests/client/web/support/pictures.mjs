@@ -31,7 +31,8 @@ export function boxOf(mask, width) {
   const box = { left: Infinity, top: Infinity, right: -1, bottom: -1 };
   mask.forEach((value, i) => {
     if (value === 0) return;
-    const x = i % width, y = Math.floor(i / width);
+    const x = i % width,
+      y = Math.floor(i / width);
     box.left = Math.min(box.left, x);
     box.right = Math.max(box.right, x);
     box.top = Math.min(box.top, y);

@@ -42,7 +42,7 @@ function rawBlock(count: number, change: (floats: Float32Array) => void = () => 
 }
 
 describe("Draco blocks", () => {
-  it("hold places, normals and radii", async () => {
+  it("hold positions, normals and radii", async () => {
     const points = await decoder.decode(block());
     expect(points.count).toBe(48);
     expect(points.origin).toEqual([1, 2, 3]);
@@ -53,10 +53,10 @@ describe("Draco blocks", () => {
     ] as const) {
       const slot = 4 * index;
       for (let axis = 0; axis < 3; ++axis) {
-        expect(points.places[slot + axis]).toBeCloseTo(expected[axis]!, 2);
+        expect(points.positions[slot + axis]).toBeCloseTo(expected[axis]!, 2);
         expect(Math.abs(points.normals[slot + axis]! / 127 - expected[3 + axis]!)).toBeLessThan(0.03);
       }
-      expect(points.places[slot + 3]).toBeCloseTo(dracoBlock.radius, 6);
+      expect(points.positions[slot + 3]).toBeCloseTo(dracoBlock.radius, 6);
     }
     expect(buffersOf(points).length).toBe(2);
   });
@@ -74,7 +74,7 @@ describe("Draco blocks", () => {
       data[bit >> 3]! ^= 1 << (bit & 7);
       try {
         const points = await decoder.decode(block(data));
-        expect(points.places.every(Number.isFinite)).toBe(true);
+        expect(points.positions.every(Number.isFinite)).toBe(true);
       } catch (thrown) {
         expect(String(thrown)).toMatch(/bad points/);
       }
@@ -110,15 +110,15 @@ describe("Draco blocks of another kind", () => {
     expect(loads).toBe(2);
     expect(points).toEqual(again);
     expect(points.colours!.length).toBe(2000);
-    expect(Math.hypot(...[0, 1, 2].map((axis) => points.places[axis]! + 3))).toBeCloseTo(10, 1);
-    expect(points.places[3]).toBeCloseTo(dracoBlock.radius, 6);
+    expect(Math.hypot(...[0, 1, 2].map((axis) => points.positions[axis]! + 3))).toBeCloseTo(10, 1);
+    expect(points.positions[3]).toBeCloseTo(dracoBlock.radius, 6);
   });
 });
 
 describe("raw blocks", () => {
   it("are taken as they are", async () => {
     const points = await decoder.decode(rawBlock(5));
-    expect([...points.places.subarray(16, 20)]).toEqual([12 / 8, 13 / 8, 14 / 8, 0.25]);
+    expect([...points.positions.subarray(16, 20)]).toEqual([12 / 8, 13 / 8, 14 / 8, 0.25]);
     expect([...points.normals.subarray(0, 4)]).toEqual([0, 0, -127, 0]);
     expect([...points.colours!.subarray(0, 4)]).toEqual([7, 7, 7, 255]);
   });

@@ -1,7 +1,7 @@
 // What the tests use of draco3d's encoder, which brings no types.
 
 declare module "draco3d/draco_encoder_nodejs.js" {
-  interface Cloud {}
+  type Cloud = object;
   interface Bytes {
     GetValue(index: number): number;
   }

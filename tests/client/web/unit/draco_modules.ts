@@ -10,7 +10,7 @@ const require = createRequire(new URL("../../../../client/web/package.json", imp
 
 function wasmOf(name: string): ArrayBuffer {
   const bytes = readFileSync(require.resolve(`draco3d/${name}.wasm`));
-  return bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length) as ArrayBuffer;
+  return bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length);
 }
 
 export function loadDecoder(): Promise<DracoModule> {

@@ -20,9 +20,9 @@ const usual: CloudOptions = {
   others: false,
 };
 
-function columns(count: number, colours: boolean): Pick<DecodedPoints, "count" | "places" | "normals" | "colours"> {
+function columns(count: number, colours: boolean): Pick<DecodedPoints, "count" | "positions" | "normals" | "colours"> {
   const bytes = colours ? new Uint8Array(4 * count) : null;
-  return { count, places: new Float32Array(4 * count), normals: new Int8Array(4 * count), colours: bytes };
+  return { count, positions: new Float32Array(4 * count), normals: new Int8Array(4 * count), colours: bytes };
 }
 
 async function readBoth(bytes: Uint8Array) {
@@ -56,7 +56,7 @@ describe("the reader gives what Draco's decoder gives", () => {
     it(JSON.stringify(variant), async () => {
       const { understood, ours, theirs } = await readBoth(await encodedCloud({ ...usual, ...variant }));
       expect(understood).toBe(true);
-      expect(ours.places).toEqual(theirs.places);
+      expect(ours.positions).toEqual(theirs.positions);
       expect(ours.colours).toEqual(theirs.colours);
       const apart = ours.normals.map((value, i) => Math.abs(value - theirs.normals[i]!)); // they round to floats in between
       expect(apart.every((step) => step <= 1)).toBe(true);
@@ -69,16 +69,16 @@ describe("other data", () => {
   it("is left to Draco's decoder", async () => {
     const { understood, ours, theirs } = await readBoth(await encodedCloud({ ...usual, others: true }));
     expect(understood).toBe(false);
-    expect(ours.places.every((value) => value === 0)).toBe(true);
-    expect(theirs.places.some((value) => value !== 0)).toBe(true);
+    expect(ours.positions.every((value) => value === 0)).toBe(true);
+    expect(theirs.positions.some((value) => value !== 0)).toBe(true);
   });
 
   it.each([16, 24])("with normals of %i bits is left to it, too", async (normalBits) => {
     const options = { ...usual, positionBits: 27, noise: 3, normalBits };
     const { understood, ours, theirs } = await readBoth(await encodedCloud(options));
     expect(understood).toBe(false);
-    expect([...ours.places, ...ours.normals].every((value) => value === 0)).toBe(true);
-    for (let axis = 0; axis < 3; ++axis) expect((theirs.places[axis]! + 3) / 10).toBeCloseTo(theirs.normals[axis]! / 127, 1);
+    expect([...ours.positions, ...ours.normals].every((value) => value === 0)).toBe(true);
+    for (let axis = 0; axis < 3; ++axis) expect((theirs.positions[axis]! + 3) / 10).toBeCloseTo(theirs.normals[axis]! / 127, 1);
   });
 
   it("is refused where an attribute of a block is lacking or of another type", async () => {
@@ -93,7 +93,7 @@ describe("other data", () => {
     expect(() => readHeader(changed)).toThrow(/another type/);
   });
 
-  it("with any byte changed is refused, or gives finite places, and takes no time", async () => {
+  it("with any byte changed is refused, or gives finite positions, and takes no time", async () => {
     const bytes = await encodedCloud({ ...usual, points: 200, colours: true });
     let refused = 0;
     for (let i = 0; i < bytes.length; ++i) {
@@ -103,7 +103,7 @@ describe("other data", () => {
         try {
           const header = readHeader(changed);
           const to = columns(header.points, header.hasColours);
-          if (reader.read(changed, header, radii, to)) expect(to.places.every(Number.isFinite)).toBe(true);
+          if (reader.read(changed, header, radii, to)) expect(to.positions.every(Number.isFinite)).toBe(true);
         } catch (thrown) {
           expect(String(thrown)).toMatch(/bad points/);
           ++refused;

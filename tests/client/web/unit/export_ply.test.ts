@@ -11,7 +11,7 @@ function store(more: Partial<DecodedPoints> = {}): StreamedPoints {
     {
       count: 2,
       origin: [0, 0, 0],
-      places: Float32Array.of(1, 2, 3, 0.5, 4, 5, 6, 0.25),
+      positions: Float32Array.of(1, 2, 3, 0.5, 4, 5, 6, 0.25),
       normals: Int8Array.of(127, 0, 0, 0, 0, -127, 0, 0),
       colours: null,
       curvatures: null,
@@ -33,7 +33,7 @@ const properties = (lines: string[]) =>
   lines.filter((line) => line.startsWith("property")).map((line) => line.slice("property ".length));
 
 describe("a PLY file", () => {
-  it("holds places, normals and radii", async () => {
+  it("holds positions, normals and radii", async () => {
     const { lines, data } = await parse(store());
     expect(lines).toContain("format binary_little_endian 1.0");
     expect(lines).toContain("element vertex 2");
@@ -41,7 +41,7 @@ describe("a PLY file", () => {
     expect([...new Float32Array(data.buffer)]).toEqual([1, 2, 3, 1, 0, 0, 0.5, 4, 5, 6, 0, -1, 0, 0.25]);
   });
 
-  it("holds places in the mesh's frame as doubles where they have an origin", async () => {
+  it("holds positions in the mesh's frame as doubles where they have an origin", async () => {
     const { lines, data } = await parse(store({ origin: [4_500_000.1, 0, -2e7] }));
     expect(properties(lines).slice(0, 4)).toEqual(["double x", "double y", "double z", "float nx"]);
     expect([0, 8, 16].map((at) => data.getFloat64(40 + at, true))).toEqual([4_500_004.1, 5, -2e7 + 6]);

@@ -2,11 +2,7 @@
 
 import { create, fromBinary, toBinary, type DescMessage, type MessageInitShape, type MessageShape } from "@bufbuild/protobuf";
 
-import {
-  CallRequestSchema,
-  CallResponseSchema,
-  type CallRequest,
-} from "../../../../client/web/src/gen/curvecast/v1/web_socket_pb";
+import { CallRequestSchema, CallResponseSchema, type CallRequest } from "../../../../client/web/src/gen/curvecast/v1/web_socket_pb";
 
 export class FakeWebSocket {
   static made: FakeWebSocket[] = [];

@@ -7,6 +7,7 @@ import {
   StreamViewsResponseSchema,
   type PointBlock,
   type PointFrameSchema,
+  type SampleRequest,
 } from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
 import { badPoints, type DecodedPoints } from "../../../../client/web/src/stream/decoded_points";
 import type { CurvecastError } from "../../../../client/web/src/stream/errors";
@@ -18,7 +19,7 @@ import {
 } from "../../../../client/web/src/stream/live_view";
 import { Socket } from "../../../../client/web/src/stream/socket";
 import type { FrameReport } from "../../../../client/web/src/stream/statistics";
-import { FakeWebSocket, settle, until } from "./fake_web_socket";
+import { FakeWebSocket } from "./fake_web_socket";
 
 /// Blocks of this many points are refused.
 const badCount = 13;
@@ -27,12 +28,12 @@ const badCount = 13;
 class FakeDecoder {
   async decode(blocks: readonly PointBlock[]): Promise<DecodedPoints[]> {
     const count = blocks.reduce((sum, block) => sum + block.count, 0);
-    await settle(count > 20 ? 20 : 0);
+    await new Promise((resolve) => setTimeout(resolve, count > 20 ? 20 : 0));
     if (count === badCount) throw badPoints("a bad number");
     return blocks.map((block) => ({
       count: block.count,
       origin: [0, 0, 0],
-      places: new Float32Array(4 * block.count).fill(1),
+      positions: new Float32Array(4 * block.count).fill(1),
       normals: new Int8Array(4 * block.count),
       colours: null,
       curvatures: null,
@@ -85,6 +86,10 @@ const key = (sequence: bigint, count: number, digest = 0n) => ({
   digest,
 });
 
+function pointsOf(sample: SampleRequest | undefined): bigint | null {
+  return sample?.budget.case === "points" ? sample.budget.value : null;
+}
+
 /// Short forms of what was sent.
 function requests(server: FakeWebSocket, call = 1): string[] {
   return server.sent(StreamViewsRequestSchema, call).map(({ request }) => {
@@ -93,7 +98,7 @@ function requests(server: FakeWebSocket, call = 1): string[] {
         if (request.value.held === undefined) return "open anew";
         return `open with ${request.value.held.points}/${request.value.held.digest}`;
       case "view":
-        return `view ${request.value.sequence}: ${request.value.sample?.budget.value}`;
+        return `view ${request.value.sequence}: ${pointsOf(request.value.sample)}`;
       case "ack":
         return `ack ${request.value.sequence}`;
       default:
@@ -104,8 +109,16 @@ function requests(server: FakeWebSocket, call = 1): string[] {
 
 const server = (index = 0) => FakeWebSocket.made[index]!;
 
-beforeEach(() => (FakeWebSocket.made = []));
-afterEach(() => void vi.unstubAllGlobals());
+const pass = (milliseconds: number) => vi.advanceTimersByTimeAsync(milliseconds);
+
+beforeEach(() => {
+  FakeWebSocket.made = [];
+  vi.useFakeTimers();
+});
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
 
 describe("a live view", () => {
   it("connects at the first look, and acknowledges frames once their points are there", async () => {
@@ -115,9 +128,9 @@ describe("a live view", () => {
     server().open();
     expect(requests(server())).toEqual(["open anew", "view 1: 50"]);
     push(server(), key(1n, 50));
-    await settle(5);
+    await pass(5);
     expect(requests(server()).length).toBe(2); // still decoding
-    await settle(40);
+    await pass(40);
     expect(requests(server())[2]).toBe("ack 1");
     expect(view.store.count).toBe(50);
     expect(frames).toMatchObject([{ sequence: 1, points: 50, added: 50, removed: 0, isDelta: false, error: null }]);
@@ -138,7 +151,7 @@ describe("a live view", () => {
       edits: { removed: [0], added: [3, 1] },
       heldPoints: 51n,
     });
-    await settle(50);
+    await pass(50);
     expect(frames.map((frame) => [frame.points, frame.isDelta, frame.removed])).toEqual([
       [50, false, 0],
       [51, true, 1],
@@ -158,7 +171,7 @@ describe("a live view", () => {
     for (let number = 2; number <= 100; ++number) expect(view.look(points(number))).toBe(number);
     expect(requests(server())).toEqual(["open anew", "view 1: 1"]);
     server().bufferedAmount = 0;
-    await settle(40);
+    await pass(40);
     expect(requests(server()).slice(2)).toEqual(["view 100: 100"]);
   });
 
@@ -168,10 +181,11 @@ describe("a live view", () => {
     server().open();
     view.look(points(6));
     push(server(), key(2n, 5, 77n));
-    await settle(10);
+    await pass(10);
     const lost = performance.now();
     server().lose(1006);
-    await until(() => FakeWebSocket.made.length === 2);
+    await pass(1);
+    expect(FakeWebSocket.made.length).toBe(2);
     expect(states).toEqual(["connecting", "streaming", "reconnecting"]);
     expect(errors.at(-1)!.code).toBe("UNAVAILABLE");
     expect(view.store.count).toBe(5);
@@ -180,7 +194,7 @@ describe("a live view", () => {
     const { request } = server(1).sent(StreamViewsRequestSchema)[0]!;
     expect(request.case === "open" && request.value.held?.sample?.budget.value).toBe(6n);
     push(server(1), { sequence: 2n, kind: FrameKind.DELTA, edits: { removed: [4] }, heldPoints: 4n });
-    await settle(10);
+    await pass(10);
     expect(frames.at(-1)).toMatchObject({ points: 4, isDelta: true });
     expect(1000 * frames.at(-1)!.viewSeconds!).toBeLessThan(performance.now() - lost); // since it was sent again
     expect(states.at(-1)).toBe("streaming");
@@ -194,18 +208,18 @@ describe("a live view", () => {
     server().open();
     push(server(), key(1n, 5, 77n));
     push(server(), key(1n, badCount, 78n));
-    await settle(30);
+    await pass(30);
     expect(errors.find((error) => error !== null)).toMatchObject({
       code: "DATA_LOSS",
-      message: expect.stringContaining("frame 1"),
+      message: expect.stringContaining("frame 1") as string,
     });
     expect(states).toEqual(["connecting", "streaming", "reconnecting"]);
     expect(server().requests.some(({ call, cancel }) => call === 1 && cancel)).toBe(true);
     expect(requests(server(), 2)).toEqual(["open anew", "view 1: 5"]); // over the same socket
     expect(view.store.count).toBe(5);
     push(server(), { sequence: 1n, kind: FrameKind.DELTA, edits: { removed: [4] }, heldPoints: 4n }, 2);
-    await settle(10);
-    expect(errors.at(-1)).toMatchObject({ code: "DATA_LOSS", message: expect.stringContaining("not there") });
+    await pass(10);
+    expect(errors.at(-1)).toMatchObject({ code: "DATA_LOSS", message: expect.stringContaining("not there") as string });
   });
 
   it("tells of refused views, and lives on", async () => {
@@ -215,7 +229,7 @@ describe("a live view", () => {
     push(server(), key(1n, 5));
     view.look(points(0));
     push(server(), { sequence: 2n, error: { code: 8, message: "no room", retryAfter: 1.5 } });
-    await settle(10);
+    await pass(10);
     expect(frames.at(-1)).toMatchObject({
       sequence: 2,
       points: 5,
@@ -234,11 +248,11 @@ describe("a live view", () => {
     const { view, states, errors } = follow();
     view.look(points(5));
     server().open().end(1, { code, message: "why" });
-    await settle(20);
+    await pass(20);
     expect(states).toEqual(["connecting", "failed"]);
     expect(errors.at(-1)).toMatchObject({ code: name, message: "why" });
     view.look(points(6));
-    await settle(20);
+    await pass(20);
     expect(FakeWebSocket.made.length).toBe(1);
     expect(requests(server()).length).toBe(2);
   });
@@ -247,7 +261,7 @@ describe("a live view", () => {
     const { view, states, errors } = follow();
     view.look(points(5));
     server().open().lose(1008, "unknown token");
-    await settle(20);
+    await pass(20);
     expect(states).toEqual(["connecting", "failed"]);
     expect(errors.at(-1)).toMatchObject({ code: "UNAUTHENTICATED", message: "unknown token" });
   });
@@ -256,7 +270,7 @@ describe("a live view", () => {
     const { view, states } = follow({ firstDelay: 1000, longestDelay: 1000 });
     view.look(points(5));
     server().open().lose(1006);
-    await settle(20);
+    await pass(20);
     expect(states.at(-1)).toBe("reconnecting");
     expect(FakeWebSocket.made.length).toBe(1);
     view.retryNow();
@@ -273,29 +287,26 @@ describe("a live view", () => {
   });
 
   it("waits longer and longer while streams break off after their first frame, and not after one that lived", async () => {
-    vi.useFakeTimers();
-    try {
-      const delays: number[] = [];
-      const onState = (_: LiveViewState, __: unknown, delay: number | null) => void (delay !== null && delays.push(delay));
-      const { view } = follow({ firstDelay: 0.1, longestDelay: 5 }, { onState });
-      view.look(points(5));
-      server().open();
-      for (let call = 1; call <= 8; ++call) {
-        push(server(), key(1n, 5), call);
-        push(server(), key(1n, badCount), call);
-        await vi.advanceTimersByTimeAsync(5100);
-      }
-      expect(delays.length).toBe(8);
-      expect(delays[7]).toBeGreaterThan(2.4);
-      push(server(), key(1n, 5), 9);
-      await vi.advanceTimersByTimeAsync(1500);
-      server().end(9, { code: 10, message: "the session was closed" });
-      await vi.advanceTimersByTimeAsync(10);
-      expect(delays[8]).toBeLessThanOrEqual(0.1);
-      view.close();
-    } finally {
-      vi.useRealTimers();
+    const delays: number[] = [];
+    const onState = (_: LiveViewState, __: unknown, delay: number | null) => {
+      if (delay !== null) delays.push(delay);
+    };
+    const { view } = follow({ firstDelay: 0.1, longestDelay: 5 }, { onState });
+    view.look(points(5));
+    server().open();
+    for (let call = 1; call <= 8; ++call) {
+      push(server(), key(1n, 5), call);
+      push(server(), key(1n, badCount), call);
+      await pass(5100);
     }
+    expect(delays.length).toBe(8);
+    expect(delays[7]).toBeGreaterThan(2.4);
+    push(server(), key(1n, 5), 9);
+    await pass(1500);
+    server().end(9, { code: 10, message: "the session was closed" });
+    await pass(10);
+    expect(delays[8]).toBeLessThanOrEqual(0.1);
+    view.close();
   });
 
   it("lives on after callbacks that throw, and reports what they do", async () => {
@@ -309,15 +320,43 @@ describe("a live view", () => {
     server().open();
     push(server(), key(1n, 5));
     push(server(), key(1n, 6));
-    await settle(10);
+    await pass(10);
     server().lose(1006);
-    await until(() => FakeWebSocket.made.length === 2);
+    await pass(1);
+    expect(FakeWebSocket.made.length).toBe(2);
     push(server(1).open(), key(1n, 7));
-    await settle(10);
+    await pass(10);
     expect(frames.map((frame) => frame.points)).toEqual([5, 6, 7]);
     expect(states).toEqual(["connecting", "streaming", "reconnecting", "streaming"]);
     expect(reported.length).toBe(7);
     view.close();
+  });
+
+  it("answers a server that repeats itself without progress later and later, and the next view at once", async () => {
+    const { view, frames } = follow();
+    const acks = () => requests(server()).filter((text) => text.startsWith("ack")).length;
+    const same = { sequence: 1n, kind: FrameKind.DELTA, edits: {}, heldPoints: 5n, statistics: { refining: true } };
+    view.look(points(5));
+    server().open();
+    push(server(), { ...key(1n, 5), statistics: { refining: true } });
+    let pushed = 0;
+    for (let i = 0; i < 10_000; ++i) {
+      await pass(1);
+      for (; pushed < acks(); ++pushed) push(server(), same); // as soon as the last one is acknowledged
+    }
+    expect(acks()).toBeGreaterThan(5);
+    expect(acks()).toBeLessThan(25);
+    expect(view.state).toBe("refining");
+    await pass(1);
+    const before = requests(server()).length;
+    view.look(points(6));
+    expect(requests(server()).slice(before)).toEqual(["ack 1", "view 2: 6"]);
+    push(server(), { ...same, sequence: 2n });
+    await pass(1);
+    expect(requests(server()).at(-1)).toBe("ack 2");
+    expect(frames.at(-1)).toMatchObject({ sequence: 2, points: 5, added: 0, error: null });
+    view.close();
+    expect(vi.getTimerCount()).toBe(0);
   });
 
   it("opens nothing where it is closed as it begins", () => {
@@ -332,7 +371,7 @@ describe("a live view", () => {
     server().open();
     push(server(), key(1n, 5));
     view.close();
-    await settle(20);
+    await pass(20);
     expect(frames).toEqual([]);
     expect(states).toEqual(["connecting"]);
     expect(server().requests.at(-1)!.cancel).toBe(true);

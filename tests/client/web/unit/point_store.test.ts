@@ -29,7 +29,7 @@ function decoded(points: readonly Point[], origin: [number, number, number] = [5
   return {
     count: points.length,
     origin,
-    places: Float32Array.from(points.flatMap(({ id, rung }) => [id, id + 0.5, -id, radius(rung)])),
+    positions: Float32Array.from(points.flatMap(({ id, rung }) => [id, id + 0.5, -id, radius(rung)])),
     normals: Int8Array.from(points.flatMap(({ id }) => [id % 100, 1, 2, 0])),
     colours: Uint8Array.from(points.flatMap(({ id }) => [id % 256, 1, 2, 255])),
     curvatures: Float32Array.from(points.flatMap(({ id }) => [id, 2 * id])),
@@ -48,18 +48,18 @@ function isSame(a: Float32Array, b: Float32Array): boolean {
 function listed(store: StreamedPoints): Point[] {
   return Array.from(store.order(), (slot) => ({
     id: store.ranks![slot]!,
-    rung: Math.round(2 * Math.log2(largest / store.places[4 * slot + 3]!)),
+    rung: Math.round(2 * Math.log2(largest / store.positions[4 * slot + 3]!)),
   }));
 }
 
 function expectSame(store: StreamedPoints, list: readonly Point[]): void {
   expect(store.count).toBe(list.length);
   expect(listed(store)).toEqual(list);
-  const { places, normals, colours, curvatures, ranks } = store;
+  const { positions, normals, colours, curvatures, ranks } = store;
   const wrong = store.order().filter((slot) => {
     const id = ranks![slot]!;
     return (
-      !isSame(places.subarray(4 * slot, 4 * slot + 3), Float32Array.of(id, id + 0.5, -id)) ||
+      !isSame(positions.subarray(4 * slot, 4 * slot + 3), Float32Array.of(id, id + 0.5, -id)) ||
       normals[4 * slot] !== id % 100 ||
       colours![4 * slot] !== id % 256 ||
       curvatures![2 * slot + 1] !== 2 * id
@@ -67,7 +67,7 @@ function expectSame(store: StreamedPoints, list: readonly Point[]): void {
   });
   expect(wrong.length).toBe(0);
   let used = 0;
-  for (let slot = 0; slot < store.slots; ++slot) used += store.places[4 * slot + 3]! > 0 ? 1 : 0;
+  for (let slot = 0; slot < store.slots; ++slot) used += store.positions[4 * slot + 3]! > 0 ? 1 : 0;
   expect(used).toBe(list.length); // free slots have radius 0
 }
 
@@ -81,21 +81,21 @@ describe("a store", () => {
     let copy = new Float32Array(0); // as a graphics card would have it
     for (let round = 0; round < 300; ++round) {
       const changes = store.takeChanges();
-      if (changes.all) copy = store.places.slice();
+      if (changes.all) copy = store.positions.slice();
       for (let r = 0; r < changes.ranges.length; r += 2) {
-        copy.set(store.places.subarray(4 * changes.ranges[r]!, 4 * changes.ranges[r + 1]!), 4 * changes.ranges[r]!);
+        copy.set(store.positions.subarray(4 * changes.ranges[r]!, 4 * changes.ranges[r + 1]!), 4 * changes.ranges[r]!);
       }
-      expect(isSame(copy.subarray(0, 4 * store.slots), store.places.subarray(0, 4 * store.slots))).toBe(true);
+      expect(isSame(copy.subarray(0, 4 * store.slots), store.positions.subarray(0, 4 * store.slots))).toBe(true);
 
       const removed = list.map((_, i) => i).filter(() => random(round % 10 === 9 ? 2 : 20) === 0);
       const kept = list.filter((_, i) => !removed.includes(i));
       const size = kept.length + random(40);
-      const places = new Set<number>();
-      while (places.size < size - kept.length) places.add(random(size));
-      const added = [...places].sort((a, b) => a - b);
+      const gaps = new Set<number>();
+      while (gaps.size < size - kept.length) gaps.add(random(size));
+      const added = [...gaps].sort((a, b) => a - b);
       const fresh = added.map(() => ({ id: nextId++, rung: 4 + random(8) }));
       list = [];
-      for (let i = 0, k = 0, f = 0; i < size; ++i) list.push({ ...(places.has(i) ? fresh[f++]! : kept[k++]!) });
+      for (let i = 0, k = 0, f = 0; i < size; ++i) list.push({ ...(gaps.has(i) ? fresh[f++]! : kept[k++]!) });
       const resized: number[] = [];
       let last = 0;
       for (let i = 0; i < size; ++i) {

@@ -220,10 +220,7 @@ describe("an upload", () => {
       [1, () => server.respond(UploadMeshResponseSchema, { meshId: "mesh" }, 1)],
       [2, () => server.respond(ListMeshReferencesResponseSchema, { missing: ["cow.mtl", "secret.txt"] }, 2)],
       [3, () => server.respond(UploadMeshResponseSchema, { meshId: "library" }, 3)],
-      [
-        4,
-        () => server.respond(ListMeshReferencesResponseSchema, { missing: ["secret.txt", "textures/skin.png", "gone.png"] }, 4),
-      ],
+      [4, () => server.respond(ListMeshReferencesResponseSchema, { missing: ["secret.txt", "textures/skin.png", "gone.png"] }, 4)],
       [5, () => server.respond(UploadMeshResponseSchema, { meshId: "picture" }, 5)],
       [6, () => server.respond(ListMeshReferencesResponseSchema, { missing: ["secret.txt", "gone.png"] }, 6)],
     ];

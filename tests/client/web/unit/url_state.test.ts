@@ -2,14 +2,10 @@ import { describe, expect, it } from "vitest";
 
 import { defaultSettings, type Settings } from "../../../../client/web/src/app/settings";
 import { readState, writeState } from "../../../../client/web/src/app/url_state";
+import type { CameraState } from "../../../../client/web/src/view/types";
 
 const defaults = defaultSettings(false, "light");
-const camera = { eye: [1.5, -2, 3], target: [0, 0.25, 0], up: [0, 1, 0], fov: 30 } as {
-  eye: [number, number, number];
-  target: [number, number, number];
-  up: [number, number, number];
-  fov: number;
-};
+const camera: CameraState = { eye: [1.5, -2, 3], target: [0, 0.25, 0], up: [0, 1, 0], fov: 30 };
 
 describe("the address", () => {
   it("keeps a session, the camera and what is not as usual", () => {
@@ -79,7 +75,8 @@ describe("the address", () => {
       "#points=many&splatScale=x&mode=cubes&edl=yes&sampler=equalised&camera=1,2,3,1,2,3,0,1,0,30" +
       "&dabs=1,2;1,2,3,-1,2;x&__proto__=1";
     expect(readState(hash, defaults)).toEqual({ session: null, camera: null, settings: { sampler: "equalised", dabs: [] } });
-    for (const fov of ["180", "NaN", "0.5", "170"]) expect(readState(`#camera=0,0,1,0,0,0,0,1,0,${fov}`, defaults).camera).toBeNull();
+    for (const fov of ["180", "NaN", "0.5", "170"])
+      expect(readState(`#camera=0,0,1,0,0,0,0,1,0,${fov}`, defaults).camera).toBeNull();
     for (const text of ["1,2,3", "0,0,1,0,0,0,0,0,0,30"]) {
       expect(readState(`#camera=${text}`, defaults).camera).toBeNull();
     }

@@ -1,5 +1,16 @@
 import { describe, expect, test } from "vitest";
-import { blend, cameraAxes, clipPlanes, fit, isUsable, mayMove, orbit, rayDirection, shift, zoom } from "../../../../client/web/src/view/camera_math";
+import {
+  blend,
+  cameraAxes,
+  clipPlanes,
+  fit,
+  isUsable,
+  mayMove,
+  orbit,
+  rayDirection,
+  shift,
+  zoom,
+} from "../../../../client/web/src/view/camera_math";
 import type { CameraState, Vec } from "../../../../client/web/src/view/types";
 import { cross, distance, dot, length, subtract } from "../../../../client/web/src/view/vector";
 
@@ -14,7 +25,7 @@ function project(state: CameraState, point: Vec, aspect: number): [number, numbe
 }
 
 function expectSame(a: readonly number[], b: readonly number[]): void {
-  a.forEach((value, i) => expect(value).toBeCloseTo(b[i], 9));
+  a.forEach((value, i) => expect(value).toBeCloseTo(b[i]!, 9));
 }
 
 describe("orbit", () => {
@@ -69,15 +80,15 @@ describe("zoom", () => {
   });
 });
 
-test("rays go through the places that they are asked for", () => {
+test("rays go through the points that they are asked for", () => {
   const direction = rayDirection(camera, 1.7, 0.6, -0.4);
   expect(length(direction)).toBeCloseTo(1, 12);
-  expectSame(project(camera, [0, 1, 2].map((k) => camera.eye[k] + 3 * direction[k]) as Vec, 1.7), [0.6, -0.4]);
+  expectSame(project(camera, [0, 1, 2].map((k) => camera.eye[k]! + 3 * direction[k]!) as Vec, 1.7), [0.6, -0.4]);
 });
 
 test("a camera along its up direction still has axes", () => {
   const { right, up, forward } = cameraAxes({ ...camera, eye: [0, 5, 0], target: [0, 0, 0] });
-  for (const [a, b] of [[right, up], [up, forward], [forward, right]]) expect(dot(a, b)).toBeCloseTo(0, 12);
+  expect([dot(right, up), dot(up, forward), dot(forward, right)].every((cosine) => Math.abs(cosine) < 5e-13)).toBe(true);
   for (const a of [right, up, forward]) expect(length(a)).toBeCloseTo(1, 12);
 });
 
@@ -90,8 +101,8 @@ test("fit shows the whole box, large, from where the camera stands", () => {
     let largest = 0;
     for (let i = 0; i < 8; ++i) {
       const corner = [0, 1, 2].map((k) => {
-        const half = 0.43 * (bounds.max[k] - bounds.min[k]);
-        return (bounds.min[k] + bounds.max[k]) / 2 + ((i >> k) & 1 ? half : -half);
+        const half = 0.43 * (bounds.max[k]! - bounds.min[k]!);
+        return (bounds.min[k]! + bounds.max[k]!) / 2 + ((i >> k) & 1 ? half : -half);
       }) as Vec;
       largest = Math.max(largest, ...project(fitted, corner, aspect).map(Math.abs));
     }

@@ -10,7 +10,7 @@ const origin: Vec = [100, -20, 7];
 
 /// Evenly spread points of a unit sphere about `origin`, with a free slot after each.
 function sphere(count: number): PointStore {
-  const places = new Float32Array(8 * count);
+  const positions = new Float32Array(8 * count);
   const normals = new Int8Array(8 * count);
   const radius = 1.4 * Math.sqrt((4 * Math.PI) / count);
   for (let i = 0; i < count; ++i) {
@@ -18,11 +18,14 @@ function sphere(count: number): PointStore {
     const angle = i * Math.PI * (3 - Math.sqrt(5));
     const q = Math.sqrt(1 - z * z);
     const p = [q * Math.cos(angle), q * Math.sin(angle), z];
-    places.set([...p, radius], 8 * i);
-    normals.set(p.map((c) => Math.round(127 * c)), 8 * i);
+    positions.set([...p, radius], 8 * i);
+    normals.set(
+      p.map((c) => Math.round(127 * c)),
+      8 * i,
+    );
   }
   const takeChanges = () => ({ all: false, ranges: [] });
-  return { origin, count, slots: 2 * count, places, normals, colours: null, curvatures: null, ranks: null, takeChanges };
+  return { origin, count, slots: 2 * count, positions, normals, colours: null, curvatures: null, ranks: null, takeChanges };
 }
 
 describe("pick", () => {
@@ -30,7 +33,11 @@ describe("pick", () => {
 
   test("finds the near side of a sphere, its normal, and nothing beside it", () => {
     const eye: Vec = [origin[0], origin[1], origin[2] + 4];
-    for (const [x, y] of [[0, 0], [0.3, 0.2], [-0.5, 0.6]]) {
+    for (const [x, y] of [
+      [0, 0],
+      [0.3, 0.2],
+      [-0.5, 0.6],
+    ] as const) {
       const place: Vec = [origin[0] + x, origin[1] + y, origin[2] + Math.sqrt(1 - x * x - y * y)];
       const found = pick(store, { origin: eye, direction: normalise(subtract(place, eye), [0, 0, 1]) }, 0.1, 0.001);
       expect(found).not.toBeNull();
@@ -75,7 +82,7 @@ describe("colours", () => {
   test("sequential maps get lighter all the way", () => {
     for (const name of ["sequential", "warm"] as const) {
       const map = makeColourMap(name);
-      const light = (i: number): number => 0.2126 * map[4 * i] + 0.7152 * map[4 * i + 1] + 0.0722 * map[4 * i + 2];
+      const light = (i: number): number => 0.2126 * map[4 * i]! + 0.7152 * map[4 * i + 1]! + 0.0722 * map[4 * i + 2]!;
       for (let i = 8; i < mapSize; i += 8) expect(light(i)).toBeGreaterThan(light(i - 8));
     }
   });

@@ -16,7 +16,7 @@ function makeRenderer(handleNow: () => object | null): THREE.WebGLRenderer {
 
 test("an array that was uploaded is not lacking, until it is another one", () => {
   const renderer = makeRenderer(() => ({}));
-  const texture = new StoreTexture("places");
+  const texture = new StoreTexture("positions");
   const array = new Float32Array(8);
   expect(texture.lacks(renderer, array)).toBe(true);
   texture.upload(renderer, array, [0, 2]);
@@ -27,10 +27,19 @@ test("an array that was uploaded is not lacking, until it is another one", () =>
 test("an array is lacking where the graphics card was lost, before or after it was uploaded", () => {
   const array = new Float32Array(8);
   const lost = makeRenderer(() => null);
-  const early = new StoreTexture("places");
+  const early = new StoreTexture("positions");
   early.upload(lost, array, [0, 2]);
   expect(early.lacks(lost, array)).toBe(true);
-  const texture = new StoreTexture("places");
-  texture.upload(makeRenderer(() => ({})), array, [0, 2]);
-  expect(texture.lacks(makeRenderer(() => ({})), array)).toBe(true); // its handles are new
+  const texture = new StoreTexture("positions");
+  texture.upload(
+    makeRenderer(() => ({})),
+    array,
+    [0, 2],
+  );
+  expect(
+    texture.lacks(
+      makeRenderer(() => ({})),
+      array,
+    ),
+  ).toBe(true); // its handles are new
 });

@@ -18,7 +18,7 @@ test("every slot of the ranges is covered, and rectangles are whole rows or lie 
   for (let round = 0; round < 200; ++round) {
     const slots = 20_000;
     const ranges: number[] = [];
-    for (let at = random(3000); at < slots; ) {
+    for (let at = random(3000); at < slots;) {
       const end = Math.min(slots, at + 1 + random(random(2) ? 20 : 6000));
       ranges.push(at, end);
       at = end + 1 + random(3000);
@@ -26,14 +26,15 @@ test("every slot of the ranges is covered, and rectangles are whole rows or lie 
     const merged = mergeRanges(ranges, slots) ?? [0, slots];
     const covered = new Uint8Array(slots);
     for (let i = 0; i < merged.length; i += 2) {
-      putRows(merged[i], merged[i + 1], (begin, width, height) => {
+      putRows(merged[i]!, merged[i + 1]!, (begin, width, height) => {
         expect(height === 1 ? (begin % rowSlots) + width <= rowSlots : begin % rowSlots === 0 && width === rowSlots).toBe(true);
-        for (let slot = begin; slot < begin + width * height; ++slot) ++covered[slot];
+        for (let slot = begin; slot < begin + width * height; ++slot) ++covered[slot]!;
       });
     }
     expect(Math.max(...covered)).toBeLessThanOrEqual(1);
     for (let i = 0; i < ranges.length; i += 2) {
-      for (let slot = ranges[i]; slot < ranges[i + 1]; ++slot) if (covered[slot] !== 1) expect.fail(`slot ${slot} is not covered`);
+      for (let slot = ranges[i]!; slot < ranges[i + 1]!; ++slot)
+        if (covered[slot] !== 1) expect.fail(`slot ${slot} is not covered`);
     }
   }
 });

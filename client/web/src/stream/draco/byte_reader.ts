@@ -1,8 +1,8 @@
-// Takes numbers from the front of Draco data that may end too early.
+// Reads numbers off the front of Draco data, which may end too early.
 
 import { badPoints } from "../decoded_points";
 
-/// Does not own the bytes. Throws where they end too early.
+/// Reads bytes that it does not own. Throws DATA_LOSS where they end too early.
 export class ByteReader {
   private readonly view: DataView;
 
@@ -13,7 +13,7 @@ export class ByteReader {
     this.view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
   }
 
-  /// Bytes taken so far.
+  /// Number of bytes read so far.
   get position(): number {
     return this.at;
   }
@@ -38,7 +38,7 @@ export class ByteReader {
     return this.view.getFloat32(this.advance(4), true);
   }
 
-  /// Seven bits to a byte, the lowest first.
+  /// Reads a number of seven bits a byte, the lowest first.
   varint(): number {
     let value = 0;
     for (let scale = 1; scale < 2 ** 64; scale *= 128) {

@@ -1,4 +1,4 @@
-// Decodes any Draco point cloud with draco3d, Draco's own decoder in WebAssembly. It is loaded when first data needs it.
+// Decodes any Draco point cloud with draco3d, Draco's own decoder in WebAssembly, which is loaded when data first needs it.
 
 import type { DracoModule, PointCloud } from "draco3d/draco_decoder_nodejs.js";
 import wasmUrl from "draco3d/draco_decoder.wasm?url";
@@ -9,23 +9,20 @@ import { asFloats, writeColours, writeNormals, writePositions } from "../columns
 import { colour, normal, position, radius, type DracoAttribute } from "./header";
 import type { Columns } from "./reader";
 
-/// From the page's own server.
+/// Loads draco3d from the page's own server.
 async function loadFromPage(): Promise<DracoModule> {
-  const [response, { default: createDecoder }] = await Promise.all([
-    fetch(wasmUrl),
-    import("draco3d/draco_decoder_nodejs.js"),
-  ]);
+  const [response, { default: createDecoder }] = await Promise.all([fetch(wasmUrl), import("draco3d/draco_decoder_nodejs.js")]);
   if (!response.ok) throw new CurvecastError("UNAVAILABLE", `the decoder cannot be loaded: HTTP status ${response.status}`);
   return createDecoder({ wasmBinary: await response.arrayBuffer() });
 }
 
-/// Decodes one cloud after the other. Rejects with a CurvecastError for bad data, and stays usable.
+/// Decodes clouds, one after the other. Rejects bad data with DATA_LOSS, and stays usable.
 export class DracoLibrary {
   private loading: Promise<Decoding> | null = null;
 
   constructor(private readonly load: () => Promise<DracoModule> = loadFromPage) {}
 
-  /// As DracoReader.read(), for data whose header has been read. Colours are made where the data has them.
+  /// Writes the points of data whose header readHeader() has accepted; `radii` are those of the codes. Writes colours where `to` has them.
   async read(bytes: Uint8Array, radii: Float32Array, to: Columns): Promise<void> {
     this.loading ??= this.load().then((draco) => new Decoding(draco));
     const loading = this.loading;
@@ -33,7 +30,7 @@ export class DracoLibrary {
       (await loading).read(bytes, radii, to);
     } catch (thrown) {
       if (thrown instanceof CurvecastError && thrown.code === "DATA_LOSS") throw thrown;
-      // It could not be loaded, or the WebAssembly has aborted and cannot be used any more.
+      // draco3d could not be loaded, or its WebAssembly has aborted and cannot be used any more: load it anew.
       if (this.loading === loading) this.loading = null;
       const error = asCurvecastError(thrown);
       throw error.code === "UNAVAILABLE" ? error : badPoints(error.message);
@@ -42,7 +39,7 @@ export class DracoLibrary {
 }
 
 class Decoding {
-  private scratch = 0; // address in the decoder's memory
+  private scratch = 0; // its address in the decoder's memory
   private scratchBytes = 0;
 
   constructor(private readonly draco: DracoModule) {}
@@ -60,10 +57,10 @@ class Decoding {
       if (!status.ok()) throw badPoints(status.error_msg());
       if (cloud.num_points() !== to.count) throw badPoints("Draco data holds another number of points than it claims");
       const column = (of: DracoAttribute) => this.column(decoder, cloud, of);
-      // Each is copied before the next is read: all use the same memory.
+      // Each column is copied before the next one is read: all use the same memory.
       writePositions(asFloats(column(position)), to);
       writeNormals(asFloats(column(normal)), to);
-      column(radius).forEach((code, i) => (to.places[4 * i + 3] = radii[code]!));
+      column(radius).forEach((code, i) => (to.positions[4 * i + 3] = radii[code]!));
       if (to.colours !== null) writeColours(column(colour), to.colours);
     } finally {
       draco.destroy(cloud);
@@ -72,8 +69,12 @@ class Decoding {
     }
   }
 
-  /// The values of an attribute, in the decoder's memory.
-  private column(decoder: InstanceType<DracoModule["Decoder"]>, cloud: PointCloud, { kind, type, components }: DracoAttribute): Uint8Array {
+  /// Reads the values of an attribute into the decoder's memory.
+  private column(
+    decoder: InstanceType<DracoModule["Decoder"]>,
+    cloud: PointCloud,
+    { kind, type, components }: DracoAttribute,
+  ): Uint8Array {
     const { draco } = this;
     const attribute = decoder.GetAttribute(cloud, decoder.GetAttributeId(cloud, kind));
     const bytes = cloud.num_points() * components * (type === position.type ? 4 : 1);
@@ -83,7 +84,7 @@ class Decoding {
     return draco.HEAPU8.subarray(address, address + bytes);
   }
 
-  /// At least so many bytes of the decoder's memory, for one purpose at a time.
+  /// Returns the address of at least so many bytes of the decoder's memory, for one purpose at a time.
   private reserve(bytes: number): number {
     if (bytes > this.scratchBytes) {
       if (this.scratch !== 0) this.draco._free(this.scratch);

@@ -5,7 +5,7 @@ import { badPoints } from "../decoded_points";
 import type { ByteReader } from "./byte_reader";
 
 const zeroRun = 3; // of the low two bits of a table's byte; other values: how many bytes follow
-const mostTableBits = 15; // beyond, a table would be larger than what is read with it
+const maxTableBits = 15; // beyond, a table would be larger than what is read with it
 const indexBits = 12;
 
 /// One stream of symbols. Keeps its memory from stream to stream; that grows with the bytes of a table, never with the counts that
@@ -17,8 +17,8 @@ export class RansReader {
   private starts = new Uint32Array(0);
   private symbols = new Uint32Array(0);
   // For every value of the low bits, where there are few of them: frequency << 16 | offset, and the symbol.
-  private readonly steps = new Uint32Array(1 << mostTableBits);
-  private readonly symbolOf = new Uint32Array(1 << mostTableBits);
+  private readonly steps = new Uint32Array(1 << maxTableBits);
+  private readonly symbolOf = new Uint32Array(1 << maxTableBits);
   // Else the first slot for every value of the highest of the low bits.
   private readonly first = new Uint32Array(1 << indexBits);
 
@@ -31,14 +31,14 @@ export class RansReader {
   open(from: ByteReader, precision: number): void {
     this.precision = precision;
     this.readTable(from);
-    if (precision <= mostTableBits) this.fillTable();
+    if (precision <= maxTableBits) this.fillTable();
     else this.indexSlots();
     this.start(from);
   }
 
   /// The next `count` symbols. A broken stream gives arbitrary symbols of the table.
   read(count: number, to: Int32Array): void {
-    if (this.precision <= mostTableBits) this.readByTable(count, to);
+    if (this.precision <= maxTableBits) this.readByTable(count, to);
     else this.readBySearch(count, to);
   }
 

@@ -19,7 +19,7 @@ const correctOctahedral = 3;
 const part = 1024; // points at a time: they stay in a fast cache
 
 /// Where the points of a block go: arrays of the block's size, but colours are null where it has none.
-export type Columns = Pick<DecodedPoints, "count" | "places" | "normals" | "colours">;
+export type Columns = Pick<DecodedPoints, "count" | "positions" | "normals" | "colours">;
 
 /// Keeps tables and memory from block to block.
 export class DracoReader {
@@ -49,11 +49,11 @@ export class DracoReader {
         const normals = new Int32Array(to.normals.buffer, to.normals.byteOffset, to.count);
         this.eachPart(kind, to.count, (symbols, begin, count) => of.decode(symbols, count, normals.subarray(begin)));
       } else if (kind === position.kind) {
-        this.readPlaces(from, of, to);
+        this.readPositions(from, of, to);
       } else if (kind === radius.kind) {
         this.eachPart(kind, to.count, (numbers, begin, count) => {
           of.decode(numbers, count, 1);
-          for (let i = 0; i < count; ++i) to.places[4 * (begin + i) + 3] = radii[numbers[i]! & 255]!;
+          for (let i = 0; i < count; ++i) to.positions[4 * (begin + i) + 3] = radii[numbers[i]! & 255]!;
         });
       } else {
         this.readColours(of, to);
@@ -62,23 +62,24 @@ export class DracoReader {
     return true;
   }
 
-  private readPlaces(from: ByteReader, numbers: WrappedValues, { places, count }: Columns): void {
+  private readPositions(from: ByteReader, numbers: WrappedValues, { positions, count }: Columns): void {
     const [x, y, z] = [from.f32(), from.f32(), from.f32()];
     const range = from.f32();
     const bits = from.u8();
     if (bits < 1 || bits > 30) throw badPoints("Draco positions of impossible bits");
     const delta = Math.fround(range / Math.fround(2 ** bits - 1));
     for (const end of [numbers.min, numbers.max]) {
-      // Between two finite places all are.
-      if (![x, y, z].every((low) => Number.isFinite(Math.fround(end * delta + low)))) throw badPoints("a position that is not finite");
+      // Between two finite positions all are.
+      if (![x, y, z].every((low) => Number.isFinite(Math.fround(end * delta + low))))
+        throw badPoints("a position that is not finite");
     }
     const fround = Math.fround;
     this.eachPart(position.kind, count, (values, begin, points) => {
       numbers.decode(values, points, 3);
       for (let i = 0, slot = 4 * begin; i < 3 * points; i += 3, slot += 4) {
-        places[slot] = fround(fround(values[i]!) * delta) + x;
-        places[slot + 1] = fround(fround(values[i + 1]!) * delta) + y;
-        places[slot + 2] = fround(fround(values[i + 2]!) * delta) + z;
+        positions[slot] = fround(fround(values[i]!) * delta) + x;
+        positions[slot + 1] = fround(fround(values[i + 1]!) * delta) + y;
+        positions[slot + 2] = fround(fround(values[i + 2]!) * delta) + z;
       }
     });
   }
@@ -93,11 +94,7 @@ export class DracoReader {
     });
   }
 
-  private eachPart(
-    kind: number,
-    points: number,
-    decode: (symbols: Int32Array, begin: number, count: number) => void,
-  ): void {
+  private eachPart(kind: number, points: number, decode: (symbols: Int32Array, begin: number, count: number) => void): void {
     const symbols = this.readers.get(kind)!;
     for (let begin = 0; begin < points; begin += part) {
       const count = Math.min(part, points - begin);

@@ -7,8 +7,8 @@ import { RansReader } from "./rans_reader";
 const taggedScheme = 0;
 const rawScheme = 1;
 const tagBits = 5; // of the number of bits in a tag
-const mostRawBits = 18; // of a symbol without a tag
-const mostTag = 32;
+const maxRawBits = 18; // of a symbol without a tag
+const maxTag = 32;
 const part = 4096;
 
 /// Keeps its memory from attribute to attribute: a byte per point at most, beside RansReader's.
@@ -55,7 +55,7 @@ export class SymbolReader {
   private openEntropy(bytes: ByteReader): void {
     this.coding = "entropy";
     const bits = bytes.u8();
-    if (bits === 0 || bits > mostRawBits) throw badPoints("Draco symbols that are too long");
+    if (bits === 0 || bits > maxRawBits) throw badPoints("Draco symbols that are too long");
     this.rans.open(bytes, precisionOf(bits));
   }
 
@@ -71,7 +71,7 @@ export class SymbolReader {
       this.rans.read(count, tags);
       for (let i = 0; i < count; ++i) {
         const tag = tags[i]! >>> 0;
-        if (tag > mostTag) throw badPoints("Draco values of more than 32 bits");
+        if (tag > maxTag) throw badPoints("Draco values of more than 32 bits");
         this.tags[begin + i] = tag;
         bits += this.components * tag;
       }

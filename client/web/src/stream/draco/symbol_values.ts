@@ -4,14 +4,14 @@
 import { badPoints } from "../decoded_points";
 import type { ByteReader } from "./byte_reader";
 
-const mostComponents = 4;
-const mostNormalBits = 30;
-const mostDecodedBits = 15; // turnInsideOut() has room for no more
-const mostKnownBits = 8; // normals of so many bits are kept: 256 KiB
+const maxComponents = 4;
+const maxNormalBits = 30;
+const maxDecodedBits = 15; // turnInsideOut() has room for no more
+const maxKnownBits = 8; // normals of so many bits are kept: 256 KiB
 
 /// Whole numbers, all between two bounds; a sum that leaves them re-enters on the other side.
 export class WrappedValues {
-  private readonly previous = new Int32Array(mostComponents);
+  private readonly previous = new Int32Array(maxComponents);
 
   private constructor(
     readonly min: number,
@@ -66,8 +66,8 @@ export class OctahedralValues {
     const largest = bytes.i32(); // 2^bits - 1; then half of that
     bytes.i32();
     const bits = 32 - Math.clz32(largest);
-    if (bits < 2 || bits > mostNormalBits || (largest & 1) === 0) throw badPoints("Draco normals of impossible bounds");
-    return bits > mostDecodedBits ? null : new OctahedralValues(bits, 2 ** (bits - 1) - 1);
+    if (bits < 2 || bits > maxNormalBits || (largest & 1) === 0) throw badPoints("Draco normals of impossible bounds");
+    return bits > maxDecodedBits ? null : new OctahedralValues(bits, 2 ** (bits - 1) - 1);
   }
 
   /// Turns the symbols of the next points, two for each, into normals as packNormal() gives them. Throws where a symbol is outside
@@ -111,7 +111,8 @@ export class OctahedralValues {
         to[i] = packNormal(s, t, centre);
       } else {
         const cell = (s + centre) * width + t + centre;
-        to[i] = known[cell]! === 0 ? (known[cell] = packNormal(s, t, centre)) : known[cell]!;
+        const normal = known[cell]!;
+        to[i] = normal === 0 ? (known[cell] = packNormal(s, t, centre)) : normal;
       }
     }
     this.s = s;
@@ -151,7 +152,7 @@ const tables = new Map<number, Int32Array>();
 
 /// Those of all cells, where these are few: 0 where it was not yet asked for (no normal is 0).
 function knownNormals(bits: number): Int32Array | null {
-  if (bits > mostKnownBits) return null;
+  if (bits > maxKnownBits) return null;
   let table = tables.get(bits);
   if (table === undefined) tables.set(bits, (table = new Int32Array((2 ** bits - 1) ** 2)));
   return table;

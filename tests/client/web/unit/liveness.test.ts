@@ -7,7 +7,7 @@ import {
   ListSessionsResponseSchema,
 } from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
 import type { CurvecastError } from "../../../../client/web/src/stream/errors";
-import { Line } from "../../../../client/web/src/stream/line";
+import { ReconnectingSocket } from "../../../../client/web/src/stream/reconnecting_socket";
 import { Socket } from "../../../../client/web/src/stream/socket";
 import { FakeWebSocket } from "./fake_web_socket";
 
@@ -22,12 +22,11 @@ function connect(): [Socket, FakeWebSocket] {
 /// A call that nobody answers; how it ended.
 function ask(socket: Socket): { error: CurvecastError | null } {
   const end: { error: CurvecastError | null } = { error: null };
-  socket.unary(getSession, {}).catch((error: CurvecastError) => (end.error = error));
+  socket.unary(getSession, {}).catch((error: unknown) => (end.error = error as CurvecastError));
   return end;
 }
 
-const probes = (server: FakeWebSocket) =>
-  server.requests.filter(({ method }) => method === "ListSessions").map(({ call }) => call);
+const probes = (server: FakeWebSocket) => server.requests.filter(({ method }) => method === "ListSessions").map(({ call }) => call);
 const pass = (seconds: number) => vi.advanceTimersByTimeAsync(1000 * seconds);
 
 /// What is sent waits from then on. `then`: told how much.
@@ -139,7 +138,7 @@ describe("a socket on which nothing is heard", () => {
     await pass(27);
     expect(end.error).toMatchObject({ code: "UNAVAILABLE", message: "the server cannot be reached" });
     expect(server.isClosed).toBe(true);
-    expect(socket.fellSilent).toBe(false);
+    expect(socket.timedOut).toBe(false);
   });
 });
 
@@ -181,21 +180,21 @@ describe("a page that stood still", () => {
   });
 });
 
-describe("a line", () => {
+describe("a connection", () => {
   it("is the more patient with the next socket where one fell silent, until one is lost otherwise", async () => {
-    const line = new Line(endpoint);
+    const connection = new ReconnectingSocket(endpoint);
     const server = () => FakeWebSocket.made.at(-1)!;
-    for (const patience of [15, 30, 60, 120, 120]) {
-      const end = ask(line.socket());
+    for (const idleTimeout of [15, 30, 60, 120, 120]) {
+      const end = ask(connection.socket());
       server().open();
-      await pass(patience + 8);
+      await pass(idleTimeout + 8);
       expect(end.error).toBeNull();
       await pass(4);
       expect(end.error).not.toBeNull();
     }
-    ask(line.socket());
+    ask(connection.socket());
     server().lose(1006);
-    const end = ask(line.socket());
+    const end = ask(connection.socket());
     server().open();
     await pass(27);
     expect(end.error).not.toBeNull();

@@ -1,10 +1,10 @@
-// Whom a key is for.
+// Decides whether a key is for a field or for the picture.
 
-// Inputs that make nothing of letters and arrows.
+// Types of inputs that do not use letters and arrows.
 const pressed = ["button", "checkbox", "color", "file", "image", "reset", "submit"];
 
-/// Whether keys that go to `target` are for a field or a dialog there, rather than for the picture.
-export function isTyping(target: EventTarget | null): boolean {
+/// Whether `target` is in a field or a dialog that takes the keys, so that they are not for the picture.
+export function takesKeys(target: EventTarget | null): boolean {
   const field = (target as Partial<Element> | null)?.closest?.(
     "input, textarea, select, [contenteditable]:not([contenteditable='false']), [aria-modal='true']",
   );
