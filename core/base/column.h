@@ -36,8 +36,8 @@ class Column {
     return *this;
   }
 
-  /// A column that reads `values` where they lie, in something that `keeper` keeps alive. Only for const use: writing to it, even
-  /// by mistake, ends the process where the pages are read-only. A copy owns its memory.
+  /// Returns a column that reads `values` where they lie, in something that `keeper` keeps alive. Only for const use: writing to
+  /// it, even by mistake, ends the process where the pages are read-only. A copy owns its memory.
   static Column view(std::span<const T> values, std::shared_ptr<const void> keeper) {
     Column column;
     column.data_ = const_cast<T*>(values.data());

@@ -19,7 +19,7 @@ struct DracoOptions {
   double radius_max = 0;          // the top of the ladder of radii, none of which is larger; 0: the largest of the points'
 };
 
-/// The message holds position, normal and a generic one-byte attribute "radius": code c means
+/// Encodes points. The message holds position, normal and a generic one-byte attribute "radius": code c means
 /// radius_min (radius_max / radius_min)^(c / 255), where both bounds are written to the arguments; radii are rounded up to a
 /// RadiusLadder below radius_max, of which a rung is four codes. Where the points have colours, also COLOR, three bytes (alpha is
 /// dropped: points of a surface are not blended).
@@ -27,7 +27,7 @@ struct DracoOptions {
 absl::StatusOr<std::string> encode_draco(const PointSet& points, const DracoOptions& options, float* radius_min,
                                          float* radius_max);
 
-/// The same of points [begin, begin + count) alone.
+/// Encodes points [begin, begin + count) alone.
 absl::StatusOr<std::string> encode_draco(const PointSet& points, std::size_t begin, std::size_t count,
                                          const DracoOptions& options, float* radius_min, float* radius_max);
 

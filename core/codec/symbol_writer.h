@@ -19,7 +19,7 @@ class SymbolWriter {
   SymbolWriter(const SymbolWriter&) = delete;
   SymbolWriter& operator=(const SymbolWriter&) = delete;
 
-  /// What is to be coded, together with other writers' runs, before write().
+  /// Returns the run that is to be coded, together with those of other writers, before write().
   RansRun& run() { return run_; }
   void write(ByteWriter& bytes) const;
 

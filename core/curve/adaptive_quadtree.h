@@ -37,7 +37,7 @@ struct QuadtreeLeaves {
   Column<std::uint32_t> triangles;       // triangles of the disc that overlap or touch each leaf; at least one
 
   std::size_t size() const { return key.size(); }
-  /// The leaf's square in [0, 1]^2: what leaf_quad() says, at once.
+  /// Returns the leaf's square in [0, 1]^2: what leaf_quad() says, at once.
   Quad quad(std::size_t l) const { return {Vec2d(x[l] * kCellSide, y[l] * kCellSide), side_of_level(level[l])}; }
   std::span<const std::uint32_t> triangles_of(std::size_t l) const {
     return {triangles.data() + triangle_begin[l], triangle_begin[l + 1] - triangle_begin[l]};

@@ -25,8 +25,8 @@ inline float curvature_measure(CurvatureKind kind, float k1, float k2) {
   return std::fmax(std::abs(k1), std::abs(k2));
 }
 
-/// For each kind the measure that only a twentieth of the surface's area exceeds, within 2 %; 0 on surfaces that are flat but
-/// for noise (in that measure).
+/// Returns for each kind the measure that only a twentieth of the surface's area exceeds, within 2 %; 0 on surfaces that are flat
+/// but for noise (in that measure).
 std::array<float, kCurvatureKinds> reference_curvatures(const SurfaceCurve& curve);
 
 }  // namespace curvecast

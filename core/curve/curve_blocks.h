@@ -23,17 +23,17 @@ inline constexpr std::size_t kBlockSize = 16;
 
 inline std::size_t block_count(std::size_t vertices) { return (vertices + kBlockSize - 1) / kBlockSize; }
 
-/// Of a block's mass what lies on its vertices up to and including each, in kWhole parts: ascending, kWhole from the last vertex
-/// with mass on.
+/// Counts, in parts of which a block's mass has kWhole, what lies on the vertices up to and including each: ascending, kWhole
+/// from the last vertex with mass on.
 struct MassCodes {
   static constexpr std::int16_t kWhole = 32'767;
 
   std::int16_t through[kBlockSize];
 
-  /// A part of the mass, 0 <= part < 1.
+  /// Converts a part of the mass, 0 <= part < 1, to the parts that are counted.
   static std::int32_t part(float part) { return static_cast<std::int32_t>(part * kWhole); }
 
-  /// The vertex (0 .. kBlockSize - 1) below which that part of the mass lies; always one with mass.
+  /// Returns the vertex (0 .. kBlockSize - 1) below which that part of the mass lies; always one with mass.
   std::size_t vertex(std::int32_t part) const {
 #ifdef __SSE2__
     // Vertices after that part are a bit each, and the first of them is the one.
@@ -73,7 +73,7 @@ struct MassOfBlocks {
 /// vertices. Where a block's sum is not finite its codes mean nothing.
 void sum_blocks(const float (&mass)[kBlockSize][kBlockLanes], MassOfBlocks& out);
 
-/// Of density times area; no density means 1 everywhere. Both are not negative, and as long as the curve.
+/// Sums density times area by blocks; no density means 1 everywhere. Neither is negative, and both are as long as the curve.
 BlockMass block_mass(std::span<const float> density, std::span<const float> area);
 
 /// Where the blocks lie and what they face; B entries each.
@@ -88,7 +88,7 @@ struct CurveBlocks {
   std::size_t byte_size() const;
 };
 
-/// Of a curve whose positions, normals and areas are there. Runs on all threads of the arena.
+/// Makes the blocks of a curve whose positions, normals and areas are there. Runs on all threads of the arena.
 CurveBlocks build_blocks(const SurfaceCurve& curve);
 
 }  // namespace curvecast

@@ -9,8 +9,8 @@
 
 namespace curvecast {
 
-/// The first candidate that holds the place, or else the one in which it lies deepest, so that rounding on a shared side does no
-/// harm. Precondition: there is a candidate.
+/// Finds the first candidate that holds the place, or else the one in which it lies deepest, so that rounding on a shared side
+/// does no harm. Precondition: there is a candidate.
 inline std::uint32_t deepest_triangle(std::span<const ParameterTriangle> triangles, std::span<const std::uint32_t> candidates,
                                       double u, double v) {
   std::uint32_t best = candidates[0];

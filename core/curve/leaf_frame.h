@@ -25,7 +25,7 @@ class LeafFrames {
  public:
   explicit LeafFrames(const SurfaceCurve& curve);
 
-  /// Of leaf l of the curve.
+  /// Returns the frame of leaf l of the curve.
   LeafFrame of(std::size_t l);
 
  private:

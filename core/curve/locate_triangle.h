@@ -1,4 +1,4 @@
-// Finds triangles of a chart by walking across its edges, so that nobody has to keep lists of them.
+// Finds triangles of a chart by walking across its edges, without lists of them.
 // Source: Devillers, Pion, Teillaud, "Walking in a triangulation" (2002).
 #pragma once
 
@@ -17,12 +17,12 @@ struct ParameterMesh {
   std::span<const std::uint32_t> twins;  // of its disc, see TriangleMesh
 };
 
-/// The triangle that holds a point of the square, by a walk from `start`: a few steps where that is near. A point on an edge,
-/// within rounding, goes to one of its triangles, always the same from the same start.
+/// Finds the triangle that holds a point of the square, by a walk from `start`: a few steps where that is near. A point on an
+/// edge, within rounding, goes to one of its triangles, always the same from the same start.
 std::uint32_t find_triangle(const ParameterMesh& mesh, const Vec2d& p, std::uint32_t start);
 
-/// The same for four points that lie near one another, all of which each triangle on the way is tried for: u, v and `found` have
-/// four entries. A point on an edge may go to the other of its triangles than by itself.
+/// Finds the triangles of four points that lie near one another: each triangle on the way is tried for all of them. u, v and
+/// `found` have four entries. A point on an edge may go to the other of its triangles than find_triangle() says.
 void find_four_triangles(const ParameterMesh& mesh, const double* u, const double* v, std::uint32_t start, std::uint32_t* found);
 
 /// Lists the triangles that touch quads. One for each thread: it keeps a mark for every triangle.
@@ -39,7 +39,7 @@ class TouchingTriangles {
   std::vector<std::uint32_t> seen_;
 };
 
-/// Whether a triangle and a quad share a point (separating axes).
+/// Tells whether a triangle and a quad share a point (separating axes).
 bool touches(const ParameterTriangle& triangle, const Quad& quad);
 
 }  // namespace curvecast

@@ -35,7 +35,7 @@ struct alignas(64) ParameterTriangle {
 /// One for each triangle of the disc. Precondition: the chart is valid, no triangle is flipped or empty.
 Column<ParameterTriangle> parameter_triangles(const Chart& chart);
 
-/// Whether the triangles fill the square to its sides, as every chart with a square border does.
+/// Tells whether the triangles fill the square to its sides, as every chart with a square border does.
 bool fill_square(std::span<const ParameterTriangle> triangles);
 
 }  // namespace curvecast

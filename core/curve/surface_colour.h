@@ -14,8 +14,8 @@
 
 namespace curvecast {
 
-/// Whether the attributes give the surface any colour: vertex or face colours, a texture with coordinates, or a material that is
-/// not plain white.
+/// Tells whether the attributes give the surface any colour: vertex or face colours, a texture with coordinates, or a material
+/// that is not plain white.
 bool has_colour(const MeshAttributes& attributes);
 
 /// Thread-safe once made.
@@ -25,10 +25,10 @@ class SurfaceColour {
   /// third of their memory more.
   SurfaceColour(const TriangleMesh& mesh, const MeshAttributes& attributes);
 
-  /// The texture of the face's material, else the vertex colours, else the face's colour, else white; times the material's
-  /// colour. `weights`: barycentric, of the face's corners. Textures repeat, and are averaged over about `area` of the surface
-  /// (squared units, 0: as sharp as they are), the same in all directions: where one is stretched along one direction only, that
-  /// one is blurred more than it needs to be. Mixtures are made in nearly linear light, as the renderer makes them.
+  /// Returns the texture of the face's material, else the vertex colours, else the face's colour, else white; times the
+  /// material's colour. `weights`: barycentric, of the face's corners. Textures repeat, and are averaged over about `area` of the
+  /// surface (squared units, 0: as sharp as they are), the same in all directions: where one is stretched along one direction
+  /// only, that one is blurred more than it needs to be. Mixtures are made in nearly linear light, as the renderer makes them.
   Rgba8 at(std::uint32_t face, const Vec3f& weights, double area) const;
 
  private:

@@ -52,7 +52,7 @@ struct SurfaceCurve {
   void resize(std::size_t n, bool has_colour = false);
   /// Makes the blocks of all the rest. Runs on all threads of the arena.
   void finish();
-  /// Bytes held by the columns.
+  /// Returns the bytes that the columns take.
   std::size_t byte_size() const;
 };
 

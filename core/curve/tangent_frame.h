@@ -24,8 +24,9 @@ inline TangentFrame tangent_frame(const Vec3f& normal) {
           {b, sign + normal.y() * normal.y() * a, -normal.y()}};
 }
 
-/// Code of the axis at angle t from `first`, from a positive multiple of (cos 2 t, sin 2 t): doubled, an axis has one angle, not
-/// two. A half turn has 65536 codes; 0 where both are 0. Only additions, products and one quotient: the same everywhere.
+/// Returns the code of the axis at angle t from `first`, from a positive multiple of (cos 2 t, sin 2 t): doubled, an axis has one
+/// angle, not two. A half turn has 65536 codes; 0 where both are 0. Only additions, products and one quotient: the same
+/// everywhere.
 inline std::uint16_t pack_axis(float cosine2, float sine2) {
   // Selections, no jumps: loops over this become vector code.
   const float c = std::abs(cosine2), s = std::abs(sine2);
@@ -42,7 +43,7 @@ inline std::uint16_t pack_axis(float cosine2, float sine2) {
   return static_cast<std::uint16_t>(static_cast<std::int32_t>(code + 65536.5f));
 }
 
-/// A unit vector in the tangent plane, in one of its two senses.
+/// Returns a unit vector in the tangent plane, in one of its two senses.
 inline Vec3f unpack_direction(std::uint16_t code, const Vec3f& normal) {
   const TangentFrame frame = tangent_frame(normal);
   const float angle = static_cast<float>(code) * (std::numbers::pi_v<float> / 65536);
@@ -56,7 +57,7 @@ inline AxisTensor axis_tensor(const Vec3f& d) {
   return {d.x() * d.x(), d.y() * d.y(), d.z() * d.z(), d.x() * d.y(), d.y() * d.z(), d.z() * d.x()};
 }
 
-/// Code of the mean axis in the tangent plane of a normal.
+/// Returns the code of the mean axis in the tangent plane of a normal.
 inline std::uint16_t pack_axes(const AxisTensor& t, float x, float y, float z) {
   // tangent_frame(), spelt out.
   const float sign = std::copysign(1.0f, z);

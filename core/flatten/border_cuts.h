@@ -8,8 +8,8 @@
 
 namespace curvecast {
 
-/// For every border vertex of the disc whether the edge from it to the next one is a cut: the edge of the mesh on which it lies
-/// has a twin. `mesh` is the one that the disc was cut from. Precondition: a disc as of cut_to_disc.
+/// Tells for every border vertex of the disc whether the edge from it to the next one is a cut: the edge of the mesh on which it
+/// lies has a twin. `mesh` is the one that the disc was cut from. Precondition: a disc as of cut_to_disc.
 std::vector<bool> border_cuts(const TriangleMesh& mesh, const DiscMesh& disc);
 
 }  // namespace curvecast

@@ -22,15 +22,15 @@ class EdgePaths {
 
   /// Length of the shortest path from v to a source, in the mesh's units; infinite where there is none.
   double distance(std::uint32_t v) const { return distance_[v]; }
-  /// A halfedge between v and the next vertex of its path; kNone at a source.
+  /// Returns a halfedge between v and the next vertex of its path; kNone at a source.
   std::uint32_t parent_edge(std::uint32_t v) const { return parent_[v]; }
-  /// The next vertex of v's path. Precondition: v is not a source.
+  /// Returns the next vertex of v's path. Precondition: v is not a source.
   std::uint32_t parent(std::uint32_t v) const;
-  /// The source at the end of v's path.
+  /// Returns the source at the end of v's path.
   std::uint32_t source(std::uint32_t v) const;
-  /// The vertex with the largest finite distance; the first of several.
+  /// Returns the vertex with the largest finite distance; the first of several.
   std::uint32_t farthest() const;
-  /// The vertex farthest from v, which becomes the only source.
+  /// Finds the vertex farthest from v, which becomes the only source.
   std::uint32_t farthest_from(std::uint32_t v);
 
  private:

@@ -29,7 +29,7 @@ struct ParameteriseOptions {
 /// Internal when the linear system cannot be solved.
 absl::StatusOr<std::vector<Vec2d>> parameterise(const DiscMesh& disc, const ParameteriseOptions& options = {});
 
-/// The same for a border that is already placed: `uv` of its vertices counts, and is kept.
+/// Does as parameterise() for a border that is there already: `uv` of its vertices counts, and is kept.
 absl::StatusOr<std::vector<Vec2d>> parameterise_inside(const DiscMesh& disc, std::vector<Vec2d> uv,
                                                        const ParameteriseOptions& options = {});
 

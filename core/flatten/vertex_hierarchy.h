@@ -26,9 +26,9 @@ class VertexHierarchy {
   void coarsen(std::size_t target);
 
   std::size_t level_count() const { return levels_.size(); }
-  /// The vertices that went with level l, in the order in which they went.
+  /// Returns the vertices that went with level l, in the order in which they went.
   std::vector<std::uint32_t> level(std::size_t l) const;
-  /// The vertices that were left, ascending.
+  /// Returns the vertices that were left, ascending.
   const std::vector<std::uint32_t>& base() const { return base_; }
   /// Takes the vertices of the last level back.
   void restore_level();
@@ -48,7 +48,7 @@ class VertexHierarchy {
   }
   bool on_border(std::uint32_t v) const { return border_[v] != 0; }
 
-  /// The mesh of the vertices in base(), numbered by their places there. No level has been restored.
+  /// Returns the mesh of the vertices in base(), numbered by their places there. No level has been restored.
   TriangleMesh base_mesh() const;
 
  private:

@@ -26,19 +26,20 @@ class VertexStretch {
   /// To be called after the last neighbour.
   void finish();
 
-  /// Sum over the triangles of surface area times squared L2 stretch, in units of the surface's area over the plane's, and
-  /// kSpread times the same of the inverse map. Infinite where a triangle is flipped or too thin for its sign to be certain.
+  /// Returns the sum over the triangles of surface area times squared L2 stretch, in units of the surface's area over the
+  /// plane's, and kSpread times the same of the inverse map. Infinite where a triangle is flipped or too thin for its sign to be
+  /// certain.
   double energy(const Vec2d& uv) const;
-  /// Whether all triangles turn counter-clockwise beyond doubt.
+  /// Tells whether all triangles turn counter-clockwise beyond doubt.
   bool valid(const Vec2d& uv) const { return !(energy(uv) == kInvalid); }
 
   /// One over-relaxed Newton step from the valid place `uv`, shortened until it lowers the energy; along `direction` only where
   /// that is given (the side that a border vertex slides on; a unit vector). Returns by how much the energy fell; 0: uv stays.
   double improve(Vec2d& uv, const std::optional<Vec2d>& direction) const;
 
-  /// A place for a vertex that has none yet: its mean value combination of the neighbours if that is valid, else the middle of
-  /// the region where it is. For a border vertex, on the segment between its last and its first neighbour. nullopt: there is no
-  /// such place, or it is too narrow for doubles.
+  /// Returns a place for a vertex that has none yet: its mean value combination of the neighbours if that is valid, else the
+  /// middle of the region where it is. For a border vertex, on the segment between its last and its first neighbour. nullopt:
+  /// there is no such place, or it is too narrow for doubles.
   std::optional<Vec2d> place() const;
 
  private:

@@ -33,7 +33,8 @@ class BallDiscrepancy {
   /// Absolute coordinates in the mesh's units, all finite. Precondition: there is a point.
   Discrepancy of(std::span<const Vec3d> points) const;
 
-  /// Of the surface's area, weighted with the density, in each ball: all radii of the first centre, ascending, then of the next.
+  /// Returns the share of the surface's area, weighted with the density, in each ball: all radii of the first centre, ascending,
+  /// then of the next.
   std::span<const double> shares() const { return shares_; }
 
  private:

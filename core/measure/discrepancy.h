@@ -24,14 +24,14 @@ struct DiscrepancySum {
     random_square += area_share * (1 - area_share);
     weight += 1;
   }
-  /// All regions of `other` together count as one.
+  /// Adds all regions of `other`, which together count as one.
   void add_mean(const DiscrepancySum& other) {
     max = std::max(max, other.max);
     square += other.square / other.weight;
     random_square += other.random_square / other.weight;
     weight += 1;
   }
-  /// Of n samples.
+  /// Returns the discrepancy of n samples over the regions that were added.
   Discrepancy result(double n) const {
     return {max, std::sqrt(square / weight), random_square > 0 ? std::sqrt(n * square / random_square) : 0};
   }

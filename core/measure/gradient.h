@@ -5,7 +5,7 @@
 
 namespace curvecast {
 
-/// The least squares fit of p in y ~ x^p. Preconditions: as many x as y, all positive, two different x.
+/// Fits p in y ~ x^p by least squares. Preconditions: as many x as y, all positive, two different x.
 double log_log_gradient(std::span<const double> x, std::span<const double> y);
 
 }  // namespace curvecast

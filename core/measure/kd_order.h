@@ -20,9 +20,9 @@ struct Runs {
   std::size_t end(std::size_t run) const { return begin(run + 1); }
 };
 
-/// All indices of the points (finite, at most 2^32 - 1), run after run of Runs(points.size(), size): halved through the median of
-/// the longest side of their box again and again, so that every run and every 2^k runs from a multiple of 2^k on are compact. The
-/// same for any number of threads.
+/// Lists all indices of the points (finite, at most 2^32 - 1), run after run of Runs(points.size(), size): halved through the
+/// median of the longest side of their box again and again, so that every run and every 2^k runs from a multiple of 2^k on are
+/// compact. The same for any number of threads.
 std::vector<std::uint32_t> kd_order(std::span<const Vec3d> points, std::size_t size);
 
 }  // namespace curvecast

@@ -1,4 +1,4 @@
-// All measures of point sets on a mesh (paper, section 4.2). No algorithm of its own.
+// Takes all measures of point sets on a mesh (paper, section 4.2).
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -21,11 +21,11 @@ struct MeasureOptions {
   int ring_seeds = 256;                      // of the ring discrepancy, 1 .. kMaxRegions
   int ball_centres = 1024;                   // of the ball discrepancy, four balls about each, 1 .. kMaxRegions
   std::uint64_t seed = 0;                    // of both choices
-  Density density;                           // that the points are to have, taken at the faces' centroids; none = uniform
+  Density density;                           // that the points are to have: its mean over each face counts; none = uniform
   std::span<const ScalarAttribute> scalars;  // of the mesh, for a density that uses them
 };
 inline constexpr int kMaxRegions = 100'000;
-/// In diagonals of the mesh's box: whatever lies farther out is not meant.
+/// Limits how far points may lie from the mesh, in diagonals of its box: what is farther out was made for another mesh.
 inline constexpr double kMaxReach = 1e6;
 
 struct PointMeasures {

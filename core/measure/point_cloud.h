@@ -16,9 +16,9 @@ struct PointCloud {
   PointCloud(std::span<const Vec3d> points, const Box3d& frame);
 
   std::size_t size() const { return tree.points().size(); }
-  /// The coordinates that the tree has for a point.
+  /// Returns the coordinates that the tree has for a point.
   Vec3f local(const Vec3d& p) const { return ((p - origin) / unit).cast<float>(); }
-  /// The distance of a neighbour in the points' own units.
+  /// Returns the distance of a neighbour in the points' own units.
   double distance(const Neighbour& n) const { return unit * std::sqrt(double{n.square}); }
 
   Vec3d origin;

@@ -18,7 +18,7 @@ struct RingDiscrepancyOptions {
   std::span<const double> face_density;
 };
 
-/// For each set of samples, given as their faces (TriangleTree finds those of any points), its discrepancy over all regions.
+/// Measures each set of samples, given as their faces (TriangleTree finds those of any points), over all regions.
 /// Around a seed triangle the first ring is all triangles that share a corner with it, and so on until the seed's component is
 /// whole: the region after each ring, the seed alone as well, is a subset. The maximum is over all subsets; in the RMS every seed
 /// counts alike, and so does each of its rings, as if their number were chosen at random. Fastest when all sets are given at

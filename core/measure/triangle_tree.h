@@ -22,10 +22,11 @@ class TriangleTree {
   /// Precondition: the mesh has a triangle.
   explicit TriangleTree(const TriangleMesh& mesh);
 
-  /// The nearest face; of those as near, to rounding, any one. The point is finite.
+  /// Finds the nearest face; of those as near, to rounding, any one. The point is finite.
   NearestFace nearest(const Vec3d& point) const;
 
-  /// Of every point, on all threads of the arena. Quickest where points follow their neighbours. `found` has as many entries.
+  /// Finds the nearest face of every point, on all threads of the arena. `found` has an entry for each. Quickest where points
+  /// follow their neighbours.
   void nearest(std::span<const Vec3d> points, std::span<NearestFace> found) const;
 
  private:

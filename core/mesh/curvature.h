@@ -18,7 +18,7 @@ struct DifferentialGeometry {
 /// Border vertices have no curvature of their own and take the mean of their inner neighbours'.
 DifferentialGeometry differential_geometry(const TriangleMesh& mesh);
 
-/// Unit normal of a face.
+/// Returns the unit normal of a face.
 Vec3f face_normal(const TriangleMesh& mesh, std::uint32_t f);
 
 }  // namespace curvecast

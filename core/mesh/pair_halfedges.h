@@ -17,7 +17,7 @@ struct EdgeGroups {
 
 EdgeGroups group_edges(const std::vector<Triangle>& triangles, std::size_t vertex_count);
 
-/// The vertices of edges that only one face has, ascending.
+/// Lists the vertices of edges that only one face has, ascending.
 std::vector<std::uint32_t> border_vertices(const EdgeGroups& groups, const std::vector<Triangle>& triangles,
                                            std::size_t vertex_count);
 

@@ -11,9 +11,9 @@
 
 namespace curvecast {
 
-/// For each vertex the unit tangent, in one of its two senses, along which the signed curvature is largest (positive where the
-/// surface is convex), of the area-weighted mean of its faces' tensors; any tangent where all are equal. `normals`: unit, one for
-/// each vertex.
+/// Returns for each vertex the unit tangent, in one of its two senses, along which the signed curvature is largest (positive
+/// where the surface is convex), of the area-weighted mean of its faces' tensors; any tangent where all are equal. `normals`:
+/// unit, one for each vertex.
 std::vector<Vec3f> principal_directions(const TriangleMesh& mesh, const VertexFans& fans, std::span<const Vec3f> normals);
 
 }  // namespace curvecast

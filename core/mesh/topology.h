@@ -24,7 +24,7 @@ std::uint32_t label_components(const std::vector<std::uint32_t>& twins, std::vec
 /// corner; returns how many fans there are. A fan is what a vertex of a manifold mesh is.
 std::uint32_t label_fans(const std::vector<std::uint32_t>& twins, std::vector<std::uint32_t>& fan_of_corner);
 
-/// The border halfedge that follows border halfedge h with the surface on its left.
+/// Returns the border halfedge that follows border halfedge h with the surface on its left.
 std::uint32_t next_on_border(const std::vector<std::uint32_t>& twins, std::uint32_t h);
 
 }  // namespace curvecast

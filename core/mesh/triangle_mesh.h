@@ -30,9 +30,9 @@ constexpr std::uint32_t previous_halfedge(std::uint32_t h) { return h % 3 == 0 ?
 
 /// Area of triangle f, in squared units of the file.
 double triangle_area(const TriangleMesh& mesh, std::size_t f);
-/// Sum of all triangle areas.
+/// Returns the sum of all triangle areas.
 double surface_area(const TriangleMesh& mesh);
-/// Box of all positions.
+/// Returns the box of all positions.
 Box3d bounding_box(const TriangleMesh& mesh);
 
 }  // namespace curvecast

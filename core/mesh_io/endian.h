@@ -10,7 +10,7 @@ namespace curvecast {
 
 static_assert(std::endian::native == std::endian::little, "the readers take little endian for the machine's own order");
 
-/// The T at `p`, its bytes reversed first if kSwap.
+/// Returns the T at `p`, its bytes reversed first if kSwap.
 template <class T, bool kSwap>
 T load(const char* p) {
   static_assert(sizeof(T) == 1 || sizeof(T) == 2 || sizeof(T) == 4 || sizeof(T) == 8);

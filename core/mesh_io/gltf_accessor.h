@@ -72,14 +72,14 @@ class GltfBuffers {
   /// Keeps references to both.
   GltfBuffers(const MeshFile& file, const GltfDocument& document) : file_(file), document_(document) {}
 
-  /// The bytes of buffer `index`: as many as it claims. They live as long as this object. InvalidArgument when there is no such
-  /// buffer, or not all of its bytes.
+  /// Returns the bytes of buffer `index`: as many as it claims. They live as long as this object. InvalidArgument when there is
+  /// no such buffer, or not all of its bytes.
   absl::StatusOr<std::span<const char>> buffer(std::int64_t index);
 
-  /// The part [offset, offset + length) of it.
+  /// Returns the part [offset, offset + length) of buffer `index`.
   absl::StatusOr<std::span<const char>> slice(std::int64_t index, std::uint64_t offset, std::uint64_t length);
 
-  /// Of all the buffers that were asked for so far.
+  /// Returns the bytes of all buffers that were asked for so far.
   std::uint64_t bytes_used() const { return bytes_used_; }
 
  private:
@@ -101,14 +101,14 @@ class GltfAccessors {
         views_(document.model.views),
         claims_(document.model.accessors) {}
 
-  /// Accessor `index`, which must have `least` to `most` components and an element; `what` it is for goes into messages. Valid as
-  /// long as this object.
+  /// Finds accessor `index`, which must have `least` to `most` components and an element; `what` it is for goes into messages.
+  /// The result is valid as long as this object.
   absl::StatusOr<GltfAccessor> find(std::int64_t index, int least, int most, std::string_view what);
 
-  /// The bytes of a buffer view.
+  /// Returns the bytes of a buffer view.
   absl::StatusOr<std::span<const char>> view(std::int64_t index);
 
-  /// How many vertices or triangles are still in proportion to the bytes that were read.
+  /// Returns how many vertices or triangles are still in proportion to the bytes that were read.
   std::uint64_t most_elements() const;
 
  private:
@@ -126,7 +126,7 @@ class GltfAccessors {
   std::uint64_t copied_ = 0;              // elements
 };
 
-/// "there is no node 7 (the file has 3)"
+/// Words an error: "there is no node 7 (the file has 3)".
 absl::Status gltf_has_no(std::string_view what, std::int64_t index, std::size_t count);
 
 }  // namespace curvecast

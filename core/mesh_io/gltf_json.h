@@ -15,13 +15,13 @@ namespace curvecast {
 /// tree takes up to 160 bytes for each), or no object.
 absl::StatusOr<nlohmann::json> parse_gltf_json(std::string_view text);
 
-/// The member of an object; null where there is none, or no object.
+/// Returns the member of an object; null where there is none, or no object.
 const nlohmann::json* gltf_member(const nlohmann::json& object, const char* key);
 
-/// The string that a member is; empty where it is none.
+/// Returns the string that a member is; empty where it is none.
 std::string gltf_string(const nlohmann::json& object, const char* key);
 
-/// The whole number that a member is; -1 where it is none.
+/// Returns the whole number that a member is; -1 where it is none.
 std::int64_t gltf_number(const nlohmann::json& object, const char* key);
 
 }  // namespace curvecast

@@ -52,35 +52,41 @@ absl::StatusOr<std::vector<std::int64_t>> gltf_roots(const std::vector<GltfNode>
 
 absl::StatusOr<std::vector<GltfInstance>> gltf_instances(const std::vector<GltfNode>& nodes,
                                                          const std::vector<std::int64_t>& roots) {
-  struct Visit {
-    std::int64_t node;
+  // On the way down: one entry for each level, not for each node, of which a file may have millions.
+  struct Level {
+    const std::vector<std::int64_t>* nodes;
+    std::size_t next;
     Eigen::Affine3d parent;
   };
   std::vector<GltfInstance> instances;
-  std::vector<Visit> stack;
+  std::vector<Level> stack;
   std::vector<bool> reached(nodes.size(), false);
-  const auto push = [&](const std::vector<std::int64_t>& children, const Eigen::Affine3d& parent) {
-    for (auto child = children.rbegin(); child != children.rend(); ++child) {
-      if (!is_there(nodes, *child)) return gltf_has_no("node", *child, nodes.size());
-      if (reached[static_cast<std::size_t>(*child)]) {
+  const auto enter = [&](const std::vector<std::int64_t>& children, const Eigen::Affine3d& parent) {
+    for (const std::int64_t child : children) {
+      if (!is_there(nodes, child)) return gltf_has_no("node", child, nodes.size());
+      if (reached[static_cast<std::size_t>(child)]) {
         return absl::InvalidArgumentError(absl::StrFormat(
-            "node %d is reached twice: it is its own ancestor or has two parents, but nodes have to form trees", *child));
+            "node %d is reached twice: it is its own ancestor or has two parents, but nodes have to form trees", child));
       }
-      reached[static_cast<std::size_t>(*child)] = true;
-      stack.push_back({*child, parent});
+      reached[static_cast<std::size_t>(child)] = true;
     }
+    if (!children.empty()) stack.push_back({&children, 0, parent});
     return absl::OkStatus();
   };
-  if (absl::Status status = push(roots, Eigen::Affine3d::Identity()); !status.ok()) return status;
+  if (absl::Status status = enter(roots, Eigen::Affine3d::Identity()); !status.ok()) return status;
   while (!stack.empty()) {
-    const Visit visit = stack.back();
-    stack.pop_back();
-    const GltfNode& node = nodes[static_cast<std::size_t>(visit.node)];
-    const absl::StatusOr<Eigen::Affine3d> own = transform_of(node, visit.node);
+    Level& level = stack.back();
+    if (level.next == level.nodes->size()) {
+      stack.pop_back();
+      continue;
+    }
+    const std::int64_t number = (*level.nodes)[level.next++];
+    const GltfNode& node = nodes[static_cast<std::size_t>(number)];
+    const absl::StatusOr<Eigen::Affine3d> own = transform_of(node, number);
     if (!own.ok()) return own.status();
-    const Eigen::Affine3d world = visit.parent * *own;
+    const Eigen::Affine3d world = level.parent * *own;
     if (node.mesh >= 0) instances.push_back({node.mesh, world});
-    if (absl::Status status = push(node.children, world); !status.ok()) return status;
+    if (absl::Status status = enter(node.children, world); !status.ok()) return status;
   }
   return instances;
 }

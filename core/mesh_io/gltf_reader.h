@@ -9,7 +9,7 @@
 
 namespace curvecast {
 
-/// Takes the triangles, strips and fans of all meshes under the default scene's nodes (without one, under all root nodes; without
+/// Reads the triangles, strips and fans of all meshes under the default scene's nodes (without one, under all root nodes; without
 /// nodes, all meshes) in world coordinates, with NORMAL, COLOR_0, the texture coordinates of the base colour's texture, and the
 /// materials' base colours. Points, lines, morph targets and skins are ignored. Vertices are to be welded: shares_vertices is
 /// false. Errors as for read_mesh, naming node, mesh, primitive and accessor.

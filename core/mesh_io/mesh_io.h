@@ -15,14 +15,14 @@ namespace curvecast {
 
 enum class MeshFormat { kPly, kObj, kOff, kStl, kGltf };  // kGltf: JSON and GLB
 
-/// The format by the content's first bytes, else by the ending of `name`.
+/// Detects the format by the content's first bytes, else by the ending of `name`.
 /// InvalidArgument when neither tells.
 absl::StatusOr<MeshFormat> detect_mesh_format(std::string_view name, std::span<const char> bytes);
 
 /// Parses a mesh file. Every message starts with its name, followed by the line (text, from 1) or the element (binary, from 0) at
 /// fault.
 ///
-/// The result has at least one polygon, every polygon at least three corners, every index < V, every coordinate
+/// Reads a mesh. The result has at least one polygon, every polygon at least three corners, every index < V, every coordinate
 /// finite. InvalidArgument when the bytes don't hold that: empty or truncated file, index out of range, NaN or infinite
 /// coordinate, no faces, malformed header. Cancelled when the context says so. ResourceExhausted when memory runs out; it
 /// stays within a small multiple of bytes.size(), whatever counts the file claims. Polygons of one or two corners are dropped.

@@ -17,14 +17,14 @@ struct MtlMaterial {
   std::size_t line = 0;      // of map_Kd, from 1
 };
 
-/// Without the blanks at both ends.
+/// Returns the text without the blanks at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// The names behind `mtllib` in an OBJ: several, or one with blanks in it (names end in ".mtl", or with the line). Point into
-/// `line`.
+/// Finds the names behind `mtllib` in an OBJ: several, or one with blanks in it (names end in ".mtl", or with the line). Point
+/// into `line`.
 std::vector<std::string_view> library_names(std::string_view line);
 
-/// The materials in the file's order; whatever is malformed or of another kind is passed over.
+/// Reads the materials in the file's order; whatever is malformed or of another kind is passed over.
 std::vector<MtlMaterial> read_mtl(std::string_view text);
 
 }  // namespace curvecast

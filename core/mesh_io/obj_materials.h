@@ -16,11 +16,12 @@ namespace curvecast {
 /// Names and libraries point into the file's text.
 class ObjMaterials {
  public:
-  /// The number of the material in a line `usemtl`: from 0, by first use.
+  /// Returns the number of the material in a line `usemtl`: from 0, by first use.
   std::uint32_t use(std::string_view rest_of_line, std::size_t line);
   void note_library(std::string_view rest_of_line, std::size_t line) { libraries_.push_back({rest_of_line, line}); }
   bool any_used() const { return !used_.empty(); }
-  /// The materials by their numbers, from the libraries among the file's companions. What is not there is white, and warned of.
+  /// Returns the materials by their numbers, from the libraries among the file's companions. What is not there is white, and
+  /// warned of.
   std::vector<Material> resolve(const MeshFile& file, std::vector<std::string>& warnings) const;
 
  private:

@@ -10,7 +10,7 @@
 
 namespace curvecast {
 
-/// True for the keyword of an OFF file: OFF, COFF, NOFF, STOFF, 4OFF, nOFF and their mixtures.
+/// Tells whether a word is the keyword of an OFF file: OFF, COFF, NOFF, STOFF, 4OFF, nOFF and their mixtures.
 bool is_off_keyword(std::string_view word);
 
 /// Takes what the keyword promises (normals, colours, texture coordinates, in this order behind the coordinates) and the faces'

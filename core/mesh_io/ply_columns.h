@@ -21,7 +21,7 @@ struct PlyColumn {
   std::size_t step = 1;
 };
 
-/// A colour channel out of a property of the given type: floating point 0 .. 1, 16 bits 0 .. 65535, else 0 .. 255.
+/// Makes a colour channel out of a property of the given type: floating point 0 .. 1, 16 bits 0 .. 65535, else 0 .. 255.
 inline std::uint8_t ply_colour(double value, PlyType type) {
   if (!is_integer(type)) value *= 255;
   if (type == PlyType::kUint16) value /= 257;
@@ -83,8 +83,8 @@ void copy_column(const PlyColumn& column, const char* elements, std::size_t stri
 /// s and t, u and v, texture_u and texture_v, texture_s and texture_t. All other scalars become named attributes.
 std::vector<PlyColumn> vertex_columns(const PlyElement& element, PolygonSoup& soup, std::vector<Vec2f>& uv);
 
-/// The polygons' colours (if there are red, green and blue) and numbers of textures (texnumber), with room made behind those of
-/// the soup's polygons so far; the columns count from the soup's first polygon.
+/// Finds the polygons' colours (if there are red, green and blue) and numbers of textures (texnumber), with room made behind
+/// those of the soup's polygons so far; the columns count from the soup's first polygon.
 std::vector<PlyColumn> face_columns(const PlyElement& element, PolygonSoup& soup, std::vector<float>& texture_numbers);
 
 }  // namespace curvecast

@@ -43,7 +43,8 @@ struct PlyHeader {
 std::size_t ply_type_bytes(PlyType type);
 inline bool is_integer(PlyType type) { return type < PlyType::kFloat32; }
 
-/// The names point into `bytes`. InvalidArgument, starting with the line, when the header is malformed or has no end.
+/// Reads a header, whose names point into `bytes`. InvalidArgument, starting with the line, when the header is malformed or has
+/// no end.
 absl::StatusOr<PlyHeader> parse_ply_header(std::string_view bytes);
 
 }  // namespace curvecast

@@ -20,7 +20,7 @@ class PlyTextSource {
   PlyTextSource(std::string_view bytes, const PlyHeader& header)
       : scanner_(bytes.substr(header.body_offset), header.body_line), body_offset_(header.body_offset) {}
 
-  /// Bytes of the file read so far.
+  /// Returns how many bytes of the file were read so far.
   std::size_t offset() const { return body_offset_ + scanner_.offset(); }
   /// Most scalars that the rest can hold: a digit and a space each, the last space may be missing.
   std::uint64_t scalars_left() const { return (scanner_.remaining() + 1) / 2; }
@@ -46,9 +46,9 @@ class PlyTextSource {
     return true;
   }
 
-  /// For a fault in the element `number` of its kind.
+  /// Words the error for a fault in the element `number` of its kind.
   absl::Status error(std::string_view, std::uint64_t, std::string_view message) const { return scanner_.error(message); }
-  /// When real, integer or skip returned false there.
+  /// Words the error for an element in which real, integer or skip returned false.
   absl::Status missing(const PlyElement& element, std::uint64_t number) const {
     return scanner_.expected(absl::StrFormat("a number of %s %d of %d", printable(element.name), number, element.count));
   }
@@ -79,7 +79,7 @@ class PlyBinarySource {
   static T at(const char* p) {
     return load<T, kSwap>(p);
   }
-  /// The next byte; valid bytes follow up to remaining().
+  /// Returns the next byte; valid bytes follow up to remaining().
   const char* data() const { return p_; }
   void advance(std::size_t bytes) { p_ += bytes; }
 

@@ -10,12 +10,12 @@
 
 namespace curvecast {
 
-/// True when the size fits the triangle count at byte 80: a binary file, even one that begins with "solid".
+/// Tells whether the size fits the triangle count at byte 80: a binary file, even one that begins with "solid".
 bool is_binary_stl(std::string_view bytes);
 
-/// Every facet gets vertices of its own (shares_vertices is false); normals and attribute bytes are ignored. Errors as for
-/// read_mesh, starting with the line (text) or the triangle's number from 0 (binary); a result without polygons is left to the
-/// caller.
+/// Reads an STL. Every facet gets vertices of its own (shares_vertices is false); normals and attribute bytes are ignored. Errors
+/// as for read_mesh, starting with the line (text) or the triangle's number from 0 (binary); a result without polygons is left to
+/// the caller.
 absl::StatusOr<PolygonSoup> read_stl(std::string_view bytes, const ExecutionContext& context);
 
 }  // namespace curvecast

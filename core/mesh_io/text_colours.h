@@ -15,8 +15,8 @@ class TextColours {
   /// The colour of element i; alpha below 0: none, which is opaque. Elements that get none are white.
   void put(std::size_t i, const std::array<float, 4>& rgba);
   bool empty() const { return values_.empty(); }
-  /// All of them, for `count` elements: 0 .. 1 is the whole range unless one value is larger, then 0 .. 255. Empty when none was
-  /// put.
+  /// Returns the colours of all `count` elements: 0 .. 1 is the whole range unless one value is larger, then 0 .. 255. Empty when
+  /// none was put.
   std::vector<Rgba8> take(std::size_t count);
 
  private:

@@ -25,7 +25,7 @@ class TextScanner {
   std::size_t offset() const { return static_cast<std::size_t>(p_ - begin_); }
   std::size_t remaining() const { return static_cast<std::size_t>(end_ - p_); }
   std::size_t line() const { return line_; }
-  /// The next character, or 0 at the end.
+  /// Returns the next character, or 0 at the end.
   char peek() const { return p_ == end_ ? '\0' : *p_; }
   void skip_char() { ++p_; }
 
@@ -58,13 +58,13 @@ class TextScanner {
     count_line_end();
     ++p_;
   }
-  /// Everything up to the end of the line; moves there.
+  /// Moves to the end of the line and returns everything up to there.
   std::string_view line_rest() {
     const char* const start = p_;
     while (p_ != end_ && !is_line_end(*p_)) ++p_;
     return {start, static_cast<std::size_t>(p_ - start)};
   }
-  /// Up to `a`, `b` or the end of the line.
+  /// Moves to the next `a` or `b`, or to the end of the line.
   void skip_until(char a, char b) {
     while (p_ != end_ && *p_ != a && *p_ != b && !is_line_end(*p_)) ++p_;
   }
@@ -75,7 +75,7 @@ class TextScanner {
     return true;
   }
 
-  /// The characters up to the next space; empty at a space or at the end.
+  /// Returns the characters up to the next space; empty at a space or at the end.
   std::string_view word() {
     const char* const start = p_;
     skip_word();
@@ -86,8 +86,8 @@ class TextScanner {
   }
   std::string_view peek_word() const { return TextScanner(*this).word(); }
 
-  /// The number that begins here. False, without moving, when none does. The value may be infinite or NaN; numbers beyond a
-  /// double's range become infinite or zero.
+  /// Takes the number that begins here. Returns false, without moving, when none does. The value may be infinite or NaN; numbers
+  /// beyond a double's range become infinite or zero.
   bool number(double& value) {
     const char* const start = after_plus();
     auto [next, error] = std::from_chars(start, end_, value);
@@ -97,7 +97,7 @@ class TextScanner {
     }
     return finish(next, error != std::errc::invalid_argument);
   }
-  /// The same for integers; those beyond 64 bits are refused.
+  /// Takes the integer that begins here, as number() does. Those beyond 64 bits are refused.
   bool integer(std::int64_t& value) {
     const auto [next, error] = std::from_chars(after_plus(), end_, value);
     return finish(next, error == std::errc());
@@ -131,10 +131,10 @@ class TextScanner {
   std::size_t line_;
 };
 
-/// A word as it may stand in a message: its first characters, the unprintable ones escaped.
+/// Makes a word fit to stand in a message: its first characters, the unprintable ones escaped.
 std::string printable(std::string_view word);
 
-/// For ASCII letters.
+/// Tells whether two words are the same but for the case of ASCII letters.
 bool equals_ignoring_case(std::string_view a, std::string_view b);
 
 }  // namespace curvecast

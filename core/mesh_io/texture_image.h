@@ -10,7 +10,7 @@
 
 namespace curvecast {
 
-/// The picture in a PNG or JPEG file. What the file claims is checked before memory is taken for it.
+/// Decodes the picture in a PNG or JPEG file. What the file claims is checked before memory is taken for it.
 /// InvalidArgument for other formats and broken files; ResourceExhausted beyond `most_pixels`. Each message is the end of a
 /// sentence that begins with the picture's name ("is neither PNG nor JPEG").
 absl::StatusOr<Image> decode_texture(std::span<const char> bytes, std::uint64_t most_pixels);

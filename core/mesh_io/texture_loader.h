@@ -28,11 +28,11 @@ class TextureLoader {
   /// Keeps references to both.
   TextureLoader(const MeshFile& file, std::vector<std::string>& warnings) : file_(file), warnings_(warnings) {}
 
-  /// The texture that is called `written` in the mesh or in its companion `parent` (empty: the mesh). Warnings begin with
+  /// Loads the texture that is called `written` in the mesh or in its companion `parent` (empty: the mesh). Warnings begin with
   /// `where`, such as "line 3 of a.mtl". Null when there is none to be had.
   std::shared_ptr<const Image> load(std::string_view written, std::string_view parent, std::string_view where);
 
-  /// The texture in `bytes`, called `name` in warnings.
+  /// Decodes the texture in `bytes`, called `name` in warnings.
   std::shared_ptr<const Image> decode(std::span<const char> bytes, std::string_view name, std::string_view where);
 
  private:

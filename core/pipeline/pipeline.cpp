@@ -111,14 +111,31 @@ Distortion measure_distortion(const std::vector<Chart>& charts) {
 /// omega N: what the curve is to have of vertices.
 double wanted_vertices(const PreprocessOptions& options) { return options.omega * static_cast<double>(options.points); }
 
-absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions& options, const ExecutionContext& context,
-                         SurfaceCurve& curve, PreprocessReport& report) {
+/// The vertices of the curve that each face wants, for each unit of its area.
+absl::StatusOr<std::vector<double>> demand_of_faces(const FlattenedMesh& flattened, const PreprocessOptions& options) {
+  const LoadedMesh& loaded = flattened.loaded;
+  return face_demand(loaded.mesh, flattened.geometry, loaded.attributes.scalars, options.density, wanted_vertices(options));
+}
+
+/// Divides a chart's square until its triangles have the leaves that their faces want, and a few more at most.
+absl::StatusOr<QuadtreeLeaves> divide_chart(const Chart& chart, const Column<ParameterTriangle>& triangles,
+                                            std::span<const double> demand_of_face, const ExecutionContext& context) {
+  std::vector<double> demand(chart.area_ratio.size());
+  double share = 0;
+  for (std::size_t t = 0; t < demand.size(); ++t) {
+    demand[t] = demand_of_face[chart.disc.face_of[t]] * chart.area_ratio[t];
+    share += triangles[t].uv_area() * demand[t];
+  }
+  const auto most = static_cast<std::size_t>(std::min(kLeavesPerVertex * share + 1e6, kMostLeaves));
+  return build_quadtree(triangles, demand, most, context);
+}
+
+/// `demand_of_face` is that of demand_of_faces().
+absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions& options, std::span<const double> demand_of_face,
+                         const ExecutionContext& context, SurfaceCurve& curve, PreprocessReport& report) {
   Stopwatch watch;
   const LoadedMesh& loaded = flattened.loaded;
   const std::vector<Chart>& charts = flattened.charts;
-  const absl::StatusOr<std::vector<double>> demand_of_face =
-      face_demand(loaded.mesh, flattened.geometry, loaded.attributes.scalars, options.density, wanted_vertices(options));
-  if (!demand_of_face.ok()) return demand_of_face.status();
   std::vector<Column<ParameterTriangle>> triangles;
   std::vector<QuadtreeLeaves> leaves;
   curve.disc_begin.assign(1, 0);
@@ -126,14 +143,7 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
   for (const Chart& chart : charts) {
     context.progress("curve", static_cast<double>(leaves.size()) / static_cast<double>(charts.size()));
     triangles.push_back(parameter_triangles(chart));
-    std::vector<double> demand(chart.area_ratio.size());
-    double share = 0;
-    for (std::size_t t = 0; t < demand.size(); ++t) {
-      demand[t] = (*demand_of_face)[chart.disc.face_of[t]] * chart.area_ratio[t];
-      share += triangles.back()[t].uv_area() * demand[t];
-    }
-    const auto most = static_cast<std::size_t>(std::min(kLeavesPerVertex * share + 1e6, kMostLeaves));
-    absl::StatusOr<QuadtreeLeaves> built = build_quadtree(triangles.back(), demand, most, context);
+    absl::StatusOr<QuadtreeLeaves> built = divide_chart(chart, triangles.back(), demand_of_face, context);
     if (!built.ok()) return built.status();
     leaves.push_back(*std::move(built));
     count += leaves.back().size();
@@ -196,8 +206,9 @@ void limit_levels(std::span<const double> demand, double area, FlattenOptions& o
   options.max_area_ratio = std::clamp(most / highest, 2.0, options.max_area_ratio);
 }
 
+/// Leaves in `demand` what demand_of_faces() said, if it was asked: for a base density.
 absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds& seconds, const PreprocessOptions& options,
-                                           const ExecutionContext& context) {
+                                           const ExecutionContext& context, std::vector<double>& demand) {
   Stopwatch watch;
   FlattenedMesh flattened{std::move(loaded)};
   const TriangleMesh& mesh = flattened.loaded.mesh;
@@ -207,10 +218,10 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   FlattenOptions flatten_options{.parameteriser = options.parameteriser};
   if (!options.density.empty()) {
     beside.wait();
-    const absl::StatusOr<std::vector<double>> demand =
-        face_demand(mesh, flattened.geometry, flattened.loaded.attributes.scalars, options.density, wanted_vertices(options));
-    if (!demand.ok()) return demand.status();
-    limit_levels(*demand, flattened.loaded.info.area, flatten_options);
+    absl::StatusOr<std::vector<double>> found = demand_of_faces(flattened, options);
+    if (!found.ok()) return found.status();
+    demand = *std::move(found);
+    limit_levels(demand, flattened.loaded.info.area, flatten_options);
   }
   FlattenTimes times;
   absl::StatusOr<std::vector<Chart>> charts = flatten(mesh, flatten_options, context, times);
@@ -233,16 +244,30 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   return flattened;
 }
 
+absl::StatusOr<FlattenedMesh> load_and_flatten(const MeshFile& file, const PreprocessOptions& options,
+                                               const ExecutionContext& context, std::vector<double>& demand) {
+  StageSeconds seconds;
+  absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds);
+  if (!loaded.ok()) return loaded.status();
+  return flatten_here(*std::move(loaded), seconds, options, context, demand);
+}
+
+/// `demand` is that of demand_of_faces(), or empty: then it is asked.
 absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
-                                            const ExecutionContext& context) {
+                                            const ExecutionContext& context, std::vector<double> demand = {}) {
   Stopwatch watch;
+  if (demand.empty()) {
+    absl::StatusOr<std::vector<double>> found = demand_of_faces(*flattened, options);
+    if (!found.ok()) return found.status();
+    demand = *std::move(found);
+  }
   PreprocessReport report = flattened->report;
   auto curve = std::make_shared<SurfaceCurve>();
   curve->total_area = report.mesh.area;
   curve->box = report.mesh.box;
   curve->origin = choose_origin(report.mesh.box);
   curve->max_points = options.points;
-  const absl::Status built = build_curve(*flattened, options, context, *curve, report);
+  const absl::Status built = build_curve(*flattened, options, demand, context, *curve, report);
   if (!built.ok()) return built;
   report.curve_vertices = curve->size();
   report.curve_bytes = curve->byte_size();
@@ -273,17 +298,14 @@ absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionConte
 absl::StatusOr<FlattenedMesh> flatten_mesh(const MeshFile& file, const PreprocessOptions& options,
                                            const ExecutionContext& context) {
   if (absl::Status status = check(options); !status.ok()) return status;
-  return with_threads(context, [&]() -> absl::StatusOr<FlattenedMesh> {
-    StageSeconds seconds;
-    absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds);
-    if (!loaded.ok()) return loaded.status();
-    return flatten_here(*std::move(loaded), seconds, options, context);
-  });
+  std::vector<double> demand;
+  return with_threads(context, [&] { return load_and_flatten(file, options, context, demand); });
 }
 
 absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOptions& options, const ExecutionContext& context) {
   if (absl::Status status = check(options); !status.ok()) return status;
-  return with_threads(context, [&] { return flatten_here(std::move(loaded), {}, options, context); });
+  std::vector<double> demand;
+  return with_threads(context, [&] { return flatten_here(std::move(loaded), {}, options, context, demand); });
 }
 
 absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
@@ -293,9 +315,13 @@ absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flat
 }
 
 absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options, const ExecutionContext& context) {
-  absl::StatusOr<FlattenedMesh> flattened = flatten_mesh(file, options, context);
-  if (!flattened.ok()) return flattened.status();
-  return lay_curve(std::make_shared<const FlattenedMesh>(*std::move(flattened)), options, context);
+  if (absl::Status status = check(options); !status.ok()) return status;
+  return with_threads(context, [&]() -> absl::StatusOr<Preprocessed> {
+    std::vector<double> demand;
+    absl::StatusOr<FlattenedMesh> flattened = load_and_flatten(file, options, context, demand);
+    if (!flattened.ok()) return flattened.status();
+    return lay_curve_here(std::make_shared<const FlattenedMesh>(*std::move(flattened)), options, context, std::move(demand));
+  });
 }
 
 }  // namespace curvecast

@@ -1,4 +1,6 @@
-// Composes the stages from a mesh file to the curve on its surface. No algorithm of its own.
+// Composes the stages from a mesh file to the curve on its surface, and says what each is to do: how many vertices of the curve
+// each face wants, how many leaves a disc may have at most, how far a chart may squeeze the surface, where floats are relative
+// to.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -65,7 +67,7 @@ struct PreprocessReport {
   std::uint64_t flipped_triangles = 0;  // in the parameter mesh; always 0, counted all the same
   double area_error = 0;                // |sum of area elements / surface area - 1| before normalisation
   Distortion distortion;
-  std::uint32_t fallback_discs = 0;  // whose least-stretch map failed, see Parameterisation
+  std::uint32_t fallback_discs = 0;  // discs whose least-stretch map failed, see Parameterisation
   std::uint64_t curve_bytes = 0;
   StageSeconds seconds;
 };
@@ -76,7 +78,7 @@ struct LoadedMesh {
   MeshInfo info;
 };
 
-/// Half of the way: the parameter mesh.
+/// The mesh and its charts: half of the way.
 struct FlattenedMesh {
   LoadedMesh loaded;
   std::vector<Chart> charts;
@@ -90,21 +92,21 @@ struct Preprocessed {
   std::shared_ptr<const FlattenedMesh> flattened;  // what the curve lies on: refinement starts from it
 };
 
-/// Reads and repairs only.
+/// Reads and repairs a mesh, and no more.
 absl::StatusOr<LoadedMesh> load_mesh(const MeshFile& file, const ExecutionContext& context = {});
 absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context = {});
 
-/// The first half: reads, repairs, cuts, parameterises. Errors as of preprocess().
+/// Reads, repairs, cuts and parameterises a mesh: the first half of preprocess(), with its errors.
 absl::StatusOr<FlattenedMesh> flatten_mesh(const MeshFile& file, const PreprocessOptions& options,
                                            const ExecutionContext& context = {});
-/// The same for a mesh that has been repaired.
+/// Cuts and parameterises a mesh that has been repaired.
 absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOptions& options,
                                            const ExecutionContext& context = {});
-/// The second half, with the same options.
+/// Lays the curve over a flattened mesh: the second half of preprocess(), with the same base density.
 absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
                                        const ExecutionContext& context = {});
 
-/// The whole way. InvalidArgument for a bad file (see read_mesh, repair) or options out of range; Cancelled.
+/// Makes the curve of a mesh file. InvalidArgument for a bad file (see read_mesh, repair) or options out of range; Cancelled.
 absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options,
                                         const ExecutionContext& context = {});
 

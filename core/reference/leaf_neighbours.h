@@ -18,9 +18,9 @@ struct LeafKeys {
   std::span<const std::uint8_t> level;
 };
 
-/// The eight neighbours, counter-clockwise from the right: the leaves that hold the cells at kMaxLevel just beyond the middle of
-/// the right side, the upper right corner, the middle of the upper side ... A middle between two cells counts as the right or
-/// upper one. Larger leaves may come more than once; kNone over the border of the square, and where no leaf is.
+/// Returns the eight neighbours, counter-clockwise from the right: the leaves that hold the cells at kMaxLevel just beyond the
+/// middle of the right side, the upper right corner, the middle of the upper side ... A middle between two cells counts as the
+/// right or upper one. Larger leaves may come more than once; kNone over the border of the square, and where no leaf is.
 std::array<std::uint32_t, 8> leaf_neighbours(const LeafKeys& leaves, std::uint32_t leaf);
 
 /// A place next to a leaf's border, counter-clockwise from the lower end of its right side.

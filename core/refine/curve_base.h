@@ -1,4 +1,4 @@
-// What a curve lies on, as its refinement wants it.
+// Holds what a curve lies on, in the form in which its refinement wants it.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct CurveBase {
   std::vector<std::uint32_t> triangle_of;            // of each face: the first triangle, of its disc, that is a part of it
 };
 
-/// A curve of which everything is set but its vertices: the one that follows `curve`, on the same surface.
+/// Starts the curve that follows `curve` on the same surface: sets everything but its vertices.
 SurfaceCurve next_revision(const SurfaceCurve& curve);
 
 }  // namespace curvecast

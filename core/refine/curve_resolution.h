@@ -1,4 +1,4 @@
-// How far a curve is too coarse for a density and a number of points (paper, sections 3.2 and 4.5).
+// Says how far a curve is too coarse for a density and a number of points (paper, sections 3.2 and 4.5).
 #pragma once
 
 #include <absl/status/status.h>
@@ -18,7 +18,7 @@ namespace curvecast {
 /// and a whole surface seen from afar (half of it unseen, most of the points towards the silhouette) is still within it.
 inline constexpr double kMaxVertexLoad = 4;
 
-/// What somebody wanted to take from a curve.
+/// A number of points that a client wanted to take from a curve, and their density.
 struct CurveDemand {
   std::uint64_t points = 0;
   Density density;
@@ -33,8 +33,8 @@ struct MissingLevels {
   double divisor = 1;                // above 1: by this all loads were lowered to stay within the limit
 };
 
-/// The levels that make every load at most 1, as far as keys go and at most `max_vertices` curve vertices come out: where they
-/// would be more, all loads are lowered evenly.
+/// Finds the levels that make every load at most 1, as far as keys go and at most `max_vertices` curve vertices come out: where
+/// they would be more, all loads are lowered evenly.
 MissingLevels missing_levels(const SurfaceCurve& curve, std::span<const float> load, std::uint64_t max_vertices);
 
 }  // namespace curvecast

@@ -1,4 +1,4 @@
-// A finer curve for those who found one too coarse (paper, sections 3.2 and 4.5).
+// Makes a curve finer where demands find it too coarse (paper, sections 3.2 and 4.5).
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -25,9 +25,9 @@ struct RefinedCurve {
   double divisor = 1;                         // above 1: the demands were lowered by this to stay within the limit
 };
 
-/// The next revision of a curve, fine enough for all of the demands as far as that goes; never coarser anywhere. Where nearly all
-/// leaves want more levels, all are raised (subdivide_all()) first, then the others are split (split_leaves()). A density that
-/// varies within a leaf may find its parts too coarse again. Errors as of evaluate_density; Cancelled.
+/// Makes the next revision of a curve, fine enough for all of the demands as far as that goes; never coarser anywhere. Where
+/// nearly all leaves want more levels, all are raised (subdivide_all()) first, then the others are split (split_leaves()). A
+/// density that varies within a leaf may find its parts too coarse again. Errors as of evaluate_density; Cancelled.
 absl::StatusOr<RefinedCurve> refine(const CurveBase& base, const SurfaceCurve& curve, std::span<const CurveDemand> demands,
                                     const RefineOptions& options, const ExecutionContext& context = {});
 

@@ -12,10 +12,11 @@
 
 namespace curvecast {
 
-/// The next revision, with each leaf l divided levels[l] times (L entries; level + levels[l] <= kMaxLevel). Other leaves keep all
-/// their columns to the bit. The new ones are mapped as in a first build, and share the area element of the leaf that they come
-/// from in proportion to the surface under each. The blocks are left empty. The same for any number of threads. Cancelled when
-/// the context says so; ResourceExhausted where new leaves meet triangles, or curve vertices come out, more than 2^32 times.
+/// Makes the next revision, with each leaf l divided levels[l] times (L entries; level + levels[l] <= kMaxLevel). Other leaves
+/// keep all their columns to the bit. The new ones are mapped as in a first build, and share the area element of the leaf that
+/// they come from in proportion to the surface under each. The blocks are left empty. The same for any number of threads.
+/// Cancelled when the context says so; ResourceExhausted where new leaves meet triangles, or curve vertices come out, more than
+/// 2^32 times.
 absl::StatusOr<SurfaceCurve> split_leaves(const CurveBase& base, const SurfaceCurve& curve, std::span<const std::uint8_t> levels,
                                           const ExecutionContext& context = {});
 

@@ -11,9 +11,9 @@
 
 namespace curvecast {
 
-/// The colours of a curve from its beginning, t = 0, to its end, t = 1: dark blue over purple and red to orange, in steps that
-/// look alike, all of them dark enough for a white background. The lower seven ninths of "plasma" (N. Smith, S. van der Walt,
-/// 2015).
+/// Returns the colours of a curve from its beginning, t = 0, to its end, t = 1: dark blue over purple and red to orange, in steps
+/// that look alike, all of them dark enough for a white background. The lower seven ninths of "plasma" (N. Smith, S. van der
+/// Walt, 2015).
 Rgb8 curve_colour(double t);
 
 /// The curve of one disc, with the disc's parameter mesh behind it.

@@ -31,7 +31,8 @@ class GlContext {
   std::unique_ptr<osmesa_context, Deleter> context_;
 };
 
-/// Whether GL has failed since the last check, `what` it was doing then. ResourceExhausted: not enough memory; else Internal.
+/// Checks whether GL has failed since the last check, `what` it was doing then. ResourceExhausted: not enough memory; else
+/// Internal.
 absl::Status check_gl(const char* what);
 
 /// Compiles and links a program and makes it current; the fragment shader may come in several parts.

@@ -28,7 +28,7 @@ struct FitOptions {
 /// at the origin from one unit away.
 RenderCamera fit_camera(std::span<const Vec3f> points, const FitOptions& options = {});
 
-/// The same for the eight corners of a box.
+/// Fits a camera to the eight corners of a box.
 RenderCamera fit_camera(const Box3d& box, const FitOptions& options = {});
 
 }  // namespace curvecast

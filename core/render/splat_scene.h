@@ -38,7 +38,7 @@ struct SplatScene {
   std::array<std::uint8_t, 3> surface_color, background_top, background_bottom;
 };
 
-/// The passes. ResourceExhausted when OSMesa has no memory, Internal with its message otherwise.
+/// Runs the passes. ResourceExhausted when OSMesa has no memory, Internal with its message otherwise.
 absl::StatusOr<Image> draw_splats(const SplatScene& scene);
 
 }  // namespace curvecast

@@ -18,11 +18,11 @@ struct TileGrid {
   int y(int i) const { return top + i / columns * (side + gap); }
   /// Lower edge of the last row.
   int bottom() const { return top + rows * (side + gap) - gap; }
-  /// The place of (u, v) in [0, 1]^2 of tile i: v points up.
+  /// Returns the place of (u, v) in [0, 1]^2 of tile i: v points up.
   Vec2d place(int i, const Vec2d& uv) const { return {x(i) + uv.x() * side, y(i) + (1 - uv.y()) * side}; }
 };
 
-/// The largest squares of which `count` fit, with `footer` pixels free below them.
+/// Lays out the largest squares of which `count` fit, with `footer` pixels free below them.
 TileGrid lay_out_tiles(int width, int height, int count, int footer);
 
 inline constexpr Rgb8 kTileInk = {38, 42, 52};
@@ -30,7 +30,7 @@ inline constexpr Rgb8 kTileInk = {38, 42, 52};
 /// The four sides of tile i.
 void draw_tile_frame(Image& image, const TileGrid& grid, int i);
 
-/// A picture of one colour.
+/// Makes a picture of one colour.
 Image blank_image(int width, int height, const Rgb8& color);
 
 }  // namespace curvecast

@@ -76,7 +76,7 @@ class ArchiveReader {
   static constexpr bool kReads = true;
 
   explicit ArchiveReader(std::string_view bytes) : bytes_(bytes) {}
-  /// Everything was there and within its limits, and nothing is left.
+  /// Tells whether everything was there and within its limits, and nothing is left.
   bool ok() const { return ok_ && bytes_.empty(); }
   void fail() { ok_ = false; }
 

@@ -13,13 +13,14 @@ namespace curvecast {
 /// Written under a temporary name in the same folder, which no other program takes, and renamed at the end. Not thread-safe.
 class AtomicFile {
  public:
-  /// The file is for its owner only (mode 0600). Errors name the file and say what the system said; ResourceExhausted: disk full.
+  /// Creates the temporary, which is for its owner only (mode 0600). Errors name the file and say what the system said;
+  /// ResourceExhausted: disk full.
   static absl::StatusOr<AtomicFile> create(const std::string& path);
   AtomicFile(AtomicFile&& other) noexcept;
   AtomicFile& operator=(AtomicFile&& other) = delete;
   ~AtomicFile();  // leaves nothing behind unless committed
 
-  /// Bytes that no one writes are zero.
+  /// Sets the length. Bytes that are never written are zero.
   absl::Status resize(std::uint64_t size);
   absl::Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Makes the file durable and gives it its name; what had that name before is replaced.
@@ -36,7 +37,7 @@ class AtomicFile {
 /// machine's or container's it is. Returns how many went.
 std::size_t remove_stale_temporaries(const std::string& folder);
 
-/// Whether a file's name is that of such a temporary.
+/// Tells whether a file's name is that of such a temporary.
 bool is_temporary(const std::string& name);
 
 }  // namespace curvecast

@@ -20,15 +20,15 @@ struct CurveFile {
   std::string note;  // what save_curve() was given
 };
 
-/// `note` is whatever else the file shall hold. Errors as of write_section_file.
+/// Saves a curve. `note` is whatever else the file shall hold. Errors as of write_section_file.
 absl::Status save_curve(const std::string& path, const SurfaceCurve& curve, std::string_view note = {});
 
-/// Errors as of SectionFile::open, and DataLoss where the content makes no sense.
+/// Loads a curve. Errors as of SectionFile::open, and DataLoss where the content makes no sense.
 absl::StatusOr<CurveFile> load_curve(const std::string& path, FileAccess access = FileAccess::kMap);
 
-/// Whether later stages can take the curve, whoever made it: lengths agree, keys ascend in each disc and no quads overlap,
-/// numbers are finite and in range. InvalidArgument says what is wrong. Reads all columns once, on all cores. Which faces there
-/// are it does not know: `triangle` is not checked.
+/// Checks that later stages can take the curve: lengths agree, keys ascend in each disc and no quads overlap, numbers are finite
+/// and in range. InvalidArgument says what is wrong. Reads all columns once, on all cores. Does not check `triangle`, because the
+/// curve does not know which faces there are.
 absl::Status check_curve(const SurfaceCurve& curve);
 
 }  // namespace curvecast

@@ -20,7 +20,7 @@ absl::Status save_surface(const std::string& path, const FlattenedMesh& surface)
 /// stages rely on is checked. Takes memory of the order of the file's size.
 absl::StatusOr<FlattenedMesh> load_surface(const std::string& path);
 
-/// Whether later stages can take the surface, whoever made it. InvalidArgument says what is wrong.
+/// Checks that later stages can take the surface. InvalidArgument says what is wrong.
 absl::Status check_surface(const FlattenedMesh& surface);
 
 }  // namespace curvecast

@@ -117,7 +117,7 @@ TEST(SplitLeaves, CarriesEveryColumnThatThereIs) {
     ++seed;
     for (std::size_t l = 0; l < column.size(); ++l) {
       const auto bits = static_cast<std::uint64_t>(random_unit(seed, l) * 0x1p53) << 3;
-      std::memcpy(&column[l], &bits, sizeof(T));
+      std::memcpy(static_cast<void*>(&column[l]), &bits, sizeof(T));
     }
   });
   for (ScalarColumn& scalar : curve.scalars) {
