@@ -41,7 +41,7 @@ double distance(const RankedPoint& a, const RankedPoint& b) {
   return std::hypot(a.position[0] - b.position[0], a.position[1] - b.position[1], a.position[2] - b.position[2]);
 }
 
-/// Of a rank among points of the unit square, over the distance in the hexagonal lattice.
+/// Returns the distance from p to the nearest point of a lower rank, in lattice distances of the unit square.
 double spacing(const std::vector<RankedPoint>& points, const RankedPoint& p) {
   double least = 1e9;
   for (const RankedPoint& q : points) {
