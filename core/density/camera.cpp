@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kLeastSine = 1e-9;  // of the angle between up and the view
 
-// Of the same direction; lengths from the smallest to the largest doubles neither vanish nor overflow.
+// Returns the unit vector of the same direction; lengths from the smallest to the largest doubles neither vanish nor overflow.
 Vec3d direction(const Vec3d& v) { return (v / v.cwiseAbs().maxCoeff()).normalized(); }
 
 Vec3d half_way_ahead(const Camera& camera) { return 0.5 * camera.target - 0.5 * camera.eye; }

@@ -22,17 +22,18 @@ struct Camera {
   bool is_orthographic() const { return height > 0; }
 };
 
-/// Largest number of cameras of a density.
+/// The most cameras of a density.
 inline constexpr std::size_t kMaxCameras = 16;
 
-/// InvalidArgument names the field that is at fault: not finite, eye and target the same, up along the view, fov outside (0, pi),
-/// a negative height, or aspect or pixels not above 0.
+/// Checks a camera. InvalidArgument names the field that is at fault: not finite, eye and target the same, up along the view, fov
+/// outside (0, pi), a negative height, or aspect or pixels not above 0.
 absl::Status check_camera(const Camera& camera);
 
-/// Unit vectors. Precondition: check_camera() finds nothing.
+/// Directions of a camera's picture, unit vectors.
 struct CameraAxes {
   Vec3d right, up, forward;
 };
+/// Returns the axes of a camera. Precondition: check_camera() finds nothing.
 CameraAxes axes_of(const Camera& camera);
 
 }  // namespace curvecast

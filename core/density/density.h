@@ -42,8 +42,8 @@ struct ViewTerm {
 
 /// Level of detail by the distance d to the eye: (near / clamp(d, near, far))^2. 1 for an orthographic camera.
 struct DistanceTerm {
-  double near = 0;                                       // in the file's units; 0 = as near as the mesh's box comes to the eye,
-                                                         // but at least a thousandth of its diagonal
+  double near = 0;                                       // in the file's units; 0: the distance from the eye to the mesh's box,
+                                                         // but at least a thousandth of the box's diagonal
   double far = std::numeric_limits<double>::infinity();  // at least `near`
   bool global = false;  // not the density but the number of points falls, by d of the box's centre: see scaled_points()
 
@@ -82,7 +82,7 @@ struct BrushTerm {
   bool operator==(const BrushTerm&) const = default;
 };
 
-/// A formula's value; negative ones and NaN count as 0, infinite ones are an error. See Expression.
+/// A formula's value; negative ones and NaN count as 0, infinite ones are an error. See expression.h.
 struct ExpressionTerm {
   std::string text;
 
@@ -103,17 +103,17 @@ struct Density {
   std::vector<Camera> cameras;  // at most kMaxCameras; at least one where there is a camera term
 };
 
-/// Whether a term looks from a camera.
+/// Says whether a term looks from a camera.
 bool is_camera_term(const DensityTerm& term);
 
-/// InvalidArgument names the term, or the camera, and the field that is out of range or not finite.
+/// Checks a density. InvalidArgument names the term, or the camera, and the field that is out of range or not finite.
 absl::Status check_density(const Density& density);
 
-/// Whether any term differs over the surface and is the same for all cameras.
+/// Says whether any term is fixed: differs over the surface and is the same for all cameras.
 bool has_fixed_terms(std::span<const DensityTerm> terms);
 
-/// Writes the product of those at every curve vertex (L entries, relative values). InvalidArgument: the curve has no such
-/// attribute, an expression is wrong or infinite somewhere. Precondition: check_density() finds nothing.
+/// Writes the product of the fixed terms at every curve vertex (L entries, relative values). InvalidArgument: the curve has no
+/// such attribute, an expression is wrong or infinite somewhere. Precondition: check_density() finds nothing.
 absl::Status evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density);
 
 /// Writes the whole density at every curve vertex to `values` (L entries, relative values: only ratios matter). Errors as of

@@ -6,7 +6,7 @@
 
 namespace curvecast {
 
-/// The local kind; 1 for an orthographic camera and for a global term.
+/// The factor of a local distance term; 1 for an orthographic camera and for a global term.
 class DistanceFactor {
  public:
   DistanceFactor(const CameraFrame& frame, const DistanceTerm& term);
@@ -19,7 +19,7 @@ class DistanceFactor {
   float x_, y_, z_, slope_, blur_, near_, far_;
 };
 
-/// By how much global terms lower the number of points: the largest of the cameras', in (0, 1]; 1 without any.
+/// Returns the factor by which global terms lower the number of points: the largest of the cameras', in (0, 1]; 1 without any.
 /// Precondition: check_density() finds nothing.
 double point_scale(const Density& density, const Box3d& box);
 

@@ -98,7 +98,7 @@ void expect_one_value(const mu::Parser& parser) {
   if (parser.GetNumResults() != 1) throw mu::ParserError("it has several values; one is needed");
 }
 
-/// Whether the parser already means something by the name.
+/// Says whether the parser already means something by the name.
 bool is_reserved(const mu::Parser& parser, const std::string& name) {
   return parser.GetFunDef().contains(name) || parser.GetConst().contains(name);
 }

@@ -1,4 +1,5 @@
-// What the terms that are the same for all cameras make of a curve. It costs more than a frame and outlives the view.
+// The product of a density's fixed terms on a curve: the terms that are the same for all cameras. Making it costs more than a
+// frame, so it is kept from view to view.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -14,14 +15,14 @@
 namespace curvecast {
 
 struct FixedDensity {
-  Column<float> density;  // L: the terms' product
-  Column<float> most;     // B: the largest in each block
-  BlockMass mass;         // of density times area
+  Column<float> density;  // L: at each curve vertex
+  Column<float> most;     // B: the largest density in each block
+  BlockMass mass;         // density times area
 
   std::size_t byte_size() const { return (density.size() + most.size()) * sizeof(float) + mass.byte_size(); }
 };
 
-/// Of the fixed ones among the terms; null where there are none, as then it is 1 everywhere. Errors as of
+/// Multiplies the fixed ones among the terms. Returns null where there are none: the density is 1 everywhere. Errors as of
 /// evaluate_fixed_terms(). Precondition: check_density() finds nothing.
 absl::StatusOr<std::shared_ptr<const FixedDensity>> make_fixed_density(const SurfaceCurve& curve,
                                                                        std::span<const DensityTerm> terms);

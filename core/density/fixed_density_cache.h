@@ -14,17 +14,18 @@
 
 namespace curvecast {
 
-/// Thread-safe. Holds on to no curve: what belongs to one that has gone goes when others need its place.
+/// Thread-safe. Does not keep curves alive; entries of destroyed curves are evicted like any other.
 class FixedDensityCache {
  public:
-  /// At most so many densities, and so many bytes of them.
+  /// Keeps at most max_entries densities, and max_bytes of them.
   explicit FixedDensityCache(std::size_t max_entries = 16, std::size_t max_bytes = std::size_t{256} << 20)
       : max_entries_(max_entries), max_bytes_(max_bytes) {}
 
-  /// As make_fixed_density(); whoever has it may keep it. Several threads that ask for the same at once may each make it.
+  /// Returns what make_fixed_density() gives, made or kept. Several threads that ask for the same at once may each make it.
   absl::StatusOr<std::shared_ptr<const FixedDensity>> get(const std::shared_ptr<const SurfaceCurve>& curve,
                                                           std::span<const DensityTerm> terms);
 
+  /// Returns the bytes of the densities that are kept.
   std::size_t byte_size() const;
 
  private:
@@ -40,7 +41,7 @@ class FixedDensityCache {
 
   const std::size_t max_entries_, max_bytes_;
   mutable Mutex mutex_;
-  std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);  // the one used last comes first
+  std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);  // the one used most recently comes first
   std::size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 

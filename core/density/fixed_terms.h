@@ -1,4 +1,4 @@
-// The density terms that are the same for all cameras, on the curve (paper, section 3.4).
+// Evaluates the density terms that are the same for all cameras on the curve (paper, section 3.4).
 #pragma once
 
 #include <absl/status/status.h>
@@ -9,10 +9,10 @@
 
 namespace curvecast {
 
-/// Multiplies each density[l] (L entries) by a term's value there, up to a factor that is the same everywhere: attributes,
-/// brushes and expressions are 1 at their largest, so that no sum overflows. Terms of a camera are 1. InvalidArgument: the curve
-/// has no such attribute, an expression is wrong, a value is infinite (with the place). Precondition: check_density() finds
-/// nothing.
+/// Multiplies each density[l] (L entries) by a term's value at vertex l, up to a factor that is the same everywhere: attributes,
+/// brushes and expressions are scaled to 1 at their largest, so that no sum overflows. Terms of a camera count as 1.
+/// InvalidArgument: the curve has no such attribute, an expression is wrong, a value is infinite (says where). Precondition:
+/// check_density() finds nothing.
 absl::Status multiply_fixed_term(const SurfaceCurve& curve, const DensityTerm& term, std::span<float> density);
 
 }  // namespace curvecast

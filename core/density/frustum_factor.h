@@ -1,4 +1,4 @@
-// Nothing outside the picture.
+// The factor of a frustum term: 0 outside the camera's picture, 1 inside.
 #pragma once
 
 #include <array>

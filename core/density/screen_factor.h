@@ -1,4 +1,4 @@
-// Even spacing on the screen: how many pixels a piece of the surface covers.
+// The factor of a screen term, which spaces points evenly on the screen: how many pixels a piece of the surface covers.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@ namespace curvecast {
 
 class ScreenFactor {
  public:
-  /// `weight`: of screen_weights().
+  /// `weight`: the camera's, from screen_weights().
   ScreenFactor(const CameraFrame& frame, float weight);
 
   // See ViewFactor.
@@ -24,11 +24,12 @@ class ScreenFactor {
 };
 
 struct ScreenWeights {
-  std::vector<float> of_camera;  // one each, for cameras' factors to compare
-  double pixels = 0;             // that a factor of 1 stands for, per squared unit of the file
+  std::vector<float> of_camera;  // one for each camera; with them the cameras' factors have one unit
+  double pixels = 0;             // pixels per squared unit of the file where the factor is 1
 };
 
-/// The factor is about 1 where the surface is nearest to the camera that shows it largest, and never above kMostOnScreen.
+/// Returns weights with which the factor is about 1 where the surface is nearest to the camera that shows it largest, and never
+/// above kMostOnScreen.
 ScreenWeights screen_weights(std::span<const Camera> cameras, std::span<const CameraFrame> frames);
 inline constexpr float kMostOnScreen = 1e6f;
 

@@ -1,4 +1,5 @@
-// Silhouette enhancement: more points towards the outline, none on what faces away (paper, section 4.3).
+// The factor of a view term, which enhances silhouettes: more points towards the outline, none on what faces away (paper, section
+// 4.3).
 #pragma once
 
 #include "core/density/camera_frame.h"

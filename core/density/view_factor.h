@@ -1,5 +1,4 @@
-// What cameras make of a density: the terms that change with every view, for single curve vertices and for whole blocks of them
-// (paper, section 4.3).
+// The factor of a density that depends on cameras, for single curve vertices and for whole blocks of them (paper, section 4.3).
 #pragma once
 
 #include <cstddef>
@@ -15,28 +14,30 @@
 
 namespace curvecast {
 
+/// The product of a density's camera terms, the largest over its cameras. Immutable: any number of threads may ask.
 class ViewFactor {
  public:
-  /// The camera terms of a density, on curves with the box and origin of this one. Precondition: check_density() finds nothing.
+  /// Prepares the camera terms of a density for curves with the box and origin of this one. Precondition: check_density() finds
+  /// nothing.
   ViewFactor(const SurfaceCurve& curve, const Density& density);
 
-  /// Whether there are none, and so all factors 1.
+  /// Says whether there are no camera terms: all factors are 1.
   bool is_one() const { return cameras_.empty(); }
 
-  /// Multiplies factor[i] by that of place i of n: the largest of the cameras'.
+  /// Multiplies factor[i] by the view's factor at position i of n, with its normal. Positions are relative to the curve's origin.
   void multiply(const float* x, const float* y, const float* z, const Snorm16* nx, const Snorm16* ny, const Snorm16* nz,
                 std::size_t n, float* factor) const;
 
-  /// Writes to `factor` that of the middle of the blocks [begin, end), and to `change` how much more or less it is at most,
-  /// relative to that, on a vertex of the block; infinite where that is not known, as where the surface's outline may pass
-  /// through the block. Where no vertex is seen the factor is 0, and `change` means nothing.
+  /// Writes to `factor` the factor at the middle of the blocks [begin, end), and to `change` by how much at most it is more or
+  /// less on a vertex of the block, relative to the middle. `change` is infinite where no bound is known, as where the surface's
+  /// outline may pass through the block. Where no vertex is seen the factor is 0, and `change` means nothing.
   void of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* __restrict factor,
                  float* __restrict change) const;
 
-  /// Writes to `most` what the factor is at most on a vertex of the blocks [begin, end), but for rounding.
+  /// Writes to `most` an upper bound of the factor on the vertices of the blocks [begin, end), but for rounding.
   void most_of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* most) const;
 
-  /// Pixels per squared unit of the file that a screen term of 1 stands for.
+  /// Returns the pixels per squared unit of the file where a screen term is 1.
   double pixels() const { return pixels_; }
 
  private:

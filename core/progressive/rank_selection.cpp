@@ -92,8 +92,8 @@ void RankSelector::densities(const RankSelection& selection, std::span<float> ou
 }
 
 std::size_t RankSelector::byte_size() const {
-  const auto& [visit, visited, most, keys, factor, shown, bits, window] = *this;
-  return capacity_bytes(visit, visited, most, keys, factor, shown, bits, window);
+  const auto& [states, visited, most, keys, factor, shown, bits, window] = *this;
+  return capacity_bytes(states, visited, most, keys, factor, shown, bits, window);
 }
 
 float RankSelector::guess_scale(const View& view, std::uint64_t n) {
@@ -110,54 +110,68 @@ float RankSelector::guess_scale(const View& view, std::uint64_t n) {
 
 bool RankSelector::visit(const View& view, float scale) {
   const auto chunks = view.tree.chunks();
-  visit_.assign(chunks.size(), Visit::kLater);
-  visit_[0] = Visit::kNow;
+  states_.assign(chunks.size(), State::kWaits);
+  states_[0] = State::kVisited;
   visited_.clear();
   most_.clear();
   bool is_all = true;
   std::size_t keys = 0;
   for (std::size_t c = 0; c < chunks.size(); ++c) {
-    is_all = is_all && visit_[c] != Visit::kLater;
-    const auto each_child = [&](const auto& decide) {
+    const auto decide_children = [&](const auto& state_of_quarter) {
       for (std::size_t q = 0; q < 4; ++q) {
-        if (const std::uint32_t child = view.tree.child(c, q); child != RankTree::kNone) visit_[child] = decide(q);
+        if (const std::uint32_t child = view.tree.child(c, q); child != RankTree::kNone) states_[child] = state_of_quarter(q);
       }
     };
-    if (visit_[c] == Visit::kNever) each_child([](std::size_t) { return Visit::kNever; });
-    if (visit_[c] != Visit::kNow) continue;
-    const RankChunk& chunk = *chunks[c];
-    float most[kChunkRuns];
-    view.factor.most_of_blocks(chunk.bounds, 0, kChunkRuns, most);
-    for (std::size_t r = 0; r < kChunkRuns && view.density != nullptr; ++r) {
-      const auto blocks = std::span<const float>(view.density->most)
-                              .subspan(chunk.first_vertex[r] / kBlockSize,
-                                       chunk.last_vertex[r] / kBlockSize - chunk.first_vertex[r] / kBlockSize + 1);
-      most[r] *= *std::max_element(blocks.begin(), blocks.end());
+    if (states_[c] == State::kWaits) {
+      is_all = false;
+    } else if (states_[c] == State::kEmpty) {
+      decide_children([](std::size_t) { return State::kEmpty; });
+    } else {
+      const RankChunk& chunk = *chunks[c];
+      float most[kChunkRuns];
+      bound_runs(view, chunk, most);
+      visited_.push_back({static_cast<std::uint32_t>(c), keys});
+      most_.insert(most_.end(), most, most + kChunkRuns);
+      keys_.resize(std::max(keys_.size(), keys + chunk.size()));
+      is_all = fill_keys(view, chunk, most, scale, &keys_[keys]) && is_all;
+      keys += chunk.size();
+      decide_children([&](std::size_t q) {
+        const float in_quarter = *std::max_element(most + 4 * q, most + 4 * q + 4);
+        if (in_quarter == 0) return State::kEmpty;
+        return needs_none(chunk.id.child(q), in_quarter, scale) ? State::kWaits : State::kVisited;
+      });
     }
-    visited_.push_back({static_cast<std::uint32_t>(c), keys});
-    most_.insert(most_.end(), most, most + kChunkRuns);
-    keys_.resize(std::max(keys_.size(), keys + chunk.size()));
-    const std::size_t length = chunk.run_size();
-    for (std::size_t r = 0; r < kChunkRuns;) {
-      std::size_t end = r + 1;
-      const bool is_none = needs_none(chunk.id, most[r], scale);
-      while (end < kChunkRuns && needs_none(chunk.id, most[end], scale) == is_none) ++end;
-      if (is_none) {
-        std::fill(&keys_[keys + r * length], &keys_[keys] + end * length, kInfinity);
-        is_all = is_all && std::all_of(most + r, most + end, [](float m) { return m == 0; });
-      } else {
-        evaluate(view, chunk, r * length, end * length, &keys_[keys + r * length]);
-      }
-      r = end;
-    }
-    keys += chunk.size();
-    each_child([&](std::size_t q) {
-      const float in_quarter = *std::max_element(most + 4 * q, most + 4 * q + 4);
-      if (in_quarter == 0) return Visit::kNever;
-      return needs_none(chunk.id.child(q), in_quarter, scale) ? Visit::kLater : Visit::kNow;
-    });
   }
   keys_.resize(keys);
+  return is_all;
+}
+
+void RankSelector::bound_runs(const View& view, const RankChunk& chunk, float* most) {
+  view.factor.most_of_blocks(chunk.bounds, 0, kChunkRuns, most);
+  if (view.density == nullptr) return;
+  for (std::size_t r = 0; r < kChunkRuns; ++r) {
+    const std::size_t first = chunk.first_vertex[r] / kBlockSize, last = chunk.last_vertex[r] / kBlockSize;
+    const auto blocks = std::span<const float>(view.density->most).subspan(first, last - first + 1);
+    most[r] *= *std::max_element(blocks.begin(), blocks.end());
+  }
+}
+
+bool RankSelector::fill_keys(const View& view, const RankChunk& chunk, const float* most, float scale, float* keys) {
+  const std::size_t length = chunk.run_size();
+  bool is_all = true;
+  for (std::size_t r = 0; r < kChunkRuns;) {
+    // Neighbouring runs of one kind are done in one go.
+    const bool is_none = needs_none(chunk.id, most[r], scale);
+    std::size_t end = r + 1;
+    while (end < kChunkRuns && needs_none(chunk.id, most[end], scale) == is_none) ++end;
+    if (is_none) {
+      std::fill(keys + r * length, keys + end * length, kInfinity);
+      is_all = is_all && std::all_of(most + r, most + end, [](float m) { return m == 0; });
+    } else {
+      evaluate(view, chunk, r * length, end * length, keys + r * length);
+    }
+    r = end;
+  }
   return is_all;
 }
 

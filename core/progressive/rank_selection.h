@@ -77,9 +77,8 @@ struct RankSelection {
 /// Selects points for one view after another, in memory that is used again. Not for several threads at once.
 class RankSelector {
  public:
-  /// Selects the n points that need the least scale; of points that need the same, those of lower ranks. Selects fewer where
-  /// fewer points of the tree have a density. The density is the fixed one (null: 1 everywhere) times the view's. Precondition: n
-  /// > 0.
+  /// Selects the n > 0 points that need the least scale; of points that need the same, those of lower ranks. Selects fewer where
+  /// fewer points of the tree have a density. The density is the fixed one (null: 1 everywhere) times the view's.
   void select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, std::uint64_t n,
               RankSelection& out);
 
@@ -109,19 +108,30 @@ class RankSelector {
 
   /// Returns a scale at which about n points are shown, rather more.
   float guess_scale(const View& view, std::uint64_t n);
-  /// Finds out what scale each point needs that may be shown at this one. Returns whether that is all points.
+  /// Visits the chunks with points that may be shown at a scale, and finds the scale that each of their points needs. Returns
+  /// whether all points of the tree that have a density are among them.
   bool visit(const View& view, float scale);
+  /// Writes to `most` the largest density that points in each of a chunk's runs may have, points of deeper chunks included.
+  static void bound_runs(const View& view, const RankChunk& chunk, float* most);
+  /// Writes the keys of a chunk's points; infinity in runs that show no point at the scale. Returns whether all points that have
+  /// a density got their key.
+  bool fill_keys(const View& view, const RankChunk& chunk, const float* most, float scale, float* keys);
   void evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, float* keys);
   /// Marks as shown the points that need `above` at most, and puts those that need up to `upto` into the window. Returns how many
   /// it marked.
   std::size_t collect(const View& view, float above, float upto);
   void finish(const View& view, std::size_t count, RankSelection& out);
 
-  enum class Visit : std::uint8_t { kLater, kNow, kNever };  // kNever: there is no density at all
+  /// What visit() does with a chunk. It is decided with the parent: chunks below a chunk that waits wait too.
+  enum class State : std::uint8_t {
+    kWaits,    // shows no point at this scale, but may at a greater one
+    kVisited,  // may show points
+    kEmpty,    // shows no point at any scale: there is no density
+  };
 
-  std::vector<Visit> visit_;  // of each chunk
+  std::vector<State> states_;  // of each chunk
   std::vector<Visited> visited_;
-  std::vector<float> most_;  // density, at most, of each run of the visited chunks
+  std::vector<float> most_;  // bound_runs() of the visited chunks
   std::vector<float> keys_;  // the scale that each point of the visited chunks needs
   std::vector<float> factor_;
   std::vector<std::uint64_t> shown_, bits_;  // of each key

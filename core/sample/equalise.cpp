@@ -20,7 +20,7 @@ struct Stretch {
   std::size_t size() const { return end - begin; }
 };
 
-/// Whether there is one q in each N-th, as jitter leaves them, but for rounding.
+/// Says whether each N-th of [0, 1) has one q, as jitter leaves them, but for rounding.
 CURVECAST_WIDE bool is_stratified(std::span<const double> q) {
   constexpr double kSlack = 1e-6;
   const auto n = static_cast<double>(q.size());
@@ -53,7 +53,7 @@ void recount_points(std::span<const double> q, double total, Stretch& stretch) {
 }
 
 /// Writes to `block` each block at the first of its points, counted from the stretch's first; blocks without points leave nothing
-/// behind. Which blocks have points nobody can predict, and so no jump may depend on it.
+/// behind. Which blocks have points cannot be predicted, so no jump may depend on it.
 void mark_blocks(const Stretch& stretch, std::vector<std::uint32_t>& block) {
   const std::uint32_t first = stretch.points[0];
   block.assign(stretch.points[stretch.size()] - first + 1, 0);

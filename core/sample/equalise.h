@@ -1,4 +1,5 @@
-// Inverts the cumulative density along the curve, like histogram equalisation (paper, section 3.4).
+// Finds the curve vertices of a point set by inverting the cumulative density along the curve, as histogram equalisation does
+// (paper, section 3.4).
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,7 @@
 
 namespace curvecast {
 
-/// Memory that equalise() uses again; what it holds is equalise()'s own affair.
+/// Memory that equalise() uses again.
 struct EqualiseScratch {
   std::vector<std::uint32_t> block;  // at most N + 1
 
@@ -23,10 +24,10 @@ struct EqualiseScratch {
   }
 };
 
-/// For each q_i (ascending, in [0, 1)) the curve vertex on which the cumulative mass exceeds q_i times the whole; written to
-/// `vertices` (as many as q), ascending. Within a block the mass lies where its codes say, to a 32,767th. Vertices without mass
-/// are never chosen. Where the whole mass is not positive and finite `vertices` is left alone. `fixed`: that which the mass was
-/// made from. Fastest where q_i is about i / N.
+/// Writes to vertices[i] the curve vertex on which the cumulative mass exceeds q[i] times the whole. q is ascending, in [0, 1);
+/// `vertices` has as many entries and is ascending too. Within a block the mass lies where its codes say, to a 32,767th. Vertices
+/// without mass are never chosen. `fixed`: the mass from which view_mass() made `mass`. Leaves `vertices` alone where the whole
+/// mass is not positive and finite. Fastest where q[i] is about i / N.
 void equalise(const ViewMass& mass, const BlockMass& fixed, std::span<const double> q, std::span<std::uint32_t> vertices,
               EqualiseScratch& scratch);
 inline void equalise(const ViewMass& mass, const BlockMass& fixed, std::span<const double> q, std::span<std::uint32_t> vertices) {

@@ -1,4 +1,4 @@
-// How many points a view is worth.
+// Finds out how many points a view is worth.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -10,14 +10,14 @@
 
 namespace curvecast {
 
-/// The smallest N, 1 .. kMaxPoints, for which no point stands for more than `pixels` x `pixels` of any camera's picture: M max(a
-/// / density) / pixels^2, with M the density's mass and a the pixels' area per area of the surface (what is seen at a slant
-/// counts as in ScreenTerm). Where the density is zero there are no points and nothing counts; what would take more than
-/// kMaxPoints takes these. InvalidArgument: a bad density, no camera, `pixels` not above 0; FailedPrecondition: the density is
-/// zero everywhere.
+/// Returns the smallest N, 1 .. kMaxPoints, for which no point stands for more than `pixels` x `pixels` of any camera's picture:
+/// M max(a / density) / pixels^2, where M is the density's mass and a the area in pixels per area of the surface (as in
+/// ScreenTerm where the surface is seen at a slant). Parts of the surface without density do not count. Returns kMaxPoints where
+/// more would be needed. InvalidArgument: a bad density, no camera, `pixels` not above 0; FailedPrecondition: the density is zero
+/// everywhere.
 absl::StatusOr<std::uint64_t> points_for_pixel_error(const SurfaceCurve& curve, const Density& density, double pixels);
 
-/// What global distance terms leave of `points`; at least 1. Precondition: check_density() finds nothing.
+/// Returns what global distance terms leave of `points`; at least 1. Precondition: check_density() finds nothing.
 std::uint64_t scaled_points(const Density& density, const Box3d& box, std::uint64_t points);
 
 }  // namespace curvecast

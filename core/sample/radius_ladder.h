@@ -1,5 +1,5 @@
-// The radii that discs may have where they are sent one by one: rungs of a ladder of half an octave each, below a largest one.
-// A disc that is rounded up to the next rung is a fifth too large on average; its radius costs a fraction of a bit, and few
+// The radii that discs may have where radii are sent: rungs of half an octave each, below a largest radius. Radii are rounded up
+// to the next rung. That makes discs a fifth too large on average; but a radius then takes a fraction of a bit, and few discs
 // change from one view to the next.
 #pragma once
 
@@ -20,16 +20,16 @@ class RadiusLadder {
     }
   }
 
-  /// Of rung 0, the largest, down to kRungs - 1.
+  /// Returns the radius of a rung: the largest for rung 0, the smallest for kRungs - 1.
   float radius(std::uint8_t rung) const { return radius_[rung]; }
 
-  /// The lowest rung that is not below a radius; but for rounding, a rung's own radius gives that rung.
+  /// Returns the rung with the smallest radius that is at least this one. The radius of a rung gives that rung.
   std::uint8_t rung(float radius) const {
     const float ratio = radius_[0] / radius * kSlack;
     return below(ratio * ratio);
   }
 
-  /// The lowest rung that is not below `largest / sqrt(square)`.
+  /// Returns the rung with the smallest radius that is at least largest / sqrt(square).
   static std::uint8_t below(float square) {
     if (!(square > 1)) return 0;
     // A rung for every power of two of the square: its exponent.

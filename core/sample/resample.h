@@ -1,4 +1,4 @@
-// A point set for a view: density, then equalisation, then the points' data (paper, section 3.4).
+// The equalised sampler: makes a point set for a view from a density, by equalisation (paper, section 3.4).
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -26,22 +26,22 @@ struct ResampleReport {
   double density_seconds = 0;
   double equalise_seconds = 0;  // cumulative density, inversion and gathering
   double gather_seconds = 0;    // of these: reading the points' data
-  double most_on_vertex = 0;    // points that are expected at least on the curve vertex with the most; see kMaxVertexLoad
+  double most_on_vertex = 0;    // lower bound of the points expected on the curve vertex with the most; see kMaxVertexLoad
 };
 
-/// InvalidArgument: N = 0, a bad density. OutOfRange: N > kMaxPoints.
+/// Checks what both samplers are asked for. InvalidArgument: N = 0, a bad density. OutOfRange: N > kMaxPoints.
 absl::Status check_sample(std::uint64_t points, const Density& density);
-/// FailedPrecondition: the density is zero everywhere.
+/// Returns the error FailedPrecondition: the density is zero everywhere.
 absl::Status nowhere_to_put_points();
 
-/// Exactly options.points points on the surface, low-discrepancy with respect to the density. It is the best that the curve can
-/// give: where it is too coarse for them, points coincide.
+/// Makes exactly options.points points on the surface, with low discrepancy with respect to the density. Where the curve is too
+/// coarse for so many, points coincide.
 /// InvalidArgument: N = 0, a bad density term. OutOfRange: N > kMaxPoints. FailedPrecondition: the density is zero everywhere
 /// (nothing faces the eye). `report` may be null.
 absl::StatusOr<PointSet> resample(const SurfaceCurve& curve, const ResampleOptions& options, ResampleReport* report = nullptr);
 
-/// The same, for one frame after the other: the points are workspace.points, and lost where it fails. `fixed` is what
-/// make_fixed_density() makes of the curve and options.density; who keeps it pays for it once.
+/// Does the same for one frame after another. Writes the points to workspace.points; what was there is lost even where it fails.
+/// `fixed` is what make_fixed_density() makes of the curve and options.density: keep it from frame to frame.
 absl::Status resample(const SurfaceCurve& curve, const FixedDensity* fixed, const ResampleOptions& options,
                       ResampleWorkspace& workspace, ResampleReport* report = nullptr);
 

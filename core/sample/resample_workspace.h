@@ -10,7 +10,7 @@
 
 namespace curvecast {
 
-/// Takes any curve, density and number of points after any other. For one thread at a time.
+/// May be used for any curve, density and number of points after any other. For one thread at a time.
 struct ResampleWorkspace {
   PointSet points;  // the last result
 

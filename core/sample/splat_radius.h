@@ -1,4 +1,4 @@
-// How large a point's disc has to be for neighbouring discs to overlap.
+// The radius of a point's disc, such that neighbouring discs overlap.
 #pragma once
 
 #include <algorithm>
@@ -12,26 +12,27 @@ namespace curvecast {
 
 class SplatRadius {
  public:
-  /// Where the density is 1 a point stands for so much of the surface, squared units.
+  /// `area_of_point`: the area for which a point stands where the density is 1, in squared units of the file.
   SplatRadius(const SurfaceCurve& curve, double area_of_point)
       : scale_(static_cast<float>(kOverArea * std::sqrt(area_of_point))),
         largest_(largest(curve)),
         square_(largest_ / scale_ * (largest_ / scale_)) {}
 
-  /// No disc is larger.
+  /// Returns the largest radius of any disc: the diagonal of the box.
   static float largest(const SurfaceCurve& curve) { return static_cast<float>(curve.box.diagonal()); }
 
+  /// Returns the radius of a point where the density has this value.
   float operator()(float density) const { return std::min(scale_ / std::sqrt(density), largest_); }
-  /// The same, as a rung of RadiusLadder(largest(curve)).
+  /// Returns the rung of that radius on RadiusLadder(largest(curve)).
   std::uint8_t rung(float density) const { return RadiusLadder::below(density * square_); }
 
  private:
-  // Over the square root of the area. Discs of this size leave next to no holes around jittered points (the coverage radius of
-  // such sets is 1.45 at its worst, under 1 nearly everywhere), none around ranked ones.
+  // Radius over the square root of the area for which a point stands. Discs of this size leave next to no holes around jittered
+  // points (the coverage radius of such sets is 1.45 at its worst, under 1 nearly everywhere), none around ranked points.
   static constexpr double kOverArea = 1.25;
 
   float scale_, largest_;
-  float square_;  // of the largest radius over that at density 1
+  float square_;  // (largest radius / radius at density 1)^2
 };
 
 }  // namespace curvecast

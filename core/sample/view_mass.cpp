@@ -11,8 +11,8 @@ namespace {
 // Where a mass that varies along a block is spread by area instead, a quarter of its variation is misplaced at most: by no more
 // than a quarter of a point here.
 constexpr float kMovedPoints = 1;
-// The whole mass is not exact, and those who compare one vertex with it must not find too much on it: what is refined in vain
-// would be refined for ever.
+// The whole mass is not exact. ViewMass::largest must be no larger than the true value: a curve that is refined for a vertex with
+// too much mass, where there is none, would be refined for ever.
 constexpr float kSurely = 0.98f;
 constexpr std::size_t kBatch = 512;              // blocks whose factors are found in one go: they stay in the nearest cache
 constexpr std::size_t kAhead = 2 * kBlockLanes;  // blocks that the memory brings beforehand
@@ -50,7 +50,7 @@ class CloseBlocks {
     if (begin + kBlockSize <= curve_.size()) return copy(begin, kBlockSize, to);
     const std::size_t n = curve_.size() - begin;
     copy(begin, n, to);
-    // Of a place that is there, but without mass.
+    // The last block is filled up with copies of its first vertex, without mass.
     for (std::size_t i = to + n; i < to + kBlockSize; ++i) {
       x_[i] = x_[to], y_[i] = y_[to], z_[i] = z_[to], nx_[i] = nx_[to], ny_[i] = ny_[to], nz_[i] = nz_[to], mass_[i] = 0;
     }

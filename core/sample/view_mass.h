@@ -1,5 +1,5 @@
-// The mass that a view puts on a curve: its density times the elements of area, block by block, looked at closely only where that
-// moves a point (paper, section 3.4: the terms of the cumulative sum).
+// The mass that a view puts on a curve: its density times the area elements (paper, section 3.4: the terms of the cumulative
+// sum). It is found block by block, and vertex by vertex only where that moves a point.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,19 @@
 
 namespace curvecast {
 
+/// The masses of a curve's blocks under a view; B is the number of blocks.
 struct ViewMass {
   static constexpr std::uint32_t kShared = std::numeric_limits<std::uint32_t>::max();
 
-  double total = 0;        // sum of all
-  float largest = 0;       // on one vertex there is at least as much
-  std::vector<float> sum;  // B, or none: those of the fixed mass
-  // B, or none as with sum: which of own_codes a block has, or kShared: those of the fixed mass.
+  double total = 0;        // sum of all masses
+  float largest = 0;       // some vertex has at least this mass
+  std::vector<float> sum;  // B: mass of each block; or none, where the fixed mass's sums hold
+  // B: index of each block's codes in own_codes, or kShared where the fixed mass's codes hold; or none, where they hold
+  // everywhere.
   std::vector<std::uint32_t> codes;
-  std::vector<MassCodes> own_codes;  // of the blocks that were looked at closely
+  std::vector<MassCodes> own_codes;  // of the blocks whose vertices were looked at
   std::vector<float> moved;          // B: how much of a block's mass would lie elsewhere at most, if it counted as its middle
-  std::vector<std::uint32_t> close;  // the blocks that were looked at closely come first, ascending
+  std::vector<std::uint32_t> close;  // its first entries: the blocks whose vertices were looked at, ascending
 
   /// Bytes allocated, in use or not.
   std::size_t byte_size() const {
@@ -39,12 +41,13 @@ struct ViewMass {
   }
 };
 
-/// A fixed mass as it is, under no view. What `out` held before is lost, its memory is used again.
+/// Writes a fixed mass to `out` as it is, under no view. The memory of `out` is used again.
 void fixed_mass(const BlockMass& fixed, ViewMass& out);
 
-/// Writes to `out` what a view leaves of a fixed mass, density times area; an empty `density` is 1. Where within a block the view
-/// changes so little that less than a quarter of one of `points` points comes to lie elsewhere, the block counts as its middle;
-/// where the outline passes, and where points crowd, its vertices count one by one.
+/// Writes to `out` a fixed mass times the view's factor. `density`: the fixed density at the vertices, empty where it is 1;
+/// `fixed`: that density times area. Where the view changes so little within a block that less than a quarter of one of `points`
+/// points comes to lie elsewhere, the factor of the block's middle counts for all of it; where the outline passes, and where
+/// points are dense, its vertices count one by one.
 void view_mass(const SurfaceCurve& curve, std::span<const float> density, const BlockMass& fixed, const ViewFactor& view,
                std::uint64_t points, ViewMass& out);
 

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
+#include "core/base/random.h"
 #include "tests/support/flat_curve.h"
 
 namespace curvecast {
@@ -52,20 +54,31 @@ TEST(CandidatePoints, KnowTheNearestPointThatTheyFace) {
   EXPECT_EQ(least, before);
 }
 
-TEST(CandidatePoints, BestAndCentralPlace) {
-  CandidatePoints candidates{};
-  std::array<float, kCandidates> after;
-  after.fill(10);
-  for (std::size_t k = 0; k < kCandidates; ++k) {
-    candidates.nearest_lower[k] = static_cast<float>(k);
-    candidates.from_centre[k] = static_cast<float>(k % 8);
+TEST(CandidatePoints, TheBestIsFarthestAndTheCentralOneIsFarEnough) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    CandidatePoints candidates{};
+    // Few values, so that some are equal.
+    const auto value = [&](std::uint64_t i) { return static_cast<float>(static_cast<int>(10 * random_unit(seed, i))); };
+    for (std::size_t k = 0; k < kCandidates; ++k) {
+      candidates.nearest_lower[k] = value(3 * k);
+      candidates.nearest_higher[k] = value(3 * k + 1);
+      candidates.from_centre[k] = value(3 * k + 2);
+    }
+    const float n = 1.5f;
+    const auto apart = [&](std::size_t k) { return std::min(candidates.nearest_lower[k] * n, candidates.nearest_higher[k]); };
+    const BestCandidate best = best_candidate(candidates.nearest_lower, candidates.nearest_higher, n);
+    EXPECT_EQ(apart(best.index), best.value);
+    for (std::size_t k = 0; k < kCandidates; ++k) EXPECT_LE(apart(k), best.value);
+    for (const float enough : {0.0f, 0.5f * best.value, best.value}) {
+      const std::size_t central = central_candidate(candidates, candidates.nearest_higher, n, enough);
+      EXPECT_GE(apart(central), enough);
+      for (std::size_t k = 0; k < kCandidates; ++k) {
+        EXPECT_TRUE(apart(k) < enough || candidates.from_centre[k] >= candidates.from_centre[central]);
+      }
+    }
+    const float* const lower = candidates.nearest_lower;
+    EXPECT_EQ(largest_of(lower), *std::max_element(lower, lower + kCandidates));
   }
-  after[kCandidates - 1] = 1;
-  const BestCandidate best = best_candidate(candidates.nearest_lower, after.data(), 0.1f);
-  EXPECT_EQ(best.index, kCandidates - 2);
-  EXPECT_FLOAT_EQ(best.value, 0.1f * (kCandidates - 2));
-  EXPECT_EQ(central_candidate(candidates, after.data(), 0.1f, 0.1f * (kCandidates - 12)), kCandidates - 8);
-  EXPECT_EQ(largest_of(candidates.nearest_lower), static_cast<float>(kCandidates - 1));
 }
 
 }  // namespace

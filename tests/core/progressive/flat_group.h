@@ -1,4 +1,4 @@
-// A group of ranked points on a flat square, for tests of those who move them.
+// A group of ranked points on a flat square, for tests of what moves them.
 #pragma once
 
 #include <gtest/gtest.h>

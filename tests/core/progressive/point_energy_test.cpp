@@ -31,7 +31,7 @@ TEST(PointEnergy, IsOverWhatIsExpected) {
   for (std::size_t i = 0; i < energy.size(); ++i) EXPECT_FLOAT_EQ(energy.excess(i, 1), 0);
 }
 
-/// As a sum of distances has it: an energy that is no less for any change of the masses.
+/// The energy of any distribution whose masses add up to nothing is positive, as it is for sums of distances: even is least.
 TEST(PointEnergy, IsAnEnergyThatIsLeastWhenEven) {
   constexpr int kSide = 12;
   std::vector<Vec3f> grid;

@@ -44,7 +44,7 @@ TEST(RankDelta, WhoAppliesDeltasHasTheSelection) {
   EXPECT_TRUE(delta.added.empty() && delta.removed.empty());
 }
 
-/// A point of a list as who is told of changes holds it.
+/// A point of the list of a client that is told of changes.
 struct Held {
   std::uint32_t rank;
   int rung;

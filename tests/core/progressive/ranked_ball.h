@@ -1,4 +1,4 @@
-// A ball with ranked candidates on it, for tests of those who choose among them.
+// A ball with ranked points on it, for tests of what selects among them.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/random.h"
 #include "tests/core/progressive/flat_group.h"
 
 namespace curvecast {
@@ -80,8 +81,8 @@ TEST(ShrinkGaps, MovesPointsThatStayInTheirStrata) {
   expect_in_their_strata(points, before);
 }
 
-TEST(ShrinkGaps, PointsThatMoveKeepHalfTheLatticeDistance) {
-  const auto [before, points] = shrunk_gap();
+/// Points that have moved are no nearer to any other than half the lattice distance of the points there are when the later comes.
+void expect_moved_points_apart(const std::vector<RankedPoint>& points, const std::vector<RankedPoint>& before) {
   for (std::size_t c = 0; c < points.size(); ++c) {
     if (points[c].curve_position == before[c].curve_position) continue;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -90,6 +91,29 @@ TEST(ShrinkGaps, PointsThatMoveKeepHalfTheLatticeDistance) {
       EXPECT_GE(std::hypot(x, y) * std::sqrt(std::numbers::sqrt3 / 2 * (std::max(points[i].rank, points[c].rank) + 1)), 0.499);
     }
   }
+}
+
+TEST(ShrinkGaps, PointsThatMoveKeepHalfTheLatticeDistance) {
+  const auto [before, points] = shrunk_gap();
+  expect_moved_points_apart(points, before);
+}
+
+TEST(ShrinkGaps, KeepsItsPromisesWhereverThePointsAre) {
+  const auto curve = flat_curve(7);
+  const CurveStrata strata(*curve);
+  const GroupCandidates candidates(strata, kFlatGroup, 0);
+  std::size_t moved = 0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const std::vector<RankedPoint> before = points_at(candidates, [&](std::size_t c) {
+      return static_cast<std::size_t>(random_unit(seed, c) * static_cast<double>(kCandidates));
+    });
+    std::vector<RankedPoint> points = before;
+    shrink_gaps(strata, candidates, {}, {}, points);
+    expect_in_their_strata(points, before);
+    expect_moved_points_apart(points, before);
+    for (std::size_t c = 0; c < points.size(); ++c) moved += points[c].curve_position != before[c].curve_position ? 1 : 0;
+  }
+  EXPECT_GT(moved, 0u);
 }
 
 TEST(ShrinkGaps, PointsStayWhereThereAreNone) {

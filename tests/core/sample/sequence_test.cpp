@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/base/random.h"
@@ -154,9 +155,15 @@ TEST(Sequence, EndlessOnesAreSpreadEvenlyAtEveryLength) {
   }
 }
 
-TEST(Sequence, OfNothingIsNothing) {
+TEST(Sequence, WritesNoMoreThanItIsAskedFor) {
   for (const Sequence sequence : {Sequence::kJittered, Sequence::kRegular, Sequence::kVanDerCorput, Sequence::kGoldenRatio}) {
-    fill_sequence(sequence, 0, {});
+    for (const std::size_t n : {0u, 1u, 2u, 3u, 5u, 8u, 17u, 1000u}) {
+      std::vector<double> q(n + 8, -1.0);
+      fill_sequence(sequence, 5, std::span(q).subspan(4, n));
+      for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(q[i], -1) << n;
+      for (std::size_t i = 4; i < n + 4; ++i) EXPECT_GE(q[i], 0) << n;
+      for (std::size_t i = n + 4; i < n + 8; ++i) EXPECT_EQ(q[i], -1) << n;
+    }
   }
 }
 

@@ -1,0 +1,82 @@
+#include "core/progressive/rank_chunk.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <span>
+
+#include "core/progressive/progressive.h"
+#include "tests/core/progressive/ranked_ball.h"
+
+namespace curvecast {
+namespace {
+
+using namespace curvecast::testing;
+
+constexpr int kLevel = 8;
+
+const ProgressiveRanks& ranks() {
+  static const ProgressiveRanks made = *ProgressiveRanks::make(ball_curve(), {.level = kLevel});
+  return made;
+}
+
+/// Calls visit(id, the points of the chunk's level in its stratum, the chunk) for the first chunks down to kLevel.
+template <typename Visit>
+void for_each_chunk(const Visit& visit) {
+  const CurveStrata strata(*ball_curve());
+  const StratumBounds bounds(strata);
+  for (int level = kChunkLevels; level <= kLevel; ++level) {
+    const std::uint64_t count = std::uint64_t{1} << 2 * (level - kChunkLevels);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      std::vector<RankedPoint> points;
+      const std::size_t size = ranks().points().size() / count;
+      for (const RankedPoint& p : ranks().points().subspan(i * size, size)) {
+        if (p.rank < std::uint64_t{1} << 2 * level) points.push_back(p);
+      }
+      const ChunkId id{level, i};
+      visit(id, std::span<const RankedPoint>(points), make_chunk(id, points, bounds));
+    }
+  }
+}
+
+TEST(RankChunk, HasThePointsThatItsLevelAdds) {
+  for_each_chunk([](const ChunkId& id, std::span<const RankedPoint> points, const RankChunk& chunk) {
+    ASSERT_EQ(points.size(), kChunkStrata);
+    ASSERT_EQ(chunk.size(), id.level == kChunkLevels ? kChunkStrata : kChunkStrata / 4 * 3);
+    std::size_t i = 0;
+    for (const RankedPoint& p : points) {
+      if (p.rank < id.first_rank()) continue;
+      ASSERT_EQ(chunk.rank[i], p.rank);
+      ASSERT_EQ(Vec3f(chunk.x[i], chunk.y[i], chunk.z[i]), Vec3f(p.position[0], p.position[1], p.position[2]));
+      ASSERT_LT((Vec3f(chunk.nx[i], chunk.ny[i], chunk.nz[i]) - Vec3f(p.normal[0], p.normal[1], p.normal[2])).norm(), 1e-4f);
+      ASSERT_EQ(chunk.vertex[i], p.vertex);
+      ASSERT_EQ(chunk.curve_position[i], p.curve_position >> 32);
+      ++i;
+    }
+    ASSERT_EQ(i, chunk.size());
+  });
+}
+
+TEST(RankChunk, RunsAreBoundedWithTheirDeeperPoints) {
+  for_each_chunk([](const ChunkId& id, std::span<const RankedPoint>, const RankChunk& chunk) {
+    // All points of the whole set in a run's strata, of whatever level.
+    const std::uint64_t runs = kChunkRuns << 2 * (id.level - kChunkLevels);
+    const std::size_t length = ranks().points().size() / runs;
+    for (std::size_t r = 0; r < kChunkRuns; ++r) {
+      const Vec3f centre(chunk.bounds.x[r], chunk.bounds.y[r], chunk.bounds.z[r]);
+      for (const RankedPoint& p : ranks().points().subspan((id.index * kChunkRuns + r) * length, length)) {
+        ASSERT_LE((Vec3f(p.position[0], p.position[1], p.position[2]) - centre).norm(), chunk.bounds.radius[r]);
+        ASSERT_GE(p.vertex, chunk.first_vertex[r]);
+        ASSERT_LE(p.vertex, chunk.last_vertex[r]);
+      }
+      // The chunk's own points of the run lie in its strata.
+      for (std::size_t i = r * chunk.run_size(); i < (r + 1) * chunk.run_size(); ++i) {
+        ASSERT_GE(chunk.vertex[i], chunk.first_vertex[r]);
+        ASSERT_LE(chunk.vertex[i], chunk.last_vertex[r]);
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace curvecast
