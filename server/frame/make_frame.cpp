@@ -38,10 +38,7 @@ absl::StatusOr<PackedFrame> pack_key(Sampled sampled, const Sample& sample) {
   return PackedFrame{*std::move(packed), {}};
 }
 
-/// All points.
-absl::StatusOr<PackedFrame> pack_frame(SessionSampler& sampler, const Sample& sample, std::uint64_t points) {
-  const std::size_t raw_bytes = raw_point_bytes(sampler.curve());
-  if (!sample.draco && points <= kMaxPoints && points > kMaxFrameBytes / raw_bytes) return too_large(points * raw_bytes);
+absl::StatusOr<PackedFrame> pack_sampled(SessionSampler& sampler, const Sample& sample, std::uint64_t points) {
   absl::StatusOr<Sampled> sampled = sampler.sample(points);
   if (!sampled.ok()) return sampled.status();
   return pack_key(*std::move(sampled), sample);
@@ -54,31 +51,42 @@ absl::StatusOr<PackedFrame> pack_bytes(SessionSampler& sampler, const Sample& sa
   return PackedFrame{*std::move(packed), {}};
 }
 
+/// Selects the ranked points of a part, or of the whole view where it has no more than those of the part: then the discs are
+/// those of the whole, and so are the chunks that it lacks.
+absl::StatusOr<Sampled> select_part(SessionSampler& sampler, std::uint64_t part, std::uint64_t whole) {
+  {
+    absl::StatusOr<Sampled> selected = sampler.select(part);
+    if (!selected.ok() || part == whole || selected->workspace->ranked.selection.count == part) return selected;
+  }
+  return sampler.select(whole);
+}
+
+absl::StatusOr<PackedFrame> pack_selected(Sampled selected, const Sample& sample) {
+  SessionSampler::list(selected);
+  return pack_key(std::move(selected), sample);
+}
+
 /// The difference to what the client has, or all points where that is smaller.
-absl::StatusOr<PackedFrame> pack_delta(SessionSampler& sampler, const Sample& sample, const HeldPoints& held,
-                                       std::uint64_t points) {
-  absl::StatusOr<Sampled> selected = sampler.select(points);
-  if (!selected.ok()) return selected.status();
-  RankedWorkspace& workspace = selected->workspace->ranked;
+absl::StatusOr<PackedFrame> pack_delta(Sampled selected, const Sample& sample, const HeldPoints& held) {
+  RankedWorkspace& workspace = selected.workspace->ranked;
   const RankSelection& selection = workspace.selection;
   RankDelta& delta = workspace.delta;
   Stopwatch watch;
   held.discs(workspace.discs);
   compare(held.selection(), workspace.discs, selection, delta);
-  const double point_bytes = expected_point_bytes(*selected->curve, sample);
+  const double point_bytes = expected_point_bytes(*selected.curve, sample);
   const auto count = static_cast<double>(selection.count), added = static_cast<double>(delta.added.size());
   const double scattered = point_bytes + kBytesPerDoubling * std::log2(count / std::max(added, 1.0));
   const double changes = added + static_cast<double>(delta.removed.size() + delta.resized.size());
   if (scattered * added + kEditBytes * changes > point_bytes * count) {
-    SessionSampler::list(*selected);
-    return pack_key(*std::move(selected), sample);
+    return pack_selected(std::move(selected), sample);
   }
   locate(*held.selection().tree, selection, delta, workspace.list_delta);
-  gather_ranked(*selected->curve, *selection.tree, delta.added, workspace.points);
-  v1::PointEdits edits = to_proto(delta, workspace.list_delta, *selected->curve);
-  selected->statistics.set_equalise_seconds(selected->statistics.equalise_seconds() + watch.lap());
-  if (delta.added.empty()) return PackedFrame{{*std::move(selected), {}, 0}, std::move(edits)};
-  absl::StatusOr<PackedFrame> out = pack_key(*std::move(selected), sample);
+  gather_ranked(*selected.curve, *selection.tree, delta.added, workspace.points);
+  v1::PointEdits edits = to_proto(delta, workspace.list_delta, *selected.curve);
+  selected.statistics.set_equalise_seconds(selected.statistics.equalise_seconds() + watch.lap());
+  if (delta.added.empty()) return PackedFrame{{std::move(selected), {}, 0}, std::move(edits)};
+  absl::StatusOr<PackedFrame> out = pack_key(std::move(selected), sample);
   if (out.ok()) out->edits = std::move(edits);
   return out;
 }
@@ -103,20 +111,30 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
   } else {
     absl::StatusOr<std::uint64_t> points = sampler->points();
     if (!points.ok()) return points.status();
+    std::uint64_t part = *points;
     if (request.first_bytes > 0 && sampler->is_ranked()) {
       const double first = static_cast<double>(request.first_bytes) / expected_point_bytes(sampler->curve(), sample);
       const std::uint64_t more = held != nullptr ? kPartGrowth * held->selection().count : 0;
-      const std::uint64_t part = std::max(more, static_cast<std::uint64_t>(std::max(first, 1.0)));
-      answer.is_part = part < *points;
-      *points = std::min(*points, part);
+      part = std::min(*points, std::max(more, static_cast<std::uint64_t>(std::max(first, 1.0))));
     }
-    made = held != nullptr ? pack_delta(*sampler, sample, *held, *points) : pack_frame(*sampler, sample, *points);
+    const std::size_t raw_bytes = raw_point_bytes(sampler->curve());
+    if (held == nullptr && !sample.draco && part <= kMaxPoints && part > kMaxFrameBytes / raw_bytes) {
+      return too_large(part * raw_bytes);
+    }
+    if (sampler->is_ranked()) {
+      absl::StatusOr<Sampled> selected = select_part(*sampler, part, *points);
+      if (!selected.ok()) return selected.status();
+      answer.is_part = part < *points && selected->workspace->ranked.selection.count == part;
+      made = held != nullptr ? pack_delta(*std::move(selected), sample, *held) : pack_selected(*std::move(selected), sample);
+    } else {
+      made = pack_sampled(*sampler, sample, *points);
+    }
   }
   if (!made.ok()) return made.status();
   Sampled& sampled = made->packed.sampled;
   ask_for_better(sampled, request.may_refine ? on_short : OnShort());
-  // Where candidates lack there is nothing more until they are made.
-  answer.is_part = answer.is_part && sampled.lacking().empty();
+  // Where candidates lack and are being made, the next part waits for them.
+  answer.is_part = answer.is_part && !sampled.statistics.refining();
   if (answer.is_part) sampled.statistics.set_refining(true);
   v1::PointFrame& frame = answer.frame;
   frame.set_curve_revision(sampled.curve->revision);
