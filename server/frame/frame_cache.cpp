@@ -31,7 +31,7 @@ absl::StatusOr<Answer> FrameCache::get(const Key& key, const std::function<absl:
     made_.notify_all();
   };
   absl::StatusOr<Answer> made = make();
-  if (made.ok() && !made->frame.statistics().refining()) keep(key, *entry, *made);
+  if (made.ok() && made->follow_up == FollowUp::kNone) keep(key, *entry, *made);
   return made;
 }
 

@@ -106,6 +106,7 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
           : nullptr;
   Answer answer;
   absl::StatusOr<PackedFrame> made;
+  bool is_part = false;
   if (is_in_bytes) {
     made = pack_bytes(*sampler, sample);
   } else {
@@ -124,7 +125,7 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
     if (sampler->is_ranked()) {
       absl::StatusOr<Sampled> selected = select_part(*sampler, part, *points);
       if (!selected.ok()) return selected.status();
-      answer.is_part = part < *points && selected->workspace->ranked.selection.count == part;
+      is_part = part < *points && selected->workspace->ranked.selection.count == part;
       made = held != nullptr ? pack_delta(*std::move(selected), sample, *held) : pack_selected(*std::move(selected), sample);
     } else {
       made = pack_sampled(*sampler, sample, *points);
@@ -132,10 +133,12 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
   }
   if (!made.ok()) return made.status();
   Sampled& sampled = made->packed.sampled;
-  ask_for_better(sampled, request.may_refine ? on_short : OnShort());
   // Where candidates lack and are being made, the next part waits for them.
-  answer.is_part = answer.is_part && !sampled.statistics.refining();
-  if (answer.is_part) sampled.statistics.set_refining(true);
+  if (request.may_refine && ask_for_better(sampled, on_short)) {
+    answer.follow_up = FollowUp::kAfterImprovement;
+  } else if (is_part) {
+    answer.follow_up = FollowUp::kNextPart;
+  }
   v1::PointFrame& frame = answer.frame;
   frame.set_curve_revision(sampled.curve->revision);
   frame.set_kind(made->edits ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);

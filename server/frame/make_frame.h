@@ -23,16 +23,23 @@ struct FrameRequest {
   const std::atomic<bool>* cancel = nullptr;  // set by anyone: the frame is not wanted any more; may be null
 };
 
+/// What can follow a frame of the same view without being asked for.
+enum class FollowUp {
+  kNone,              // nothing: no better frame is known of
+  kNextPart,          // a frame with more points, as soon as the client holds those of this one
+  kAfterImprovement,  // a better frame, once a finer curve or more ranked candidates have been made
+};
+
 /// An answer to a view, and what its client holds then: null where that is no use for the next frame.
 struct Answer {
   v1::PointFrame frame;
   std::shared_ptr<const HeldPoints> held;
-  bool is_part = false;  // the same view with what is held now has more points
+  FollowUp follow_up = FollowUp::kNone;
 };
 
-/// The sequence number is left to the caller. Does with the ranked candidates that there are. Errors as of curvecast::resample,
-/// ResourceExhausted for more than kMaxFrameBytes, and
-/// Cancelled.
+/// The sequence number and FrameStatistics.refining are left to the caller, who knows whether the follow-up will be sent. Does
+/// with the ranked candidates that there are. Errors as of curvecast::resample, ResourceExhausted for more than kMaxFrameBytes,
+/// and Cancelled.
 absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& request, ViewCache& cache, const OnShort& on_short);
 
 /// What a client says that it has of another stream.

@@ -101,10 +101,10 @@ absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const Sample& sample
   }
 }
 
-void ask_for_better(Sampled& sampled, const OnShort& on_short) {
+bool ask_for_better(const Sampled& sampled, const OnShort& on_short) {
   const bool is_finer = sampled.is_short && on_short.finer_curve && on_short.finer_curve(*sampled.curve, sampled.points().size());
   const bool is_more = !sampled.lacking().empty() && on_short.more_ranks && on_short.more_ranks(sampled.lacking());
-  sampled.statistics.set_refining(is_finer || is_more);
+  return is_finer || is_more;
 }
 
 }  // namespace curvecast::server

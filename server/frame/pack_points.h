@@ -37,7 +37,7 @@ absl::StatusOr<Packed> pack(Sampled sampled, const Sample& sample);
 /// As many points as `limit` bytes hold. ResourceExhausted where a single one is too much.
 absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const Sample& sample, double limit);
 
-/// Asks for what a view lacks, and notes in its statistics whether that is being made.
-void ask_for_better(Sampled& sampled, const OnShort& on_short);
+/// Asks for what a view lacks. Returns whether that is being made.
+bool ask_for_better(const Sampled& sampled, const OnShort& on_short);
 
 }  // namespace curvecast::server

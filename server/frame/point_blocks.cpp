@@ -29,7 +29,7 @@ absl::Status make_blocks(const Session& session, const Sample& sample, ViewCache
   if (sample.max_bytes > 0) {
     absl::StatusOr<Packed> packed = pack_within(*sampler, sample, static_cast<double>(sample.max_bytes));
     if (!packed.ok()) return packed.status();
-    ask_for_better(packed->sampled, on_short);
+    packed->sampled.statistics.set_refining(ask_for_better(packed->sampled, on_short));
     for (v1::PointBlock& block : packed->blocks) {
       const bool is_last = &block == &packed->blocks.back();
       const absl::Status status = emit_block(std::move(block), is_last ? &packed->sampled.statistics : nullptr, emit);
@@ -41,7 +41,7 @@ absl::Status make_blocks(const Session& session, const Sample& sample, ViewCache
   if (!wanted.ok()) return wanted.status();
   absl::StatusOr<Sampled> sampled = sampler->sample(*wanted);
   if (!sampled.ok()) return sampled.status();
-  ask_for_better(*sampled, on_short);
+  sampled->statistics.set_refining(ask_for_better(*sampled, on_short));
   const std::size_t count = block_count(sampled->points().size());
   for (std::size_t first = 0; first < count; first += kBlocksAtOnce) {
     absl::StatusOr<std::vector<v1::PointBlock>> blocks =

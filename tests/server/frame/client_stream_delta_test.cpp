@@ -148,6 +148,34 @@ TEST_F(ClientStreamDelta, PartsFollowEachOtherAsTheyAreTakenIn) {
   EXPECT_THAT(given_, ElementsAre(nullptr, held_[0].get(), held_[1].get(), held_[2].get()));
 }
 
+TEST_F(ClientStreamDelta, APartWithoutProgressIsTheLast) {
+  receive(delta_open());
+  parts_ = 1000;
+  stuck_ = true;
+  shown_ = 50;
+  receive(request_in_parts(1));
+  for (int i = 0; i < 10; ++i) {
+    run_all();
+    receive(ack_request(1));
+  }
+  ASSERT_THAT(sequences(), ElementsAre(1, 1));
+  EXPECT_TRUE(frames_[0].statistics().refining());
+  EXPECT_FALSE(frames_[1].statistics().refining()) << "the promise is taken back";
+}
+
+TEST_F(ClientStreamDelta, PartsAreNoImprovements) {
+  receive(delta_open());
+  parts_ = 12;
+  receive(request_in_parts(1));
+  for (int i = 0; i < 20; ++i) {
+    short_ = parts_ == 0;  // the whole lacks something
+    run_all();
+    receive(ack_request(1));
+  }
+  EXPECT_EQ(frames_.size(), 13u);
+  EXPECT_TRUE(frames_.back().statistics().refining()) << "it may still be improved";
+}
+
 TEST_F(ClientStreamDelta, ANewerViewOvertakesParts) {
   receive(delta_open());
   parts_ = 1000;

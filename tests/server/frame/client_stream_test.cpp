@@ -363,6 +363,49 @@ TEST_F(StreamRefinement, IsNotWaitedForAfterTheClientsEnd) {
   EXPECT_TRUE(jobs_.empty());
 }
 
+TEST_F(StreamRefinement, AnOvertakenFramePromisesNothing) {
+  receive(ack_request(1));
+  receive(view_request(2));
+  on_answer_ = [this] {
+    on_answer_ = nullptr;
+    stream_->receive(view_request(3));
+  };
+  run_all();
+  ASSERT_THAT(sequences(), ElementsAre(1, 2, 3));
+  EXPECT_FALSE(frames_[1].statistics().refining());
+  EXPECT_TRUE(frames_[2].statistics().refining());
+}
+
+TEST_F(StreamRefinement, AFrameAfterTheClientsEndPromisesNothing) {
+  receive(view_request(2));
+  stream_->half_close();
+  run_all();
+  ASSERT_THAT(sequences(), ElementsAre(1, 2));
+  EXPECT_FALSE(frames_[1].statistics().refining());
+  EXPECT_TRUE(ended_);
+}
+
+TEST_F(StreamRefinement, AnErrorOfTheBetterFrameEndsThePromise) {
+  fails_ = true;
+  publish();
+  run_all();
+  ASSERT_THAT(sequences(), ElementsAre(1, 1));
+  EXPECT_EQ(frames_[1].error().code(), static_cast<std::uint32_t>(Code::kResourceExhausted));
+  publish();
+  EXPECT_TRUE(jobs_.empty());
+}
+
+TEST_F(StreamRefinement, ABusyServerIsAskedAgainAtTheNextEvent) {
+  busy_ = true;
+  publish();
+  busy_ = false;
+  short_ = false;
+  receive(ack_request(1));
+  run_all();
+  ASSERT_THAT(sequences(), ElementsAre(1, 1));
+  EXPECT_FALSE(frames_[1].statistics().refining());
+}
+
 TEST_F(StreamRefinement, ABusyServerLeavesTheFrameThatThereIs) {
   busy_ = true;
   publish();

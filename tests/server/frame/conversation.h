@@ -82,6 +82,7 @@ class Conversation : public ClientStream::Transport {
   bool sending_ = false, slow_ = false, busy_ = false;
   std::shared_ptr<const Session> session_ = std::make_shared<const Session>();
   std::uint64_t revision_ = 1;
+  bool fails_ = false;                                   // no view can be answered
   bool short_ = false;                                   // the curve is too coarse for every view
   std::uint64_t shown_ = 0;                              // points that a frame says that there are
   std::vector<const HeldPoints*> given_;                 // what the client was said to have, answer by answer
@@ -90,6 +91,7 @@ class Conversation : public ClientStream::Transport {
   const std::atomic<bool>* cancel_ = nullptr;            // of that
   std::int64_t queued_bytes_ = 0;
   int parts_ = 0;                                   // before the whole, of views that may come in parts
+  bool stuck_ = false;                              // parts bring no points beyond those of the one before
   static constexpr std::uint64_t kKnownDigest = 7;  // what a client may claim to have
   std::vector<std::uint64_t> claims_;
   std::shared_ptr<const HeldPoints> restored_ = std::make_shared<const HeldPoints>();
@@ -103,6 +105,7 @@ class Conversation : public ClientStream::Transport {
                   const std::uint64_t points = request.sample.options.points;
                   if (points == 99) return absl::OutOfRangeError("99 is too many");
                   if (points == 98) throw std::runtime_error("98");
+                  if (fails_) return absl::ResourceExhaustedError("too large");
                   Answer answer;
                   v1::PointFrame& frame = answer.frame;
                   frame.set_kind(request.held != nullptr ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
@@ -111,9 +114,10 @@ class Conversation : public ClientStream::Transport {
                   held_.push_back(answer.held);
                   frame.add_points()->set_count(static_cast<std::uint32_t>(points));
                   frame.set_curve_revision(revision_);
+                  if (request.first_bytes > 0 && !stuck_) shown_ += points;
                   frame.set_held_points(shown_);
-                  answer.is_part = request.first_bytes > 0 && parts_-- > 0;
-                  frame.mutable_statistics()->set_refining(answer.is_part || (short_ && request.may_refine));
+                  if (short_ && request.may_refine) answer.follow_up = FollowUp::kAfterImprovement;
+                  if (request.first_bytes > 0 && parts_-- > 0) answer.follow_up = FollowUp::kNextPart;
                   cancel_ = request.cancel;
                   if (on_answer_) on_answer_();
                   return answer;

@@ -52,7 +52,7 @@ TEST(FrameCache, WhatIsToBeImprovedAndWhatFailedIsNotShared) {
   int made = 0;
   const auto coarse = [&]() -> absl::StatusOr<Answer> {
     Answer out = answer(static_cast<std::uint64_t>(++made));
-    out.frame.mutable_statistics()->set_refining(true);
+    out.follow_up = made % 2 == 0 ? FollowUp::kNextPart : FollowUp::kAfterImprovement;
     return out;
   };
   const auto fails = [&]() -> absl::StatusOr<Answer> {
