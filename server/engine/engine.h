@@ -45,7 +45,8 @@ class Engine {
   absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, std::string connection);
   /// What point_blocks' functions take for one who asks for samples of a session: has its curve refined, and more ranked
   /// candidates made.
-  OnShort improve_for(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
+  ImprovementRequests improve_for(const std::shared_ptr<const Session>& session, const PointSetRequest& request,
+                                  std::uint64_t source);
   /// A number for a conversation or a call.
   std::uint64_t new_source() { return ++sources_; }
   /// What is held and what waits at this moment.

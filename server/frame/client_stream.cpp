@@ -87,9 +87,9 @@ void ClientStream::receive_open(const v1::OpenView& request) {
   accepts_deltas_ = request.accept_deltas();
   change_link(LinkEvent::kOpened);
   if (!accepts_deltas_ || request.held().digest() == 0) return;
-  absl::StatusOr<Sample> sample = to_sample(request.held().sample());
-  if (!sample.ok()) return fail(absl::InvalidArgumentError(absl::StrCat("open.held: ", sample.status().message())));
-  claim_ = HeldClaim{*std::move(sample), request.held().points(), request.held().digest()};
+  absl::StatusOr<PointSetRequest> held = to_point_set_request(request.held().sample());
+  if (!held.ok()) return fail(absl::InvalidArgumentError(absl::StrCat("open.held: ", held.status().message())));
+  claim_ = ResumeClaim{*std::move(held), request.held().points(), request.held().digest()};
 }
 
 void ClientStream::receive_view(const v1::ViewUpdate& update) {
@@ -99,9 +99,9 @@ void ClientStream::receive_view(const v1::ViewUpdate& update) {
   }
   newest_sequence_ = update.sequence();
   wants_key_ = wants_key_ || update.key_frame();
-  view_ = View{update.sequence(), to_sample(update.sample()), update.first_bytes()};
+  view_ = View{update.sequence(), to_point_set_request(update.sample()), update.first_bytes()};
   if (update.first_bytes() > 0 && update.first_bytes() < kLeastFirstBytes) {
-    view_->sample = absl::InvalidArgumentError(
+    view_->request = absl::InvalidArgumentError(
         absl::StrCat("view.first_bytes is ", update.first_bytes(), "; it must be at least ", kLeastFirstBytes));
   }
   view_state_ = next(view_state_, ViewEvent::kArrived);
@@ -133,8 +133,8 @@ void ClientStream::change_link(LinkEvent event, absl::Status reason) {
 void ClientStream::dispatch() {
   if (is_over()) return end_when_idle();
   if (!has_worker_ && is_due()) {
-    if (view_state_ == ViewState::kWaiting && !view_->sample.ok()) {
-      refuse_waiting_view(view_->sample.status());  // needs no worker
+    if (view_state_ == ViewState::kWaiting && !view_->request.ok()) {
+      refuse_waiting_view(view_->request.status());  // needs no worker
     } else {
       ask_for_worker();
     }
@@ -152,40 +152,40 @@ void ClientStream::end_when_idle() {
   if (link_ == LinkState::kEnded || window_.is_sending()) return;
   change_link(LinkEvent::kIdle);
   session_.reset();
-  held_.reset();
+  reference_.reset();
   transport_->end(end_status_);
 }
 
 void ClientStream::ask_for_worker() {
-  const absl::Status accepted = hooks_.submit([self = shared_from_this()] { self->work(); });
+  const absl::Status accepted = hooks_.submit([self = shared_from_this()] { self->run_worker(); });
   has_worker_ = accepted.ok();
   // A better frame is asked for again with the next event: its promise stands.
   if (!accepted.ok() && view_state_ == ViewState::kWaiting) refuse_waiting_view(accepted);
 }
 
-void ClientStream::work() {
+void ClientStream::run_worker() {
   MutexLock lock(mutex_);
   if (is_due()) {
     View view = begin_answer();
     absl::StatusOr<Answer> made = absl::UnknownError("");
-    if (!view.sample.ok()) {
-      made = view.sample.status();
+    if (!view.request.ok()) {
+      made = view.request.status();
     } else {
-      if (view.sample->automatic) view.sample->options.points = pace_.points(*view.sample->automatic);
+      if (view.request->automatic) view.request->options.points = pace_.points(*view.request->automatic);
       if (wants_key_) claim_.reset();
       // No frame is queued before this one, unless with an error.
       const auto session = session_;
       const auto claim = claim_;
-      auto held = wants_key_ ? nullptr : held_;
+      auto reference = wants_key_ ? nullptr : reference_;
       const std::uint64_t first_bytes = accepts_deltas_ ? view.first_bytes : 0;
       lock.unlock();
       made = guarded([&]() -> absl::StatusOr<Answer> {
         if (claim) {
-          absl::StatusOr<std::shared_ptr<const HeldPoints>> restored = hooks_.restore(*session, *claim);
-          if (restored.ok()) held = *std::move(restored);  // else the client gets a key frame
+          absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restored = hooks_.restore(*session, *claim);
+          if (restored.ok()) reference = *std::move(restored);  // else the client gets a key frame
         }
-        return hooks_.answer(session, {.sample = *view.sample,
-                                       .held = held.get(),
+        return hooks_.answer(session, {.point_set = *view.request,
+                                       .reference = reference.get(),
                                        .first_bytes = first_bytes,
                                        .may_refine = view.improvements < kMaxImprovements,
                                        .cancel = &cancel_});
@@ -240,9 +240,9 @@ void ClientStream::queue_frame(const View& view, absl::StatusOr<Answer> answer) 
   if (answer.ok()) {
     frame = std::move(answer->frame);
     frame.mutable_statistics()->set_refining(is_better_frame_due(link_, view_state_));
-    queued.points = view.sample->options.points;
-    if (answer->follow_up != FollowUp::kNextPart) queued.automatic = view.sample->automatic;
-    if (accepts_deltas_) held_ = std::move(answer->held);
+    queued.points = view.request->options.points;
+    if (answer->follow_up != FollowUp::kNextPart) queued.automatic = view.request->automatic;
+    if (accepts_deltas_) reference_ = std::move(answer->reference);
     if (frame.kind() == v1::FRAME_KIND_KEY) wants_key_ = false;
     claim_.reset();
   } else {

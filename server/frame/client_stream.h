@@ -42,7 +42,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     /// is called after the session's curve and ranks were read for it.
     std::function<absl::StatusOr<Answer>(const std::shared_ptr<const Session>&, const FrameRequest&)> answer;
     /// Makes the points again that the client says that it has; null where it has others. Called without the lock, on a worker.
-    std::function<absl::StatusOr<std::shared_ptr<const HeldPoints>>(const Session&, const HeldClaim&)> restore;
+    std::function<absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(const Session&, const ResumeClaim&)> restore;
     /// Has a worker run the job later, never within the call. Called with the lock held. An error refuses a view that has no
     /// frame yet; a better frame of a view is tried again with the next event.
     std::function<absl::Status(std::function<void()> job)> submit;
@@ -77,11 +77,11 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
 
   struct View {
     std::uint64_t sequence = 0;
-    absl::StatusOr<Sample> sample;  // converted on arrival, so that what waits is small
-    std::uint64_t first_bytes = 0;  // of ViewUpdate
-    std::optional<Progress> shown;  // not set: the view has no frame yet
-    bool is_in_parts = false;       // its last frame was a part
-    int improvements = 0;           // how often it was answered again because the session was improved
+    absl::StatusOr<PointSetRequest> request;  // converted on arrival, so that what waits is small
+    std::uint64_t first_bytes = 0;            // of ViewUpdate
+    std::optional<Progress> shown;            // not set: the view has no frame yet
+    bool is_in_parts = false;                 // its last frame was a part
+    int improvements = 0;                     // how often it was answered again because the session was improved
     Clock::time_point started = {};
   };
 
@@ -103,7 +103,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   void end_when_idle() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   /// Makes a frame of the view that is due, on a worker.
-  void work() ABSL_LOCKS_EXCLUDED(mutex_);
+  void run_worker() ABSL_LOCKS_EXCLUDED(mutex_);
   View begin_answer() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void finish_answer(View view, absl::StatusOr<Answer> answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void refuse_waiting_view(const absl::Status& reason) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -125,9 +125,10 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   std::optional<std::uint64_t> newest_sequence_ ABSL_GUARDED_BY(mutex_);
   bool has_worker_ ABSL_GUARDED_BY(mutex_) = false;  // a worker was asked for, or works
 
-  std::shared_ptr<const HeldPoints> held_ ABSL_GUARDED_BY(mutex_);  // by the client, once it has taken in all that was queued
-  std::optional<HeldClaim> claim_ ABSL_GUARDED_BY(mutex_);          // what it has of another stream; until a frame is queued
-  bool wants_key_ ABSL_GUARDED_BY(mutex_) = false;                  // until a key frame is queued
+  std::shared_ptr<const ReferenceFrame> reference_
+      ABSL_GUARDED_BY(mutex_);                                // held by the client once it has received all that was queued
+  std::optional<ResumeClaim> claim_ ABSL_GUARDED_BY(mutex_);  // what the client holds of another stream; until a frame is queued
+  bool wants_key_ ABSL_GUARDED_BY(mutex_) = false;            // until a key frame is queued
 
   FramePace pace_ ABSL_GUARDED_BY(mutex_);
   SendWindow window_ ABSL_GUARDED_BY(mutex_);

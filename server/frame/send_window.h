@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "curvecast/v1/curvecast.pb.h"
-#include "server/convert/sample.h"
+#include "server/convert/point_set_request.h"
 
 namespace curvecast::server {
 

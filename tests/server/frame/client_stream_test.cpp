@@ -463,7 +463,7 @@ TEST(ClientStreamThreads, SurvivesAnyInterleaving) {
               return std::make_shared<const Session>();
             },
             .answer = [](const auto&, const FrameRequest&) { return absl::StatusOr<Answer>(Answer()); },
-            .restore = [](const auto&, const auto&) { return absl::StatusOr<std::shared_ptr<const HeldPoints>>(nullptr); },
+            .restore = [](const auto&, const auto&) { return absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(nullptr); },
             .submit = [&](std::function<void()> job) { return queue.submit(std::move(job)).status(); },
             .count_queued = [&](std::int64_t bytes) { queued += bytes; },
         });

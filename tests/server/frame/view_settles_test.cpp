@@ -105,7 +105,7 @@ class ZoomedView : public Conversation {
   }
 
  private:
-  OnShort improvements() {
+  ImprovementRequests improvements() {
     return {.finer_curve = [this](const SurfaceCurve&, std::uint64_t) { return promise(); },
             .more_ranks =
                 [this](std::span<const ChunkId> lacking) {
@@ -171,7 +171,7 @@ TEST(ViewSettles, PartsComeToThePointsOfTheWhole) {
 
 TEST(ViewSettles, HoweverNearAndWhateverIsMade) {
   std::vector<Zoom> zooms;
-  for (const double distance : {3.0, 0.5, 0.06}) {
+  for (const double distance : {3.0, 0.06, 0.005}) {
     for (const Background background : {Background::kImproves, Background::kRefuses, Background::kFails}) {
       zooms.push_back({v1::SAMPLER_EQUALISED, distance, 0, true, background});
       zooms.push_back({v1::SAMPLER_PROGRESSIVE, distance, 0, false, background});
@@ -188,8 +188,11 @@ TEST(ViewSettles, HoweverNearAndWhateverIsMade) {
     ASSERT_FALSE(frames.empty());
     ASSERT_LE(frames.size(), kMostFrames);
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      EXPECT_FALSE(frames[i].has_error()) << frames[i].error().message();
       const bool is_last = i + 1 == frames.size();
+      // Nearest to the surface, the last word may be that there is no candidate in sight.
+      const auto nothing_in_sight = static_cast<std::uint32_t>(absl::StatusCode::kFailedPrecondition);
+      EXPECT_EQ(frames[i].error().code(), is_last && frames[i].has_error() ? nothing_in_sight : 0u)
+          << frames[i].error().message();
       EXPECT_EQ(frames[i].statistics().refining(), !is_last) << "frame " << i << " of " << frames.size();
       // A promise that came to nothing is taken back: that frame alone may bring nothing.
       if (i == 0 || is_last) continue;
