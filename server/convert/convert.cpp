@@ -11,8 +11,8 @@
 
 #include "server/base/hash.h"
 #include "server/base/status_payload.h"
-#include "server/convert/checker.h"
 #include "server/convert/convert_density.h"
+#include "server/convert/field_validator.h"
 
 namespace curvecast::server {
 namespace {
@@ -23,7 +23,7 @@ constexpr double kMaxCurveVertices = 1e8;
 constexpr double kMaxPixelError = 10'000;
 constexpr std::uint64_t kLeastBytes = 1024;  // enough for a point, however it is encoded
 
-std::optional<DracoOptions> to_core(Checker& check, const v1::Encoding& in) {
+std::optional<DracoOptions> to_core(FieldValidator& check, const v1::Encoding& in) {
   if (in.has_raw()) return std::nullopt;
   DracoOptions draco;
   if (const auto bits = in.draco().position_bits(); bits != 0) {
@@ -35,7 +35,7 @@ std::optional<DracoOptions> to_core(Checker& check, const v1::Encoding& in) {
   return draco;
 }
 
-Sequence to_core(Checker& check, v1::Sequence in) {
+Sequence to_core(FieldValidator& check, v1::Sequence in) {
   switch (in) {
     case v1::SEQUENCE_UNSPECIFIED:
     case v1::SEQUENCE_JITTERED:
@@ -52,7 +52,7 @@ Sequence to_core(Checker& check, v1::Sequence in) {
   }
 }
 
-Sampler to_core(Checker& check, v1::Sampler in) {
+Sampler to_core(FieldValidator& check, v1::Sampler in) {
   switch (in) {
     case v1::SAMPLER_UNSPECIFIED:
     case v1::SAMPLER_EQUALISED:
@@ -65,7 +65,7 @@ Sampler to_core(Checker& check, v1::Sampler in) {
   }
 }
 
-Mapper to_core(Checker& check, v1::Mapper in) {
+Mapper to_core(FieldValidator& check, v1::Mapper in) {
   switch (in) {
     case v1::MAPPER_UNSPECIFIED:
     case v1::MAPPER_EXACT:
@@ -78,7 +78,7 @@ Mapper to_core(Checker& check, v1::Mapper in) {
   }
 }
 
-AreaElement to_core(Checker& check, v1::AreaElement in) {
+AreaElement to_core(FieldValidator& check, v1::AreaElement in) {
   switch (in) {
     case v1::AREA_ELEMENT_UNSPECIFIED:
     case v1::AREA_ELEMENT_EXACT:
@@ -138,24 +138,24 @@ v1::SessionState to_proto(SessionState state) {
   return v1::SESSION_STATE_UNSPECIFIED;
 }
 
-void read_budget(Checker& check, const v1::SampleRequest& request, Sample& sample) {
+void read_budget(FieldValidator& check, const v1::SampleRequest& request, PointSetRequest& out) {
   switch (request.budget_case()) {
     case v1::SampleRequest::kPixelError:
-      sample.pixel_error = request.pixel_error();
-      if (!(sample.pixel_error > 0 && sample.pixel_error <= kMaxPixelError)) {
+      out.pixel_error = request.pixel_error();
+      if (!(out.pixel_error > 0 && out.pixel_error <= kMaxPixelError)) {
         check.fail("sample.pixel_error",
-                   absl::StrCat("is ", sample.pixel_error, "; it must be above 0 and at most ", kMaxPixelError));
+                   absl::StrCat("is ", out.pixel_error, "; it must be above 0 and at most ", kMaxPixelError));
       }
       if (request.cameras().empty()) check.fail("sample.pixel_error", "needs a camera in sample.cameras");
       break;
     case v1::SampleRequest::kMaxBytes:
-      sample.max_bytes = request.max_bytes();
-      if (sample.max_bytes < kLeastBytes) {
-        check.fail("sample.max_bytes", absl::StrCat("is ", sample.max_bytes, "; it must be at least ", kLeastBytes));
+      out.max_bytes = request.max_bytes();
+      if (out.max_bytes < kLeastBytes) {
+        check.fail("sample.max_bytes", absl::StrCat("is ", out.max_bytes, "; it must be at least ", kLeastBytes));
       }
       break;
     case v1::SampleRequest::kAutomatic: {
-      AutomaticBudget& budget = sample.automatic.emplace();
+      AutomaticBudget& budget = out.automatic.emplace();
       const v1::AutomaticBudget& in = request.automatic();
       if (in.frame_seconds() != 0) {
         budget.frame_seconds = check.in_range("sample.automatic.frame_seconds", in.frame_seconds(), 0.001, 10.0);
@@ -167,46 +167,46 @@ void read_budget(Checker& check, const v1::SampleRequest& request, Sample& sampl
     }
     case v1::SampleRequest::kPoints:
     case v1::SampleRequest::BUDGET_NOT_SET:
-      sample.options.points = request.points();
+      out.options.points = request.points();
       if (request.points() == 0) check.fail("sample.points", "is 0; ask for at least one");
   }
 }
 
 }  // namespace
 
-absl::StatusOr<Sample> to_sample(const v1::SampleRequest& request) {
-  Checker check;
-  Sample sample;
-  read_budget(check, request, sample);
+absl::StatusOr<PointSetRequest> to_point_set_request(const v1::SampleRequest& request) {
+  FieldValidator check;
+  PointSetRequest out;
+  read_budget(check, request, out);
   if (request.has_viewport()) {
     if (request.viewport().width() == 0) check.fail("sample.viewport.width", "is 0");
     if (request.viewport().height() == 0) check.fail("sample.viewport.height", "is 0");
   }
-  sample.options.density =
+  out.options.density =
       to_density(check, "sample.density", request.density(),
                  to_cameras(check, "sample.cameras", request.cameras(), request.viewport()), "needs a camera in sample.cameras");
-  sample.sampler = to_core(check, request.sampler());
+  out.sampler = to_core(check, request.sampler());
   for (const int attribute : request.attributes()) {
-    sample.attributes.curvatures |= attribute == v1::POINT_ATTRIBUTE_CURVATURES;
-    sample.attributes.rank |= attribute == v1::POINT_ATTRIBUTE_RANK;
-    sample.attributes.surface |= attribute == v1::POINT_ATTRIBUTE_SURFACE;
+    out.attributes.curvatures |= attribute == v1::POINT_ATTRIBUTE_CURVATURES;
+    out.attributes.rank |= attribute == v1::POINT_ATTRIBUTE_RANK;
+    out.attributes.surface |= attribute == v1::POINT_ATTRIBUTE_SURFACE;
     if (attribute == v1::POINT_ATTRIBUTE_UNSPECIFIED || !v1::PointAttribute_IsValid(attribute)) {
       check.fail("sample.attributes", absl::StrCat("holds the unknown value ", attribute));
     }
   }
-  if (sample.attributes.rank && sample.sampler != Sampler::kProgressive) {
+  if (out.attributes.rank && out.sampler != Sampler::kProgressive) {
     check.fail("sample.attributes", "asks for ranks; only the progressive sampler has them");
   }
-  sample.options.sequence = to_core(check, request.sequence());
-  sample.options.seed = request.seed();
-  sample.draco = to_core(check, request.encoding());
+  out.options.sequence = to_core(check, request.sequence());
+  out.options.seed = request.seed();
+  out.draco = to_core(check, request.encoding());
   if (!check.ok()) return check.status();
-  sample.fingerprint = hash_of(request.SerializeAsString());
-  return sample;
+  out.fingerprint = hash_of(request.SerializeAsString());
+  return out;
 }
 
 absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions& options) {
-  Checker check;
+  FieldValidator check;
   PreprocessOptions out;
   if (options.max_points() != 0) {
     out.points = check.in_range<std::uint64_t>("options.max_points", options.max_points(), 1, kMaxPoints);

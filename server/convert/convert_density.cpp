@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMaxTerms = 16;
 
-CurvatureTerm to_core(Checker& check, const std::string& field, const v1::CurvatureDensity& in) {
+CurvatureTerm to_core(FieldValidator& check, const std::string& field, const v1::CurvatureDensity& in) {
   CurvatureTerm term;
   switch (in.kind()) {
     case v1::CURVATURE_KIND_UNSPECIFIED:
@@ -39,7 +39,7 @@ CurvatureTerm to_core(Checker& check, const std::string& field, const v1::Curvat
   return term;
 }
 
-ViewTerm to_core(Checker& check, const std::string& field, const v1::ViewDensity& in) {
+ViewTerm to_core(FieldValidator& check, const std::string& field, const v1::ViewDensity& in) {
   ViewTerm term;
   if (in.has_s0()) {
     term.s0 = check.finite(field + ".s0", in.s0());
@@ -50,13 +50,13 @@ ViewTerm to_core(Checker& check, const std::string& field, const v1::ViewDensity
   return term;
 }
 
-double not_negative(Checker& check, const std::string& field, double value) {
+double not_negative(FieldValidator& check, const std::string& field, double value) {
   check.finite(field, value);
   if (value < 0) check.fail(field, absl::StrCat("is ", value, "; it must not be negative"));
   return value;
 }
 
-DistanceTerm to_core(Checker& check, const std::string& field, const v1::DistanceDensity& in) {
+DistanceTerm to_core(FieldValidator& check, const std::string& field, const v1::DistanceDensity& in) {
   DistanceTerm term;
   term.near = not_negative(check, field + ".near", in.near());
   if (const double far = not_negative(check, field + ".far", in.far()); far != 0) {
@@ -67,12 +67,12 @@ DistanceTerm to_core(Checker& check, const std::string& field, const v1::Distanc
   return term;
 }
 
-AttributeTerm to_core(Checker& check, const std::string& field, const v1::AttributeDensity& in) {
+AttributeTerm to_core(FieldValidator& check, const std::string& field, const v1::AttributeDensity& in) {
   if (in.name().empty()) check.fail(field + ".name", "is empty");
   return {in.name()};
 }
 
-BrushTerm to_core(Checker& check, const std::string& field, const v1::BrushDensity& in) {
+BrushTerm to_core(FieldValidator& check, const std::string& field, const v1::BrushDensity& in) {
   BrushTerm term;
   term.centre = check.vector(field + ".centre", in.centre());
   term.radius = check.finite(field + ".radius", in.radius());
@@ -82,14 +82,14 @@ BrushTerm to_core(Checker& check, const std::string& field, const v1::BrushDensi
   return term;
 }
 
-ExpressionTerm to_core(Checker& check, const std::string& field, const v1::ExpressionDensity& in) {
+ExpressionTerm to_core(FieldValidator& check, const std::string& field, const v1::ExpressionDensity& in) {
   if (const absl::Status status = check_expression(in.text()); !status.ok()) {
     check.fail(field + ".text:", std::string(status.message()));
   }
   return {in.text()};
 }
 
-DensityTerm to_core(Checker& check, const std::string& field, const v1::DensityTerm& in) {
+DensityTerm to_core(FieldValidator& check, const std::string& field, const v1::DensityTerm& in) {
   switch (in.term_case()) {
     case v1::DensityTerm::kUniform:
       return UniformTerm{};
@@ -116,7 +116,7 @@ DensityTerm to_core(Checker& check, const std::string& field, const v1::DensityT
   return UniformTerm{};
 }
 
-Camera to_core(Checker& check, const std::string& field, const v1::Camera& in, const v1::Viewport& viewport) {
+Camera to_core(FieldValidator& check, const std::string& field, const v1::Camera& in, const v1::Viewport& viewport) {
   Camera camera;
   camera.eye = check.vector(field + ".eye", in.eye());
   camera.target = check.vector(field + ".target", in.target());
@@ -171,7 +171,8 @@ void fill(const ExpressionTerm& term, v1::DensityTerm& out) { out.mutable_expres
 
 }  // namespace
 
-std::vector<Camera> to_cameras(Checker& check, const std::string& field, const Cameras& cameras, const v1::Viewport& viewport) {
+std::vector<Camera> to_cameras(FieldValidator& check, const std::string& field, const Cameras& cameras,
+                               const v1::Viewport& viewport) {
   std::vector<Camera> out;
   if (cameras.size() > static_cast<int>(kMaxCameras)) {
     check.fail(field, absl::StrCat("has ", cameras.size(), " cameras; at most ", kMaxCameras, " are taken"));
@@ -182,7 +183,7 @@ std::vector<Camera> to_cameras(Checker& check, const std::string& field, const C
   return out;
 }
 
-Density to_density(Checker& check, const std::string& field, const DensityTerms& terms, std::vector<Camera> cameras,
+Density to_density(FieldValidator& check, const std::string& field, const DensityTerms& terms, std::vector<Camera> cameras,
                    const std::string& why) {
   Density out;
   if (terms.size() > kMaxTerms) {

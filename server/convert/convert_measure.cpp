@@ -7,9 +7,9 @@
 #include <cstring>
 
 #include "core/sample/point_set.h"
-#include "server/convert/checker.h"
 #include "server/convert/convert.h"
 #include "server/convert/convert_density.h"
+#include "server/convert/field_validator.h"
 
 namespace curvecast::server {
 namespace {
@@ -28,7 +28,7 @@ v1::Discrepancy to_proto(const Discrepancy& in) {
 }  // namespace
 
 absl::StatusOr<MeasureOptions> to_measure_options(const v1::MeasureRequest& request) {
-  Checker check;
+  FieldValidator check;
   MeasureOptions options;
   const auto count = [&](const char* field, std::uint32_t value, int* option) {
     if (value != 0) *option = static_cast<int>(check.in_range(field, value, 1u, std::uint32_t{kMaxRegions}));
@@ -45,7 +45,7 @@ absl::StatusOr<MeasureOptions> to_measure_options(const v1::MeasureRequest& requ
 absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureRequest& request,
                                                               const std::vector<std::shared_ptr<const Mesh>>& files) {
   static_assert(std::endian::native == std::endian::little);
-  Checker check;
+  FieldValidator check;
   std::uint64_t all = 0;
   for (std::size_t s = 0; s < files.size(); ++s) {
     const std::uint64_t points = files[s]->size / sizeof(Floats);

@@ -1,4 +1,4 @@
-// Measures between core and proto.
+// Converts measures of point sets between core and proto.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -11,15 +11,15 @@
 
 namespace curvecast::server {
 
-/// Everything but mesh and points; defaults are filled in. InvalidArgument names the field at fault and its value.
+/// Converts all but mesh and points, and fills in defaults. InvalidArgument names the field at fault and its value.
 absl::StatusOr<MeasureOptions> to_measure_options(const v1::MeasureRequest& request);
 
-/// The points of all sets in absolute coordinates, from the files that hold them, one for each. InvalidArgument and OutOfRange
-/// name the set at fault.
+/// Reads the points of all sets in absolute coordinates; files[s] holds those of set s. InvalidArgument and OutOfRange name the
+/// set at fault.
 absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureRequest& request,
                                                               const std::vector<std::shared_ptr<const Mesh>>& files);
 
-/// `diagonal`: of the mesh's box.
+/// Converts a report; distances become percentages of `diagonal`, that of the mesh's box.
 v1::Measures to_proto(const MeasureReport& report, double diagonal);
 
 }  // namespace curvecast::server

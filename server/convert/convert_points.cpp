@@ -24,6 +24,15 @@ std::string rgb_bytes(const std::vector<Rgba8>& colours, std::size_t begin, std:
 
 }  // namespace
 
+v1::FrameStatistics to_proto(const PointSetStatistics& statistics) {
+  v1::FrameStatistics out;
+  out.set_density_seconds(statistics.density_seconds);
+  out.set_equalise_seconds(statistics.equalise_seconds);
+  out.set_encode_seconds(statistics.encode_seconds);
+  out.set_curve_vertices(statistics.curve_vertices);
+  return out;
+}
+
 v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
                              const PointAttributes& wanted) {
   const auto column = [&](const auto& value_of) {

@@ -1,29 +1,41 @@
-// Points on their way to a client.
+// Converts point sets, changes of point sets and their statistics to proto.
 #pragma once
 
 #include <absl/status/statusor.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "core/codec/draco_codec.h"
 #include "core/curve/surface_curve.h"
 #include "core/progressive/rank_delta.h"
 #include "curvecast/v1/curvecast.pb.h"
-#include "server/convert/sample.h"
+#include "server/convert/point_set_request.h"
 
 namespace curvecast::server {
 
-/// Points [begin, begin + count) as one block; `curve` is the one that they were sampled from. The attributes are left to the
-/// other function.
+/// How long the steps from a view to its blocks took.
+struct PointSetStatistics {
+  double density_seconds = 0;
+  double equalise_seconds = 0;  // selecting and listing, for ranked points
+  double encode_seconds = 0;
+  std::uint64_t curve_vertices = 0;  // of the curve that was sampled
+};
+
+/// Converts all but `refining`, which the sender of the message decides.
+v1::FrameStatistics to_proto(const PointSetStatistics& statistics);
+
+/// Encodes points [begin, begin + count) as one block, without attributes. `curve` is the one that they were sampled from. Not
+/// `draco`: as raw floats. Errors as of encode_draco().
 absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
                                         const std::optional<DracoOptions>& draco);
 
-/// The attributes asked for, of the same points.
+/// Encodes the attributes `wanted` of points [begin, begin + count).
 v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
                              const PointAttributes& wanted);
 
-/// Changes of a list, as the API writes them; `curve` is the one that has the ranks.
+/// Converts the changes of a list of points to differences of indices; `curve` is the one that has the ranks.
 v1::PointEdits to_proto(const RankDelta& delta, const ListDelta& places, const SurfaceCurve& curve);
 
 }  // namespace curvecast::server

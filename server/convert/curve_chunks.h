@@ -1,4 +1,4 @@
-// Packs a curve into messages.
+// Converts a curve to messages.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,13 @@
 
 namespace curvecast::server {
 
-/// Curve vertices in one message: under 1 MiB.
+/// Curve vertices of one message, at most: under 1 MiB.
 inline constexpr std::size_t kChunkCurveVertices = 28'672;
 
+/// Converts what a client must know before the chunks.
 v1::CurveInfo to_curve_info(const SurfaceCurve& curve);
 
-/// The chunk that begins with vertex `begin` < curve.size() and ends with its disc at the latest.
+/// Converts the vertices from `begin` < curve.size() on: kChunkCurveVertices, or fewer where the disc ends.
 v1::CurveChunk to_curve_chunk(const SurfaceCurve& curve, std::size_t begin);
 
 }  // namespace curvecast::server

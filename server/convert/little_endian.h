@@ -1,4 +1,4 @@
-// Numbers as bytes of messages.
+// Writes numbers as bytes of messages.
 #pragma once
 
 #include <bit>
@@ -7,8 +7,8 @@
 
 namespace curvecast::server {
 
-/// Elements [begin, begin + count) of a vector or column as little-endian bytes, one after the other: numbers, or plain arrays of
-/// them.
+/// Returns the bytes of elements [begin, begin + count) of a vector or column, one after the other, the lowest byte of a number
+/// first. Elements are numbers or plain arrays of numbers.
 template <class Values>
 std::string little_endian(const Values& values, std::size_t begin, std::size_t count) {
   static_assert(std::endian::native == std::endian::little);

@@ -71,17 +71,18 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
           .answer =
               [this, source = new_source()](const std::shared_ptr<const Session>& session, const FrameRequest& request) {
                 const FrameCache::Key key{.curve = session->curve(),
-                                          .sample = request.sample.fingerprint,
-                                          .points = request.sample.options.points,
-                                          .held = request.held != nullptr ? request.held->digest() : 0,
+                                          .request = request.point_set.fingerprint,
+                                          .points = request.point_set.options.points,
+                                          .reference = request.reference != nullptr ? request.reference->digest() : 0,
                                           .first_bytes = request.first_bytes};
                 const auto make = [&] {
-                  return make_frame(*session, request, view_cache, improvement_requests(session, request.sample, source));
+                  return make_frame(*session, request, view_cache, improvement_requests(session, request.point_set, source));
                 };
                 // The last improvement says that no better one follows, which is true for its client only.
                 return request.may_refine ? frame_cache.get(key, make) : make();
               },
-          .restore = [this](const Session& session, const HeldClaim& claim) { return restore_held(session, claim, view_cache); },
+          .restore = [this](const Session& session,
+                            const ResumeClaim& claim) { return restore_reference(session, claim, view_cache); },
           .submit = [this, connection = std::move(connection)](
                         std::function<void()> job) { return submit_view(std::move(job), connection); },
           .count_queued = [this](std::int64_t bytes) { queued.add(bytes); },
@@ -101,9 +102,10 @@ absl::Status Engine::submit_view(std::function<void()> job, const std::string& c
   return views.submit(std::move(job), connection);
 }
 
-OnShort Engine::improvement_requests(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source) {
+ImprovementRequests Engine::improvement_requests(const std::shared_ptr<const Session>& session, const PointSetRequest& request,
+                                                 std::uint64_t source) {
   return {.finer_curve =
-              [this, session, source, density = sample.options.density](const SurfaceCurve& curve, std::uint64_t points) {
+              [this, session, source, density = request.options.density](const SurfaceCurve& curve, std::uint64_t points) {
                 return refiner.request(session, curve, source, {points, density});
               },
           .more_ranks = [this, session](std::span<const ChunkId> lacking) { return rank_jobs.request(session, lacking); }};

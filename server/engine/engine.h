@@ -45,9 +45,10 @@ class Engine {
   /// Makes a conversation that stop_streams() ends; Unavailable after stop_streams(). `connection` is whose share of the workers
   /// it takes.
   absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, std::string connection);
-  /// What the functions of point_blocks.h call where an answer to `sample` falls short: has the session's curve refined, and more
-  /// ranked candidates made.
-  OnShort improvement_requests(const std::shared_ptr<const Session>& session, const Sample& sample, std::uint64_t source);
+  /// Returns what make_frame() and make_point_blocks() call where an answer falls short of `request`: they have the session's
+  /// curve refined, and more ranked candidates made.
+  ImprovementRequests improvement_requests(const std::shared_ptr<const Session>& session, const PointSetRequest& request,
+                                           std::uint64_t source);
   /// Makes a number by which Refiner::request() tells conversations and calls apart.
   std::uint64_t new_source() { return ++sources_; }
   /// Counts what is held and what waits at this moment.

@@ -23,49 +23,49 @@ ViewConversation::ViewConversation(Engine& engine, Admission::Ticket ticket, std
       tally_(engine.metrics),
       rate_(engine.max_view_rate) {}
 
-void ViewConversation::take(const v1::StreamViewsRequest& request, std::function<void()> on_taken) {
+void ViewConversation::receive(const v1::StreamViewsRequest& request, std::function<void()> on_received) {
   if (request.has_view()) tally_.received(request.view().sequence());
   if (request.has_open() && engine_.sessions.must_load(request.open().session_id())) {
     // By a thread that may wait for the disk, before the stream hears of it.
-    const auto submitted = engine_.cache->loading().submit([this, &request, on_taken] {
-      const auto held = guarded([&] { return engine_.sessions.find(request.open().session_id()); });
+    const auto submitted = engine_.cache->loading().submit([this, &request, on_received] {
+      const auto loaded = guarded([&] { return engine_.sessions.find(request.open().session_id()); });
       stream_->receive(request);  // finds it in memory, or an error
-      on_taken();
+      on_received();
     });
     if (submitted.ok()) return;
     stream_->stop(submitted.status());
-    return on_taken();
+    return on_received();
   }
   stream_->receive(request);
   const RateLimit::Clock::duration wait = rate_.take(RateLimit::Clock::now());
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (wait > RateLimit::Clock::duration::zero() && !is_over_) {
       // Not reading is what slows the client down: its messages wait with itself. The alarm keeps the function that it is given
       // after it has gone off: that one must hold nothing.
-      on_taken_ = std::move(on_taken);
-      return alarm_.Set(std::chrono::system_clock::now() + wait, [this](bool) { go_on(); });
+      on_received_ = std::move(on_received);
+      return alarm_.Set(std::chrono::system_clock::now() + wait, [this](bool) { resume(); });
     }
   }
-  on_taken();
+  on_received();
 }
 
-void ViewConversation::go_on() {
-  std::function<void()> on_taken;
+void ViewConversation::resume() {
+  std::function<void()> on_received;
   {
-    const std::lock_guard lock(mutex_);
-    on_taken.swap(on_taken_);
+    const MutexLock lock(mutex_);
+    on_received.swap(on_received_);
   }
-  on_taken();  // this may go at once
+  on_received();  // may destroy this conversation
 }
 
 void ViewConversation::end_pause() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   is_over_ = true;
   alarm_.Cancel();
 }
 
-void ViewConversation::count(const v1::StreamViewsResponse& response) {
+void ViewConversation::count_sent(const v1::StreamViewsResponse& response) {
   tally_.answered(response.frame().sequence());
   engine_.metrics.frame(response.frame());
 }

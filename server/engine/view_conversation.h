@@ -1,4 +1,4 @@
-// A stream of views as the server sees it, whatever carries it: admitted, counted, and held to its rate.
+// A stream of views on a server, whatever carries it: admitted, counted, and slowed down to the rate that is allowed.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -6,10 +6,10 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "core/base/mutex.h"
 #include "server/base/admission.h"
 #include "server/base/rate_limit.h"
 #include "server/engine/engine.h"
@@ -18,39 +18,40 @@
 
 namespace curvecast::server {
 
-/// Begun and given messages by one transport, one message at a time.
+/// Belongs to one transport. receive() is called for one message at a time; the other functions by any thread.
 class ViewConversation {
  public:
-  /// `caller` as of caller_of(), `peer` shares the workers with the others. ResourceExhausted where there are too many,
-  /// Unavailable while the server shuts down.
+  /// Begins a conversation with an open stream. `caller` is what caller_of() names; streams of one `peer` share its part of the
+  /// workers. ResourceExhausted: there are too many streams. Unavailable: the server shuts down.
   static absl::StatusOr<std::unique_ptr<ViewConversation>> begin(Engine& engine, ClientStream::Transport* transport,
                                                                  const std::string& caller, const std::string& peer);
 
   ClientStream& stream() { return *stream_; }
 
-  /// Takes a message in, and calls `on_taken` once the next one may come, as the last thing: within the call, or later on another
-  /// thread. Until then the request and this stay where they are.
-  void take(const v1::StreamViewsRequest& request, std::function<void()> on_taken);
-  /// A pause that a message is held to ends at once; there are no others. The stream is over.
-  void end_pause();
-  /// Counts no more, so that who hears of the end may begin again at once. Called once, when nothing is taken in any more.
-  void leave() { ticket_.reset(); }
-  /// A message that is about to be sent.
-  void count(const v1::StreamViewsResponse& response);
+  /// Passes a message to the stream, and calls `on_received` once the next message may come, as the last thing: within the call,
+  /// or later on another thread. Until then the request and the conversation must stay where they are.
+  void receive(const v1::StreamViewsRequest& request, std::function<void()> on_received) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Ends the pause after a message at once, and makes no more pauses: the stream is over.
+  void end_pause() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Makes room for another stream, so that a client that hears of the end may begin again at once. Called once, when no message
+  /// is being received.
+  void release_admission() { ticket_.reset(); }
+  /// Counts a message that is about to be sent.
+  void count_sent(const v1::StreamViewsResponse& response);
 
  private:
   ViewConversation(Engine& engine, Admission::Ticket ticket, std::shared_ptr<ClientStream> stream);
-  /// A pause is over.
-  void go_on();
+  /// Lets the next message come after a pause.
+  void resume() ABSL_LOCKS_EXCLUDED(mutex_);
 
   Engine& engine_;
   std::optional<Admission::Ticket> ticket_;
   const std::shared_ptr<ClientStream> stream_;
   ViewTally tally_;
   RateLimit rate_;
-  std::mutex mutex_;
-  bool is_over_ = false;
-  std::function<void()> on_taken_;  // of the message that a pause follows; null: there is no pause
+  Mutex mutex_;
+  bool is_over_ ABSL_GUARDED_BY(mutex_) = false;
+  std::function<void()> on_received_ ABSL_GUARDED_BY(mutex_);  // of the message that a pause follows; null: there is no pause
   grpc::Alarm alarm_;
 };
 

@@ -10,249 +10,246 @@
 namespace curvecast::server {
 namespace {
 
-constexpr std::size_t kMaxUnacknowledged = 2;
 // A density that varies within a leaf may find its parts too coarse again; after so many rounds the curve is as good as it gets.
 constexpr int kMaxImprovements = 8;
 constexpr std::uint64_t kLeastFirstBytes = 1024;
 
+ViewEvent event_of(FollowUp follow_up) {
+  switch (follow_up) {
+    case FollowUp::kNone:
+      return ViewEvent::kFinal;
+    case FollowUp::kNextPart:
+      return ViewEvent::kPart;
+    case FollowUp::kAfterImprovement:
+      return ViewEvent::kPromised;
+  }
+  return ViewEvent::kFinal;
+}
+
 }  // namespace
 
-ClientStream::ClientStream(Transport* transport, Hooks hooks) : transport_(transport), hooks_(std::move(hooks)) {}
+ClientStream::ClientStream(Transport* transport, Hooks hooks)
+    : transport_(transport), hooks_(std::move(hooks)), window_(hooks_.count_queued) {}
 
-ClientStream::~ClientStream() { hooks_.count_queued(-queued_bytes_ - sending_bytes_); }
+// ------------------------------------------------------------------------------------------------------------ events
 
 void ClientStream::receive(const v1::StreamViewsRequest& request) {
-  const std::lock_guard lock(mutex_);
-  if (ended_ || ending_) return;
+  const MutexLock lock(mutex_);
+  if (is_over()) return;
   const auto kind = request.request_case();
   if (kind == v1::StreamViewsRequest::REQUEST_NOT_SET) {
-    ending_ = absl::InvalidArgumentError("the message holds neither open, view nor ack");
+    fail(absl::InvalidArgumentError("the message holds neither open, view nor ack"));
   } else if (kind == v1::StreamViewsRequest::kOpen) {
-    open(request.open());
-  } else if (session_ == nullptr) {
-    ending_ = absl::InvalidArgumentError("the first message must be open");
+    receive_open(request.open());
+  } else if (link_ == LinkState::kUnopened) {
+    fail(absl::InvalidArgumentError("the first message must be open"));
   } else if (kind == v1::StreamViewsRequest::kView) {
-    view(request.view());
+    receive_view(request.view());
   } else {
-    acknowledge(request.ack().sequence());
+    receive_ack(request.ack().sequence());
   }
-  advance();
+  dispatch();
 }
 
 void ClientStream::half_close() {
-  const std::lock_guard lock(mutex_);
-  half_closed_ = true;
-  if (session_ == nullptr && !ending_) ending_ = absl::InvalidArgumentError("the stream ended before open");
-  advance();
+  const MutexLock lock(mutex_);
+  change_link(LinkEvent::kHalfClosed, absl::InvalidArgumentError("the stream ended before open"));
+  dispatch();
 }
 
 void ClientStream::sent(bool ok) {
-  const std::lock_guard lock(mutex_);
-  sending_ = false;
-  hooks_.count_queued(-std::exchange(sending_bytes_, 0));
-  if (!ok && !ending_) ending_ = absl::CancelledError("the client has gone");
-  advance();
+  const MutexLock lock(mutex_);
+  window_.end_send();
+  if (!ok) fail(absl::CancelledError("the client has gone"));
+  dispatch();
 }
 
 void ClientStream::refined(const Session& session) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (session_ == nullptr || session_->live != session.live) return;
-  refined_ = true;
-  advance();
+  view_state_ = next(view_state_, ViewEvent::kImproved);
+  dispatch();
 }
 
 void ClientStream::stop(const absl::Status& reason) {
-  const std::lock_guard lock(mutex_);
-  if (!ending_) ending_ = reason;
-  advance();
+  const MutexLock lock(mutex_);
+  fail(reason);
+  dispatch();
 }
 
-void ClientStream::open(const v1::OpenView& request) {
-  if (session_ != nullptr) {
-    ending_ = absl::InvalidArgumentError("open was sent twice; use a stream for each session");
-    return;
+void ClientStream::receive_open(const v1::OpenView& request) {
+  if (link_ != LinkState::kUnopened) {
+    return fail(absl::InvalidArgumentError("open was sent twice; use a stream for each session"));
   }
   auto session = hooks_.find(request.session_id());
-  if (!session.ok()) {
-    ending_ = session.status();
-    return;
-  }
+  if (!session.ok()) return fail(session.status());
   session_ = *std::move(session);
   accepts_deltas_ = request.accept_deltas();
+  change_link(LinkEvent::kOpened);
   if (!accepts_deltas_ || request.held().digest() == 0) return;
-  absl::StatusOr<Sample> sample = to_sample(request.held().sample());
-  if (sample.ok()) {
-    claim_ = HeldClaim{*std::move(sample), request.held().points(), request.held().digest()};
-  } else {
-    ending_ = absl::InvalidArgumentError(absl::StrCat("open.held: ", sample.status().message()));
-  }
+  absl::StatusOr<PointSetRequest> held = to_point_set_request(request.held().sample());
+  if (!held.ok()) return fail(absl::InvalidArgumentError(absl::StrCat("open.held: ", held.status().message())));
+  claim_ = ResumeClaim{*std::move(held), request.held().points(), request.held().digest()};
 }
 
-void ClientStream::view(const v1::ViewUpdate& update) {
-  if (last_view_ && update.sequence() <= *last_view_) {
-    ending_ = absl::InvalidArgumentError(
-        absl::StrCat("view.sequence is ", update.sequence(), " after ", *last_view_, "; number the views upwards"));
-    return;
+void ClientStream::receive_view(const v1::ViewUpdate& update) {
+  if (newest_sequence_ && update.sequence() <= *newest_sequence_) {
+    return fail(absl::InvalidArgumentError(
+        absl::StrCat("view.sequence is ", update.sequence(), " after ", *newest_sequence_, "; number the views upwards")));
   }
-  last_view_ = update.sequence();
+  newest_sequence_ = update.sequence();
   wants_key_ = wants_key_ || update.key_frame();
-  pending_ = View{update.sequence(), to_sample(update.sample()), update.first_bytes()};
+  view_ = View{update.sequence(), to_point_set_request(update.sample()), update.first_bytes()};
   if (update.first_bytes() > 0 && update.first_bytes() < kLeastFirstBytes) {
-    pending_->sample = absl::InvalidArgumentError(
+    view_->request = absl::InvalidArgumentError(
         absl::StrCat("view.first_bytes is ", update.first_bytes(), "; it must be at least ", kLeastFirstBytes));
   }
-  coarse_.reset();
+  view_state_ = next(view_state_, ViewEvent::kArrived);
 }
 
-void ClientStream::acknowledge(std::uint64_t sequence) {
-  // Taken at its word, an acknowledgement ahead of its frame would let frames pile up for a client that reads none.
-  if (!last_sent_ || sequence > *last_sent_) {
-    ending_ = absl::InvalidArgumentError(absl::StrCat("ack.sequence is ", sequence, ", which no frame sent so far has reached"));
-    return;
-  }
-  // A number may have been sent twice: a frame that is still to be sent is not meant.
-  while (unacknowledged_.size() > outbox_.size() && unacknowledged_.front().sequence <= sequence) {
-    const Unacknowledged& frame = unacknowledged_.front();
+void ClientStream::receive_ack(std::uint64_t sequence) {
+  const bool is_sent = window_.acknowledge(sequence, [this](const SendWindow::Frame& frame) {
+    mutex_.assert_held();
     if (frame.automatic) pace_.observe(*frame.automatic, frame.points, Clock::now() - frame.started);
-    unacknowledged_.pop_front();
+  });
+  if (!is_sent) {
+    fail(absl::InvalidArgumentError(absl::StrCat("ack.sequence is ", sequence, ", which no frame sent so far has reached")));
   }
 }
 
-bool ClientStream::is_due() const {
-  const bool may_send = unacknowledged_.size() < kMaxUnacknowledged;
-  if (pending_) return may_send || half_closed_;
-  return coarse_ && refined_ && may_send && !half_closed_;
+// ----------------------------------------------------------------------------------------------------------- actions
+
+void ClientStream::fail(absl::Status reason) { change_link(LinkEvent::kFailed, std::move(reason)); }
+
+void ClientStream::change_link(LinkEvent event, absl::Status reason) {
+  const bool was_over = is_over();
+  link_ = next(link_, event);
+  if (was_over || !is_over()) return;
+  end_status_ = std::move(reason);
+  cancel_ = true;
+  view_.reset();
+}
+
+void ClientStream::dispatch() {
+  if (is_over()) return end_when_idle();
+  if (!has_worker_ && is_due()) {
+    if (view_state_ == ViewState::kWaiting && !view_->request.ok()) {
+      refuse_waiting_view(view_->request.status());  // needs no worker
+    } else {
+      ask_for_worker();
+    }
+  }
+  if (!window_.is_sending() && window_.has_queued()) {
+    transport_->send(window_.begin_send());
+  } else if (link_ == LinkState::kHalfClosed && !has_worker_ && !window_.is_sending()) {
+    change_link(LinkEvent::kDrained);
+    end_when_idle();
+  }
+}
+
+void ClientStream::end_when_idle() {
+  window_.clear();
+  if (link_ == LinkState::kEnded || window_.is_sending()) return;
+  change_link(LinkEvent::kIdle);
+  session_.reset();
+  reference_.reset();
+  transport_->end(end_status_);
 }
 
 void ClientStream::ask_for_worker() {
-  const absl::Status accepted = hooks_.submit([self = shared_from_this()] { self->work(); });
-  if (accepted.ok()) {
-    computing_ = true;
-  } else if (pending_) {
-    queue_frame(*std::exchange(pending_, std::nullopt), accepted);
-  } else {
-    coarse_.reset();
-  }
+  const absl::Status accepted = hooks_.submit([self = shared_from_this()] { self->run_worker(); });
+  has_worker_ = accepted.ok();
+  // A better frame is asked for again with the next event: its promise stands.
+  if (!accepted.ok() && view_state_ == ViewState::kWaiting) refuse_waiting_view(accepted);
 }
 
-ClientStream::View ClientStream::take_due() {
-  std::optional<View>& due = pending_ ? pending_ : coarse_;
-  if (!pending_) ++due->improvements;
-  View view = *std::move(due);
-  due.reset();
+void ClientStream::run_worker() {
+  MutexLock lock(mutex_);
+  if (is_due()) {
+    View view = begin_answer();
+    absl::StatusOr<Answer> made = absl::UnknownError("");
+    if (!view.request.ok()) {
+      made = view.request.status();
+    } else {
+      if (view.request->automatic) view.request->options.points = pace_.points(*view.request->automatic);
+      if (wants_key_) claim_.reset();
+      // No frame is queued before this one, unless with an error.
+      const auto session = session_;
+      const auto claim = claim_;
+      auto reference = wants_key_ ? nullptr : reference_;
+      const std::uint64_t first_bytes = accepts_deltas_ ? view.first_bytes : 0;
+      lock.unlock();
+      made = guarded([&]() -> absl::StatusOr<Answer> {
+        if (claim) {
+          absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restored = hooks_.restore(*session, *claim);
+          if (restored.ok()) reference = *std::move(restored);  // else the client gets a key frame
+        }
+        return hooks_.answer(session, {.point_set = *view.request,
+                                       .reference = reference.get(),
+                                       .first_bytes = first_bytes,
+                                       .may_refine = view.improvements < kMaxImprovements,
+                                       .cancel = &cancel_});
+      });
+      lock.lock();
+    }
+    finish_answer(std::move(view), std::move(made));
+  }
+  has_worker_ = false;
+  dispatch();
+}
+
+ClientStream::View ClientStream::begin_answer() {
+  View view = *std::exchange(view_, std::nullopt);
+  view_state_ = next(view_state_, ViewEvent::kTaken);
+  if (view.shown && !view.is_in_parts) ++view.improvements;
+  view.started = Clock::now();
   return view;
 }
 
-void ClientStream::work() {
-  std::unique_lock lock(mutex_);
-  if (!ending_ && is_due()) {
-    View view = take_due();
-    refined_ = false;
-    view.started = Clock::now();
-    absl::StatusOr<Answer> made = absl::UnknownError("");
-    if (!view.sample.ok()) {
-      made = view.sample.status();
-    } else {
-      if (view.sample->automatic) view.sample->options.points = pace_.points(*view.sample->automatic);
-      if (wants_key_) claim_.reset();
-      // No frame is queued before this one is settled, unless with an error.
-      const auto held = wants_key_ ? nullptr : held_;
-      const auto claim = claim_;
-      const auto session = session_;
-      lock.unlock();
-      made = guarded([&] { return answer(session, view, held, claim); });
-      lock.lock();
-    }
-    settle(std::move(view), std::move(made));
+void ClientStream::finish_answer(View view, absl::StatusOr<Answer> answer) {
+  if (is_over()) return;
+  const bool is_overtaken = view_state_ == ViewState::kWaiting;
+  if (view.shown && is_overtaken) return;
+  Progress progress;
+  FollowUp follow_up = FollowUp::kNone;
+  if (answer.ok()) {
+    progress = {answer->frame.curve_revision(), answer->frame.held_points()};
+    follow_up = answer->follow_up;
   }
-  computing_ = false;
-  advance();
+  const bool has_progress = !view.shown || view.shown->is_surpassed_by(progress);
+  // A part without progress is the last one, and answering the view once more would bring the same points.
+  if (follow_up == FollowUp::kNextPart && !has_progress) answer->follow_up = follow_up = FollowUp::kNone;
+  view_state_ = next(view_state_, event_of(follow_up));
+  // Without progress only the word that no better frame follows is news, or why.
+  if (has_progress || follow_up == FollowUp::kNone) queue_frame(view, std::move(answer));
+  if (follow_up == FollowUp::kNone || is_overtaken) return;
+  if (has_progress) view.shown = progress;
+  view.is_in_parts = follow_up == FollowUp::kNextPart;
+  view_ = std::move(view);
 }
 
-absl::StatusOr<Answer> ClientStream::answer(const std::shared_ptr<const Session>& session, const View& view,
-                                            std::shared_ptr<const HeldPoints> held, const std::optional<HeldClaim>& claim) const {
-  if (claim) {
-    absl::StatusOr<std::shared_ptr<const HeldPoints>> restored = hooks_.restore(*session, *claim);
-    if (restored.ok()) held = *std::move(restored);  // else the client gets a key frame
-  }
-  return hooks_.answer(session, {.sample = *view.sample,
-                                 .held = held.get(),
-                                 .first_bytes = accepts_deltas_ ? view.first_bytes : 0,
-                                 .may_refine = view.improvements < kMaxImprovements,
-                                 .cancel = &cancel_});
-}
-
-void ClientStream::settle(View view, absl::StatusOr<Answer> answer) {
-  const bool is_again = view.improvements > 0;
-  const bool is_part = answer.ok() && answer->is_part;
-  const bool is_coarse = answer.ok() && answer->frame.statistics().refining();
-  const std::uint64_t revision = answer.ok() ? answer->frame.curve_revision() : 0;
-  const std::uint64_t points = answer.ok() ? answer->frame.held_points() : 0;
-  // The client has points for this view: only better ones are news, or more, or that there will be none.
-  const bool is_better = revision > coarse_revision_ || points > coarse_points_ || !is_coarse;
-  const bool is_news = !is_again || is_part || (answer.ok() && is_better);
-  if (is_again && view.sequence != last_view_) return;  // overtaken meanwhile
-  if (is_coarse && view.sequence == last_view_) {
-    coarse_revision_ = revision;
-    coarse_points_ = points;
-    coarse_ = view;
-    refined_ = refined_ || is_part;  // the next part waits for nothing
-  }
-  if (is_news) queue_frame(view, std::move(answer));
+void ClientStream::refuse_waiting_view(const absl::Status& reason) {
+  view_state_ = next(view_state_, ViewEvent::kRefused);
+  queue_frame(*std::exchange(view_, std::nullopt), reason);
 }
 
 void ClientStream::queue_frame(const View& view, absl::StatusOr<Answer> answer) {
-  if (ending_) return;
   v1::StreamViewsResponse response;
-  Unacknowledged& frame = unacknowledged_.emplace_back(Unacknowledged{view.sequence});
+  v1::PointFrame& frame = *response.mutable_frame();
+  SendWindow::Frame queued{.sequence = view.sequence, .automatic = {}, .points = 0, .started = view.started};
   if (answer.ok()) {
-    if (!answer->is_part) frame.automatic = view.sample->automatic;
-    frame.points = view.sample->options.points;
-    frame.started = view.started;
-    *response.mutable_frame() = std::move(answer->frame);
-    if (accepts_deltas_) held_ = std::move(answer->held);
-    if (response.frame().kind() == v1::FRAME_KIND_KEY) wants_key_ = false;
+    frame = std::move(answer->frame);
+    frame.mutable_statistics()->set_refining(is_better_frame_due(link_, view_state_));
+    queued.points = view.request->options.points;
+    if (answer->follow_up != FollowUp::kNextPart) queued.automatic = view.request->automatic;
+    if (accepts_deltas_) reference_ = std::move(answer->reference);
+    if (frame.kind() == v1::FRAME_KIND_KEY) wants_key_ = false;
     claim_.reset();
   } else {
-    *response.mutable_frame()->mutable_error() = to_proto(answer.status());
+    *frame.mutable_error() = to_proto(answer.status());
   }
-  response.mutable_frame()->set_sequence(view.sequence);
-  const auto bytes = static_cast<std::int64_t>(response.ByteSizeLong());
-  queued_bytes_ += bytes;
-  hooks_.count_queued(bytes);
-  outbox_.push_back(std::move(response));
-}
-
-void ClientStream::advance() {
-  if (ended_) return;
-  // A view that is refused needs no worker.
-  if (!ending_ && !computing_ && is_due() && pending_ && !pending_->sample.ok()) {
-    const View refused = *std::exchange(pending_, std::nullopt);
-    queue_frame(refused, refused.sample.status());
-  }
-  if (!ending_ && !computing_ && is_due()) ask_for_worker();
-  if (!ending_ && half_closed_ && !computing_ && outbox_.empty() && !sending_) ending_ = absl::OkStatus();
-  if (ending_) {
-    cancel_ = true;
-    pending_.reset();
-    coarse_.reset();
-    outbox_.clear();
-    hooks_.count_queued(-std::exchange(queued_bytes_, 0));
-    if (sending_) return;
-    ended_ = true;
-    session_.reset();
-    held_.reset();
-    transport_->end(*ending_);
-    return;
-  }
-  if (!sending_ && !outbox_.empty()) {
-    sending_ = true;
-    last_sent_ = outbox_.front().frame().sequence();
-    sending_bytes_ = static_cast<std::int64_t>(outbox_.front().ByteSizeLong());
-    queued_bytes_ -= sending_bytes_;
-    transport_->send(std::move(outbox_.front()));
-    outbox_.pop_front();
-  }
+  frame.set_sequence(view.sequence);
+  window_.push(queued, std::move(response));
 }
 
 }  // namespace curvecast::server

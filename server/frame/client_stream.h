@@ -4,121 +4,134 @@
 #include <absl/status/statusor.h>
 
 #include <atomic>
-#include <chrono>
-#include <deque>
+#include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "core/base/mutex.h"
 #include "server/frame/frame_pace.h"
 #include "server/frame/make_frame.h"
+#include "server/frame/send_window.h"
+#include "server/frame/stream_state.h"
 
 namespace curvecast::server {
 
-/// Thread-safe. The newest view wins: one waits, for a worker too, one is being answered, at most two frames are unacknowledged.
-/// Frames with an error count as frames. Held by shared_ptr, because jobs may outlive the transport.
+/// Answers the newest view: views that were overtaken are dropped. One view waits, for a worker too, one is being answered, at
+/// most two frames are unacknowledged. stream_state.h has the states that a stream goes through.
+///
+/// Thread-safe. Held by shared_ptr, because jobs may outlive the transport. All functions may be called by any thread, not by the
+/// transport or by a hook that is called with the lock held.
 class ClientStream : public std::enable_shared_from_this<ClientStream> {
  public:
   /// Called with the stream's lock held, so it must not call the stream back on the same thread.
   class Transport {
    public:
     virtual ~Transport() = default;
-    /// One at a time: not again before sent().
+    /// Sends one message at a time: send() is not called again before the transport has called sent().
     virtual void send(v1::StreamViewsResponse response) = 0;
-    /// The last call, and never while a message is being sent. The transport may go away at once.
+    /// Ends the stream. This is the last call, and never comes while a message is being sent. The transport may go away at once.
     virtual void end(const absl::Status& status) = 0;
   };
 
   struct Hooks {
-    /// The session to open. Called with the lock held.
+    /// Finds the session to open. Called with the lock held.
     std::function<absl::StatusOr<std::shared_ptr<const Session>>(const std::string& session_id)> find;
-    /// Answers a view, without the lock, on a worker. A frame whose statistics say that the curve is being refined is a promise
-    /// that refined() follows, after the curve was taken; unless it is a part.
+    /// Answers a view. Called without the lock, on a worker. An answer with FollowUp::kAfterImprovement promises that refined()
+    /// is called after the session's curve and ranks were read for it.
     std::function<absl::StatusOr<Answer>(const std::shared_ptr<const Session>&, const FrameRequest&)> answer;
-    /// What the client says that it has; null where that is not so. Without the lock, on a worker.
-    std::function<absl::StatusOr<std::shared_ptr<const HeldPoints>>(const Session&, const HeldClaim&)> restore;
-    /// Has a worker run the job later, never within the call. An error refuses the newest view.
+    /// Makes the points again that the client says that it has; null where it has others. Called without the lock, on a worker.
+    std::function<absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(const Session&, const ResumeClaim&)> restore;
+    /// Has a worker run the job later, never within the call. Called with the lock held. An error refuses a view that has no
+    /// frame yet; a better frame of a view is tried again with the next event.
     std::function<absl::Status(std::function<void()> job)> submit;
-    /// Told of bytes of frames that wait to be sent, or are being sent, from then on or (below 0) no more. Called with the lock
-    /// held.
+    /// Counts bytes of frames that are queued or being sent from now on or, below 0, no more. Called with the lock held.
     std::function<void(std::int64_t bytes)> count_queued;
   };
 
   ClientStream(Transport* transport, Hooks hooks);
-  ~ClientStream();
 
-  void receive(const v1::StreamViewsRequest& request);
+  void receive(const v1::StreamViewsRequest& request) ABSL_LOCKS_EXCLUDED(mutex_);
   /// The client sends no more: it gets the frames still due, then the end.
-  void half_close();
-  /// The message has left, or never will.
-  void sent(bool ok);
-  /// A refinement of a session's curve is over: if it is this stream's session and the newest view found the curve too coarse,
-  /// that view is answered again, with the same number. Its frames count like others.
-  void refined(const Session& session);
-  /// Ends the stream as soon as no message is being sent; later and waiting views are dropped.
-  void stop(const absl::Status& reason);
+  void half_close() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// The message has left, or (false) never will.
+  void sent(bool ok) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Work on a session's curve or ranks is over, whether anything came of it or not. If the session is this stream's, and the
+  /// newest view waits for that, the view is answered again, with the same number; the frame is sent if it has more points than
+  /// the one before or a newer curve, or is the view's last one.
+  void refined(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Ends the stream as soon as no message is being sent; views and frames that wait are dropped.
+  void stop(const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  using Clock = std::chrono::steady_clock;
+  using Clock = SendWindow::Clock;
+
+  /// What the frames of a view have brought so far.
+  struct Progress {
+    std::uint64_t curve_revision = 0;
+    std::uint64_t points = 0;
+    /// Whether a frame goes beyond this.
+    bool is_surpassed_by(const Progress& later) const { return later.curve_revision > curve_revision || later.points > points; }
+  };
 
   struct View {
     std::uint64_t sequence = 0;
-    absl::StatusOr<Sample> sample;  // converted on arrival, so that what waits is small
-    std::uint64_t first_bytes = 0;  // of ViewUpdate
-    int improvements = 0;           // how often it was answered again
-    Clock::time_point started = {};
-  };
-  /// A frame computed. One with an automatic budget tells, when it is acknowledged, how long it took.
-  struct Unacknowledged {
-    std::uint64_t sequence;
-    std::optional<AutomaticBudget> automatic;
-    std::uint64_t points = 0;
+    absl::StatusOr<PointSetRequest> request;  // converted on arrival, so that what waits is small
+    std::uint64_t first_bytes = 0;            // of ViewUpdate
+    std::optional<Progress> shown;            // not set: the view has no frame yet
+    bool is_in_parts = false;                 // its last frame was a part
+    int improvements = 0;                     // how often it was answered again because the session was improved
     Clock::time_point started = {};
   };
 
-  void open(const v1::OpenView& request);
-  void view(const v1::ViewUpdate& update);
-  void acknowledge(std::uint64_t sequence);
-  /// Whether the newest view, or the same one again, is to be answered now.
-  bool is_due() const;
-  void ask_for_worker();
-  /// Answers the view that is due, on a worker.
-  void work();
-  View take_due();
-  /// Without the lock.
-  absl::StatusOr<Answer> answer(const std::shared_ptr<const Session>& session, const View& view,
-                                std::shared_ptr<const HeldPoints> held, const std::optional<HeldClaim>& claim) const;
-  void settle(View view, absl::StatusOr<Answer> answer);
-  void queue_frame(const View& view, absl::StatusOr<Answer> answer);
-  void advance();
+  // What the client sends.
+  void receive_open(const v1::OpenView& request) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void receive_view(const v1::ViewUpdate& update) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void receive_ack(std::uint64_t sequence) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  /// Ends the stream with `reason`, unless it is ending already.
+  void fail(absl::Status reason) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Ends the stream with `reason` if the event leads there.
+  void change_link(LinkEvent event, absl::Status reason = absl::OkStatus()) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool is_over() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return link_ == LinkState::kEnding || link_ == LinkState::kEnded; }
+  bool is_due() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return wants_worker(link_, view_state_, window_.has_room()); }
+
+  /// Does what is due after an event: asks for a worker, gives the next message to the transport, or ends the stream.
+  void dispatch() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ask_for_worker() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void end_when_idle() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  /// Makes a frame of the view that is due, on a worker.
+  void run_worker() ABSL_LOCKS_EXCLUDED(mutex_);
+  View begin_answer() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void finish_answer(View view, absl::StatusOr<Answer> answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void refuse_waiting_view(const absl::Status& reason) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Queues a frame: the one place that sets FrameStatistics.refining in a stream.
+  void queue_frame(const View& view, absl::StatusOr<Answer> answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   Transport* const transport_;
   const Hooks hooks_;
-  std::mutex mutex_;
-  std::shared_ptr<const Session> session_;
-  bool accepts_deltas_ = false;             // does not change once there is a session
-  bool wants_key_ = false;                  // until one is queued
-  std::shared_ptr<const HeldPoints> held_;  // by the client, once it has taken in all that was queued
-  std::optional<HeldClaim> claim_;          // what it has of another stream; until a frame is queued
-  FramePace pace_;
-  std::optional<View> pending_;
-  bool computing_ = false;                      // or waiting for a worker
-  std::optional<View> coarse_;                  // answered, but from a curve that is being refined; newer views replace it
-  std::uint64_t coarse_revision_ = 0;           // of the curve that it was answered from
-  std::uint64_t coarse_points_ = 0;             // that it was answered with
-  bool refined_ = false;                        // since the newest answer was begun
-  std::deque<v1::StreamViewsResponse> outbox_;  // waits for the transport
-  bool sending_ = false;
-  std::int64_t queued_bytes_ = 0, sending_bytes_ = 0;  // of the outbox; of the message being sent
-  std::deque<Unacknowledged> unacknowledged_;  // frames computed, never descending; the last outbox_.size() have not been sent
-  std::optional<std::uint64_t> last_view_;     // numbers of the newest view received
-  std::optional<std::uint64_t> last_sent_;     // and of the newest frame given to the transport
-  bool half_closed_ = false;
-  std::optional<absl::Status> ending_;  // set: ends with it as soon as the transport is free
-  std::atomic<bool> cancel_ = false;    // then: nobody waits for the frame in the making
-  bool ended_ = false;
+  std::atomic<bool> cancel_ = false;  // true: nobody waits for the frame in the making
+
+  Mutex mutex_;
+  LinkState link_ ABSL_GUARDED_BY(mutex_) = LinkState::kUnopened;
+  absl::Status end_status_ ABSL_GUARDED_BY(mutex_);  // with which the stream ends, from kEnding on
+  std::shared_ptr<const Session> session_ ABSL_GUARDED_BY(mutex_);
+  bool accepts_deltas_ ABSL_GUARDED_BY(mutex_) = false;
+
+  ViewState view_state_ ABSL_GUARDED_BY(mutex_) = ViewState::kNone;
+  std::optional<View> view_ ABSL_GUARDED_BY(mutex_);  // the newest view: in kWaiting, kCoarse and kImprovable
+  std::optional<std::uint64_t> newest_sequence_ ABSL_GUARDED_BY(mutex_);
+  bool has_worker_ ABSL_GUARDED_BY(mutex_) = false;  // a worker was asked for, or works
+
+  std::shared_ptr<const ReferenceFrame> reference_
+      ABSL_GUARDED_BY(mutex_);                                // held by the client once it has received all that was queued
+  std::optional<ResumeClaim> claim_ ABSL_GUARDED_BY(mutex_);  // what the client holds of another stream; until a frame is queued
+  bool wants_key_ ABSL_GUARDED_BY(mutex_) = false;            // until a key frame is queued
+
+  FramePace pace_ ABSL_GUARDED_BY(mutex_);
+  SendWindow window_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace curvecast::server

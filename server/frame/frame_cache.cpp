@@ -10,7 +10,7 @@ namespace curvecast::server {
 absl::StatusOr<Answer> FrameCache::get(const Key& key, const std::function<absl::StatusOr<Answer>()>& make) {
   const auto entry = std::make_shared<Entry>();
   {
-    std::unique_lock lock(mutex_);
+    MutexLock lock(mutex_);
     for (auto found = entries_.find(key); found != entries_.end(); found = entries_.find(key)) {
       const std::shared_ptr<Entry> other = found->second;
       if (other->answer != nullptr) {
@@ -20,18 +20,18 @@ absl::StatusOr<Answer> FrameCache::get(const Key& key, const std::function<absl:
         ++shared_;
         return *other->answer;
       }
-      made_.wait(lock);
+      made_.wait(mutex_);
     }
     entries_.emplace(key, entry);
   }
-  // Whatever becomes of it, those who wait for it learn that they need not.
-  const absl::Cleanup settle = [&] {
-    const std::lock_guard lock(mutex_);
+  // Whatever becomes of the answer, the threads that wait for it go on.
+  const absl::Cleanup finish = [&] {
+    const MutexLock lock(mutex_);
     if (entry->answer == nullptr) entries_.erase(key);
     made_.notify_all();
   };
   absl::StatusOr<Answer> made = make();
-  if (made.ok() && !made->frame.statistics().refining()) keep(key, *entry, *made);
+  if (made.ok() && made->follow_up == FollowUp::kNone) keep(key, *entry, *made);
   return made;
 }
 
@@ -39,7 +39,7 @@ void FrameCache::keep(const Key& key, Entry& entry, const Answer& answer) {
   auto kept = std::make_shared<const Answer>(answer);
   const std::size_t bytes = answer.frame.ByteSizeLong();
   std::vector<std::shared_ptr<Entry>> gone;  // after the lock
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   entry.answer = std::move(kept);
   entry.bytes = bytes;
   entry.used = Clock::now();
@@ -50,7 +50,7 @@ void FrameCache::keep(const Key& key, Entry& entry, const Answer& answer) {
 
 void FrameCache::forget_before(Clock::time_point moment) {
   std::vector<std::shared_ptr<Entry>> gone;  // after the lock
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   while (!ages_.empty() && entries_.at(ages_.front())->used < moment) gone.push_back(drop_oldest());
 }
 

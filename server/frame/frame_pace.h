@@ -1,21 +1,22 @@
-// How many points keep up with the camera.
+// Decides how many points keep up with the camera.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 
-#include "server/convert/sample.h"
+#include "server/convert/point_set_request.h"
 
 namespace curvecast::server {
 
-/// Of one client. Frames that change little cost little, whatever their number of points: so it grows until it costs too much.
+/// The number of points of one client's automatic budgets. Frames that change little cost little, however many points they have:
+/// so the number grows until frames take too long. Not thread-safe.
 class FramePace {
  public:
   using Seconds = std::chrono::duration<double>;
 
-  /// For the next view.
+  /// Returns the number of points for the next view.
   std::uint64_t points(const AutomaticBudget& budget) const;
-  /// A frame of so many points took so long, from its start on the server to the client's acknowledgement.
+  /// Notes that a frame of `points` points took so long, from its start on the server to the client's acknowledgement.
   void observe(const AutomaticBudget& budget, std::uint64_t points, Seconds took);
 
  private:

@@ -23,7 +23,8 @@ constexpr std::uint64_t kPartGrowth = 4;
 
 struct PackedFrame {
   Packed packed;
-  std::optional<v1::PointEdits> edits;  // with which the points are to be taken in
+  std::optional<v1::PointEdits> edits;  // set: the blocks are points that these edits add
+  bool is_part = false;                 // the view has more points
 };
 
 absl::Status too_large(std::size_t bytes) {
@@ -31,118 +32,142 @@ absl::Status too_large(std::size_t bytes) {
                                                    " are sent: ask for fewer points or fewer bits, or use Resample"));
 }
 
-absl::StatusOr<PackedFrame> pack_key(Sampled sampled, const Sample& sample) {
-  absl::StatusOr<Packed> packed = pack(std::move(sampled), sample);
+absl::StatusOr<PackedFrame> pack_key(Sampled sampled, const PointSetRequest& request) {
+  absl::StatusOr<Packed> packed = pack(std::move(sampled), request);
   if (!packed.ok()) return packed.status();
   if (packed->bytes > kMaxFrameBytes) return too_large(packed->bytes);
-  return PackedFrame{*std::move(packed), {}};
+  return PackedFrame{*std::move(packed), {}, false};
 }
 
-/// All points.
-absl::StatusOr<PackedFrame> pack_frame(SessionSampler& sampler, const Sample& sample, std::uint64_t points) {
-  const std::size_t raw_bytes = raw_point_bytes(sampler.curve());
-  if (!sample.draco && points <= kMaxPoints && points > kMaxFrameBytes / raw_bytes) return too_large(points * raw_bytes);
+absl::StatusOr<PackedFrame> pack_sampled(SessionSampler& sampler, const PointSetRequest& request, std::uint64_t points) {
   absl::StatusOr<Sampled> sampled = sampler.sample(points);
   if (!sampled.ok()) return sampled.status();
-  return pack_key(*std::move(sampled), sample);
+  return pack_key(*std::move(sampled), request);
 }
 
-absl::StatusOr<PackedFrame> pack_bytes(SessionSampler& sampler, const Sample& sample) {
-  const std::uint64_t limit = std::min<std::uint64_t>(sample.max_bytes, kMaxFrameBytes);
-  absl::StatusOr<Packed> packed = pack_within(sampler, sample, static_cast<double>(limit));
+absl::StatusOr<PackedFrame> pack_bytes(SessionSampler& sampler, const PointSetRequest& request) {
+  const std::uint64_t limit = std::min<std::uint64_t>(request.max_bytes, kMaxFrameBytes);
+  absl::StatusOr<Packed> packed = pack_within(sampler, request, static_cast<double>(limit));
   if (!packed.ok()) return packed.status();
-  return PackedFrame{*std::move(packed), {}};
+  return PackedFrame{*std::move(packed), {}, false};
 }
 
-/// The difference to what the client has, or all points where that is smaller.
-absl::StatusOr<PackedFrame> pack_delta(SessionSampler& sampler, const Sample& sample, const HeldPoints& held,
-                                       std::uint64_t points) {
-  absl::StatusOr<Sampled> selected = sampler.select(points);
-  if (!selected.ok()) return selected.status();
-  RankedWorkspace& workspace = selected->workspace->ranked;
+/// Selects the ranked points of a part, or of the whole view where it has no more than those of the part: then the discs are
+/// those of the whole, and so are the chunks that it lacks.
+absl::StatusOr<Sampled> select_part(SessionSampler& sampler, std::uint64_t part, std::uint64_t whole) {
+  {
+    absl::StatusOr<Sampled> selected = sampler.select(part);
+    if (!selected.ok() || part == whole || selected->workspace->ranked.selection.count == part) return selected;
+  }
+  return sampler.select(whole);
+}
+
+absl::StatusOr<PackedFrame> pack_selected(Sampled selected, const PointSetRequest& request) {
+  SessionSampler::list(selected);
+  return pack_key(std::move(selected), request);
+}
+
+/// Packs the difference to what the client holds, or all points where these take fewer bytes.
+absl::StatusOr<PackedFrame> pack_delta(Sampled selected, const PointSetRequest& request, const ReferenceFrame& reference) {
+  RankedWorkspace& workspace = selected.workspace->ranked;
   const RankSelection& selection = workspace.selection;
   RankDelta& delta = workspace.delta;
   Stopwatch watch;
-  held.discs(workspace.discs);
-  compare(held.selection(), workspace.discs, selection, delta);
-  const double point_bytes = expected_point_bytes(*selected->curve, sample);
+  reference.discs(workspace.discs);
+  compare(reference.selection(), workspace.discs, selection, delta);
+  const double point_bytes = expected_point_bytes(*selected.curve, request);
   const auto count = static_cast<double>(selection.count), added = static_cast<double>(delta.added.size());
   const double scattered = point_bytes + kBytesPerDoubling * std::log2(count / std::max(added, 1.0));
   const double changes = added + static_cast<double>(delta.removed.size() + delta.resized.size());
   if (scattered * added + kEditBytes * changes > point_bytes * count) {
-    SessionSampler::list(*selected);
-    return pack_key(*std::move(selected), sample);
+    return pack_selected(std::move(selected), request);
   }
-  locate(*held.selection().tree, selection, delta, workspace.list_delta);
-  gather_ranked(*selected->curve, *selection.tree, delta.added, workspace.points);
-  v1::PointEdits edits = to_proto(delta, workspace.list_delta, *selected->curve);
-  selected->statistics.set_equalise_seconds(selected->statistics.equalise_seconds() + watch.lap());
-  if (delta.added.empty()) return PackedFrame{{*std::move(selected), {}, 0}, std::move(edits)};
-  absl::StatusOr<PackedFrame> out = pack_key(*std::move(selected), sample);
+  locate(*reference.selection().tree, selection, delta, workspace.list_delta);
+  gather_ranked(*selected.curve, *selection.tree, delta.added, workspace.points);
+  v1::PointEdits edits = to_proto(delta, workspace.list_delta, *selected.curve);
+  selected.statistics.equalise_seconds += watch.lap();
+  if (delta.added.empty()) return PackedFrame{{std::move(selected), {}, 0}, std::move(edits), false};
+  absl::StatusOr<PackedFrame> out = pack_key(std::move(selected), request);
   if (out.ok()) out->edits = std::move(edits);
   return out;
+}
+
+/// Packs as many points as the view's budget allows, or the next part of them.
+absl::StatusOr<PackedFrame> pack_view(SessionSampler& sampler, const FrameRequest& request, const ReferenceFrame* reference) {
+  const PointSetRequest& point_set = request.point_set;
+  const absl::StatusOr<std::uint64_t> whole = sampler.points();
+  if (!whole.ok()) return whole.status();
+  std::uint64_t part = *whole;
+  if (request.first_bytes > 0 && sampler.is_ranked()) {
+    const double first = static_cast<double>(request.first_bytes) / expected_point_bytes(sampler.curve(), point_set);
+    const std::uint64_t more = reference != nullptr ? kPartGrowth * reference->selection().count : 0;
+    part = std::min(*whole, std::max(more, static_cast<std::uint64_t>(std::max(first, 1.0))));
+  }
+  const std::size_t raw_bytes = raw_point_bytes(sampler.curve());
+  if (reference == nullptr && !point_set.draco && part <= kMaxPoints && part > kMaxFrameBytes / raw_bytes) {
+    return too_large(part * raw_bytes);
+  }
+  if (!sampler.is_ranked()) return pack_sampled(sampler, point_set, *whole);
+  absl::StatusOr<Sampled> selected = select_part(sampler, part, *whole);
+  if (!selected.ok()) return selected.status();
+  const bool is_part = part < *whole && selected->workspace->ranked.selection.count == part;
+  absl::StatusOr<PackedFrame> packed = reference != nullptr ? pack_delta(*std::move(selected), point_set, *reference)
+                                                            : pack_selected(*std::move(selected), point_set);
+  if (packed.ok()) packed->is_part = is_part;
+  return packed;
+}
+
+/// Returns what follows a frame, and asks for what the frame lacks. Where candidates lack and are being made, the next part waits
+/// for them.
+FollowUp follow_up_of(const PackedFrame& made, const FrameRequest& request, const ImprovementRequests& improvements) {
+  if (request.may_refine && request_improvement(made.packed.sampled, improvements)) return FollowUp::kAfterImprovement;
+  return made.is_part ? FollowUp::kNextPart : FollowUp::kNone;
 }
 
 }  // namespace
 
 absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& request, ViewCache& cache,
-                                  const OnShort& on_short) {
-  const Sample& sample = request.sample;
+                                  const ImprovementRequests& improvements) {
+  const PointSetRequest& point_set = request.point_set;
   absl::StatusOr<SessionSampler> sampler =
-      SessionSampler::open(session, sample, cache, SessionSampler::Wait::kForFirst, request.cancel);
+      SessionSampler::open(session, point_set, cache, SessionSampler::Wait::kForFirst, request.cancel);
   if (!sampler.ok()) return sampler.status();
-  const bool is_in_bytes = sample.max_bytes > 0;
-  const HeldPoints* const held =
-      request.held != nullptr && sampler->is_ranked() && !is_in_bytes && request.held->goes_with(sampler->curve(), sample)
-          ? request.held
-          : nullptr;
-  Answer answer;
-  absl::StatusOr<PackedFrame> made;
-  if (is_in_bytes) {
-    made = pack_bytes(*sampler, sample);
-  } else {
-    absl::StatusOr<std::uint64_t> points = sampler->points();
-    if (!points.ok()) return points.status();
-    if (request.first_bytes > 0 && sampler->is_ranked()) {
-      const double first = static_cast<double>(request.first_bytes) / expected_point_bytes(sampler->curve(), sample);
-      const std::uint64_t more = held != nullptr ? kPartGrowth * held->selection().count : 0;
-      const std::uint64_t part = std::max(more, static_cast<std::uint64_t>(std::max(first, 1.0)));
-      answer.is_part = part < *points;
-      *points = std::min(*points, part);
-    }
-    made = held != nullptr ? pack_delta(*sampler, sample, *held, *points) : pack_frame(*sampler, sample, *points);
-  }
+  const bool may_differ =
+      request.reference != nullptr && sampler->is_ranked() && request.reference->goes_with(sampler->curve(), point_set);
+  absl::StatusOr<PackedFrame> made = point_set.max_bytes > 0
+                                         ? pack_bytes(*sampler, point_set)
+                                         : pack_view(*sampler, request, may_differ ? request.reference : nullptr);
   if (!made.ok()) return made.status();
-  Sampled& sampled = made->packed.sampled;
-  ask_for_better(sampled, request.may_refine ? on_short : OnShort());
-  // Where candidates lack there is nothing more until they are made.
-  answer.is_part = answer.is_part && sampled.lacking().empty();
-  if (answer.is_part) sampled.statistics.set_refining(true);
+  Answer answer;
+  answer.follow_up = follow_up_of(*made, request, improvements);
+  const Sampled& sampled = made->packed.sampled;
   v1::PointFrame& frame = answer.frame;
   frame.set_curve_revision(sampled.curve->revision);
   frame.set_kind(made->edits ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
   if (made->edits) *frame.mutable_edits() = *std::move(made->edits);
   for (v1::PointBlock& block : made->packed.blocks) *frame.add_points() = std::move(block);
-  *frame.mutable_statistics() = std::move(sampled.statistics);
-  if (sampler->is_ranked()) {
+  *frame.mutable_statistics() = to_proto(sampled.statistics);
+  if (sampled.is_ranked) {
     const RankSelection& selection = sampled.workspace->ranked.selection;
     frame.set_held_points(selection.count);
-    answer.held = std::make_shared<const HeldPoints>(sampled.curve, selection, sample);
-    frame.set_digest(answer.held->digest());
+    answer.reference = std::make_shared<const ReferenceFrame>(sampled.curve, selection, point_set);
+    frame.set_digest(answer.reference->digest());
   } else {
     frame.set_held_points(sampled.points().size());
   }
   return answer;
 }
 
-absl::StatusOr<std::shared_ptr<const HeldPoints>> restore_held(const Session& session, const HeldClaim& claim, ViewCache& cache) {
-  absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, claim.sample, cache, SessionSampler::Wait::kForAll);
+absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Session& session, const ResumeClaim& claim,
+                                                                        ViewCache& cache) {
+  absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, claim.point_set, cache, SessionSampler::Wait::kForAll);
   if (!sampler.ok()) return sampler.status();
   if (!sampler->is_ranked()) return nullptr;
   const absl::StatusOr<Sampled> selected = sampler->select(claim.points);
   if (!selected.ok()) return selected.status();
-  auto held = std::make_shared<const HeldPoints>(selected->curve, selected->workspace->ranked.selection, claim.sample);
-  return held->digest() == claim.digest ? held : nullptr;
+  auto reference =
+      std::make_shared<const ReferenceFrame>(selected->curve, selected->workspace->ranked.selection, claim.point_set);
+  return reference->digest() == claim.digest ? reference : nullptr;
 }
 
 }  // namespace curvecast::server

@@ -1,4 +1,4 @@
-// Answers the views of a stream: all points, or the difference to those that its client holds.
+// Makes the frame that answers a view: all its points, or the difference to those that the client holds.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "server/frame/held_points.h"
+#include "server/frame/reference_frame.h"
 #include "server/frame/session_sampler.h"
 
 namespace curvecast::server {
@@ -16,33 +16,43 @@ inline constexpr std::size_t kMaxFrameBytes = std::size_t{32} << 20;
 
 /// A view to be answered.
 struct FrameRequest {
-  const Sample& sample;
-  const HeldPoints* held = nullptr;           // what the client has, for a delta where that pays; null: a key frame
-  std::uint64_t first_bytes = 0;              // above 0: more come in parts, the first of about so many bytes
-  bool may_refine = true;                     // what it lacks may be made
-  const std::atomic<bool>* cancel = nullptr;  // set by anyone: the frame is not wanted any more; may be null
+  const PointSetRequest& point_set;
+  const ReferenceFrame* reference = nullptr;  // what the client holds, for a delta where that pays; null: a key frame
+  std::uint64_t first_bytes = 0;              // above 0: many points come in parts, the first of about so many bytes
+  bool may_refine = true;                     // what the frame lacks may be made
+  const std::atomic<bool>* cancel = nullptr;  // set by any thread: the frame is not wanted any more; may be null
 };
 
-/// An answer to a view, and what its client holds then: null where that is no use for the next frame.
+/// What can follow a frame of the same view without being asked for.
+enum class FollowUp {
+  kNone,              // nothing: no better frame is known of
+  kNextPart,          // a frame with more points, as soon as the client holds those of this one
+  kAfterImprovement,  // a better frame, once a finer curve or more ranked candidates have been made
+};
+
+/// The frame that answers a view. Its sequence number and FrameStatistics.refining are left to the caller, who knows whether the
+/// follow-up will be sent.
 struct Answer {
   v1::PointFrame frame;
-  std::shared_ptr<const HeldPoints> held;
-  bool is_part = false;  // the same view with what is held now has more points
+  std::shared_ptr<const ReferenceFrame> reference;  // what the client holds after the frame; null: no delta can start from it
+  FollowUp follow_up = FollowUp::kNone;
 };
 
-/// The sequence number is left to the caller. Does with the ranked candidates that there are. Errors as of curvecast::resample,
-/// ResourceExhausted for more than kMaxFrameBytes, and
-/// Cancelled.
-absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& request, ViewCache& cache, const OnShort& on_short);
+/// Makes a frame from the ranked candidates and the curve that there are, and asks for what is lacking. A part has exactly as
+/// many points as were asked for: where there are no more, the frame is that of the whole view. Errors as of curvecast::resample;
+/// ResourceExhausted for more than kMaxFrameBytes; Cancelled.
+absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& request, ViewCache& cache,
+                                  const ImprovementRequests& improvements);
 
-/// What a client says that it has of another stream.
-struct HeldClaim {
-  Sample sample;
+/// What a client says that it holds of another stream: OpenView.held.
+struct ResumeClaim {
+  PointSetRequest point_set;
   std::uint64_t points = 0;
   std::uint64_t digest = 0;
 };
 
-/// The points that a client claims to have, made again; null where they turn out to be others. Waits for ranked candidates.
-absl::StatusOr<std::shared_ptr<const HeldPoints>> restore_held(const Session& session, const HeldClaim& claim, ViewCache& cache);
+/// Selects again the points that a client claims to hold; null where their digest is another. Waits for ranked candidates.
+absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Session& session, const ResumeClaim& claim,
+                                                                        ViewCache& cache);
 
 }  // namespace curvecast::server

@@ -28,9 +28,10 @@ std::size_t data_bytes(const v1::PointBlock& block) {
 }
 
 /// Points [begin, begin + count) as one block with the attributes asked for.
-absl::StatusOr<v1::PointBlock> encode(const Sampled& sampled, std::size_t begin, std::size_t count, const Sample& sample) {
-  absl::StatusOr<v1::PointBlock> block = to_proto(sampled.points(), begin, count, *sampled.curve, sample.draco);
-  const PointAttributes& wanted = sample.attributes;
+absl::StatusOr<v1::PointBlock> encode(const Sampled& sampled, std::size_t begin, std::size_t count,
+                                      const PointSetRequest& request) {
+  absl::StatusOr<v1::PointBlock> block = to_proto(sampled.points(), begin, count, *sampled.curve, request.draco);
+  const PointAttributes& wanted = request.attributes;
   if (block.ok() && (wanted.curvatures || wanted.rank || wanted.surface)) {
     *block->mutable_attributes() = to_proto(sampled.points(), begin, count, *sampled.curve, wanted);
   }
@@ -39,39 +40,38 @@ absl::StatusOr<v1::PointBlock> encode(const Sampled& sampled, std::size_t begin,
 
 }  // namespace
 
-double expected_point_bytes(const SurfaceCurve& curve, const Sample& sample) {
+double expected_point_bytes(const SurfaceCurve& curve, const PointSetRequest& request) {
   const double more =
-      (sample.attributes.curvatures ? 8 : 0) + (sample.attributes.rank ? 4 : 0) + (sample.attributes.surface ? 12 : 0);
-  if (!sample.draco) return more + static_cast<double>(raw_point_bytes(curve));
-  return more + (1.4 * sample.draco->position_bits + sample.draco->normal_bits + 1) / 8 +
+      (request.attributes.curvatures ? 8 : 0) + (request.attributes.rank ? 4 : 0) + (request.attributes.surface ? 12 : 0);
+  if (!request.draco) return more + static_cast<double>(raw_point_bytes(curve));
+  return more + (1.4 * request.draco->position_bits + request.draco->normal_bits + 1) / 8 +
          (curve.colour.empty() ? 0 : kRawColourBytes);
 }
 
 std::size_t raw_point_bytes(const SurfaceCurve& curve) { return kRawPointBytes + (curve.colour.empty() ? 0 : kRawColourBytes); }
 
-absl::StatusOr<std::vector<v1::PointBlock>> encode_blocks(Sampled& sampled, std::size_t first, std::size_t last,
-                                                          const Sample& sample) {
+absl::StatusOr<std::vector<v1::PointBlock>> encode_point_blocks(Sampled& sampled, std::size_t first, std::size_t last,
+                                                                const PointSetRequest& request) {
   Stopwatch watch;
   const std::size_t total = sampled.points().size(), count = point_block_count(total);
   std::vector<absl::StatusOr<v1::PointBlock>> encoded(last - first, absl::UnknownError(""));
   tbb::parallel_for(first, last, [&](std::size_t b) {
     const std::size_t begin = b * total / count;
-    encoded[b - first] = encode(sampled, begin, (b + 1) * total / count - begin, sample);
+    encoded[b - first] = encode(sampled, begin, (b + 1) * total / count - begin, request);
   });
   std::vector<v1::PointBlock> blocks;
   for (absl::StatusOr<v1::PointBlock>& block : encoded) {
     if (!block.ok()) return block.status();
     blocks.push_back(*std::move(block));
   }
-  v1::FrameStatistics& statistics = sampled.statistics;
-  statistics.set_encode_seconds(statistics.encode_seconds() + watch.lap());
+  sampled.statistics.encode_seconds += watch.lap();
   return blocks;
 }
 
-absl::StatusOr<Packed> pack(Sampled sampled, const Sample& sample) {
+absl::StatusOr<Packed> pack(Sampled sampled, const PointSetRequest& request) {
   Packed out{std::move(sampled), {}, 0};
   absl::StatusOr<std::vector<v1::PointBlock>> blocks =
-      encode_blocks(out.sampled, 0, point_block_count(out.sampled.points().size()), sample);
+      encode_point_blocks(out.sampled, 0, point_block_count(out.sampled.points().size()), request);
   if (!blocks.ok()) return blocks.status();
   for (const v1::PointBlock& block : *blocks) out.bytes += data_bytes(block);
   out.blocks = *std::move(blocks);
@@ -79,21 +79,21 @@ absl::StatusOr<Packed> pack(Sampled sampled, const Sample& sample) {
   return out;
 }
 
-absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const Sample& sample, double limit) {
+absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const PointSetRequest& request, double limit) {
   const auto whole = [](double points) {
     return static_cast<std::uint64_t>(std::clamp(points, 1.0, static_cast<double>(kMaxPoints)));
   };
   std::optional<Packed> best;
-  std::uint64_t count = whole((sample.draco ? kAim : 1) * limit / expected_point_bytes(sampler.curve(), sample));
+  std::uint64_t count = whole((request.draco ? kAim : 1) * limit / expected_point_bytes(sampler.curve(), request));
   for (int round = 1;; ++round) {
     absl::StatusOr<Sampled> sampled = sampler.sample(count);
     if (!sampled.ok()) return sampled.status();
-    absl::StatusOr<Packed> packed = pack(*std::move(sampled), sample);
+    absl::StatusOr<Packed> packed = pack(*std::move(sampled), request);
     if (!packed.ok()) return packed.status();
     const auto bytes = static_cast<double>(packed->bytes);
     const bool fits = bytes <= limit;
     if (fits && (!best || packed->bytes > best->bytes)) best = *std::move(packed);
-    const bool is_done = fits && (bytes >= kGoodEnough * limit || count == kMaxPoints || !sample.draco);
+    const bool is_done = fits && (bytes >= kGoodEnough * limit || count == kMaxPoints || !request.draco);
     if (best && (is_done || round >= kMaxRounds)) return *std::move(best);
     if (!fits && count == 1) return absl::ResourceExhaustedError("sample.max_bytes does not hold a single point");
     const std::uint64_t next = whole(kAim * static_cast<double>(count) * limit / bytes);
@@ -101,10 +101,11 @@ absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const Sample& sample
   }
 }
 
-void ask_for_better(Sampled& sampled, const OnShort& on_short) {
-  const bool is_finer = sampled.is_short && on_short.finer_curve && on_short.finer_curve(*sampled.curve, sampled.points().size());
-  const bool is_more = !sampled.lacking().empty() && on_short.more_ranks && on_short.more_ranks(sampled.lacking());
-  sampled.statistics.set_refining(is_finer || is_more);
+bool request_improvement(const Sampled& sampled, const ImprovementRequests& improvements) {
+  const bool is_finer =
+      sampled.is_coarse && improvements.finer_curve && improvements.finer_curve(*sampled.curve, sampled.points().size());
+  const bool is_more = !sampled.lacking().empty() && improvements.more_ranks && improvements.more_ranks(sampled.lacking());
+  return is_finer || is_more;
 }
 
 }  // namespace curvecast::server

@@ -1,4 +1,4 @@
-// Points of a view, encoded in blocks.
+// Packs sampled points into the blocks of a message.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -11,9 +11,9 @@
 
 namespace curvecast::server {
 
-/// What a point takes, roughly; neighbours differ little, so that about half of a position's bits are left.
-double expected_point_bytes(const SurfaceCurve& curve, const Sample& sample);
-/// Exactly, where points are raw and have no further attributes.
+/// Estimates the bytes of one encoded point; neighbours differ little, so that about half of a position's bits are left.
+double expected_point_bytes(const SurfaceCurve& curve, const PointSetRequest& request);
+/// Returns the bytes of one raw point without attributes.
 std::size_t raw_point_bytes(const SurfaceCurve& curve);
 
 struct Packed {
@@ -22,22 +22,23 @@ struct Packed {
   std::size_t bytes = 0;  // of their data
 };
 
-/// Points fill as few blocks as it takes for none to have more than so many, all of about equal length. Small enough that the
-/// cores of both sides have one each.
-inline constexpr std::size_t kBlockPoints = 12'500;
-inline std::size_t point_block_count(std::size_t points) { return (points + kBlockPoints - 1) / kBlockPoints; }
+/// A set of points fills as few blocks as it takes for none to have more points than this; all blocks are of about equal length.
+/// They are small enough that each core of server and client has one.
+inline constexpr std::size_t kMaxPointsOfBlock = 12'500;
+inline std::size_t point_block_count(std::size_t points) { return (points + kMaxPointsOfBlock - 1) / kMaxPointsOfBlock; }
 
-/// Blocks [first, last) of all, several encoded at once; adds the time that it takes to the statistics.
-absl::StatusOr<std::vector<v1::PointBlock>> encode_blocks(Sampled& sampled, std::size_t first, std::size_t last,
-                                                          const Sample& sample);
+/// Encodes blocks [first, last) of point_block_count(sampled.points().size()), several at once, and adds the time to the
+/// statistics.
+absl::StatusOr<std::vector<v1::PointBlock>> encode_point_blocks(Sampled& sampled, std::size_t first, std::size_t last,
+                                                                const PointSetRequest& request);
 
-/// All points. One block without any where there are none.
-absl::StatusOr<Packed> pack(Sampled sampled, const Sample& sample);
+/// Encodes all points. Where there are none, there is one empty block.
+absl::StatusOr<Packed> pack(Sampled sampled, const PointSetRequest& request);
 
-/// As many points as `limit` bytes hold. ResourceExhausted where a single one is too much.
-absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const Sample& sample, double limit);
+/// Samples and encodes as many points as `limit` bytes hold. ResourceExhausted where a single point takes more.
+absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const PointSetRequest& request, double limit);
 
-/// Asks for what a view lacks, and notes in its statistics whether that is being made.
-void ask_for_better(Sampled& sampled, const OnShort& on_short);
+/// Asks for what a set of points lacks. Returns whether that is being made.
+bool request_improvement(const Sampled& sampled, const ImprovementRequests& improvements);
 
 }  // namespace curvecast::server

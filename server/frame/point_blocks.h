@@ -1,4 +1,4 @@
-// Samples a session's curve once and packs the points into messages.
+// Answers Resample: samples a session's curve once and packs the points into messages.
 #pragma once
 
 #include <absl/status/status.h>
@@ -10,11 +10,12 @@
 
 namespace curvecast::server {
 
-/// All points in blocks, in order, handed to `emit` as soon as they are packed, or, within a budget of bytes,
-/// once all are; the last one carries the statistics. Waits for ranked candidates to be made. Stops with Cancelled when `emit`
-/// returns false, or when `cancel` (may be null) is set. Errors as of curvecast::resample, and ResourceExhausted where a single
-/// point is too much.
-absl::Status make_blocks(const Session& session, const Sample& sample, ViewCache& cache, const OnShort& on_short,
-                         const std::atomic<bool>* cancel, const std::function<bool(v1::ResampleResponse)>& emit);
+/// Hands all points to `emit`, in blocks and in order: each as soon as it is packed or, for a budget of bytes, once all are. The
+/// last message carries the statistics; its `refining` says that what the points lack is being made, so that a later request gets
+/// better ones. Waits for ranked candidates to be made. Cancelled: `emit` returned false, or `cancel` (may be null) is set.
+/// Errors as of curvecast::resample; ResourceExhausted where a single point takes more than the budget of bytes.
+absl::Status make_point_blocks(const Session& session, const PointSetRequest& request, ViewCache& cache,
+                               const ImprovementRequests& improvements, const std::atomic<bool>* cancel,
+                               const std::function<bool(v1::ResampleResponse)>& emit);
 
 }  // namespace curvecast::server

@@ -10,8 +10,8 @@
 
 #include "core/render/png_file.h"
 #include "core/render/splat_renderer.h"
-#include "server/convert/checker.h"
 #include "server/convert/convert.h"
+#include "server/convert/field_validator.h"
 #include "server/frame/make_frame.h"
 
 namespace curvecast::server {
@@ -23,7 +23,7 @@ constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 22, kMaxSamples = std::
 constexpr float kDotsAcross = 400;  // the picture's width over that of a dot
 
 absl::StatusOr<RenderOptions> to_options(const v1::RenderRequest& request) {
-  Checker check;
+  FieldValidator check;
   RenderOptions options;
   options.width = static_cast<int>(check.in_range("width", request.width() == 0 ? kWidth : request.width(), 1u, kMaxSide));
   options.height = static_cast<int>(check.in_range("height", request.height() == 0 ? kHeight : request.height(), 1u, kMaxSide));
@@ -66,8 +66,8 @@ v1::SampleRequest complete(const v1::RenderRequest& request, const RenderOptions
   return sample;
 }
 
-absl::StatusOr<RenderCamera> to_render_camera(const Sample& sample, const Vec3d& origin) {
-  const std::vector<Camera>& cameras = sample.options.density.cameras;
+absl::StatusOr<RenderCamera> to_render_camera(const PointSetRequest& point_set, const Vec3d& origin) {
+  const std::vector<Camera>& cameras = point_set.options.density.cameras;
   if (cameras.size() != 1 || cameras.front().is_orthographic()) {
     return absl::InvalidArgumentError("a picture has one camera, a perspective one: sample.cameras has others");
   }
@@ -82,10 +82,10 @@ std::vector<Rgb8> to_rgb(const std::vector<Rgba8>& colours) {
   return rgb;
 }
 
-absl::StatusOr<Sampled> sample_points(const Session& session, const Sample& sample, ViewCache& cache,
+absl::StatusOr<Sampled> sample_points(const Session& session, const PointSetRequest& point_set, ViewCache& cache,
                                       const ExecutionContext& context) {
   absl::StatusOr<SessionSampler> sampler =
-      SessionSampler::open(session, sample, cache, SessionSampler::Wait::kForAll, context.cancel);
+      SessionSampler::open(session, point_set, cache, SessionSampler::Wait::kForAll, context.cancel);
   if (!sampler.ok()) return sampler.status();
   const absl::StatusOr<std::uint64_t> points = sampler->points();
   if (!points.ok()) return points.status();
@@ -107,21 +107,21 @@ absl::StatusOr<v1::RenderResponse> render_picture(const Session& session, const 
   const absl::StatusOr<RenderOptions> options = to_options(request);
   if (!options.ok()) return options.status();
   const v1::SampleRequest completed = complete(request, *options, session);
-  const absl::StatusOr<Sample> sample = to_sample(completed);
-  if (!sample.ok()) return sample.status();
-  if (sample->automatic || sample->max_bytes > 0) {
+  const absl::StatusOr<PointSetRequest> point_set = to_point_set_request(completed);
+  if (!point_set.ok()) return point_set.status();
+  if (point_set->automatic || point_set->max_bytes > 0) {
     return absl::InvalidArgumentError("sample: a picture is made of a number of points, or of an error in pixels");
   }
-  const absl::StatusOr<RenderCamera> camera = to_render_camera(*sample, session.curve()->origin);
+  const absl::StatusOr<RenderCamera> camera = to_render_camera(*point_set, session.curve()->origin);
   if (!camera.ok()) return camera.status();
-  absl::StatusOr<Sampled> wanted = sample_points(session, *sample, cache, context);
+  absl::StatusOr<Sampled> wanted = sample_points(session, *point_set, cache, context);
   if (!wanted.ok()) return wanted.status();
   absl::StatusOr<Image> image;
   if (options->mode == RenderMode::kSurface) {
     image = draw(wanted->points(), nullptr, *camera, *options);
   } else {
     // Few dots make no surface to lie on: evenly spread points do.
-    Sample even;
+    PointSetRequest even;
     even.options.points = session.options.points;
     const absl::StatusOr<Sampled> surface = sample_points(session, even, cache, context);
     if (!surface.ok()) return surface.status();

@@ -1,4 +1,4 @@
-// Draws a session's surface, for clients that draw nothing themselves.
+// Draws pictures of a session's surface, for clients that draw nothing themselves.
 #pragma once
 
 #include <absl/status/statusor.h>

@@ -1,4 +1,4 @@
-// Point sets of a session, for one request.
+// Samples the point set of a session that one request asks for.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -8,76 +8,78 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "core/density/fixed_density_cache.h"
-#include "curvecast/v1/curvecast.pb.h"
-#include "server/convert/sample.h"
+#include "server/convert/convert_points.h"
+#include "server/convert/point_set_request.h"
 #include "server/frame/workspaces.h"
 #include "server/session/session.h"
 
 namespace curvecast::server {
 
-/// What views have in common, so that none makes it anew. Thread-safe.
+/// Holds what views have in common, so that none makes it anew. Thread-safe.
 struct ViewCache {
   FixedDensityCache fixed_densities;
   Workspaces workspaces;
 };
 
-/// Told that an answer is not as good as it could be: whether what it wants is being made, so that a better one follows. Both may
-/// be empty.
-struct OnShort {
-  /// The session's curve, of this revision, is too coarse for so many points.
+/// Asks for what an answer lacked. Each function returns whether that is being made, so that a better answer can follow; an empty
+/// function stands for one that returns false.
+struct ImprovementRequests {
+  /// Asks for a finer revision than `curve`, which is too coarse for so many points.
   std::function<bool(const SurfaceCurve& curve, std::uint64_t points)> finer_curve;
-  /// These ranked candidates are lacking.
+  /// Asks for these chunks of ranked candidates.
   std::function<bool(std::span<const ChunkId> lacking)> more_ranks;
 };
 
+/// The points of one request.
 struct Sampled {
-  std::shared_ptr<const SurfaceCurve> curve;  // the one that was sampled
+  std::shared_ptr<const SurfaceCurve> curve;  // the revision that was sampled
   Workspaces::Lease workspace;                // holds the points
-  bool is_short = false;                      // the curve is too coarse
-  v1::FrameStatistics statistics;
+  bool is_coarse = false;                     // the curve is too coarse for so many points
+  PointSetStatistics statistics;
+  bool is_ranked = false;  // the progressive sampler placed them
+  bool lacks_ranks = false;
 
   const PointSet& points() const { return is_ranked ? workspace->ranked.points : workspace->equalised.points; }
-  /// What the ranked candidates lack; never any for the other sampler.
+  /// Returns the chunks of ranked candidates that are lacking; none for the equalised sampler.
   std::span<const ChunkId> lacking() const {
     return lacks_ranks ? workspace->ranked.selection.lacking : std::span<const ChunkId>();
   }
-
-  bool is_ranked = false;  // made by the progressive sampler
-  bool lacks_ranks = false;
 };
 
-/// All answers are from one revision of the curve. Keeps the addresses of all that it is given.
+/// Samples one revision of a session's curve, for one request. Keeps the addresses of all that open() is given. Not thread-safe.
 class SessionSampler {
  public:
   /// How long a request waits for ranked candidates: until there are all that it needs, or for the first ones only.
   enum class Wait { kForAll, kForFirst };
 
-  /// Errors as of curvecast::resample, and Cancelled once `cancel` is set, also of the others below; it may be null.
-  static absl::StatusOr<SessionSampler> open(const Session& session, const Sample& sample, ViewCache& cache, Wait wait,
+  /// Errors as of curvecast::resample; Cancelled, also by the functions below, once `cancel` is set. `cancel` may be null.
+  static absl::StatusOr<SessionSampler> open(const Session& session, const PointSetRequest& request, ViewCache& cache, Wait wait,
                                              const std::atomic<bool>* cancel = nullptr);
 
   const SurfaceCurve& curve() const { return *curve_; }
-  /// N for the budgets that do not depend on how points are packed.
+  /// Returns the number of points that the request's budget allows, unless that is one in bytes.
   absl::StatusOr<std::uint64_t> points() const;
-  /// As many points, but fewer where ranked candidates lack.
+  /// Samples so many points; fewer where ranked candidates lack.
   absl::StatusOr<Sampled> sample(std::uint64_t points);
 
+  /// Whether the progressive sampler places the points.
   bool is_ranked() const { return ranks_ != nullptr; }
-  /// Ranked points, selected but not listed yet: workspace->ranked.selection has them. Precondition: is_ranked().
+  /// Selects ranked points without listing them: workspace->ranked.selection has them. Precondition: is_ranked().
   absl::StatusOr<Sampled> select(std::uint64_t points);
-  /// Lists what was selected.
+  /// Lists the points that select() selected.
   static void list(Sampled& selected);
 
  private:
-  SessionSampler(const Session& session, const Sample& sample, ViewCache& cache, Wait wait, const std::atomic<bool>* cancel)
-      : session_(&session), sample_(&sample), cache_(&cache), wait_(wait), cancel_(cancel) {}
-  absl::Status wanted() const { return ExecutionContext{.cancel = cancel_}.check(); }
+  SessionSampler(const Session& session, const PointSetRequest& request, ViewCache& cache, Wait wait,
+                 const std::atomic<bool>* cancel)
+      : session_(&session), request_(&request), cache_(&cache), wait_(wait), cancel_(cancel) {}
+  /// Cancelled, or OK.
+  absl::Status check_cancel() const { return ExecutionContext{.cancel = cancel_}.check(); }
 
   const Session* session_;
-  const Sample* sample_;
+  const PointSetRequest* request_;
   ViewCache* cache_;
   Wait wait_;
   const std::atomic<bool>* cancel_;

@@ -1,12 +1,12 @@
-// Memory for the frames of all conversations: as much as there are frames in the making at once.
+// Lends memory to the frames of all conversations: as much as there are frames in the making at once.
 #pragma once
 
 #include <cstddef>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "core/progressive/ranked_workspace.h"
 #include "core/sample/resample_workspace.h"
 
@@ -17,7 +17,7 @@ struct ViewWorkspace {
   ResampleWorkspace equalised;
   RankedWorkspace ranked;
 
-  /// Bytes allocated, in use or not.
+  /// Returns the bytes allocated, in use or not.
   std::size_t byte_size() const { return equalised.byte_size() + ranked.byte_size(); }
 };
 
@@ -26,17 +26,18 @@ class Workspaces {
  public:
   Workspaces() { idle_.reserve(kMostIdle); }
 
-  /// Gives a workspace back; what it holds is used again.
+  /// Gives a workspace back, so that its memory is used again.
   struct Return {
     Workspaces* to;
-    void operator()(ViewWorkspace* workspace) const { to->put(std::unique_ptr<ViewWorkspace>(workspace)); }
+    void operator()(ViewWorkspace* workspace) const { to->give_back(std::unique_ptr<ViewWorkspace>(workspace)); }
   };
   using Lease = std::unique_ptr<ViewWorkspace, Return>;
 
-  Lease take() {
+  /// Lends the workspace that was given back last, or a new one.
+  Lease lease() ABSL_LOCKS_EXCLUDED(mutex_) {
     std::unique_ptr<ViewWorkspace> workspace;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!idle_.empty()) {
         workspace = std::move(idle_.back());
         idle_.pop_back();
@@ -46,25 +47,27 @@ class Workspaces {
     return Lease(workspace.release(), Return{this});
   }
 
-  std::size_t idle() const {
-    const std::lock_guard lock(mutex_);
+  /// Returns how many workspaces are kept and not lent.
+  std::size_t idle() const ABSL_LOCKS_EXCLUDED(mutex_) {
+    const MutexLock lock(mutex_);
     return idle_.size();
   }
 
  private:
-  // What single large point sets took is not held for ever.
+  // What single large point sets took is freed.
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
   static constexpr std::size_t kMostIdle = 16;
 
-  void put(std::unique_ptr<ViewWorkspace> workspace) noexcept {
-    workspace->ranked.selection.tree.reset();  // it may be large, and others wait for its place
+  void give_back(std::unique_ptr<ViewWorkspace> workspace) noexcept ABSL_LOCKS_EXCLUDED(mutex_) {
+    workspace->ranked.selection.tree.reset();  // it may be large, and may be the last of a session that has gone
     if (workspace->byte_size() > kMostBytes) return;
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (idle_.size() < kMostIdle) idle_.push_back(std::move(workspace));
   }
 
-  mutable std::mutex mutex_;
-  std::vector<std::unique_ptr<ViewWorkspace>> idle_;  // has room for all from the beginning: put() must not fail
+  mutable Mutex mutex_;
+  /// Has room for kMostIdle from the beginning: give_back() must not fail.
+  std::vector<std::unique_ptr<ViewWorkspace>> idle_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace curvecast::server

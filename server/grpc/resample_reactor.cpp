@@ -29,32 +29,35 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
       if (!session.ok()) return session.status();
       held = *std::move(session);
     }
-    auto sample = to_sample(request.sample());
-    if (!sample.ok()) return sample.status();
-    if (sample->automatic)
+    auto point_set = to_point_set_request(request.sample());
+    if (!point_set.ok()) return point_set.status();
+    if (point_set->automatic)
       return absl::InvalidArgumentError("sample.automatic is for streams; ask for points, bytes or an error in pixels");
     return engine.calls
         .submit(
-            [this, &engine, id, held = std::move(held), sample = *std::move(sample)]() mutable {
+            [this, &engine, id, held = std::move(held), point_set = *std::move(point_set)]() mutable {
               finish(to_grpc(guarded([&]() -> absl::Status {
                 // Lets go of the session before the client hears that it is done.
                 absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
                 if (*session == nullptr) session = engine.sessions.find(id);
                 if (!session.ok()) return session.status();
-                return answer(engine, **session, sample, engine.improvement_requests(*session, sample, engine.new_source()));
+                return answer(engine, **session, point_set,
+                              engine.improvement_requests(*session, point_set, engine.new_source()));
               })));
             },
             connection)
         .status();
   }
 
-  absl::Status answer(Engine& engine, const Session& session, const Sample& sample, const OnShort& on_short) {
+  absl::Status answer(Engine& engine, const Session& session, const PointSetRequest& point_set,
+                      const ImprovementRequests& improvements) {
     if (cancelled()) return absl::CancelledError("the client has gone");
     return push_all([&](const auto& push_block) {
-      return make_blocks(session, sample, engine.view_cache, on_short, &cancel_flag(), [&](v1::ResampleResponse block) {
-        if (block.has_statistics()) engine.metrics.stages(block.statistics());
-        return push_block(std::move(block));
-      });
+      return make_point_blocks(session, point_set, engine.view_cache, improvements, &cancel_flag(),
+                               [&](v1::ResampleResponse block) {
+                                 if (block.has_statistics()) engine.metrics.stages(block.statistics());
+                                 return push_block(std::move(block));
+                               });
     });
   }
 };

@@ -37,7 +37,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
 
   void send(v1::StreamViewsResponse response) override {
     response_ = std::move(response);
-    conversation_->count(response_);
+    conversation_->count_sent(response_);
     StartWrite(&response_);
   }
 
@@ -51,7 +51,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   }
 
   void finish(const absl::Status& status) {
-    if (conversation_ != nullptr) conversation_->leave();
+    if (conversation_ != nullptr) conversation_->release_admission();
     log_.finish(to_grpc(status));
     Finish(to_grpc(status));
   }
@@ -63,7 +63,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
       if (ended_) return;
       taking_ = true;
     }
-    conversation_->take(request_, [this] { resume(); });
+    conversation_->receive(request_, [this] { resume(); });
   }
 
   /// Reads the next message, or finishes what has ended meanwhile.

@@ -37,7 +37,7 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
       conversation_->stream().stop(absl::InvalidArgumentError("a message is no StreamViewsRequest"));
       return resume(on_taken);
     }
-    conversation_->take(request_, [self = self_, on_taken = std::move(on_taken)] { self->resume(on_taken); });
+    conversation_->receive(request_, [self = self_, on_taken = std::move(on_taken)] { self->resume(on_taken); });
   }
 
   void half_close() override {
@@ -50,7 +50,7 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
 
  private:
   void send(v1::StreamViewsResponse response) override {
-    conversation_->count(response);
+    conversation_->count_sent(response);
     context_.socket->send(message_response(context_.number, response),
                           [self = self_](bool ok) { self->conversation_->stream().sent(ok); });
   }
@@ -76,7 +76,7 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
   }
 
   void finish(const absl::Status& status) {
-    if (conversation_ != nullptr) conversation_->leave();
+    if (conversation_ != nullptr) conversation_->release_admission();
     log_.finish(to_grpc(status));
     const std::shared_ptr<WebSocket> socket = context_.socket;  // this may go at once
     socket->send(status_response(context_.number, to_grpc(status)),

@@ -58,8 +58,8 @@ class Conversation : public server::ClientStream::Transport {
  private:
   static absl::StatusOr<server::Answer> answer(const server::FrameRequest& request) {
     server::Answer answer;
-    answer.frame.set_kind(request.held != nullptr ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
-    answer.held = std::make_shared<const server::HeldPoints>();
+    answer.frame.set_kind(request.reference != nullptr ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
+    answer.reference = std::make_shared<const server::ReferenceFrame>();
     return answer;
   }
 
@@ -67,22 +67,22 @@ class Conversation : public server::ClientStream::Transport {
   std::int64_t queued_ = 0;
   std::deque<std::function<void()>> jobs_;
   std::shared_ptr<server::ClientStream> stream_ = std::make_shared<server::ClientStream>(
-      this,
-      server::ClientStream::Hooks{
-          .find =
-              [](const std::string&) {
-                return absl::StatusOr<std::shared_ptr<const server::Session>>(std::make_shared<const server::Session>());
-              },
-          .answer = [](const auto&, const server::FrameRequest& request) { return answer(request); },
-          .restore = [](const auto&, const auto&) { return absl::StatusOr<std::shared_ptr<const server::HeldPoints>>(nullptr); },
-          .submit =
-              [this](std::function<void()> job) {
-                jobs_.push_back(std::move(job));
-                expect(jobs_.size() == 1, "more than one view is answered at a time");
-                return absl::OkStatus();
-              },
-          .count_queued = [this](std::int64_t bytes) { queued_ += bytes; },
-      });
+      this, server::ClientStream::Hooks{
+                .find =
+                    [](const std::string&) {
+                      return absl::StatusOr<std::shared_ptr<const server::Session>>(std::make_shared<const server::Session>());
+                    },
+                .answer = [](const auto&, const server::FrameRequest& request) { return answer(request); },
+                .restore = [](const auto&,
+                              const auto&) { return absl::StatusOr<std::shared_ptr<const server::ReferenceFrame>>(nullptr); },
+                .submit =
+                    [this](std::function<void()> job) {
+                      jobs_.push_back(std::move(job));
+                      expect(jobs_.size() == 1, "more than one view is answered at a time");
+                      return absl::OkStatus();
+                    },
+                .count_queued = [this](std::int64_t bytes) { queued_ += bytes; },
+            });
 };
 
 template <class Message, class Convert>
@@ -105,7 +105,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!input.ReadString(&bytes, static_cast<int>(std::min<std::uint32_t>(length, 1 << 20)))) break;
     v1::StreamViewsRequest request;
     if (request.ParseFromString(bytes)) conversation.receive(request);
-    fuzzing::convert<v1::SampleRequest>(bytes, server::to_sample);
+    fuzzing::convert<v1::SampleRequest>(bytes, server::to_point_set_request);
     fuzzing::convert<v1::SessionOptions>(bytes, server::to_preprocess_options);
     fuzzing::convert<v1::MeasureRequest>(bytes, server::to_measure_options);
   }

@@ -10,7 +10,10 @@
 
 #include "curvecast/v1/status.pb.h"
 #include "server/base/hash.h"
+#include "tests/server/eventually.h"
 #include "tests/server/frame/frame_points.h"
+#include "tests/server/has_line.h"
+#include "tests/server/http_client.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
 
@@ -194,7 +197,10 @@ TEST_F(ServerLimits, PointSetsThatNobodyReadsDoNotPileUp) {
   set_patience(context);
   // 13 MB in blocks, made sooner than they are taken.
   const auto lazy = stub->Resample(&context, request);
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  // Once too much waits, others are refused, too.
+  v1::SampleRequest small;
+  small.set_points(10);
+  ASSERT_TRUE(eventually([&] { return resample(*client(), session, small).status.error_code() == grpc::RESOURCE_EXHAUSTED; }));
   v1::ResampleResponse block;
   while (lazy->Read(&block)) {
   }
@@ -205,6 +211,7 @@ TEST_F(ServerLimits, PointSetsThatNobodyReadsDoNotPileUp) {
 }
 
 TEST_F(ServerLimits, AnUploadGoesOnWhereItBrokeOff) {
+  start({.http = "127.0.0.1:0"});
   const std::string bytes = sphere_off(5);
   Hasher hasher;
   hasher.update(bytes);
@@ -217,6 +224,7 @@ TEST_F(ServerLimits, AnUploadGoesOnWhereItBrokeOff) {
     EXPECT_TRUE(stub->GetUpload(&context, request, &response).ok());
     return response.received();
   };
+  const auto mesh_bytes = [&] { return value_of(HttpClient(server_->http_port()).get("/metrics").body, "curvecast_mesh_bytes"); };
   v1::UploadHeader header;
   header.set_name("ball.off");
   header.set_size(bytes.size());
@@ -230,17 +238,15 @@ TEST_F(ServerLimits, AnUploadGoesOnWhereItBrokeOff) {
     writer->Write(request);
     request.set_chunk(bytes.substr(0, 12'345));
     writer->Write(request);
-    // The server has it when it says so: until then it is on its way.
+    // The server has room for it when it has come; until then it is on its way.
+    ASSERT_TRUE(eventually([&] { return mesh_bytes() > 12'345; }));
     context.TryCancel();
     EXPECT_FALSE(writer->Finish().ok());
   }
-  // What had come when the client went is kept, be it everything or nothing.
-  std::uint64_t there = 0;
-  for (int i = 0; i < 500 && there == 0; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    there = received();
-  }
-  EXPECT_TRUE(there == 0 || there == 12'345) << there;
+  // What had come when the client went is kept, once the server has noticed that it went.
+  ASSERT_TRUE(eventually([&] { return received() > 0; }));
+  const std::uint64_t there = received();
+  EXPECT_EQ(there, 12'345u);
   header.set_offset(there + 1);
   EXPECT_EQ(upload(*stub, header, bytes.substr(there)).status.error_code(), grpc::FAILED_PRECONDITION);
   header.set_offset(there);

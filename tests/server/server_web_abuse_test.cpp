@@ -49,7 +49,8 @@ TEST_F(ServerWebAbuse, AStreamThatWasSlowedDownLeavesNothingBehind) {
     }
     v1::CallResponse response;
     ASSERT_TRUE(socket.receive(response));
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));  // into a pause, and out of it again
+    // A second's worth is taken at once. Each message after it ends a pause and begins another: the connection goes amidst one.
+    ASSERT_TRUE(eventually([&] { return value_of(metrics(), "curvecast_views_received_total") >= 22; }));
   }
   wait_for("curvecast_open_streams 0");
   server_.reset();  // ends

@@ -3,12 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cstdint>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "eventually.h"
 #include "has_line.h"
 #include "http_client.h"
 #include "server_fixture.h"
@@ -41,9 +40,9 @@ class ServerWebSocket : public ServerFixture {
   }
 
   std::string metrics() const { return HttpClient(server_->http_port()).get("/metrics").body; }
-  /// Waits until the metrics say so.
+  /// Waits until the metrics have that line.
   void wait_for(const std::string& line) const {
-    while (!has_line(metrics(), line)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_TRUE(eventually([&] { return static_cast<bool>(has_line(metrics(), line)); })) << "the metrics never said " << line;
   }
 
   static std::string upload_over(WebSocketClient& socket, const std::string& bytes, std::size_t chunk) {

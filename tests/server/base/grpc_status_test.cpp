@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "curvecast/v1/status.pb.h"
-#include "server/convert/checker.h"
+#include "server/convert/field_validator.h"
 
 namespace curvecast::server {
 namespace {
@@ -34,7 +34,7 @@ TEST(GrpcStatus, SaysWhenToTryAgain) {
 }
 
 TEST(GrpcStatus, NamesTheField) {
-  Checker check;
+  FieldValidator check;
   check.in_range("sample.points", 0, 1, 10);
   check.fail("sample.seed", "is too late: the first error counts");
   const v1::Status rich = details_of(check.status());

@@ -25,7 +25,7 @@ TEST(ConvertDensity, TakesCamerasAndTerms) {
   distance.set_far(5);
   distance.set_global(true);
   request.set_pixel_error(2.5);
-  auto sample = to_sample(request);
+  auto sample = to_point_set_request(request);
   ASSERT_TRUE(sample.ok()) << sample.status();
   ASSERT_EQ(sample->options.density.cameras.size(), 2u);
   EXPECT_EQ(sample->options.density.cameras[0].fov, std::acos(-1) / 2);
@@ -38,7 +38,7 @@ TEST(ConvertDensity, TakesCamerasAndTerms) {
   EXPECT_TRUE(std::get<DistanceTerm>(sample->options.density.terms[5]).global);
   EXPECT_EQ(sample->pixel_error, 2.5);
   request.set_max_bytes(5000);
-  sample = to_sample(request);
+  sample = to_point_set_request(request);
   ASSERT_TRUE(sample.ok()) << sample.status();
   EXPECT_EQ(sample->pixel_error, 0);
   EXPECT_EQ(sample->max_bytes, 5000u);
@@ -110,9 +110,9 @@ TEST(ConvertDensity, CamerasOfAnySizeWillDo) {
     v1::SampleRequest request = good_request();
     request.mutable_cameras(0)->mutable_eye()->set_z(scale);
     request.mutable_cameras(0)->mutable_target()->set_z(-scale);
-    EXPECT_TRUE(to_sample(request).ok()) << scale;
+    EXPECT_TRUE(to_point_set_request(request).ok()) << scale;
     request.mutable_cameras(0)->mutable_up()->set_z(scale);
-    EXPECT_FALSE(to_sample(request).ok()) << scale;
+    EXPECT_FALSE(to_point_set_request(request).ok()) << scale;
   }
 }
 

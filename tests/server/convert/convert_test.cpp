@@ -22,8 +22,8 @@ using ::testing::HasSubstr;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-TEST(ToSample, FillsInTheDefaults) {
-  const auto sample = to_sample(good_request());
+TEST(ToPointSetRequest, FillsInTheDefaults) {
+  const auto sample = to_point_set_request(good_request());
   ASSERT_TRUE(sample.ok()) << sample.status();
   EXPECT_EQ(sample->options.points, 1000u);
   EXPECT_EQ(sample->options.seed, 7u);
@@ -65,7 +65,7 @@ TEST(ToSample, FillsInTheDefaults) {
   EXPECT_EQ(sample->draco->normal_bits, 8);
 }
 
-TEST(ToSample, TakesWhatIsSet) {
+TEST(ToPointSetRequest, TakesWhatIsSet) {
   v1::SampleRequest request = good_request();
   request.set_sequence(v1::SEQUENCE_REGULAR);
   auto& curvature = *request.mutable_density(1)->mutable_curvature();
@@ -75,13 +75,13 @@ TEST(ToSample, TakesWhatIsSet) {
   request.mutable_density(2)->mutable_view()->set_s0(2);
   request.mutable_encoding()->mutable_draco()->set_position_bits(30);
   request.mutable_encoding()->mutable_draco()->set_normal_bits(2);
-  auto sample = to_sample(request);
+  auto sample = to_point_set_request(request);
   ASSERT_TRUE(sample.ok()) << sample.status();
   EXPECT_EQ(sample->options.sequence, Sequence::kRegular);
   request.set_sequence(v1::SEQUENCE_VAN_DER_CORPUT);
-  EXPECT_EQ(to_sample(request)->options.sequence, Sequence::kVanDerCorput);
+  EXPECT_EQ(to_point_set_request(request)->options.sequence, Sequence::kVanDerCorput);
   request.set_sequence(v1::SEQUENCE_GOLDEN_RATIO);
-  EXPECT_EQ(to_sample(request)->options.sequence, Sequence::kGoldenRatio);
+  EXPECT_EQ(to_point_set_request(request)->options.sequence, Sequence::kGoldenRatio);
   EXPECT_EQ(std::get<CurvatureTerm>(sample->options.density.terms[1]).kind, CurvatureKind::kMax);
   EXPECT_EQ(std::get<CurvatureTerm>(sample->options.density.terms[1]).exponent, 0);
   EXPECT_EQ(std::get<CurvatureTerm>(sample->options.density.terms[1]).floor, 0);
@@ -89,12 +89,12 @@ TEST(ToSample, TakesWhatIsSet) {
   EXPECT_EQ(sample->draco->position_bits, 30);
   EXPECT_EQ(sample->draco->normal_bits, 2);
   request.mutable_encoding()->mutable_raw();
-  sample = to_sample(request);
+  sample = to_point_set_request(request);
   ASSERT_TRUE(sample.ok());
   EXPECT_FALSE(sample->draco);
 }
 
-TEST(ToSample, NamesTheFieldAtFault) {
+TEST(ToPointSetRequest, NamesTheFieldAtFault) {
   expect_refusals({
       {"sample.points is 0", [](auto& r) { r.set_points(0); }},
       {"sample.viewport.width is 0", [](auto& r) { r.mutable_viewport()->set_width(0); }},

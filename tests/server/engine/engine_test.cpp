@@ -163,13 +163,13 @@ class Seen {
 
 TEST_F(EngineTest, ViewsShareWhatNoCameraChanges) {
   const std::shared_ptr<const Session> session = open();
-  Sample sample;
+  PointSetRequest request;
   std::string first;
   std::size_t bytes = 0;
   for (const double distance : {3.0, 3.0, 5.0, 3.0}) {
-    sample.options.points = 100;
-    sample.options.density = curvecast::testing::seen_from(Vec3d(0, 0, distance), {CurvatureTerm{}, ViewTerm{}});
-    const absl::StatusOr<Answer> frame = make_frame(*session, {.sample = sample}, engine_.view_cache, {});
+    request.options.points = 100;
+    request.options.density = curvecast::testing::seen_from(Vec3d(0, 0, distance), {CurvatureTerm{}, ViewTerm{}});
+    const absl::StatusOr<Answer> frame = make_frame(*session, {.point_set = request}, engine_.view_cache, {});
     ASSERT_TRUE(frame.ok()) << frame.status();
     EXPECT_EQ(count_points(frame->frame), 100u);
     if (bytes == 0) {

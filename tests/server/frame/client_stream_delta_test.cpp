@@ -36,8 +36,9 @@ TEST_F(ClientStreamDelta, DeltasStartFromTheFrameQueuedLast) {
   answer(view_request(5));  // of the other sampler: nothing to start from
   answer(ranked_request(6));
   answer(ranked_request(7));
-  ASSERT_EQ(held_.size(), 6u);
-  EXPECT_THAT(given_, ElementsAre(nullptr, held_[0].get(), held_[1].get(), held_[2].get(), nullptr, held_[4].get()));
+  ASSERT_EQ(references_.size(), 6u);
+  EXPECT_THAT(given_, ElementsAre(nullptr, references_[0].get(), references_[1].get(), references_[2].get(), nullptr,
+                                  references_[4].get()));
   EXPECT_EQ(frames_[2].error().code(), static_cast<std::uint32_t>(absl::StatusCode::kOutOfRange));
 }
 
@@ -59,7 +60,7 @@ TEST_F(ClientStreamDelta, WhoAsksForAKeyFrameGetsOne) {
   receive(ack_request(4));
   receive(ranked_request(5));
   run_all();
-  EXPECT_THAT(given_, ElementsAre(nullptr, held_[0].get(), nullptr, held_[2].get()));
+  EXPECT_THAT(given_, ElementsAre(nullptr, references_[0].get(), nullptr, references_[2].get()));
   EXPECT_THAT(sequences(), ElementsAre(1, 2, 4, 5));
 }
 
@@ -89,7 +90,7 @@ TEST_F(ClientStreamDelta, WhatAnotherStreamLeftIsBuiltUpon) {
     run_all();
     receive(ack_request(i));
   }
-  EXPECT_THAT(given_, ElementsAre(restored_.get(), held_[0].get(), held_[1].get()));
+  EXPECT_THAT(given_, ElementsAre(restored_.get(), references_[0].get(), references_[1].get()));
   EXPECT_THAT(claims_, ElementsAre(kKnownDigest)) << "made again once only";
 }
 
@@ -145,7 +146,35 @@ TEST_F(ClientStreamDelta, PartsFollowEachOtherAsTheyAreTakenIn) {
   receive(ack_request(1));
   run_all();
   EXPECT_EQ(frames_.size(), 4u);
-  EXPECT_THAT(given_, ElementsAre(nullptr, held_[0].get(), held_[1].get(), held_[2].get()));
+  EXPECT_THAT(given_, ElementsAre(nullptr, references_[0].get(), references_[1].get(), references_[2].get()));
+}
+
+TEST_F(ClientStreamDelta, APartWithoutProgressIsTheLast) {
+  receive(delta_open());
+  parts_ = 1000;
+  stuck_ = true;
+  shown_ = 50;
+  receive(request_in_parts(1));
+  for (int i = 0; i < 10; ++i) {
+    run_all();
+    receive(ack_request(1));
+  }
+  ASSERT_THAT(sequences(), ElementsAre(1, 1));
+  EXPECT_TRUE(frames_[0].statistics().refining());
+  EXPECT_FALSE(frames_[1].statistics().refining()) << "the promise is taken back";
+}
+
+TEST_F(ClientStreamDelta, PartsAreNoImprovements) {
+  receive(delta_open());
+  parts_ = 12;
+  receive(request_in_parts(1));
+  for (int i = 0; i < 20; ++i) {
+    short_ = parts_ == 0;  // the whole lacks something
+    run_all();
+    receive(ack_request(1));
+  }
+  EXPECT_EQ(frames_.size(), 13u);
+  EXPECT_TRUE(frames_.back().statistics().refining()) << "it may still be improved";
 }
 
 TEST_F(ClientStreamDelta, ANewerViewOvertakesParts) {
@@ -158,7 +187,7 @@ TEST_F(ClientStreamDelta, ANewerViewOvertakesParts) {
   parts_ = 0;
   run_all();
   EXPECT_THAT(sequences(), ElementsAre(1, 1, 2));
-  EXPECT_EQ(given_.back(), held_[1].get());
+  EXPECT_EQ(given_.back(), references_[1].get());
 }
 
 TEST_F(ClientStreamDelta, PartsAreForThoseWhoTakeDeltas) {

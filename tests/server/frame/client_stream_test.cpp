@@ -363,6 +363,49 @@ TEST_F(StreamRefinement, IsNotWaitedForAfterTheClientsEnd) {
   EXPECT_TRUE(jobs_.empty());
 }
 
+TEST_F(StreamRefinement, AnOvertakenFramePromisesNothing) {
+  receive(ack_request(1));
+  receive(view_request(2));
+  on_answer_ = [this] {
+    on_answer_ = nullptr;
+    stream_->receive(view_request(3));
+  };
+  run_all();
+  ASSERT_THAT(sequences(), ElementsAre(1, 2, 3));
+  EXPECT_FALSE(frames_[1].statistics().refining());
+  EXPECT_TRUE(frames_[2].statistics().refining());
+}
+
+TEST_F(StreamRefinement, AFrameAfterTheClientsEndPromisesNothing) {
+  receive(view_request(2));
+  stream_->half_close();
+  run_all();
+  ASSERT_THAT(sequences(), ElementsAre(1, 2));
+  EXPECT_FALSE(frames_[1].statistics().refining());
+  EXPECT_TRUE(ended_);
+}
+
+TEST_F(StreamRefinement, AnErrorOfTheBetterFrameEndsThePromise) {
+  fails_ = true;
+  publish();
+  run_all();
+  ASSERT_THAT(sequences(), ElementsAre(1, 1));
+  EXPECT_EQ(frames_[1].error().code(), static_cast<std::uint32_t>(Code::kResourceExhausted));
+  publish();
+  EXPECT_TRUE(jobs_.empty());
+}
+
+TEST_F(StreamRefinement, ABusyServerIsAskedAgainAtTheNextEvent) {
+  busy_ = true;
+  publish();
+  busy_ = false;
+  short_ = false;
+  receive(ack_request(1));
+  run_all();
+  ASSERT_THAT(sequences(), ElementsAre(1, 1));
+  EXPECT_FALSE(frames_[1].statistics().refining());
+}
+
 TEST_F(StreamRefinement, ABusyServerLeavesTheFrameThatThereIs) {
   busy_ = true;
   publish();
@@ -420,7 +463,7 @@ TEST(ClientStreamThreads, SurvivesAnyInterleaving) {
               return std::make_shared<const Session>();
             },
             .answer = [](const auto&, const FrameRequest&) { return absl::StatusOr<Answer>(Answer()); },
-            .restore = [](const auto&, const auto&) { return absl::StatusOr<std::shared_ptr<const HeldPoints>>(nullptr); },
+            .restore = [](const auto&, const auto&) { return absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(nullptr); },
             .submit = [&](std::function<void()> job) { return queue.submit(std::move(job)).status(); },
             .count_queued = [&](std::int64_t bytes) { queued += bytes; },
         });

@@ -82,54 +82,59 @@ class Conversation : public ClientStream::Transport {
   bool sending_ = false, slow_ = false, busy_ = false;
   std::shared_ptr<const Session> session_ = std::make_shared<const Session>();
   std::uint64_t revision_ = 1;
-  bool short_ = false;                                   // the curve is too coarse for every view
-  std::uint64_t shown_ = 0;                              // points that a frame says that there are
-  std::vector<const HeldPoints*> given_;                 // what the client was said to have, answer by answer
-  std::vector<std::shared_ptr<const HeldPoints>> held_;  // and what it has with it
-  std::function<void()> on_answer_;                      // while a view is being answered
-  const std::atomic<bool>* cancel_ = nullptr;            // of that
+  bool fails_ = false;                                             // no view can be answered
+  bool short_ = false;                                             // the curve is too coarse for every view
+  std::uint64_t shown_ = 0;                                        // points that a frame says that there are
+  std::vector<const ReferenceFrame*> given_;                       // what the client was said to hold, answer by answer
+  std::vector<std::shared_ptr<const ReferenceFrame>> references_;  // and what it holds with the answer
+  std::function<void()> on_answer_;                                // while a view is being answered
+  const std::atomic<bool>* cancel_ = nullptr;                      // of that
   std::int64_t queued_bytes_ = 0;
   int parts_ = 0;                                   // before the whole, of views that may come in parts
+  bool stuck_ = false;                              // parts bring no points beyond those of the one before
   static constexpr std::uint64_t kKnownDigest = 7;  // what a client may claim to have
   std::vector<std::uint64_t> claims_;
-  std::shared_ptr<const HeldPoints> restored_ = std::make_shared<const HeldPoints>();
+  std::shared_ptr<const ReferenceFrame> restored_ = std::make_shared<const ReferenceFrame>();
   std::shared_ptr<ClientStream> stream_ = std::make_shared<ClientStream>(
-      this, ClientStream::Hooks{
-                .find = [this](const std::string& id) -> absl::StatusOr<std::shared_ptr<const Session>> {
-                  if (id != "known") return absl::NotFoundError("no such session");
-                  return session_;
-                },
-                .answer = [this](const std::shared_ptr<const Session>&, const FrameRequest& request) -> absl::StatusOr<Answer> {
-                  const std::uint64_t points = request.sample.options.points;
-                  if (points == 99) return absl::OutOfRangeError("99 is too many");
-                  if (points == 98) throw std::runtime_error("98");
-                  Answer answer;
-                  v1::PointFrame& frame = answer.frame;
-                  frame.set_kind(request.held != nullptr ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
-                  given_.push_back(request.held);
-                  if (request.sample.sampler == Sampler::kProgressive) answer.held = std::make_shared<const HeldPoints>();
-                  held_.push_back(answer.held);
-                  frame.add_points()->set_count(static_cast<std::uint32_t>(points));
-                  frame.set_curve_revision(revision_);
-                  frame.set_held_points(shown_);
-                  answer.is_part = request.first_bytes > 0 && parts_-- > 0;
-                  frame.mutable_statistics()->set_refining(answer.is_part || (short_ && request.may_refine));
-                  cancel_ = request.cancel;
-                  if (on_answer_) on_answer_();
-                  return answer;
-                },
-                .restore = [this](const Session&, const HeldClaim& claim) -> absl::StatusOr<std::shared_ptr<const HeldPoints>> {
-                  if (claim.digest == 98) throw std::runtime_error("98");
-                  claims_.push_back(claim.digest);
-                  return claim.digest == kKnownDigest ? restored_ : nullptr;
-                },
-                .submit = [this](std::function<void()> job) -> absl::Status {
-                  if (busy_) return absl::ResourceExhaustedError("busy");
-                  jobs_.push_back(std::move(job));
-                  return absl::OkStatus();
-                },
-                .count_queued = [this](std::int64_t bytes) { queued_bytes_ += bytes; },
-            });
+      this,
+      ClientStream::Hooks{
+          .find = [this](const std::string& id) -> absl::StatusOr<std::shared_ptr<const Session>> {
+            if (id != "known") return absl::NotFoundError("no such session");
+            return session_;
+          },
+          .answer = [this](const std::shared_ptr<const Session>&, const FrameRequest& request) -> absl::StatusOr<Answer> {
+            const std::uint64_t points = request.point_set.options.points;
+            if (points == 99) return absl::OutOfRangeError("99 is too many");
+            if (points == 98) throw std::runtime_error("98");
+            if (fails_) return absl::ResourceExhaustedError("too large");
+            Answer answer;
+            v1::PointFrame& frame = answer.frame;
+            frame.set_kind(request.reference != nullptr ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
+            given_.push_back(request.reference);
+            if (request.point_set.sampler == Sampler::kProgressive) answer.reference = std::make_shared<const ReferenceFrame>();
+            references_.push_back(answer.reference);
+            frame.add_points()->set_count(static_cast<std::uint32_t>(points));
+            frame.set_curve_revision(revision_);
+            if (request.first_bytes > 0 && !stuck_) shown_ += points;
+            frame.set_held_points(shown_);
+            if (short_ && request.may_refine) answer.follow_up = FollowUp::kAfterImprovement;
+            if (request.first_bytes > 0 && parts_-- > 0) answer.follow_up = FollowUp::kNextPart;
+            cancel_ = request.cancel;
+            if (on_answer_) on_answer_();
+            return answer;
+          },
+          .restore = [this](const Session&, const ResumeClaim& claim) -> absl::StatusOr<std::shared_ptr<const ReferenceFrame>> {
+            if (claim.digest == 98) throw std::runtime_error("98");
+            claims_.push_back(claim.digest);
+            return claim.digest == kKnownDigest ? restored_ : nullptr;
+          },
+          .submit = [this](std::function<void()> job) -> absl::Status {
+            if (busy_) return absl::ResourceExhaustedError("busy");
+            jobs_.push_back(std::move(job));
+            return absl::OkStatus();
+          },
+          .count_queued = [this](std::int64_t bytes) { queued_bytes_ += bytes; },
+      });
 };
 
 }  // namespace curvecast::server

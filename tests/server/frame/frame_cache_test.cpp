@@ -10,7 +10,7 @@
 namespace curvecast::server {
 namespace {
 
-FrameCache::Key key_of(std::uint64_t sample) { return {.sample = {sample, 1}, .points = 10}; }
+FrameCache::Key key_of(std::uint64_t request) { return {.request = {request, 1}, .points = 10}; }
 
 /// An answer of so many bytes.
 Answer answer(std::uint64_t points, std::size_t bytes = 100) {
@@ -39,9 +39,9 @@ TEST(FrameCache, TellsAllApartThatAFrameDependsOn) {
   const FrameCache::Key key = key_of(1);
   std::vector<FrameCache::Key> keys(6, key);
   keys[1].curve = std::make_shared<const SurfaceCurve>();
-  keys[2].sample[1] = 7;
+  keys[2].request[1] = 7;
   keys[3].points = 7;
-  keys[4].held = 7;
+  keys[4].reference = 7;
   keys[5].first_bytes = 7;
   for (std::size_t i = 0; i < keys.size(); ++i) EXPECT_EQ(cache.get(keys[i], make)->frame.held_points(), i + 1);
   EXPECT_EQ(cache.shared(), 0u);
@@ -52,7 +52,7 @@ TEST(FrameCache, WhatIsToBeImprovedAndWhatFailedIsNotShared) {
   int made = 0;
   const auto coarse = [&]() -> absl::StatusOr<Answer> {
     Answer out = answer(static_cast<std::uint64_t>(++made));
-    out.frame.mutable_statistics()->set_refining(true);
+    out.follow_up = made % 2 == 0 ? FollowUp::kNextPart : FollowUp::kAfterImprovement;
     return out;
   };
   const auto fails = [&]() -> absl::StatusOr<Answer> {

@@ -53,10 +53,10 @@ std::size_t bytes_of(const v1::PointFrame& frame) {
   return bytes;
 }
 
-Blocks blocks_of(const Sample& sample) {
+Blocks blocks_of(const PointSetRequest& request) {
   Blocks out;
   int with_statistics = 0;
-  const absl::Status status = make_blocks(ball(), sample, cache(), {}, nullptr, [&](const v1::ResampleResponse& response) {
+  const absl::Status status = make_point_blocks(ball(), request, cache(), {}, nullptr, [&](const v1::ResampleResponse& response) {
     with_statistics += response.has_statistics() ? 1 : 0;
     out.points += response.points().count();
     out.bytes += bytes_of(response.points());
@@ -68,23 +68,23 @@ Blocks blocks_of(const Sample& sample) {
   return out;
 }
 
-Sample sample_of(std::uint64_t max_bytes, bool is_draco = true) {
-  Sample sample;
-  sample.max_bytes = max_bytes;
-  if (is_draco) sample.draco = DracoOptions();
-  return sample;
+PointSetRequest request_of(std::uint64_t max_bytes, bool is_draco = true) {
+  PointSetRequest request;
+  request.max_bytes = max_bytes;
+  if (is_draco) request.draco = DracoOptions();
+  return request;
 }
 
 TEST(PointBlocks, KeepWithinTheirBytes) {
   for (const std::size_t limit : {1024u, 5000u, 30'000u, 100'000u, 400'000u}) {
     for (const bool is_draco : {true, false}) {
       for (const Density& density : {Density(), seen_from(Vec3d(0, 0, 3)), Density({ExpressionTerm{"exp(8 * x)"}})}) {
-        Sample sample = sample_of(limit, is_draco);
-        sample.options.density = density;
-        const Blocks made = blocks_of(sample);
+        PointSetRequest request = request_of(limit, is_draco);
+        request.options.density = density;
+        const Blocks made = blocks_of(request);
         EXPECT_LE(made.bytes, limit);
         EXPECT_GE(static_cast<double>(made.bytes), 0.9 * static_cast<double>(limit)) << limit << ", " << density.terms.size();
-        const auto frame = make_frame(ball(), {.sample = sample}, cache(), {});
+        const auto frame = make_frame(ball(), {.point_set = request}, cache(), {});
         ASSERT_TRUE(frame.ok()) << frame.status();
         EXPECT_LE(bytes_of(frame->frame), limit);
         EXPECT_GE(static_cast<double>(bytes_of(frame->frame)), 0.9 * static_cast<double>(limit));
@@ -94,13 +94,13 @@ TEST(PointBlocks, KeepWithinTheirBytes) {
 }
 
 TEST(PointBlocks, OfABudgetAreThoseOfTheirNumber) {
-  Sample sample = sample_of(400'000);
-  sample.draco->position_bits = 14;
-  const Blocks made = blocks_of(sample);
+  PointSetRequest request = request_of(400'000);
+  request.draco->position_bits = 14;
+  const Blocks made = blocks_of(request);
   EXPECT_GT(made.blocks.size(), 1u);
-  sample.max_bytes = 0;
-  sample.options.points = made.points;
-  const Blocks same = blocks_of(sample);
+  request.max_bytes = 0;
+  request.options.points = made.points;
+  const Blocks same = blocks_of(request);
   ASSERT_EQ(same.blocks.size(), made.blocks.size());
   for (std::size_t i = 0; i < same.blocks.size(); ++i) {
     EXPECT_EQ(same.blocks[i].SerializeAsString(), made.blocks[i].SerializeAsString());
@@ -108,50 +108,53 @@ TEST(PointBlocks, OfABudgetAreThoseOfTheirNumber) {
 }
 
 TEST(PointBlocks, TakeAnErrorInPixels) {
-  Sample sample;
-  sample.draco = DracoOptions();
-  sample.options.density = seen_from(Vec3d(0, 0, 3), {ScreenTerm{}});
-  sample.pixel_error = 16;
-  const Blocks coarse = blocks_of(sample);
-  sample.pixel_error = 8;
-  const Blocks fine = blocks_of(sample);
+  PointSetRequest request;
+  request.draco = DracoOptions();
+  request.options.density = seen_from(Vec3d(0, 0, 3), {ScreenTerm{}});
+  request.pixel_error = 16;
+  const Blocks coarse = blocks_of(request);
+  request.pixel_error = 8;
+  const Blocks fine = blocks_of(request);
   EXPECT_NEAR(static_cast<double>(fine.points), 4.0 * static_cast<double>(coarse.points), 8);
-  const auto frame = make_frame(ball(), {.sample = sample}, cache(), {});
+  const auto frame = make_frame(ball(), {.point_set = request}, cache(), {});
   ASSERT_TRUE(frame.ok()) << frame.status();
   EXPECT_EQ(count_points(frame->frame), fine.points);
 }
 
 TEST(PointBlocks, AskForAFinerCurveWithTheirOwnNumber) {
-  Sample sample;
-  sample.options.density = seen_from(Vec3d(0, 0, 3), {ScreenTerm{}});
-  sample.pixel_error = 1;
+  PointSetRequest request;
+  request.options.density = seen_from(Vec3d(0, 0, 3), {ScreenTerm{}});
+  request.pixel_error = 1;
   std::uint64_t asked = 0;
-  const auto on_short = [&](const SurfaceCurve&, std::uint64_t points) {
+  const auto improvements = [&](const SurfaceCurve&, std::uint64_t points) {
     asked = points;
     return true;
   };
   std::uint64_t points = 0;
   bool refining = false;
-  ASSERT_TRUE(make_blocks(ball(), sample, cache(), {.finer_curve = on_short}, nullptr, [&](const v1::ResampleResponse& response) {
-                points += response.points().count();
-                refining = response.statistics().refining();
-                return true;
-              }).ok());
+  ASSERT_TRUE(make_point_blocks(ball(), request, cache(), {.finer_curve = improvements}, nullptr,
+                                [&](const v1::ResampleResponse& response) {
+                                  points += response.points().count();
+                                  refining = response.statistics().refining();
+                                  return true;
+                                })
+                  .ok());
   EXPECT_EQ(asked, points);
   EXPECT_TRUE(refining);
 }
 
 TEST(PointBlocks, RefuseWhatIsTooMuch) {
-  Sample sample;
-  sample.options.points = 4'000'000;
-  EXPECT_EQ(make_frame(ball(), {.sample = sample}, cache(), {}).status().code(), absl::StatusCode::kResourceExhausted);
-  sample.options.points = 4'000'001;
-  EXPECT_EQ(make_frame(ball(), {.sample = sample}, cache(), {}).status().code(), absl::StatusCode::kOutOfRange);
-  sample = sample_of(100);  // Draco's header alone takes more
-  sample.options.density = {BrushTerm{.radius = 1e9}};
-  EXPECT_EQ(make_frame(ball(), {.sample = sample}, cache(), {}).status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_EQ(make_blocks(ball(), sample_of(5000), cache(), {}, nullptr, [](const v1::ResampleResponse&) { return false; }).code(),
-            absl::StatusCode::kCancelled);
+  PointSetRequest request;
+  request.options.points = 4'000'000;
+  EXPECT_EQ(make_frame(ball(), {.point_set = request}, cache(), {}).status().code(), absl::StatusCode::kResourceExhausted);
+  request.options.points = 4'000'001;
+  EXPECT_EQ(make_frame(ball(), {.point_set = request}, cache(), {}).status().code(), absl::StatusCode::kOutOfRange);
+  request = request_of(100);  // Draco's header alone takes more
+  request.options.density = {BrushTerm{.radius = 1e9}};
+  EXPECT_EQ(make_frame(ball(), {.point_set = request}, cache(), {}).status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(
+      make_point_blocks(ball(), request_of(5000), cache(), {}, nullptr, [](const v1::ResampleResponse&) { return false; }).code(),
+      absl::StatusCode::kCancelled);
 }
 
 }  // namespace

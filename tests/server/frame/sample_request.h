@@ -43,7 +43,7 @@ inline void expect_refusals(const std::vector<Hostile>& cases) {
   for (const Hostile& hostile : cases) {
     v1::SampleRequest request = good_request();
     hostile.spoil(request);
-    const auto sample = to_sample(request);
+    const auto sample = to_point_set_request(request);
     EXPECT_EQ(sample.status().code(), absl::StatusCode::kInvalidArgument) << hostile.message;
     EXPECT_THAT(sample.status().message(), ::testing::HasSubstr(hostile.message));
   }

@@ -11,25 +11,25 @@ TEST(Workspaces, LendsWhatCameBack) {
   Workspaces workspaces;
   const ViewWorkspace* first = nullptr;
   {
-    const Workspaces::Lease one = workspaces.take(), two = workspaces.take();
+    const Workspaces::Lease one = workspaces.lease(), two = workspaces.lease();
     EXPECT_NE(one.get(), two.get());
     first = one.get();
     EXPECT_EQ(workspaces.idle(), 0u);
   }
   EXPECT_EQ(workspaces.idle(), 2u);
-  EXPECT_EQ(workspaces.take().get(), first) << "the one that came back last, whose memory is warm";
+  EXPECT_EQ(workspaces.lease().get(), first) << "the one that came back last, whose memory is warm";
 }
 
 TEST(Workspaces, KeepNoLargeOnesAndNotMany) {
   Workspaces workspaces;
   {
-    const Workspaces::Lease large = workspaces.take();
+    const Workspaces::Lease large = workspaces.lease();
     large->equalised.sequence.resize(std::size_t{10} << 20);
   }
   EXPECT_EQ(workspaces.idle(), 0u);
   {
     std::vector<Workspaces::Lease> many;
-    for (int i = 0; i < 100; ++i) many.push_back(workspaces.take());
+    for (int i = 0; i < 100; ++i) many.push_back(workspaces.lease());
   }
   EXPECT_LE(workspaces.idle(), 16u);
 }
@@ -40,9 +40,9 @@ TEST(Workspaces, ServeManyThreads) {
   for (std::size_t t = 0; t < 4; ++t) {
     threads.emplace_back([&, t] {
       for (int i = 0; i < 1000; ++i) {
-        const Workspaces::Lease lease = workspaces.take();
-        lease->sequence.assign(10, static_cast<double>(t));
-        for (const double value : lease->sequence) ASSERT_EQ(value, static_cast<double>(t));
+        const Workspaces::Lease lease = workspaces.lease();
+        lease->equalised.sequence.assign(10, static_cast<double>(t));
+        for (const double value : lease->equalised.sequence) ASSERT_EQ(value, static_cast<double>(t));
       }
     });
   }

@@ -1,4 +1,4 @@
-// Checks of what a client sent.
+// Validates the fields of a message that a client sent.
 #pragma once
 
 #include <absl/status/status.h>
@@ -14,22 +14,26 @@
 
 namespace curvecast::server {
 
-/// The first error of many checks, so that a converter reads like the message that it converts.
-class Checker {
+/// Keeps the first error of many checks, so that a converter reads like the message that it converts. `field` is the path of a
+/// field in the request, such as "sample.cameras[0].eye".
+class FieldValidator {
  public:
+  /// OK, or InvalidArgument with the first field at fault in its message and as its payload kFieldPayload.
   const absl::Status& status() const { return status_; }
   bool ok() const { return status_.ok(); }
 
+  /// Keeps "`field` `problem`" as the error, unless there is one already.
   void fail(const std::string& field, const std::string& problem) {
     if (!status_.ok()) return;
     status_ = absl::InvalidArgumentError(absl::StrCat(field, " ", problem));
     status_.SetPayload(kFieldPayload, absl::Cord(field));
   }
-  /// Finite, or an error.
+  /// Returns the value; fails where it is infinite or no number.
   double finite(const std::string& field, double value) {
     if (!std::isfinite(value)) fail(field, "is not finite");
     return value;
   }
+  /// Returns the value; fails where it is not in [low, high].
   template <class Number>
   Number in_range(const std::string& field, Number value, Number low, Number high) {
     if (!(value >= low && value <= high)) {  // written so that a NaN fails
@@ -37,6 +41,7 @@ class Checker {
     }
     return value;
   }
+  /// Returns the vector; fails where a component is infinite or no number.
   Vec3d vector(const std::string& field, const v1::Vec3& v) {
     return {finite(field + ".x", v.x()), finite(field + ".y", v.y()), finite(field + ".z", v.z())};
   }

@@ -1,4 +1,4 @@
-#include "server/frame/held_points.h"
+#include "server/frame/reference_frame.h"
 
 #include <xxhash.h>
 
@@ -17,8 +17,9 @@ std::pair<int, int> bits_of(const std::optional<DracoOptions>& draco) {
 
 }  // namespace
 
-HeldPoints::HeldPoints(std::shared_ptr<const SurfaceCurve> curve, const RankSelection& selection, const Sample& sample)
-    : curve_(std::move(curve)), draco_(sample.draco), attributes_(sample.attributes) {
+ReferenceFrame::ReferenceFrame(std::shared_ptr<const SurfaceCurve> curve, const RankSelection& selection,
+                               const PointSetRequest& request)
+    : curve_(std::move(curve)), draco_(request.draco), attributes_(request.attributes) {
   selection_.tree = selection.tree;
   selection_.count = selection.count;
   const auto words_of = [&](const RankSelection::Part& part) {
@@ -55,7 +56,7 @@ HeldPoints::HeldPoints(std::shared_ptr<const SurfaceCurve> curve, const RankSele
   digest_ = std::max<std::uint64_t>(digest_, 1);
 }
 
-void HeldPoints::keep_runs(std::span<const std::uint8_t> rungs) {
+void ReferenceFrame::keep_runs(std::span<const std::uint8_t> rungs) {
   constexpr std::size_t kLongest = std::numeric_limits<std::uint8_t>::max();
   std::vector<Run> runs;
   runs.reserve(rungs.size() / 4 + 1);
@@ -85,7 +86,7 @@ void HeldPoints::keep_runs(std::span<const std::uint8_t> rungs) {
   discs_.assign(runs.begin(), runs.end());  // what is kept has no room to spare
 }
 
-void HeldPoints::discs(std::vector<std::uint8_t>& rungs) const {
+void ReferenceFrame::discs(std::vector<std::uint8_t>& rungs) const {
   // Most runs are short: sixteen are written whatever their length, and those after them written over.
   constexpr std::size_t kAtOnce = 16;
   rungs.resize(selection_.count + kAtOnce);
@@ -98,11 +99,11 @@ void HeldPoints::discs(std::vector<std::uint8_t>& rungs) const {
   rungs.resize(selection_.count);
 }
 
-bool HeldPoints::goes_with(const SurfaceCurve& curve, const Sample& sample) const {
-  return curve_.get() == &curve && bits_of(draco_) == bits_of(sample.draco) && attributes_ == sample.attributes;
+bool ReferenceFrame::goes_with(const SurfaceCurve& curve, const PointSetRequest& request) const {
+  return curve_.get() == &curve && bits_of(draco_) == bits_of(request.draco) && attributes_ == request.attributes;
 }
 
-std::size_t HeldPoints::byte_size() const {
+std::size_t ReferenceFrame::byte_size() const {
   return sizeof(*this) + selection_.parts.capacity() * sizeof(RankSelection::Part) +
          selection_.shown.capacity() * sizeof(std::uint64_t) + discs_.capacity() * sizeof(Run);
 }
