@@ -9,6 +9,7 @@
 #include <future>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace curvecast::server {
@@ -24,7 +25,7 @@ class Notes final : public SessionWaiter {
  public:
   void on_progress(std::string_view stage, double fraction) override {
     calls.push_back(std::string(stage) + " " + std::to_string(static_cast<int>(100 * fraction)));
-    if (on_call) on_call();
+    if (on_call) std::exchange(on_call, nullptr)();
   }
   void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) override {
     calls.push_back(absl::StatusCodeToString(session.status().code()));
@@ -32,8 +33,8 @@ class Notes final : public SessionWaiter {
   }
 
   std::vector<std::string> calls;
-  std::function<void()> on_call;
-  long uses = 0;  // references to the session when this one had it
+  std::function<void()> on_call;  // within the next on_progress
+  long uses = 0;                  // references to the session when this one had it
 };
 
 TEST(SessionWaiters, CallsOnlyWhereTheyAreDelivered) {
@@ -120,7 +121,6 @@ TEST(SessionWaiters, OneThatIsBeingCalledDoesNotHoldUpOthers) {
   std::promise<void> called, release;
   Notes slow, other;
   slow.on_call = [&] {
-    slow.on_call = nullptr;
     called.set_value();
     EXPECT_EQ(release.get_future().wait_for(kPatience), std::future_status::ready);
   };
