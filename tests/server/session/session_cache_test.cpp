@@ -13,7 +13,7 @@
 #include "core/storage/curve_file.h"
 #include "core/storage/section_file.h"
 #include "server/base/log.h"
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
 
 namespace curvecast::server {
