@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
 
 namespace curvecast::server {
@@ -56,7 +56,7 @@ void ClientStream::sent(bool ok) {
 
 void ClientStream::refined(const Session& session) {
   const std::lock_guard lock(mutex_);
-  if (session_ == nullptr || session_->live != session.live) return;
+  if (session_ == nullptr || session_->revisions != session.revisions) return;
   refined_ = true;
   advance();
 }
@@ -160,7 +160,7 @@ void ClientStream::work() {
       const auto claim = claim_;
       const auto session = session_;
       lock.unlock();
-      made = guarded([&] { return answer(session, view, held, claim); });
+      made = status_from_exceptions([&] { return answer(session, view, held, claim); });
       lock.lock();
     }
     settle(std::move(view), std::move(made));
