@@ -15,7 +15,7 @@
 #include "core/base/mutex.h"
 #include "server/base/address.h"
 #include "server/base/build_info.h"
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/engine/engine.h"
 #include "server/grpc/service.h"
 #include "server/web/credentials.h"
@@ -212,7 +212,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     if (!read.ok()) return read.status();
     tokens = (*read)->with("this process", own_token);
   }
-  return guarded([&]() -> absl::StatusOr<std::unique_ptr<Server>> {
+  return status_from_exceptions([&]() -> absl::StatusOr<std::unique_ptr<Server>> {
     std::shared_ptr<spdlog::logger> log = make_logger(options.log, options.verbose, options.log_format);
     log->info("{}", describe(build_info()));
     for (const std::string& note : options.notes) log->info("{}", note);

@@ -299,7 +299,7 @@ v1::Session to_proto(const Session& session) {
   if (curve->revision > 1 && curve->size() > 0) report.max_level = *std::max_element(curve->level.begin(), curve->level.end());
   *out.mutable_report() = to_proto(report, session.mesh_name, session.peak_bytes);
   out.set_curve_revision(curve->revision);
-  out.set_refining(session.live->refining());
+  out.set_refining(session.revisions->refining());
   out.set_memory_bytes(session.memory_bytes());
   return out;
 }

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 
 namespace curvecast::server {
 
@@ -28,7 +28,7 @@ void ViewConversation::receive(const v1::StreamViewsRequest& request, std::funct
   if (request.has_open() && engine_.sessions.must_load(request.open().session_id())) {
     // By a thread that may wait for the disk, before the stream hears of it.
     const auto submitted = engine_.cache->loading().submit([this, &request, on_received] {
-      const auto loaded = guarded([&] { return engine_.sessions.find(request.open().session_id()); });
+      const auto loaded = status_from_exceptions([&] { return engine_.sessions.find(request.open().session_id()); });
       stream_->receive(request);  // finds it in memory, or an error
       on_received();
     });

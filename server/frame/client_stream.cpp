@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
 
 namespace curvecast::server {
@@ -66,7 +66,7 @@ void ClientStream::sent(bool ok) {
 
 void ClientStream::refined(const Session& session) {
   const MutexLock lock(mutex_);
-  if (session_ == nullptr || session_->live != session.live) return;
+  if (session_ == nullptr || session_->revisions != session.revisions) return;
   view_state_ = next(view_state_, ViewEvent::kImproved);
   dispatch();
 }
@@ -179,7 +179,7 @@ void ClientStream::run_worker() {
       auto reference = wants_key_ ? nullptr : reference_;
       const std::uint64_t first_bytes = accepts_deltas_ ? view.first_bytes : 0;
       lock.unlock();
-      made = guarded([&]() -> absl::StatusOr<Answer> {
+      made = status_from_exceptions([&]() -> absl::StatusOr<Answer> {
         if (claim) {
           absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restored = hooks_.restore(*session, *claim);
           if (restored.ok()) reference = *std::move(restored);  // else the client gets a key frame

@@ -20,7 +20,7 @@ absl::StatusOr<SessionSampler> SessionSampler::open(const Session& session, cons
   SessionSampler out(session, request, cache, wait, cancel);
   out.curve_ = session.curve();
   if (request.sampler == Sampler::kProgressive) {
-    const absl::StatusOr<RankedCurve> ranked = session.ranks->take(out.curve_, {.cancel = cancel, .threads = 1});
+    const absl::StatusOr<RankedCurve> ranked = session.candidates->take(out.curve_, {.cancel = cancel, .threads = 1});
     if (!ranked.ok()) return ranked.status();
     out.curve_ = ranked->curve;
     out.ranks_ = ranked->tree;
@@ -70,11 +70,11 @@ absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points) {
     const absl::Status status =
         select_ranked(*curve_, ranks_, fixed_.get(), request_->options.density, points, out.workspace->ranked);
     if (!status.ok()) return status;
-    if (selection.lacking.empty() || wait_ == Wait::kForFirst || session_->ranks->is_full() || round == kMaxRounds) break;
-    const absl::Status grown = session_->ranks->grow(selection.lacking, {.cancel = cancel_});
+    if (selection.lacking.empty() || wait_ == Wait::kForFirst || session_->candidates->is_full() || round == kMaxRounds) break;
+    const absl::Status grown = session_->candidates->grow(selection.lacking, {.cancel = cancel_});
     // Without room for more, those that there are have to do.
     if (!grown.ok() && !absl::IsResourceExhausted(grown)) return grown;
-    const absl::StatusOr<RankedCurve> ranked = session_->ranks->take(curve_, {});
+    const absl::StatusOr<RankedCurve> ranked = session_->candidates->take(curve_, {});
     if (!ranked.ok()) return ranked.status();
     ranks_ = ranked->tree;
   }

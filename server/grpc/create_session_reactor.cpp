@@ -1,6 +1,6 @@
 // CreateSession: waits for a session and tells how far it is.
 #include "server/base/grpc_status.h"
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
 #include "server/engine/caller.h"
 #include "server/grpc/reactors.h"
@@ -16,7 +16,7 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
   CreateSessionReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request)
       : WriteQueue(RequestLog(engine, "CreateSession", context), engine.queued), engine_(engine) {
     // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
-    const absl::Status begun = guarded([&] { return begin(context, request); });
+    const absl::Status begun = status_from_exceptions([&] { return begin(context, request); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 

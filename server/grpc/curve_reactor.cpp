@@ -3,7 +3,7 @@
 #include <string>
 
 #include "server/base/grpc_status.h"
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/convert/curve_chunks.h"
 #include "server/engine/request_log.h"
 #include "server/grpc/reactors.h"
@@ -29,7 +29,7 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
 
  private:
   void begin(Engine& engine, const std::string& id) {
-    const absl::Status begun = guarded([&] {
+    const absl::Status begun = status_from_exceptions([&] {
       const auto session = engine.sessions.find(id);
       if (!session.ok()) return session.status();
       curve_ = (*session)->curve();
@@ -42,7 +42,7 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
   void OnWriteDone(bool ok) override {
     if (!ok) return end(absl::CancelledError("the client has gone"));
     if (next_ == curve_->size()) return end(absl::OkStatus());
-    const absl::Status packed = guarded([&] {
+    const absl::Status packed = status_from_exceptions([&] {
       message_.Clear();
       *message_.mutable_chunk() = to_curve_chunk(*curve_, next_);
       next_ += message_.chunk().count();

@@ -3,7 +3,7 @@
 
 #include "core/pipeline/pipeline.h"
 #include "server/base/grpc_status.h"
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/convert/convert_measure.h"
 #include "server/engine/caller.h"
 #include "server/grpc/reactors.h"
@@ -28,7 +28,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
  public:
   MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::MeasureRequest& request)
       : WriteQueue(RequestLog(engine, "Measure", context), engine.queued) {
-    const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
+    const absl::Status begun = status_from_exceptions([&] { return begin(engine, request, peer_of(context)); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 
@@ -50,7 +50,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
     push_progress("queued", 0);
     return engine.preprocessing
         .submit([this, work = std::move(work),
-                 threads = engine.threads] { finish(to_grpc(guarded([&] { return answer(work, threads); }))); },
+                 threads = engine.threads] { finish(to_grpc(status_from_exceptions([&] { return answer(work, threads); }))); },
                 connection)
         .status();
   }

@@ -1,6 +1,6 @@
 // GetParameterMesh: reads, repairs and flattens a mesh, and sends its discs chunk by chunk.
 #include "server/base/grpc_status.h"
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
 #include "server/convert/parameter_mesh_chunks.h"
 #include "server/engine/caller.h"
@@ -17,7 +17,7 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
  public:
   ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
       : WriteQueue(RequestLog(engine, "GetParameterMesh", context), engine.queued) {
-    const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
+    const absl::Status begun = status_from_exceptions([&] { return begin(engine, request, peer_of(context)); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 
@@ -29,9 +29,11 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
     if (!parameteriser.ok()) return parameteriser.status();
     const PreprocessOptions options{.parameteriser = *parameteriser};
     return engine.preprocessing
-        .submit([this, files = *std::move(files), options,
-                 threads = engine.threads] { finish(to_grpc(guarded([&] { return answer(files, options, threads); }))); },
-                connection)
+        .submit(
+            [this, files = *std::move(files), options, threads = engine.threads] {
+              finish(to_grpc(status_from_exceptions([&] { return answer(files, options, threads); })));
+            },
+            connection)
         .status();
   }
 

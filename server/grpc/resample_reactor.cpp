@@ -1,6 +1,6 @@
 // Resample: one point set, packed on a worker and sent block by block.
 #include "server/base/grpc_status.h"
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
 #include "server/engine/caller.h"
 #include "server/frame/point_blocks.h"
@@ -15,7 +15,7 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
  public:
   ResampleReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
       : WriteQueue(RequestLog(engine, "Resample", context), engine.queued) {
-    const absl::Status begun = guarded([&] { return begin(engine, request, peer_of(context)); });
+    const absl::Status begun = status_from_exceptions([&] { return begin(engine, request, peer_of(context)); });
     if (!begun.ok()) finish(to_grpc(begun));
   }
 
@@ -36,7 +36,7 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
     return engine.calls
         .submit(
             [this, &engine, id, held = std::move(held), point_set = *std::move(point_set)]() mutable {
-              finish(to_grpc(guarded([&]() -> absl::Status {
+              finish(to_grpc(status_from_exceptions([&]() -> absl::Status {
                 // Lets go of the session before the client hears that it is done.
                 absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
                 if (*session == nullptr) session = engine.sessions.find(id);

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "server/base/grpc_status.h"
-#include "server/base/guarded.h"
 #include "server/base/log.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
 #include "server/engine/caller.h"
 #include "server/engine/request_log.h"
@@ -53,7 +53,7 @@ template <class Work>
 grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::CallbackServerContext& context, Work&& work) {
   return check_caller(engine, method, context, [&]() -> grpc::ServerUnaryReactor* {
     RequestLog log(engine, method, context);
-    const grpc::Status status = to_grpc(guarded(work));
+    const grpc::Status status = to_grpc(status_from_exceptions(work));
     log.finish(status);
     grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
     reactor->Finish(status);

@@ -10,7 +10,7 @@
 
 #include "core/base/execution_context.h"
 #include "server/base/grpc_status.h"
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/engine/caller.h"
 #include "server/engine/engine.h"
 #include "server/engine/request_log.h"
@@ -27,7 +27,7 @@ class UnaryJob final : public grpc::ServerUnaryReactor {
   UnaryJob(Engine& engine, const char* method, grpc::CallbackServerContext& context,
            const std::function<absl::StatusOr<Work>()>& prepare)
       : log_(engine, method, context) {
-    const absl::Status begun = guarded([&] {
+    const absl::Status begun = status_from_exceptions([&] {
       absl::StatusOr<Work> work = prepare();
       if (!work.ok()) return work.status();
       return engine.calls.submit([this, work = *std::move(work)] { run(work); }, peer_of(context)).status();
@@ -40,7 +40,7 @@ class UnaryJob final : public grpc::ServerUnaryReactor {
   void OnDone() override { delete this; }
 
   void run(const Work& work) {
-    finish(guarded([&] {
+    finish(status_from_exceptions([&] {
       ExecutionContext context;
       context.cancel = &cancel_;
       context.threads = 1;

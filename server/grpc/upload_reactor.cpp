@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "server/base/grpc_status.h"
-#include "server/base/guarded.h"
 #include "server/base/log.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/engine/caller.h"
 #include "server/engine/request_log.h"
 #include "server/grpc/reactors.h"
@@ -34,7 +34,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
 
  private:
   void OnReadDone(bool ok) override {
-    const absl::Status status = guarded([&] { return ok ? receive() : complete(); });
+    const absl::Status status = status_from_exceptions([&] { return ok ? receive() : complete(); });
     if (ok && status.ok()) {
       StartRead(&request_);
     } else {

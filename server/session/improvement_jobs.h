@@ -43,7 +43,7 @@ class ImprovementJobs {
   bool request(const std::shared_ptr<const Session>& session, Add&& add) ABSL_LOCKS_EXCLUDED(mutex_) {
     const MutexLock lock(mutex_);
     if (is_stopped_) return false;
-    const Key key = session->live.get();
+    const Key key = session->revisions.get();
     const auto [at, is_new] = jobs_.try_emplace(key);
     if (is_new) {
       if (!queue_.submit([this, key] { run(key); }).ok()) {
@@ -60,7 +60,7 @@ class ImprovementJobs {
   /// Cancels the session's job, if there is one.
   void cancel(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_) {
     const MutexLock lock(mutex_);
-    if (const auto found = jobs_.find(session.live.get()); found != jobs_.end()) found->second.cancel = true;
+    if (const auto found = jobs_.find(session.revisions.get()); found != jobs_.end()) found->second.cancel = true;
   }
   /// Cancels all jobs and joins the thread; refuses what comes later.
   void stop() ABSL_LOCKS_EXCLUDED(mutex_) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/stopwatch.h"
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 
 namespace curvecast::server {
 
@@ -18,14 +18,15 @@ RankJobs::RankJobs(OnDone on_done, std::shared_ptr<spdlog::logger> log)
              .on_done = [on_done = std::move(on_done)](const Session& session, bool /*is_better*/) { on_done(session); }}) {}
 
 bool RankJobs::request(const std::shared_ptr<const Session>& session, std::span<const ChunkId> lacking) {
-  if (session->ranks->is_full()) return false;
+  if (session->candidates->is_full()) return false;
   return jobs_.request(session, [&](Chunks& chunks) { chunks.insert(lacking.begin(), lacking.end()); });
 }
 
 Improvement RankJobs::grow(const Session& session, const Chunks& lacking, const std::atomic<bool>& cancel) const {
   Stopwatch watch;
   const std::vector<ChunkId> chunks(lacking.begin(), lacking.end());
-  const absl::Status status = guarded([&] { return session.ranks->grow(chunks, {.cancel = &cancel, .threads = 1}); });
+  const absl::Status status =
+      status_from_exceptions([&] { return session.candidates->grow(chunks, {.cancel = &cancel, .threads = 1}); });
   if (status.ok()) {
     log_->info("session {} has more ranked candidates in {:.3f} s", session.id, watch.lap());
   } else if (!cancel) {

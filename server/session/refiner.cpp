@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.h"
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 
 namespace curvecast::server {
 namespace {
@@ -62,7 +62,7 @@ Refiner::Refiner(std::uint64_t max_vertices, OnDone on_done, std::shared_ptr<spd
       jobs_({.improve = [this](const Session& session, const CurveDemands& demands,
                                const std::atomic<bool>& cancel) { return improve(session, demands, cancel); },
              .on_done = std::move(on_done),
-             .mark = [](const Session& session, bool has_job) { session.live->set_refining(has_job); }}) {}
+             .mark = [](const Session& session, bool has_job) { session.revisions->set_refining(has_job); }}) {}
 
 bool Refiner::request(const std::shared_ptr<const Session>& session, const SurfaceCurve& curve, std::uint64_t source,
                       CurveDemand demand) {
@@ -82,7 +82,7 @@ void Refiner::forget(const Session& session) {
 
 Improvement Refiner::improve(const Session& session, const CurveDemands& demands, const std::atomic<bool>& cancel) const {
   Stopwatch watch;
-  const absl::StatusOr<RefinedCurve> refined = guarded([&] { return refine_once(session, demands, cancel); });
+  const absl::StatusOr<RefinedCurve> refined = status_from_exceptions([&] { return refine_once(session, demands, cancel); });
   if (!refined.ok()) {
     if (!cancel && !session.refinement->is_over)
       log_->error("session {} was not refined: {}", session.id, refined.status().ToString());
@@ -91,7 +91,7 @@ Improvement Refiner::improve(const Session& session, const CurveDemands& demands
   }
   const std::shared_ptr<const SurfaceCurve>& curve = refined->curve;
   if (curve != nullptr) {
-    session.live->publish(curve);
+    session.revisions->publish(curve);
     log_->info("session {} refined in {:.3f} s: revision {}, {} curve vertices, {} MiB", session.id, watch.lap(), curve->revision,
                curve->size(), curve->byte_size() >> 20);
   }

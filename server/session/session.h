@@ -10,9 +10,9 @@
 #include <string>
 
 #include "core/pipeline/pipeline.h"
-#include "server/session/live_curve.h"
-#include "server/session/live_ranks.h"
+#include "server/session/curve_revisions.h"
 #include "server/session/mesh_files.h"
+#include "server/session/ranked_candidates.h"
 #include "server/session/refinement.h"
 
 namespace curvecast::server {
@@ -25,18 +25,18 @@ struct Session {
   std::string mesh_name;
   std::map<std::string, std::string> companions;  // names in the mesh, and the mesh_ids of these files
   PreprocessOptions options;
-  Preprocessed preprocessed;  // its curve has gone to `live`; without `flattened` when it comes from the cache
-  std::shared_ptr<LiveCurve> live = std::make_shared<LiveCurve>();
-  std::shared_ptr<LiveRanks> ranks = std::make_shared<LiveRanks>();  // made when they are first asked for
+  Preprocessed preprocessed;  // its curve has gone to `revisions`; without `flattened` when it comes from the cache
+  std::shared_ptr<CurveRevisions> revisions = std::make_shared<CurveRevisions>();
+  std::shared_ptr<RankedCandidates> candidates = std::make_shared<RankedCandidates>();  // made when they are first asked for
   std::shared_ptr<Refinement> refinement = std::make_shared<Refinement>();
   /// Loads the surface on which the curve lies, for refining it, where preprocessed.flattened is null. May be empty.
   std::function<absl::StatusOr<std::shared_ptr<const FlattenedMesh>>()> load_flattened;
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
 
   /// The newest revision of the curve. Each answer takes it once, so that all of it is of one revision.
-  std::shared_ptr<const SurfaceCurve> curve() const { return live->newest(); }
+  std::shared_ptr<const SurfaceCurve> curve() const { return revisions->newest(); }
   /// Bytes of the curve and the ranked candidates.
-  std::uint64_t memory_bytes() const { return curve()->byte_size() + ranks->byte_size(); }
+  std::uint64_t memory_bytes() const { return curve()->byte_size() + candidates->byte_size(); }
 };
 
 enum class SessionState { kQueued, kPreprocessing, kReady };

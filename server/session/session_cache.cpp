@@ -19,8 +19,8 @@
 #include "core/storage/curve_file.h"
 #include "core/storage/pipeline_archive.h"
 #include "core/storage/surface_file.h"
-#include "server/base/guarded.h"
 #include "server/base/log.h"
+#include "server/base/status_from_exceptions.h"
 
 namespace curvecast::server {
 namespace {
@@ -128,7 +128,7 @@ absl::StatusOr<std::shared_ptr<Session>> to_session(CurveFile file, const std::s
   }
   session->options = std::move(record.options);
   session->preprocessed = {nullptr, std::move(record.report), nullptr};
-  session->live->publish(std::move(file.curve));
+  session->revisions->publish(std::move(file.curve));
   session->peak_bytes = peak_memory_bytes();
   return session;
 }
@@ -213,7 +213,7 @@ void SessionCache::discard(const std::string& path, const absl::Status& reason) 
 absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::string& id) {
   if (!holds(id)) return absl::NotFoundError("it is not in the cache");
   const std::string path = curve_path(id);
-  auto session = guarded([&]() -> absl::StatusOr<std::shared_ptr<const Session>> {
+  auto session = status_from_exceptions([&]() -> absl::StatusOr<std::shared_ptr<const Session>> {
     absl::StatusOr<CurveFile> file = load_curve(path);
     if (!file.ok()) return file.status();
     absl::StatusOr<std::shared_ptr<Session>> loaded = to_session(*std::move(file), id, path);
@@ -232,7 +232,7 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::str
 absl::StatusOr<std::shared_ptr<const FlattenedMesh>> SessionCache::load_surface(const std::string& id) {
   if (!is_session_id(id)) return absl::NotFoundError("it is not in the cache");
   const std::string path = surface_path(id);
-  auto surface = guarded([&]() -> absl::StatusOr<std::shared_ptr<const FlattenedMesh>> {
+  auto surface = status_from_exceptions([&]() -> absl::StatusOr<std::shared_ptr<const FlattenedMesh>> {
     absl::StatusOr<FlattenedMesh> loaded = curvecast::load_surface(path);
     if (!loaded.ok()) return loaded.status();
     return std::make_shared<const FlattenedMesh>(*std::move(loaded));
@@ -270,7 +270,7 @@ void SessionCache::save_next(const std::string& id) {
     unwanted_ = false;
   }
   Stopwatch watch;
-  const absl::Status status = guarded([&] { return write(id, snapshot); });
+  const absl::Status status = status_from_exceptions([&] { return write(id, snapshot); });
   const double seconds = watch.lap();
   {
     const MutexLock lock(mutex_);

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "server/base/guarded.h"
+#include "server/base/status_from_exceptions.h"
 
 namespace curvecast::server {
 namespace {
@@ -21,7 +21,7 @@ std::shared_ptr<const Session> make_session(const SessionJob& job, Preprocessed 
   for (const auto& [name, file] : job.files.companions) session->companions[name] = file->id;
   session->options = job.options;
   session->preprocessed = std::move(preprocessed);
-  session->live->publish(std::move(session->preprocessed.curve));
+  session->revisions->publish(std::move(session->preprocessed.curve));
   session->peak_bytes = peak_memory_bytes();
   return session;
 }
@@ -91,7 +91,8 @@ void SessionJobs::preprocess(const std::shared_ptr<SessionJob>& job) {
     context.on_progress = [&](std::string_view stage, double fraction) { report(*job, stage, fraction); };
     context.cancel = &job->cancel;
     context.threads = threads_;
-    absl::StatusOr<Preprocessed> made = guarded([&] { return preprocess_(job->files.file(), job->options, context); });
+    absl::StatusOr<Preprocessed> made =
+        status_from_exceptions([&] { return preprocess_(job->files.file(), job->options, context); });
     if (made.ok()) {
       result = make_session(*job, *std::move(made));
     } else {

@@ -222,7 +222,7 @@ std::uint64_t SessionStore::memory_bytes() {
 void SessionStore::save(const Session& session) {
   const MutexLock lock(mutex_);  // close() comes wholly before or after
   const SessionTable::Entry* entry = table_.find(session.id);
-  if (entry == nullptr || entry->info.session == nullptr || entry->info.session->live != session.live) return;
+  if (entry == nullptr || entry->info.session == nullptr || entry->info.session->revisions != session.revisions) return;
   if (cache_ != nullptr) cache_->save(session);
 }
 

@@ -266,7 +266,7 @@ TEST(ToProto, SessionsSayWhatTheyAre) {
   session->options = info.options;
   auto curve = std::make_shared<SurfaceCurve>();
   curve->revision = 3;
-  session->live->publish(curve);
+  session->revisions->publish(curve);
   session->preprocessed.report.mesh.genus = 2;
   session->preprocessed.report.mesh.attributes = {"uv"};
   session->preprocessed.report.mesh.warnings = {"One.", "Two."};

@@ -263,17 +263,17 @@ TEST_F(EngineTest, ClosesInTheMidstOfRefinement) {
     EXPECT_TRUE(engine_.close_session(session->id, "").ok());
     const std::shared_ptr<const Session> again = open();  // the same mesh once more, beside those that still have the old one
     EXPECT_EQ(again->id, session->id);
-    EXPECT_NE(again->live, session->live);
+    EXPECT_NE(again->revisions, session->revisions);
     EXPECT_EQ(again->curve()->revision, 1u);
   }
-  EXPECT_FALSE(session->live->refining());
+  EXPECT_FALSE(session->revisions->refining());
 }
 
 TEST_F(EngineTest, WhatWasClosedIsNotSavedAnyMore) {
   const std::shared_ptr<const Session> session = open();
   const auto finer = std::make_shared<SurfaceCurve>(*session->curve());
   finer->revision = 7;
-  session->live->publish(finer);
+  session->revisions->publish(finer);
   EXPECT_TRUE(engine_.close_session(session->id, "").ok());
   engine_.sessions.save(*session);
   EXPECT_FALSE(engine_.sessions.must_load(session->id));
@@ -302,7 +302,7 @@ TEST_F(EngineTest, StopsInTheMidstOfRefinement) {
   while (answered < kClients) std::this_thread::yield();
   stop();
   threads.clear();
-  EXPECT_FALSE(session->live->refining());
+  EXPECT_FALSE(session->revisions->refining());
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "curvecast/v1/curvecast.pb.h"
-#include "has_line.h"
+#include "tests/server/has_line.h"
 
 namespace curvecast::server {
 namespace {

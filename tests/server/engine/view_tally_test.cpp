@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "has_line.h"
+#include "tests/server/has_line.h"
 
 namespace curvecast::server {
 namespace {

@@ -26,7 +26,7 @@ const Session& ball() {
     Session made;
     made.options.points = 50'000;
     made.preprocessed = *std::move(done);
-    made.live->publish(std::move(made.preprocessed.curve));
+    made.revisions->publish(std::move(made.preprocessed.curve));
     return made;
   }();
   return session;

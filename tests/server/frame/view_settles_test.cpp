@@ -42,7 +42,7 @@ std::shared_ptr<const Session> ball() {
   static const std::shared_ptr<const Session> made = make_session(500);
   auto session = std::make_shared<Session>();
   session->options = made->options;
-  session->live->publish(made->curve());
+  session->revisions->publish(made->curve());
   return session;
 }
 
@@ -121,11 +121,11 @@ class ZoomedView : public Conversation {
     is_promised_ = false;
     if (zoom_.background == Background::kImproves) {
       if (zoom_.sampler == v1::SAMPLER_PROGRESSIVE) {
-        EXPECT_TRUE(session_->ranks->grow(lacking_, {}).ok());
+        EXPECT_TRUE(session_->candidates->grow(lacking_, {}).ok());
       } else {
         const auto finer = std::make_shared<SurfaceCurve>(*session_->curve());
         ++finer->revision;
-        session_->live->publish(finer);
+        session_->revisions->publish(finer);
       }
     }
     stream_->refined(*session_);

@@ -46,7 +46,7 @@ class ImprovementJobsTest : public ::testing::Test {
                                  .on_done = ends_.counter(),
                                  .mark =
                                      [this](const Session& session, bool has_job) {
-                                       if (session.live == session_->live) marks_.push_back(has_job);
+                                       if (session.revisions == session_->revisions) marks_.push_back(has_job);
                                      }}};
 };
 

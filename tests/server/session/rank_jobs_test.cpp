@@ -14,11 +14,11 @@ namespace {
 
 std::shared_ptr<const Session> make_ranked_session() {
   auto session = make_session(4000);
-  EXPECT_TRUE(session->ranks->take(session->curve(), {}).ok());
+  EXPECT_TRUE(session->candidates->take(session->curve(), {}).ok());
   return session;
 }
 
-std::size_t points_of(const Session& session) { return session.ranks->take(session.curve(), {})->tree->points(); }
+std::size_t points_of(const Session& session) { return session.candidates->take(session.curve(), {})->tree->points(); }
 
 TEST(RankJobs, MakeWhatLacks) {
   const auto session = make_ranked_session();

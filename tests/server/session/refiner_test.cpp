@@ -30,11 +30,11 @@ TEST(Refiner, PublishesAFinerRevision) {
   EXPECT_EQ(second->revision, 2u);
   EXPECT_GE(second->size(), 100'000u);
   EXPECT_EQ(second->max_points, 10'000u);
-  EXPECT_FALSE(session->live->refining());
+  EXPECT_FALSE(session->revisions->refining());
   EXPECT_EQ(first->revision, 1u);  // whoever took it has it still
   // One who found the old revision too coarse learns that there is another.
   EXPECT_TRUE(refiner.request(session, *first, 2, {.points = 10'000}));
-  EXPECT_FALSE(session->live->refining());
+  EXPECT_FALSE(session->revisions->refining());
 }
 
 TEST(Refiner, StopsAtTheLimit) {
@@ -73,7 +73,7 @@ TEST(Refiner, GivesUpWithoutASurface) {
   ASSERT_TRUE(ask(refiner, session, 5'000));
   ASSERT_TRUE(ends.wait_for(1));
   EXPECT_EQ(session->curve()->revision, 1u);
-  EXPECT_FALSE(session->live->refining());
+  EXPECT_FALSE(session->revisions->refining());
   EXPECT_FALSE(ask(refiner, session, 5'000));
 }
 
@@ -88,7 +88,7 @@ TEST(Refiner, ForgetsClosedSessions) {
   ASSERT_TRUE(ask(refiner, other, 500'000));
   refiner.forget(*other);
   ASSERT_TRUE(ends.wait_for(1));
-  EXPECT_FALSE(other->live->refining());
+  EXPECT_FALSE(other->revisions->refining());
 }
 
 TEST(Refiner, StopsAtOnce) {
@@ -98,8 +98,8 @@ TEST(Refiner, StopsAtOnce) {
   ASSERT_TRUE(ask(refiner, session, 1'000'000));
   ASSERT_TRUE(ask(refiner, other, 1'000'000));
   refiner.stop();
-  EXPECT_FALSE(session->live->refining());
-  EXPECT_FALSE(other->live->refining());
+  EXPECT_FALSE(session->revisions->refining());
+  EXPECT_FALSE(other->revisions->refining());
   EXPECT_FALSE(ask(refiner, make_session(300), 5'000));
 }
 

@@ -13,7 +13,7 @@
 #include "core/storage/curve_file.h"
 #include "core/storage/section_file.h"
 #include "server/base/log.h"
-#include "server_fixture.h"
+#include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
 
 namespace curvecast::server {
@@ -47,7 +47,7 @@ Session some_session(const std::string& id) {
   session.companions = {{"a.mtl", "1"}, {"b.png", "2"}};
   session.options = {.points = 200, .density = {CurvatureTerm{}}};
   session.preprocessed = some_curve();
-  session.live->publish(session.preprocessed.curve);
+  session.revisions->publish(session.preprocessed.curve);
   return session;
 }
 
@@ -121,7 +121,7 @@ TEST_F(SessionCacheTest, ARevisionReplacesTheCurve) {
   const std::string surface = bytes_of(surface_path('a'));
   auto revised = std::make_shared<SurfaceCurve>(*session.curve());
   revised->revision = 2;
-  session.live->publish(revised);
+  session.revisions->publish(revised);
   session.preprocessed.flattened = nullptr;  // as after a load
   save(session);
   EXPECT_EQ(open()->load(id_of('a')).value()->curve()->revision, 2u);
@@ -164,7 +164,7 @@ TEST_F(SessionCacheTest, RefusesFilesThatBelongElsewhere) {
   Session wrong = some_session(id_of('d'));
   auto curve = std::make_shared<SurfaceCurve>(*wrong.curve());
   curve->triangle[7] = 1'000'000;
-  wrong.live->publish(curve);
+  wrong.revisions->publish(curve);
   save(wrong);
   EXPECT_EQ(cache->load(id_of('d')).status().code(), Code::kDataLoss) << "a face that is not there";
 }

@@ -405,7 +405,7 @@ TEST_F(SessionStoreTest, EvictsWhatIsTooMuchTogether) {
   const auto grow = [&](const std::string& id) {
     auto curve = std::make_shared<SurfaceCurve>();
     curve->x.resize(15'000);
-    (*store.find(id))->live->publish(std::move(curve));
+    (*store.find(id))->revisions->publish(std::move(curve));
   };
   grow(ids[0]);
   store.run_housekeeping(std::chrono::steady_clock::now());

@@ -17,7 +17,7 @@ std::shared_ptr<const Session> make_session(const std::string& id, std::size_t f
   session->id = id;
   auto curve = std::make_shared<SurfaceCurve>();
   curve->x.resize(floats);
-  session->live->publish(std::move(curve));
+  session->revisions->publish(std::move(curve));
   return session;
 }
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "http_client.h"
 #include "server/base/log.h"
+#include "tests/server/http_client.h"
 
 namespace curvecast::server {
 namespace {

@@ -1,5 +1,5 @@
 // Readers sample a curve while others publish finer revisions of it.
-#include "server/session/live_curve.h"
+#include "server/session/curve_revisions.h"
 
 #include <gtest/gtest.h>
 
@@ -34,10 +34,10 @@ std::shared_ptr<const SurfaceCurve> strip(std::size_t n, std::uint64_t revision)
   return curve;
 }
 
-TEST(LiveCurve, ReadersKeepTheRevisionThatTheyTook) {
+TEST(CurveRevisions, ReadersKeepTheRevisionThatTheyTook) {
   constexpr std::uint64_t kRevisions = 200;
   constexpr int kReaders = 4;
-  LiveCurve live;
+  CurveRevisions live;
   EXPECT_EQ(live.newest(), nullptr);
   live.publish(strip(1000, 1));
   std::atomic<bool> done = false;
@@ -71,8 +71,8 @@ TEST(LiveCurve, ReadersKeepTheRevisionThatTheyTook) {
   EXPECT_FALSE(live.refining());
 }
 
-TEST(LiveCurve, AnOldRevisionGoesWithItsLastReader) {
-  LiveCurve live;
+TEST(CurveRevisions, AnOldRevisionGoesWithItsLastReader) {
+  CurveRevisions live;
   live.publish(strip(10, 1));
   std::weak_ptr<const SurfaceCurve> old = live.newest();
   std::shared_ptr<const SurfaceCurve> held = live.newest();

@@ -1,4 +1,4 @@
-#include "server/session/live_ranks.h"
+#include "server/session/ranked_candidates.h"
 
 #include <utility>
 
@@ -10,7 +10,8 @@ constexpr int kFirstLevel = kChunkLevels;
 
 }  // namespace
 
-absl::StatusOr<RankedCurve> LiveRanks::take(const std::shared_ptr<const SurfaceCurve>& curve, const ExecutionContext& context) {
+absl::StatusOr<RankedCurve> RankedCandidates::take(const std::shared_ptr<const SurfaceCurve>& curve,
+                                                   const ExecutionContext& context) {
   {
     const MutexLock lock(mutex_);
     if (newest_.tree != nullptr) return newest_;
@@ -27,7 +28,7 @@ absl::StatusOr<RankedCurve> LiveRanks::take(const std::shared_ptr<const SurfaceC
   return newest_;
 }
 
-absl::Status LiveRanks::grow(std::span<const ChunkId> lacking, const ExecutionContext& context) {
+absl::Status RankedCandidates::grow(std::span<const ChunkId> lacking, const ExecutionContext& context) {
   const MutexLock growing(growing_);
   absl::Status status = grower_->grow(lacking, kMaxPoints, context);
   if (absl::IsResourceExhausted(status)) full_ = true;
@@ -37,7 +38,7 @@ absl::Status LiveRanks::grow(std::span<const ChunkId> lacking, const ExecutionCo
   return status;
 }
 
-std::uint64_t LiveRanks::byte_size() {
+std::uint64_t RankedCandidates::byte_size() {
   const MutexLock lock(mutex_);
   return newest_.tree != nullptr ? newest_.tree->byte_size() + grower_bytes_ : 0;
 }

@@ -1,4 +1,4 @@
-// Turns what a library throws into a status, at the edge of our code.
+// Turns exceptions of libraries into statuses, at the edge of our code.
 #pragma once
 
 #include <absl/status/status.h>
@@ -9,10 +9,10 @@
 
 namespace curvecast::server {
 
-/// `work()`, which returns an absl::Status or absl::StatusOr; ResourceExhausted when memory ran out, Internal for any other
-/// exception.
+/// Calls `work`, which returns an absl::Status or absl::StatusOr, and returns its result: ResourceExhausted when memory ran out,
+/// Internal for any other exception.
 template <class Work>
-auto guarded(Work&& work) -> decltype(work()) {
+auto status_from_exceptions(Work&& work) -> decltype(work()) {
   try {
     return work();
   } catch (const std::bad_alloc&) {

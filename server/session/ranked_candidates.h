@@ -1,4 +1,4 @@
-// The ranked candidates of a session while they grow: whoever takes them keeps the tree that he took.
+// The ranked candidates of a session while they grow. A reader keeps the tree that it took.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -20,22 +20,23 @@ struct RankedCurve {
 };
 
 /// Thread-safe.
-class LiveRanks {
+class RankedCandidates {
  public:
-  /// Candidates of a session, 26 bytes each and some.
+  /// Most candidates of a session, of some 26 bytes each.
   static constexpr std::uint64_t kMaxPoints = 8'000'000;
 
-  /// What there is by now. Whoever comes first makes the lowest ranks, on `curve`, and others wait. Errors as of
-  /// RankGrower::make().
+  /// Returns the candidates that there are by now. The first call makes those of the lowest ranks, on `curve`; others wait for
+  /// it. Errors as of RankGrower::make().
   absl::StatusOr<RankedCurve> take(const std::shared_ptr<const SurfaceCurve>& curve, const ExecutionContext& context);
 
-  /// Makes what is lacking, if it still is; one caller after the other. Errors as of RankGrower::grow(). Precondition: take().
+  /// Makes the chunks that are lacking, if they still are; one caller after the other. Errors as of RankGrower::grow().
+  /// Precondition: take() has returned candidates.
   absl::Status grow(std::span<const ChunkId> lacking, const ExecutionContext& context);
 
-  /// Of the candidates, and of what growing keeps.
+  /// Bytes of the candidates, and of what growing keeps.
   std::uint64_t byte_size();
 
-  /// Something could not be made for want of room: views that lack it do with what there is.
+  /// Whether something could not be made for want of room: views that lack it do with what there is.
   bool is_full() const { return full_.load(std::memory_order_relaxed); }
 
  private:

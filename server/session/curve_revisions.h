@@ -1,4 +1,4 @@
-// The curve of a session while it is being refined: whoever takes it keeps the revision that he took.
+// The curve of a session while it is being refined. A reader keeps the revision that it took.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,20 @@
 namespace curvecast::server {
 
 /// Thread-safe.
-class LiveCurve {
+class CurveRevisions {
  public:
   /// The newest revision; null before the first.
   std::shared_ptr<const SurfaceCurve> newest() const {
     const MutexLock lock(mutex_);
     return curve_;
   }
+  /// Makes a revision the newest one.
   void publish(std::shared_ptr<const SurfaceCurve> curve) {
     const MutexLock lock(mutex_);
     curve_.swap(curve);
-  }  // the old one goes after the lock, which takes its time
+  }  // the old revision is destroyed after the lock is released, for that takes its time
 
-  /// A finer revision is being made or waits to be made.
+  /// Whether a finer revision is being made or waits to be made.
   bool refining() const {
     const MutexLock lock(mutex_);
     return refining_;
