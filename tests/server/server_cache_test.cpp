@@ -1,9 +1,11 @@
 // Sessions that outlive their server, over TCP.
+#include <absl/strings/str_cat.h>
 #include <gmock/gmock.h>
 
 #include <filesystem>
 #include <thread>
 
+#include "core/storage/curve_file.h"
 #include "server_fixture.h"
 #include "tests/server/frame/frame_points.h"
 #include "tests/support/temporary_folder.h"
@@ -165,7 +167,7 @@ TEST_F(ServerCache, DamagedFilesAreRebuilt) {
   flipped[good.size() / 2] ^= 1;
   for (const std::string& damaged : {std::string(), good.substr(0, 1000), flipped}) {
     server_.reset();
-    write_file(folder_ / (id + ".v1.curve"), damaged);
+    write_file(folder_ / absl::StrCat(id, ".v", kCurveFileVersion, ".curve"), damaged);
     restart();
     const auto stub = client();
     const Created again = create(*stub, upload(*stub, sphere_off(3)), 1000);
@@ -176,7 +178,7 @@ TEST_F(ServerCache, DamagedFilesAreRebuilt) {
     EXPECT_EQ(resample(*stub, id, view_of(900)).bytes(), bytes);
   }
   server_.reset();
-  write_file(folder_ / (id + ".v1.curve"), flipped);
+  write_file(folder_ / absl::StrCat(id, ".v", kCurveFileVersion, ".curve"), flipped);
   restart();
   EXPECT_EQ(get(*client(), id).first.error_code(), grpc::NOT_FOUND);
   EXPECT_EQ(resample(*client(), id, view_of(900)).status.error_code(), grpc::NOT_FOUND);

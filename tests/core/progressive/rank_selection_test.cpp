@@ -25,9 +25,9 @@ RankSelection select(const std::shared_ptr<const RankTree>& tree, const Terms& t
   return selection;
 }
 
-/// The n ranks that need the least scale, by looking at all points.
-std::vector<std::uint32_t> expected_ranks(const RankTree& tree, const Terms& terms, std::uint64_t n,
-                                          const FixedDensity* density = nullptr) {
+/// The scale that each point of the tree with a density needs, and its rank, ascending; by looking at all points.
+std::vector<std::pair<float, std::uint32_t>> needed_scales(const RankTree& tree, const Terms& terms,
+                                                           const FixedDensity* density = nullptr) {
   const ViewFactor view(*ball_curve(), terms);
   std::vector<std::pair<float, std::uint32_t>> needed;
   for (const auto& chunk : tree.chunks()) {
@@ -38,6 +38,13 @@ std::vector<std::uint32_t> expected_ranks(const RankTree& tree, const Terms& ter
     }
   }
   std::sort(needed.begin(), needed.end());
+  return needed;
+}
+
+/// The n ranks that need the least scale.
+std::vector<std::uint32_t> expected_ranks(const RankTree& tree, const Terms& terms, std::uint64_t n,
+                                          const FixedDensity* density = nullptr) {
+  std::vector<std::pair<float, std::uint32_t>> needed = needed_scales(tree, terms, density);
   needed.resize(std::min<std::size_t>(n, needed.size()));
   std::vector<std::uint32_t> ranks;
   for (const auto& [key, rank] : needed) ranks.push_back(rank);
@@ -118,16 +125,18 @@ TEST(RankSelection, DoesNotDependOnWhatElseThereIsOnceNothingLacks) {
   }
 }
 
-/// The fewest points, of those that there are, among which are all that need the scale or less.
+/// As many points as need the scale or less.
 RankSelection select_upto(const std::shared_ptr<const RankTree>& tree, const Terms& terms, float scale,
                           const FixedDensity* density) {
-  std::uint64_t few = 0, many = 1 << 17;
-  while (many - few > 1) {
-    const std::uint64_t n = (few + many) / 2;
-    const RankSelection selection = select(tree, terms, n, density);
-    (selection.count < n || selection.scale > scale ? many : few) = n;
-  }
-  return select(tree, terms, many, density);
+  const std::vector<std::pair<float, std::uint32_t>> needed = needed_scales(*tree, terms, density);
+  const auto n = std::count_if(needed.begin(), needed.end(), [&](const auto& point) { return point.first <= scale; });
+  return select(tree, terms, static_cast<std::uint64_t>(std::max<std::ptrdiff_t>(n, 1)), density);
+}
+
+/// The scale that the n points need which need the least.
+float scale_of(const RankTree& tree, const Terms& terms, std::uint64_t n, const FixedDensity* density) {
+  const std::vector<std::pair<float, std::uint32_t>> needed = needed_scales(tree, terms, density);
+  return needed[std::min<std::size_t>(n, needed.size()) - 1].first;
 }
 
 TEST(RankSelection, OfAGreaterDensityShowsAllOfALesserOne) {
@@ -144,10 +153,11 @@ TEST(RankSelection, OfAGreaterDensityShowsAllOfALesserOne) {
       const auto tree = grower->tree();
       const RankSelection selection = select(tree, terms, n, &less);
       ASSERT_GT(selection.count, 0u);
+      const float scale = scale_of(*tree, terms, n, &less);
       // The greater one's tree has more in it.
       ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{9, 5}, {9, 40}}, 4'000'000).ok());
-      EXPECT_TRUE(includes(selection, select_upto(grower->tree(), terms, selection.scale, &more))) << n;
-      EXPECT_TRUE(includes(selection, select_upto(grower->tree(), terms, 1.5f * selection.scale, &less))) << n;
+      EXPECT_TRUE(includes(selection, select_upto(grower->tree(), terms, scale, &more))) << n;
+      EXPECT_TRUE(includes(selection, select_upto(grower->tree(), terms, 1.5f * scale, &less))) << n;
     }
   }
   for (const Terms& terms : kViews) {
@@ -158,7 +168,8 @@ TEST(RankSelection, OfAGreaterDensityShowsAllOfALesserOne) {
   // A silhouette that is more pronounced is a lesser density.
   const auto silhouette = [](double s0) { return view_from(Vec3d(2, 1, 1), s0); };
   const RankSelection pronounced = select(grower->tree(), silhouette(0.05), 2000);
-  EXPECT_TRUE(includes(pronounced, select_upto(grower->tree(), silhouette(0.3), pronounced.scale, nullptr)));
+  const float scale = scale_of(*grower->tree(), silhouette(0.05), 2000, nullptr);
+  EXPECT_TRUE(includes(pronounced, select_upto(grower->tree(), silhouette(0.3), scale, nullptr)));
 }
 
 TEST(RankSelection, ShowsWhatThereIsWhereMoreIsAskedFor) {

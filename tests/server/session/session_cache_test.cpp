@@ -1,5 +1,6 @@
 #include "server/session/session_cache.h"
 
+#include <absl/strings/str_cat.h>
 #include <gmock/gmock.h>
 #include <spdlog/logger.h>
 #include <spdlog/sinks/ostream_sink.h>
@@ -12,6 +13,7 @@
 #include "core/storage/atomic_file.h"
 #include "core/storage/curve_file.h"
 #include "core/storage/section_file.h"
+#include "core/storage/surface_file.h"
 #include "server/base/log.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
@@ -64,8 +66,10 @@ class SessionCacheTest : public ::testing::Test {
     cache->save(session);
     cache->stop();
   }
-  std::string curve_path(char digit) const { return folder_ / (id_of(digit) + ".v1.curve"); }
-  std::string surface_path(char digit) const { return folder_ / (id_of(digit) + ".v1.surface"); }
+  std::string curve_path(char digit) const { return folder_ / absl::StrCat(id_of(digit), ".v", kCurveFileVersion, ".curve"); }
+  std::string surface_path(char digit) const {
+    return folder_ / absl::StrCat(id_of(digit), ".v", kSurfaceFileVersion, ".surface");
+  }
 
   TemporaryFolder folder_;
   std::ostringstream lines_;
@@ -229,7 +233,7 @@ TEST_F(SessionCacheTest, MakesItsFolderForItsOwnerOnly) {
 }
 
 TEST_F(SessionCacheTest, RemovesOnlyTheTemporariesOfTheDead) {
-  write_file(folder_ / (id_of('a') + ".v1.curve.x1y2z3.curvecast-tmp"), "half a curve");
+  write_file(curve_path('a') + ".x1y2z3.curvecast-tmp", "half a curve");
   absl::StatusOr<AtomicFile> being_written = AtomicFile::create(curve_path('b'));
   ASSERT_TRUE(being_written.ok());
   open();
