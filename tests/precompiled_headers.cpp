@@ -1,0 +1,1 @@
+// CMake takes precompiled headers from a target, and a target has a source.
