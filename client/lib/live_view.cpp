@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <thread>
 #include <utility>
 
 #include "client/lib/retry.h"
+#include "core/base/mutex.h"
 
 namespace curvecast::client {
 namespace {
@@ -48,6 +48,7 @@ struct LiveView::State {
   absl::Status follow(const std::stop_token& stop);
   void send_views(ViewStream& stream, const std::stop_token& stop);
   absl::Status take_frames(ViewStream& stream, const std::stop_token& stop);
+  bool wait_for_look(MutexLock& lock, const std::stop_token& stop, std::uint64_t last) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex);
   void tell(LiveViewState state, const absl::Status& status = absl::OkStatus()) const;
 
   const std::shared_ptr<Connection> connection;
@@ -55,10 +56,10 @@ struct LiveView::State {
   const LiveViewCallbacks callbacks;
   const LiveViewOptions options;
 
-  std::mutex mutex;
+  Mutex mutex;
   std::condition_variable_any looked;
-  v1::SampleRequest newest;  // under mutex
-  std::uint64_t looks = 0;   // under mutex: the number of the newest view
+  v1::SampleRequest newest ABSL_GUARDED_BY(mutex);
+  std::uint64_t looks ABSL_GUARDED_BY(mutex) = 0;  // the number of the newest view
 
   // Of the thread.
   HeldFrame held;
@@ -73,7 +74,7 @@ LiveView::LiveView(std::shared_ptr<Connection> connection, std::string session_i
 LiveView::~LiveView() = default;
 
 std::uint64_t LiveView::look(v1::SampleRequest sample) {
-  const std::lock_guard lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   state_->newest = std::move(sample);
   state_->looked.notify_all();
   return ++state_->looks;
@@ -81,8 +82,8 @@ std::uint64_t LiveView::look(v1::SampleRequest sample) {
 
 void LiveView::State::run(const std::stop_token& stop) {
   {
-    std::unique_lock lock(mutex);
-    if (!looked.wait(lock, stop, [this] { return looks > 0; })) return;
+    MutexLock lock(mutex);
+    if (!wait_for_look(lock, stop, 0)) return;
   }
   while (!stop.stop_requested()) {
     tell(LiveViewState::kConnecting);
@@ -118,8 +119,8 @@ void LiveView::State::send_views(ViewStream& stream, const std::stop_token& stop
   while (true) {
     v1::SampleRequest sample;
     {
-      std::unique_lock lock(mutex);
-      if (!looked.wait(lock, stop, [&] { return looks > sent; })) return;
+      MutexLock lock(mutex);
+      if (!wait_for_look(lock, stop, sent)) return;
       sample = newest;
       sent = looks;
     }
@@ -144,6 +145,14 @@ absl::Status LiveView::State::take_frames(ViewStream& stream, const std::stop_to
     held.points = frame->points;
     if (callbacks.on_frame) callbacks.on_frame(*frame);
   }
+}
+
+/// Waits for a view after number `last`. False: it is to stop.
+bool LiveView::State::wait_for_look(MutexLock& lock, const std::stop_token& stop, std::uint64_t last) {
+  return looked.wait(lock, stop, [this, last] {
+    mutex.assert_held();
+    return looks > last;
+  });
 }
 
 void LiveView::State::tell(LiveViewState state, const absl::Status& status) const {
