@@ -4,11 +4,11 @@
 
 #include <chrono>
 #include <memory>
-#include <mutex>
 #include <stop_token>
 #include <utility>
 
 #include "client/lib/connection.h"
+#include "core/base/mutex.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
 
 namespace curvecast::cli::bench {
@@ -53,11 +53,11 @@ class Stream {
 
  private:
   bool write(const v1::StreamViewsRequest& request) {
-    const std::lock_guard lock(mutex_);  // gRPC takes one at a time
+    const MutexLock lock(mutex_);  // gRPC takes one at a time
     return stream_->Write(request);
   }
 
-  std::mutex mutex_;
+  Mutex mutex_;
   grpc::ClientContext context_;
   std::stop_callback<std::function<void()>> on_stop_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::StreamViewsRequest, v1::StreamViewsResponse>> stream_;

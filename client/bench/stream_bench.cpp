@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <numbers>
 #include <string>
 #include <thread>
@@ -154,9 +153,9 @@ struct Crowd {
   std::uint64_t sent = 0, answered = 0;
 };
 
-/// One of many clients: sends views at a fixed rate, whatever comes back; `from`: degrees at which it begins.
-absl::Status join_crowd(const Stage& stage, const StreamBenchOptions& options, double from, std::uint64_t number, Crowd& crowd,
-                        std::mutex& mutex) {
+/// One of many clients: sends views at a fixed rate, whatever comes back; `from`: degrees at which it begins. Its share of the
+/// crowd, without the times of processors.
+absl::StatusOr<Crowd> join_crowd(const Stage& stage, const StreamBenchOptions& options, double from, std::uint64_t number) {
   const auto connection = stage.connect();
   const auto stream = client::ViewStream::open(*connection, stage.session_id());
   absl::StatusOr<client::Frame> first = answer(*stream, stage.view(from, options.crowd_points), true);
@@ -165,8 +164,7 @@ absl::Status join_crowd(const Stage& stage, const StreamBenchOptions& options, d
   const auto views = static_cast<std::uint64_t>(options.seconds * options.rate);
   std::vector<Clock::time_point> sent(views + 2);  // by sequence number
   std::vector<bool> answered(views + 2);
-  std::vector<double> latency;
-  double bytes = 0;
+  Crowd crowd{.sent = views};
   Clock::time_point next = Clock::now() + period * static_cast<int>(number % 16) / 16;
   std::uint64_t last = 0;
   while (true) {
@@ -184,36 +182,35 @@ absl::Status join_crowd(const Stage& stage, const StreamBenchOptions& options, d
     if (absl::IsDeadlineExceeded(frame.status()) && last < views) continue;
     if (!frame.ok()) return frame.status();
     if (!frame->error.ok()) return frame->error;
-    bytes += static_cast<double>(frame->encoded_bytes);
+    crowd.bytes += static_cast<double>(frame->encoded_bytes);
     if (frame->sequence < 2 || answered[frame->sequence]) continue;
     answered[frame->sequence] = true;
-    latency.push_back(milliseconds_since(sent[frame->sequence]));
+    crowd.latency.push_back(milliseconds_since(sent[frame->sequence]));
   }
-  const std::lock_guard lock(mutex);
-  crowd.answered += latency.size();
-  crowd.sent += views;
-  crowd.bytes += bytes;
-  crowd.latency.insert(crowd.latency.end(), latency.begin(), latency.end());
-  return absl::OkStatus();
+  crowd.answered = crowd.latency.size();
+  return crowd;
 }
 
 absl::StatusOr<Crowd> stream_crowd(const Stage& stage, const StreamBenchOptions& options, std::uint64_t clients, int run) {
-  Crowd crowd;
-  absl::Status failed;
-  std::mutex mutex;
+  std::vector<absl::StatusOr<Crowd>> shares(clients, absl::UnknownError(""));
   const double client_before = cpu_milliseconds(), server_before = stage.server().cpu_milliseconds();
   std::vector<std::jthread> threads;
   for (std::uint64_t c = 0; c < clients; ++c) {
     threads.emplace_back([&, c] {
       // No two look from the same place: their frames would be made once.
       const double from = kGoldenDegrees * static_cast<double>(c) + kRunDegrees * run;
-      absl::Status status = join_crowd(stage, options, from, c, crowd, mutex);
-      const std::lock_guard lock(mutex);
-      failed.Update(status);
+      shares[c] = join_crowd(stage, options, from, c);
     });
   }
   threads.clear();
-  if (!failed.ok()) return failed;
+  Crowd crowd;
+  for (const absl::StatusOr<Crowd>& share : shares) {
+    if (!share.ok()) return share.status();
+    crowd.answered += share->answered;
+    crowd.sent += share->sent;
+    crowd.bytes += share->bytes;
+    crowd.latency.insert(crowd.latency.end(), share->latency.begin(), share->latency.end());
+  }
   crowd.client_cpu = cpu_milliseconds() - client_before;
   crowd.server_cpu = stage.server().cpu_milliseconds() - server_before;
   return crowd;

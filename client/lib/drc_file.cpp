@@ -111,9 +111,16 @@ absl::StatusOr<std::string> make_drc(Points points, const DrcOptions& options) {
 }
 
 absl::StatusOr<Points> parse_drc(std::string_view bytes) {
-  absl::StatusOr<DracoHeaderInfo> header = check_draco_header(bytes);
+  absl::StatusOr<DracoHeaderInfo> header = check_draco_header(bytes, kMaxPoints);
   if (!header.ok()) return header.status();
-  return decode_draco(bytes, header->radii);
+  absl::StatusOr<DecodedPoints> decoded = decode_draco(bytes, *header, header->radii);
+  if (!decoded.ok()) return decoded.status();
+  Points points;
+  points.positions = std::move(decoded->positions);
+  points.normals = std::move(decoded->normals);
+  points.radii = std::move(decoded->radii);
+  points.colours = std::move(decoded->colours);
+  return points;
 }
 
 absl::StatusOr<Points> read_drc(const std::string& path) {

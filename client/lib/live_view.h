@@ -4,18 +4,13 @@
 #include <absl/status/status.h>
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
-#include <stop_token>
 #include <string>
-#include <thread>
 
 #include "connection.h"
 #include "curvecast/v1/curvecast.pb.h"
-#include "retry.h"
 #include "view_stream.h"
 
 namespace curvecast::client {
@@ -54,33 +49,14 @@ class LiveView {
            const LiveViewOptions& options = {});
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
-  ~LiveView() = default;  // stops at once, whatever it waits for; a callback that runs is waited for, none comes after
+  ~LiveView();  // stops at once, whatever it waits for; a callback that runs is waited for, none comes after
 
   /// Asks for a view, and returns its number: 1, 2 ... Never blocks. The newest view wins: one that is overtaken gets no frame.
   std::uint64_t look(v1::SampleRequest sample);
 
  private:
-  void run(const std::stop_token& stop);
-  absl::Status follow(const std::stop_token& stop);
-  void send_views(ViewStream& stream, const std::stop_token& stop);
-  absl::Status take_frames(ViewStream& stream, const std::stop_token& stop);
-  void tell(LiveViewState state, const absl::Status& status = absl::OkStatus()) const;
-
-  const std::shared_ptr<Connection> connection_;
-  const std::string session_id_;
-  const LiveViewCallbacks callbacks_;
-  const LiveViewOptions options_;
-
-  std::mutex mutex_;
-  std::condition_variable_any looked_;
-  v1::SampleRequest newest_;  // under mutex_
-  std::uint64_t looks_ = 0;   // under mutex_: the number of the newest view
-
-  // Of the thread.
-  HeldFrame held_;
-  Backoff backoff_;
-
-  std::jthread thread_;  // last: it uses all of the above
+  struct State;
+  const std::unique_ptr<State> state_;
 };
 
 }  // namespace curvecast::client

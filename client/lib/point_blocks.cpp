@@ -57,7 +57,7 @@ absl::Status check_raw(const v1::RawPoints& raw, std::uint64_t count) {
 RadiusRange range_of(const v1::DracoPoints& draco) { return {draco.radius_min(), draco.radius_max()}; }
 
 absl::StatusOr<DracoHeaderInfo> check_draco(const v1::PointBlock& block) {
-  absl::StatusOr<DracoHeaderInfo> header = check_draco_header(block.draco().data());
+  absl::StatusOr<DracoHeaderInfo> header = check_draco_header(block.draco().data(), kMaxPoints);
   if (!header.ok()) return header;
   if (header->points != block.count()) {
     return absl::InvalidArgumentError(
@@ -104,11 +104,17 @@ void copy_bytes(const std::string& bytes, std::span<T> values) {
   if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size_bytes());
 }
 
+/// A part's share of a column; nothing of one that is missing.
+template <typename T>
+std::span<T> share_of(const Part& part, std::vector<T>& column) {
+  return column.empty() ? std::span<T>() : std::span(column).subspan(part.begin, part.count());
+}
+
 /// Attributes that come as they are; finite ones only.
 absl::Status copy_attributes(const Part& part, Points& points) {
   const v1::PointAttributes& more = part.block->attributes();
   const auto copy = [&]<typename T>(const std::string& bytes, std::vector<T>& column) {
-    const std::span<T> values = bytes.empty() ? std::span<T>() : std::span(column).subspan(part.begin, part.count());
+    const std::span<T> values = share_of(part, column);
     copy_bytes(bytes, values);
     return values;
   };
@@ -122,7 +128,8 @@ absl::Status copy_attributes(const Part& part, Points& points) {
 }
 
 absl::Status decode_part(const Part& part, DracoReader& reader, Points& points) {
-  const PointColumns to = columns_of(points, part.begin, part.count());
+  const PointColumns to = {share_of(part, points.positions), share_of(part, points.normals), share_of(part, points.radii),
+                           share_of(part, points.colours)};
   absl::Status status;
   if (part.block->has_raw()) {
     const v1::RawPoints& raw = part.block->raw();

@@ -2,9 +2,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include <condition_variable>
 #include <deque>
-#include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -12,6 +10,7 @@
 #include "client/lib/point_blocks.h"
 #include "client/lib/point_edits.h"
 #include "client/lib/retry.h"
+#include "core/base/mutex.h"
 
 namespace curvecast::client {
 namespace {
@@ -75,12 +74,16 @@ absl::StatusOr<Frame> decode_frame(const v1::PointFrame& message, HeldFrame& hel
 }  // namespace
 
 struct ViewStream::State {
-  State(std::unique_ptr<ViewCall> view_call, std::stop_token stop_token)
-      : call(std::move(view_call)), stop(std::move(stop_token)), reader([this] { read_frames(); }) {}
+  State(std::unique_ptr<ViewCall> view_call, std::stop_token stop_token, const ViewStreamOptions& options)
+      : call(std::move(view_call)),
+        stop(std::move(stop_token)),
+        first_bytes(options.first_bytes),
+        held(options.held.points != nullptr ? options.held : HeldFrame()),
+        reader([this] { read_frames(); }) {}
 
   ~State() {
     {
-      const std::lock_guard lock(mutex);
+      const MutexLock lock(mutex);
       closing = true;
     }
     changed.notify_all();
@@ -91,28 +94,29 @@ struct ViewStream::State {
   void read_frames() {
     v1::StreamViewsResponse response;
     while (call->read(&response)) {
-      std::unique_lock lock(mutex);
-      changed.wait(lock, [this] { return closing || queue.size() < kMaxQueuedFrames; });
-      if (!closing) queue.push_back(std::move(*response.mutable_frame()));
-      lock.unlock();
+      {
+        const MutexLock lock(mutex);
+        while (!closing && queue.size() >= kMaxQueuedFrames) changed.wait(mutex);
+        if (!closing) queue.push_back(std::move(*response.mutable_frame()));
+      }
       changed.notify_all();
       response.Clear();
     }
     absl::Status status = call->finish();
     if (stop.stop_requested()) status = absl::CancelledError("cancelled");
-    const std::lock_guard lock(mutex);
+    const MutexLock lock(mutex);
     ended = std::move(status);
     changed.notify_all();
   }
 
   bool write(const v1::StreamViewsRequest& request) {
-    const std::lock_guard lock(write_mutex);
+    const MutexLock lock(write_mutex);
     return writing && call->write(request);
   }
 
   /// What the view of a frame asked for; sets its digest to none where that is forgotten.
   v1::SampleRequest sample_of(std::uint64_t sequence, std::uint64_t& digest) {
-    const std::lock_guard lock(write_mutex);
+    const MutexLock lock(write_mutex);
     while (!sent.empty() && sent.front().sequence() < sequence) sent.pop_front();
     if (!sent.empty() && sent.front().sequence() == sequence) return sent.front().sample();
     digest = 0;
@@ -121,20 +125,20 @@ struct ViewStream::State {
 
   std::unique_ptr<ViewCall> call;
   std::stop_token stop;
-  std::uint64_t first_bytes = 0;
-  std::mutex write_mutex;           // gRPC takes one write at a time
-  std::uint64_t last_sequence = 0;  // under write_mutex, as the following
-  bool writing = true;              // until close()
-  std::deque<v1::ViewUpdate> sent;  // the newest views
+  const std::uint64_t first_bytes;
+  Mutex write_mutex;  // gRPC takes one write at a time
+  std::uint64_t last_sequence ABSL_GUARDED_BY(write_mutex) = 0;
+  bool writing ABSL_GUARDED_BY(write_mutex) = true;              // until close()
+  std::deque<v1::ViewUpdate> sent ABSL_GUARDED_BY(write_mutex);  // the newest views
 
-  std::mutex decode_mutex;  // taken first: frames are taken in in their order
-  HeldFrame held;           // no points after one that could not be
+  Mutex decode_mutex;                            // taken first: frames are taken in in their order
+  HeldFrame held ABSL_GUARDED_BY(decode_mutex);  // no points after one that could not be
 
-  std::mutex mutex;
-  std::condition_variable changed;
-  std::deque<v1::PointFrame> queue;  // under mutex, as the following
-  std::optional<absl::Status> ended;
-  bool closing = false;
+  Mutex mutex;
+  CondVar changed;
+  std::deque<v1::PointFrame> queue ABSL_GUARDED_BY(mutex);
+  std::optional<absl::Status> ended ABSL_GUARDED_BY(mutex);
+  bool closing ABSL_GUARDED_BY(mutex) = false;
 
   std::thread reader;  // last: it uses all of the above
 };
@@ -144,13 +148,11 @@ ViewStream::~ViewStream() = default;
 
 std::unique_ptr<ViewStream> ViewStream::open(Connection& connection, const std::string& session_id, std::stop_token stop,
                                              const ViewStreamOptions& options) {
-  auto state = std::make_unique<State>(connection.stream_views(stop), stop);
-  state->first_bytes = options.first_bytes;
+  auto state = std::make_unique<State>(connection.stream_views(stop), stop, options);
   v1::StreamViewsRequest request;
   request.mutable_open()->set_session_id(session_id);
   request.mutable_open()->set_accept_deltas(options.deltas);
   if (options.held.points != nullptr) {
-    state->held = options.held;
     v1::HeldPoints& held = *request.mutable_open()->mutable_held();
     *held.mutable_sample() = options.held.sample;
     held.set_points(options.held.points->size());
@@ -166,7 +168,7 @@ absl::StatusOr<std::uint64_t> ViewStream::send_view(const v1::SampleRequest& sam
   request.mutable_view()->set_key_frame(key_frame);
   request.mutable_view()->set_first_bytes(state_->first_bytes);
   {
-    const std::lock_guard lock(state_->write_mutex);
+    const MutexLock lock(state_->write_mutex);
     if (!state_->writing) return absl::FailedPreconditionError("the stream is closed");
     if (sequence == 0) sequence = state_->last_sequence + 1;
     if (sequence <= state_->last_sequence) {
@@ -178,18 +180,20 @@ absl::StatusOr<std::uint64_t> ViewStream::send_view(const v1::SampleRequest& sam
     if (state_->sent.size() > kMostRemembered) state_->sent.pop_front();
     if (state_->call->write(request)) return request.view().sequence();
   }
-  std::unique_lock lock(state_->mutex);
-  state_->changed.wait(lock, [this] { return state_->ended.has_value(); });
+  const MutexLock lock(state_->mutex);
+  while (!state_->ended) state_->changed.wait(state_->mutex);
   return state_->ended->ok() ? absl::AbortedError("the server has ended the stream") : *state_->ended;
 }
 
 absl::StatusOr<Frame> ViewStream::next_frame(std::chrono::milliseconds timeout) {
-  const std::lock_guard decoding(state_->decode_mutex);
+  const MutexLock decoding(state_->decode_mutex);
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
   v1::PointFrame message;
   {
-    std::unique_lock lock(state_->mutex);
-    const auto ready = [this] { return !state_->queue.empty() || state_->ended.has_value(); };
-    if (!state_->changed.wait_for(lock, timeout, ready)) {
+    const MutexLock lock(state_->mutex);
+    bool in_time = true;
+    while (state_->queue.empty() && !state_->ended && in_time) in_time = state_->changed.wait_until(state_->mutex, deadline);
+    if (state_->queue.empty() && !state_->ended) {
       return absl::DeadlineExceededError(absl::StrCat("no frame within ", timeout.count(), " ms"));
     }
     if (state_->queue.empty()) {
@@ -214,20 +218,20 @@ absl::StatusOr<Frame> ViewStream::next_frame(std::chrono::milliseconds timeout) 
 }
 
 HeldFrame ViewStream::held() const {
-  const std::lock_guard decoding(state_->decode_mutex);
+  const MutexLock decoding(state_->decode_mutex);
   return state_->held.digest != 0 ? state_->held : HeldFrame();
 }
 
 absl::Status ViewStream::close() {
   {
-    const std::lock_guard lock(state_->write_mutex);
+    const MutexLock lock(state_->write_mutex);
     if (std::exchange(state_->writing, false)) state_->call->writes_done();
   }
-  std::unique_lock lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   while (!state_->ended) {
     state_->queue.clear();
     state_->changed.notify_all();
-    state_->changed.wait(lock);
+    state_->changed.wait(state_->mutex);
   }
   return *state_->ended;
 }

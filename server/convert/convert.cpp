@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/base/hash.h"
+#include "server/base/protocol.h"
 #include "server/base/status_payload.h"
 #include "server/convert/convert_density.h"
 #include "server/convert/field_validator.h"
@@ -21,7 +22,6 @@ constexpr double kMaxOmega = 1000;
 // More than 5 GB of curve: what the two options may ask for together.
 constexpr double kMaxCurveVertices = 1e8;
 constexpr double kMaxPixelError = 10'000;
-constexpr std::uint64_t kLeastBytes = 1024;  // enough for a point, however it is encoded
 
 std::optional<DracoOptions> to_core(FieldValidator& check, const v1::Encoding& in) {
   if (in.has_raw()) return std::nullopt;
@@ -150,8 +150,8 @@ void read_budget(FieldValidator& check, const v1::SampleRequest& request, PointS
       break;
     case v1::SampleRequest::kMaxBytes:
       out.max_bytes = request.max_bytes();
-      if (out.max_bytes < kLeastBytes) {
-        check.fail("sample.max_bytes", absl::StrCat("is ", out.max_bytes, "; it must be at least ", kLeastBytes));
+      if (out.max_bytes < kMinBudgetBytes) {
+        check.fail("sample.max_bytes", absl::StrCat("is ", out.max_bytes, "; it must be at least ", kMinBudgetBytes));
       }
       break;
     case v1::SampleRequest::kAutomatic: {

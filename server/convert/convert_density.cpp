@@ -8,12 +8,11 @@
 #include <variant>
 
 #include "core/density/expression.h"
+#include "server/base/protocol.h"
 #include "server/convert/convert.h"
 
 namespace curvecast::server {
 namespace {
-
-constexpr int kMaxTerms = 16;
 
 CurvatureTerm to_core(FieldValidator& check, const std::string& field, const v1::CurvatureDensity& in) {
   CurvatureTerm term;
@@ -186,8 +185,8 @@ std::vector<Camera> to_cameras(FieldValidator& check, const std::string& field, 
 Density to_density(FieldValidator& check, const std::string& field, const DensityTerms& terms, std::vector<Camera> cameras,
                    const std::string& why) {
   Density out;
-  if (terms.size() > kMaxTerms) {
-    check.fail(field, absl::StrCat("has ", terms.size(), " terms; at most ", kMaxTerms, " are taken"));
+  if (terms.size() > kMaxDensityTerms) {
+    check.fail(field, absl::StrCat("has ", terms.size(), " terms; at most ", kMaxDensityTerms, " are taken"));
   }
   for (int i = 0; check.ok() && i < terms.size(); ++i) {
     const std::string name = absl::StrCat(field, "[", i, "]");

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/sample/point_set.h"
+#include "server/base/protocol.h"
 #include "server/convert/convert.h"
 #include "server/convert/convert_density.h"
 #include "server/convert/field_validator.h"
@@ -14,7 +15,6 @@
 namespace curvecast::server {
 namespace {
 
-constexpr std::uint64_t kMaxAllPoints = 8'000'000;
 using Floats = std::array<float, 3>;
 
 v1::Discrepancy to_proto(const Discrepancy& in) {
@@ -54,9 +54,9 @@ absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureR
                  absl::StrCat("names ", files[s]->size, " bytes; points have ", sizeof(Floats), " each"));
     }
     all += points;
-    if (points <= kMaxPoints && all <= kMaxAllPoints) continue;
+    if (points <= kMaxPoints && all <= kMaxMeasuredPoints) continue;
     return absl::OutOfRangeError(absl::StrCat("sets[", s, "] has ", points, " points, ", all, " with those before it; at most ",
-                                              kMaxPoints, " are measured in a set, and ", kMaxAllPoints, " at once"));
+                                              kMaxPoints, " are measured in a set, and ", kMaxMeasuredPoints, " at once"));
   }
   std::vector<std::vector<Vec3d>> sets(files.size());
   for (std::size_t s = 0; check.ok() && s < files.size(); ++s) {

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "server/base/protocol.h"
 #include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
 
@@ -12,7 +13,6 @@ namespace {
 
 // A density that varies within a leaf may find its parts too coarse again; after so many rounds the curve is as good as it gets.
 constexpr int kMaxImprovements = 8;
-constexpr std::uint64_t kLeastFirstBytes = 1024;
 
 ViewEvent event_of(FollowUp follow_up) {
   switch (follow_up) {
@@ -100,9 +100,9 @@ void ClientStream::receive_view(const v1::ViewUpdate& update) {
   newest_sequence_ = update.sequence();
   wants_key_ = wants_key_ || update.key_frame();
   view_ = View{update.sequence(), to_point_set_request(update.sample()), update.first_bytes()};
-  if (update.first_bytes() > 0 && update.first_bytes() < kLeastFirstBytes) {
+  if (update.first_bytes() > 0 && update.first_bytes() < kMinBudgetBytes) {
     view_->request = absl::InvalidArgumentError(
-        absl::StrCat("view.first_bytes is ", update.first_bytes(), "; it must be at least ", kLeastFirstBytes));
+        absl::StrCat("view.first_bytes is ", update.first_bytes(), "; it must be at least ", kMinBudgetBytes));
   }
   view_state_ = next(view_state_, ViewEvent::kArrived);
 }

@@ -9,6 +9,7 @@
 
 #include "core/base/stopwatch.h"
 #include "core/progressive/sample_ranked.h"
+#include "server/base/protocol.h"
 #include "server/convert/convert_points.h"
 #include "server/frame/pack_points.h"
 

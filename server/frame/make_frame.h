@@ -12,8 +12,6 @@
 
 namespace curvecast::server {
 
-inline constexpr std::size_t kMaxFrameBytes = std::size_t{32} << 20;
-
 /// A view to be answered.
 struct FrameRequest {
   const PointSetRequest& point_set;

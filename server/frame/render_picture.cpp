@@ -10,9 +10,9 @@
 
 #include "core/render/png_file.h"
 #include "core/render/splat_renderer.h"
+#include "server/base/protocol.h"
 #include "server/convert/convert.h"
 #include "server/convert/field_validator.h"
-#include "server/frame/make_frame.h"
 
 namespace curvecast::server {
 namespace {

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "curvecast/v1/curvecast.pb.h"
+#include "server/base/protocol.h"
 #include "server/convert/point_set_request.h"
 
 namespace curvecast::server {
@@ -34,7 +35,7 @@ class SendWindow {
   ~SendWindow() { count_queued_(-queued_bytes_ - sending_bytes_); }
 
   /// Whether one more frame may be made before the client acknowledges one.
-  bool has_room() const { return unacknowledged_.size() < kMaxUnacknowledged; }
+  bool has_room() const { return unacknowledged_.size() < kMaxFramesInFlight; }
   bool is_sending() const { return is_sending_; }
   bool has_queued() const { return !queue_.empty(); }
 
@@ -50,8 +51,6 @@ class SendWindow {
   bool acknowledge(std::uint64_t sequence, const std::function<void(const Frame& frame)>& on_frame);
 
  private:
-  static constexpr std::size_t kMaxUnacknowledged = 2;
-
   const std::function<void(std::int64_t bytes)> count_queued_;
   std::deque<v1::StreamViewsResponse> queue_;
   bool is_sending_ = false;

@@ -3,6 +3,7 @@
 
 #include "core/pipeline/pipeline.h"
 #include "server/base/grpc_status.h"
+#include "server/base/protocol.h"
 #include "server/base/status_from_exceptions.h"
 #include "server/convert/convert_measure.h"
 #include "server/engine/caller.h"
@@ -12,8 +13,6 @@
 
 namespace curvecast::server {
 namespace {
-
-constexpr int kMaxSets = 64;
 
 struct Work {
   MeshFiles mesh;
@@ -36,8 +35,9 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
   absl::Status begin(Engine& engine, const v1::MeasureRequest& request, const std::string& connection) {
     auto mesh = find_files(engine.meshes, request.mesh_id(), request.companions());
     if (!mesh.ok()) return mesh.status();
-    if (request.sets_size() < 1 || request.sets_size() > kMaxSets) {
-      return absl::InvalidArgumentError(absl::StrCat("sets has ", request.sets_size(), " entries; it must have 1 to ", kMaxSets));
+    if (request.sets_size() < 1 || request.sets_size() > kMaxMeasuredSets) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("sets has ", request.sets_size(), " entries; it must have 1 to ", kMaxMeasuredSets));
     }
     const auto options = to_measure_options(request);
     if (!options.ok()) return options.status();

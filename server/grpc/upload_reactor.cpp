@@ -6,6 +6,7 @@
 
 #include "server/base/grpc_status.h"
 #include "server/base/log.h"
+#include "server/base/protocol.h"
 #include "server/base/status_from_exceptions.h"
 #include "server/engine/caller.h"
 #include "server/engine/request_log.h"
@@ -13,8 +14,6 @@
 
 namespace curvecast::server {
 namespace {
-
-constexpr std::size_t kMaxChunk = std::size_t{1} << 20;
 
 class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest> {
  public:
@@ -59,9 +58,9 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
                              request_.header().offset());
       case v1::UploadMeshRequest::kChunk:
         if (!begun_) return absl::InvalidArgumentError("a chunk came before the header; send the header first");
-        if (request_.chunk().size() > kMaxChunk) {
+        if (request_.chunk().size() > kMaxChunkBytes) {
           return absl::InvalidArgumentError(
-              absl::StrCat("the chunk has ", request_.chunk().size(), " bytes; at most ", kMaxChunk, " are taken"));
+              absl::StrCat("the chunk has ", request_.chunk().size(), " bytes; at most ", kMaxChunkBytes, " are taken"));
         }
         return upload_.append(request_.chunk());
       case v1::UploadMeshRequest::PART_NOT_SET:

@@ -14,13 +14,12 @@
 #include "curvecast/v1/web_socket.pb.h"
 #include "server/base/grpc_status.h"
 #include "server/base/log.h"
+#include "server/base/protocol.h"
 #include "server/engine/caller.h"
 #include "server/web/web_call.h"
 
 namespace curvecast::server {
 namespace {
-
-constexpr std::size_t kMaxCalls = 64;  // at once, of a socket
 
 /// Those that have not ended, by number. Thread-safe, because calls end on threads of their own.
 class OpenCalls {
@@ -109,8 +108,8 @@ class WebCalls final : public WebConversation {
       return absl::UnimplementedError(absl::StrCat("there is no method \"", printable(request.method()), "\""));
     }
     if (request.call() <= last_) return absl::InvalidArgumentError("the numbers of calls must grow");
-    if (open_->size() >= kMaxCalls) {
-      return absl::ResourceExhaustedError(absl::StrCat("this socket has ", kMaxCalls, " calls; wait for one to end"));
+    if (open_->size() >= kMaxSocketCalls) {
+      return absl::ResourceExhaustedError(absl::StrCat("this socket has ", kMaxSocketCalls, " calls; wait for one to end"));
     }
     return absl::OkStatus();
   }

@@ -7,6 +7,8 @@
 #include <chrono>
 #include <utility>
 
+#include "server/base/protocol.h"
+
 namespace curvecast::server {
 namespace {
 
@@ -15,7 +17,6 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 namespace websocket = boost::beast::websocket;
 
-constexpr std::size_t kMaxMessage = std::size_t{2} << 20;      // received
 constexpr std::size_t kMaxIdleBuffer = std::size_t{64} << 10;  // kept from one message to the next
 constexpr std::size_t kPiece = std::size_t{64} << 10;          // of a message sent
 constexpr std::size_t kMaxReason = 123;                        // bytes, of RFC 6455
@@ -38,7 +39,7 @@ void BeastWebSocket::accept(const Request& request, const WebPeer& peer, const W
   stream_.set_option(websocket::stream_base::decorator(
       [](websocket::response_type& response) { response.set(http::field::sec_websocket_protocol, kSubprotocol); }));
   stream_.set_option(websocket::permessage_deflate());  // off: Draco's bytes do not get smaller
-  stream_.read_message_max(kMaxMessage);
+  stream_.read_message_max(kMaxSocketMessageBytes);
   // Pings, whose answers keep the connection alive, can go between the pieces of a message that takes long.
   stream_.auto_fragment(true);
   stream_.write_buffer_bytes(kPiece);

@@ -8,6 +8,7 @@
 #include "client/lib/draco/draco_library.h"
 #include "client/lib/draco/draco_reader.h"
 #include "client/lib/point_blocks.h"
+#include "client/lib/protocol.h"
 #include "tests/client/draco/draco_clouds.h"
 
 namespace curvecast::client {
@@ -23,8 +24,8 @@ std::string block_of(const benchmark::State& state) {
                       .normal_bits = static_cast<int>(state.range(1))});
 }
 
-Points room() {
-  Points points;
+DecodedPoints room() {
+  DecodedPoints points;
   points.positions.resize(kPointsPerBlock);
   points.normals.resize(kPointsPerBlock);
   points.radii.resize(kPointsPerBlock);
@@ -38,11 +39,11 @@ void count_points(benchmark::State& state) {
 template <typename Decode>
 void decode_blocks_with(benchmark::State& state, Decode&& decode) {
   const std::string bytes = block_of(state);
-  Points points = room();
-  const PointColumns to = columns_of(points, 0, kPointsPerBlock);
+  DecodedPoints points = room();
+  const PointColumns to = points.columns();
   for (auto _ : state) {
     for (std::size_t block = 0; block < kBlocks; ++block) {
-      const auto header = check_draco_header(bytes);
+      const auto header = check_draco_header(bytes, kMaxPoints);
       if (!header.ok() || !decode(bytes, *header, to)) return state.SkipWithError("the points cannot be decoded");
     }
     benchmark::DoNotOptimize(points.positions.data());

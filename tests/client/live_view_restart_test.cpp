@@ -9,6 +9,7 @@
 
 #include "client/lib/client.h"
 #include "client/lib/live_view.h"
+#include "client/lib/retry.h"
 #include "server/server.h"
 #include "tests/client/live_view_events.h"
 #include "tests/support/shapes.h"

@@ -7,6 +7,7 @@
 #include <future>
 #include <memory>
 
+#include "client/lib/retry.h"
 #include "tests/client/fake_connection.h"
 #include "tests/client/fake_view_call.h"
 #include "tests/client/live_view_events.h"

@@ -15,8 +15,6 @@
 #include <exception>
 #include <limits>
 
-#include "client/lib/protocol.h"
-
 namespace curvecast::client {
 namespace {
 
@@ -60,7 +58,7 @@ RadiusRange to_range(double min, double max) {
   return {static_cast<float>(min), static_cast<float>(max)};
 }
 
-absl::StatusOr<DracoHeaderInfo> parse_header(std::string_view bytes) {
+absl::StatusOr<DracoHeaderInfo> parse_header(std::string_view bytes, std::uint64_t max_points) {
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
   std::array<char, 5> magic{};
@@ -94,7 +92,7 @@ absl::StatusOr<DracoHeaderInfo> parse_header(std::string_view bytes) {
   if (!buffer.Decode(&points)) return broken_draco("it ends within its header");
   if (points <= 0) return broken_draco(absl::StrCat("it claims ", points, " points"));
   info.points = static_cast<std::uint64_t>(points);
-  const std::uint64_t possible = std::min(kMaxPoints, kPointsPerByte * bytes.size() + kFreePoints);
+  const std::uint64_t possible = std::min(max_points, kPointsPerByte * bytes.size() + kFreePoints);
   if (info.points > possible) {
     return broken_draco(
         absl::StrCat("it claims ", info.points, " points in ", bytes.size(), " bytes; at most ", possible, " are accepted"));
@@ -125,9 +123,9 @@ std::array<float, 256> radius_table(RadiusRange range) {
   return table;
 }
 
-absl::StatusOr<DracoHeaderInfo> check_draco_header(std::string_view bytes) {
+absl::StatusOr<DracoHeaderInfo> check_draco_header(std::string_view bytes, std::uint64_t max_points) {
   try {
-    return parse_header(bytes);
+    return parse_header(bytes, max_points);
   } catch (const std::exception& error) {
     return broken_draco(error.what());
   }

@@ -53,10 +53,10 @@ struct DracoHeaderInfo {
 /// The radius of every code, of a valid range.
 std::array<float, 256> radius_table(RadiusRange range);
 
-/// Reads the start of a Draco point cloud and bounds what decoding it can cost: at most kMaxPoints points, at most 256 points per
-/// byte plus 65,536 (entropy coding spends next to nothing on points that hardly differ, so a small constant must be allowed and
-/// then growth with the bytes), at most 64 bytes per point decoded. InvalidArgument for anything else.
-absl::StatusOr<DracoHeaderInfo> check_draco_header(std::string_view bytes);
+/// Reads the start of a Draco point cloud and bounds what decoding it can cost: at most `max_points` points, at most 256 points
+/// per byte plus 65,536 (entropy coding spends next to nothing on points that hardly differ, so a small constant must be allowed
+/// and then growth with the bytes), at most 64 bytes per point decoded. InvalidArgument for anything else.
+absl::StatusOr<DracoHeaderInfo> check_draco_header(std::string_view bytes, std::uint64_t max_points);
 
 /// InvalidArgument "broken Draco data: ...".
 absl::Status broken_draco(absl::string_view what);

@@ -17,17 +17,15 @@ absl::Status decode_draco_into(DracoReader& reader, std::string_view bytes, cons
   }
 }
 
-absl::StatusOr<Points> decode_draco(std::string_view bytes, RadiusRange radii) {
-  absl::StatusOr<DracoHeaderInfo> header = check_draco_header(bytes);
-  if (!header.ok()) return header.status();
-  if (header->find(DracoKind::kPosition) == nullptr) return broken_draco("it has no positions");
-  Points points;
-  points.positions.resize(header->points);
-  if (header->find(DracoKind::kNormal) != nullptr) points.normals.resize(header->points);
-  if (header->find(DracoKind::kGeneric) != nullptr && radii.valid()) points.radii.resize(header->points);
-  if (header->has_colours()) points.colours.resize(header->points);
+absl::StatusOr<DecodedPoints> decode_draco(std::string_view bytes, const DracoHeaderInfo& header, RadiusRange radii) {
+  if (header.find(DracoKind::kPosition) == nullptr) return broken_draco("it has no positions");
+  DecodedPoints points;
+  points.positions.resize(header.points);
+  if (header.find(DracoKind::kNormal) != nullptr) points.normals.resize(header.points);
+  if (header.find(DracoKind::kGeneric) != nullptr && radii.valid()) points.radii.resize(header.points);
+  if (header.has_colours()) points.colours.resize(header.points);
   DracoReader reader;
-  absl::Status status = decode_draco_into(reader, bytes, *header, radii, columns_of(points, 0, header->points));
+  absl::Status status = decode_draco_into(reader, bytes, header, radii, points.columns());
   if (!status.ok()) return status;
   return points;
 }

@@ -3,7 +3,6 @@
 #include <absl/strings/str_cat.h>
 
 #include <cmath>
-#include <vector>
 
 namespace curvecast::client {
 namespace {
@@ -19,13 +18,6 @@ absl::Status check_vectors(std::span<const std::array<float, 3>> values, absl::s
 }
 
 }  // namespace
-
-PointColumns columns_of(Points& points, std::size_t begin, std::size_t count) {
-  const auto part = [&]<typename T>(std::vector<T>& column) {
-    return column.empty() ? std::span<T>() : std::span(column).subspan(begin, count);
-  };
-  return {part(points.positions), part(points.normals), part(points.radii), part(points.colours)};
-}
 
 absl::Status check_finite(const PointColumns& columns) {
   if (absl::Status status = check_vectors(columns.positions, "position"); !status.ok()) return status;

@@ -9,21 +9,23 @@
 #include <vector>
 
 #include "client/lib/draco/draco_points.h"
+#include "client/lib/protocol.h"
 
 namespace {
 
-using curvecast::client::Points;
+using curvecast::client::DecodedPoints;
 
 /// Counts are refused before anything is decoded: a few bytes can claim to be gigabytes.
-absl::StatusOr<Points> decode_points(std::string_view bytes, const curvecast::client::RadiusRange& radii, std::uint64_t count) {
+absl::StatusOr<DecodedPoints> decode_points(std::string_view bytes, const curvecast::client::RadiusRange& radii,
+                                            std::uint64_t count) {
   if (!radii.valid()) return absl::InvalidArgumentError("the range of its radii makes no sense");
-  const auto header = curvecast::client::check_draco_header(bytes);
+  const auto header = curvecast::client::check_draco_header(bytes, curvecast::client::kMaxPoints);
   if (!header.ok()) return header.status();
   if (header->points != count) {
     return absl::InvalidArgumentError("its Draco data claims " + std::to_string(header->points) + " points, the block " +
                                       std::to_string(count));
   }
-  absl::StatusOr<Points> points = curvecast::client::decode_draco(bytes, radii);
+  absl::StatusOr<DecodedPoints> points = curvecast::client::decode_draco(bytes, *header, radii);
   if (points.ok() && (points->normals.empty() || points->radii.empty())) {
     return absl::InvalidArgumentError("its Draco data lacks normals or radii");
   }
@@ -41,7 +43,7 @@ PyObject* decode(PyObject*, PyObject* arguments) {
   curvecast::client::RadiusRange radii;
   unsigned long long count = 0;
   if (!PyArg_ParseTuple(arguments, "y*ffK:decode", &data, &radii.min, &radii.max, &count)) return nullptr;
-  absl::StatusOr<Points> points;
+  absl::StatusOr<DecodedPoints> points;
   Py_BEGIN_ALLOW_THREADS;
   points = decode_points({static_cast<const char*>(data.buf), static_cast<std::size_t>(data.len)}, radii, count);
   Py_END_ALLOW_THREADS;

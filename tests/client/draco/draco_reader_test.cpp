@@ -11,6 +11,7 @@
 
 #include "client/lib/draco/draco_library.h"
 #include "client/lib/draco/draco_points.h"
+#include "client/lib/protocol.h"
 #include "tests/client/draco/draco_clouds.h"
 
 namespace curvecast::client {
@@ -22,9 +23,14 @@ using ::testing::StartsWith;
 
 constexpr RadiusRange kRadii{0.001F, 0.5F};
 
+absl::StatusOr<DecodedPoints> decode(const std::string& bytes, RadiusRange radii) {
+  const auto header = check_draco_header(bytes, kMaxPoints);
+  return header.ok() ? decode_draco(bytes, *header, radii) : header.status();
+}
+
 /// Room for what a header announces.
-Points room_for(const DracoHeaderInfo& header) {
-  Points points;
+DecodedPoints room_for(const DracoHeaderInfo& header) {
+  DecodedPoints points;
   points.positions.resize(header.points);
   if (header.find(DracoKind::kNormal) != nullptr) points.normals.resize(header.points);
   if (header.find(DracoKind::kGeneric) != nullptr) points.radii.resize(header.points);
@@ -37,7 +43,7 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-bool same_bytes(const Points& a, const Points& b) {
+bool same_bytes(const DecodedPoints& a, const DecodedPoints& b) {
   return same_bytes(a.positions, b.positions) && same_bytes(a.normals, b.normals) && same_bytes(a.radii, b.radii) &&
          same_bytes(a.colours, b.colours);
 }
@@ -47,12 +53,12 @@ enum class Outcome { kEqual, kRefused, kLeftToDraco };
 /// Reads both ways, and checks that ours accepts nothing that Draco refuses, and gives the same points to the bit. What only ours
 /// refuses must be something that no encoder writes.
 Outcome read_both_ways(DracoReader& reader, const std::string& bytes) {
-  const auto header = check_draco_header(bytes);
+  const auto header = check_draco_header(bytes, kMaxPoints);
   if (!header.ok()) return Outcome::kRefused;
-  Points ours = room_for(*header), reference = ours;
-  const auto was_read = reader.read(bytes, *header, kRadii, columns_of(ours, 0, header->points));
+  DecodedPoints ours = room_for(*header), reference = ours;
+  const auto was_read = reader.read(bytes, *header, kRadii, ours.columns());
   if (was_read.ok() && !*was_read) return Outcome::kLeftToDraco;
-  const absl::Status expected = decode_with_draco(bytes, *header, kRadii, columns_of(reference, 0, header->points));
+  const absl::Status expected = decode_with_draco(bytes, *header, kRadii, reference.columns());
   if (was_read.ok()) {
     EXPECT_TRUE(expected.ok()) << expected;
     EXPECT_TRUE(same_bytes(ours, reference));
@@ -130,16 +136,16 @@ TEST(DracoReader, LeavesOtherCloudsToDraco) {
        {OtherCloud::kTree, OtherCloud::kFloats, OtherCloud::kTextured, OtherCloud::kTwoRadii, OtherCloud::kUnpredicted}) {
     const std::string bytes = other_draco_cloud(kind);
     EXPECT_EQ(read_both_ways(reader, bytes), Outcome::kLeftToDraco) << static_cast<int>(kind);
-    const auto points = decode_draco(bytes, kRadii);
+    const auto points = decode(bytes, kRadii);
     ASSERT_TRUE(points.ok()) << points.status();
-    EXPECT_EQ(points->size(), 500U);
+    EXPECT_EQ(points->positions.size(), 500U);
     EXPECT_EQ(points->radii.size(), 500U);
   }
 }
 
 TEST(DracoReader, ReadsRadiiThatAreNotWanted) {
   const std::string bytes = draco_cloud({.points = 1000});
-  const auto without = decode_draco(bytes, {}), with = decode_draco(bytes, kRadii);
+  const auto without = decode(bytes, {}), with = decode(bytes, kRadii);
   ASSERT_TRUE(without.ok() && with.ok());
   EXPECT_TRUE(without->radii.empty());
   EXPECT_EQ(without->positions, with->positions);
@@ -153,7 +159,7 @@ TEST(DracoReader, RefusesPlacesThatAreNotFinite) {
   for (const float bad : {std::bit_cast<float>(0x7fc00000U), std::bit_cast<float>(0x7f800000U)}) {
     std::string changed = bytes;
     std::memcpy(&changed[range], &bad, sizeof bad);
-    const absl::Status status = decode_draco(changed, kRadii).status();
+    const absl::Status status = decode(changed, kRadii).status();
     EXPECT_TRUE(absl::IsInvalidArgument(status));
     EXPECT_THAT(std::string(status.message()), HasSubstr("is not finite"));
   }
@@ -194,7 +200,7 @@ TEST(DracoReader, SurvivesRandomBytes) {
   DracoReader reader;
   std::mt19937 random(3);
   for (const std::string& bytes : small_clouds()) {
-    const auto header = check_draco_header(bytes);
+    const auto header = check_draco_header(bytes, kMaxPoints);
     ASSERT_TRUE(header.ok());
     for (int trial = 0; trial < 2000; ++trial) {
       std::string noise = bytes;

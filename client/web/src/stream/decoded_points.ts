@@ -2,9 +2,6 @@
 
 import { CurvecastError } from "./errors";
 
-/// The most points that a set may have; the same limit as the server's.
-export const maxPoints = 4_000_000;
-
 /// `count` points, in columns as those of PointStore.
 export interface DecodedPoints {
   count: number;

@@ -3,8 +3,9 @@
 import type { PointBlock } from "../gen/curvecast/v1/curvecast_pb";
 import { BlockDecoder, buffersOf, encodedBlock } from "./block_decoder";
 import type { DecodeRequest, DecodeResponse } from "./decode_worker";
-import { badPoints, maxPoints, type DecodedPoints } from "./decoded_points";
+import { badPoints, type DecodedPoints } from "./decoded_points";
 import { asCurvecastError, CurvecastError } from "./errors";
+import { maxPoints } from "./protocol";
 
 const fewPoints = 4096; // decoding them on this thread is faster than a message to another thread and back
 

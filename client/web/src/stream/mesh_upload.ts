@@ -2,11 +2,11 @@
 
 import { CurvecastService, type UploadMeshResponse } from "../gen/curvecast/v1/curvecast_pb";
 import { asCurvecastError, CurvecastError } from "./errors";
+import { maxCompanions } from "./protocol";
 import { repeat } from "./repeat";
 import type { Socket } from "./socket";
 
 const chunkBytes = 256 << 10;
-const maxCompanions = 256;
 const maxRestarts = 4; // of a file's minute of failures (see repeat()): a line that breaks again and again may be too slow for the file
 const referring = /\.(obj|gltf|glb|ply)$/i;
 const companion = /\.(mtl|bin|png|jpe?g|bmp|tga|gif|webp|ktx2)$/i;

@@ -2,7 +2,8 @@
 // tests/client/point_edits.json.
 
 import type { PointEdits } from "../gen/curvecast/v1/curvecast_pb";
-import { badPoints, maxPoints } from "./decoded_points";
+import { badPoints } from "./decoded_points";
+import { maxPoints, radiusRungs, radiusRungsPerOctave } from "./protocol";
 
 /// Edits as ascending indices: `removed` in the list before, `added` in the list of `size` points after.
 export interface CheckedEdits {
@@ -10,9 +11,6 @@ export interface CheckedEdits {
   added: Uint32Array;
   size: number;
 }
-
-const rungsPerOctave = 2;
-const rungs = 64;
 
 /// Checks edits of a list of `count` points that come with `fresh` new points. Throws DATA_LOSS where the edits do not fit them.
 export function checkEdits(edits: PointEdits, count: number, fresh: number): CheckedEdits {
@@ -36,8 +34,8 @@ export function forEachResized(edits: PointEdits, resize: (index: number, step: 
 
 /// Returns the radius `step` rungs below `radius`, on the ladder whose first rung is `largest`.
 export function movedRadius(radius: number, step: number, largest: number): number {
-  const rung = Math.round(rungsPerOctave * Math.log2(largest / radius)) + step;
-  return largest * 2 ** (-Math.min(Math.max(rung, 0), rungs - 1) / rungsPerOctave);
+  const rung = Math.round(radiusRungsPerOctave * Math.log2(largest / radius)) + step;
+  return largest * 2 ** (-Math.min(Math.max(rung, 0), radiusRungs - 1) / radiusRungsPerOctave);
 }
 
 /// Copies the first `count` elements of `list` to `to`, without those that are removed. Leaves gaps at the indices `added`, for the

@@ -1,6 +1,7 @@
 // The header of a Draco point cloud: its claims are checked before any decoder reserves memory for them.
 
-import { badPoints, maxPoints } from "../decoded_points";
+import { badPoints } from "../decoded_points";
+import { maxPoints } from "../protocol";
 import { ByteReader } from "./byte_reader";
 
 const pointsPerByte = 256; // more than any encoder reaches: 70 were measured, for 4,000,000 points of 1 bit with normals of 2
