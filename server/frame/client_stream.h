@@ -81,7 +81,8 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     std::uint64_t first_bytes = 0;            // of ViewUpdate
     std::optional<Progress> shown;            // not set: the view has no frame yet
     bool is_in_parts = false;                 // its last frame was a part
-    int improvements = 0;                     // how often it was answered again because the session was improved
+    int improvements = 0;                     // how often it was answered again, and better, because the session was improved
+    int in_vain = 0;                          // how often without getting better: the work was for others, or failed
     Clock::time_point started = {};
   };
 

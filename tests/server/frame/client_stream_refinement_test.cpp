@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <vector>
 
 #include "tests/server/frame/conversation.h"
 
@@ -138,6 +139,31 @@ TEST_F(StreamRefinement, ComesToAnEnd) {
   }
   EXPECT_LT(frames_.size(), 20u);
   EXPECT_FALSE(frames_.back().statistics().refining());
+}
+
+TEST_F(StreamRefinement, WorkForOthersDoesNotCount) {
+  for (int i = 0; i < 4; ++i) {
+    stream_->refined(*session_);  // brings this view nothing
+    run_all();
+  }
+  std::vector<std::uint64_t> revisions;
+  for (int i = 0; i < 8; ++i) {
+    publish();
+    run_all();
+    receive(ack_request(1));
+    revisions.push_back(frames_.back().curve_revision());
+  }
+  EXPECT_THAT(revisions, ElementsAre(2, 3, 4, 5, 6, 7, 8, 9));
+  EXPECT_FALSE(frames_.back().statistics().refining());
+}
+
+TEST_F(StreamRefinement, WorkThatBringsNothingComesToAnEnd) {
+  for (int i = 0; i < 100; ++i) {
+    stream_->refined(*session_);
+    run_all();
+  }
+  ASSERT_THAT(sequences(), ElementsAre(1, 1));
+  EXPECT_FALSE(frames_[1].statistics().refining());
 }
 
 TEST_F(StreamRefinement, IsNotWaitedForAfterTheClientsEnd) {
