@@ -73,6 +73,11 @@ void ClientStream::refined(const Session& session) {
   dispatch();
 }
 
+void ClientStream::retry() {
+  const MutexLock lock(mutex_);
+  dispatch();
+}
+
 void ClientStream::stop(const absl::Status& reason) {
   const MutexLock lock(mutex_);
   fail(reason);
@@ -161,7 +166,7 @@ void ClientStream::end_when_idle() {
 void ClientStream::ask_for_worker() {
   const absl::Status accepted = hooks_.submit([self = shared_from_this()] { self->run_worker(); });
   has_worker_ = accepted.ok();
-  // A better frame is asked for again with the next event: its promise stands.
+  // A better frame is asked for again with the next event or retry(): its promise stands.
   if (!accepted.ok() && view_state_ == ViewState::kWaiting) refuse_waiting_view(accepted);
 }
 

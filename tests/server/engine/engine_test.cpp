@@ -21,6 +21,7 @@
 
 #include "server/base/log.h"
 #include "server/server.h"
+#include "tests/server/eventually.h"
 #include "tests/server/frame/frame_points.h"
 #include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"
@@ -278,6 +279,22 @@ TEST_F(EngineTest, ClosesInTheMidstOfRefinement) {
     EXPECT_EQ(again->curve()->revision, 1u);
   }
   EXPECT_FALSE(session->revisions->refining());
+}
+
+TEST_F(EngineTest, ABetterFrameComesOnceTheServerHasTimeForIt) {
+  const std::shared_ptr<const Session> session = open();
+  Client client(engine_, session->id);
+  client.look(100'000);
+  std::optional<v1::PointFrame> frame = client.next();
+  constexpr std::int64_t kFar = std::int64_t{1} << 50;
+  engine_.queued.add(kFar);  // too busy for any frame
+  EXPECT_TRUE(eventually([&] { return !session->revisions->refining(); }));
+  engine_.refiner.stop();  // it has told the conversation
+  engine_.queued.add(-kFar);
+  // The client says nothing more.
+  while (frame && frame->statistics().refining()) frame = client.next();
+  EXPECT_TRUE(frame);
+  EXPECT_TRUE(client.leave().ok());
 }
 
 TEST_F(EngineTest, WhatWasClosedIsNotSavedAnyMore) {

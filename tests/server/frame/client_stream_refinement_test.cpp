@@ -218,6 +218,22 @@ TEST_F(StreamRefinement, ABusyServerIsAskedAgainAtTheNextEvent) {
   EXPECT_FALSE(frames_[1].statistics().refining());
 }
 
+TEST_F(StreamRefinement, ABusyServerIsAskedAgainThoughNothingHappens) {
+  busy_ = true;
+  publish();
+  stream_->retry();
+  EXPECT_TRUE(jobs_.empty());
+  busy_ = false;
+  short_ = false;
+  stream_->retry();
+  stream_->retry();
+  EXPECT_EQ(jobs_.size(), 1u);
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1, 1));
+  stream_->retry();
+  EXPECT_TRUE(jobs_.empty()) << "nothing is due";
+}
+
 TEST_F(StreamRefinement, ABusyServerLeavesTheFrameThatThereIs) {
   busy_ = true;
   publish();
