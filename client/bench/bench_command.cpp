@@ -42,13 +42,20 @@ absl::Status print_report(const BenchReport& report, const CommonOptions& common
   return common.json ? print_json(bench_json(report)) : print_text(bench_text(report));
 }
 
-CLI::Option* add_points(CLI::App& app, std::uint64_t* points, const std::string& description) {
+CLI::Option* add_points(CLI::App& app, std::uint64_t* points, const std::string& description = "N for which the curve is made") {
   return app.add_option("-n,--points", *points, description)->check(point_count_range())->type_name("N")->capture_default_str();
 }
 
 CLI::Option* add_count(CLI::App& app, const std::string& name, int* count, int most, const std::string& description) {
   const std::string letter(1, static_cast<char>(name[2] - 'a' + 'A'));
   return app.add_option(name, *count, description)->check(CLI::Range(1, most))->type_name(letter)->capture_default_str();
+}
+
+/// What benchmarks of preprocessing take that tell a median.
+template <typename Options>
+void add_repeats_and_points(CLI::App& app, Options& options, const std::string& repeats) {
+  add_count(app, "--repeat", &options.repeats, 1000, repeats);
+  add_points(app, &options.points);
 }
 
 struct CorpusFlags {
@@ -123,15 +130,13 @@ Run on_mesh(CLI::App& app, std::shared_ptr<Options> options, Measure<Options> me
 
 Run add_preprocess_benchmark(CLI::App& app) {
   const auto options = std::make_shared<PreprocessBenchOptions>();
-  add_count(app, "--repeat", &options->repeats, 1000, "runs of ours, of which the median counts");
-  add_points(app, &options->points, "N for which the curve is made");
+  add_repeats_and_points(app, *options, "runs of ours, of which the median counts");
   return on_mesh(app, options, bench_preprocess);
 }
 
 Run add_curve(CLI::App& app) {
   const auto options = std::make_shared<CurveBenchOptions>();
-  add_count(app, "--repeat", &options->repeats, 1000, "runs of which the median counts");
-  add_points(app, &options->points, "N for which the curve is made");
+  add_repeats_and_points(app, *options, "runs of which the median counts");
   app.add_option("--large", options->large_points, "N of one large run; 0 = none")
       ->check(CLI::Range(std::uint64_t{0}, kMaxPoints))
       ->type_name("N")
@@ -142,14 +147,13 @@ Run add_curve(CLI::App& app) {
 Run add_growth(CLI::App& app) {
   const auto options = std::make_shared<GrowthOptions>();
   add_count(app, "--levels", &options->levels, 6, "subdivisions");
-  add_points(app, &options->points, "N for which the curve is made");
+  add_points(app, &options->points);
   return on_mesh(app, options, bench_growth);
 }
 
 Run add_mappers(CLI::App& app) {
   const auto options = std::make_shared<MappersBenchOptions>();
-  add_count(app, "--repeat", &options->repeats, 1000, "runs of each, of which the median counts");
-  add_points(app, &options->points, "N for which the curve is made");
+  add_repeats_and_points(app, *options, "runs of each, of which the median counts");
   return on_mesh(app, options, bench_mappers);
 }
 
@@ -157,7 +161,7 @@ Run add_areas(CLI::App& app) {
   const auto options = std::make_shared<AreasBenchOptions>();
   add_count(app, "--runs", &options->runs, 1000, "sets of samples of each size");
   add_count(app, "--regions", &options->regions, 100'000, "seeds of the regions that discrepancy is measured over");
-  add_points(app, &options->points, "N for which the curve is made");
+  add_points(app, &options->points);
   return on_mesh(app, options, bench_areas);
 }
 

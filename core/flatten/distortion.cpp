@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/flatten/flatten.h"
 #include "core/flatten/orientation.h"
 
 namespace curvecast {
@@ -88,6 +90,17 @@ Distortion summarise_distortion(std::vector<AreaShare> shares) {
   distortion.p999 = quantile(0.999);
   distortion.max = shares.back().ratio;
   return distortion;
+}
+
+Distortion measure_distortion(std::span<const Chart> charts) {
+  std::vector<AreaShare> shares;
+  for (const Chart& chart : charts) {
+    const double mean = surface_area(chart.disc);  // the square's area is 1
+    for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
+      shares.push_back({uv_area(chart.disc, chart.uv, t) * chart.area_ratio[t], chart.area_ratio[t] / mean});
+    }
+  }
+  return summarise_distortion(std::move(shares));
 }
 
 }  // namespace curvecast

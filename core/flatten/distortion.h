@@ -3,11 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/flatten/disc_mesh.h"
 
 namespace curvecast {
+
+struct Chart;  // flatten.h
 
 /// Triangles whose uv area is not positive, by an exact test.
 std::uint64_t count_flipped(const DiscMesh& disc, const std::vector<Vec2d>& uv);
@@ -43,5 +46,7 @@ struct Distortion {
 };
 
 Distortion summarise_distortion(std::vector<AreaShare> shares);
+/// The distortion of a surface that is mapped in these charts.
+Distortion measure_distortion(std::span<const Chart> charts);
 
 }  // namespace curvecast

@@ -56,23 +56,6 @@ class Nearest {
   std::uint32_t but_;
 };
 
-/// Takes all that nanoflann offers within a squared distance.
-class Within {
- public:
-  Within(float limit, std::vector<Neighbour>& found) : limit_(limit), found_(found) {}
-
-  bool full() const { return true; }
-  float worstDist() const { return just_beyond(limit_); }
-  bool addPoint(float square, std::uint32_t index) {
-    if (square <= limit_) found_.push_back({index, square});
-    return true;
-  }
-
- private:
-  float limit_;
-  std::vector<Neighbour>& found_;
-};
-
 }  // namespace
 
 struct NeighbourTree::Tree {
@@ -96,13 +79,6 @@ std::span<const Vec3f> NeighbourTree::points() const { return tree_->cloud.point
 std::size_t NeighbourTree::nearest(const Vec3f& query, std::span<Neighbour> found) const {
   tree_->nearest(query, found);
   return std::min(found.size(), points().size());
-}
-
-void NeighbourTree::within(const Vec3f& query, float radius, std::vector<Neighbour>& found) const {
-  found.clear();
-  if (points().empty() || !(radius >= 0)) return;
-  Within within(std::min(radius * radius, std::numeric_limits<float>::max()), found);
-  tree_->index.findNeighbors(within, query.data(), {});
 }
 
 void NeighbourTree::all_nearest(std::size_t k, std::span<Neighbour> found) const {

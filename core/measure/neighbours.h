@@ -1,5 +1,5 @@
-// Nearest neighbours and points within a radius, in space, among points of any origin. Source: Bentley, "Multidimensional binary
-// search trees used for associative searching" (1975), as nanoflann has it.
+// Nearest neighbours in space, among points of any origin. Source: Bentley, "Multidimensional binary search trees used for
+// associative searching" (1975), as nanoflann has it.
 #pragma once
 
 #include <cstddef>
@@ -36,9 +36,6 @@ class NeighbourTree {
   /// Finds the found.size() points nearest to the query, nearest first. Returns how many there are, as many as there are points
   /// at most. The rest of `found` becomes nobody. Meant for up to a hundred or so.
   std::size_t nearest(const Vec3f& query, std::span<Neighbour> found) const;
-
-  /// Replaces `found` by every point whose squared distance is at most radius^2 (as a float), in no particular order.
-  void within(const Vec3f& query, float radius, std::vector<Neighbour>& found) const;
 
   /// Finds for every point i the k others nearest to it, nearest first: found[i k] .. found[i k + k - 1], nobody where there are
   /// fewer. `found` has k entries for each point. Others at the same place count. Runs on all threads of the arena.

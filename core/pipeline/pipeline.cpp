@@ -97,17 +97,6 @@ Vec3d choose_origin(const Box3d& box) {
   return reach > kFarOut * box.diagonal() ? box.center() : Vec3d(Vec3d::Zero());
 }
 
-Distortion measure_distortion(const std::vector<Chart>& charts) {
-  std::vector<AreaShare> shares;
-  for (const Chart& chart : charts) {
-    const double mean = surface_area(chart.disc);  // the square's area is 1
-    for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
-      shares.push_back({uv_area(chart.disc, chart.uv, t) * chart.area_ratio[t], chart.area_ratio[t] / mean});
-    }
-  }
-  return summarise_distortion(std::move(shares));
-}
-
 /// omega N: what the curve is to have of vertices.
 double wanted_vertices(const PreprocessOptions& options) { return options.omega * static_cast<double>(options.points); }
 

@@ -61,10 +61,8 @@ void sort_changes(const RankTree& tree, std::vector<Change>& changes, const Ref&
   std::vector<std::uint64_t>& keys = memory.keys;
   keys.clear();
   for (std::size_t i = 0; i < changes.size(); ++i) keys.push_back(std::uint64_t{position_of(tree, ref(changes[i]))} << 32 | i);
-  sort_along_curve(keys, memory.scratch);
   std::vector<Change> sorted;
-  sorted.reserve(changes.size());
-  for (const std::uint64_t key : keys) sorted.push_back(changes[static_cast<std::uint32_t>(key)]);
+  sort_along_curve(keys, memory.scratch, changes, sorted);
   changes.swap(sorted);
 }
 

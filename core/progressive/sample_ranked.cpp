@@ -98,9 +98,7 @@ void list_ranked(const SurfaceCurve& curve, RankedWorkspace& workspace) {
     keys.push_back(std::uint64_t{tree.chunks()[ref.chunk]->curve_position[ref.point]} << 32 | shown.size());
     shown.push_back(ref);
   });
-  sort_along_curve(keys, workspace.list_delta.scratch);
-  workspace.refs.resize(keys.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) workspace.refs[i] = shown[static_cast<std::uint32_t>(keys[i])];
+  sort_along_curve(keys, workspace.list_delta.scratch, shown, workspace.refs);
   gather_ranked(curve, tree, workspace.refs, workspace.points);
 }
 

@@ -60,6 +60,9 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
     const auto now = std::chrono::steady_clock::now();
     sessions.run_housekeeping(now);
     frame_cache.forget_before(now - kHousekeepingInterval);
+    for (const auto& weak : all_streams()) {
+      if (const auto stream = weak.lock()) stream->retry();
+    }
   }
 }
 
@@ -135,13 +138,13 @@ absl::Status Engine::close_session(const std::string& id, const std::string& who
   return closed;
 }
 
+std::vector<std::weak_ptr<ClientStream>> Engine::all_streams() {
+  const MutexLock lock(mutex_);
+  return streams_;
+}
+
 void Engine::notify_streams(const Session& session) {
-  std::vector<std::weak_ptr<ClientStream>> all;
-  {
-    const MutexLock lock(mutex_);
-    all = streams_;
-  }
-  for (const auto& weak : all) {
+  for (const auto& weak : all_streams()) {
     if (const auto stream = weak.lock()) stream->refined(session);
   }
 }

@@ -79,8 +79,10 @@ class Engine {
 
  private:
   absl::Status submit_view(std::function<void()> job, const std::string& connection);
+  /// The conversations at this moment, and perhaps some that have gone.
+  std::vector<std::weak_ptr<ClientStream>> all_streams() ABSL_LOCKS_EXCLUDED(mutex_);
   void notify_streams(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
-  void run_housekeeping(const std::stop_token& stop);
+  void run_housekeeping(const std::stop_token& stop) ABSL_LOCKS_EXCLUDED(mutex_);
 
   std::atomic<std::uint64_t> sources_ = 0;
   Mutex mutex_;

@@ -13,6 +13,8 @@ namespace {
 
 // A density that varies within a leaf may find its parts too coarse again; after so many rounds the curve is as good as it gets.
 constexpr int kMaxImprovements = 8;
+// Work for other clients makes a view's answer anew too, which may bring it nothing.
+constexpr int kMaxInVain = 8;
 
 ViewEvent event_of(FollowUp follow_up) {
   switch (follow_up) {
@@ -68,6 +70,11 @@ void ClientStream::refined(const Session& session) {
   const MutexLock lock(mutex_);
   if (session_ == nullptr || session_->revisions != session.revisions) return;
   view_state_ = next(view_state_, ViewEvent::kImproved);
+  dispatch();
+}
+
+void ClientStream::retry() {
+  const MutexLock lock(mutex_);
   dispatch();
 }
 
@@ -159,7 +166,7 @@ void ClientStream::end_when_idle() {
 void ClientStream::ask_for_worker() {
   const absl::Status accepted = hooks_.submit([self = shared_from_this()] { self->run_worker(); });
   has_worker_ = accepted.ok();
-  // A better frame is asked for again with the next event: its promise stands.
+  // A better frame is asked for again with the next event or retry(): its promise stands.
   if (!accepted.ok() && view_state_ == ViewState::kWaiting) refuse_waiting_view(accepted);
 }
 
@@ -187,7 +194,7 @@ void ClientStream::run_worker() {
         return hooks_.answer(session, {.point_set = *view.request,
                                        .reference = reference.get(),
                                        .first_bytes = first_bytes,
-                                       .may_refine = view.improvements < kMaxImprovements,
+                                       .may_refine = view.improvements < kMaxImprovements && view.in_vain < kMaxInVain,
                                        .cancel = &cancel_});
       });
       lock.lock();
@@ -217,6 +224,10 @@ void ClientStream::finish_answer(View view, absl::StatusOr<Answer> answer) {
     follow_up = answer->follow_up;
   }
   const bool has_progress = !view.shown || view.shown->is_surpassed_by(progress);
+  if (!has_progress && !view.is_in_parts) {
+    --view.improvements;  // as which it was counted when it began
+    ++view.in_vain;
+  }
   // A part without progress is the last one, and answering the view once more would bring the same points.
   if (follow_up == FollowUp::kNextPart && !has_progress) answer->follow_up = follow_up = FollowUp::kNone;
   view_state_ = next(view_state_, event_of(follow_up));

@@ -44,7 +44,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     /// Makes the points again that the client says that it has; null where it has others. Called without the lock, on a worker.
     std::function<absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(const Session&, const ResumeClaim&)> restore;
     /// Has a worker run the job later, never within the call. Called with the lock held. An error refuses a view that has no
-    /// frame yet; a better frame of a view is tried again with the next event.
+    /// frame yet; a better frame of a view is tried again with the next event, retry() at the latest.
     std::function<absl::Status(std::function<void()> job)> submit;
     /// Counts bytes of frames that are queued or being sent from now on or, below 0, no more. Called with the lock held.
     std::function<void(std::int64_t bytes)> count_queued;
@@ -61,6 +61,9 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   /// newest view waits for that, the view is answered again, with the same number; the frame is sent if it has more points than
   /// the one before or a newer curve, or is the view's last one.
   void refined(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Asks for a worker again where the server was too busy to make a better frame; else does nothing. To be called now and then,
+  /// for a client that has all its frames says nothing more.
+  void retry() ABSL_LOCKS_EXCLUDED(mutex_);
   /// Ends the stream as soon as no message is being sent; views and frames that wait are dropped.
   void stop(const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -81,7 +84,8 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     std::uint64_t first_bytes = 0;            // of ViewUpdate
     std::optional<Progress> shown;            // not set: the view has no frame yet
     bool is_in_parts = false;                 // its last frame was a part
-    int improvements = 0;                     // how often it was answered again because the session was improved
+    int improvements = 0;                     // how often it was answered again, and better, because the session was improved
+    int in_vain = 0;                          // how often without getting better: the work was for others, or failed
     Clock::time_point started = {};
   };
 

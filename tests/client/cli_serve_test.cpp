@@ -1,13 +1,12 @@
 // `curvecast serve` as a process.
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
-#include <thread>
 
 #include "tests/client/cli_fixture.h"
 #include "tests/proto/tls/certificate_files.h"
+#include "tests/server/eventually.h"
 #include "tests/server/http_client.h"
 
 namespace curvecast::cli {
@@ -64,9 +63,11 @@ TEST_F(ServeTest, ServesOnWhenNobodyReadsItsLines) {
   const std::string address = address_of(reader);
   const auto pid = static_cast<pid_t>(std::stol(address_of(reader, "pid ")));
   Finished sessions;
-  do {  // the second mesh is opened once the lines of the first are written
+  // The second mesh is opened once the lines of the first are written.
+  EXPECT_TRUE(server::eventually([&] {
     sessions = run({"sessions", "--server", address});
-  } while (sessions.status == 0 && sessions.out.find("second_served") == std::string::npos);
+    return sessions.status != 0 || sessions.out.find("second_served") != std::string::npos;
+  }));
   EXPECT_EQ(sessions.status, 0) << sessions.err;
   if (sessions.status == 0) {
     EXPECT_EQ(::kill(pid, SIGTERM), 0);
@@ -96,7 +97,7 @@ TEST_F(ServeTest, TheServerOfABenchmarkEndsWithIt) {
   EXPECT_TRUE(is_running(server));
   bench.signal(SIGKILL);
   bench.finish();
-  while (is_running(server)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(server::eventually([&] { return !is_running(server); }));
 }
 
 TEST_F(ServeTest, StopsWhileItOpensAMesh) {

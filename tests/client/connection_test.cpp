@@ -15,6 +15,7 @@
 #include "client/lib/retry.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
 #include "curvecast/v1/status.pb.h"
+#include "tests/server/eventually.h"
 
 namespace curvecast::client {
 namespace {
@@ -33,9 +34,7 @@ class ScriptedService : public v1::CurvecastService::Service {
   }
   int calls() const { return calls_; }
   void wait_for_call() {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (calls_ == 0 && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(1));
-    EXPECT_GT(calls_, 0) << "no call has come";
+    EXPECT_TRUE(server::eventually([this] { return calls_ > 0; })) << "no call has come";
   }
   std::string uploaded() {
     const std::lock_guard lock(mutex_);
@@ -90,10 +89,7 @@ class ScriptedService : public v1::CurvecastService::Service {
  private:
   grpc::Status next(grpc::ServerContext* context) {
     ++calls_;
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (hang && !context->IsCancelled() && std::chrono::steady_clock::now() < deadline) {
-      std::this_thread::sleep_for(milliseconds(1));
-    }
+    EXPECT_TRUE(server::eventually([&] { return !hang || context->IsCancelled(); }));
     const std::lock_guard lock(mutex_);
     if (script_.empty()) return grpc::Status::OK;
     grpc::Status status = script_.front();

@@ -13,7 +13,8 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
-#include <thread>
+
+#include "tests/server/eventually.h"
 
 namespace curvecast::cli {
 namespace {
@@ -77,13 +78,13 @@ std::string Process::out() const { return content_of(out_path_); }
 std::string Process::err() const { return content_of(err_path_); }
 
 bool Process::wait_for(const std::string& text) {
-  for (int i = 0; i < 6000; ++i) {
-    const bool ended = reap(false);
-    if ((out() + err()).find(text) != std::string::npos) return true;
-    if (ended) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return false;
+  bool is_there = false;
+  const bool is_settled = server::eventually([&] {
+    const bool has_ended = reap(false);
+    is_there = (out() + err()).find(text) != std::string::npos;
+    return is_there || has_ended;
+  });
+  return is_settled && is_there;
 }
 
 Finished Process::finish() {

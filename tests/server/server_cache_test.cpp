@@ -7,6 +7,7 @@
 
 #include "core/storage/curve_file.h"
 #include "server_fixture.h"
+#include "tests/server/eventually.h"
 #include "tests/server/frame/frame_points.h"
 #include "tests/support/temporary_folder.h"
 
@@ -47,8 +48,7 @@ class ServerCache : public ServerFixture {
     return created.session;
   }
   static void wait_until_cached(Stub& stub, const std::string& id) {
-    for (int i = 0; i < 6000 && !get(stub, id).second.cached(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_TRUE(get(stub, id).second.cached());
+    EXPECT_TRUE(eventually([&] { return get(stub, id).second.cached(); }));
   }
   /// Of the only session there is.
   std::string curve_path() const {

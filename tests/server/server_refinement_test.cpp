@@ -9,6 +9,7 @@
 
 #include "server_fixture.h"
 
+#include "tests/server/eventually.h"
 #include "tests/server/frame/frame_points.h"
 
 namespace curvecast::server {
@@ -53,12 +54,11 @@ class ServerRefinement : public ServerFixture {
     return response.session();
   }
   v1::Session wait_until_refined() {
-    v1::Session now = session();
-    for (int i = 0; i < 12'000 && now.refining(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    v1::Session now;
+    EXPECT_TRUE(eventually([&] {
       now = session();
-    }
-    EXPECT_FALSE(now.refining());
+      return !now.refining();
+    }));
     return now;
   }
   void close() {

@@ -4,7 +4,6 @@
 #include <fstream>
 #include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "server_web_fixture.h"
@@ -279,7 +278,7 @@ TEST_F(ServerWebSocket, BoundsItsSockets) {
     EXPECT_EQ(connect_socket().http_status(), 429);
   }
   EXPECT_EQ(first.call("ListSessions", v1::ListSessionsRequest()).code, 0);
-  while (!connect_socket().is_open()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(eventually([&] { return connect_socket().is_open(); }));
 }
 
 TEST_F(ServerWebSocket, EndsWithTheServer) {

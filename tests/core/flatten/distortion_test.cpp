@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "core/flatten/flatten.h"
+
 namespace curvecast {
 namespace {
 
@@ -43,6 +47,20 @@ TEST(Distortion, ExtraLevelsCountPowersOfFour) {
   const Distortion distortion = summarise_distortion({{50, 1}, {25, 16}, {25, 0.01}});
   EXPECT_DOUBLE_EQ(distortion.extra_levels_mean, 0.5);  // where the map is too large no leaf is deeper
   EXPECT_DOUBLE_EQ(distortion.extra_levels_max, 2);
+}
+
+TEST(Distortion, IsRelativeToEachChart) {
+  const std::vector<Vec2d> even = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  Chart chart{.disc = two_triangles(), .uv = even, .area_ratio = area_ratios(two_triangles(), even)};
+  Chart large = chart;
+  for (Vec3d& p : large.disc.positions) p *= 10;
+  large.area_ratio = area_ratios(large.disc, even);
+  const Chart evenly[] = {chart, large};
+  EXPECT_DOUBLE_EQ(measure_distortion(evenly).max, 1) << "both are mapped evenly, however large they are";
+  // Half of the chart gets half of its share of the square.
+  chart.uv = {{0, 0}, {1, 0}, {1, 1}, {0, 0.5}};
+  chart.area_ratio = area_ratios(chart.disc, chart.uv);
+  EXPECT_DOUBLE_EQ(measure_distortion({&chart, 1}).max, 2);
 }
 
 }  // namespace

@@ -4,8 +4,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <tuple>
 
 #include "core/base/random.h"
@@ -68,17 +66,6 @@ void expect_exact(const Points& points, const std::string& where) {
       expect_same(std::span(all).subspan(i * k, k), truth, where + ", all of " + std::to_string(i));
     }
   }
-  std::vector<Neighbour> found;
-  for (const Vec3f& query : queries) {
-    for (const float radius : {0.0f, 0.05f, 0.4f, 10.0f}) {
-      std::vector<Neighbour> truth = by_brute_force(points, query);
-      std::erase_if(truth, [&](const Neighbour& n) { return n.square > radius * radius; });
-      tree.within(query, radius, found);
-      std::sort(found.begin(), found.end(),
-                [](const Neighbour& a, const Neighbour& b) { return std::tie(a.square, a.index) < std::tie(b.square, b.index); });
-      ASSERT_EQ(found, truth) << where << ", radius " << radius;
-    }
-  }
 }
 
 /// Curve vertices of a mesh, disc after disc.
@@ -127,23 +114,10 @@ TEST(Neighbours, WithoutPointsOrWishesAreNone) {
   std::vector<Neighbour> found = {{1, 2}, {3, 4}};
   EXPECT_EQ(empty.nearest({0, 0, 0}, found), 0u);
   EXPECT_EQ(found, std::vector<Neighbour>(2));
-  empty.within({0, 0, 0}, 1, found);
-  EXPECT_TRUE(found.empty());
   empty.all_nearest(3, {});
   const NeighbourTree tree(Points{{1, 1, 1}});
   EXPECT_EQ(tree.nearest({0, 0, 0}, {}), 0u);
   tree.all_nearest(0, {});
-}
-
-TEST(Neighbours, WithinARadiusThatIsNoneAreNone) {
-  const NeighbourTree tree(noise(300, 11));
-  std::vector<Neighbour> found;
-  for (const float radius : {-1.0f, std::numeric_limits<float>::quiet_NaN()}) {
-    tree.within({0, 0, 0}, radius, found);
-    EXPECT_TRUE(found.empty());
-  }
-  tree.within({0, 0, 0}, std::numeric_limits<float>::infinity(), found);
-  EXPECT_EQ(found.size(), 300u);
 }
 
 TEST(Neighbours, AreTheSameForAnyNumberOfThreads) {

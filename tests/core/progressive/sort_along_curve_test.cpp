@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <vector>
 
 #include "core/base/random.h"
 
@@ -22,6 +24,19 @@ TEST(SortAlongCurve, SortsByPositionAndKeepsTheOrderOfEquals) {
     sort_along_curve(keys, scratch);
     EXPECT_EQ(keys, expected);
   }
+}
+
+TEST(SortAlongCurve, TakesItemsAlong) {
+  std::vector<std::uint64_t> keys, scratch;
+  std::vector<std::uint64_t> positions;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    positions.push_back(mix_bits(i) >> 32);
+    keys.push_back(positions.back() << 32 | i);
+  }
+  std::vector<std::uint64_t> sorted(3);
+  sort_along_curve(keys, scratch, positions, sorted);
+  std::sort(positions.begin(), positions.end());
+  EXPECT_EQ(sorted, positions);
 }
 
 }  // namespace

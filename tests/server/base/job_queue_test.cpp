@@ -5,8 +5,9 @@
 #include <atomic>
 #include <future>
 #include <string>
-#include <thread>
 #include <vector>
+
+#include "tests/server/eventually.h"
 
 namespace curvecast::server {
 namespace {
@@ -96,7 +97,7 @@ class JobQueueTurns : public ::testing::Test {
   }
   std::string run() {
     gate_.set_value();
-    while (queue_.waiting() > 0) std::this_thread::yield();  // jobs may add others, which stop() refuses
+    EXPECT_TRUE(eventually([this] { return queue_.waiting() == 0; }));  // jobs may add others, which stop() refuses
     queue_.stop();
     return order_;
   }

@@ -10,7 +10,9 @@
 #include <condition_variable>
 #include <deque>
 #include <future>
+#include <latch>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -19,6 +21,7 @@
 
 #include "server/base/log.h"
 #include "server/server.h"
+#include "tests/server/eventually.h"
 #include "tests/server/frame/frame_points.h"
 #include "tests/support/shapes.h"
 #include "tests/support/temporary_folder.h"
@@ -128,6 +131,26 @@ class EngineTest : public ::testing::Test {
     Waiter waiter;
     EXPECT_TRUE(engine_.sessions.join({upload.finish().value(), {}}, {.points = kMadeFor}, &waiter).ok());
     return waiter.wait().value();
+  }
+
+  /// Starts clients that ask for far more points than the curve is made for, and returns once each has a frame. They take frames
+  /// as long as `wants_more` of the last one says so; then their conversations end with `end`.
+  std::vector<std::jthread> start_crowd(const std::string& session_id,
+                                        bool (*wants_more)(const std::optional<v1::PointFrame>& frame), absl::StatusCode end) {
+    const auto first_frames = std::make_shared<std::latch>(kClients);
+    std::vector<std::jthread> crowd;
+    for (int c = 0; c < kClients; ++c) {
+      crowd.emplace_back([this, session_id, wants_more, end, first_frames] {
+        Client client(engine_, session_id);
+        client.look(100'000);
+        std::optional<v1::PointFrame> frame = client.next();
+        first_frames->count_down();
+        while (wants_more(frame)) frame = client.next();
+        EXPECT_EQ(client.leave().code(), end);
+      });
+    }
+    first_frames->wait();
+    return crowd;
   }
 
   testing::TemporaryFolder folder_;
@@ -243,23 +266,12 @@ TEST_F(EngineTest, EveryReaderSeesWholeRevisions) {
 TEST_F(EngineTest, ClosesInTheMidstOfRefinement) {
   const std::shared_ptr<const Session> session = open();
   {
-    std::vector<std::jthread> threads;
-    std::atomic<int> answered = 0;
-    for (int c = 0; c < kClients; ++c) {
-      threads.emplace_back([&] {
-        Client client(engine_, session->id);
-        client.look(100'000);
-        bool is_coarse = true;
-        for (int i = 0; is_coarse; ++i) {  // closed or not, the promise of a last frame is kept
-          const std::optional<v1::PointFrame> frame = client.next();
-          if (i == 0) ++answered;
-          ASSERT_TRUE(frame);
-          is_coarse = frame->statistics().refining();
-        }
-        EXPECT_TRUE(client.leave().ok());
-      });
-    }
-    while (answered < kClients) std::this_thread::yield();
+    // Closed or not, the promise of a last frame is kept.
+    const auto is_coarse = [](const std::optional<v1::PointFrame>& frame) {
+      EXPECT_TRUE(frame);
+      return frame && frame->statistics().refining();
+    };
+    const std::vector<std::jthread> crowd = start_crowd(session->id, is_coarse, absl::StatusCode::kOk);
     EXPECT_TRUE(engine_.close_session(session->id, "").ok());
     const std::shared_ptr<const Session> again = open();  // the same mesh once more, beside those that still have the old one
     EXPECT_EQ(again->id, session->id);
@@ -267,6 +279,22 @@ TEST_F(EngineTest, ClosesInTheMidstOfRefinement) {
     EXPECT_EQ(again->curve()->revision, 1u);
   }
   EXPECT_FALSE(session->revisions->refining());
+}
+
+TEST_F(EngineTest, ABetterFrameComesOnceTheServerHasTimeForIt) {
+  const std::shared_ptr<const Session> session = open();
+  Client client(engine_, session->id);
+  client.look(100'000);
+  std::optional<v1::PointFrame> frame = client.next();
+  constexpr std::int64_t kFar = std::int64_t{1} << 50;
+  engine_.queued.add(kFar);  // too busy for any frame
+  EXPECT_TRUE(eventually([&] { return !session->revisions->refining(); }));
+  engine_.refiner.stop();  // it has told the conversation
+  engine_.queued.add(-kFar);
+  // The client says nothing more.
+  while (frame && frame->statistics().refining()) frame = client.next();
+  EXPECT_TRUE(frame);
+  EXPECT_TRUE(client.leave().ok());
 }
 
 TEST_F(EngineTest, WhatWasClosedIsNotSavedAnyMore) {
@@ -285,23 +313,10 @@ TEST_F(EngineTest, WhatWasClosedIsNotSavedAnyMore) {
 
 TEST_F(EngineTest, StopsInTheMidstOfRefinement) {
   const std::shared_ptr<const Session> session = open();
-  std::vector<std::jthread> threads;
-  std::atomic<int> answered = 0;
-  for (int c = 0; c < kClients; ++c) {
-    threads.emplace_back([&] {
-      Client client(engine_, session->id);
-      client.look(100'000);
-      bool is_open = true;
-      for (int i = 0; is_open; ++i) {
-        is_open = client.next().has_value();
-        if (i == 0) ++answered;
-      }
-      EXPECT_EQ(client.leave().code(), absl::StatusCode::kUnavailable);
-    });
-  }
-  while (answered < kClients) std::this_thread::yield();
+  std::vector<std::jthread> crowd = start_crowd(
+      session->id, [](const std::optional<v1::PointFrame>& frame) { return frame.has_value(); }, absl::StatusCode::kUnavailable);
   stop();
-  threads.clear();
+  crowd.clear();
   EXPECT_FALSE(session->revisions->refining());
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/sample/resample.h"
+#include "tests/server/eventually.h"
 #include "tests/support/views.h"
 
 namespace curvecast::server {
@@ -64,7 +65,7 @@ TEST(CurveRevisions, ReadersKeepTheRevisionThatTheyTook) {
       live.set_refining(false);
       std::this_thread::yield();
     }
-    while (reads < 2 * kReaders && !::testing::Test::HasFailure()) std::this_thread::yield();
+    EXPECT_TRUE(eventually([&] { return reads >= 2 * kReaders || ::testing::Test::HasFailure(); }));
     done = true;
   }
   EXPECT_EQ(live.newest()->revision, kRevisions);

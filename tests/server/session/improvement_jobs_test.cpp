@@ -3,15 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <chrono>
 #include <future>
 #include <memory>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "tests/server/ball_session.h"
+#include "tests/server/eventually.h"
 
 namespace curvecast::server {
 namespace {
@@ -25,7 +24,7 @@ class ImprovementJobsTest : public ::testing::Test {
     improved_.push_back(wishes);
     if (improved_.size() == 1) {
       begun_.set_value();
-      while (!is_open_ && !cancel) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      EXPECT_TRUE(eventually([&] { return is_open_ || cancel; }));
     }
     return {.is_better = !cancel, .is_last = wishes.contains("the last")};
   }

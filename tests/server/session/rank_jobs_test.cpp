@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <thread>
 #include <vector>
 
 #include "server/base/log.h"
 #include "tests/server/ball_session.h"
+#include "tests/server/eventually.h"
 
 namespace curvecast::server {
 namespace {
@@ -48,10 +48,7 @@ TEST(RankJobs, ServeManyAtOnce) {
     });
   }
   threads.clear();
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while ((points_of(*one) < 16'384 || points_of(*two) < 16'384) && std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
+  EXPECT_TRUE(eventually([&] { return points_of(*one) >= 16'384 && points_of(*two) >= 16'384; }));
   EXPECT_EQ(points_of(*one), 16'384u);
   EXPECT_EQ(points_of(*two), 16'384u);
 }

@@ -5,8 +5,9 @@
 #include <chrono>
 #include <future>
 #include <optional>
-#include <thread>
 #include <utility>
+
+#include "tests/server/eventually.h"
 
 namespace curvecast::server {
 namespace {
@@ -18,7 +19,7 @@ class SessionJobsTest : public ::testing::Test {
  protected:
   absl::StatusOr<Preprocessed> preprocess(const ExecutionContext& context) {
     if (runs_++ == 0) begun_.set_value();
-    while (!is_open_ && !context.cancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_TRUE(eventually([&] { return is_open_ || context.cancelled(); }));
     if (context.cancelled()) return context.check();
     auto curve = std::make_shared<SurfaceCurve>();
     curve->x = {1};

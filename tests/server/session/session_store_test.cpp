@@ -2,16 +2,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/logger.h>
 
 #include <chrono>
-#include <condition_variable>
 #include <future>
-#include <new>
-#include <optional>
-#include <utility>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
 
-#include "server/base/log.h"
+#include "tests/server/session/session_store_fixture.h"
 
 namespace curvecast::server {
 namespace {
@@ -19,123 +19,7 @@ namespace {
 using Code = absl::StatusCode;
 using ::testing::HasSubstr;
 
-constexpr auto kPatience = std::chrono::seconds(60);  // only a broken store waits that long
-
-class Waiter final : public SessionWaiter {
- public:
-  void on_progress(std::string_view stage, double fraction) override {
-    const std::lock_guard lock(mutex_);
-    EXPECT_FALSE(done_) << "progress after the end";
-    progress_.emplace_back(stage, fraction);
-    changed_.notify_all();
-  }
-  void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) override {
-    const std::lock_guard lock(mutex_);
-    EXPECT_FALSE(done_) << "ended twice";
-    done_ = std::move(session);
-    changed_.notify_all();
-  }
-
-  absl::StatusOr<std::shared_ptr<const Session>> wait() {
-    std::unique_lock lock(mutex_);
-    if (!changed_.wait_for(lock, kPatience, [&] { return done_.has_value(); })) return absl::DeadlineExceededError("test");
-    return *done_;
-  }
-  void wait_for_stage(const std::string& stage) {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(changed_.wait_for(lock, kPatience, [&] { return !progress_.empty() && progress_.back().first == stage; }));
-  }
-  std::vector<std::pair<std::string, double>> progress() {
-    const std::lock_guard lock(mutex_);
-    return progress_;
-  }
-  bool done() {
-    const std::lock_guard lock(mutex_);
-    return done_.has_value();
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<std::pair<std::string, double>> progress_;
-  std::optional<absl::StatusOr<std::shared_ptr<const Session>>> done_;
-};
-
-Preprocessed tiny() {
-  auto curve = std::make_shared<SurfaceCurve>();
-  curve->x = {1};
-  return {std::move(curve), {}};
-}
-
-// Preprocessing that stays in its stage "cut" until it is let go or cancelled.
-class SessionStoreTest : public ::testing::Test {
- protected:
-  absl::StatusOr<Preprocessed> preprocess(const ExecutionContext& context) {
-    std::unique_lock lock(mutex_);
-    ++runs_;
-    lock.unlock();
-    context.progress("read", 0);
-    context.progress("read", 1);
-    context.progress("cut", 0);
-    lock.lock();
-    while (!open_ && !context.cancelled()) changed_.wait_for(lock, std::chrono::milliseconds(1));
-    if (context.cancelled()) {
-      ++cancelled_;
-      return context.check();
-    }
-    if (throws_) throw std::bad_alloc();
-    if (!failure_.ok()) return failure_;
-    context.progress("cut", 1);
-    return tiny();
-  }
-
-  void set_open(bool open) {
-    const std::lock_guard lock(mutex_);
-    open_ = open;
-    changed_.notify_all();
-  }
-  int runs() {
-    const std::lock_guard lock(mutex_);
-    return runs_;
-  }
-  int cancelled() {
-    const std::lock_guard lock(mutex_);
-    return cancelled_;
-  }
-
-  static MeshFiles mesh(const std::string& id) {
-    auto out = std::make_shared<Mesh>();
-    out->id = id;
-    return {out, {}};
-  }
-  /// Mesh "m" with one companion.
-  static MeshFiles mesh_with(const std::string& name, const std::string& companion) {
-    MeshFiles files = mesh("m");
-    files.companions[name] = mesh(companion).mesh;
-    return files;
-  }
-  std::string make_ready(const std::string& mesh_id) {
-    Waiter waiter;
-    const auto id = store_->join(mesh(mesh_id), {}, &waiter);
-    EXPECT_TRUE(id.ok()) << id.status();
-    EXPECT_TRUE(waiter.wait().ok());
-    return id.value_or("");
-  }
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool open_ = false, throws_ = false;
-  absl::Status failure_;
-  int runs_ = 0, cancelled_ = 0;
-  JobQueue queue_{{.max_waiting = 16}};
-  std::optional<SessionStore> store_{
-      std::in_place,
-      queue_,
-      [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context) { return preprocess(context); },
-      SessionLimits{.sessions = 3},
-      1,
-      make_logger(false, false)};
-};
+class SessionStoreTest : public SessionStoreFixture {};
 
 TEST_F(SessionStoreTest, ClientsShareOneJobAndItsProgress) {
   Waiter first, second;
@@ -301,24 +185,6 @@ TEST_F(SessionStoreTest, FindSaysWhy) {
   EXPECT_TRUE(waiter.wait().ok());
 }
 
-TEST_F(SessionStoreTest, EvictsTheLeastRecentlyUsedThatIsIdle) {
-  set_open(true);
-  const std::string a = make_ready("a"), b = make_ready("b"), c = make_ready("c");
-  auto held = store_->find(a);
-  ASSERT_TRUE(store_->find(b).ok());
-  const std::string d = make_ready("d");
-  EXPECT_TRUE(store_->info(a).ok());  // used before c, but held
-  EXPECT_TRUE(store_->info(b).ok());
-  EXPECT_EQ(store_->info(c).status().code(), Code::kNotFound);
-  auto also_b = store_->find(b), also_d = store_->find(d);
-  Waiter waiter;
-  EXPECT_EQ(store_->join(mesh("e"), {}, &waiter).status().code(), Code::kResourceExhausted);
-  held = absl::CancelledError();
-  EXPECT_TRUE(store_->join(mesh("e"), {}, &waiter).ok());
-  EXPECT_TRUE(waiter.wait().ok());
-  EXPECT_EQ(store_->info(a).status().code(), Code::kNotFound);
-}
-
 TEST_F(SessionStoreTest, CloseLeavesTheSessionToThoseWhoHoldIt) {
   set_open(true);
   const std::string id = make_ready("m");
@@ -347,76 +213,6 @@ TEST_F(SessionStoreTest, GoingAwayCancelsAndWaits) {
   store_.reset();
   EXPECT_EQ(cancelled(), 1);
   EXPECT_EQ(runs(), 1);
-}
-
-TEST_F(SessionStoreTest, PinnedSessionsStay) {
-  set_open(true);
-  const std::string a = make_ready("a"), b = make_ready("b"), c = make_ready("c");
-  EXPECT_TRUE(store_->update(a, true, std::nullopt)->pinned);
-  make_ready("d"), make_ready("e");
-  EXPECT_TRUE(store_->info(a)->pinned);
-  EXPECT_FALSE(store_->info(b).ok() || store_->info(c).ok());
-  ASSERT_TRUE(store_->update(a, false, std::nullopt).ok());
-  make_ready("f"), make_ready("g"), make_ready("h");
-  EXPECT_FALSE(store_->info(a).ok());
-  EXPECT_EQ(store_->update("nonsense", true, {}).status().code(), Code::kNotFound);
-}
-
-TEST_F(SessionStoreTest, PinsLeaveRoomForOthers) {
-  set_open(true);
-  const std::string a = make_ready("a"), b = make_ready("b");
-  ASSERT_TRUE(store_->update(a, true, std::nullopt).ok());
-  EXPECT_TRUE(store_->update(a, true, std::nullopt).ok()) << "it is pinned already";
-  EXPECT_EQ(store_->update(b, true, std::nullopt).status().code(), Code::kResourceExhausted);
-  EXPECT_FALSE(store_->info(b)->pinned);
-  ASSERT_TRUE(store_->update(a, false, std::nullopt).ok());
-  EXPECT_TRUE(store_->update(b, true, std::nullopt).ok());
-}
-
-TEST_F(SessionStoreTest, TimeToLiveCountsFromTheLastUse) {
-  set_open(true);
-  const std::string a = make_ready("a"), b = make_ready("b");
-  ASSERT_TRUE(store_->update(a, std::nullopt, 100.0).ok());
-  ASSERT_TRUE(store_->update(b, std::nullopt, 100.0).ok());
-  const auto now = std::chrono::steady_clock::now();
-  using std::chrono::seconds;
-  EXPECT_TRUE(store_->run_housekeeping(now + seconds(50)).empty());
-  {
-    const auto held = store_->find(a);
-    EXPECT_THAT(store_->run_housekeeping(now + seconds(200)), ::testing::ElementsAre(b));
-  }
-  EXPECT_TRUE(store_->info(a).ok());
-  EXPECT_TRUE(store_->run_housekeeping(now + seconds(299)).empty()) << "it was used until then";
-  EXPECT_THAT(store_->run_housekeeping(now + seconds(301)), ::testing::ElementsAre(a));
-  EXPECT_TRUE(store_->list().empty());
-}
-
-TEST_F(SessionStoreTest, EvictsWhatIsTooMuchTogether) {
-  set_open(true);
-  SessionStore store(
-      queue_, [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context) { return preprocess(context); },
-      {.sessions = 10, .bytes = 100'000}, 1, make_logger(false, false));
-  std::vector<std::string> ids;
-  for (const char* name : {"a", "b", "c"}) {
-    Waiter waiter;
-    ids.push_back(*store.join(mesh(name), {}, &waiter));
-    ASSERT_TRUE(waiter.wait().ok());
-  }
-  const auto grow = [&](const std::string& id) {
-    auto curve = std::make_shared<SurfaceCurve>();
-    curve->x.resize(15'000);
-    (*store.find(id))->revisions->publish(std::move(curve));
-  };
-  grow(ids[0]);
-  store.run_housekeeping(std::chrono::steady_clock::now());
-  EXPECT_EQ(store.list().size(), 3u);
-  EXPECT_GE(store.memory_bytes(), 60'000u);
-  grow(ids[1]);
-  store.run_housekeeping(std::chrono::steady_clock::now());
-  // The third takes next to nothing, but was used before the two.
-  EXPECT_TRUE(store.info(ids[1]).ok());
-  EXPECT_FALSE(store.info(ids[0]).ok());
-  EXPECT_LE(store.memory_bytes(), 100'000u);
 }
 
 TEST_F(SessionStoreTest, WaitersMayCallTheStore) {
