@@ -15,8 +15,8 @@
 #include <thread>
 
 #include "core/storage/atomic_file.h"
-#include "server_fixture.h"
 #include "tests/client/process.h"
+#include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
 
 namespace curvecast::server {
