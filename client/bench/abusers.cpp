@@ -82,7 +82,8 @@ void upload_for_ever(Stub& stub, const std::stop_token& stop) {
 
 }  // namespace
 
-Abusers::Abusers(const std::string& address, const std::string& session_id, std::function<v1::SampleRequest(double)> view) {
+Abusers::Abusers(const std::string& address, const std::string& session_id,
+                 const std::function<v1::SampleRequest(double)>& view) {
   const auto add = [&](auto&& work) {
     threads_.emplace_back([work, address](const std::stop_token& stop) {
       const std::unique_ptr<Stub> stub = v1::CurvecastService::NewStub(client::tcp_channel(address));
@@ -91,6 +92,7 @@ Abusers::Abusers(const std::string& address, const std::string& session_id, std:
   };
   add([session_id, view](Stub& stub, const std::stop_token& stop) {
     std::vector<std::unique_ptr<Stream>> lazy;
+    lazy.reserve(kLazyStreams);
     for (int i = 0; i < kLazyStreams; ++i) lazy.push_back(std::make_unique<Stream>(stub, session_id, stop));
     for (int i = 0; !stop.stop_requested(); ++i) {
       for (const auto& stream : lazy) stream->ask(view(i));

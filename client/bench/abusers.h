@@ -15,7 +15,7 @@ namespace curvecast::cli::bench {
 class Abusers {
  public:
   /// `view(i)`: the i-th of a sequence of views of a session.
-  Abusers(const std::string& address, const std::string& session_id, std::function<v1::SampleRequest(double)> view);
+  Abusers(const std::string& address, const std::string& session_id, const std::function<v1::SampleRequest(double)>& view);
   Abusers(const Abusers&) = delete;
   Abusers& operator=(const Abusers&) = delete;
   ~Abusers();  // all of them go

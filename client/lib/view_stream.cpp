@@ -148,7 +148,8 @@ ViewStream::~ViewStream() = default;
 
 std::unique_ptr<ViewStream> ViewStream::open(Connection& connection, const std::string& session_id, std::stop_token stop,
                                              const ViewStreamOptions& options) {
-  auto state = std::make_unique<State>(connection.stream_views(stop), stop, options);
+  std::unique_ptr<ViewCall> call = connection.stream_views(stop);
+  auto state = std::make_unique<State>(std::move(call), std::move(stop), options);
   v1::StreamViewsRequest request;
   request.mutable_open()->set_session_id(session_id);
   request.mutable_open()->set_accept_deltas(options.deltas);

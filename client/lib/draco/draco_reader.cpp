@@ -57,7 +57,7 @@ DracoReader::Source& DracoReader::source(DracoKind kind) {
 absl::StatusOr<bool> DracoReader::read(std::string_view bytes, const DracoHeaderInfo& header, RadiusRange radii,
                                        const PointColumns& to) {
   if (!is_ours(header)) return false;
-  const absl::StatusOr<bool> understood = read_sources(bytes, header);
+  absl::StatusOr<bool> understood = read_sources(bytes, header);
   if (!understood.ok() || !*understood) return understood;
   if (absl::Status status = read_values(header.points, radii, to); !status.ok()) return status;
   return true;
@@ -79,7 +79,7 @@ absl::StatusOr<bool> DracoReader::read_sources(std::string_view bytes, const Dra
   }
   if (!ours) return false;
   for (const DracoAttribute& attribute : header.attributes) {
-    const absl::StatusOr<bool> understood = read_symbols(reader, attribute.kind, header.points);
+    absl::StatusOr<bool> understood = read_symbols(reader, attribute.kind, header.points);
     if (!understood.ok() || !*understood) return understood;
   }
   for (const DracoAttribute& attribute : header.attributes) {
