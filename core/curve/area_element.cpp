@@ -18,8 +18,8 @@ namespace {
   // Lanes are the three sides and one of no length. Relative to the square no digits are lost on small leaves.
   const Double4 xa = (Double4{triangle.u[0], triangle.u[1], triangle.u[2], triangle.u[0]} - x) * scale;
   const Double4 ya = (Double4{triangle.v[0], triangle.v[1], triangle.v[2], triangle.v[0]} - y) * scale;
-  const Double4 xb = __builtin_shuffle(xa, Mask4{1, 2, 0, 0});
-  const Double4 yb = __builtin_shuffle(ya, Mask4{1, 2, 0, 0});
+  const Double4 xb = __builtin_shufflevector(xa, xa, 1, 2, 0, 0);
+  const Double4 yb = __builtin_shufflevector(ya, ya, 1, 2, 0, 0);
   const Double4 zero{}, one = zero + 1;
   const Double4 rise = yb - ya;
   const Double4 slope = (xb - xa) / (rise != zero ? rise : one);

@@ -20,7 +20,7 @@ namespace curvecast::server {
 /// A mesh file, or another file that meshes refer to. Immutable once stored.
 struct Mesh {
   struct Free {
-    void operator()(char* data) const { std::free(data); }
+    void operator()(char* bytes) const { std::free(bytes); }
   };
   std::string id;    // hash of the bytes
   std::string name;  // as first uploaded
