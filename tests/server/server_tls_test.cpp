@@ -9,6 +9,7 @@
 
 #include "client/lib/connection.h"
 #include "http_client.h"
+#include "proto/tls/exit_cleanup.h"
 #include "server/server.h"
 #include "tests/proto/tls/certificate_files.h"
 #include "web_socket_client.h"
@@ -20,7 +21,10 @@ using ::testing::HasSubstr;
 
 class ServerTls : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { files_ = std::make_unique<testing::CertificateFiles>(); }
+  static void SetUpTestSuite() {
+    tls::skip_cleanup_at_exit();
+    files_ = std::make_unique<testing::CertificateFiles>();
+  }
   static void TearDownTestSuite() { files_.reset(); }
 
   void start(ServerOptions options) {
