@@ -21,7 +21,7 @@ class Column {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  using value_type = T;
+  using value_type = T;  // NOLINT(readability-identifier-naming): as containers have it
 
   Column() = default;
   Column(std::initializer_list<T> values) : Column(std::span<const T>(values.begin(), values.size())) {}
@@ -38,6 +38,7 @@ class Column {
 
   /// Returns a column that reads `values` where they lie, in something that `keeper` keeps alive. Only for const use: writing to
   /// it, even by mistake, ends the process where the pages are read-only. A copy owns its memory.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): it is moved from
   static Column view(std::span<const T> values, std::shared_ptr<const void> keeper) {
     Column column;
     column.data_ = const_cast<T*>(values.data());

@@ -1,4 +1,4 @@
-// Four numbers at a time, for loops that the compiler does not turn into vector code by itself. Comparisons give masks;
+// Several numbers at a time, for loops that the compiler does not turn into vector code by itself. Comparisons give masks;
 // `mask ? a : b` selects number by number, without a jump. Values must not cross a function's interface: the ABI differs between
 // instruction sets.
 #pragma once
@@ -10,6 +10,8 @@ namespace curvecast {
 
 using Double4 = double __attribute__((vector_size(32)));
 using Float4 = float __attribute__((vector_size(16)));
+using Float8 = float __attribute__((vector_size(32)));
+using Int8 = std::int32_t __attribute__((vector_size(32)));   // what comparing Float8 gives: -1 or 0
 using Int4 = std::int32_t __attribute__((vector_size(16)));   // also what comparing Float4 and Int4 gives: -1 or 0
 using Mask4 = std::int64_t __attribute__((vector_size(32)));  // what comparing Double4 gives: -1 or 0
 

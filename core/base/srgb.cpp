@@ -10,7 +10,7 @@ namespace curvecast {
 
 std::uint8_t srgb_byte(double linear) {
   constexpr double kLast = 65'535;
-  static const std::vector<std::uint8_t> table = [] {
+  static const std::vector<std::uint8_t> kTable = [] {
     std::vector<std::uint8_t> bytes;
     for (double i = 0; i <= kLast; ++i) {
       const double x = i / kLast;
@@ -18,7 +18,7 @@ std::uint8_t srgb_byte(double linear) {
     }
     return bytes;
   }();
-  return table[linear > 0 ? static_cast<std::size_t>(std::min(linear, 1.0) * kLast + 0.5) : 0];
+  return kTable[linear > 0 ? static_cast<std::size_t>(std::min(linear, 1.0) * kLast + 0.5) : 0];
 }
 
 }  // namespace curvecast

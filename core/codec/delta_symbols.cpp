@@ -1,5 +1,7 @@
 #include "core/codec/delta_symbols.h"
 
+#include <algorithm>
+
 #include "core/base/simd.h"
 
 namespace curvecast {
@@ -47,7 +49,8 @@ void delta_symbols(std::span<const std::int32_t> values, int components, const V
                    std::span<std::uint32_t> symbols) {
   const Wrap wrap = wrap_of(range);
   const std::size_t first = static_cast<std::size_t>(components);
-  for (std::size_t i = 0; i < first; ++i) symbols[i] = symbol_of(values[i] - range.least, wrap);
+  const std::int32_t before = std::clamp(0, range.least, range.most);
+  for (std::size_t i = 0; i < first; ++i) symbols[i] = symbol_of(values[i] - before, wrap);
   symbols_after(values.data() + first, values.data(), values.size() - first, wrap, symbols.data() + first);
 }
 

@@ -14,8 +14,9 @@ struct ValueRange {
 /// Precondition: there are values.
 ValueRange range_of(std::span<const std::int32_t> values);
 
-/// Symbols of values 0 .. 2^30, `components` for a point; the first point's predecessor has all components at `range.least`.
-/// `symbols` has room for as many as there are values and does not overlap them; `range` is that of the values.
+/// Symbols of values -2^30 .. 2^30 of which no two differ by 2^31 or more, `components` for a point; the first point's
+/// predecessor has all components at 0, or where the range comes nearest to it. `symbols` has room for as many as there are
+/// values and does not overlap them; `range` is that of the values.
 void delta_symbols(std::span<const std::int32_t> values, int components, const ValueRange& range,
                    std::span<std::uint32_t> symbols);
 

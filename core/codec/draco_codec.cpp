@@ -22,7 +22,10 @@ namespace curvecast {
 namespace {
 
 Lattice lattice_of(const DracoOptions& options) {
-  return {.low = options.box_min.cast<float>(), .size = static_cast<float>(options.box_size), .bits = options.position_bits};
+  return {.low = options.box_min.cast<float>(),
+          .size = static_cast<float>(options.box_size),
+          .bits = options.position_bits,
+          .is_centred = options.is_centred};
 }
 
 absl::Status check(std::size_t count, const DracoOptions& options) {
@@ -150,7 +153,7 @@ absl::StatusOr<std::string> encode_draco(const PointSet& points, std::size_t beg
   write_symbols(bytes, Transform::kOctahedral, normal, octahedron.modulus, octahedron.center);
   write_symbols(bytes, Transform::kWrap, radius, radius_range.least, radius_range.most);
   if (has_colours) write_symbols(bytes, Transform::kWrap, *colour, colour_range.least, colour_range.most);
-  for (const float x : lattice.low) bytes.put(x);
+  for (const float x : lattice.zero()) bytes.put(x);
   bytes.put(lattice.size);
   bytes.put_byte(lattice.bits);
   bytes.put_byte(options.normal_bits);

@@ -19,7 +19,7 @@ constexpr Int4 kAll = {-1, -1, -1, -1};
 [[gnu::always_inline]] inline bool are_all(const Int4& mask) { return (mask[0] & mask[1] & mask[2] & mask[3]) != 0; }
 
 struct Bounds {
-  std::array<float, kNumbers> low, high;
+  std::array<float, kNumbers> low, high, zero;
   float slack, steps;  // steps per unit of length
 };
 
@@ -30,6 +30,7 @@ Bounds bounds_of(const Lattice& lattice) {
   for (std::size_t i = 0; i < kNumbers; ++i) {
     bounds.low[i] = lattice.low[static_cast<int>(i % 3)];
     bounds.high[i] = bounds.low[i] + lattice.size;
+    bounds.zero[i] = lattice.is_centred ? 0 : bounds.low[i];
   }
   return bounds;
 }
@@ -40,15 +41,19 @@ Bounds bounds_of(const Lattice& lattice) {
   // Reached where floats are coarser than the box.
   const Float4 most = Float4{} + static_cast<float>(1 << 30);
   for (std::size_t part = 0; part < kParts; ++part) {
-    Float4 x, low, high;
+    Float4 x, low, high, zero;
     load_lanes(x, numbers + 4 * part);
     load_lanes(low, &bounds.low[4 * part]);
     load_lanes(high, &bounds.high[4 * part]);
+    load_lanes(zero, &bounds.zero[4 * part]);
     Float4 nearest = x > low ? x : low;
     nearest = nearest < high ? nearest : high;
     are_inside &= (x - nearest <= bounds.slack) & (nearest - x <= bounds.slack);
-    Float4 rounded = (nearest - low) * bounds.steps + 0.5f;
+    // Conversion rounds towards 0.
+    const Float4 steps = (nearest - zero) * bounds.steps;
+    Float4 rounded = steps < 0.0f ? steps - 0.5f : steps + 0.5f;
     rounded = rounded < most ? rounded : most;
+    rounded = rounded > -most ? rounded : -most;
     store_lanes(__builtin_convertvector(rounded, Int4), coordinates + 4 * part);
   }
 }

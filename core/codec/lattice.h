@@ -11,9 +11,13 @@
 namespace curvecast {
 
 struct Lattice {
-  Vec3f low = Vec3f::Zero();  // the corner where all coordinates are 0
+  Vec3f low = Vec3f::Zero();  // a corner of the box that it fills
   float size = 1;             // of a side, > 0
-  int bits = 11;              // 1 .. 30: coordinates go from 0 to 2^bits - 1
+  int bits = 11;              // 1 .. 30: steps divide a side into 2^bits - 1
+  bool is_centred = false;    // coordinates count from (0, 0, 0) and may be negative; else from `low`, and are not
+
+  /// Returns the place where all coordinates are 0.
+  Vec3f zero() const { return is_centred ? Vec3f::Zero() : low; }
 };
 
 /// InvalidArgument where a lattice is too small to have a finite number of steps in a unit of length.

@@ -77,7 +77,7 @@ Light trilinear(std::span<const Image* const> levels, const Vec2d& uv, double te
   const double level = texels > 1 ? std::min(0.5 * std::log2(texels), last) : 0;
   const auto fine = static_cast<std::size_t>(level);
   const auto toward_coarse = static_cast<float>(level - static_cast<double>(fine));
-  const Light sharp = bilinear(*levels[fine], uv);
+  Light sharp = bilinear(*levels[fine], uv);
   if (toward_coarse == 0) return sharp;
   return sharp * (1 - toward_coarse) + bilinear(*levels[fine + 1], uv) * toward_coarse;
 }

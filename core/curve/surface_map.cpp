@@ -137,21 +137,31 @@ struct PackedTarget {
   Unorm16 *weight_1, *weight_2;
 };
 
-CURVECAST_WIDE void pack(const MappedBatch& batch, std::size_t count, const Vec3d& origin, const PackedTarget& out) {
-  for (int k = 0; k < 3; ++k) {
-    const double from = origin[k];
-    for (std::size_t i = 0; i < count; ++i) out.place[k][i] = static_cast<float>(batch.place[k][i] - from);
-  }
+/// A batch's unit normals.
+struct UnitNormals {
   alignas(64) float x[LeafBatch::kSize], y[LeafBatch::kSize], z[LeafBatch::kSize];
+};
+
+[[gnu::always_inline]] inline void find_normals(const MappedBatch& batch, std::size_t count, UnitNormals& out) {
   for (std::size_t i = 0; i < count; ++i) {
     const float nx = batch.mixed[0][i], ny = batch.mixed[1][i], nz = batch.mixed[2][i];
     const float square = nx * nx + ny * ny + nz * nz;
     const bool any = square > 0;  // where normals cancel out, any one will do
     const float scale = 1 / std::sqrt(any ? square : 1.0f);
-    x[i] = nx * scale;
-    y[i] = ny * scale;
-    z[i] = any ? nz * scale : 1.0f;
+    out.x[i] = nx * scale;
+    out.y[i] = ny * scale;
+    out.z[i] = any ? nz * scale : 1.0f;
   }
+}
+
+CURVECAST_WIDE void pack(const MappedBatch& batch, std::size_t count, const Vec3d& origin, const PackedTarget& out) {
+  for (int k = 0; k < 3; ++k) {
+    const double from = origin[k];
+    for (std::size_t i = 0; i < count; ++i) out.place[k][i] = static_cast<float>(batch.place[k][i] - from);
+  }
+  UnitNormals normals;
+  find_normals(batch, count, normals);
+  float *const x = normals.x, *const y = normals.y, *const z = normals.z;
   for (std::size_t i = 0; i < count; ++i) out.nx[i] = x[i];
   for (std::size_t i = 0; i < count; ++i) out.ny[i] = y[i];
   for (std::size_t i = 0; i < count; ++i) out.nz[i] = z[i];
@@ -215,6 +225,20 @@ void SurfaceMapper::map(const LeafBatch& batch, std::size_t at, SurfaceCurve& cu
       const std::vector<float>& values = data_.attributes.scalars[s].values;
       curve.scalars[s].values[at + i] = w[0] * values[v[0]] + w[1] * values[v[1]] + w[2] * values[v[2]];
     }
+  }
+}
+
+void SurfaceMapper::place(const LeafBatch& batch, const Vec3d& origin, SurfacePlace* places) const {
+  MappedBatch mapped;
+  map_batch(data_, disc_, triangles_.data(), is_whole_.data(), batch, mapped);
+  UnitNormals normals;
+  find_normals(mapped, batch.count, normals);
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    SurfacePlace& out = places[i];
+    for (int k = 0; k < 3; ++k) out.position[k] = static_cast<float>(mapped.place[k][i] - origin[k]);
+    out.normal[0] = normals.x[i], out.normal[1] = normals.y[i], out.normal[2] = normals.z[i];
+    out.face = mapped.face[i];
+    out.weight_1 = mapped.weights[1][i], out.weight_2 = mapped.weights[2][i];
   }
 }
 

@@ -50,6 +50,14 @@ struct LeafBatch {
   std::uint32_t under[kSize];                                         // the triangle of the disc under each centre
 };
 
+/// A place on the surface.
+struct SurfacePlace {
+  float position[3];         // relative to an origin
+  float normal[3];           // unit length, smooth
+  std::uint32_t face;        // of the repaired mesh
+  float weight_1, weight_2;  // barycentric: of the face's second and third corner
+};
+
 /// Maps leaves of one disc; all that it is made of must outlive it.
 class SurfaceMapper {
  public:
@@ -59,6 +67,9 @@ class SurfaceMapper {
   /// weights of every centre; where the data has any, the surface's colour, averaged over about the leaf's area; and the mesh's
   /// scalars, as many as curve.scalars has. The curve's columns are large enough, its levels and its origin are set.
   void map(const LeafBatch& batch, std::size_t at, SurfaceCurve& curve) const;
+
+  /// Writes the places of a batch, batch.count of them, relative to `origin`.
+  void place(const LeafBatch& batch, const Vec3d& origin, SurfacePlace* places) const;
 
  private:
   const SurfaceData& data_;

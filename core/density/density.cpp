@@ -41,6 +41,9 @@ absl::Status check(const DistanceTerm& term) {
     return absl::InvalidArgumentError(
         absl::StrFormat("distance density: far = %g; it must be above 0 and not less than near, %g", term.far, term.near));
   }
+  if (term.fall == DistanceFall::kLinear && !std::isfinite(term.far)) {
+    return absl::InvalidArgumentError("distance density: a linear fall needs a far, where no points are left");
+  }
   return absl::OkStatus();
 }
 

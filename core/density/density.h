@@ -40,12 +40,21 @@ struct ViewTerm {
   bool operator==(const ViewTerm&) const = default;
 };
 
+/// How the number of points falls with the distance d of the box's centre, clamped to near .. far.
+enum class DistanceFall {
+  kInverseSquare,  // (near / d)^2: as many points for each pixel
+  kInverse,        // near / d
+  kLinear,         // (far - d) / (far - near)
+};
+
 /// Level of detail by the distance d to the eye: (near / clamp(d, near, far))^2. 1 for an orthographic camera.
 struct DistanceTerm {
-  double near = 0;                                       // in the file's units; 0: the distance from the eye to the mesh's box,
-                                                         // but at least a thousandth of the box's diagonal
-  double far = std::numeric_limits<double>::infinity();  // at least `near`
-  bool global = false;  // not the density but the number of points falls, by d of the box's centre: see scaled_points()
+  /// In the file's units. 0: the distance from the eye to the mesh's box, but at least a thousandth of the box's diagonal; of a
+  /// global term, the box's diagonal, from where the mesh about fills a picture.
+  double near = 0;
+  double far = std::numeric_limits<double>::infinity();  // at least `near`; finite for DistanceFall::kLinear
+  bool global = false;                                   // not the density but the number of points falls: see scaled_points()
+  DistanceFall fall = DistanceFall::kInverseSquare;      // of a global term; no other may be asked of a local one
 
   bool operator==(const DistanceTerm&) const = default;
 };

@@ -17,10 +17,23 @@ struct Range {
   double near, far;  // frame lengths
 };
 
-Range range_of(const CameraFrame& frame, const DistanceTerm& term) {
-  const double near =
-      term.near > 0 ? term.near / frame.unit : std::max(kLeastNear / (frame.scale * frame.unit), frame.box_distance);
+Range range_of(const CameraFrame& frame, const DistanceTerm& term, double usual_near) {
+  const double near = term.near > 0 ? term.near / frame.unit : usual_near;
   return {near, std::max(near, term.far / frame.unit)};
+}
+
+/// Returns the part of the points that are left at a distance, both in frame lengths.
+double part_left(DistanceFall fall, const Range& range, double distance) {
+  const double part = range.near / distance;
+  switch (fall) {
+    case DistanceFall::kInverseSquare:
+      return part * part;
+    case DistanceFall::kInverse:
+      return part;
+    case DistanceFall::kLinear:
+      return range.far > range.near ? (range.far - distance) / (range.far - range.near) : 0;
+  }
+  return 1;
 }
 
 }  // namespace
@@ -28,7 +41,7 @@ Range range_of(const CameraFrame& frame, const DistanceTerm& term) {
 DistanceFactor::DistanceFactor(const CameraFrame& frame, const DistanceTerm& term)
     : x_(frame.x), y_(frame.y), z_(frame.z), slope_(frame.slope), blur_(frame.blur), near_(1), far_(1) {
   if (frame.is_orthographic || term.global) return;
-  const Range range = range_of(frame, term);
+  const Range range = range_of(frame, term, std::max(kLeastNear / (frame.scale * frame.unit), frame.box_distance));
   near_ = static_cast<float>(std::clamp(range.near, 1 / kEndless, kEndless));
   far_ = static_cast<float>(std::clamp(range.far, 1 / kEndless, kEndless));
 }
@@ -72,10 +85,9 @@ double point_scale(const Density& density, const Box3d& box) {
     for (const DensityTerm& any : density.terms) {
       const auto* const term = std::get_if<DistanceTerm>(&any);
       if (term == nullptr || !term->global || frame.is_orthographic) continue;
-      const Range range = range_of(frame, *term);
+      const Range range = range_of(frame, *term, 1 / (frame.scale * frame.unit));
       const double distance = ((camera.eye - box.center()) / frame.unit).stableNorm();
-      const double part = range.near / std::clamp(distance, range.near, range.far);
-      scale *= part * part;
+      if (distance > range.near) scale *= part_left(term->fall, range, std::min(distance, range.far));
     }
     largest = std::max(largest, scale);
   }

@@ -19,7 +19,7 @@ class DistanceFactor {
   float x_, y_, z_, slope_, blur_, near_, far_;
 };
 
-/// Returns the factor by which global terms lower the number of points: the largest of the cameras', in (0, 1]; 1 without any.
+/// Returns the factor by which global terms lower the number of points: the largest of the cameras', in [0, 1]; 1 without any.
 /// Precondition: check_density() finds nothing.
 double point_scale(const Density& density, const Box3d& box);
 

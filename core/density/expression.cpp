@@ -129,7 +129,7 @@ absl::Status check_expression(const std::string& text) {
 absl::Status evaluate_expression(const SurfaceCurve& curve, const std::string& text, std::span<float> values) {
   if (absl::Status status = check_expression(text); !status.ok()) return status;
   std::vector<Variable> variables = variables_of(curve);
-  const absl::Status known = with_parser(text, [&] {
+  absl::Status known = with_parser(text, [&] {
     mu::Parser parser;
     std::erase_if(variables, [&](const Variable& variable) { return is_reserved(parser, variable.name); });
     parser.SetExpr(text);

@@ -29,6 +29,7 @@ std::uint32_t halfedge_under(const TriangleMesh& mesh, std::uint32_t f, const Ve
 std::vector<bool> border_cuts(const TriangleMesh& mesh, const DiscMesh& disc) {
   std::vector<std::uint32_t> place(disc.vertex_count(), kNone);  // on the border
   const std::size_t n = disc.border.size();
+  if (n == 0) return {};
   for (std::size_t i = 0; i < n; ++i) place[disc.border[i]] = static_cast<std::uint32_t>(i);
   std::vector<bool> is_cut(n, false);
   for (std::size_t t = 0; t < disc.triangles.size(); ++t) {

@@ -100,7 +100,7 @@ class DiscBuilder {
     const std::uint32_t b = disc_.to(h);
     const std::uint32_t t = disc_.twins[h];
     const auto m = static_cast<std::uint32_t>(disc_.vertex_count());
-    disc_.positions.push_back(0.5 * (disc_.positions[a] + disc_.positions[b]));
+    disc_.positions.emplace_back(0.5 * (disc_.positions[a] + disc_.positions[b]));
     const std::uint32_t rest = halve_face(h, m);
     if (t == kNone) return;
     const std::uint32_t rest_of_twin = halve_face(t, m);

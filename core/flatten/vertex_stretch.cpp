@@ -39,7 +39,7 @@ void clip(std::vector<Vec2d>& polygon, const Vec2d& p, const Vec2d& q) {
     const double at_a = side(a);
     const double at_b = side(b);
     if (at_a >= 0) kept.push_back(a);
-    if ((at_a > 0 && at_b < 0) || (at_a < 0 && at_b > 0)) kept.push_back(a + at_a / (at_a - at_b) * (b - a));
+    if ((at_a > 0 && at_b < 0) || (at_a < 0 && at_b > 0)) kept.emplace_back(a + at_a / (at_a - at_b) * (b - a));
   }
   polygon = std::move(kept);
 }

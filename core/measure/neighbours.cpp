@@ -38,6 +38,7 @@ class Nearest {
   Nearest(std::span<Neighbour> found, std::uint32_t but) : found_(found), but_(but) {}
 
   bool full() const { return true; }
+  // NOLINTBEGIN(readability-identifier-naming): nanoflann names those that it calls
   float worstDist() const { return just_beyond(found_.back().square); }
   bool addPoint(float square, std::uint32_t index) {
     const auto is_before = [](const Neighbour& a, const Neighbour& b) {
@@ -50,6 +51,7 @@ class Nearest {
     found_[i] = offer;
     return true;
   }
+  // NOLINTEND(readability-identifier-naming)
 
  private:
   std::span<Neighbour> found_;

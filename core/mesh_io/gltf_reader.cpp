@@ -166,7 +166,7 @@ class GltfReader {
       attributes.normals.resize(first, Vec3f::Zero());
       for (std::size_t i = 0; i < std::min(positions.count, normals->count); ++i) {
         const Vec3d n = turn * Vec3d(normals->number(i, 0), normals->number(i, 1), normals->number(i, 2));
-        attributes.normals.push_back(n.normalized().cast<float>());
+        attributes.normals.emplace_back(n.normalized().cast<float>());
       }
       attributes.normals.resize(soup_.positions.size(), Vec3f::Zero());
     }

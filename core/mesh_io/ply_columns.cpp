@@ -18,7 +18,8 @@ namespace {
 // More are left out: each is carried along with the mesh from here to the clients.
 constexpr std::size_t kMostScalars = 64;
 
-struct Planner {
+class Planner {
+ public:
   explicit Planner(const PlyElement& element) : element_(element), taken_(element.properties.size(), false) {
     std::size_t offset = 0;
     for (const PlyProperty& property : element.properties) {
@@ -26,6 +27,8 @@ struct Planner {
       offset += ply_type_bytes(property.type);
     }
   }
+
+  bool is_taken(std::size_t property) const { return taken_[property]; }
 
   std::size_t find(std::string_view name) const {
     for (std::size_t i = 0; i < taken_.size(); ++i) {
@@ -75,6 +78,7 @@ struct Planner {
     return std::move(columns_);
   }
 
+ private:
   const PlyElement& element_;
   std::vector<bool> taken_;
   std::vector<std::size_t> offsets_;
@@ -104,7 +108,7 @@ std::vector<PlyColumn> vertex_columns(const PlyElement& element, PolygonSoup& so
   std::size_t left_out = 0;
   attributes.scalars.reserve(std::min(kMostScalars, element.properties.size()));
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
-    if (planner.taken_[i] || element.properties[i].is_list) continue;
+    if (planner.is_taken(i) || element.properties[i].is_list) continue;
     if (attributes.scalars.size() == kMostScalars) {
       ++left_out;
       continue;

@@ -82,15 +82,32 @@ CURVECAST_WIDE float largest_of(const float* values) {
   return *std::max_element(most, most + kLanes);
 }
 
+void place_candidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed,
+                      std::span<std::uint64_t> curve_positions, std::span<CurvePoint> points) {
+  const std::size_t children = 4 * group.size(), in_each = points.size() / children;
+  std::vector<double> t(points.size());
+  const int shift = child_shift(group.level);
+  const std::uint64_t step = (std::uint64_t{1} << shift) / in_each;
+  for (std::size_t c = 0; c < children; ++c) {
+    const std::uint64_t stratum = group.index * children + c;
+    const double offset = random_unit(seed + static_cast<std::uint64_t>(group.level), stratum);
+    std::uint64_t position = (stratum << shift) + static_cast<std::uint64_t>(offset * static_cast<double>(step));
+    for (std::size_t i = c * in_each; i < (c + 1) * in_each; ++i, position += step) {
+      curve_positions[i] = position;
+      t[i] = unit_curve_position(position);
+    }
+  }
+  strata.points_at(t, std::ldexp(1.0, -2 * (group.level + 1)), points);
+}
+
 GroupCandidates::GroupCandidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed)
     : group_(group),
       area_(strata.total_area()),
-      curve_(strata.curve()),
       at_(4 * group.size() * kCandidates),
       curve_position_(at_.size()),
       candidates_(4 * group.size()),
       children_(candidates_.size()) {
-  find(strata, seed);
+  place_candidates(strata, group, seed, curve_position_, at_);
   for (std::size_t c = 0; c < size(); ++c) {
     measure(c);
     const ChildStratum& child = children_[c];
@@ -101,22 +118,6 @@ GroupCandidates::GroupCandidates(const CurveStrata& strata, const StratumGroup& 
   }
 }
 
-void GroupCandidates::find(const CurveStrata& strata, std::uint64_t seed) {
-  std::vector<double> t(at_.size());
-  const int shift = child_shift(group_.level);
-  const std::uint64_t step = (std::uint64_t{1} << shift) / kCandidates;
-  for (std::size_t c = 0; c < size(); ++c) {
-    const std::uint64_t stratum = group_.index * size() + c;
-    const double offset = random_unit(seed + static_cast<std::uint64_t>(group_.level), stratum);
-    std::uint64_t position = (stratum << shift) + static_cast<std::uint64_t>(offset * static_cast<double>(step));
-    for (std::size_t i = c * kCandidates; i < (c + 1) * kCandidates; ++i, position += step) {
-      curve_position_[i] = position;
-      t[i] = unit_curve_position(position);
-    }
-  }
-  strata.points_at(t, at_);
-}
-
 void GroupCandidates::measure(std::size_t c) {
   CandidatePoints& candidates = candidates_[c];
   ChildStratum& child = children_[c];
@@ -124,7 +125,7 @@ void GroupCandidates::measure(std::size_t c) {
   Vec3f sum = Vec3f::Zero(), normals = Vec3f::Zero();
   for (std::size_t k = 0; k < kCandidates; ++k) {
     const CurvePoint& at = at_[c * kCandidates + k];
-    const Vec3f normal = curve_.normal(at.vertex);
+    const Vec3f normal(at.normal[0], at.normal[1], at.normal[2]);
     candidates.x[k] = at.position[0], candidates.y[k] = at.position[1], candidates.z[k] = at.position[2];
     candidates.nx[k] = normal.x(), candidates.ny[k] = normal.y(), candidates.nz[k] = normal.z();
     candidates.nearest_lower[k] = far * far;
@@ -158,14 +159,8 @@ Eigen::AlignedBox3f GroupCandidates::box() const {
   return box;
 }
 
-RankedPoint GroupCandidates::point(std::size_t c, std::size_t k, std::uint32_t rank) const {
-  const CurvePoint& at = at_[c * kCandidates + k];
-  const CandidatePoints& candidates = candidates_[c];
-  return {curve_position_[c * kCandidates + k],
-          {at.position[0], at.position[1], at.position[2]},
-          {candidates.nx[k], candidates.ny[k], candidates.nz[k]},
-          at.vertex,
-          rank};
+RankedPoint GroupCandidates::point(std::size_t c, std::size_t k, std::uint64_t rank) const {
+  return {at_[c * kCandidates + k], curve_position_[c * kCandidates + k], rank};
 }
 
 void GroupCandidates::mark_near(const float* position, float reach, std::int32_t* is_near) const {

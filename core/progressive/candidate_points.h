@@ -55,10 +55,16 @@ std::size_t central_candidate(const CandidatePoints& candidates, const float* ne
 /// Returns the largest of kCandidates values.
 float largest_of(const float* values);
 
+/// Places candidates at equal steps along the curve, as many in each child stratum of a group; the seed moves those of each child
+/// by a part of a step. Writes their curve positions and where these lie. Precondition: as many of both, a power of two in each
+/// child.
+void place_candidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed,
+                      std::span<std::uint64_t> curve_positions, std::span<CurvePoint> points);
+
 /// The candidates of all child strata of a group.
 class GroupCandidates {
  public:
-  /// Spreads the candidates; the seed moves those of each child by a part of a step. Keeps the address of the strata's curve.
+  /// Spreads the candidates; the seed moves those of each child by a part of a step.
   GroupCandidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed);
 
   std::size_t size() const { return children_.size(); }  // number of children
@@ -71,19 +77,17 @@ class GroupCandidates {
   /// Returns a box around all candidates.
   Eigen::AlignedBox3f box() const;
   /// Makes a point at candidate k of child c.
-  RankedPoint point(std::size_t c, std::size_t k, std::uint32_t rank) const;
+  RankedPoint point(std::size_t c, std::size_t k, std::uint64_t rank) const;
   /// Sets is_near[c] (size() entries) to 1 where child c may have a candidate within `reach` of a position, else to 0.
   void mark_near(const float* position, float reach, std::int32_t* is_near) const;
   /// Lowers least[k] to the squared distance between p and candidate k of child c, times `weight`, where they face each other.
   void take_nearer(std::size_t c, const RankedPoint& p, float weight, float* least) const;
 
  private:
-  void find(const CurveStrata& strata, std::uint64_t seed);
   void measure(std::size_t c);
 
   StratumGroup group_;
   double area_;
-  const SurfaceCurve& curve_;
   std::vector<CurvePoint> at_;                 // kCandidates for each child
   std::vector<std::uint64_t> curve_position_;  // of each
   std::vector<CandidatePoints> candidates_;    // of each child

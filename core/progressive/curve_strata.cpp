@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/curve/leaf_frame.h"
-
 namespace curvecast {
+namespace {
 
-CurveStrata::CurveStrata(const SurfaceCurve& curve) : curve_(&curve), before_(curve.size() + 1) {
+constexpr std::uint32_t kFewLeaves = 3;
+
+}  // namespace
+
+CurveStrata::CurveStrata(const LeafSurface& surface) : surface_(&surface), before_(surface.curve().size() + 1) {
   double sum = 0;
-  for (std::size_t l = 0; l < curve.size(); ++l) {
+  for (std::size_t l = 0; l < curve().size(); ++l) {
     before_[l] = sum;
-    sum += static_cast<double>(curve.area[l]);
+    sum += static_cast<double>(curve().area[l]);
   }
   before_.back() = sum;
 }
@@ -21,7 +24,12 @@ std::uint32_t CurveStrata::vertex_at(double t) const {
   return static_cast<std::uint32_t>(after - before_.begin() - 1);
 }
 
-void CurveStrata::points_at(std::span<const double> t, std::span<CurvePoint> points) const {
+CurvePoint CurveStrata::at_vertex(std::uint32_t l) const {
+  const SurfaceCurve& c = curve();
+  return {{{c.x[l], c.y[l], c.z[l]}, {c.nx[l], c.ny[l], c.nz[l]}, c.triangle[l], c.weight_1[l], c.weight_2[l]}, l};
+}
+
+void CurveStrata::points_at(std::span<const double> t, double grain, std::span<CurvePoint> points) const {
   if (t.empty()) return;
   const std::uint32_t last = vertex_at(t.back());
   std::uint32_t l = vertex_at(t.front());
@@ -29,35 +37,39 @@ void CurveStrata::points_at(std::span<const double> t, std::span<CurvePoint> poi
     while (l < last && before_[l + 1] <= t[i] * total_area()) ++l;
     return l;
   };
-  LeafFrames frames(*curve_);
+  std::vector<double> parts;
+  std::vector<SurfacePlace> places;
   for (std::size_t i = 0; i < t.size();) {
     const std::uint32_t vertex = on_vertex(i);
     std::size_t end = i + 1;
     while (end < t.size() && on_vertex(end) == vertex) ++end;
-    const Vec3f middle = curve_->position(vertex);
-    if (end == i + 1) {
-      points[i++] = {{middle.x(), middle.y(), middle.z()}, vertex};
+    const double area = static_cast<double>(curve().area[vertex]);
+    if (end == i + 1 && area <= grain * total_area()) {
+      points[i++] = at_vertex(vertex);
       continue;
     }
-    const LeafFrame frame = frames.of(vertex);
-    for (; i < end; ++i) {
-      const double part = (t[i] * total_area() - before_[vertex]) / static_cast<double>(curve_->area[vertex]);
-      const Vec3f p = middle + frame.offset(part);
-      points[i] = {{p.x(), p.y(), p.z()}, vertex};
-    }
+    parts.clear();
+    for (std::size_t k = i; k < end; ++k) parts.push_back(std::clamp((t[k] * total_area() - before_[vertex]) / area, 0.0, 1.0));
+    places.resize(parts.size());
+    surface_->find(vertex, parts, grain * total_area() / area, places);
+    for (std::size_t k = 0; i < end; ++i, ++k) points[i] = {places[k], vertex};
   }
 }
 
-Eigen::AlignedBox3f CurveStrata::box(int level, std::uint64_t stratum) const {
-  const std::uint32_t first = vertex_at(std::ldexp(static_cast<double>(stratum), -2 * level));
-  const std::uint32_t last = vertex_at(std::ldexp(static_cast<double>(stratum + 1), -2 * level));
-  Eigen::AlignedBox3f box;
-  for (std::uint32_t l = first; l <= last; ++l) {
-    const Vec3f half_leaf = Vec3f::Constant(0.5f * std::sqrt(curve_->area[l]));
-    box.extend(curve_->position(l) - half_leaf);
-    box.extend(curve_->position(l) + half_leaf);
+std::vector<CurvePoint> CurveStrata::spread_over(int level, std::uint64_t stratum, std::size_t count) const {
+  const double step = 1 / static_cast<double>(count);
+  std::vector<double> t(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    t[i] = std::ldexp(static_cast<double>(stratum) + (static_cast<double>(i) + 0.5) * step, -2 * level);
   }
-  return box;
+  std::vector<CurvePoint> points(count);
+  points_at(t, std::ldexp(step, -2 * level), points);
+  return points;
+}
+
+bool CurveStrata::is_within_leaves(int level, std::uint64_t stratum) const {
+  const std::uint32_t first = vertex_at(std::ldexp(static_cast<double>(stratum), -2 * level));
+  return vertex_at(std::ldexp(static_cast<double>(stratum + 1), -2 * level)) - first < kFewLeaves;
 }
 
 }  // namespace curvecast

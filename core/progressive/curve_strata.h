@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/vec.h"
+#include "core/curve/leaf_surface.h"
 #include "core/curve/surface_curve.h"
 
 namespace curvecast {
@@ -15,30 +16,35 @@ namespace curvecast {
 /// Converts a curve position in steps of 2^-64 to a double, rounded down.
 constexpr double unit_curve_position(std::uint64_t fixed) { return static_cast<double>(fixed >> 11) * 0x1p-53; }
 
-/// Where a curve position lies in space.
-struct CurvePoint {
-  float position[3];     // relative to the curve's origin
+/// Where a curve position lies in space, relative to the curve's origin.
+struct CurvePoint : SurfacePlace {
   std::uint32_t vertex;  // the curve vertex in whose leaf it lies
 };
 
-/// Finds vertices and points of a curve by curve position. Keeps the curve's address. Immutable: any number of threads may ask.
+/// Finds vertices and points of a curve by curve position. Keeps the surface's address. Immutable: any number of threads may ask.
 class CurveStrata {
  public:
   /// Preconditions: the curve has an area; no area element is negative or not finite.
-  explicit CurveStrata(const SurfaceCurve& curve);
+  explicit CurveStrata(const LeafSurface& surface);
 
-  const SurfaceCurve& curve() const { return *curve_; }
+  const LeafSurface& surface() const { return *surface_; }
+  const SurfaceCurve& curve() const { return surface_->curve(); }
   double total_area() const { return before_.back(); }  // sum of the area elements
   /// Returns the curve vertex on whose area element the curve position t, in [0, 1], lies.
   std::uint32_t vertex_at(double t) const;
-  /// Writes the points at the curve positions t (ascending) to `points`, as many as t. A single one on a curve vertex lies at the
-  /// vertex. Several are spread over the vertex' leaf, which is taken to be flat, in the order of the curve.
-  void points_at(std::span<const double> t, std::span<CurvePoint> points) const;
-  /// Returns about the box around all leaves that a stratum touches.
-  Eigen::AlignedBox3f box(int level, std::uint64_t stratum) const;
+  /// Writes the points at the curve positions t (ascending) to `points`, as many as t. They lie where the curve passes within the
+  /// leaf, on the surface: see LeafSurface::find(), where `grain` is a share of the leaf's area and here of the whole. A single
+  /// one in a leaf that is no larger than the grain lies at its vertex.
+  void points_at(std::span<const double> t, double grain, std::span<CurvePoint> points) const;
+  /// Returns `count` points spread evenly over a stratum.
+  std::vector<CurvePoint> spread_over(int level, std::uint64_t stratum, std::size_t count) const;
+  /// Says whether a stratum lies in so few leaves that their vertices say little of it.
+  bool is_within_leaves(int level, std::uint64_t stratum) const;
 
  private:
-  const SurfaceCurve* curve_;
+  CurvePoint at_vertex(std::uint32_t l) const;
+
+  const LeafSurface* surface_;
   std::vector<double> before_;  // L + 1: area before each vertex, and the whole area
 };
 

@@ -16,33 +16,34 @@
 
 namespace curvecast {
 
-/// The first revision of a curve and all ranked points on it. The points stay where they are when the curve is refined later. Not
+/// The first revision of a curve and the ranked points on it. The points stay where they are when the curve is refined later. Not
 /// for several threads at once; the trees that it gives may be read by any number of threads.
 class RankGrower {
  public:
   /// Makes the 4^options.level lowest ranks; options.level is kChunkLevels to kMaxLevelAtOnce. Errors: see
   /// ProgressiveRanks::make().
-  static absl::StatusOr<std::unique_ptr<RankGrower>> make(std::shared_ptr<const SurfaceCurve> curve,
+  static absl::StatusOr<std::unique_ptr<RankGrower>> make(std::shared_ptr<const LeafSurface> surface,
                                                           const ProgressiveOptions& options,
                                                           const ExecutionContext& context = {});
 
-  const SurfaceCurve& curve() const { return *curve_; }
-  /// Returns all points that were made so far.
+  const SurfaceCurve& curve() const { return surface_->curve(); }
+  /// Returns the points that were made and not been let go of.
   std::shared_ptr<const RankTree> tree() const { return tree_; }
-  /// Returns the bytes of what grow() keeps for the next grow(), besides the tree: at most some 50 MB.
-  std::size_t byte_size() const { return made_.points * sizeof(RankedPoint); }
+  /// Returns the bytes of what grow() keeps for the next grow(), besides the tree.
+  std::size_t byte_size() const { return ranks_->points().size_bytes() + made_.byte_size(); }
 
-  /// Makes the chunks `lacking`. A chunk whose parent the tree lacks is left out of the tree. Chunks deeper than
-  /// tree()->deepest(), where a curve vertex has eight points to itself, are not made. ResourceExhausted: the tree would have
-  /// more than `max_points`. Cancelled.
+  /// Makes the chunks `lacking`, down to level kMaxRankLevel. A chunk whose parent the tree lacks is left out of the tree. Where
+  /// the tree has more than `max_points` then, it lets go of chunks that were not used since it grew last (see
+  /// RankTree::grown()); made again they are the same. Cancelled: the tree is as before.
   absl::Status grow(std::span<const ChunkId> lacking, std::uint64_t max_points, const ExecutionContext& context = {});
 
  private:
-  RankGrower(std::shared_ptr<const SurfaceCurve> curve, const ProgressiveOptions& options);
+  RankGrower(std::shared_ptr<const LeafSurface> surface, const ProgressiveOptions& options);
   absl::Status make_whole(int level, const ExecutionContext& context);
+  RankTree::Chunk whole_chunk(const ChunkId& id) const;
   absl::Status make_chunks(std::span<const ChunkId> wanted, std::vector<RankTree::Chunk>& out, const ExecutionContext& context);
 
-  const std::shared_ptr<const SurfaceCurve> curve_;
+  const std::shared_ptr<const LeafSurface> surface_;
   const std::uint64_t seed_;
   const CurveStrata strata_;
   const StratumBounds bounds_;

@@ -6,31 +6,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "core/base/random.h"
+#include "core/progressive/fill_free_group.h"
 
 namespace curvecast {
 namespace {
 
 constexpr char kStage[] = "ranks";
+constexpr std::size_t kMaxGroupsAtOnce = 64;  // between two looks whether the work was cancelled
 
 using Groups = std::vector<std::uint64_t>;
 
 RankedPoint first_point(const CurveStrata& strata, std::uint64_t seed) {
   const std::uint64_t curve_position = mix_bits(seed);
-  const SurfaceCurve& curve = strata.curve();
-  const std::uint32_t l = strata.vertex_at(unit_curve_position(curve_position));
-  return {curve_position, {curve.x[l], curve.y[l], curve.z[l]}, {curve.nx[l], curve.ny[l], curve.nz[l]}, l, 0};
+  const double t = unit_curve_position(curve_position);
+  CurvePoint at{};
+  strata.points_at({&t, 1}, 1, {&at, 1});
+  return {at, curve_position, 0};
 }
 
 /// Makes a group's points. base_of(i) gives the points of lower levels of group i of the same level; filled(i) gives all points
 /// of a group i that comes before this one.
 template <typename BaseOf, typename Filled>
 void make_group(const CurveStrata& strata, const GroupOrder& order, const StratumGroup& group, const Groups& near_groups,
-                std::uint64_t seed, BaseOf&& base_of, Filled&& filled, std::span<RankedPoint> points) {
-  const Eigen::AlignedBox3f box = order.box(group);
-  const float reach = influence_radius(strata.total_area(), group.level);
+                const GroupShapes& deep, std::uint64_t seed, BaseOf&& base_of, Filled&& filled, std::span<RankedPoint> points) {
+  const Eigen::AlignedBox3f& box = order.shape(group, deep).box;
+  const float reach = GroupOrder::influence_radius(strata.total_area(), group.level);
   std::vector<RankedPoint> done, open;
   for (const std::uint64_t i : near_groups) {
     if (i == group.index) continue;
@@ -41,22 +48,30 @@ void make_group(const CurveStrata& strata, const GroupOrder& order, const Stratu
       if (box.squaredExteriorDistance(position) <= reach * reach) near.push_back(p);
     }
   }
-  fill_stratum_group(strata, group, base_of(group.index), done, open, seed, points);
+  if (GroupOrder::waits(group.level)) {
+    fill_stratum_group(strata, group, base_of(group.index), done, open, seed, points);
+  } else {
+    fill_free_group(strata, group, base_of(group.index), open, seed, points);
+  }
 }
 
-/// Divides the groups of a level into waves: a group waits only for groups of earlier waves.
-std::vector<Groups> waves_of(int level, std::span<const Groups> near) {
-  Groups sorted(near.size());
-  for (std::size_t i = 0; i < near.size(); ++i) sorted[i] = i;
-  std::sort(sorted.begin(), sorted.end(), [&](std::uint64_t a, std::uint64_t b) { return GroupOrder::precedes(level, a, b); });
-  std::vector<std::size_t> wave(near.size(), 0);
+/// Divides groups of a level into waves: a group waits only for groups of earlier waves. near_of(i) gives the groups near group
+/// i; those that are not among `groups` are waited for by nobody.
+template <typename NearOf>
+std::vector<Groups> waves_of(int level, Groups groups, NearOf&& near_of) {
+  if (!GroupOrder::waits(level)) return {std::move(groups)};
+  std::sort(groups.begin(), groups.end(), [&](std::uint64_t a, std::uint64_t b) { return GroupOrder::precedes(level, a, b); });
+  std::unordered_map<std::uint64_t, std::size_t> wave_of;
+  wave_of.reserve(groups.size());
   std::vector<Groups> waves;
-  for (const std::uint64_t i : sorted) {
-    for (const std::uint64_t other : near[i]) {
-      if (GroupOrder::precedes(level, other, i)) wave[i] = std::max(wave[i], wave[other] + 1);
+  for (const std::uint64_t i : groups) {
+    std::size_t wave = 0;
+    for (const std::uint64_t other : near_of(i)) {
+      if (const auto before = wave_of.find(other); before != wave_of.end()) wave = std::max(wave, before->second + 1);
     }
-    if (wave[i] == waves.size()) waves.emplace_back();
-    waves[wave[i]].push_back(i);
+    wave_of.emplace(i, wave);
+    if (wave == waves.size()) waves.emplace_back();
+    waves[wave].push_back(i);
   }
   return waves;
 }
@@ -68,29 +83,87 @@ class GroupMaker {
              std::span<const RankedPoint> points, DeepGroups& made)
       : strata_(strata), order_(order), options_(options), points_(points), made_(made) {}
 
-  std::span<const RankedPoint> filled(int level, std::uint64_t index) {
-    if (const auto found = made_.filled.find({level, index}); found != made_.filled.end()) return found->second;
-    const StratumGroup group{level, index};
-    std::vector<RankedPoint> points(4 * group.size());
-    make_group(
-        strata_, order_, group, near(level, index), options_.seed, [&](std::uint64_t i) { return base(level, i); },
-        [&](std::uint64_t i) { return filled(level, i); }, points);
-    made_.points += points.size();
-    return made_.filled.emplace(DeepGroups::Key(level, index), std::move(points)).first->second;
+  /// Makes groups of a level, on all threads of the arena. Cancelled, and some of them may have been made.
+  absl::Status make(int level, const Groups& wanted, const ExecutionContext& context) {
+    std::vector<Groups> missing(static_cast<std::size_t>(level) + 1);
+    std::unordered_set<std::uint64_t> needed(wanted.begin(), wanted.end());
+    for (int l = level; l >= options_.level; --l) {
+      std::unordered_set<std::uint64_t> parents;
+      find_missing(l, needed, missing[static_cast<std::size_t>(l)], parents);
+      needed.swap(parents);
+    }
+    for (int l = options_.level; l <= level; ++l) {
+      const auto near_of = [&](std::uint64_t i) -> const Groups& { return made_.near.at({l, i}); };
+      for (const Groups& wave : waves_of(l, missing[static_cast<std::size_t>(l)], near_of)) {
+        for (std::size_t begin = 0; begin < wave.size(); begin += kMaxGroupsAtOnce) {
+          if (absl::Status status = context.check(); !status.ok()) return status;
+          fill(l, std::span(wave).subspan(begin, std::min(kMaxGroupsAtOnce, wave.size() - begin)));
+        }
+      }
+    }
+    return absl::OkStatus();
   }
 
+  /// Precondition: the group has been made.
+  std::span<const RankedPoint> filled(int level, std::uint64_t index) const { return made_.filled.at({level, index}).points; }
+
  private:
-  std::span<const RankedPoint> base(int level, std::uint64_t index) {
-    const std::size_t size = StratumGroup{level, index}.size();
-    if (level == options_.level) return points_.subspan(index * size, size);
-    return filled(level - 1, index / 4).subspan(GroupOrder::count(level) > 1 ? index % 4 * size : 0, size);
+  /// Adds to `missing` the groups of a level that are needed and not made, with those that they wait for; and to `parents` the
+  /// groups of the level before that these need.
+  void find_missing(int level, const std::unordered_set<std::uint64_t>& needed, Groups& missing,
+                    std::unordered_set<std::uint64_t>& parents) {
+    std::unordered_set<std::uint64_t> seen = needed;
+    Groups open(needed.begin(), needed.end());
+    while (!open.empty()) {
+      const std::uint64_t index = open.back();
+      open.pop_back();
+      if (const auto found = made_.filled.find({level, index}); found != made_.filled.end()) {
+        found->second.used = made_.calls;
+        continue;
+      }
+      missing.push_back(index);
+      for (const std::uint64_t i : near(level, index)) {
+        if (level > options_.level) parents.insert(i / 4);
+        if (GroupOrder::precedes(level, i, index) && seen.insert(i).second) open.push_back(i);
+      }
+    }
   }
 
   const Groups& near(int level, std::uint64_t index) {
     if (const auto found = made_.near.find({level, index}); found != made_.near.end()) return found->second;
+    static const Groups whole = {0};
     const bool is_whole = GroupOrder::count(level) == 1;
-    Groups groups = order_.near({level, index}, is_whole ? Groups{0} : near(level - 1, index / 4));
-    return made_.near.emplace(DeepGroups::Key(level, index), std::move(groups)).first->second;
+    const Groups& near_parent = is_whole ? whole : near(level - 1, index / 4);
+    if (!is_whole && !order_.has_shapes(level)) {
+      for (const std::uint64_t parent : near_parent) {
+        for (std::uint64_t i = 4 * parent; i < 4 * parent + 4; ++i) {
+          const auto [at, is_new] = made_.shapes.try_emplace({level, i});
+          if (is_new) at->second = order_.find_shape({level, i});
+        }
+      }
+    }
+    return made_.near.emplace(GroupKey{level, index}, order_.near({level, index}, near_parent, made_.shapes)).first->second;
+  }
+
+  void fill(int level, std::span<const std::uint64_t> wave) {
+    const std::size_t size = StratumGroup{level, 0}.size();
+    std::vector<std::vector<RankedPoint>> filled_now(wave.size());
+    tbb::parallel_for(std::size_t{0}, wave.size(), [&](std::size_t k) {
+      filled_now[k].resize(4 * size);
+      make_group(
+          strata_, order_, {level, wave[k]}, made_.near.at({level, wave[k]}), made_.shapes, options_.seed,
+          [&](std::uint64_t i) { return base(level, i); }, [&](std::uint64_t i) { return filled(level, i); }, filled_now[k]);
+    });
+    for (std::size_t k = 0; k < wave.size(); ++k) {
+      made_.filled[{level, wave[k]}] = {std::move(filled_now[k]), made_.calls};
+      made_.points += 4 * size;
+    }
+  }
+
+  std::span<const RankedPoint> base(int level, std::uint64_t index) const {
+    const std::size_t size = StratumGroup{level, index}.size();
+    if (level == options_.level) return points_.subspan(index * size, size);
+    return filled(level - 1, index / 4).subspan(GroupOrder::count(level) > 1 ? index % 4 * size : 0, size);
   }
 
   const CurveStrata& strata_;
@@ -112,17 +185,17 @@ absl::Status check_area(const SurfaceCurve& curve) {
 
 }  // namespace
 
-absl::StatusOr<ProgressiveRanks> ProgressiveRanks::make(std::shared_ptr<const SurfaceCurve> curve,
+absl::StatusOr<ProgressiveRanks> ProgressiveRanks::make(std::shared_ptr<const LeafSurface> surface,
                                                         const ProgressiveOptions& options, const ExecutionContext& context) {
   if (options.level < 0 || options.level > kMaxLevelAtOnce) {
     return absl::InvalidArgumentError(
         absl::StrFormat("ranks down to level %d asked for; 0 to %d can be made at once", options.level, kMaxLevelAtOnce));
   }
-  if (absl::Status status = check_area(*curve); !status.ok()) return status;
+  if (absl::Status status = check_area(surface->curve()); !status.ok()) return status;
   ProgressiveRanks ranks;
-  ranks.curve_ = std::move(curve);
+  ranks.surface_ = std::move(surface);
   ranks.options_ = {.level = 0, .seed = options.seed};
-  ranks.strata_ = std::make_unique<CurveStrata>(*ranks.curve_);
+  ranks.strata_ = std::make_unique<CurveStrata>(*ranks.surface_);
   ranks.points_ = {first_point(*ranks.strata_, options.seed)};
   if (absl::Status status = ranks.fill(options.level, context); !status.ok()) return status;
   return ranks;
@@ -146,7 +219,7 @@ absl::Status ProgressiveRanks::fill(int last, const ExecutionContext& context) {
     std::vector<Groups> finer(GroupOrder::count(level));
     arena.execute([&] {
       tbb::parallel_for(std::size_t{0}, finer.size(), [&](std::size_t i) {
-        finer[i] = order->near({level, i}, finer.size() > 1 ? near[i / 4] : Groups{0});
+        finer[i] = order->near({level, i}, finer.size() > 1 ? near[i / 4] : Groups{0}, {});
       });
     });
     near = std::move(finer);
@@ -154,12 +227,15 @@ absl::Status ProgressiveRanks::fill(int last, const ExecutionContext& context) {
     std::vector<RankedPoint> next(4 * points.size());
     const auto base_of = [&](std::uint64_t i) { return std::span<const RankedPoint>(points).subspan(i * size, size); };
     const auto filled = [&](std::uint64_t i) { return std::span(next).subspan(4 * i * size, 4 * size); };
-    for (const Groups& wave : waves_of(level, near)) {
+    Groups all(near.size());
+    std::iota(all.begin(), all.end(), std::uint64_t{0});
+    const auto near_of = [&](std::uint64_t i) -> const Groups& { return near[i]; };
+    for (const Groups& wave : waves_of(level, std::move(all), near_of)) {
       if (absl::Status status = context.check(); !status.ok()) return status;
       arena.execute([&] {
         tbb::parallel_for(std::size_t{0}, wave.size(), [&](std::size_t k) {
           const std::uint64_t i = wave[k];
-          make_group(*strata_, *order, {level, i}, near[i], options_.seed, base_of, filled, filled(i));
+          make_group(*strata_, *order, {level, i}, near[i], {}, options_.seed, base_of, filled, filled(i));
         });
       });
     }
@@ -190,18 +266,27 @@ absl::StatusOr<std::vector<RankedPoint>> ProgressiveRanks::deepen(int level, std
   if (count > kMaxDeepened) {
     return absl::InvalidArgumentError(absl::StrFormat("%d points asked for; at most %d are made in one go", count, kMaxDeepened));
   }
+  ++made.calls;
+  GroupMaker groups(*strata_, *order_, options_, points_, made);
+  const std::uint64_t size = level > 0 ? 4 * StratumGroup{level - 1, 0}.size() : 1;
+  if (level > options_.level) {
+    std::unordered_set<std::uint64_t> wanted;
+    for (const auto [first, last] : ranges) {
+      for (std::uint64_t group = first / size; group * size < last; ++group) wanted.insert(group);
+    }
+    tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+    absl::Status status = arena.execute([&] { return groups.make(level - 1, {wanted.begin(), wanted.end()}, context); });
+    if (!status.ok()) return status;
+  }
   std::vector<RankedPoint> points;
   points.reserve(count);
-  GroupMaker groups(*strata_, *order_, options_, points_, made);
   for (const auto [first, last] : ranges) {
     if (level == options_.level) {
       const std::span<const RankedPoint> own = std::span(points_).subspan(first, last - first);
       points.insert(points.end(), own.begin(), own.end());
       continue;
     }
-    const std::uint64_t size = 4 * StratumGroup{level - 1, 0}.size();
     for (std::uint64_t i = first; i < last;) {
-      if (absl::Status status = context.check(); !status.ok()) return status;
       const std::uint64_t group = i / size, next = std::min(last, (group + 1) * size);
       const std::span<const RankedPoint> filled = groups.filled(level - 1, group).subspan(i - group * size, next - i);
       points.insert(points.end(), filled.begin(), filled.end());
@@ -209,6 +294,34 @@ absl::StatusOr<std::vector<RankedPoint>> ProgressiveRanks::deepen(int level, std
     }
   }
   return points;
+}
+
+void DeepGroups::shrink(std::size_t max_points) {
+  if (points <= max_points) return;
+  std::vector<std::pair<std::uint64_t, std::size_t>> ages;  // when used, and how many points
+  ages.reserve(filled.size());
+  for (const auto& [key, group] : filled) ages.emplace_back(group.used, group.points.size());
+  std::sort(ages.begin(), ages.end(), std::greater<>());
+  std::size_t kept = 0;
+  std::uint64_t oldest = calls;
+  for (const auto& [used, size] : ages) {
+    kept += size;
+    if (kept > max_points) break;
+    oldest = used;
+  }
+  std::erase_if(filled, [&](const auto& entry) { return entry.second.used < oldest; });
+  points = 0;
+  for (const auto& [key, group] : filled) points += group.points.size();
+  // These are quickly found again.
+  near.clear();
+  shapes.clear();
+}
+
+std::size_t DeepGroups::byte_size() const {
+  constexpr std::size_t kNode = 64;        // of a map, about
+  constexpr std::size_t kNearGroups = 12;  // about
+  return points * sizeof(RankedPoint) + filled.size() * (sizeof(Filled) + kNode) +
+         near.size() * (kNearGroups * sizeof(std::uint64_t) + kNode) + shapes.size() * (sizeof(GroupShape) + kNode);
 }
 
 }  // namespace curvecast

@@ -8,13 +8,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "core/base/execution_context.h"
+#include "core/curve/leaf_surface.h"
 #include "core/curve/surface_curve.h"
 #include "core/progressive/curve_strata.h"
 #include "core/progressive/group_order.h"
@@ -22,8 +21,8 @@
 
 namespace curvecast {
 
-/// The deepest level. Its ranks have 30 bits: they fit signed integers, which vector code turns to floats.
-inline constexpr int kMaxRankLevel = 15;
+/// The deepest level: 10^12 points. Deeper, they would be nearer to each other than floats can tell.
+inline constexpr int kMaxRankLevel = 20;
 /// The deepest level that is made for the whole surface at once: 4^11 = 4 million points.
 inline constexpr int kMaxLevelAtOnce = 11;
 /// The most points that one deepen() makes.
@@ -42,10 +41,19 @@ struct StrataRange {
 /// Groups of deep levels that deepen() made around the points asked for. The next deepen() nearby needs most of them again.
 /// Belongs to one ProgressiveRanks.
 struct DeepGroups {
-  using Key = std::pair<int, std::uint64_t>;  // level and index of a group
-  std::map<Key, std::vector<RankedPoint>> filled;
-  std::map<Key, std::vector<std::uint64_t>> near;  // see GroupOrder::near()
-  std::size_t points = 0;                          // in `filled`
+  struct Filled {
+    std::vector<RankedPoint> points;
+    std::uint64_t used = 0;  // by which deepen() last
+  };
+  GroupMap<Filled> filled;
+  GroupMap<std::vector<std::uint64_t>> near;  // see GroupOrder::near()
+  GroupShapes shapes;
+  std::size_t points = 0;   // in `filled`
+  std::uint64_t calls = 0;  // of deepen()
+
+  /// Forgets what was not used for longest, until at most about `max_points` are left.
+  void shrink(std::size_t max_points);
+  std::size_t byte_size() const;
 };
 
 /// Ranked points of a whole curve down to a level, made at once, and of parts of it as deep as one likes. For every l the points
@@ -54,14 +62,14 @@ struct DeepGroups {
 class ProgressiveRanks {
  public:
   /// InvalidArgument: the level is out of range, the curve has no area. Cancelled.
-  static absl::StatusOr<ProgressiveRanks> make(std::shared_ptr<const SurfaceCurve> curve, const ProgressiveOptions& options,
+  static absl::StatusOr<ProgressiveRanks> make(std::shared_ptr<const LeafSurface> surface, const ProgressiveOptions& options,
                                                const ExecutionContext& context = {});
 
   /// Makes all points down to a deeper level, at most kMaxLevelAtOnce; the points that there are stay. No other thread may ask
   /// meanwhile. InvalidArgument: the level is not deeper. Cancelled, and nothing has changed.
   absl::Status extend(int level, const ExecutionContext& context = {});
 
-  const SurfaceCurve& curve() const { return *curve_; }
+  const SurfaceCurve& curve() const { return surface_->curve(); }
   int level() const { return options_.level; }
   /// Returns 4^level() points in curve order: the i-th lies in stratum i of that level.
   std::span<const RankedPoint> points() const { return points_; }
@@ -77,7 +85,7 @@ class ProgressiveRanks {
   ProgressiveRanks() = default;
   absl::Status fill(int level, const ExecutionContext& context);
 
-  std::shared_ptr<const SurfaceCurve> curve_;
+  std::shared_ptr<const LeafSurface> surface_;
   ProgressiveOptions options_;
   std::unique_ptr<const CurveStrata> strata_;
   std::unique_ptr<const GroupOrder> order_;

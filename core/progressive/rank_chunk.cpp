@@ -1,5 +1,7 @@
 #include "core/progressive/rank_chunk.h"
 
+#include <cmath>
+
 namespace curvecast {
 namespace {
 
@@ -8,7 +10,7 @@ void fill_bounds(const StratumBounds& bounds, RankChunk& chunk) {
   for (Column<float>* column : {&out.x, &out.y, &out.z, &out.radius, &out.nx, &out.ny, &out.nz, &out.spread}) {
     column->resize(kChunkRuns);
   }
-  constexpr int kRunLevels = 2;
+  constexpr int kRunLevels = 1;
   static_assert(kChunkRuns == 1u << 2 * kRunLevels);
   for (std::size_t r = 0; r < kChunkRuns; ++r) {
     const StratumBound bound = bounds.of(chunk.id.level - kChunkLevels + kRunLevels, chunk.id.index * kChunkRuns + r);
@@ -23,9 +25,11 @@ void fill_bounds(const StratumBounds& bounds, RankChunk& chunk) {
 
 }  // namespace
 
-RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, const StratumBounds& bounds) {
+RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, const StratumBounds& bounds,
+                     const LeafSurface& surface) {
   RankChunk chunk;
   chunk.id = id;
+  const double stratum_share = std::ldexp(1.0, -2 * id.level);
   for (const RankedPoint& p : points) {
     if (p.rank < id.first_rank()) continue;
     chunk.x.push_back(p.position[0]);
@@ -34,9 +38,15 @@ RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, con
     chunk.nx.emplace_back(p.normal[0]);
     chunk.ny.emplace_back(p.normal[1]);
     chunk.nz.emplace_back(p.normal[2]);
-    chunk.rank.push_back(p.rank);
+    chunk.rank.push_back(static_cast<std::uint32_t>(p.rank / id.rank_step()));
+    chunk.curve_position.push_back(p.curve_position);
     chunk.vertex.push_back(p.vertex);
-    chunk.curve_position.push_back(static_cast<std::uint32_t>(p.curve_position >> 32));
+    chunk.face.push_back(p.face);
+    chunk.weight_1.emplace_back(p.weight_1);
+    chunk.weight_2.emplace_back(p.weight_2);
+    if (surface.has_colour()) {
+      chunk.colour.push_back(surface.colour(p.vertex, p.face, {p.weight_1, p.weight_2}, stratum_share));
+    }
   }
   fill_bounds(bounds, chunk);
   return chunk;

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/base/colour.h"
 #include "core/base/quantised.h"
 #include "core/curve/curve_blocks.h"
 #include "core/progressive/stratum_bounds.h"
@@ -15,10 +17,13 @@
 namespace curvecast {
 
 /// The first chunk has the points of the 4^kChunkLevels lowest ranks.
-inline constexpr int kChunkLevels = 6;
+inline constexpr int kChunkLevels = 5;
 inline constexpr std::size_t kChunkStrata = std::size_t{1} << 2 * kChunkLevels;
 /// A chunk's points in curve order are this many runs of equal length; each run has bounds of its own.
-inline constexpr std::size_t kChunkRuns = 16;
+inline constexpr std::size_t kChunkRuns = 4;
+
+/// Ranks of these levels are kept as they are.
+inline constexpr int kWholeRankLevels = 15;
 
 /// Names a chunk. The first chunk has level kChunkLevels and index 0. A chunk of a higher level holds the ranks [4^(level - 1),
 /// 4^level) of the stratum `index` of level - kChunkLevels. Its children are four chunks of the next level, 4 index to 4 index +
@@ -29,27 +34,54 @@ struct ChunkId {
 
   /// Returns the lowest rank that a point of the chunk may have.
   std::uint64_t first_rank() const { return level == kChunkLevels ? 0 : std::uint64_t{1} << 2 * (level - 1); }
+  /// Chunks keep ranks in steps of this, rounded down: they fit signed 32-bit integers, which vector code turns to floats.
+  std::uint64_t rank_step() const { return level > kWholeRankLevels ? std::uint64_t{1} << 2 * (level - kWholeRankLevels) : 1; }
   ChunkId child(std::uint64_t quarter) const { return {level + 1, 4 * index + quarter}; }
   auto operator<=>(const ChunkId&) const = default;
+};
+
+/// When a chunk was last looked at, in growths of its tree. Selections write it while others read.
+class LastUse {
+ public:
+  LastUse() = default;
+  LastUse(const LastUse& other) : growth_(other.get()) {}
+  LastUse& operator=(const LastUse& other) {
+    set(other.get());
+    return *this;
+  }
+  std::uint64_t get() const { return growth_.load(std::memory_order_relaxed); }
+  void set(std::uint64_t growth) const {
+    if (get() != growth) growth_.store(growth, std::memory_order_relaxed);
+  }
+
+ private:
+  mutable std::atomic<std::uint64_t> growth_ = 0;
 };
 
 /// Points of a chunk, in curve order.
 struct RankChunk {
   ChunkId id;
+  LastUse used;
   std::vector<float> x, y, z;       // relative to the curve's origin
   std::vector<Snorm16> nx, ny, nz;  // unit normals
-  std::vector<std::uint32_t> rank;
-  std::vector<std::uint32_t> vertex;          // of the curve
-  std::vector<std::uint32_t> curve_position;  // highest 32 bits of RankedPoint::curve_position; no two points share them
+  std::vector<std::uint32_t> rank;  // in steps of id.rank_step()
+  std::vector<std::uint64_t> curve_position;
+  std::vector<std::uint32_t> vertex;        // of the curve: in whose leaf the point lies
+  std::vector<std::uint32_t> face;          // of the repaired mesh
+  std::vector<Unorm16> weight_1, weight_2;  // barycentric: of the face's second and third corner
+  std::vector<Rgba8> colour;                // of the surface; empty when the mesh has none
   CurveBlocks bounds;  // of each run: bounds of all points in its strata, those of deeper chunks too; without area
   std::array<std::uint32_t, kChunkRuns> first_vertex{}, last_vertex{};  // of each run's strata on the curve, both included
 
   std::size_t size() const { return x.size(); }
   std::size_t run_size() const { return size() / kChunkRuns; }
+  /// Returns a point's rank, as far as it is kept: the exact one down to level kWholeRankLevels.
+  std::uint64_t rank_of(std::size_t point) const { return rank[point] * id.rank_step(); }
 };
 
 /// Makes a chunk from the kChunkStrata points of level id.level in the chunk's stratum, in curve order. Points of lower levels,
 /// which belong to other chunks, are left out.
-RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, const StratumBounds& bounds);
+RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, const StratumBounds& bounds,
+                     const LeafSurface& surface);
 
 }  // namespace curvecast

@@ -14,12 +14,12 @@ namespace curvecast {
 struct RankDelta {
   /// A point that both selections show, with discs of different sizes.
   struct Resized {
-    RankRef point;      // of the later selection's tree
+    RankRef point;      // of the later selection
     std::uint8_t from;  // rung of its disc in the earlier selection
   };
 
-  std::vector<RankRef> added;    // of the later selection's tree
-  std::vector<RankRef> removed;  // of the earlier selection's tree
+  std::vector<RankRef> added;    // of the later selection
+  std::vector<RankRef> removed;  // of the earlier selection
   std::vector<Resized> resized;  // where both selections know their discs
 
   /// Bytes allocated, in use or not.
@@ -31,7 +31,7 @@ struct RankDelta {
 
 /// Writes to `out` which points a later selection adds, removes and resizes; each list chunk by chunk, along the curve in a
 /// chunk. `discs`: the earlier selection's rungs, or none; points are compared for resizing only if both selections have rungs.
-/// One selection's tree must have grown from the other's.
+/// Both are selections of the same curve's points.
 void compare(const RankSelection& earlier, std::span<const std::uint8_t> discs, const RankSelection& later, RankDelta& out);
 
 /// Indices of changed points in the lists of all selected points, which run along the curve. All are ascending.
@@ -42,7 +42,7 @@ struct ListDelta {
 
   // Scratch of locate().
   std::vector<std::uint64_t> keys, scratch;
-  std::vector<std::uint32_t> curve_positions;
+  std::vector<std::uint64_t> curve_positions;
 
   /// Bytes allocated, in use or not.
   std::size_t byte_size() const {
@@ -51,7 +51,7 @@ struct ListDelta {
   }
 };
 
-/// Sorts the changes of `delta` along the curve and writes their indices to `out`. `earlier`: the earlier selection's tree.
-void locate(const RankTree& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out);
+/// Sorts the changes of `delta` along the curve and writes their indices to `out`.
+void locate(const RankSelection& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out);
 
 }  // namespace curvecast

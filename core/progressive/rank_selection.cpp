@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/simd.h"
+#include "core/progressive/progressive.h"
 
 namespace curvecast {
 namespace {
@@ -15,13 +16,19 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kSlack = 1.0001f;  // bounds are rounded, points too
 constexpr std::size_t kWord = RankSelection::kWord;
+constexpr std::size_t kQuarterRuns = kChunkRuns / 4;
 
 static_assert(kChunkStrata % (4 * kWord) == 0, "chunks fill whole words");
 
-/// Writes the scales that points need: (rank + 1) / density.
-CURVECAST_WIDE void to_keys(const std::uint32_t* __restrict rank, const float* __restrict density, std::size_t n,
+/// Returns (rank + 1) / density, the scale that a point needs.
+[[gnu::always_inline]] inline float to_key(std::uint32_t rank, float step, float density) {
+  return static_cast<float>(static_cast<std::int32_t>(rank) + 1) * step / density;
+}
+
+/// Writes the scales that points need.
+CURVECAST_WIDE void to_keys(const std::uint32_t* __restrict rank, float step, const float* __restrict density, std::size_t n,
                             float* __restrict key) {
-  for (std::size_t i = 0; i < n; ++i) key[i] = static_cast<float>(static_cast<std::int32_t>(rank[i]) + 1) / density[i];
+  for (std::size_t i = 0; i < n; ++i) key[i] = to_key(rank[i], step, density[i]);
 }
 
 /// Sets a bit for each key that is at most `upto`. Returns how many bits it set.
@@ -51,15 +58,17 @@ bool needs_none(const ChunkId& id, float most, float scale) {
 }  // namespace
 
 void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& factor,
-                          std::uint64_t n, RankSelection& out) {
+                          std::uint64_t n, RankSelection& out, float expected_scale) {
   const View view{*tree, density, factor};
-  // Most frames are done in one go; a view of a small part of the surface cannot be guessed.
   constexpr float kMore = 1.05f, kFewer = 0.93f, kFaster = 4;
-  const float guess = guess_scale(view, n);
-  float scale = kMore * guess, above = 0;
+  float guess = expected_scale > 0 ? expected_scale : guess_scale(view, n);
+  // Where nothing tells, all that there is in view is looked at, and tells.
+  const bool is_known = guess > 0;
+  float scale = is_known ? kMore * guess : std::numeric_limits<float>::max(), above = 0;
+  bool is_all = visit(view, scale);
+  if (!is_known && (guess = measure_scale(view, n)) > 0) scale = kMore * guess;
   std::size_t below = 0;
-  for (bool is_all = false;; scale *= kFaster) {
-    is_all = visit(view, scale);
+  for (;; scale *= kFaster) {
     above = kFewer * scale;
     below = collect(view, above, scale);
     if (below + window_.size() >= n) break;
@@ -67,6 +76,7 @@ void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensi
       scale = std::numeric_limits<float>::max();
       break;
     }
+    is_all = visit(view, kFaster * scale);
   }
   if (below >= n || below + window_.size() < n) {
     above = 0;
@@ -75,19 +85,24 @@ void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensi
   const std::size_t wanted = std::min<std::size_t>(n - below, window_.size());
   if (wanted > 0) std::nth_element(window_.begin(), window_.begin() + static_cast<std::ptrdiff_t>(wanted - 1), window_.end());
   out.scale = wanted > 0 ? window_[wanted - 1].key : above;
-  if (below + wanted < n) out.scale = guess;  // what is lacking depends on it
   for (const WindowPoint& point : std::span(window_).first(wanted)) {
     shown_[point.key_index / kWord] |= std::uint64_t{1} << point.key_index % kWord;
   }
+  // With too few points, all that have a density are shown; deeper ones belong to the scale that there would be with enough.
+  if (below + wanted < n) out.scale = std::max(measure_scale(view, n), out.scale);
   finish(view, below + wanted, out);
+  while (below + wanted < n && out.lacking.empty() && !out.is_exhausted && any_lacking(view)) {
+    out.scale *= kFaster;
+    find_lacking(view, out);
+  }
   out.tree = std::move(tree);
 }
 
 void RankSelector::densities(const RankSelection& selection, std::span<float> out) const {
   std::size_t i = 0;
   selection.for_each_shown([&](const RankRef& ref, std::size_t bit) {
-    const std::uint32_t rank = selection.tree->chunks()[ref.chunk]->rank[ref.point];
-    out[i++] = static_cast<float>(static_cast<std::int32_t>(rank) + 1) / keys_[bit];
+    const RankChunk& chunk = selection.chunk(ref);
+    out[i++] = to_key(chunk.rank[ref.point], static_cast<float>(chunk.id.rank_step()), keys_[bit]);
   });
 }
 
@@ -101,11 +116,40 @@ float RankSelector::guess_scale(const View& view, std::uint64_t n) {
   keys_.resize(first.size());
   evaluate(view, first, 0, first.size(), keys_.data());
   double sum = 0;
-  for (const float factor : std::span(factor_).first(first.size())) sum += static_cast<double>(factor);
-  const double mean = sum / static_cast<double>(first.size());
-  // Where none of so many points has a density the view may still show a part between them.
-  const double guess = static_cast<double>(n) / std::max(mean, 1e-30);
-  return static_cast<float>(std::min(guess, 1e30));
+  std::size_t counted = 0;
+  for (const float factor : std::span(factor_).first(first.size())) {
+    sum += static_cast<double>(factor);
+    counted += factor > 0 ? 1 : 0;
+  }
+  constexpr std::size_t kEnough = 64;
+  if (counted < kEnough) return 0;
+  return static_cast<float>(static_cast<double>(n) * static_cast<double>(first.size()) / sum);
+}
+
+float RankSelector::measure_scale(const View& view, std::uint64_t n) const {
+  double integral = 0;  // of the density, over parts of the whole area
+  for (std::size_t v = 0; v < visited_.size(); ++v) {
+    const RankChunk& chunk = *view.tree.chunks()[visited_[v].chunk];
+    const std::size_t points = chunk.size() / 4;
+    const auto step = static_cast<float>(chunk.id.rank_step());
+    for (std::size_t q = 0; q < 4; ++q) {
+      const float most = quarter_bound(v, q);
+      if (most == 0 || view.tree.child(visited_[v].chunk, q) != RankTree::kNone) continue;
+      double sum = 0;
+      for (std::size_t i = q * points; i < (q + 1) * points; ++i) {
+        sum += static_cast<double>(to_key(chunk.rank[i], step, keys_[visited_[v].first_key + i]));
+      }
+      // Where no point has a density the view may still show a part between them.
+      sum = std::max(sum, 0.25 * static_cast<double>(most));
+      integral += sum / static_cast<double>(points) * std::ldexp(1.0, -2 * (chunk.id.level + 1 - kChunkLevels));
+    }
+  }
+  return integral > 0 ? static_cast<float>(std::min(static_cast<double>(n) / integral, 1e30)) : 0.0f;
+}
+
+float RankSelector::quarter_bound(std::size_t v, std::size_t quarter) const {
+  const float* const most = &most_[v * kChunkRuns + kQuarterRuns * quarter];
+  return *std::max_element(most, most + kQuarterRuns);
 }
 
 bool RankSelector::visit(const View& view, float scale) {
@@ -128,6 +172,7 @@ bool RankSelector::visit(const View& view, float scale) {
       decide_children([](std::size_t) { return State::kEmpty; });
     } else {
       const RankChunk& chunk = *chunks[c];
+      chunk.used.set(view.tree.growth());
       float most[kChunkRuns];
       bound_runs(view, chunk, most);
       visited_.push_back({static_cast<std::uint32_t>(c), keys});
@@ -136,7 +181,7 @@ bool RankSelector::visit(const View& view, float scale) {
       is_all = fill_keys(view, chunk, most, scale, &keys_[keys]) && is_all;
       keys += chunk.size();
       decide_children([&](std::size_t q) {
-        const float in_quarter = *std::max_element(most + 4 * q, most + 4 * q + 4);
+        const float in_quarter = *std::max_element(most + kQuarterRuns * q, most + kQuarterRuns * (q + 1));
         if (in_quarter == 0) return State::kEmpty;
         return needs_none(chunk.id.child(q), in_quarter, scale) ? State::kWaits : State::kVisited;
       });
@@ -186,7 +231,7 @@ void RankSelector::evaluate(const View& view, const RankChunk& chunk, std::size_
   }
   view.factor.multiply(&chunk.x[begin], &chunk.y[begin], &chunk.z[begin], &chunk.nx[begin], &chunk.ny[begin], &chunk.nz[begin], n,
                        factor);
-  to_keys(&chunk.rank[begin], factor, n, keys);
+  to_keys(&chunk.rank[begin], static_cast<float>(chunk.id.rank_step()), factor, n, keys);
 }
 
 std::size_t RankSelector::collect(const View& view, float above, float upto) {
@@ -199,10 +244,10 @@ std::size_t RankSelector::collect(const View& view, float above, float upto) {
   std::size_t visited = 0;
   for (std::size_t w = 0; w < words; ++w) {
     while (visited + 1 < visited_.size() && visited_[visited + 1].first_key <= w * kWord) ++visited;
-    const std::vector<std::uint32_t>& rank = view.tree.chunks()[visited_[visited].chunk]->rank;
+    const RankChunk& chunk = *view.tree.chunks()[visited_[visited].chunk];
     for (std::uint64_t bits = bits_[w] & ~shown_[w]; bits != 0; bits &= bits - 1) {
       const std::size_t i = w * kWord + static_cast<std::size_t>(std::countr_zero(bits));
-      window_.push_back({keys_[i], rank[i - visited_[visited].first_key], static_cast<std::uint32_t>(i)});
+      window_.push_back({keys_[i], chunk.rank_of(i - visited_[visited].first_key), static_cast<std::uint32_t>(i)});
     }
   }
   return below;
@@ -214,22 +259,36 @@ void RankSelector::finish(const View& view, std::size_t count, RankSelection& ou
   out.shown.swap(shown_);
   out.rungs.clear();
   out.parts.clear();
+  for (const Visited& visited : visited_) {
+    out.parts.push_back({chunks[visited.chunk], static_cast<std::uint32_t>(visited.first_key), visited.chunk});
+  }
+  find_lacking(view, out);
+}
+
+void RankSelector::find_lacking(const View& view, RankSelection& out) const {
   out.lacking.clear();
   out.is_exhausted = false;
   for (std::size_t v = 0; v < visited_.size(); ++v) {
-    out.parts.push_back({visited_[v].chunk, static_cast<std::uint32_t>(visited_[v].first_key)});
-    const ChunkId& id = chunks[visited_[v].chunk]->id;
+    const ChunkId& id = view.tree.chunks()[visited_[v].chunk]->id;
     for (std::size_t q = 0; q < 4; ++q) {
       if (view.tree.child(visited_[v].chunk, q) != RankTree::kNone) continue;
-      const float* const most = &most_[v * kChunkRuns + 4 * q];
-      if (needs_none(id.child(q), *std::max_element(most, most + 4), out.scale)) continue;
-      if (id.level == view.tree.deepest()) {
+      if (needs_none(id.child(q), quarter_bound(v, q), out.scale)) continue;
+      if (id.level == kMaxRankLevel) {
         out.is_exhausted = true;
       } else {
         out.lacking.push_back(id.child(q));
       }
     }
   }
+}
+
+bool RankSelector::any_lacking(const View& view) const {
+  for (std::size_t v = 0; v < visited_.size(); ++v) {
+    for (std::size_t q = 0; q < 4; ++q) {
+      if (view.tree.child(visited_[v].chunk, q) == RankTree::kNone && quarter_bound(v, q) > 0) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace curvecast

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "core/base/capacity.h"
@@ -18,7 +19,7 @@ namespace curvecast {
 
 /// Names a point that a selection shows.
 struct RankRef {
-  std::uint32_t chunk;  // of the selection's tree
+  std::uint32_t part;   // of the selection, which says which chunk
   std::uint16_t point;  // of the chunk
   std::uint8_t rung;    // of its disc, see RadiusLadder; 0 where it is not known
 };
@@ -35,21 +36,22 @@ struct RankSelection {
   static constexpr std::size_t kWord = 64;
 
   struct Part {
-    std::uint32_t chunk;      // of tree->chunks()
-    std::uint32_t first_bit;  // of the chunk's points in `shown`; a multiple of 64
+    RankTree::Chunk chunk;
+    std::uint32_t first_bit;                // of the chunk's points in `shown`; a multiple of 64
+    std::uint32_t index = RankTree::kNone;  // of the chunk in tree->chunks()
   };
 
-  std::shared_ptr<const RankTree> tree;
-  std::vector<Part> parts;           // all chunks with points that are shown, and maybe others, ascending
-  std::vector<std::uint64_t> shown;  // a bit for each of their points
-  std::size_t count = 0;             // of points shown
+  std::shared_ptr<const RankTree> tree;  // from which it was selected; null where only what is shown is kept
+  std::vector<Part> parts;               // all chunks with points that are shown, and maybe others, ascending by id
+  std::vector<std::uint64_t> shown;      // a bit for each of their points
+  std::size_t count = 0;                 // of points shown
   // Rungs of the discs of the points shown on the curve's RadiusLadder, in the order of their bits; none where not known.
   std::vector<std::uint8_t> rungs;
   float scale = 0;  // the largest that a point shown needs; a guess where fewer points are shown than were asked for
   /// Chunks that are not in the tree and may have points to be shown. Without any the selection is what it would be with all
   /// chunks.
   std::vector<ChunkId> lacking;
-  /// Somewhere the density shows more points than the deepest level has.
+  /// Somewhere the density shows more points than level kMaxRankLevel has.
   bool is_exhausted = false;
 
   /// Bytes allocated, in use or not; the tree is shared and not counted.
@@ -58,16 +60,19 @@ struct RankSelection {
     return capacity_bytes(p, s, r, l);
   }
 
+  const RankChunk& chunk(const RankRef& ref) const { return *parts[ref.part].chunk; }
+
   /// Calls visit(RankRef, index of its bit) for every point shown: chunk by chunk, along the curve in each.
   template <typename Visit>
   void for_each_shown(const Visit& visit) const {
     std::size_t i = 0;
-    for (const Part& part : parts) {
-      const std::size_t words = tree->chunks()[part.chunk]->size() / kWord;
+    for (std::uint32_t p = 0; p < parts.size(); ++p) {
+      const Part& part = parts[p];
+      const std::size_t words = part.chunk->size() / kWord;
       for (std::size_t w = 0; w < words; ++w) {
         for_each_bit(shown[part.first_bit / kWord + w], w * kWord, [&](std::size_t point) {
           const std::uint8_t rung = rungs.empty() ? std::uint8_t{0} : rungs[i++];
-          visit(RankRef{part.chunk, static_cast<std::uint16_t>(point), rung}, part.first_bit + point);
+          visit(RankRef{p, static_cast<std::uint16_t>(point), rung}, part.first_bit + point);
         });
       }
     }
@@ -79,8 +84,10 @@ class RankSelector {
  public:
   /// Selects the n > 0 points that need the least scale; of points that need the same, those of lower ranks. Selects fewer where
   /// fewer points of the tree have a density. The density is the fixed one (null: 1 everywhere) times the view's.
+  /// `expected_scale`: about that of the result, as the scale of a similar view; 0: not known. It makes no difference but of
+  /// time.
   void select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, std::uint64_t n,
-              RankSelection& out);
+              RankSelection& out, float expected_scale = 0);
 
   /// Writes the density at the points that the last selection shows, selection.count of them in the order of their bits.
   void densities(const RankSelection& selection, std::span<float> out) const;
@@ -96,8 +103,11 @@ class RankSelector {
   /// A point that may be among the last of the selection.
   struct WindowPoint {
     float key;
-    std::uint32_t rank, key_index;
-    bool operator<(const WindowPoint& other) const { return key < other.key || (key == other.key && rank < other.rank); }
+    std::uint64_t rank;
+    std::uint32_t key_index;
+    bool operator<(const WindowPoint& other) const {
+      return std::tie(key, rank, key_index) < std::tie(other.key, other.rank, other.key_index);
+    }
   };
 
   struct View {
@@ -106,8 +116,16 @@ class RankSelector {
     const ViewFactor& factor;
   };
 
-  /// Returns a scale at which about n points are shown, rather more.
+  /// Returns a scale at which about n points are shown, as the lowest ranks have it; 0 where hardly any of them are in view.
   float guess_scale(const View& view, std::uint64_t n);
+  /// Does the same from all points that were visited; 0 where nothing has a density. Precondition: all keys are known.
+  float measure_scale(const View& view, std::uint64_t n) const;
+  /// Returns a bound of the density in a quarter of a visited chunk's stratum.
+  float quarter_bound(std::size_t v, std::size_t quarter) const;
+  /// Writes out.lacking and out.is_exhausted, for out.scale.
+  void find_lacking(const View& view, RankSelection& out) const;
+  /// Says whether any visited chunk has no child where there is a density.
+  bool any_lacking(const View& view) const;
   /// Visits the chunks with points that may be shown at a scale, and finds the scale that each of their points needs. Returns
   /// whether all points of the tree that have a density are among them.
   bool visit(const View& view, float scale);

@@ -54,7 +54,7 @@ class Relaxation {
   }
 
   void run() {
-    std::vector<std::pair<std::uint32_t, std::size_t>> by_rank;
+    std::vector<std::pair<std::uint64_t, std::size_t>> by_rank;
     for (std::size_t c = 0; c < points_.size(); ++c) {
       if (points_[c].rank >= n_) by_rank.emplace_back(points_[c].rank, c);
     }

@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::size_t kAhead = 12;  // points whose data the memory brings beforehand
 
-void prefetch(const RankTree& tree, const RankRef& ref) {
-  const RankChunk& chunk = *tree.chunks()[ref.chunk];
+void prefetch(const RankSelection& selection, const RankRef& ref) {
+  const RankChunk& chunk = selection.chunk(ref);
   for (const std::vector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) __builtin_prefetch(column->data() + ref.point);
   for (const std::vector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) __builtin_prefetch(column->data() + ref.point);
   __builtin_prefetch(chunk.rank.data() + ref.point);
@@ -39,7 +39,7 @@ void find_rungs(const SurfaceCurve& curve, const RankSelector& selector, std::ve
     const RankTree& tree = *selection.tree;
     std::size_t i = 0;
     selection.for_each_shown([&](const RankRef& ref, std::size_t) {
-      const int level = tree.level_at(ref.chunk, tree.chunks()[ref.chunk]->curve_position[ref.point]);
+      const int level = tree.level_at(selection.parts[ref.part].index, selection.chunk(ref).curve_position[ref.point]);
       const float most = static_cast<float>(std::ldexp(1.0, 2 * level)) / selection.scale;
       density[i] = std::min(density[i], most);
       ++i;
@@ -52,16 +52,17 @@ void find_rungs(const SurfaceCurve& curve, const RankSelector& selector, std::ve
 }  // namespace
 
 absl::Status select_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
-                           const Density& density, std::uint64_t n, RankedWorkspace& workspace) {
+                           const Density& density, std::uint64_t n, RankedWorkspace& workspace, float expected_scale) {
   if (absl::Status status = check_sample(n, density); !status.ok()) return status;
   RankSelection& selection = workspace.selection;
-  workspace.selector.select(tree, fixed, ViewFactor(curve, density), n, selection);
+  workspace.selector.select(tree, fixed, ViewFactor(curve, density), n, selection, expected_scale);
   if (selection.count == 0 && selection.lacking.empty()) return nowhere_to_put_points();
   find_rungs(curve, workspace.selector, workspace.density, selection);
   return absl::OkStatus();
 }
 
-void gather_ranked(const SurfaceCurve& curve, const RankTree& tree, std::span<const RankRef> refs, PointSet& points) {
+void gather_ranked(const SurfaceCurve& curve, const RankSelection& selection, std::span<const RankRef> refs, PointSet& points,
+                   bool with_places) {
   const std::size_t n = refs.size();
   points.origin = curve.origin;
   points.positions.resize(n);
@@ -69,37 +70,35 @@ void gather_ranked(const SurfaceCurve& curve, const RankTree& tree, std::span<co
   points.radii.resize(n);
   points.vertices.resize(n);
   points.ranks.resize(n);
+  points.places.resize(with_places ? n : 0);
+  points.colours.resize(curve.colour.empty() ? 0 : n);
   const RadiusLadder ladder(SplatRadius::largest(curve));
-  // A point between the vertices of a coarse curve may stand a little off the surface: not outside of the box, which all
-  // that encode points count on.
-  const Vec3f low = (curve.box.min - curve.origin).cast<float>(), high = (curve.box.max - curve.origin).cast<float>();
   for (std::size_t i = 0; i < n; ++i) {
-    prefetch(tree, refs[std::min(i + kAhead, n - 1)]);
-    const RankChunk& chunk = *tree.chunks()[refs[i].chunk];
+    prefetch(selection, refs[std::min(i + kAhead, n - 1)]);
+    const RankChunk& chunk = selection.chunk(refs[i]);
     const std::uint16_t p = refs[i].point;
-    points.positions[i] = Vec3f(chunk.x[p], chunk.y[p], chunk.z[p]).cwiseMax(low).cwiseMin(high);
+    points.positions[i] = Vec3f(chunk.x[p], chunk.y[p], chunk.z[p]);
     points.normals[i] = {chunk.nx[p], chunk.ny[p], chunk.nz[p]};
     points.radii[i] = ladder.radius(refs[i].rung);
     points.vertices[i] = chunk.vertex[p];
-    points.ranks[i] = chunk.rank[p];
+    points.ranks[i] = static_cast<std::uint32_t>(std::min<std::uint64_t>(chunk.rank_of(p), UINT32_MAX));
+    if (with_places) points.places[i] = {chunk.face[p], chunk.weight_1[p], chunk.weight_2[p]};
+    if (!points.colours.empty()) points.colours[i] = chunk.colour[p];
   }
-  points.colours.resize(curve.colour.empty() ? 0 : n);
-  for (std::size_t i = 0; i < points.colours.size(); ++i) points.colours[i] = curve.colour[points.vertices[i]];
 }
 
-void list_ranked(const SurfaceCurve& curve, RankedWorkspace& workspace) {
+void list_ranked(const SurfaceCurve& curve, RankedWorkspace& workspace, bool with_places) {
   const RankSelection& selection = workspace.selection;
-  const RankTree& tree = *selection.tree;
   std::vector<RankRef>& shown = workspace.shown;
   std::vector<std::uint64_t>& keys = workspace.list_delta.keys;
   shown.clear();
   keys.clear();
   selection.for_each_shown([&](const RankRef& ref, std::size_t) {
-    keys.push_back(std::uint64_t{tree.chunks()[ref.chunk]->curve_position[ref.point]} << 32 | shown.size());
+    keys.push_back(curve_key(selection.chunk(ref).curve_position[ref.point], shown.size()));
     shown.push_back(ref);
   });
   sort_along_curve(keys, workspace.list_delta.scratch, shown, workspace.refs);
-  gather_ranked(curve, tree, workspace.refs, workspace.points);
+  gather_ranked(curve, selection, workspace.refs, workspace.points, with_places);
 }
 
 absl::Status sample_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,

@@ -21,14 +21,17 @@ namespace curvecast {
 /// Selects the n points that a density shows first, fewer where the tree has no more, and finds their discs. Writes
 /// workspace.selection; the chunks that the tree lacks for it are workspace.selection.lacking.
 /// InvalidArgument: n = 0, a bad density. OutOfRange: n > kMaxPoints. FailedPrecondition: the density is zero everywhere.
+/// `expected_scale`: see RankSelector::select().
 absl::Status select_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
-                           const Density& density, std::uint64_t n, RankedWorkspace& workspace);
+                           const Density& density, std::uint64_t n, RankedWorkspace& workspace, float expected_scale = 0);
 
-/// Writes the data of the points `refs` of a tree to `points`, in this order. Radii are those of the refs' rungs.
-void gather_ranked(const SurfaceCurve& curve, const RankTree& tree, std::span<const RankRef> refs, PointSet& points);
+/// Writes the data of the points `refs` of a selection to `points`, in this order; their places on faces only if asked for. Radii
+/// are those of the refs' rungs.
+void gather_ranked(const SurfaceCurve& curve, const RankSelection& selection, std::span<const RankRef> refs, PointSet& points,
+                   bool with_places = false);
 
 /// Writes the data of all points of workspace.selection to workspace.points, in curve order.
-void list_ranked(const SurfaceCurve& curve, RankedWorkspace& workspace);
+void list_ranked(const SurfaceCurve& curve, RankedWorkspace& workspace, bool with_places = false);
 
 /// Calls select_ranked(), then list_ranked(). Errors as of select_ranked().
 absl::Status sample_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,

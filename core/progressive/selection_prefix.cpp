@@ -15,10 +15,9 @@ constexpr std::size_t kWord = RankSelection::kWord;
 
 /// Returns the first of a chunk's points that is not before `position`, which lies in the chunk's stratum. Each stratum of the
 /// chunk's level has one point; of four strata one has its point in a chunk of a lower level, but for the first chunk.
-std::size_t first_from(const RankChunk& chunk, std::uint32_t position) {
-  static_assert(2 * kMaxRankLevel <= 32, "curve positions tell strata apart");
-  const std::size_t stratum = position >> (32 - 2 * chunk.id.level) & (kChunkStrata - 1);
-  const std::uint32_t* const positions = chunk.curve_position.data();
+std::size_t first_from(const RankChunk& chunk, std::uint64_t position) {
+  const std::size_t stratum = position >> (64 - 2 * chunk.id.level) & (kChunkStrata - 1);
+  const std::uint64_t* const positions = chunk.curve_position.data();
   const auto is_before = [&](std::size_t i) { return positions[i] < position ? std::size_t{1} : std::size_t{0}; };
   if (chunk.id.level == kChunkLevels) return stratum + is_before(stratum);
   const std::size_t first = stratum / 4 * 3;
@@ -26,12 +25,14 @@ std::size_t first_from(const RankChunk& chunk, std::uint32_t position) {
 }
 
 /// Returns which of some ascending curve positions lie in the chunk's stratum: [first, second).
-std::pair<std::size_t, std::size_t> in_stratum(const ChunkId& id, std::span<const std::uint32_t> positions) {
-  const int bits = 32 - 2 * (id.level - kChunkLevels);
-  const auto from = [&](std::uint64_t position) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(positions, position) - positions.begin());
+std::pair<std::size_t, std::size_t> in_stratum(const ChunkId& id, std::span<const std::uint64_t> positions) {
+  if (id.level == kChunkLevels) return {0, positions.size()};
+  const int bits = 64 - 2 * (id.level - kChunkLevels);
+  const auto from = [&](std::uint64_t stratum) {
+    const auto at = std::ranges::lower_bound(positions, stratum, {}, [bits](std::uint64_t position) { return position >> bits; });
+    return static_cast<std::size_t>(at - positions.begin());
   };
-  return {from(id.index << bits), from((id.index + 1) << bits)};
+  return {from(id.index), from(id.index + 1)};
 }
 
 /// Counts the bits below an index in a row of words; the indices asked for must ascend.
@@ -53,18 +54,18 @@ class BitsBelow {
 
 }  // namespace
 
-CURVECAST_WIDE void count_selected_before(const RankSelection& selection, std::span<const std::uint32_t> curve_positions,
+CURVECAST_WIDE void count_selected_before(const RankSelection& selection, std::span<const std::uint64_t> curve_positions,
                                           std::span<std::uint32_t> before) {
   std::ranges::fill(before, 0);
   for (const RankSelection::Part& part : selection.parts) {
     // Positions after the chunk's stratum have all of its points before them: added up below.
-    const RankChunk& chunk = *selection.tree->chunks()[part.chunk];
+    const RankChunk& chunk = *part.chunk;
     const std::size_t end = in_stratum(chunk.id, curve_positions).second;
     if (end < before.size()) before[end] += BitsBelow(&selection.shown[part.first_bit / kWord])(chunk.size());
   }
   std::partial_sum(before.begin(), before.end(), before.begin());
   for (const RankSelection::Part& part : selection.parts) {
-    const RankChunk& chunk = *selection.tree->chunks()[part.chunk];
+    const RankChunk& chunk = *part.chunk;
     const auto [first, end] = in_stratum(chunk.id, curve_positions);
     BitsBelow bits_below(&selection.shown[part.first_bit / kWord]);
     for (std::size_t i = first; i < end; ++i) before[i] += bits_below(first_from(chunk, curve_positions[i]));

@@ -11,7 +11,7 @@ namespace curvecast {
 /// Sets before[i] to the number of selected points whose RankChunk::curve_position is below curve_positions[i]. curve_positions
 /// ascend; `before` has as many entries. Takes a step for each chunk of the selection, and a few for each level and curve
 /// position: not one for each point.
-void count_selected_before(const RankSelection& selection, std::span<const std::uint32_t> curve_positions,
+void count_selected_before(const RankSelection& selection, std::span<const std::uint64_t> curve_positions,
                            std::span<std::uint32_t> before);
 
 }  // namespace curvecast

@@ -91,21 +91,27 @@ class GapShrinker {
   /// Adds the points that are to come in open groups. Their strata are known: each counts as there, in the middle of its stratum.
   void expect_points(const CurveStrata& strata, std::span<const RankedPoint> open) {
     const int shift = child_shift(candidates_.group().level);
+    std::vector<std::pair<std::uint64_t, const RankedPoint*>> expected;  // curve positions, and the points of the same strata
     for (const RankedPoint& p : open) {
       if (box_.squaredExteriorDistance(position_of(p)) > kExpectedRange * kExpectedRange * fine_ * fine_) continue;
       const std::uint64_t own = p.curve_position >> shift, first = own / 4 * 4;
       for (std::uint64_t sibling = first; sibling < first + 4; ++sibling) {
-        if (sibling == own) continue;
-        const std::uint64_t middle = (sibling << shift) + (std::uint64_t{1} << (shift - 1));
-        const std::uint32_t vertex = strata.vertex_at(unit_curve_position(middle));
-        const Vec3f x = strata.curve().position(vertex);
-        others_.push_back({middle, {x.x(), x.y(), x.z()}, {p.normal[0], p.normal[1], p.normal[2]}, vertex, 0});
+        if (sibling != own) expected.emplace_back((sibling << shift) + (std::uint64_t{1} << (shift - 1)), &p);
       }
+    }
+    std::sort(expected.begin(), expected.end());
+    std::vector<double> t;
+    for (const auto& [middle, p] : expected) t.push_back(unit_curve_position(middle));
+    std::vector<CurvePoint> at(t.size());
+    strata.points_at(t, 0.25 / static_cast<double>(n_), at);
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      std::copy_n(expected[i].second->normal, 3, at[i].normal);  // which side it is on
+      others_.push_back({at[i], expected[i].first, 0});
     }
   }
 
   void find_around() {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> by_rank;
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> by_rank;
     for (std::uint32_t i = 0; i < points_.size() + others_.size(); ++i) by_rank.emplace_back(point(i).rank, i);
     std::sort(by_rank.begin(), by_rank.end());
     around_.resize(points_.size());

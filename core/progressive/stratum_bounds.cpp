@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::size_t kGrain = 512;  // blocks
 constexpr float kSlack = 1.0001f;    // for rounding
+constexpr std::size_t kSpread = 64;  // points that stand for a stratum within few leaves
+constexpr float kBeyond = 1.3f;      // by which points of a stratum may lie farther out than those that stand for it
 
 /// Returns the distance from a leaf's vertex to its farthest corner.
 float extent(const LeafFrame& frame) { return 0.5f * (frame.along_x.norm() + frame.along_y.norm()); }
@@ -32,6 +34,7 @@ StratumBounds::StratumBounds(const CurveStrata& strata) : strata_(&strata), exte
 }
 
 StratumBound StratumBounds::of(int level, std::uint64_t stratum) const {
+  if (strata_->is_within_leaves(level, stratum)) return within_leaves(level, stratum);
   const SurfaceCurve& curve = strata_->curve();
   StratumBound bound;
   bound.first_vertex = strata_->vertex_at(std::ldexp(static_cast<double>(stratum), -2 * level));
@@ -54,14 +57,40 @@ StratumBound StratumBounds::of(int level, std::uint64_t stratum) const {
   bound.centre = box.center();
   const float length = normals.norm();
   bound.normal = length > 0 ? Vec3f(normals / length) : normal(begin);
+  float step_of_normals = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const float radius = is_short ? extent_[i / kBlockSize] : blocks.radius[i] + extent_[i];
     const float spread = is_short ? 0 : blocks.spread[i];
+    if (is_short && i > begin) step_of_normals = std::max(step_of_normals, (normal(i) - normal(i - 1)).norm());
     bound.radius = std::max(bound.radius, (position(i) - bound.centre).norm() + radius);
     bound.spread = std::max(bound.spread, (normal(i) - bound.normal).norm() + spread);
   }
   bound.radius *= kSlack;
-  bound.spread *= kSlack;
+  // The normals within a leaf vary about as those of neighbouring leaves do.
+  bound.spread = kSlack * (bound.spread + step_of_normals);
+  return bound;
+}
+
+StratumBound StratumBounds::within_leaves(int level, std::uint64_t stratum) const {
+  const std::vector<CurvePoint> points = strata_->spread_over(level, stratum, kSpread);
+  StratumBound bound;
+  bound.first_vertex = points.front().vertex;
+  bound.last_vertex = points.back().vertex;
+  Eigen::AlignedBox3f box;
+  Vec3f normals = Vec3f::Zero();
+  for (const CurvePoint& p : points) {
+    box.extend(Vec3f(p.position[0], p.position[1], p.position[2]));
+    normals += Vec3f(p.normal[0], p.normal[1], p.normal[2]);
+  }
+  bound.centre = box.center();
+  const float length = normals.norm();
+  if (length > 0) bound.normal = normals / length;
+  for (const CurvePoint& p : points) {
+    bound.radius = std::max(bound.radius, (Vec3f(p.position[0], p.position[1], p.position[2]) - bound.centre).norm());
+    bound.spread = std::max(bound.spread, (Vec3f(p.normal[0], p.normal[1], p.normal[2]) - bound.normal).norm());
+  }
+  bound.radius *= kBeyond;
+  bound.spread *= kBeyond;
   return bound;
 }
 

@@ -27,6 +27,8 @@ class StratumBounds {
   StratumBound of(int level, std::uint64_t stratum) const;
 
  private:
+  StratumBound within_leaves(int level, std::uint64_t stratum) const;
+
   const CurveStrata* strata_;
   std::vector<float> extent_;  // of each block of curve vertices: the largest distance from a vertex to a corner of its leaf
 };

@@ -144,8 +144,7 @@ class GroupFiller {
     }
     const CandidatePoints& candidates = candidates_.in_child(chosen);
     const float enough = std::min(kTargetRelativeRadius * kTargetRelativeRadius * unit * unit, kAcceptedShare * best.value);
-    points_[chosen] = candidates_.point(chosen, central_candidate(candidates, candidates.nearest_higher, count, enough),
-                                        static_cast<std::uint32_t>(rank));
+    points_[chosen] = candidates_.point(chosen, central_candidate(candidates, candidates.nearest_higher, count, enough), rank);
     candidates_.child(chosen).has_point = true;
     ++point_count_[chosen / 4];
     return chosen;

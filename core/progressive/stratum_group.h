@@ -12,12 +12,9 @@
 namespace curvecast {
 
 /// A point with a fixed position and rank.
-struct RankedPoint {
+struct RankedPoint : CurvePoint {
   std::uint64_t curve_position;  // in steps of 2^-64 of the whole area: the highest 2 l bits are the point's stratum of level l
-  float position[3];             // relative to the curve's origin
-  float normal[3];               // unit length
-  std::uint32_t vertex;          // the curve vertex where the point is, or in whose leaf
-  std::uint32_t rank;            // see progressive.h
+  std::uint64_t rank;            // see progressive.h
 };
 
 /// A group has 4^kGroupLevels strata.

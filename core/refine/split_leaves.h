@@ -7,8 +7,8 @@
 #include <span>
 
 #include "core/base/execution_context.h"
+#include "core/curve/curve_base.h"
 #include "core/curve/surface_curve.h"
-#include "core/refine/curve_base.h"
 
 namespace curvecast {
 

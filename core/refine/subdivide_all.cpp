@@ -141,11 +141,8 @@ SurfaceCurve subdivide_all(const CurveBase& base, const SurfaceCurve& curve, int
   const std::vector<Block> blocks = blocks_of(curve, levels);
   const std::size_t total = blocks.back().at;
   out.resize(total, base.data.colour != nullptr);
-  std::vector<SurfaceMapper> mappers;
-  mappers.reserve(base.charts.size());
-  for (std::size_t d = 0; d < base.charts.size(); ++d) mappers.emplace_back(base.data, base.charts[d], base.triangles[d]);
   tbb::parallel_for(std::size_t{0}, blocks.size() - 1,
-                    [&](std::size_t i) { divide(base, mappers[blocks[i].disc], curve, levels, blocks[i], out); });
+                    [&](std::size_t i) { divide(base, base.mappers[blocks[i].disc], curve, levels, blocks[i], out); });
   for (const Block& block : blocks) {
     // Every disc has a leaf, and so a block.
     if (out.disc_begin.size() <= block.disc) out.disc_begin.push_back(static_cast<std::uint32_t>(block.at));

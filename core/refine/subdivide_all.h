@@ -1,8 +1,8 @@
 // Divides every leaf of a curve: the quick way to a finer one where the whole surface needs it (paper, section 4.5).
 #pragma once
 
+#include "core/curve/curve_base.h"
 #include "core/curve/surface_curve.h"
-#include "core/refine/curve_base.h"
 
 namespace curvecast {
 

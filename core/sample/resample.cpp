@@ -57,6 +57,7 @@ void gather(const SurfaceCurve& curve, std::span<const float> fixed, const ViewF
   const std::vector<std::uint32_t>& vertices = points.vertices;
   const std::size_t n = vertices.size();
   points.ranks.clear();
+  points.places.clear();
   points.origin = curve.origin;
   points.positions.resize(n);
   points.normals.resize(n);

@@ -65,8 +65,9 @@ void archive(Archive& fields, T& term) {
 
 template <typename Archive, ConstOr<DistanceTerm> T>
 void archive(Archive& fields, T& term) {
-  auto& [near, far, global] = term;
+  auto& [near, far, global, fall] = term;
   fields(near, far, global);
+  fields.choice(fall, DistanceFall::kLinear);
 }
 
 template <typename Archive, ConstOr<FrustumTerm> T>

@@ -16,7 +16,8 @@ std::vector<std::int32_t> undone(const std::vector<std::uint32_t>& symbols, std:
   const std::int64_t length = std::int64_t{range.most} - range.least + 1;
   for (std::size_t i = 0; i < symbols.size(); ++i) {
     const std::int64_t half = symbols[i] / 2;
-    std::int64_t value = (i < components ? range.least : values[i - components]) + (symbols[i] % 2 == 0 ? half : -half - 1);
+    std::int64_t value = (i < components ? std::clamp(0, range.least, range.most) : values[i - components]) +
+                         (symbols[i] % 2 == 0 ? half : -half - 1);
     if (value < range.least) value += length;
     if (value > range.most) value -= length;
     values.push_back(static_cast<std::int32_t>(value));
@@ -28,9 +29,11 @@ TEST(DeltaSymbols, CanBeUndone) {
   for (const std::int32_t most : {1, 2, 255, 2047, 1 << 20, 1 << 30}) {
     for (const std::size_t points : {1u, 2u, 3u, 9u, 1000u}) {
       for (const std::size_t components : {1u, 2u, 3u}) {
+        // From 0 on, on both sides of it, or below.
+        const std::int32_t shift = static_cast<std::int32_t>(points % 3) * (most / 2 + 1);
         std::vector<std::int32_t> values;
         for (std::size_t i = 0; i < components * points; ++i) {
-          values.push_back(static_cast<std::int32_t>((static_cast<double>(most) + 1) * random_unit(2, i)));
+          values.push_back(static_cast<std::int32_t>((static_cast<double>(most) + 1) * random_unit(2, i)) - shift);
         }
         const ValueRange range = range_of(values);
         EXPECT_EQ(range.least, *std::min_element(values.begin(), values.end()));

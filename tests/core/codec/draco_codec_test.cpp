@@ -120,6 +120,24 @@ TEST(DracoCodec, KeepsPositionsInOrderWithinHalfALatticeStep) {
   }
 }
 
+// Draco's own decoder takes coordinates below 0, and gives what is near the centre as exactly as floats can.
+TEST(DracoCodec, KeepsPositionsAboutACentreFarFinerThanFloatsOfTheBox) {
+  for (const int bits : {11, 23, 29}) {
+    const double step = 2e6 / (std::exp2(bits) - 1);
+    for (const std::size_t n : {1u, 2u, 3000u}) {
+      PointSet points = random_points(n);
+      for (Vec3f& position : points.positions) position *= static_cast<float>(1000 * step);
+      const Decoded back = decoded(
+          encoded(points, {.position_bits = bits, .box_min = Vec3d(-1e6, -1e6, -1e6), .box_size = 2e6, .is_centred = true})
+              .bytes);
+      ASSERT_EQ(back.positions.size(), n);
+      for (std::size_t i = 0; i < n; ++i) {
+        ASSERT_LE((back.positions[i] - points.positions[i]).cwiseAbs().maxCoeff(), 0.501 * step) << bits << ", point " << i;
+      }
+    }
+  }
+}
+
 TEST(DracoCodec, KeepsNormalsWithinTheOctahedralStep) {
   const PointSet points = random_points(20'000);
   for (const int bits : {4, 6, 8, 10, 12, 16}) {

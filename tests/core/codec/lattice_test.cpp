@@ -42,6 +42,36 @@ TEST(Lattice, RoundsToTheNearestPoint) {
   }
 }
 
+// A box a million times as large as the places of interest, which lie about (0, 0, 0), on both sides.
+TEST(Lattice, CountsFromACentreAsFinelyAsFloatsAreThere) {
+  for (const int bits : {11, 23, 30}) {
+    const Lattice lattice{.low = Vec3f(-0.25e6f, -0.5e6f, -0.75e6f), .size = 1e6f, .bits = bits, .is_centred = true};
+    const double step = 1e6 / (std::exp2(bits) - 1);
+    std::vector<Vec3f> positions;
+    for (std::size_t i = 0; i < 1001; ++i) {
+      const auto random = [&](std::uint64_t k) { return static_cast<float>(200 * step * (random_unit(4, 3 * i + k) - 0.5)); };
+      positions.emplace_back(random(0), random(1), random(2));
+    }
+    std::vector<std::int32_t> coordinates(3 * positions.size());
+    ASSERT_TRUE(to_lattice(lattice, positions, coordinates).ok());
+    std::int32_t least = 0, most = 0;
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      const double x = positions[i / 3][static_cast<int>(i % 3)];
+      ASSERT_NEAR(step * coordinates[i], x, 0.5001 * step);
+      least = std::min(least, coordinates[i]), most = std::max(most, coordinates[i]);
+    }
+    EXPECT_LT(least, -90);
+    EXPECT_GT(most, 90);
+    // To the ends of the box, and no farther.
+    const std::vector<Vec3f> corners = {lattice.low, lattice.low + Vec3f::Constant(lattice.size)};
+    ASSERT_TRUE(to_lattice(lattice, corners, std::span(coordinates).first(6)).ok());
+    for (std::size_t i = 0; i < 6; ++i) {
+      EXPECT_NEAR(coordinates[i] / (corners[i / 3][static_cast<int>(i % 3)] / step), 1, 1e-3);
+    }
+    EXPECT_FALSE(to_lattice(lattice, std::vector<Vec3f>{{0.8e6f, 0, 0}}, coordinates).ok());
+  }
+}
+
 TEST(Lattice, PutsWhatIsJustOutsideOnTheSide) {
   const Lattice lattice{.low = Vec3f(-1, -1, -1), .size = 2, .bits = 8};
   std::vector<std::int32_t> coordinates(6);

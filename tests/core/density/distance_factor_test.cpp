@@ -63,6 +63,23 @@ TEST(DistanceFactor, IsOneForOrthographicCamerasAndGlobalTerms) {
   for (const float value : density_of(curve, density)) EXPECT_EQ(value, 1);
 }
 
+TEST(PointScale, NeverRisesOnTheWayAway) {
+  const Box3d box = {Vec3d(-1, -1, -1), Vec3d(1, 1, 1)};
+  for (const DistanceTerm& term : {DistanceTerm{.global = true}, DistanceTerm{.global = true, .fall = DistanceFall::kInverse},
+                                   DistanceTerm{.far = 50, .global = true, .fall = DistanceFall::kLinear}}) {
+    double before = 1;
+    for (double eye = 0.5; eye < 1000; eye *= 1.1) {
+      const double scale = point_scale(seen_from(Vec3d(0, 0, eye), {term}), box);
+      EXPECT_LE(scale, before) << eye;
+      if (eye < box.diagonal()) {
+        EXPECT_EQ(scale, 1) << "the mesh fills the picture";
+      }
+      before = scale;
+    }
+    EXPECT_LT(before, 0.01);
+  }
+}
+
 TEST(PointScale, FollowsTheDistanceOfTheBox) {
   const Box3d box = {Vec3d(-1, -1, -1), Vec3d(1, 1, 1)};
   const auto scale = [&](double eye, const DistanceTerm& term) { return point_scale(seen_from(Vec3d(0, 0, eye), {term}), box); };
@@ -70,7 +87,12 @@ TEST(PointScale, FollowsTheDistanceOfTheBox) {
   EXPECT_NEAR(scale(4, {.near = 1, .global = true}), 1.0 / 16, 1e-12);
   EXPECT_NEAR(scale(4, {.near = 1, .far = 2, .global = true}), 0.25, 1e-12);
   EXPECT_EQ(scale(4, {.near = 8, .global = true}), 1);
-  EXPECT_NEAR(scale(4, {.global = true}), 9.0 / 16, 1e-12) << "the box is 3 away, its centre 4";
+  EXPECT_NEAR(scale(8, {.near = 2, .global = true, .fall = DistanceFall::kInverse}), 0.25, 1e-12);
+  EXPECT_NEAR(scale(8, {.near = 2, .far = 10, .global = true, .fall = DistanceFall::kLinear}), 0.25, 1e-12);
+  EXPECT_EQ(scale(1, {.near = 2, .far = 10, .global = true, .fall = DistanceFall::kLinear}), 1);
+  EXPECT_EQ(scale(11, {.near = 2, .far = 10, .global = true, .fall = DistanceFall::kLinear}), 0);
+  EXPECT_EQ(scale(2, {.near = 2, .far = 2, .global = true, .fall = DistanceFall::kLinear}), 1);
+  EXPECT_EQ(scale(3, {.near = 2, .far = 2, .global = true, .fall = DistanceFall::kLinear}), 0);
   EXPECT_EQ(point_scale({}, box), 1);
   Density two = seen_from(Vec3d(0, 0, 10), {DistanceTerm{.near = 1, .global = true}});
   two.cameras.push_back(camera_at(Vec3d(2, 0, 0)));

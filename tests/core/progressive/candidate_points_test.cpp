@@ -19,7 +19,8 @@ constexpr StratumGroup kGroup{3, 0};
 
 TEST(CandidatePoints, LieInTheirStrata) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   const GroupCandidates candidates(strata, kGroup, 1);
   ASSERT_EQ(candidates.size(), 256u);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -36,11 +37,12 @@ TEST(CandidatePoints, LieInTheirStrata) {
 
 TEST(CandidatePoints, KnowTheNearestPointThatTheyFace) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   const GroupCandidates candidates(strata, kGroup, 0);
   std::array<float, kCandidates> least;
   least.fill(kFar);
-  RankedPoint p{0, {0.5f, 0.5f, 0.25f}, {0, 0, 1}, 0, 0};
+  RankedPoint p{{{{0.5f, 0.5f, 0.25f}, {0, 0, 1}, 0, 0, 0}, 0}, 0, 0};
   candidates.take_nearer(100, p, 2, least.data());
   const CandidatePoints& in_child = candidates.in_child(100);
   for (std::size_t k = 0; k < kCandidates; ++k) {

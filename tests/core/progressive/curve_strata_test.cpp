@@ -22,7 +22,8 @@ std::shared_ptr<SurfaceCurve> uneven_curve() {
 
 TEST(CurveStrata, FindTheVertexByArea) {
   const auto curve = uneven_curve();
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   double before = 0;
   for (std::size_t l = 0; l < curve->size(); ++l) {
     const double area = static_cast<double>(curve->area[l]);
@@ -39,12 +40,13 @@ TEST(CurveStrata, FindTheVertexByArea) {
 
 TEST(CurveStrata, PointsAreInTheLeavesOfTheirVertices) {
   const auto curve = uneven_curve();
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   for (const std::size_t n : {1u, 50u, 5000u}) {
     std::vector<double> t(n);
     for (std::size_t i = 0; i < n; ++i) t[i] = (static_cast<double>(i) + random_unit(2, i)) / static_cast<double>(n);
     std::vector<CurvePoint> points(n);
-    strata.points_at(t, points);
+    strata.points_at(t, 1.0 / static_cast<double>(t.size()), points);
     for (std::size_t i = 0; i < n; ++i) {
       ASSERT_EQ(points[i].vertex, strata.vertex_at(t[i]));
       const Vec3f p(points[i].position[0], points[i].position[1], points[i].position[2]);
@@ -55,11 +57,12 @@ TEST(CurveStrata, PointsAreInTheLeavesOfTheirVertices) {
 
 TEST(CurveStrata, ManyPointsFillTheLeaf) {
   const auto curve = flat_curve(2);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   std::vector<double> t(4096);
   for (std::size_t i = 0; i < t.size(); ++i) t[i] = (static_cast<double>(i) + 0.5) / 4096;
   std::vector<CurvePoint> points(t.size());
-  strata.points_at(t, points);
+  strata.points_at(t, 1.0 / static_cast<double>(t.size()), points);
   std::vector<int> in_cell(4096);
   for (const CurvePoint& point : points) {
     ++in_cell[static_cast<std::size_t>(point.position[0] * 64) + 64 * static_cast<std::size_t>(point.position[1] * 64)];
@@ -67,16 +70,20 @@ TEST(CurveStrata, ManyPointsFillTheLeaf) {
   for (const int count : in_cell) EXPECT_EQ(count, 1);
 }
 
-TEST(CurveStrata, BoxesHoldTheLeaves) {
-  const auto curve = flat_curve(5);
-  const CurveStrata strata(*curve);
-  for (std::uint64_t stratum = 0; stratum < 16; ++stratum) {
-    const Eigen::AlignedBox3f box = strata.box(2, stratum);
-    const HilbertCell cell = hilbert_cell(stratum, 2);
-    const Vec3f corner(static_cast<float>(cell.x) / 4, static_cast<float>(cell.y) / 4, 0);
-    EXPECT_TRUE(box.contains(corner));
-    EXPECT_TRUE(box.contains(Vec3f(corner + Vec3f(0.25f, 0.25f, 0))));
-    EXPECT_LT(box.sizes().head<2>().maxCoeff(), 0.33f);
+TEST(CurveStrata, PointsSpreadOverAStratumLieInIt) {
+  const auto surface = flat_surface(flat_curve(3));
+  const CurveStrata strata(*surface);
+  for (const int level : {2, 5}) {
+    const auto side = static_cast<float>(std::ldexp(1.0, -level));
+    for (std::uint64_t stratum = 0; stratum < 16; ++stratum) {
+      const HilbertCell cell = hilbert_cell(stratum, level);
+      const Vec3f corner(static_cast<float>(cell.x) * side, static_cast<float>(cell.y) * side, 0);
+      const std::vector<CurvePoint> points = strata.spread_over(level, stratum, 64);
+      Eigen::AlignedBox3f box;
+      for (const CurvePoint& p : points) box.extend(Vec3f(p.position[0], p.position[1], p.position[2]));
+      EXPECT_TRUE(Eigen::AlignedBox3f(corner, corner + Vec3f(side, side, 0)).contains(box)) << level << ' ' << stratum;
+      EXPECT_GE(box.sizes().head<2>().minCoeff(), 0.86f * side);
+    }
   }
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <set>
 
 #include "tests/core/progressive/ranked_ball.h"
@@ -13,6 +12,8 @@ namespace curvecast {
 namespace {
 
 using namespace curvecast::testing;
+
+constexpr std::size_t kNew = kChunkStrata / 4 * 3;  // points of a chunk that continues another
 
 void expect_same(const RankChunk& a, const RankChunk& b) {
   EXPECT_TRUE(a.id == b.id && a.x == b.x && a.y == b.y && a.z == b.z && a.rank == b.rank && a.vertex == b.vertex &&
@@ -30,15 +31,17 @@ const RankChunk* find(const RankTree& tree, const ChunkId& id) {
 TEST(RankGrower, HasEveryRankOnce) {
   const auto tree = ball_tree(8);
   EXPECT_EQ(tree->points(), 65'536u);
-  ASSERT_EQ(tree->chunks().size(), 1u + 4 + 16);
+  ASSERT_EQ(tree->chunks().size(), 1u + 4 + 16 + 64);
   std::vector<int> times(65'536, 0);
   for (const auto& chunk : tree->chunks()) {
-    EXPECT_EQ(chunk->size(), chunk->id.level == kChunkLevels ? 4096u : 3072u);
+    EXPECT_EQ(chunk->size(), chunk->id.level == kChunkLevels ? kChunkStrata : kNew);
     EXPECT_TRUE(std::is_sorted(chunk->curve_position.begin(), chunk->curve_position.end()));
     for (std::size_t i = 0; i < chunk->size(); ++i) {
       ++times[chunk->rank[i]];
       EXPECT_GE(chunk->rank[i], chunk->id.first_rank());
-      EXPECT_EQ(std::uint64_t{chunk->curve_position[i]} >> (32 - 2 * (chunk->id.level - kChunkLevels)), chunk->id.index);
+      if (chunk->id.level > kChunkLevels) {
+        EXPECT_EQ(chunk->curve_position[i] >> (64 - 2 * (chunk->id.level - kChunkLevels)), chunk->id.index);
+      }
     }
   }
   EXPECT_TRUE(std::all_of(times.begin(), times.end(), [](int t) { return t == 1; }));
@@ -62,11 +65,12 @@ TEST(RankGrower, WhatGrowsIsWhatTheWholeWouldBe) {
 TEST(RankGrower, MuchIsMadeAsAWhole) {
   const auto whole = ball_tree(8);
   const auto grower = ball_grower(6);
-  const std::vector<ChunkId> lacking = {{7, 0}, {7, 1}, {7, 3}};
+  std::vector<ChunkId> lacking;
+  for (std::uint64_t i = 0; i < 10; ++i) lacking.push_back({7, i});
   ASSERT_TRUE(grower->grow(lacking, 1'000'000).ok());
   EXPECT_EQ(grower->tree()->points(), 16'384u);
   std::vector<ChunkId> next;
-  for (std::uint64_t i = 0; i < 10; ++i) next.push_back({8, i});
+  for (std::uint64_t i = 0; i < 30; ++i) next.push_back({8, i});
   ASSERT_TRUE(grower->grow(next, 1'000'000).ok());
   EXPECT_EQ(grower->tree()->points(), 65'536u);
   for (const auto& chunk : grower->tree()->chunks()) expect_same(*chunk, *find(*whole, chunk->id));
@@ -77,36 +81,55 @@ TEST(RankGrower, TreesOfBeforeStay) {
   const auto before = grower->tree();
   ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{7, 2}}, 1'000'000).ok());
   EXPECT_EQ(before->points(), 4096u);
-  EXPECT_EQ(grower->tree()->points(), 4096u + 3072);
+  EXPECT_EQ(grower->tree()->points(), 4096u + kNew);
   // Again, and what nothing leads to: nothing new.
   ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{7, 2}, {8, 0}}, 1'000'000).ok());
-  EXPECT_EQ(grower->tree()->points(), 4096u + 3072);
+  EXPECT_EQ(grower->tree()->points(), 4096u + kNew);
 }
 
 TEST(RankGrower, GoesAsDeepAsThereAreRanks) {
   const auto grower = ball_grower(6);
-  for (int level = 7; level <= grower->tree()->deepest(); ++level) {
-    const ChunkId id{level, (std::uint64_t{1} << 2 * (level - kChunkLevels)) * 5 / 8};
-    ASSERT_TRUE(grower->grow(std::vector<ChunkId>{id}, 1'000'000).ok()) << level;
-    const RankChunk* const chunk = find(*grower->tree(), id);
+  const auto index_at = [](int level) { return (std::uint64_t{1} << 2 * (level - kChunkLevels)) * 5 / 8; };
+  for (int level = 7; level <= kMaxRankLevel; ++level) {
+    ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{level, index_at(level)}}, 1'000'000).ok()) << level;
+    const RankChunk* const chunk = find(*grower->tree(), {level, index_at(level)});
     ASSERT_NE(chunk, nullptr) << level;
-    EXPECT_EQ(std::set<std::uint32_t>(chunk->curve_position.begin(), chunk->curve_position.end()).size(), chunk->size()) << level;
+    EXPECT_EQ(std::set<std::uint64_t>(chunk->curve_position.begin(), chunk->curve_position.end()).size(), chunk->size()) << level;
+    std::set<std::vector<float>> places;
+    for (std::size_t i = 0; i < chunk->size(); ++i) places.insert({chunk->x[i], chunk->y[i], chunk->z[i]});
+    EXPECT_EQ(places.size(), chunk->size()) << level << ": each point has a place of its own";
   }
-  // Eight points on a curve vertex, and no more.
-  const auto size = static_cast<double>(ball_curve()->size());
-  EXPECT_LE(std::ldexp(1.0, 2 * grower->tree()->deepest()), 8 * size);
-  EXPECT_GT(std::ldexp(1.0, 2 * grower->tree()->deepest() + 2), 8 * size);
   const std::size_t points = grower->tree()->points();
-  ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{grower->tree()->deepest() + 1, 0}}, 1'000'000).ok());
+  ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{kMaxRankLevel + 1, index_at(kMaxRankLevel + 1)}}, 1'000'000).ok());
   EXPECT_EQ(grower->tree()->points(), points);
+}
+
+TEST(RankGrower, WhatWasLetGoOfComesBackTheSame) {
+  const auto grower = ball_grower(6), other = ball_grower(6);
+  std::vector<RankTree::Chunk> first;
+  for (int level = 7; level <= 12; ++level) {
+    ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{level, 0}}, 1'000'000).ok());
+    first.push_back(grower->tree()->chunks()[grower->tree()->find({level, 0})]);
+  }
+  // Elsewhere, with room for a few chunks only: those are not looked at any more.
+  for (int level = 7; level <= 12; ++level) {
+    const std::uint64_t last = (std::uint64_t{1} << 2 * (level - kChunkLevels)) - 1;
+    ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{level, last}}, 4096).ok());
+  }
+  EXPECT_EQ(grower->tree()->find({12, 0}), RankTree::kNone);
+  ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{6, 0}}, 1'000'000).ok());
+  for (int level = 7; level <= 12; ++level) {
+    ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{level, 0}}, 1'000'000).ok());
+    ASSERT_NE(grower->tree()->find({level, 0}), RankTree::kNone);
+    expect_same(*grower->tree()->chunks()[grower->tree()->find({level, 0})], *first[static_cast<std::size_t>(level - 7)]);
+  }
 }
 
 TEST(RankGrower, RefusesWhatCannotBe) {
   for (const int level : {kChunkLevels - 1, kMaxLevelAtOnce + 1}) {
-    EXPECT_EQ(RankGrower::make(ball_curve(), {.level = level}).status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_EQ(RankGrower::make(ball_surface(), {.level = level}).status().code(), absl::StatusCode::kInvalidArgument);
   }
   const auto grower = ball_grower(6);
-  EXPECT_EQ(grower->grow(std::vector<ChunkId>{{7, 0}}, 7000).code(), absl::StatusCode::kResourceExhausted);
   const std::atomic<bool> cancel = true;
   ExecutionContext context;
   context.cancel = &cancel;

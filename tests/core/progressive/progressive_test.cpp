@@ -15,6 +15,7 @@
 #include "core/measure/coverage.h"
 #include "core/measure/spacing.h"
 #include "core/mesh_io/mesh_io.h"
+#include "core/pipeline/curve_surface.h"
 #include "core/pipeline/pipeline.h"
 #include "tests/support/flat_curve.h"
 #include "tests/support/real_mesh.h"
@@ -29,6 +30,7 @@ using namespace curvecast::testing;
 struct Surface {
   TriangleMesh mesh;
   std::shared_ptr<const SurfaceCurve> curve;
+  std::shared_ptr<const LeafSurface> leaves;
 };
 
 Surface surface_of(std::string_view name, std::string_view bytes, std::uint64_t points) {
@@ -36,14 +38,14 @@ Surface surface_of(std::string_view name, std::string_view bytes, std::uint64_t 
   absl::StatusOr<Preprocessed> done = preprocess({name, bytes}, options);
   EXPECT_TRUE(done.ok()) << done.status();
   if (!done.ok()) return {};
-  return {done->flattened->loaded.mesh, done->curve};
+  return {done->flattened->loaded.mesh, done->curve, leaf_surface(*done)};
 }
 
 Surface surface_of(const PolygonSoup& soup, std::uint64_t points) { return surface_of("shape.off", to_off(soup), points); }
 
-ProgressiveRanks ranks_of(std::shared_ptr<const SurfaceCurve> curve, const ProgressiveOptions& options,
+ProgressiveRanks ranks_of(std::shared_ptr<const LeafSurface> surface, const ProgressiveOptions& options,
                           const ExecutionContext& context = {}) {
-  absl::StatusOr<ProgressiveRanks> ranks = ProgressiveRanks::make(std::move(curve), options, context);
+  absl::StatusOr<ProgressiveRanks> ranks = ProgressiveRanks::make(std::move(surface), options, context);
   EXPECT_TRUE(ranks.ok()) << ranks.status();
   return *std::move(ranks);
 }
@@ -70,7 +72,7 @@ Prefix prefix_of(const ProgressiveRanks& ranks, std::size_t n) {
 
 /// Off the powers of four and on them: together even, apart, without holes.
 void expect_even_prefixes(const Surface& surface, int level) {
-  const ProgressiveRanks ranks = ranks_of(surface.curve, {.level = level});
+  const ProgressiveRanks ranks = ranks_of(surface.leaves, {.level = level});
   const double area = surface.curve->total_area;
   const BallDiscrepancy balls(surface.mesh);
   for (std::size_t n = 1024; n <= ranks.points().size(); n = n * 5 / 4) {
@@ -90,7 +92,7 @@ const Surface& ball() {
 
 TEST(ProgressiveRanks, EveryStratumOfEveryLevelHasOnePointOfThePrefix) {
   constexpr int kLevel = 6;
-  const ProgressiveRanks ranks = ranks_of(ball().curve, {.level = kLevel});
+  const ProgressiveRanks ranks = ranks_of(ball().leaves, {.level = kLevel});
   ASSERT_EQ(ranks.points().size(), 4096u);
   std::vector<int> times(4096, 0);
   for (const RankedPoint& p : ranks.points()) ++times[p.rank];
@@ -106,15 +108,15 @@ TEST(ProgressiveRanks, EveryStratumOfEveryLevelHasOnePointOfThePrefix) {
 }
 
 TEST(ProgressiveRanks, DoNotDependOnThreads) {
-  const ProgressiveRanks one = ranks_of(ball().curve, {.level = 6}, {.threads = 1});
+  const ProgressiveRanks one = ranks_of(ball().leaves, {.level = 6}, {.threads = 1});
   for (const int threads : {2, 3, 8}) {
-    EXPECT_TRUE(same(one.points(), ranks_of(ball().curve, {.level = 6}, {.threads = threads}).points())) << threads;
+    EXPECT_TRUE(same(one.points(), ranks_of(ball().leaves, {.level = 6}, {.threads = threads}).points())) << threads;
   }
-  EXPECT_FALSE(same(one.points(), ranks_of(ball().curve, {.level = 6, .seed = 1}).points()));
+  EXPECT_FALSE(same(one.points(), ranks_of(ball().leaves, {.level = 6, .seed = 1}).points()));
 }
 
 TEST(ProgressiveRanks, ADeeperLevelKeepsAllRanks) {
-  const ProgressiveRanks coarse = ranks_of(ball().curve, {.level = 4}), fine = ranks_of(ball().curve, {.level = 6});
+  const ProgressiveRanks coarse = ranks_of(ball().leaves, {.level = 4}), fine = ranks_of(ball().leaves, {.level = 6});
   std::vector<RankedPoint> kept;
   for (const RankedPoint& p : fine.points()) {
     if (p.rank < 256) kept.push_back(p);
@@ -124,9 +126,9 @@ TEST(ProgressiveRanks, ADeeperLevelKeepsAllRanks) {
 
 TEST(ProgressiveRanks, PartsAreWhatTheWholeWouldBe) {
   constexpr int kDeep = 7;
-  const ProgressiveRanks whole = ranks_of(ball().curve, {.level = kDeep});
+  const ProgressiveRanks whole = ranks_of(ball().leaves, {.level = kDeep});
   for (const int level : {0, 2, 4, 5, 7}) {
-    const ProgressiveRanks ranks = ranks_of(ball().curve, {.level = level});
+    const ProgressiveRanks ranks = ranks_of(ball().leaves, {.level = level});
     DeepGroups made;
     const std::uint64_t strata = ranks.points().size(), part = whole.points().size() / strata;
     for (const std::uint64_t first : {std::uint64_t{0}, strata / 3, strata - 1}) {
@@ -145,8 +147,8 @@ TEST(ProgressiveRanks, PartsAreWhatTheWholeWouldBe) {
 }
 
 TEST(ProgressiveRanks, WhatIsExtendedIsWhatTheWholeWouldBe) {
-  const ProgressiveRanks whole = ranks_of(ball().curve, {.level = 7, .seed = 3});
-  ProgressiveRanks ranks = ranks_of(ball().curve, {.level = 2, .seed = 3});
+  const ProgressiveRanks whole = ranks_of(ball().leaves, {.level = 7, .seed = 3});
+  ProgressiveRanks ranks = ranks_of(ball().leaves, {.level = 2, .seed = 3});
   for (const int level : {3, 6, 7}) {
     ASSERT_TRUE(ranks.extend(level).ok());
     EXPECT_EQ(ranks.level(), level);
@@ -157,11 +159,11 @@ TEST(ProgressiveRanks, WhatIsExtendedIsWhatTheWholeWouldBe) {
 }
 
 TEST(ProgressiveRanks, ZoomingInNeverRunsOut) {
-  const ProgressiveRanks ranks = ranks_of(flat_curve(5), {.level = 4});
+  const ProgressiveRanks ranks = ranks_of(flat_surface(flat_curve(5)), {.level = 4});
   DeepGroups made;
-  for (int level = 5; level <= 12; ++level) {
+  for (int level = 5; level <= kMaxRankLevel; ++level) {
     const std::uint64_t first = std::uint64_t{77} << 2 * (level - 4);
-    const auto points = ranks.deepen(level, std::vector<StrataRange>{{first, first + (level < 10 ? 500 : 0)}}, made);
+    const auto points = ranks.deepen(level, std::vector<StrataRange>{{first, first + 500}}, made);
     ASSERT_TRUE(points.ok()) << points.status();
     for (std::size_t i = 0; i < points->size(); ++i) EXPECT_EQ((*points)[i].curve_position >> (64 - 2 * level), first + i);
   }
@@ -188,18 +190,19 @@ TEST(ProgressiveRanks, TheCurveMayBeCoarserThanThePoints) {
 
 TEST(ProgressiveRanks, RefusesWhatCannotBe) {
   for (const int level : {-1, 12}) {
-    EXPECT_EQ(ProgressiveRanks::make(ball().curve, {.level = level}).status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_EQ(ProgressiveRanks::make(ball().leaves, {.level = level}).status().code(), absl::StatusCode::kInvalidArgument);
   }
-  EXPECT_EQ(ProgressiveRanks::make(std::make_shared<SurfaceCurve>(), {}).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(ProgressiveRanks::make(flat_surface(std::make_shared<SurfaceCurve>()), {}).status().code(),
+            absl::StatusCode::kInvalidArgument);
   for (const float bad : {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     auto curve = flat_curve(3);
     curve->area[5] = bad;
-    EXPECT_EQ(ProgressiveRanks::make(curve, {.level = 2}).status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_EQ(ProgressiveRanks::make(flat_surface(curve), {.level = 2}).status().code(), absl::StatusCode::kInvalidArgument);
   }
-  const ProgressiveRanks ranks = ranks_of(ball().curve, {.level = 3});
+  const ProgressiveRanks ranks = ranks_of(ball().leaves, {.level = 3});
   DeepGroups made;
   for (const auto& [level, first, last] :
-       {std::tuple{2, 0u, 1u}, {16, 0u, 1u}, {4, 2u, 1u}, {4, 0u, 257u}, {15, 0u, 4'000'001u}}) {
+       {std::tuple{2, 0u, 1u}, {21, 0u, 1u}, {4, 2u, 1u}, {4, 0u, 257u}, {15, 0u, 4'000'001u}}) {
     EXPECT_EQ(ranks.deepen(level, std::vector<StrataRange>{{first, last}}, made).status().code(),
               absl::StatusCode::kInvalidArgument)
         << level;
@@ -210,8 +213,8 @@ TEST(ProgressiveRanks, CanBeCancelled) {
   const std::atomic<bool> cancel = true;
   ExecutionContext context;
   context.cancel = &cancel;
-  EXPECT_EQ(ProgressiveRanks::make(ball().curve, {.level = 4}, context).status().code(), absl::StatusCode::kCancelled);
-  const ProgressiveRanks ranks = ranks_of(ball().curve, {.level = 3});
+  EXPECT_EQ(ProgressiveRanks::make(ball().leaves, {.level = 4}, context).status().code(), absl::StatusCode::kCancelled);
+  const ProgressiveRanks ranks = ranks_of(ball().leaves, {.level = 3});
   DeepGroups made;
   EXPECT_EQ(ranks.deepen(5, std::vector<StrataRange>{{0, 64}}, made, context).status().code(), absl::StatusCode::kCancelled);
 }

@@ -16,14 +16,14 @@ using namespace curvecast::testing;
 constexpr int kLevel = 8;
 
 const ProgressiveRanks& ranks() {
-  static const ProgressiveRanks made = *ProgressiveRanks::make(ball_curve(), {.level = kLevel});
+  static const ProgressiveRanks made = *ProgressiveRanks::make(ball_surface(), {.level = kLevel});
   return made;
 }
 
 /// Calls visit(id, the points of the chunk's level in its stratum, the chunk) for the first chunks down to kLevel.
 template <typename Visit>
 void for_each_chunk(const Visit& visit) {
-  const CurveStrata strata(*ball_curve());
+  const CurveStrata strata(*ball_surface());
   const StratumBounds bounds(strata);
   for (int level = kChunkLevels; level <= kLevel; ++level) {
     const std::uint64_t count = std::uint64_t{1} << 2 * (level - kChunkLevels);
@@ -34,7 +34,7 @@ void for_each_chunk(const Visit& visit) {
         if (p.rank < std::uint64_t{1} << 2 * level) points.push_back(p);
       }
       const ChunkId id{level, i};
-      visit(id, std::span<const RankedPoint>(points), make_chunk(id, points, bounds));
+      visit(id, std::span<const RankedPoint>(points), make_chunk(id, points, bounds, *ball_surface()));
     }
   }
 }
@@ -50,7 +50,10 @@ TEST(RankChunk, HasThePointsThatItsLevelAdds) {
       ASSERT_EQ(Vec3f(chunk.x[i], chunk.y[i], chunk.z[i]), Vec3f(p.position[0], p.position[1], p.position[2]));
       ASSERT_LT((Vec3f(chunk.nx[i], chunk.ny[i], chunk.nz[i]) - Vec3f(p.normal[0], p.normal[1], p.normal[2])).norm(), 1e-4f);
       ASSERT_EQ(chunk.vertex[i], p.vertex);
-      ASSERT_EQ(chunk.curve_position[i], p.curve_position >> 32);
+      ASSERT_EQ(chunk.curve_position[i], p.curve_position);
+      ASSERT_EQ(chunk.face[i], p.face);
+      ASSERT_NEAR(chunk.weight_1[i], p.weight_1, 1e-5);
+      ASSERT_NEAR(chunk.weight_2[i], p.weight_2, 1e-5);
       ++i;
     }
     ASSERT_EQ(i, chunk.size());

@@ -20,7 +20,6 @@ TEST(RankDelta, WhoAppliesDeltasHasTheSelection) {
   const auto grower = ball_grower(6);
   RankSelector selector;
   RankSelection earlier, later;
-  earlier.tree = grower->tree();
   std::set<std::uint32_t> held;
   RankDelta delta;
   for (std::uint64_t frame = 0; frame < 60; ++frame) {
@@ -32,9 +31,9 @@ TEST(RankDelta, WhoAppliesDeltasHasTheSelection) {
       ASSERT_TRUE(grower->grow(later.lacking, 4'000'000).ok());
     }
     compare(earlier, {}, later, delta);
-    for (const RankRef& ref : delta.removed) EXPECT_EQ(held.erase(earlier.tree->chunks()[ref.chunk]->rank[ref.point]), 1u);
+    for (const RankRef& ref : delta.removed) EXPECT_EQ(held.erase(earlier.chunk(ref).rank[ref.point]), 1u);
     for (const RankRef& ref : delta.added) {
-      EXPECT_TRUE(held.insert(later.tree->chunks()[ref.chunk]->rank[ref.point]).second);
+      EXPECT_TRUE(held.insert(later.chunk(ref).rank[ref.point]).second);
     }
     EXPECT_TRUE(delta.resized.empty()) << "nobody knows the discs";
     EXPECT_TRUE(std::ranges::equal(held, ranks_of(later)));
@@ -77,9 +76,9 @@ TEST(RankDelta, WhoAppliesListDeltasHasTheList) {
       RankDelta delta;
       ListDelta indices;
       compare(held, held.rungs, selection, delta);
-      locate(*held.tree, selection, delta, indices);
+      locate(held, selection, delta, indices);
       PointSet added;
-      gather_ranked(*ball_curve(), *selection.tree, delta.added, added);
+      gather_ranked(*ball_curve(), selection, delta.added, added);
       ASSERT_EQ(indices.added.size(), added.size());
       for (std::size_t i = indices.removed.size(); i-- > 0;) list.erase(list.begin() + indices.removed[i]);
       for (std::size_t i = 0; i < added.size(); ++i) {

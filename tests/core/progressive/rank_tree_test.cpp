@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -32,16 +33,17 @@ std::vector<ChunkId> ids_of(const RankTree& tree) {
   return ids;
 }
 
-const std::vector<ChunkId> kIds = {{6, 0}, {7, 0}, {7, 3}, {8, 1}, {8, 12}, {8, 15}, {9, 60}};
+constexpr auto kAll = std::numeric_limits<std::size_t>::max();
+const std::vector<ChunkId> kIds = {{5, 0}, {6, 0}, {6, 3}, {7, 1}, {7, 12}, {7, 15}, {8, 60}};
 
 TEST(RankTree, OrdersChunksByLevelThenAlongTheCurve) {
   std::vector<ChunkId> ids = kIds;
   std::reverse(ids.begin(), ids.end());
-  EXPECT_EQ(ids_of(RankTree(chunks_of(ids), 10)), kIds);
+  EXPECT_EQ(ids_of(RankTree(chunks_of(ids))), kIds);
 }
 
 TEST(RankTree, KnowsTheChildrenOfEveryChunk) {
-  const RankTree tree(chunks_of(kIds), 10);
+  const RankTree tree(chunks_of(kIds));
   std::size_t children = 0;
   for (std::size_t c = 0; c < kIds.size(); ++c) {
     for (std::size_t q = 0; q < 4; ++q) {
@@ -58,30 +60,46 @@ TEST(RankTree, KnowsTheChildrenOfEveryChunk) {
 }
 
 TEST(RankTree, LeavesOutDoublesAndChunksWithoutAParent) {
-  const RankTree tree(chunks_of(kIds), 10);
+  const RankTree tree(chunks_of(kIds));
   const auto first = tree.chunks();
-  const RankTree same = tree.with(chunks_of({{8, 1}, {8, 4}, {9, 48 + 7}, {10, 0}}));
+  const RankTree same = tree.grown(chunks_of({{7, 1}, {7, 4}, {8, 48 + 7}, {9, 0}}), kAll);
   EXPECT_EQ(ids_of(same), kIds);
   EXPECT_TRUE(std::equal(first.begin(), first.end(), same.chunks().begin())) << "the chunks that were there first stay";
   EXPECT_EQ(same.points(), tree.points());
-  EXPECT_EQ(same.deepest(), 10);
 }
 
 TEST(RankTree, GrowsTheSameInAnyOrderOfParentsAndChildren) {
-  RankTree tree(chunks_of({{6, 0}}), 10);
-  tree = tree.with(chunks_of({{8, 15}, {7, 3}, {7, 0}}));
-  tree = tree.with(chunks_of({{9, 60}, {8, 12}, {8, 1}, {8, 15}}));
+  RankTree tree(chunks_of({{5, 0}}));
+  tree = tree.grown(chunks_of({{7, 15}, {6, 3}, {6, 0}}), kAll);
+  tree = tree.grown(chunks_of({{8, 60}, {7, 12}, {7, 1}, {7, 15}}), kAll);
   EXPECT_EQ(ids_of(tree), kIds);
   EXPECT_EQ(tree.points(), kChunkStrata + 6 * (kChunkStrata / 4 * 3));
 }
 
+TEST(RankTree, LetsGoOfWhatNobodyHasLookedAtForLongest) {
+  constexpr std::size_t kChunk = kChunkStrata / 4 * 3;
+  RankTree tree(chunks_of({{5, 0}}));
+  tree = tree.grown(chunks_of({{6, 0}, {6, 1}}), kAll);
+  tree = tree.grown(chunks_of({{7, 0}, {7, 5}}), kAll);
+  // A view looks at one chunk and at those above.
+  for (const ChunkId& id : {ChunkId{5, 0}, ChunkId{6, 1}, ChunkId{7, 5}}) tree.chunks()[tree.find(id)]->used.set(tree.growth());
+  const std::vector<RankTree::Chunk> more = chunks_of({{7, 4}});
+  const RankTree smaller = tree.grown(more, kChunkStrata + 4 * kChunk);
+  const std::vector<ChunkId> left = {{5, 0}, {6, 1}, {7, 4}, {7, 5}};
+  EXPECT_EQ(ids_of(smaller), left);
+  EXPECT_LE(smaller.points(), kChunkStrata + 4 * kChunk);
+  // What is in use stays, however little room there is.
+  EXPECT_EQ(ids_of(tree.grown(more, 0)), left);
+}
+
 TEST(RankTree, LevelAtIsThatOfTheDeepestChunkThere) {
-  const RankTree tree(chunks_of(kIds), 10);
+  const RankTree tree(chunks_of(kIds));
   for (std::uint64_t i = 0; i < 1000; ++i) {
-    const auto position = static_cast<std::uint32_t>(random_unit(1, i) * 0x1p32);
+    const auto position = static_cast<std::uint64_t>(random_unit(1, i) * 0x1p64);
     int deepest = 0;
     for (const ChunkId& id : kIds) {
-      if (std::uint64_t{position} >> (32 - 2 * (id.level - kChunkLevels)) == id.index) deepest = std::max(deepest, id.level);
+      if (id.level == kChunkLevels || position >> (64 - 2 * (id.level - kChunkLevels)) == id.index)
+        deepest = std::max(deepest, id.level);
     }
     EXPECT_EQ(tree.level_at(0, position), deepest);
   }

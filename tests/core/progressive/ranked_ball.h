@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/pipeline/pipeline.h"
+#include "core/pipeline/curve_surface.h"
 #include "core/progressive/grow_ranks.h"
 #include "core/progressive/rank_selection.h"
 #include "tests/support/shapes.h"
@@ -27,10 +27,14 @@ inline const Preprocessed& ball() {
   return preprocessed;
 }
 inline const std::shared_ptr<const SurfaceCurve>& ball_curve() { return ball().curve; }
+inline const std::shared_ptr<const LeafSurface>& ball_surface() {
+  static const std::shared_ptr<const LeafSurface> surface = leaf_surface(ball());
+  return surface;
+}
 
 /// With the 4^level lowest ranks.
 inline std::unique_ptr<RankGrower> ball_grower(int level, std::uint64_t seed = 0) {
-  auto grower = RankGrower::make(ball_curve(), {.level = level, .seed = seed});
+  auto grower = RankGrower::make(ball_surface(), {.level = level, .seed = seed});
   EXPECT_TRUE(grower.ok()) << grower.status();
   return *std::move(grower);
 }
@@ -45,8 +49,9 @@ inline Density view_from(const Vec3d& eye, double s0 = 0.1) {
 /// The ranks of the points that a selection shows, ascending.
 inline std::vector<std::uint32_t> ranks_of(const RankSelection& selection) {
   std::vector<std::uint32_t> ranks;
-  selection.for_each_shown(
-      [&](const RankRef& ref, std::size_t) { ranks.push_back(selection.tree->chunks()[ref.chunk]->rank[ref.point]); });
+  selection.for_each_shown([&](const RankRef& ref, std::size_t) {
+    ranks.push_back(static_cast<std::uint32_t>(selection.chunk(ref).rank_of(ref.point)));
+  });
   std::sort(ranks.begin(), ranks.end());
   return ranks;
 }

@@ -21,8 +21,8 @@ TEST(RankedWorkspace, CountsEveryMember) {
     EXPECT_EQ(workspace.byte_size(), bytes);
   };
   PointSet& points = workspace.points;
-  fill(points.positions), fill(points.normals), fill(points.radii), fill(points.vertices), fill(points.ranks),
-      fill(points.colours);
+  fill(points.positions), fill(points.normals), fill(points.radii), fill(points.vertices), fill(points.places),
+      fill(points.ranks), fill(points.colours);
   RankSelection& selection = workspace.selection;
   fill(selection.parts), fill(selection.shown), fill(selection.rungs), fill(selection.lacking);
   fill(workspace.density), fill(workspace.shown), fill(workspace.refs), fill(workspace.discs);

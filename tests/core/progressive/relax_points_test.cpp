@@ -31,7 +31,8 @@ double least_distance(const std::vector<RankedPoint>& points) {
 
 TEST(RelaxPoints, PointsKeepFartherApartAndStayInTheirStrata) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   GroupCandidates candidates(strata, kFlatGroup, 0);
   const std::vector<RankedPoint> before = points_in(candidates);
   std::vector<RankedPoint> points = before;
@@ -42,10 +43,12 @@ TEST(RelaxPoints, PointsKeepFartherApartAndStayInTheirStrata) {
 
 TEST(RelaxPoints, HeedsPointsOfOtherGroups) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   GroupCandidates candidates(strata, kFlatGroup, 0);
   std::vector<RankedPoint> points = points_in(candidates);
-  const RankedPoint other{0, {candidates.child(101).centre.x(), candidates.child(101).centre.y(), 0}, {0, 0, 1}, 0, 5};
+  const Vec3f& centre = candidates.child(101).centre;
+  const RankedPoint other{{{{centre.x(), centre.y(), 0}, {0, 0, 1}, 0, 0, 0}, 0}, 0, 5};
   const auto distance = [&] {
     return std::hypot(points[101].position[0] - other.position[0], points[101].position[1] - other.position[1]);
   };

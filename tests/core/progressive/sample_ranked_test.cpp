@@ -28,7 +28,7 @@ TEST(SampleRanked, LieAlongTheCurve) {
   EXPECT_TRUE(std::is_sorted(points.vertices.begin(), points.vertices.end()));
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_NEAR(points.positions[i].norm(), 1, 0.02);
-    EXPECT_EQ(points.normals[i], ball_curve()->normal(points.vertices[i]));
+    EXPECT_GT(points.normals[i].dot(ball_curve()->normal(points.vertices[i])), 0.99f);
     EXPECT_GT(points.radii[i], 0);
   }
   std::vector<std::uint32_t> ranks = points.ranks;
@@ -67,17 +67,14 @@ PointSet all_points_of(RankGrower& grower, const Density& density, std::uint64_t
   return std::move(workspace.points);
 }
 
-TEST(SampleRanked, WhereRanksEndDiscsGrow) {
+TEST(SampleRanked, ViewsHaveAllTheirPointsHoweverNear) {
   const auto grower = ball_grower(6);
-  const double least = 1.25 * std::sqrt(ball_curve()->total_area / std::ldexp(1.0, 2 * grower->tree()->deepest()));
-  // All of the view is too near, or its nearest part alone: grazing the ball.
-  const Camera above{.eye = Vec3d(0, 0, 1.2), .target = Vec3d(0, 0, 1), .fov = 0.4};
-  const Camera grazing{.eye = Vec3d(0, 0, 1.02), .target = Vec3d(0, 1, 0.9), .up = Vec3d::UnitZ(), .fov = 1.2};
-  for (const auto& [camera, wanted, is_all] : {std::tuple(above, 20'000u, false), std::tuple(grazing, 1'500u, true)}) {
-    const PointSet points = all_points_of(*grower, {{ScreenTerm{}, FrustumTerm{}}, {camera}}, wanted);
-    ASSERT_EQ(points.size() == wanted, is_all) << points.size();
-    ASSERT_GT(points.size(), 300u);
-    EXPECT_GE(*std::min_element(points.radii.begin(), points.radii.end()), least * 0.9999);
+  for (const double distance : {0.2, 0.02, 0.002, 0.0005}) {
+    const Camera above{.eye = Vec3d(0, 0, 1 + distance), .target = Vec3d::Zero(), .fov = 0.6};
+    const PointSet points = all_points_of(*grower, {{ScreenTerm{}, FrustumTerm{}}, {above}}, 5000);
+    EXPECT_EQ(points.size(), 5000u) << distance;
+    // A picture's width of some distance, filled with points: their discs are as small.
+    EXPECT_LT(*std::max_element(points.radii.begin(), points.radii.end()), 0.1 * distance) << distance;
   }
 }
 

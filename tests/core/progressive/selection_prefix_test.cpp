@@ -12,11 +12,10 @@ namespace {
 
 using namespace curvecast::testing;
 
-std::vector<std::uint32_t> positions_of(const RankSelection& selection) {
-  std::vector<std::uint32_t> positions;
-  selection.for_each_shown([&](const RankRef& ref, std::size_t) {
-    positions.push_back(selection.tree->chunks()[ref.chunk]->curve_position[ref.point]);
-  });
+std::vector<std::uint64_t> positions_of(const RankSelection& selection) {
+  std::vector<std::uint64_t> positions;
+  selection.for_each_shown(
+      [&](const RankRef& ref, std::size_t) { positions.push_back(selection.chunk(ref).curve_position[ref.point]); });
   std::ranges::sort(positions);
   return positions;
 }
@@ -29,11 +28,11 @@ TEST(SelectionPrefix, IsWhatASortedListTells) {
     const Vec3d eye = Vec3d(std::sin(seed), 0.3, std::cos(seed)) * (1.05 + 3 * random_unit(seed, 0));
     const auto n = static_cast<std::uint64_t>(1 + 30'000 * random_unit(seed, 1));
     selector.select(tree, nullptr, ViewFactor(*ball_curve(), view_from(eye)), n, selection);
-    const std::vector<std::uint32_t> shown = positions_of(selection);
-    std::vector<std::uint32_t> positions = {0, 0xffffffffu};
+    const std::vector<std::uint64_t> shown = positions_of(selection);
+    std::vector<std::uint64_t> positions = {0, ~std::uint64_t{0}};
     const auto count = static_cast<std::uint64_t>(2'000 * random_unit(seed, 2));
     for (std::uint64_t i = 0; i < count; ++i) {
-      positions.push_back(static_cast<std::uint32_t>(random_unit(seed, 3 + i) * 0xffffffffp0));
+      positions.push_back(static_cast<std::uint64_t>(random_unit(seed, 3 + i) * 0x1p64));
       if (i % 2 == 0) positions.push_back(shown[i % shown.size()]);
     }
     std::ranges::sort(positions);
@@ -47,9 +46,8 @@ TEST(SelectionPrefix, IsWhatASortedListTells) {
 
 TEST(SelectionPrefix, NothingIsBeforeNothing) {
   RankSelection selection;
-  selection.tree = ball_tree(6);
   std::vector<std::uint32_t> before = {7};
-  count_selected_before(selection, std::vector<std::uint32_t>{5}, before);
+  count_selected_before(selection, std::vector<std::uint64_t>{5}, before);
   EXPECT_EQ(before[0], 0u);
   count_selected_before(selection, {}, {});
 }

@@ -66,7 +66,8 @@ std::vector<RankedPoint> points_about_a_gap(const GroupCandidates& candidates) {
 /// points_about_a_gap(), and what closing it makes of them.
 std::pair<std::vector<RankedPoint>, std::vector<RankedPoint>> shrunk_gap() {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   const GroupCandidates candidates(strata, kFlatGroup, 0);
   const std::vector<RankedPoint> before = points_about_a_gap(candidates);
   std::vector<RankedPoint> points = before;
@@ -100,7 +101,8 @@ TEST(ShrinkGaps, PointsThatMoveKeepHalfTheLatticeDistance) {
 
 TEST(ShrinkGaps, KeepsItsPromisesWhereverThePointsAre) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   const GroupCandidates candidates(strata, kFlatGroup, 0);
   std::size_t moved = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
@@ -118,7 +120,8 @@ TEST(ShrinkGaps, KeepsItsPromisesWhereverThePointsAre) {
 
 TEST(ShrinkGaps, PointsStayWhereThereAreNone) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   const GroupCandidates candidates(strata, kFlatGroup, 0);
   // All of them from the beginning, as far as anyone can tell: nothing comes late, nothing may move.
   std::vector<RankedPoint> points = points_in(candidates);

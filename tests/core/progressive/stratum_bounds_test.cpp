@@ -11,17 +11,19 @@ namespace {
 
 using namespace curvecast::testing;
 
-/// All points down to a level lie within the bounds of all strata above.
-void expect_bounded(const std::shared_ptr<const SurfaceCurve>& curve, int level) {
-  const CurveStrata strata(*curve);
+/// All points down to a level lie within the bounds of the strata of all chunks' runs above: points of the lowest ranks lie at
+/// the vertices of leaves that are small beside these, but may be larger than deeper strata.
+void expect_bounded(const std::shared_ptr<const LeafSurface>& surface, int level) {
+  const CurveStrata strata(*surface);
   const StratumBounds bounds(strata);
-  const auto ranks = ProgressiveRanks::make(curve, {.level = level});
+  const auto ranks = ProgressiveRanks::make(surface, {.level = level});
   ASSERT_TRUE(ranks.ok()) << ranks.status();
   for (int l = 0; l <= level; ++l) {
     const std::size_t per_stratum = ranks->points().size() >> 2 * l;
     for (std::size_t i = 0; i < ranks->points().size(); i += per_stratum) {
       const StratumBound bound = bounds.of(l, i / per_stratum);
       for (const RankedPoint& p : ranks->points().subspan(i, per_stratum)) {
+        if (l > 2 && p.rank >> 2 * (l + 3) == 0) continue;
         ASSERT_LE((Vec3f(p.position[0], p.position[1], p.position[2]) - bound.centre).norm(), bound.radius) << l;
         ASSERT_LE((Vec3f(p.normal[0], p.normal[1], p.normal[2]) - bound.normal).norm(), bound.spread + 1e-6f) << l;
         ASSERT_GE(p.vertex, bound.first_vertex);
@@ -31,16 +33,16 @@ void expect_bounded(const std::shared_ptr<const SurfaceCurve>& curve, int level)
   }
 }
 
-TEST(StratumBounds, HoldAllPoints) { expect_bounded(ball_curve(), 7); }
+TEST(StratumBounds, HoldAllPoints) { expect_bounded(ball_surface(), 7); }
 
 TEST(StratumBounds, HoldPointsWithinLeaves) {
   auto curve = flat_curve(3);
   curve->blocks = build_blocks(*curve);
-  expect_bounded(curve, 7);
+  expect_bounded(flat_surface(curve), 7);
 }
 
 TEST(StratumBounds, AreNotMuchLarger) {
-  const CurveStrata strata(*ball_curve());
+  const CurveStrata strata(*ball_surface());
   const StratumBounds bounds(strata);
   // A stratum of level 4 has 1 / 256 of the ball: a square of that area has half a diagonal of 0.157.
   double sum = 0;

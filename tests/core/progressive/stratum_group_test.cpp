@@ -18,9 +18,10 @@ using namespace curvecast::testing;
 constexpr int kLevel = 3;  // 64 strata become 256: the first group that is full, and a whole level
 
 RankedPoint point_at(const CurveStrata& strata, std::uint64_t curve_position, std::uint32_t rank) {
-  const SurfaceCurve& curve = strata.curve();
-  const std::uint32_t l = strata.vertex_at(unit_curve_position(curve_position));
-  return {curve_position, {curve.x[l], curve.y[l], curve.z[l]}, {curve.nx[l], curve.ny[l], curve.nz[l]}, l, rank};
+  const double t = unit_curve_position(curve_position);
+  CurvePoint at{};
+  strata.points_at({&t, 1}, 1, {&at, 1});
+  return {at, curve_position, rank};
 }
 
 /// A point in the first child of every stratum.
@@ -47,14 +48,15 @@ double spacing(const std::vector<RankedPoint>& points, const RankedPoint& p) {
   for (const RankedPoint& q : points) {
     if (q.rank < p.rank) least = std::min(least, distance(p, q));
   }
-  return least / std::sqrt(2 / (std::numbers::sqrt3 * (p.rank + 1)));
+  return least / std::sqrt(2 / (std::numbers::sqrt3 * static_cast<double>(p.rank + 1)));
 }
 
 TEST(StratumGroup, HasAPointInEveryStratumAndEveryRankOnce) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   const std::vector<RankedPoint> points = filled(strata), base = base_points(strata);
-  std::set<std::uint32_t> ranks;
+  std::set<std::uint64_t> ranks;
   for (std::size_t c = 0; c < points.size(); ++c) {
     EXPECT_EQ(points[c].curve_position >> 56, c);
     EXPECT_EQ(points[c].vertex, strata.vertex_at(unit_curve_position(points[c].curve_position)));
@@ -70,7 +72,8 @@ TEST(StratumGroup, HasAPointInEveryStratumAndEveryRankOnce) {
 
 TEST(StratumGroup, StrataTakeTurns) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   std::vector<RankedPoint> points = filled(strata);
   std::sort(points.begin(), points.end(), [](const RankedPoint& a, const RankedPoint& b) { return a.rank < b.rank; });
   // Nobody has a third point before all have two.
@@ -85,7 +88,8 @@ TEST(StratumGroup, StrataTakeTurns) {
 
 TEST(StratumGroup, PointsKeepApart) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const std::vector<RankedPoint> points = filled(strata, {}, seed);
     for (const RankedPoint& p : points) {
@@ -97,22 +101,24 @@ TEST(StratumGroup, PointsKeepApart) {
 
 TEST(StratumGroup, KeepsAwayFromPointsOfOtherGroups) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   const std::vector<RankedPoint> alone = filled(strata);
   // One that is there already, and one that comes at the end of this level.
-  for (const std::uint32_t rank : {0u, 250u}) {
+  for (const std::uint64_t rank : {0u, 250u}) {
     RankedPoint other = *std::find_if(alone.begin(), alone.end(), [](const RankedPoint& p) { return p.rank == 200; });
     other.rank = rank;
     for (const RankedPoint& p : filled(strata, {other})) {
       if (p.rank < 64) continue;
-      EXPECT_GT(distance(p, other) / std::sqrt(2 / (std::numbers::sqrt3 * (std::max(p.rank, rank) + 1))), 0.4);
+      EXPECT_GT(distance(p, other) / std::sqrt(2 / (std::numbers::sqrt3 * static_cast<double>(std::max(p.rank, rank) + 1))), 0.4);
     }
   }
 }
 
 TEST(StratumGroup, NeedNotKeepAwayFromTheOtherSideOfASheet) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   const std::vector<RankedPoint> alone = filled(strata);
   std::vector<RankedPoint> behind = alone;
   for (RankedPoint& p : behind) p.normal[2] = -1;
@@ -122,13 +128,14 @@ TEST(StratumGroup, NeedNotKeepAwayFromTheOtherSideOfASheet) {
 
 TEST(StratumGroup, EvensOutWhatOtherGroupsHave) {
   const auto curve = flat_curve(7);
-  const CurveStrata strata(*curve);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
   // The group that is done has all its points of this level early and lies beside the first column of strata.
   std::vector<RankedPoint> done;
   for (std::uint32_t i = 0; i < 32; ++i) {
     const float y = (static_cast<float>(i) + 0.5f) / 32;
-    done.push_back({0, {-0.12f, y, 0}, {0, 0, 1}, 0, 64 + i});
-    done.push_back({0, {-0.12f - 1.0f / 32, y, 0}, {0, 0, 1}, 0, 240 + i % 16});
+    done.push_back({{{{-0.12f, y, 0}, {0, 0, 1}, 0, 0, 0}, 0}, 0, 64 + i});
+    done.push_back({{{{-0.12f - 1.0f / 32, y, 0}, {0, 0, 1}, 0, 0, 0}, 0}, 0, 240 + i % 16});
   }
   const auto near_it = [&](const std::vector<RankedPoint>& others, std::uint64_t seed) {
     const std::vector<RankedPoint> points = filled(strata, others, seed);
@@ -151,7 +158,8 @@ TEST(StratumGroup, EvensOutWhatOtherGroupsHave) {
 TEST(StratumGroup, TakesACurveWithFewerVerticesThanPoints) {
   for (const int level : {0, 2, 4}) {
     const auto curve = flat_curve(level);
-    const CurveStrata strata(*curve);
+    const auto surface = flat_surface(curve);
+    const CurveStrata strata(*surface);
     const std::vector<RankedPoint> points = filled(strata);
     for (std::size_t c = 0; c < points.size(); ++c) {
       EXPECT_EQ(points[c].curve_position >> 56, c);

@@ -6,33 +6,24 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "core/curve/curve_columns.h"
-#include "core/pipeline/pipeline.h"
-#include "core/refine/curve_base.h"
+#include "core/pipeline/curve_surface.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast::testing {
 
 /// A mesh with its curve and what refinement starts from.
 struct Refinable {
-  explicit Refinable(Preprocessed preprocessed) : done(std::move(preprocessed)) {
-    const LoadedMesh& loaded = done.flattened->loaded;
-    geometry = differential_geometry(loaded.mesh);
-    if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
-    base.emplace(SurfaceData{loaded.mesh, geometry, loaded.attributes, colour ? &*colour : nullptr}, done.flattened->charts);
-  }
+  explicit Refinable(Preprocessed preprocessed) : done(std::move(preprocessed)), base(curve_base(done.flattened)) {}
   Refinable(const Refinable&) = delete;
 
   const SurfaceCurve& curve() const { return *done.curve; }
 
   Preprocessed done;
-  DifferentialGeometry geometry;
-  std::optional<SurfaceColour> colour;
-  std::optional<CurveBase> base;
+  std::shared_ptr<const CurveBase> base;
 };
 
 inline std::unique_ptr<Refinable> refinable(const MeshFile& file, const PreprocessOptions& options) {

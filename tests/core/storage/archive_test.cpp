@@ -67,6 +67,7 @@ TEST(Archive, EveryOptionCounts) {
   EXPECT_TRUE(differs([](auto& o) { o.density.pop_back(); }));
   EXPECT_TRUE(differs([](auto& o) { std::get<ViewTerm>(o.density[2]).s0 = 0.75; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).global = false; }));
+  EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).fall = DistanceFall::kInverse; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<AttributeTerm>(o.density[6]).name = "other"; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<BrushTerm>(o.density[7]).falloff = 0.75; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<ExpressionTerm>(o.density[8]).text = "1 + y"; }));

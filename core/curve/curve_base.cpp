@@ -1,4 +1,4 @@
-#include "core/refine/curve_base.h"
+#include "core/curve/curve_base.h"
 
 namespace curvecast {
 
@@ -10,6 +10,8 @@ CurveBase::CurveBase(const SurfaceData& surface, const std::vector<Chart>& all_c
     const std::vector<std::uint32_t>& faces = chart.disc.face_of;
     for (std::size_t t = faces.size(); t-- > 0;) triangle_of[faces[t]] = static_cast<std::uint32_t>(t);
   }
+  mappers.reserve(charts.size());
+  for (std::size_t d = 0; d < charts.size(); ++d) mappers.emplace_back(data, charts[d], triangles[d]);
 }
 
 SurfaceCurve next_revision(const SurfaceCurve& curve) {

@@ -15,12 +15,14 @@ namespace curvecast {
 /// `data` and `charts` are those that the curve was made with, and outlive it.
 struct CurveBase {
   CurveBase(const SurfaceData& surface, const std::vector<Chart>& all_charts);
+  CurveBase(const CurveBase&) = delete;
 
   ParameterMesh mesh_of(std::size_t disc) const { return {triangles[disc], charts[disc].disc.twins}; }
 
   SurfaceData data;
   const std::vector<Chart>& charts;
   std::vector<Column<ParameterTriangle>> triangles;  // of each chart
+  std::vector<SurfaceMapper> mappers;                // of each chart
   std::vector<std::uint32_t> triangle_of;            // of each face: the first triangle, of its disc, that is a part of it
 };
 

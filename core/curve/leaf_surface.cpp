@@ -1,0 +1,187 @@
+#include "core/curve/leaf_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/base/simd.h"
+#include "core/curve/covered_share.h"
+#include "core/curve/deepest_triangle.h"
+#include "core/curve/hilbert.h"
+
+namespace curvecast {
+namespace {
+
+// Divisions of a leaf. A piece that meets several triangles after so many has hardly any area.
+constexpr int kMaxDepth = 24;
+
+// Where the curve is in a piece is looked up a few levels at a time.
+constexpr int kTableLevels = 4;
+constexpr int kTables = 5;  // one after the other: 20 levels, finer than a float can tell
+constexpr unsigned kTableSize = 1u << 2 * kTableLevels;
+
+struct TableEntry {
+  std::uint8_t x, y;  // of the cell, in cells
+  HilbertState state;
+};
+
+constexpr auto kTable = [] {
+  std::array<std::array<TableEntry, kTableSize>, 4> table{};
+  for (HilbertState start = 0; start < 4; ++start) {
+    for (unsigned i = 0; i < kTableSize; ++i) {
+      TableEntry entry{0, 0, start};
+      for (int shift = 2 * kTableLevels - 2; shift >= 0; shift -= 2) {
+        const unsigned quadrant = hilbert_quadrant(entry.state, i >> shift & 3);
+        entry.x = static_cast<std::uint8_t>(entry.x << 1 | (quadrant & 1));
+        entry.y = static_cast<std::uint8_t>(entry.y << 1 | quadrant >> 1);
+        entry.state = hilbert_child_state(entry.state, i >> shift & 3);
+      }
+      table[start][i] = entry;
+    }
+  }
+  return table;
+}();
+
+/// Where the curve has passed a part of a quad, in [0, 1): the middle of the cell there.
+Vec2d place_in_quad(const Quad& quad, HilbertState state, double part) {
+  auto index = static_cast<std::uint64_t>(part * 0x1p40);
+  std::uint64_t x = 0, y = 0;
+  for (int t = kTables - 1; t >= 0; --t) {
+    const TableEntry& entry = kTable[state][index >> 2 * kTableLevels * t & (kTableSize - 1)];
+    x = x << kTableLevels | entry.x;
+    y = y << kTableLevels | entry.y;
+    state = entry.state;
+  }
+  const double cell = quad.side * 0x1p-20;
+  return quad.corner + cell * Vec2d(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
+}
+
+/// A piece of a leaf.
+struct Piece {
+  Quad quad;
+  HilbertState state;
+  double begin, end;  // the part of the leaf's area before it, and before the next
+
+  Quad child(unsigned quadrant) const {
+    const double half = 0.5 * quad.side;
+    return {quad.corner + Vec2d(quadrant & 1 ? half : 0, quadrant & 2 ? half : 0), half};
+  }
+};
+
+}  // namespace
+
+/// Finds places of one leaf.
+class LeafSurface::Finder {
+ public:
+  Finder(const LeafSurface& surface, std::size_t disc, double grain, std::span<const double> parts,
+         std::span<SurfacePlace> places, Memory& memory)
+      : mapper_(surface.base_->mappers[disc]),
+        triangles_(surface.base_->triangles[disc]),
+        origin_(surface.curve_->origin),
+        grain_(grain),
+        parts_(parts),
+        places_(places),
+        memory_(memory) {}
+
+  /// memory.lists[depth] has the piece's triangles. Finds the places [first, last).
+  void descend(const Piece& piece, int depth, std::size_t first, std::size_t last) {
+    const std::vector<std::uint32_t>& near = memory_.lists[static_cast<std::size_t>(depth)];
+    if (near.size() == 1 || piece.end - piece.begin <= grain_ || depth == kMaxDepth) {
+      for (std::size_t i = first; i < last; ++i) put(piece, near, i);
+      return;
+    }
+    double area[4], all = 0;
+    for (unsigned i = 0; i < 4; ++i) all += area[i] = area_in(near, piece.child(hilbert_quadrant(piece.state, i)));
+    double begin = piece.begin;
+    for (unsigned i = 0; i < 4; ++i) {
+      const double end = i == 3 ? piece.end : begin + (piece.end - piece.begin) * (all > 0 ? area[i] / all : 0.25);
+      std::size_t next = last;
+      if (i < 3) {
+        next = first;
+        while (next < last && parts_[next] < end) ++next;
+      }
+      if (next > first) {
+        const unsigned quadrant = hilbert_quadrant(piece.state, i);
+        const Piece child{piece.child(quadrant), hilbert_child_state(piece.state, i), begin, end};
+        list_touching(near, child.quad, memory_.lists[static_cast<std::size_t>(depth) + 1]);
+        descend(child, depth + 1, first, next);
+      }
+      first = next;
+      begin = end;
+    }
+  }
+
+  /// Maps what is left in the batch.
+  void finish() {
+    if (memory_.batch.count == 0) return;
+    mapper_.place(memory_.batch, origin_, &places_[done_]);
+    done_ += memory_.batch.count;
+    memory_.batch.count = 0;
+  }
+
+ private:
+  double area_in(const std::vector<std::uint32_t>& near, const Quad& quad) const {
+    double sum = 0;
+    for (const std::uint32_t t : near) {
+      const double share = covered_share(triangles_[t], quad.corner.x(), quad.corner.y(), 1 / quad.side);
+      sum += std::max(share, 0.0) * triangles_[t].area_ratio;
+    }
+    return sum;
+  }
+
+  void list_touching(const std::vector<std::uint32_t>& near, const Quad& quad, std::vector<std::uint32_t>& list) const {
+    list.clear();
+    for (const std::uint32_t t : near) {
+      if (touches(triangles_[t], quad)) list.push_back(t);
+    }
+    if (list.empty()) list = near;  // rounding says that none touches
+  }
+
+  void put(const Piece& piece, const std::vector<std::uint32_t>& near, std::size_t i) {
+    const double size = piece.end - piece.begin;
+    const double part = size > 0 ? std::clamp((parts_[i] - piece.begin) / size, 0.0, 1 - 0x1p-40) : 0;
+    const Vec2d uv = place_in_quad(piece.quad, piece.state, part);
+    LeafBatch& batch = memory_.batch;
+    batch.u[batch.count] = uv.x();
+    batch.v[batch.count] = uv.y();
+    batch.under[batch.count] = near.size() == 1 ? near[0] : deepest_triangle(triangles_, near, uv.x(), uv.y());
+    if (++batch.count == LeafBatch::kSize) finish();
+  }
+
+  const SurfaceMapper& mapper_;
+  std::span<const ParameterTriangle> triangles_;
+  const Vec3d& origin_;
+  const double grain_;
+  std::span<const double> parts_;
+  std::span<SurfacePlace> places_;
+  Memory& memory_;
+  std::size_t done_ = 0;
+};
+
+LeafSurface::LeafSurface(std::shared_ptr<const CurveBase> base, std::shared_ptr<const SurfaceCurve> curve)
+    : base_(std::move(base)), curve_(std::move(curve)) {}
+
+void LeafSurface::find(std::size_t l, std::span<const double> parts, double grain, std::span<SurfacePlace> places) const {
+  const auto end_of_disc = std::upper_bound(curve_->disc_begin.begin(), curve_->disc_begin.end(), l);
+  const auto disc = static_cast<std::size_t>(end_of_disc - curve_->disc_begin.begin()) - 1;
+  Memory& memory = memory_.local();
+  memory.lists.resize(kMaxDepth + 1);
+  memory.batch.count = 0;
+  const std::uint64_t key = curve_->key[l];
+  const int level = curve_->level[l];
+  HilbertState state = 0;
+  for (int depth = 1; depth <= level; ++depth) state = hilbert_child_state(state, key >> 2 * (kMaxLevel - depth) & 3);
+  const Piece leaf{leaf_quad(key, curve_->level[l]), state, 0, 1};
+  TouchingTriangles& touching = memory.touching.try_emplace(disc, base_->mesh_of(disc)).first->second;
+  touching.find(leaf.quad, base_->triangle_of[curve_->triangle[l]], memory.lists[0]);
+  Finder finder(*this, disc, grain, parts, places, memory);
+  finder.descend(leaf, 0, 0, parts.size());
+  finder.finish();
+}
+
+Rgba8 LeafSurface::colour(std::size_t l, std::uint32_t face, std::array<float, 2> weights, double share) const {
+  const double area = std::min(static_cast<double>(curve_->area[l]), share * curve_->total_area);
+  return base_->data.colour->at(face, {1 - weights[0] - weights[1], weights[0], weights[1]}, area);
+}
+
+}  // namespace curvecast

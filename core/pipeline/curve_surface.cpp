@@ -1,0 +1,36 @@
+#include "core/pipeline/curve_surface.h"
+
+#include <optional>
+#include <utility>
+
+#include "core/curve/surface_colour.h"
+
+namespace curvecast {
+namespace {
+
+struct OwnedBase {
+  explicit OwnedBase(std::shared_ptr<const FlattenedMesh> mesh) : flattened(std::move(mesh)) {
+    const LoadedMesh& loaded = flattened->loaded;
+    if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
+    base.emplace(SurfaceData{loaded.mesh, flattened->geometry, loaded.attributes, colour ? &*colour : nullptr},
+                 flattened->charts);
+  }
+  OwnedBase(const OwnedBase&) = delete;
+
+  std::shared_ptr<const FlattenedMesh> flattened;
+  std::optional<SurfaceColour> colour;
+  std::optional<CurveBase> base;
+};
+
+}  // namespace
+
+std::shared_ptr<const CurveBase> curve_base(std::shared_ptr<const FlattenedMesh> flattened) {
+  const auto owned = std::make_shared<const OwnedBase>(std::move(flattened));
+  return {owned, &*owned->base};
+}
+
+std::shared_ptr<const LeafSurface> leaf_surface(const Preprocessed& preprocessed) {
+  return std::make_shared<const LeafSurface>(curve_base(preprocessed.flattened), preprocessed.curve);
+}
+
+}  // namespace curvecast
