@@ -25,7 +25,7 @@ constexpr double kMaxPixelError = 10'000;
 
 std::optional<DracoOptions> to_core(FieldValidator& check, const v1::Encoding& in) {
   if (in.has_raw()) return std::nullopt;
-  DracoOptions draco;
+  DracoOptions draco{.position_bits = kAutomaticBits};
   if (const auto bits = in.draco().position_bits(); bits != 0) {
     draco.position_bits = static_cast<int>(check.in_range("sample.encoding.draco.position_bits", bits, 1u, 30u));
   }
@@ -178,10 +178,7 @@ absl::StatusOr<PointSetRequest> to_point_set_request(const v1::SampleRequest& re
   FieldValidator check;
   PointSetRequest out;
   read_budget(check, request, out);
-  if (request.has_viewport()) {
-    if (request.viewport().width() == 0) check.fail("sample.viewport.width", "is 0");
-    if (request.viewport().height() == 0) check.fail("sample.viewport.height", "is 0");
-  }
+  check_viewport(check, "sample.viewport", request.has_viewport() ? &request.viewport() : nullptr);
   out.options.density =
       to_density(check, "sample.density", request.density(),
                  to_cameras(check, "sample.cameras", request.cameras(), request.viewport()), "needs a camera in sample.cameras");

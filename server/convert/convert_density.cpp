@@ -63,6 +63,21 @@ DistanceTerm to_core(FieldValidator& check, const std::string& field, const v1::
     term.far = far;
   }
   term.global = in.global();
+  switch (in.fall()) {
+    case v1::DISTANCE_FALL_UNSPECIFIED:
+    case v1::DISTANCE_FALL_INVERSE_SQUARE:
+      break;
+    case v1::DISTANCE_FALL_INVERSE:
+      term.fall = DistanceFall::kInverse;
+      break;
+    case v1::DISTANCE_FALL_LINEAR:
+      term.fall = DistanceFall::kLinear;
+      if (!std::isfinite(term.far)) check.fail(field + ".fall", "is LINEAR, which needs a far");
+      break;
+    default:
+      check.fail(field + ".fall", absl::StrCat("has the unknown value ", static_cast<int>(in.fall())));
+  }
+  if (in.fall() != v1::DISTANCE_FALL_UNSPECIFIED && !term.global) check.fail(field + ".fall", "is of global terms only");
   return term;
 }
 
@@ -153,6 +168,10 @@ void fill(const DistanceTerm& term, v1::DensityTerm& out) {
   out.mutable_distance()->set_near(term.near);
   if (std::isfinite(term.far)) out.mutable_distance()->set_far(term.far);
   out.mutable_distance()->set_global(term.global);
+  if (!term.global) return;
+  out.mutable_distance()->set_fall(term.fall == DistanceFall::kInverse  ? v1::DISTANCE_FALL_INVERSE
+                                   : term.fall == DistanceFall::kLinear ? v1::DISTANCE_FALL_LINEAR
+                                                                        : v1::DISTANCE_FALL_INVERSE_SQUARE);
 }
 
 void fill(const FrustumTerm&, v1::DensityTerm& out) { out.mutable_frustum(); }
@@ -169,6 +188,12 @@ void fill(const BrushTerm& term, v1::DensityTerm& out) {
 void fill(const ExpressionTerm& term, v1::DensityTerm& out) { out.mutable_expression()->set_text(term.text); }
 
 }  // namespace
+
+void check_viewport(FieldValidator& check, const std::string& field, const v1::Viewport* viewport) {
+  if (viewport == nullptr) return;
+  if (viewport->width() == 0) check.fail(field + ".width", "is 0");
+  if (viewport->height() == 0) check.fail(field + ".height", "is 0");
+}
 
 std::vector<Camera> to_cameras(FieldValidator& check, const std::string& field, const Cameras& cameras,
                                const v1::Viewport& viewport) {

@@ -17,6 +17,9 @@ using Cameras = google::protobuf::RepeatedPtrField<v1::Camera>;
 std::vector<Camera> to_cameras(FieldValidator& check, const std::string& field, const Cameras& cameras,
                                const v1::Viewport& viewport = {});
 
+/// Checks a request's viewport, where it has one. Errors go to `check`.
+void check_viewport(FieldValidator& check, const std::string& field, const v1::Viewport* viewport);
+
 /// Converts the terms of `field` and fills in defaults. Where `cameras` is empty, a term that needs a camera is an error that
 /// says `why`. Errors go to `check`.
 Density to_density(FieldValidator& check, const std::string& field, const DensityTerms& terms, std::vector<Camera> cameras,

@@ -36,8 +36,10 @@ absl::StatusOr<MeasureOptions> to_measure_options(const v1::MeasureRequest& requ
   count("ring_seeds", request.ring_seeds(), &options.ring_seeds);
   count("ball_centres", request.ball_centres(), &options.ball_centres);
   options.seed = request.seed();
-  options.density = to_density(check, "density", request.density(), to_cameras(check, "cameras", request.cameras()),
-                               "needs a camera, which the request does not have");
+  check_viewport(check, "viewport", request.has_viewport() ? &request.viewport() : nullptr);
+  options.density =
+      to_density(check, "density", request.density(), to_cameras(check, "cameras", request.cameras(), request.viewport()),
+                 "needs a camera, which the request does not have");
   if (!check.ok()) return check.status();
   return options;
 }

@@ -22,6 +22,22 @@ std::string rgb_bytes(const std::vector<Rgba8>& colours, std::size_t begin, std:
   return bytes;
 }
 
+v1::PointLimit to_proto(PointLimit limit) {
+  switch (limit) {
+    case PointLimit::kNone:
+      return v1::POINT_LIMIT_UNSPECIFIED;
+    case PointLimit::kBytes:
+      return v1::POINT_LIMIT_BYTES;
+    case PointLimit::kDensity:
+      return v1::POINT_LIMIT_DENSITY;
+    case PointLimit::kServer:
+      return v1::POINT_LIMIT_SERVER;
+    case PointLimit::kComing:
+      return v1::POINT_LIMIT_COMING;
+  }
+  return v1::POINT_LIMIT_UNSPECIFIED;
+}
+
 }  // namespace
 
 v1::FrameStatistics to_proto(const PointSetStatistics& statistics) {
@@ -30,6 +46,8 @@ v1::FrameStatistics to_proto(const PointSetStatistics& statistics) {
   out.set_equalise_seconds(statistics.equalise_seconds);
   out.set_encode_seconds(statistics.encode_seconds);
   out.set_curve_vertices(statistics.curve_vertices);
+  out.set_wanted_points(statistics.wanted_points);
+  out.set_limit(to_proto(statistics.limit));
   return out;
 }
 
@@ -48,8 +66,19 @@ v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::siz
   }
   if (wanted.rank) out.set_ranks(little_endian(points.ranks, begin, count));
   if (wanted.surface) {
-    out.set_faces(column([&](std::uint32_t l) { return curve.triangle[l]; }));
-    out.set_barycentric(column([&](std::uint32_t l) { return std::array<float, 2>{curve.weight_1[l], curve.weight_2[l]}; }));
+    const auto place = [&](std::size_t i) {
+      const std::uint32_t l = points.vertices[i];
+      return points.places.empty() ? FacePlace{curve.triangle[l], curve.weight_1[l], curve.weight_2[l]} : points.places[i];
+    };
+    std::vector<std::uint32_t> faces(count);
+    std::vector<std::array<float, 2>> weights(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const FacePlace at = place(begin + i);
+      faces[i] = at.face;
+      weights[i] = {at.weight_1, at.weight_2};
+    }
+    out.set_faces(little_endian(faces, 0, count));
+    out.set_barycentric(little_endian(weights, 0, count));
   }
   return out;
 }

@@ -15,12 +15,23 @@
 
 namespace curvecast::server {
 
-/// How long the steps from a view to its blocks took.
+/// Why a view has fewer points than wanted.
+enum class PointLimit {
+  kNone,     // it has as many
+  kBytes,    // its budget in bytes holds no more
+  kDensity,  // its density admits no more places
+  kServer,   // there are to be no more ranked candidates for it
+  kComing,   // more are being made, or are another part
+};
+
+/// How long the steps from a view to its blocks took, and what became of the number of points.
 struct PointSetStatistics {
   double density_seconds = 0;
   double equalise_seconds = 0;  // selecting and listing, for ranked points
   double encode_seconds = 0;
   std::uint64_t curve_vertices = 0;  // of the curve that was sampled
+  std::uint64_t wanted_points = 0;   // 0: as many as a budget in bytes holds
+  PointLimit limit = PointLimit::kNone;
 };
 
 /// Converts all but `refining`, which the sender of the message decides.

@@ -24,7 +24,7 @@ std::size_t chunks_of(std::size_t n, std::size_t chunk) { return (n + chunk - 1)
 
 absl::Status make_chunks(const FlattenedMesh& flattened, const std::string& mesh_name,
                          const std::function<bool(v1::GetParameterMeshResponse)>& emit) {
-  const absl::Status gone = absl::CancelledError("the client has gone");
+  absl::Status gone = absl::CancelledError("the client has gone");
   v1::GetParameterMeshResponse first;
   *first.mutable_info()->mutable_mesh() = to_proto(flattened.report.mesh, mesh_name);
   first.mutable_info()->set_discs(flattened.report.discs);

@@ -28,6 +28,9 @@ struct AutomaticBudget {
   std::uint64_t max_points = 200'000;
 };
 
+/// DracoOptions.position_bits of a request: as many as its cameras' pixels ask for, see view_lattice.h.
+inline constexpr int kAutomaticBits = 0;
+
 /// A v1::SampleRequest that was validated as far as that goes without the session. At most one budget is set: `options.points`
 /// counts where none of the other three is.
 struct PointSetRequest {
@@ -37,7 +40,7 @@ struct PointSetRequest {
   double pixel_error = 0;       // pixels; 0: not set
   std::uint64_t max_bytes = 0;  // 0: not set
   std::optional<AutomaticBudget> automatic;
-  std::optional<DracoOptions> draco;           // its bits; the lattice is the session's. Not set: raw floats
+  std::optional<DracoOptions> draco;           // its bits, or kAutomaticBits; the lattice is the session's. Not set: raw floats
   std::array<std::uint64_t, 2> fingerprint{};  // hash of the v1::SampleRequest
 };
 

@@ -107,11 +107,12 @@ absl::Status Engine::submit_view(std::function<void()> job, const std::string& c
 
 ImprovementRequests Engine::improvement_requests(const std::shared_ptr<const Session>& session, const PointSetRequest& request,
                                                  std::uint64_t source) {
-  return {.finer_curve =
-              [this, session, source, density = request.options.density](const SurfaceCurve& curve, std::uint64_t points) {
-                return refiner.request(session, curve, source, {points, density});
-              },
-          .more_ranks = [this, session](std::span<const ChunkId> lacking) { return rank_jobs.request(session, lacking); }};
+  return {
+      .finer_curve =
+          [this, session, source, density = request.options.density](const SurfaceCurve& curve, std::uint64_t points) {
+            return refiner.request(session, curve, source, {points, density});
+          },
+      .more_ranks = [this, session, source](RankDemand demand) { return rank_jobs.request(session, source, std::move(demand)); }};
 }
 
 Gauges Engine::gauges() {

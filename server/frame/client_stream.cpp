@@ -30,6 +30,8 @@ ViewEvent event_of(FollowUp follow_up) {
 
 }  // namespace
 
+bool ClientStream::View::may_refine() const { return improvements + (shown ? 1 : 0) < kMaxImprovements && in_vain < kMaxInVain; }
+
 ClientStream::ClientStream(Transport* transport, Hooks hooks)
     : transport_(transport), hooks_(std::move(hooks)), window_(hooks_.count_queued) {}
 
@@ -194,7 +196,7 @@ void ClientStream::run_worker() {
         return hooks_.answer(session, {.point_set = *view.request,
                                        .reference = reference.get(),
                                        .first_bytes = first_bytes,
-                                       .may_refine = view.improvements < kMaxImprovements && view.in_vain < kMaxInVain,
+                                       .may_refine = view.may_refine(),
                                        .cancel = &cancel_});
       });
       lock.lock();
@@ -208,7 +210,6 @@ void ClientStream::run_worker() {
 ClientStream::View ClientStream::begin_answer() {
   View view = *std::exchange(view_, std::nullopt);
   view_state_ = next(view_state_, ViewEvent::kTaken);
-  if (view.shown && !view.is_in_parts) ++view.improvements;
   view.started = Clock::now();
   return view;
 }
@@ -220,14 +221,13 @@ void ClientStream::finish_answer(View view, absl::StatusOr<Answer> answer) {
   Progress progress;
   FollowUp follow_up = FollowUp::kNone;
   if (answer.ok()) {
-    progress = {answer->frame.curve_revision(), answer->frame.held_points()};
+    progress = {answer->frame.curve_revision(), answer->frame.held_points(), answer->frame.digest()};
     follow_up = answer->follow_up;
   }
   const bool has_progress = !view.shown || view.shown->is_surpassed_by(progress);
-  if (!has_progress && !view.is_in_parts) {
-    --view.improvements;  // as which it was counted when it began
-    ++view.in_vain;
-  }
+  if (!has_progress && !view.is_in_parts) ++view.in_vain;
+  // Ranks come to an end by themselves.
+  if (view.shown && progress.curve_revision > view.shown->curve_revision) ++view.improvements;
   // A part without progress is the last one, and answering the view once more would bring the same points.
   if (follow_up == FollowUp::kNextPart && !has_progress) answer->follow_up = follow_up = FollowUp::kNone;
   view_state_ = next(view_state_, event_of(follow_up));

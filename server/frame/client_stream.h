@@ -74,8 +74,11 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   struct Progress {
     std::uint64_t curve_revision = 0;
     std::uint64_t points = 0;
-    /// Whether a frame goes beyond this.
-    bool is_surpassed_by(const Progress& later) const { return later.curve_revision > curve_revision || later.points > points; }
+    std::uint64_t digest = 0;  // of ranked points; else 0
+    /// Whether a frame goes beyond this: with as many points of more ranks there are others.
+    bool is_surpassed_by(const Progress& later) const {
+      return later.curve_revision > curve_revision || later.points > points || (later.points == points && later.digest != digest);
+    }
   };
 
   struct View {
@@ -84,9 +87,12 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     std::uint64_t first_bytes = 0;            // of ViewUpdate
     std::optional<Progress> shown;            // not set: the view has no frame yet
     bool is_in_parts = false;                 // its last frame was a part
-    int improvements = 0;                     // how often it was answered again, and better, because the session was improved
+    int improvements = 0;                     // how often it was answered again on a finer curve
     int in_vain = 0;                          // how often without getting better: the work was for others, or failed
     Clock::time_point started = {};
+
+    /// Whether a better answer may follow the next one.
+    bool may_refine() const;
   };
 
   // What the client sends.

@@ -8,10 +8,12 @@
 #include <utility>
 
 #include "core/base/stopwatch.h"
+#include "core/codec/position_bits.h"
 #include "core/progressive/sample_ranked.h"
 #include "server/base/protocol.h"
 #include "server/convert/convert_points.h"
 #include "server/frame/pack_points.h"
+#include "server/frame/view_lattice.h"
 
 namespace curvecast::server {
 namespace {
@@ -57,18 +59,19 @@ absl::StatusOr<PackedFrame> pack_bytes(SessionSampler& sampler, const PointSetRe
 /// those of the whole, and so are the chunks that it lacks.
 absl::StatusOr<Sampled> select_part(SessionSampler& sampler, std::uint64_t part, std::uint64_t whole) {
   {
-    absl::StatusOr<Sampled> selected = sampler.select(part);
+    absl::StatusOr<Sampled> selected = sampler.select(part, whole);
     if (!selected.ok() || part == whole || selected->workspace->ranked.selection.count == part) return selected;
   }
-  return sampler.select(whole);
+  return sampler.select(whole, whole);
 }
 
 absl::StatusOr<PackedFrame> pack_selected(Sampled selected, const PointSetRequest& request) {
-  SessionSampler::list(selected);
+  SessionSampler::list(selected, request.attributes);
   return pack_key(std::move(selected), request);
 }
 
-/// Packs the difference to what the client holds, or all points where these take fewer bytes.
+/// Packs the difference to what the client holds, or all points where these take fewer bytes. A difference is on the lattice
+/// of what the client holds, which may be finer than the view needs.
 absl::StatusOr<PackedFrame> pack_delta(Sampled selected, const PointSetRequest& request, const ReferenceFrame& reference) {
   RankedWorkspace& workspace = selected.workspace->ranked;
   const RankSelection& selection = workspace.selection;
@@ -76,15 +79,17 @@ absl::StatusOr<PackedFrame> pack_delta(Sampled selected, const PointSetRequest& 
   Stopwatch watch;
   reference.discs(workspace.discs);
   compare(reference.selection(), workspace.discs, selection, delta);
-  const double point_bytes = expected_point_bytes(*selected.curve, request);
+  const double point_bytes = expected_point_bytes(*selected.curve, request, reference.lattice().bits);
+  const double key_point_bytes = expected_point_bytes(*selected.curve, request, selected.lattice.bits);
   const auto count = static_cast<double>(selection.count), added = static_cast<double>(delta.added.size());
   const double scattered = point_bytes + kBytesPerDoubling * std::log2(count / std::max(added, 1.0));
   const double changes = added + static_cast<double>(delta.removed.size() + delta.resized.size());
-  if (scattered * added + kEditBytes * changes > point_bytes * count) {
+  if (scattered * added + kEditBytes * changes > key_point_bytes * count) {
     return pack_selected(std::move(selected), request);
   }
-  locate(*reference.selection().tree, selection, delta, workspace.list_delta);
-  gather_ranked(*selected.curve, *selection.tree, delta.added, workspace.points);
+  selected.lattice = reference.lattice();
+  locate(reference.selection(), selection, delta, workspace.list_delta);
+  gather_ranked(*selected.curve, selection, delta.added, workspace.points, request.attributes.surface);
   v1::PointEdits edits = to_proto(delta, workspace.list_delta, *selected.curve);
   selected.statistics.equalise_seconds += watch.lap();
   if (delta.added.empty()) return PackedFrame{{std::move(selected), {}, 0}, std::move(edits), false};
@@ -100,7 +105,8 @@ absl::StatusOr<PackedFrame> pack_view(SessionSampler& sampler, const FrameReques
   if (!whole.ok()) return whole.status();
   std::uint64_t part = *whole;
   if (request.first_bytes > 0 && sampler.is_ranked()) {
-    const double first = static_cast<double>(request.first_bytes) / expected_point_bytes(sampler.curve(), point_set);
+    const int bits = reference != nullptr ? reference->lattice().bits : kLeastPositionBits;
+    const double first = static_cast<double>(request.first_bytes) / expected_point_bytes(sampler.curve(), point_set, bits);
     const std::uint64_t more = reference != nullptr ? kPartGrowth * reference->selection().count : 0;
     part = std::min(*whole, std::max(more, static_cast<std::uint64_t>(std::max(first, 1.0))));
   }
@@ -112,9 +118,14 @@ absl::StatusOr<PackedFrame> pack_view(SessionSampler& sampler, const FrameReques
   absl::StatusOr<Sampled> selected = select_part(sampler, part, *whole);
   if (!selected.ok()) return selected.status();
   const bool is_part = part < *whole && selected->workspace->ranked.selection.count == part;
-  absl::StatusOr<PackedFrame> packed = reference != nullptr ? pack_delta(*std::move(selected), point_set, *reference)
-                                                            : pack_selected(*std::move(selected), point_set);
-  if (packed.ok()) packed->is_part = is_part;
+  const bool has_delta = reference != nullptr && selected->need.is_met_by(reference->lattice());
+  absl::StatusOr<PackedFrame> packed =
+      has_delta ? pack_delta(*std::move(selected), point_set, *reference) : pack_selected(*std::move(selected), point_set);
+  if (packed.ok() && is_part) {
+    packed->is_part = true;
+    packed->packed.sampled.statistics.wanted_points = *whole;
+    packed->packed.sampled.statistics.limit = PointLimit::kComing;
+  }
   return packed;
 }
 
@@ -135,13 +146,17 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
   if (!sampler.ok()) return sampler.status();
   const bool may_differ =
       request.reference != nullptr && sampler->is_ranked() && request.reference->goes_with(sampler->curve(), point_set);
+  if (may_differ) sampler->expect_scale(request.reference->selection().scale);
   absl::StatusOr<PackedFrame> made = point_set.max_bytes > 0
                                          ? pack_bytes(*sampler, point_set)
                                          : pack_view(*sampler, request, may_differ ? request.reference : nullptr);
   if (!made.ok()) return made.status();
   Answer answer;
   answer.follow_up = follow_up_of(*made, request, improvements);
-  const Sampled& sampled = made->packed.sampled;
+  Sampled& sampled = made->packed.sampled;
+  if (sampled.statistics.limit == PointLimit::kComing && answer.follow_up == FollowUp::kNone) {
+    sampled.statistics.limit = PointLimit::kServer;
+  }
   v1::PointFrame& frame = answer.frame;
   frame.set_curve_revision(sampled.curve->revision);
   frame.set_kind(made->edits ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
@@ -151,7 +166,7 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
   if (sampled.is_ranked) {
     const RankSelection& selection = sampled.workspace->ranked.selection;
     frame.set_held_points(selection.count);
-    answer.reference = std::make_shared<const ReferenceFrame>(sampled.curve, selection, point_set);
+    answer.reference = std::make_shared<const ReferenceFrame>(sampled.curve, selection, point_set, sampled.lattice);
     frame.set_digest(answer.reference->digest());
   } else {
     frame.set_held_points(sampled.points().size());
@@ -164,10 +179,18 @@ absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Se
   absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, claim.point_set, cache, SessionSampler::Wait::kForAll);
   if (!sampler.ok()) return sampler.status();
   if (!sampler->is_ranked()) return nullptr;
-  const absl::StatusOr<Sampled> selected = sampler->select(claim.points);
+  const absl::StatusOr<Sampled> selected = sampler->select(claim.points, claim.points);
   if (!selected.ok()) return selected.status();
-  auto reference =
-      std::make_shared<const ReferenceFrame>(selected->curve, selected->workspace->ranked.selection, claim.point_set);
+  const auto on = [&](const ViewLattice& lattice) {
+    return std::make_shared<const ReferenceFrame>(selected->curve, selected->workspace->ranked.selection, claim.point_set,
+                                                  lattice);
+  };
+  auto reference = on(selected->lattice);
+  // The client may have come to the view with more bits than it needs.
+  for (auto bits = kPositionBits.begin(); reference->digest() != claim.digest && bits != kPositionBits.end(); ++bits) {
+    const ViewLattice finer{.bits = *bits, .centre = {}};
+    if (selected->need.is_met_by(finer)) reference = on(finer);
+  }
   return reference->digest() == claim.digest ? reference : nullptr;
 }
 

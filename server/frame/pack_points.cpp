@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.h"
+#include "core/codec/position_bits.h"
 #include "server/convert/convert_points.h"
 
 namespace curvecast::server {
@@ -30,7 +31,8 @@ std::size_t data_bytes(const v1::PointBlock& block) {
 /// Points [begin, begin + count) as one block with the attributes asked for.
 absl::StatusOr<v1::PointBlock> encode(const Sampled& sampled, std::size_t begin, std::size_t count,
                                       const PointSetRequest& request) {
-  absl::StatusOr<v1::PointBlock> block = to_proto(sampled.points(), begin, count, *sampled.curve, request.draco);
+  absl::StatusOr<v1::PointBlock> block =
+      to_proto(sampled.points(), begin, count, *sampled.curve, draco_options(request, sampled.lattice));
   const PointAttributes& wanted = request.attributes;
   if (block.ok() && (wanted.curvatures || wanted.rank || wanted.surface)) {
     *block->mutable_attributes() = to_proto(sampled.points(), begin, count, *sampled.curve, wanted);
@@ -40,12 +42,11 @@ absl::StatusOr<v1::PointBlock> encode(const Sampled& sampled, std::size_t begin,
 
 }  // namespace
 
-double expected_point_bytes(const SurfaceCurve& curve, const PointSetRequest& request) {
+double expected_point_bytes(const SurfaceCurve& curve, const PointSetRequest& request, int position_bits) {
   const double more =
       (request.attributes.curvatures ? 8 : 0) + (request.attributes.rank ? 4 : 0) + (request.attributes.surface ? 12 : 0);
   if (!request.draco) return more + static_cast<double>(raw_point_bytes(curve));
-  return more + (1.4 * request.draco->position_bits + request.draco->normal_bits + 1) / 8 +
-         (curve.colour.empty() ? 0 : kRawColourBytes);
+  return more + (1.4 * position_bits + request.draco->normal_bits + 1) / 8 + (curve.colour.empty() ? 0 : kRawColourBytes);
 }
 
 std::size_t raw_point_bytes(const SurfaceCurve& curve) { return kRawPointBytes + (curve.colour.empty() ? 0 : kRawColourBytes); }
@@ -53,6 +54,7 @@ std::size_t raw_point_bytes(const SurfaceCurve& curve) { return kRawPointBytes +
 absl::StatusOr<std::vector<v1::PointBlock>> encode_point_blocks(Sampled& sampled, std::size_t first, std::size_t last,
                                                                 const PointSetRequest& request) {
   Stopwatch watch;
+  move_origin(sampled.lattice, sampled.points());
   const std::size_t total = sampled.points().size(), count = point_block_count(total);
   std::vector<absl::StatusOr<v1::PointBlock>> encoded(last - first, absl::UnknownError(""));
   tbb::parallel_for(first, last, [&](std::size_t b) {
@@ -84,7 +86,8 @@ absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const PointSetReques
     return static_cast<std::uint64_t>(std::clamp(points, 1.0, static_cast<double>(kMaxPoints)));
   };
   std::optional<Packed> best;
-  std::uint64_t count = whole((request.draco ? kAim : 1) * limit / expected_point_bytes(sampler.curve(), request));
+  std::uint64_t count =
+      whole((request.draco ? kAim : 1) * limit / expected_point_bytes(sampler.curve(), request, kLeastPositionBits));
   for (int round = 1;; ++round) {
     absl::StatusOr<Sampled> sampled = sampler.sample(count);
     if (!sampled.ok()) return sampled.status();
@@ -94,7 +97,12 @@ absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const PointSetReques
     const bool fits = bytes <= limit;
     if (fits && (!best || packed->bytes > best->bytes)) best = *std::move(packed);
     const bool is_done = fits && (bytes >= kGoodEnough * limit || count == kMaxPoints || !request.draco);
-    if (best && (is_done || round >= kMaxRounds)) return *std::move(best);
+    if (best && (is_done || round >= kMaxRounds)) {
+      PointSetStatistics& statistics = best->sampled.statistics;
+      if (statistics.limit == PointLimit::kNone && statistics.wanted_points < kMaxPoints) statistics.limit = PointLimit::kBytes;
+      statistics.wanted_points = 0;
+      return *std::move(best);
+    }
     if (!fits && count == 1) return absl::ResourceExhaustedError("sample.max_bytes does not hold a single point");
     const std::uint64_t next = whole(kAim * static_cast<double>(count) * limit / bytes);
     count = fits ? std::max(next, count + 1) : round < kMaxRounds ? std::min(next, count - 1) : count / 2;
@@ -104,7 +112,7 @@ absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const PointSetReques
 bool request_improvement(const Sampled& sampled, const ImprovementRequests& improvements) {
   const bool is_finer =
       sampled.is_coarse && improvements.finer_curve && improvements.finer_curve(*sampled.curve, sampled.points().size());
-  const bool is_more = !sampled.lacking().empty() && improvements.more_ranks && improvements.more_ranks(sampled.lacking());
+  const bool is_more = sampled.lacks_ranks && improvements.more_ranks && improvements.more_ranks(sampled.demand);
   return is_finer || is_more;
 }
 

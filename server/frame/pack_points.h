@@ -12,7 +12,8 @@
 namespace curvecast::server {
 
 /// Estimates the bytes of one encoded point; neighbours differ little, so that about half of a position's bits are left.
-double expected_point_bytes(const SurfaceCurve& curve, const PointSetRequest& request);
+/// `position_bits` counts only where the request is not for raw floats.
+double expected_point_bytes(const SurfaceCurve& curve, const PointSetRequest& request, int position_bits);
 /// Returns the bytes of one raw point without attributes.
 std::size_t raw_point_bytes(const SurfaceCurve& curve);
 

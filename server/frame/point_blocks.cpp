@@ -64,7 +64,7 @@ absl::Status make_point_blocks(const Session& session, const PointSetRequest& re
     if (!blocks.ok()) return blocks.status();
     for (std::size_t b = 0; b < blocks->size(); ++b) {
       const bool is_last = first + b + 1 == count;
-      const absl::Status status = emitter.emit(std::move((*blocks)[b]), is_last, sampled->statistics);
+      absl::Status status = emitter.emit(std::move((*blocks)[b]), is_last, sampled->statistics);
       if (!status.ok()) return status;
     }
   }

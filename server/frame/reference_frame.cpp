@@ -11,20 +11,17 @@
 namespace curvecast::server {
 namespace {
 
-std::pair<int, int> bits_of(const std::optional<DracoOptions>& draco) {
-  return draco ? std::pair(draco->position_bits, draco->normal_bits) : std::pair(0, 0);
-}
+int normal_bits_of(const PointSetRequest& request) { return request.draco ? request.draco->normal_bits : 0; }
 
 }  // namespace
 
 ReferenceFrame::ReferenceFrame(std::shared_ptr<const SurfaceCurve> curve, const RankSelection& selection,
-                               const PointSetRequest& request)
-    : curve_(std::move(curve)), draco_(request.draco), attributes_(request.attributes) {
-  selection_.tree = selection.tree;
+                               const PointSetRequest& request, const ViewLattice& lattice)
+    : curve_(std::move(curve)), lattice_(lattice), normal_bits_(normal_bits_of(request)), attributes_(request.attributes) {
   selection_.count = selection.count;
+  selection_.scale = selection.scale;
   const auto words_of = [&](const RankSelection::Part& part) {
-    return std::span(selection.shown)
-        .subspan(part.first_bit / RankSelection::kWord, selection.tree->chunks()[part.chunk]->size() / RankSelection::kWord);
+    return std::span(selection.shown).subspan(part.first_bit / RankSelection::kWord, part.chunk->size() / RankSelection::kWord);
   };
   const auto is_shown = [&](const RankSelection::Part& part) {
     return std::ranges::any_of(words_of(part), [](std::uint64_t word) { return word != 0; });
@@ -34,11 +31,11 @@ ReferenceFrame::ReferenceFrame(std::shared_ptr<const SurfaceCurve> curve, const 
     if (is_shown(part)) ++parts, words += words_of(part).size();
   }
   const auto digest = [this](const void* bytes, std::size_t size) { digest_ = XXH3_64bits_withSeed(bytes, size, digest_); };
-  const auto [position_bits, normal_bits] = bits_of(draco_);
   const std::uint64_t kind[] = {
-      curve_->revision, static_cast<std::uint64_t>(position_bits), static_cast<std::uint64_t>(normal_bits),
+      curve_->revision, static_cast<std::uint64_t>(lattice_.bits), static_cast<std::uint64_t>(normal_bits_),
       std::uint64_t{attributes_.curvatures} << 2 | std::uint64_t{attributes_.rank} << 1 | std::uint64_t{attributes_.surface}};
   digest(kind, sizeof(kind));
+  if (lattice_.centre) digest(lattice_.centre->data(), sizeof(Vec3d));
   selection_.parts.reserve(parts);
   selection_.shown.reserve(words);
   for (const RankSelection::Part& part : selection.parts) {
@@ -46,7 +43,7 @@ ReferenceFrame::ReferenceFrame(std::shared_ptr<const SurfaceCurve> curve, const 
     selection_.parts.push_back({part.chunk, static_cast<std::uint32_t>(selection_.shown.size() * RankSelection::kWord)});
     const std::span<const std::uint64_t> shown = words_of(part);
     selection_.shown.insert(selection_.shown.end(), shown.begin(), shown.end());
-    const ChunkId& id = selection.tree->chunks()[part.chunk]->id;
+    const ChunkId& id = part.chunk->id;
     const std::uint64_t name[] = {static_cast<std::uint64_t>(id.level), id.index};
     digest(name, sizeof(name));
     digest(shown.data(), shown.size_bytes());
@@ -100,7 +97,7 @@ void ReferenceFrame::discs(std::vector<std::uint8_t>& rungs) const {
 }
 
 bool ReferenceFrame::goes_with(const SurfaceCurve& curve, const PointSetRequest& request) const {
-  return curve_.get() == &curve && bits_of(draco_) == bits_of(request.draco) && attributes_ == request.attributes;
+  return curve_.get() == &curve && normal_bits_ == normal_bits_of(request) && attributes_ == request.attributes;
 }
 
 std::size_t ReferenceFrame::byte_size() const {

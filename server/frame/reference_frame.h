@@ -3,13 +3,13 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/curve/surface_curve.h"
 #include "core/progressive/rank_selection.h"
 #include "server/convert/point_set_request.h"
+#include "server/frame/view_lattice.h"
 
 namespace curvecast::server {
 
@@ -19,16 +19,19 @@ class ReferenceFrame {
  public:
   /// Holds no points.
   ReferenceFrame() = default;
-  /// Copies a selection from a curve with ranks, that was sent as `request` asks for.
-  ReferenceFrame(std::shared_ptr<const SurfaceCurve> curve, const RankSelection& selection, const PointSetRequest& request);
+  /// Copies a selection from a curve with ranks, that was sent as `request` asks for, on a lattice.
+  ReferenceFrame(std::shared_ptr<const SurfaceCurve> curve, const RankSelection& selection, const PointSetRequest& request,
+                 const ViewLattice& lattice);
 
-  /// Returns the selection without its discs, and without the chunks of which nothing is shown.
+  /// Returns the selection without its discs, its tree, and the chunks of which nothing is shown.
   const RankSelection& selection() const { return selection_; }
   /// Writes the discs: selection().rungs.
   void discs(std::vector<std::uint8_t>& rungs) const;
   /// Returns the hash of the points, their discs and how they were sent; never 0.
   std::uint64_t digest() const { return digest_; }
-  /// Whether a delta from here to points of this curve, sent as `request` asks for, makes sense.
+  const ViewLattice& lattice() const { return lattice_; }
+  /// Whether a delta from here to points of this curve, sent as `request` asks for, makes sense, if they may be sent on this
+  /// lattice.
   bool goes_with(const SurfaceCurve& curve, const PointSetRequest& request) const;
 
   /// Returns the bytes allocated; the curve and the tree are shared and not counted.
@@ -45,7 +48,8 @@ class ReferenceFrame {
   std::shared_ptr<const SurfaceCurve> curve_;
   RankSelection selection_;
   std::vector<Run> discs_;
-  std::optional<DracoOptions> draco_;
+  ViewLattice lattice_;
+  int normal_bits_ = 0;  // 0: raw floats
   PointAttributes attributes_;
   std::uint64_t digest_ = 0;
 };

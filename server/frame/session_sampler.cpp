@@ -1,16 +1,33 @@
 #include "server/frame/session_sampler.h"
 
+#include <utility>
+
 #include "core/base/execution_context.h"
 #include "core/base/stopwatch.h"
 #include "core/progressive/sample_ranked.h"
 #include "core/refine/curve_resolution.h"
 #include "core/sample/point_budget.h"
+#include "core/sample/spread_in_leaves.h"
 
 namespace curvecast::server {
 namespace {
 
-// Each makes candidates one level deeper where they lack: more there are not.
-constexpr int kMaxRounds = kMaxRankLevel - kChunkLevels + 1;
+/// Says what a view lacks of whatever tree there is later.
+RankDemand demand_of(std::shared_ptr<const SurfaceCurve> curve, std::shared_ptr<const FixedDensity> fixed, const Density& density,
+                     std::uint64_t points) {
+  struct Selecting {
+    RankSelector selector;
+    RankSelection selection;
+  };
+  return [curve = std::move(curve), fixed = std::move(fixed), density, points,
+          memory = std::make_shared<Selecting>()](const std::shared_ptr<const RankTree>& tree) {
+    RankSelection& selection = memory->selection;
+    memory->selector.select(tree, fixed.get(), ViewFactor(*curve, density), points, selection);
+    selection.tree.reset();
+    selection.parts.clear();
+    return LackingRanks{selection.lacking, selection.count};
+  };
+}
 
 }  // namespace
 
@@ -20,7 +37,7 @@ absl::StatusOr<SessionSampler> SessionSampler::open(const Session& session, cons
   SessionSampler out(session, request, cache, wait, cancel);
   out.curve_ = session.curve();
   if (request.sampler == Sampler::kProgressive) {
-    const absl::StatusOr<RankedCurve> ranked = session.candidates->take(out.curve_, {.cancel = cancel, .threads = 1});
+    const absl::StatusOr<RankedCurve> ranked = session.ranks({.cancel = cancel, .threads = 1});
     if (!ranked.ok()) return ranked.status();
     out.curve_ = ranked->curve;
     out.ranks_ = ranked->tree;
@@ -42,8 +59,8 @@ absl::StatusOr<std::uint64_t> SessionSampler::points() const {
 
 absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
   if (is_ranked()) {
-    absl::StatusOr<Sampled> selected = select(points);
-    if (selected.ok()) list(*selected);
+    absl::StatusOr<Sampled> selected = select(points, points);
+    if (selected.ok()) list(*selected, request_->attributes);
     return selected;
   }
   Sampled out{curve_, cache_->workspaces.lease()};
@@ -57,38 +74,58 @@ absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
   out.is_coarse = session_->options.omega * report.most_on_vertex > kMaxVertexLoad;
   out.statistics.density_seconds = fixed_seconds_ + report.density_seconds;
   out.statistics.equalise_seconds = report.equalise_seconds;
+  out.statistics.wanted_points = points;
+  PointSet& placed = out.points();
+  if (request_->attributes.surface) find_places(*curve_, placed);
+  if (shares_vertices(placed)) {
+    const absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = session_->leaf_surface(curve_);
+    if (!leaves.ok()) return leaves.status();
+    spread_in_leaves(**leaves, placed);
+  }
+  out.need = lattice_need(*request_, *curve_, placed);
+  out.lattice = out.need.best;
   return out;
 }
 
-absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points) {
+absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points, std::uint64_t whole) {
   Sampled out{curve_, cache_->workspaces.lease()};
   out.statistics.curve_vertices = curve_->size();
   out.is_ranked = true;
+  const Density& density = request_->options.density;
   const RankSelection& selection = out.workspace->ranked.selection;
   Stopwatch watch;
-  for (int round = 0;; ++round) {
+  for (;;) {
     const absl::Status status =
-        select_ranked(*curve_, ranks_, fixed_.get(), request_->options.density, points, out.workspace->ranked);
+        select_ranked(*curve_, ranks_, fixed_.get(), density, points, out.workspace->ranked, expected_scale_);
     if (!status.ok()) return status;
-    if (selection.lacking.empty() || wait_ == Wait::kForFirst || session_->candidates->is_full() || round == kMaxRounds) break;
-    const absl::Status grown = session_->candidates->grow(selection.lacking, {.cancel = cancel_});
-    // Without room for more, those that there are have to do.
-    if (!grown.ok() && !absl::IsResourceExhausted(grown)) return grown;
-    const absl::StatusOr<RankedCurve> ranked = session_->candidates->take(curve_, {});
-    if (!ranked.ok()) return ranked.status();
-    ranks_ = ranked->tree;
+    if (selection.lacking.empty() || wait_ == Wait::kForFirst) break;
+    const absl::StatusOr<RankedCurve> grown = session_->candidates->grow(selection.lacking, {.cancel = cancel_});
+    if (!grown.ok()) return grown.status();
+    ranks_ = grown->tree;
   }
   if (absl::Status status = check_cancel(); !status.ok()) return status;
   if (wait_ == Wait::kForAll && selection.count == 0) return nowhere_to_put_points();
   out.lacks_ranks = !selection.lacking.empty();
+  if (out.lacks_ranks) out.demand = demand_of(curve_, fixed_, density, whole);
+  out.statistics.wanted_points = whole;
+  out.statistics.limit = limit_of(selection, points, whole);
+  out.need = lattice_need(*request_, *curve_, selection);
+  out.lattice = out.need.best;
   out.statistics.density_seconds = fixed_seconds_;
   out.statistics.equalise_seconds = watch.lap();
   return out;
 }
 
-void SessionSampler::list(Sampled& selected) {
+PointLimit SessionSampler::limit_of(const RankSelection& selection, std::uint64_t points, std::uint64_t whole) const {
+  if (selection.count >= whole) return PointLimit::kNone;
+  if (selection.count >= points) return PointLimit::kComing;
+  if (selection.lacking.empty()) return PointLimit::kDensity;
+  return wait_ == Wait::kForFirst ? PointLimit::kComing : PointLimit::kServer;
+}
+
+void SessionSampler::list(Sampled& selected, const PointAttributes& attributes) {
   Stopwatch watch;
-  list_ranked(*selected.curve, selected.workspace->ranked);
+  list_ranked(*selected.curve, selected.workspace->ranked, attributes.surface);
   selected.statistics.equalise_seconds += watch.lap();
 }
 

@@ -7,12 +7,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 
 #include "core/density/fixed_density_cache.h"
 #include "server/convert/convert_points.h"
 #include "server/convert/point_set_request.h"
+#include "server/frame/view_lattice.h"
 #include "server/frame/workspaces.h"
+#include "server/session/rank_jobs.h"
 #include "server/session/session.h"
 
 namespace curvecast::server {
@@ -28,8 +29,8 @@ struct ViewCache {
 struct ImprovementRequests {
   /// Asks for a finer revision than `curve`, which is too coarse for so many points.
   std::function<bool(const SurfaceCurve& curve, std::uint64_t points)> finer_curve;
-  /// Asks for these chunks of ranked candidates.
-  std::function<bool(std::span<const ChunkId> lacking)> more_ranks;
+  /// Asks for the ranked candidates that a view lacks.
+  std::function<bool(RankDemand demand)> more_ranks;
 };
 
 /// The points of one request.
@@ -40,12 +41,12 @@ struct Sampled {
   PointSetStatistics statistics;
   bool is_ranked = false;  // the progressive sampler placed them
   bool lacks_ranks = false;
+  RankDemand demand;  // where ranks lack
+  LatticeNeed need;
+  ViewLattice lattice;  // on which the points are sent: need.best, unless whoever packs them has a reason
 
+  PointSet& points() { return is_ranked ? workspace->ranked.points : workspace->equalised.points; }
   const PointSet& points() const { return is_ranked ? workspace->ranked.points : workspace->equalised.points; }
-  /// Returns the chunks of ranked candidates that are lacking; none for the equalised sampler.
-  std::span<const ChunkId> lacking() const {
-    return lacks_ranks ? workspace->ranked.selection.lacking : std::span<const ChunkId>();
-  }
 };
 
 /// Samples one revision of a session's curve, for one request. Keeps the addresses of all that open() is given. Not thread-safe.
@@ -66,15 +67,20 @@ class SessionSampler {
 
   /// Whether the progressive sampler places the points.
   bool is_ranked() const { return ranks_ != nullptr; }
-  /// Selects ranked points without listing them: workspace->ranked.selection has them. Precondition: is_ranked().
-  absl::StatusOr<Sampled> select(std::uint64_t points);
+  /// Selects ranked points without listing them: workspace->ranked.selection has them. `whole`: how many the view wants in the
+  /// end; candidates that lack are asked for so many. Precondition: is_ranked().
+  absl::StatusOr<Sampled> select(std::uint64_t points, std::uint64_t whole);
+  /// Expects the scale of an earlier view, which is likely to be near.
+  void expect_scale(float scale) { expected_scale_ = scale; }
   /// Lists the points that select() selected.
-  static void list(Sampled& selected);
+  static void list(Sampled& selected, const PointAttributes& attributes);
 
  private:
   SessionSampler(const Session& session, const PointSetRequest& request, ViewCache& cache, Wait wait,
                  const std::atomic<bool>* cancel)
       : session_(&session), request_(&request), cache_(&cache), wait_(wait), cancel_(cancel) {}
+  /// Returns why ranked points are fewer than wanted. What a caller does not wait for counts as being made.
+  PointLimit limit_of(const RankSelection& selection, std::uint64_t points, std::uint64_t whole) const;
   /// Cancelled, or OK.
   absl::Status check_cancel() const { return ExecutionContext{.cancel = cancel_}.check(); }
 
@@ -86,6 +92,7 @@ class SessionSampler {
   std::shared_ptr<const SurfaceCurve> curve_;
   std::shared_ptr<const RankTree> ranks_;  // null: the equalised sampler
   std::shared_ptr<const FixedDensity> fixed_;
+  float expected_scale_ = 0;  // not known
   double fixed_seconds_ = 0;
 };
 

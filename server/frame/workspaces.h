@@ -59,7 +59,9 @@ class Workspaces {
   static constexpr std::size_t kMostIdle = 16;
 
   void give_back(std::unique_ptr<ViewWorkspace> workspace) noexcept ABSL_LOCKS_EXCLUDED(mutex_) {
-    workspace->ranked.selection.tree.reset();  // it may be large, and may be the last of a session that has gone
+    // They may be large, and may be the last of a session that has gone.
+    workspace->ranked.selection.tree.reset();
+    workspace->ranked.selection.parts.clear();
     if (workspace->byte_size() > kMostBytes) return;
     const MutexLock lock(mutex_);
     if (idle_.size() < kMostIdle) idle_.push_back(std::move(workspace));

@@ -27,8 +27,9 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
     const auto options = to_preprocess_options(request.options());
     if (!options.ok()) return options.status();
     auto id = engine_.sessions.join(*std::move(files), *options, this, owner_of(engine_, context));
-    if (id.ok()) id_ = *std::move(id);
-    return id.status();
+    if (!id.ok()) return id.status();
+    id_ = *std::move(id);
+    return absl::OkStatus();
   }
 
   void on_progress(std::string_view stage, double fraction) override {

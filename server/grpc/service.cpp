@@ -204,8 +204,9 @@ grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, 
       const auto session = engine_.sessions.find(request->session_id());
       if (!session.ok()) return session.status();
       auto picture = render_picture(**session, *request, engine_.view_cache, job);
-      if (picture.ok()) *response = *std::move(picture);
-      return picture.status();
+      if (!picture.ok()) return picture.status();
+      *response = *std::move(picture);
+      return absl::OkStatus();
     };
   });
 }

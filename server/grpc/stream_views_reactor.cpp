@@ -31,8 +31,9 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
     const absl::StatusOr<std::string> caller = caller_of(engine, context);
     if (!caller.ok()) return caller.status();
     auto conversation = ViewConversation::begin(engine, this, *caller, peer_of(context));
-    if (conversation.ok()) conversation_ = *std::move(conversation);
-    return conversation.status();
+    if (!conversation.ok()) return conversation.status();
+    conversation_ = *std::move(conversation);
+    return absl::OkStatus();
   }
 
   void send(v1::StreamViewsResponse response) override {

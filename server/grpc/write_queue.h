@@ -64,7 +64,8 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
       status_ = std::move(status);
       ended = take_end();
     }
-    finish_now(ended);
+    // Else the thread that ends the call may have deleted the reactor by now.
+    if (ended) finish_now(*ended);
   }
 
   void OnCancel() override { cancelled_ = true; }
@@ -90,7 +91,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
       write_next();
       ended = take_end();
     }
-    finish_now(ended);
+    if (ended) finish_now(*ended);
   }
 
   void OnDone() final { delete this; }
@@ -116,10 +117,9 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   }
 
   /// Without the lock, for the reactor may be gone before Finish() returns.
-  void finish_now(const std::optional<grpc::Status>& status) ABSL_LOCKS_EXCLUDED(mutex_) {
-    if (!status) return;
-    log_.finish(*status);
-    this->Finish(*status);
+  void finish_now(const grpc::Status& status) ABSL_LOCKS_EXCLUDED(mutex_) {
+    log_.finish(status);
+    this->Finish(status);
   }
 
   RequestLog log_;

@@ -18,9 +18,15 @@ class CurveRevisions {
     const MutexLock lock(mutex_);
     return curve_;
   }
+  /// The first revision; null before it. Ranked points lie on it, so that they do not depend on what was refined when.
+  std::shared_ptr<const SurfaceCurve> first() const {
+    const MutexLock lock(mutex_);
+    return first_;
+  }
   /// Makes a revision the newest one.
   void publish(std::shared_ptr<const SurfaceCurve> curve) {
     const MutexLock lock(mutex_);
+    if (first_ == nullptr) first_ = curve;
     curve_.swap(curve);
   }  // the old revision is destroyed after the lock is released, for that takes its time
 
@@ -36,6 +42,7 @@ class CurveRevisions {
 
  private:
   mutable Mutex mutex_;
+  std::shared_ptr<const SurfaceCurve> first_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<const SurfaceCurve> curve_ ABSL_GUARDED_BY(mutex_);
   bool refining_ ABSL_GUARDED_BY(mutex_) = false;
 };

@@ -1,12 +1,15 @@
 // Jobs that improve sessions in the background: what several ask for is made together.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "core/base/mutex.h"
 #include "server/base/job_queue.h"
@@ -14,20 +17,49 @@
 
 namespace curvecast::server {
 
+/// What the clients of a session demand of it: of each client the newest demand, the oldest one first.
+template <typename Demand>
+class Demands {
+ public:
+  /// Replaces the client's earlier demand; `source` tells clients apart. Where there are too many, the oldest gives way.
+  void add(std::uint64_t source, Demand demand) {
+    if (const auto found = std::find(sources_.begin(), sources_.end(), source); found != sources_.end()) {
+      erase(found - sources_.begin());
+    }
+    if (all_.size() == kMost) erase(0);
+    sources_.push_back(source);
+    all_.push_back(std::move(demand));
+  }
+  std::size_t size() const { return all_.size(); }
+  auto begin() const { return all_.begin(); }
+  auto end() const { return all_.end(); }
+
+ private:
+  static constexpr std::size_t kMost = 8;  // met together: each costs a pass over the curve or its candidates
+
+  void erase(std::ptrdiff_t i) {
+    sources_.erase(sources_.begin() + i);
+    all_.erase(all_.begin() + i);
+  }
+
+  std::vector<std::uint64_t> sources_;  // of each demand
+  std::vector<Demand> all_;
+};
+
 struct Improvement {
   bool is_better = false;
   bool is_last = false;  // the session cannot be improved further: what has been asked for meanwhile is dropped
 };
 
-/// Runs one thread of low priority. Each session has at most one job, which runs or waits; `Demands` collects what is asked for
-/// until the job takes it, and begins empty. Thread-safe.
-template <class Demands>
+/// Runs one thread of low priority. Each session has at most one job, which runs or waits; Demands<Demand> collects what is asked
+/// for until the job takes it. Thread-safe.
+template <class Demand>
 class ImprovementJobs {
  public:
   struct Hooks {
     /// Improves the session, with the calling thread alone: any other of the pool would run at the priority of views. `cancel` is
     /// set once the improvement is not wanted any more. Not called for a job that is cancelled before its turn.
-    std::function<Improvement(const Session& session, const Demands& demands, const std::atomic<bool>& cancel)> improve;
+    std::function<Improvement(const Session& session, const Demands<Demand>& demands, const std::atomic<bool>& cancel)> improve;
     /// Called without locks after each improvement, also where the session has not become better or the job was cancelled.
     std::function<void(const Session& session, bool is_better)> on_done;
     /// Called when a session gets a job and when it has none any more. Called with a lock held: must not call the jobs.
@@ -37,10 +69,9 @@ class ImprovementJobs {
   explicit ImprovementJobs(Hooks hooks) : hooks_(std::move(hooks)), queue_({.max_waiting = kMaxPending, .low_priority = true}) {}
   ~ImprovementJobs() { stop(); }
 
-  /// Asks for an improvement: `add(Demands&)` adds what is wanted to what is wanted already. Returns whether on_done will be
-  /// called after it: false when too many sessions wait for their turn, or after stop().
-  template <class Add>
-  bool request(const std::shared_ptr<const Session>& session, Add&& add) ABSL_LOCKS_EXCLUDED(mutex_) {
+  /// Asks for an improvement, instead of what the client `source` asked for before. Returns whether on_done will be called after
+  /// it: false when too many sessions wait for their turn, or after stop().
+  bool request(const std::shared_ptr<const Session>& session, std::uint64_t source, Demand demand) ABSL_LOCKS_EXCLUDED(mutex_) {
     const MutexLock lock(mutex_);
     if (is_stopped_) return false;
     const Key key = session->revisions.get();
@@ -53,7 +84,7 @@ class ImprovementJobs {
       at->second.session = session;
       hooks_.mark(*session, true);
     }
-    add(at->second.demands);
+    at->second.demands.add(source, std::move(demand));
     at->second.is_asked = true;
     return true;
   }
@@ -79,7 +110,7 @@ class ImprovementJobs {
   using Key = const void*;  // tells sessions apart; copies of a session have the same
   struct Job {
     std::shared_ptr<const Session> session;
-    Demands demands = {};
+    Demands<Demand> demands = {};
     bool is_asked = false;  // for anything since the job took its demands
     std::atomic<bool> cancel = false;
   };
@@ -90,7 +121,7 @@ class ImprovementJobs {
       MutexLock lock(mutex_);
       Job& job = jobs_.at(key);  // stays where it is until this thread erases it
       const std::shared_ptr<const Session> session = job.session;
-      const Demands demands = std::exchange(job.demands, {});
+      const Demands<Demand> demands = std::exchange(job.demands, {});
       const std::atomic<bool>& cancel = job.cancel;
       job.is_asked = false;
       lock.unlock();

@@ -1,12 +1,13 @@
 // Grows the ranked candidates of sessions in the background, for views that found too few.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
-#include <set>
-#include <span>
+#include <vector>
 
-#include "core/progressive/rank_chunk.h"
+#include "core/progressive/rank_tree.h"
 #include "server/session/improvement_jobs.h"
 #include "server/session/session.h"
 
@@ -16,6 +17,14 @@ class logger;
 
 namespace curvecast::server {
 
+/// What a view lacks of the candidates that there are.
+struct LackingRanks {
+  std::vector<ChunkId> chunks;
+  std::size_t points = 0;  // that the view shows without them
+};
+/// Looks what a view lacks of a tree. Called by one thread at a time.
+using RankDemand = std::function<LackingRanks(const std::shared_ptr<const RankTree>& tree)>;
+
 /// Thread-safe. One thread of low priority grows the candidates of one session after the other.
 class RankJobs {
  public:
@@ -24,19 +33,19 @@ class RankJobs {
 
   RankJobs(OnDone on_done, std::shared_ptr<spdlog::logger> log);
 
-  /// Asks for chunks that were found lacking; those of a session that waits for its turn are made together. Returns whether they
-  /// are being made, so that on_done is called afterwards: false when there is no room for more, or after stop().
-  bool request(const std::shared_ptr<const Session>& session, std::span<const ChunkId> lacking);
+  /// Asks for what a view lacks, instead of what the client `source` asked for before: views that were overtaken get nothing
+  /// made. Level by level, until nothing lacks any more, or some time has passed and there is more to be seen: then on_done is
+  /// called, and whoever still lacks something asks again. Returns whether that is done, so that on_done is called afterwards:
+  /// false when there is no room for more, or after stop().
+  bool request(const std::shared_ptr<const Session>& session, std::uint64_t source, RankDemand demand);
   /// Cancels everything and joins the thread; refuses what comes later.
   void stop() { jobs_.stop(); }
 
  private:
-  using Chunks = std::set<ChunkId>;
-
-  Improvement grow(const Session& session, const Chunks& lacking, const std::atomic<bool>& cancel) const;
+  Improvement improve(const Session& session, const Demands<RankDemand>& demands, const std::atomic<bool>& cancel) const;
 
   const std::shared_ptr<spdlog::logger> log_;
-  ImprovementJobs<Chunks> jobs_;  // last: they use the others
+  ImprovementJobs<RankDemand> jobs_;  // last: they use the others
 };
 
 }  // namespace curvecast::server

@@ -5,20 +5,22 @@
 namespace curvecast::server {
 namespace {
 
-// Takes a tenth of a second; what a view needs beyond is made for it.
-constexpr int kFirstLevel = kChunkLevels;
+// Takes a few hundredths of a second; what a view needs beyond is made for it.
+constexpr int kFirstLevel = 6;
 
 }  // namespace
 
-absl::StatusOr<RankedCurve> RankedCandidates::take(const std::shared_ptr<const SurfaceCurve>& curve,
-                                                   const ExecutionContext& context) {
+absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, const ExecutionContext& context) {
   {
     const MutexLock lock(mutex_);
     if (newest_.tree != nullptr) return newest_;
   }
   const MutexLock growing(growing_);
   if (grower_ == nullptr) {
-    absl::StatusOr<std::unique_ptr<RankGrower>> grower = RankGrower::make(curve, {.level = kFirstLevel}, context);
+    absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = surface();
+    if (!leaves.ok()) return leaves.status();
+    const std::shared_ptr<const SurfaceCurve> curve = (*leaves)->shared_curve();
+    absl::StatusOr<std::unique_ptr<RankGrower>> grower = RankGrower::make(*std::move(leaves), {.level = kFirstLevel}, context);
     if (!grower.ok()) return grower.status();
     grower_ = *std::move(grower);
     const MutexLock lock(mutex_);
@@ -28,14 +30,14 @@ absl::StatusOr<RankedCurve> RankedCandidates::take(const std::shared_ptr<const S
   return newest_;
 }
 
-absl::Status RankedCandidates::grow(std::span<const ChunkId> lacking, const ExecutionContext& context) {
+absl::StatusOr<RankedCurve> RankedCandidates::grow(std::span<const ChunkId> lacking, const ExecutionContext& context) {
   const MutexLock growing(growing_);
   absl::Status status = grower_->grow(lacking, kMaxPoints, context);
-  if (absl::IsResourceExhausted(status)) full_ = true;
   const MutexLock lock(mutex_);
   newest_.tree = grower_->tree();
   grower_bytes_ = grower_->byte_size();
-  return status;
+  if (!status.ok()) return status;
+  return newest_;
 }
 
 std::uint64_t RankedCandidates::byte_size() {

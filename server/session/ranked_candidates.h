@@ -3,8 +3,8 @@
 
 #include <absl/status/statusor.h>
 
-#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -22,25 +22,24 @@ struct RankedCurve {
 /// Thread-safe.
 class RankedCandidates {
  public:
-  /// Most candidates of a session, of some 26 bytes each.
-  static constexpr std::uint64_t kMaxPoints = 8'000'000;
+  /// About how many candidates a session keeps, of some 50 bytes each: of more, those that no view looked at of late are let go.
+  static constexpr std::uint64_t kMaxPoints = 6'000'000;
 
-  /// Returns the candidates that there are by now. The first call makes those of the lowest ranks, on `curve`; others wait for
-  /// it. Errors as of RankGrower::make().
-  absl::StatusOr<RankedCurve> take(const std::shared_ptr<const SurfaceCurve>& curve, const ExecutionContext& context);
+  using Surface = std::function<absl::StatusOr<std::shared_ptr<const LeafSurface>>()>;
 
-  /// Makes the chunks that are lacking, if they still are; one caller after the other. Errors as of RankGrower::grow().
-  /// Precondition: take() has returned candidates.
-  absl::Status grow(std::span<const ChunkId> lacking, const ExecutionContext& context);
+  /// Returns the candidates that there are by now. The first call makes those of the lowest ranks, on `surface`; others wait for
+  /// it. Errors of `surface`, and as of RankGrower::make().
+  absl::StatusOr<RankedCurve> take(const Surface& surface, const ExecutionContext& context) ABSL_LOCKS_EXCLUDED(growing_, mutex_);
+
+  /// Makes the chunks that are lacking, if they still are; one caller after the other. Returns the candidates that there are
+  /// then. Errors as of RankGrower::grow(). Precondition: take() has returned candidates.
+  absl::StatusOr<RankedCurve> grow(std::span<const ChunkId> lacking, const ExecutionContext& context)
+      ABSL_LOCKS_EXCLUDED(growing_, mutex_);
 
   /// Bytes of the candidates, and of what growing keeps.
-  std::uint64_t byte_size();
-
-  /// Whether something could not be made for want of room: views that lack it do with what there is.
-  bool is_full() const { return full_.load(std::memory_order_relaxed); }
+  std::uint64_t byte_size() ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  std::atomic<bool> full_ = false;
   Mutex growing_ ABSL_ACQUIRED_BEFORE(mutex_);
   std::unique_ptr<RankGrower> grower_ ABSL_GUARDED_BY(growing_);
   Mutex mutex_;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <optional>
 #include <utility>
 
 #include "core/base/stopwatch.h"
@@ -13,9 +12,6 @@
 
 namespace curvecast::server {
 namespace {
-
-// Demands of others that are met together; the oldest gives way. Each costs a pass over the curve.
-constexpr std::size_t kMaxDemands = 8;
 
 /// Memory that the machine could give without swapping, bytes; 0 where it does not say.
 std::uint64_t available_memory() {
@@ -35,31 +31,10 @@ bool is_uniform(const std::vector<DensityTerm>& density) {
 
 }  // namespace
 
-/// What every refinement of a session needs of its surface.
-struct RefinementSurface {
-  explicit RefinementSurface(std::shared_ptr<const FlattenedMesh> mesh) : flattened(std::move(mesh)) {
-    const LoadedMesh& loaded = flattened->loaded;
-    if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
-    base.emplace(SurfaceData{loaded.mesh, flattened->geometry, loaded.attributes, colour ? &*colour : nullptr},
-                 flattened->charts);
-  }
-  RefinementSurface(const RefinementSurface&) = delete;
-
-  std::shared_ptr<const FlattenedMesh> flattened;
-  std::optional<SurfaceColour> colour;
-  std::optional<CurveBase> base;
-};
-
-void CurveDemands::add(std::uint64_t source, CurveDemand demand) {
-  std::erase_if(all, [source](const Demand& other) { return other.source == source; });
-  if (all.size() == kMaxDemands) all.erase(all.begin());
-  all.push_back({source, std::move(demand)});
-}
-
 Refiner::Refiner(std::uint64_t max_vertices, OnDone on_done, std::shared_ptr<spdlog::logger> log)
     : max_vertices_(max_vertices),
       log_(std::move(log)),
-      jobs_({.improve = [this](const Session& session, const CurveDemands& demands,
+      jobs_({.improve = [this](const Session& session, const Demands<CurveDemand>& demands,
                                const std::atomic<bool>& cancel) { return improve(session, demands, cancel); },
              .on_done = std::move(on_done),
              .mark = [](const Session& session, bool has_job) { session.revisions->set_refining(has_job); }}) {}
@@ -71,8 +46,7 @@ bool Refiner::request(const std::shared_ptr<const Session>& session, const Surfa
   if (session->curve()->revision > curve.revision) return true;
   if (session->refinement->is_over) return false;
   // A copy, so that the session may be evicted while its job runs or waits.
-  return jobs_.request(std::make_shared<const Session>(*session),
-                       [&](CurveDemands& demands) { demands.add(source, std::move(demand)); });
+  return jobs_.request(std::make_shared<const Session>(*session), source, std::move(demand));
 }
 
 void Refiner::forget(const Session& session) {
@@ -80,7 +54,7 @@ void Refiner::forget(const Session& session) {
   jobs_.cancel(session);
 }
 
-Improvement Refiner::improve(const Session& session, const CurveDemands& demands, const std::atomic<bool>& cancel) const {
+Improvement Refiner::improve(const Session& session, const Demands<CurveDemand>& demands, const std::atomic<bool>& cancel) const {
   Stopwatch watch;
   const absl::StatusOr<RefinedCurve> refined = status_from_exceptions([&] { return refine_once(session, demands, cancel); });
   if (!refined.ok()) {
@@ -100,30 +74,21 @@ Improvement Refiner::improve(const Session& session, const CurveDemands& demands
   return {.is_better = curve != nullptr, .is_last = is_at_limit};
 }
 
-absl::StatusOr<RefinedCurve> Refiner::refine_once(const Session& session, const CurveDemands& demands,
+absl::StatusOr<RefinedCurve> Refiner::refine_once(const Session& session, const Demands<CurveDemand>& demands,
                                                   const std::atomic<bool>& cancel) const {
   if (session.refinement->is_over) return absl::CancelledError("the session was closed");
-  std::shared_ptr<RefinementSurface>& surface = session.refinement->surface;
-  if (surface == nullptr) {
-    std::shared_ptr<const FlattenedMesh> flattened = session.preprocessed.flattened;
-    if (flattened == nullptr) {
-      if (!session.load_flattened) return absl::UnavailableError("its surface is not at hand");
-      auto loaded = session.load_flattened();
-      if (!loaded.ok()) return loaded.status();
-      flattened = *std::move(loaded);
-    }
-    surface = std::make_shared<RefinementSurface>(std::move(flattened));
-  }
+  const absl::StatusOr<std::shared_ptr<const CurveBase>> base = session.curve_base();
+  if (!base.ok()) return base.status();
   const std::shared_ptr<const SurfaceCurve> curve = session.curve();
   RefineOptions options{.omega = session.options.omega, .max_vertices = affordable_vertices(*curve)};
   std::vector<CurveDemand> all;
-  for (const CurveDemands::Demand& demanded : demands.all) {
-    all.push_back(demanded.demand);
-    if (is_uniform(session.options.density) && is_uniform(demanded.demand.density.terms)) {
-      options.max_points = std::max(options.max_points, demanded.demand.points);
+  for (const CurveDemand& demand : demands) {
+    all.push_back(demand);
+    if (is_uniform(session.options.density) && is_uniform(demand.density.terms)) {
+      options.max_points = std::max(options.max_points, demand.points);
     }
   }
-  return refine(*surface->base, *curve, all, options, {.cancel = &cancel, .threads = 1});
+  return refine(**base, *curve, all, options, {.cancel = &cancel, .threads = 1});
 }
 
 std::uint64_t Refiner::affordable_vertices(const SurfaceCurve& curve) const {

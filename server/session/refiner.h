@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <vector>
 
 #include "core/refine/refine.h"
 #include "server/session/improvement_jobs.h"
@@ -18,18 +17,6 @@ class logger;
 }
 
 namespace curvecast::server {
-
-/// What the clients of a session demand of its curve: of each client the newest demand, the oldest one first.
-struct CurveDemands {
-  struct Demand {
-    std::uint64_t source;  // tells clients apart
-    CurveDemand demand;
-  };
-  std::vector<Demand> all;
-
-  /// Replaces the client's earlier demand. Where there are too many, the oldest gives way.
-  void add(std::uint64_t source, CurveDemand demand);
-};
 
 /// Thread-safe. One thread of low priority refines one session after the other.
 class Refiner {
@@ -52,14 +39,14 @@ class Refiner {
   void stop() { jobs_.stop(); }
 
  private:
-  Improvement improve(const Session& session, const CurveDemands& demands, const std::atomic<bool>& cancel) const;
-  absl::StatusOr<RefinedCurve> refine_once(const Session& session, const CurveDemands& demands,
+  Improvement improve(const Session& session, const Demands<CurveDemand>& demands, const std::atomic<bool>& cancel) const;
+  absl::StatusOr<RefinedCurve> refine_once(const Session& session, const Demands<CurveDemand>& demands,
                                            const std::atomic<bool>& cancel) const;
   std::uint64_t affordable_vertices(const SurfaceCurve& curve) const;
 
   const std::uint64_t max_vertices_;
   const std::shared_ptr<spdlog::logger> log_;
-  ImprovementJobs<CurveDemands> jobs_;  // last: they use the others
+  ImprovementJobs<CurveDemand> jobs_;  // last: they use the others
 };
 
 }  // namespace curvecast::server

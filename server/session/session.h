@@ -14,6 +14,7 @@
 #include "server/session/mesh_files.h"
 #include "server/session/ranked_candidates.h"
 #include "server/session/refinement.h"
+#include "server/session/session_surface.h"
 
 namespace curvecast::server {
 
@@ -29,14 +30,22 @@ struct Session {
   std::shared_ptr<CurveRevisions> revisions = std::make_shared<CurveRevisions>();
   std::shared_ptr<RankedCandidates> candidates = std::make_shared<RankedCandidates>();  // made when they are first asked for
   std::shared_ptr<Refinement> refinement = std::make_shared<Refinement>();
-  /// Loads the surface on which the curve lies, for refining it, where preprocessed.flattened is null. May be empty.
+  std::shared_ptr<SessionSurface> surface = std::make_shared<SessionSurface>();
+  /// Loads the surface on which the curve lies, where preprocessed.flattened is null. May be empty.
   std::function<absl::StatusOr<std::shared_ptr<const FlattenedMesh>>()> load_flattened;
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
 
   /// The newest revision of the curve. Each answer takes it once, so that all of it is of one revision.
   std::shared_ptr<const SurfaceCurve> curve() const { return revisions->newest(); }
-  /// Bytes of the curve and the ranked candidates.
-  std::uint64_t memory_bytes() const { return curve()->byte_size() + candidates->byte_size(); }
+  /// The surface in the form that refinement wants. Unavailable where it is not at hand; errors of load_flattened.
+  absl::StatusOr<std::shared_ptr<const CurveBase>> curve_base() const;
+  /// The surface below the leaves of a revision. Errors as of curve_base().
+  absl::StatusOr<std::shared_ptr<const LeafSurface>> leaf_surface(const std::shared_ptr<const SurfaceCurve>& curve) const;
+  /// The ranked candidates that there are by now, on the first revision of the curve; at least those of the lowest ranks. Errors
+  /// as of curve_base() and RankGrower::make().
+  absl::StatusOr<RankedCurve> ranks(const ExecutionContext& context) const;
+  /// Bytes of the curve's revisions and the ranked candidates.
+  std::uint64_t memory_bytes() const;
 };
 
 enum class SessionState { kQueued, kPreprocessing, kReady };

@@ -92,8 +92,8 @@ class WebCalls final : public WebConversation {
     open_->reserve(number);
     WebCallContext context{socket_, number, peer_, [open = open_, number] { open->remove(number); }};
     const std::string path = absl::StrCat("/", service().full_name(), "/", request.method());
-    const auto call = request.method() == "StreamViews" ? begin_views_call(engine_, std::move(context))
-                                                        : begin_grpc_call(channel_, path, std::move(context));
+    auto call = request.method() == "StreamViews" ? begin_views_call(engine_, std::move(context))
+                                                  : begin_grpc_call(channel_, path, std::move(context));
     open_->add(number, call);
     return call;
   }

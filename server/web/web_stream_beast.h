@@ -18,8 +18,8 @@ class WebStream {
  public:
   using Tcp = boost::beast::tcp_stream;
   using Tls = boost::beast::ssl_stream<Tcp>;
-  using executor_type = Tcp::executor_type;
-  using next_layer_type = Tcp;
+  using executor_type = Tcp::executor_type;  // NOLINT(readability-identifier-naming): as Beast asks for it
+  using next_layer_type = Tcp;               // NOLINT(readability-identifier-naming)
 
   /// `tls` may be null: not encrypted.
   WebStream(boost::asio::ip::tcp::socket socket, boost::asio::ssl::context* tls) {

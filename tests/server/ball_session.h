@@ -16,7 +16,7 @@
 
 namespace curvecast::server {
 
-inline constexpr auto kPatience = std::chrono::seconds(120);  // only what is broken waits that long
+inline constexpr auto kPatience = std::chrono::minutes(10);  // only what is broken waits that long
 
 /// Counts how often work came to an end.
 class Ends {

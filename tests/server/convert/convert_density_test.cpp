@@ -1,5 +1,6 @@
 #include "server/convert/convert_density.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,6 +25,7 @@ TEST(ConvertDensity, TakesCamerasAndTerms) {
   distance.set_near(2);
   distance.set_far(5);
   distance.set_global(true);
+  distance.set_fall(v1::DISTANCE_FALL_LINEAR);
   request.set_pixel_error(2.5);
   auto sample = to_point_set_request(request);
   ASSERT_TRUE(sample.ok()) << sample.status();
@@ -36,6 +38,7 @@ TEST(ConvertDensity, TakesCamerasAndTerms) {
   EXPECT_EQ(std::get<DistanceTerm>(sample->options.density.terms[5]).near, 2);
   EXPECT_EQ(std::get<DistanceTerm>(sample->options.density.terms[5]).far, 5);
   EXPECT_TRUE(std::get<DistanceTerm>(sample->options.density.terms[5]).global);
+  EXPECT_EQ(std::get<DistanceTerm>(sample->options.density.terms[5]).fall, DistanceFall::kLinear);
   EXPECT_EQ(sample->pixel_error, 2.5);
   request.set_max_bytes(5000);
   sample = to_point_set_request(request);
@@ -116,6 +119,23 @@ TEST(ConvertDensity, CamerasOfAnySizeWillDo) {
   }
 }
 
+TEST(ConvertDensity, RefusesAFallThatSaysNothing) {
+  const auto error_of = [](auto change) {
+    v1::SampleRequest request = good_request();
+    change(*request.mutable_density(5)->mutable_distance());
+    return std::string(to_point_set_request(request).status().message());
+  };
+  const auto falls = [](v1::DistanceFall fall, bool global) {
+    return [=](v1::DistanceDensity& distance) {
+      distance.set_global(global);
+      distance.set_fall(fall);
+    };
+  };
+  EXPECT_THAT(error_of(falls(v1::DISTANCE_FALL_LINEAR, true)), ::testing::HasSubstr("density[5].distance.fall is LINEAR"));
+  EXPECT_THAT(error_of(falls(v1::DISTANCE_FALL_INVERSE, false)), ::testing::HasSubstr("density[5].distance.fall is of global"));
+  EXPECT_THAT(error_of(falls(static_cast<v1::DistanceFall>(9), true)), ::testing::HasSubstr("fall has the unknown value 9"));
+}
+
 TEST(ConvertDensity, CameraTermsKeepTheirFields) {
   EXPECT_EQ(to_proto(DensityTerm(ViewTerm{2})).view().s0(), 2);
   EXPECT_TRUE(to_proto(DensityTerm(FrustumTerm{})).has_frustum());
@@ -124,6 +144,7 @@ TEST(ConvertDensity, CameraTermsKeepTheirFields) {
   EXPECT_EQ(distance.near(), 1);
   EXPECT_EQ(distance.far(), 2);
   EXPECT_TRUE(distance.global());
+  EXPECT_EQ(distance.fall(), v1::DISTANCE_FALL_INVERSE_SQUARE);
   EXPECT_EQ(to_proto(DensityTerm(DistanceTerm{})).distance().far(), 0) << "no limit";
 }
 

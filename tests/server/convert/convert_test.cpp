@@ -61,7 +61,7 @@ TEST(ToPointSetRequest, FillsInTheDefaults) {
   EXPECT_EQ(sample->pixel_error, 0);
   EXPECT_EQ(sample->max_bytes, 0u);
   ASSERT_TRUE(sample->draco);
-  EXPECT_EQ(sample->draco->position_bits, 11);
+  EXPECT_EQ(sample->draco->position_bits, kAutomaticBits);
   EXPECT_EQ(sample->draco->normal_bits, 8);
 }
 

@@ -41,6 +41,7 @@ struct Blocks {
   std::vector<v1::PointBlock> blocks;
   std::uint64_t points = 0;
   std::size_t bytes = 0;
+  v1::FrameStatistics statistics;
 };
 
 std::size_t bytes_of(const v1::PointBlock& block) {
@@ -58,6 +59,7 @@ Blocks blocks_of(const PointSetRequest& request) {
   int with_statistics = 0;
   const absl::Status status = make_point_blocks(ball(), request, cache(), {}, nullptr, [&](const v1::ResampleResponse& response) {
     with_statistics += response.has_statistics() ? 1 : 0;
+    out.statistics = response.statistics();
     out.points += response.points().count();
     out.bytes += bytes_of(response.points());
     out.blocks.push_back(response.points());
@@ -84,8 +86,11 @@ TEST(PointBlocks, KeepWithinTheirBytes) {
         const Blocks made = blocks_of(request);
         EXPECT_LE(made.bytes, limit);
         EXPECT_GE(static_cast<double>(made.bytes), 0.9 * static_cast<double>(limit)) << limit << ", " << density.terms.size();
+        EXPECT_EQ(made.statistics.limit(), v1::POINT_LIMIT_BYTES);
+        EXPECT_EQ(made.statistics.wanted_points(), 0u);
         const auto frame = make_frame(ball(), {.point_set = request}, cache(), {});
         ASSERT_TRUE(frame.ok()) << frame.status();
+        EXPECT_EQ(frame->frame.statistics().limit(), v1::POINT_LIMIT_BYTES);
         EXPECT_LE(bytes_of(frame->frame), limit);
         EXPECT_GE(static_cast<double>(bytes_of(frame->frame)), 0.9 * static_cast<double>(limit));
       }
@@ -101,6 +106,8 @@ TEST(PointBlocks, OfABudgetAreThoseOfTheirNumber) {
   request.max_bytes = 0;
   request.options.points = made.points;
   const Blocks same = blocks_of(request);
+  EXPECT_EQ(same.statistics.limit(), v1::POINT_LIMIT_UNSPECIFIED);
+  EXPECT_EQ(same.statistics.wanted_points(), made.points);
   ASSERT_EQ(same.blocks.size(), made.blocks.size());
   for (std::size_t i = 0; i < same.blocks.size(); ++i) {
     EXPECT_EQ(same.blocks[i].SerializeAsString(), made.blocks[i].SerializeAsString());
@@ -119,6 +126,7 @@ TEST(PointBlocks, TakeAnErrorInPixels) {
   const auto frame = make_frame(ball(), {.point_set = request}, cache(), {});
   ASSERT_TRUE(frame.ok()) << frame.status();
   EXPECT_EQ(count_points(frame->frame), fine.points);
+  EXPECT_EQ(frame->frame.statistics().wanted_points(), fine.points);
 }
 
 TEST(PointBlocks, AskForAFinerCurveWithTheirOwnNumber) {

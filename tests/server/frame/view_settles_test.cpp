@@ -42,11 +42,13 @@ std::shared_ptr<const Session> ball() {
   static const std::shared_ptr<const Session> made = make_session(500);
   auto session = std::make_shared<Session>();
   session->options = made->options;
+  session->preprocessed = made->preprocessed;
+  session->surface = made->surface;
   session->revisions->publish(made->curve());
   return session;
 }
 
-/// A client of a ball that few curve vertices, and so few ranked candidates, are made for.
+/// A client of a ball that few curve vertices are made for.
 class ZoomedView : public Conversation {
  public:
   explicit ZoomedView(const Zoom& zoom) : zoom_(zoom) {
@@ -108,8 +110,8 @@ class ZoomedView : public Conversation {
   ImprovementRequests improvements() {
     return {.finer_curve = [this](const SurfaceCurve&, std::uint64_t) { return promise(); },
             .more_ranks =
-                [this](std::span<const ChunkId> lacking) {
-                  lacking_.assign(lacking.begin(), lacking.end());
+                [this](RankDemand demand) {
+                  demand_ = std::move(demand);
                   return promise();
                 }};
   }
@@ -121,7 +123,7 @@ class ZoomedView : public Conversation {
     is_promised_ = false;
     if (zoom_.background == Background::kImproves) {
       if (zoom_.sampler == v1::SAMPLER_PROGRESSIVE) {
-        EXPECT_TRUE(session_->candidates->grow(lacking_, {}).ok());
+        EXPECT_TRUE(session_->candidates->grow(demand_(session_->ranks({})->tree).chunks, {}).ok());
       } else {
         const auto finer = std::make_shared<SurfaceCurve>(*session_->curve());
         ++finer->revision;
@@ -135,10 +137,26 @@ class ZoomedView : public Conversation {
   const Zoom zoom_;
   ViewCache cache_;
   bool is_promised_ = false;
-  std::vector<ChunkId> lacking_;
+  RankDemand demand_;
 };
 
-TEST(ViewSettles, WhereRankedCandidatesRunOut) {
+/// Each frame says how many points were wanted, and why it has not as many.
+void expect_reasons(const std::vector<v1::PointFrame>& frames) {
+  for (const v1::PointFrame& frame : frames) {
+    if (frame.has_error()) continue;
+    const v1::FrameStatistics& statistics = frame.statistics();
+    EXPECT_EQ(statistics.wanted_points(), kPoints);
+    EXPECT_EQ(statistics.limit() == v1::POINT_LIMIT_UNSPECIFIED, frame.held_points() == kPoints);
+    if (statistics.limit() == v1::POINT_LIMIT_COMING) {
+      EXPECT_TRUE(statistics.refining());
+    }
+    if (statistics.refining() && frame.held_points() < kPoints) {
+      EXPECT_NE(statistics.limit(), v1::POINT_LIMIT_SERVER);
+    }
+  }
+}
+
+TEST(ViewSettles, WithAllItsPointsIfTheirRanksAreMade) {
   for (const Background background : {Background::kImproves, Background::kRefuses}) {
     const Zoom zoom{.distance = 0.06, .first_bytes = 2000, .background = background};
     SCOPED_TRACE(zoom.name());
@@ -147,7 +165,10 @@ TEST(ViewSettles, WhereRankedCandidatesRunOut) {
     ASSERT_LE(client.frames_.size(), kMostFrames) << "the same view for ever";
     EXPECT_FALSE(client.frames_.back().statistics().refining());
     EXPECT_GT(client.frames_.back().held_points(), 0u);
-    EXPECT_LT(client.frames_.back().held_points(), kPoints) << "candidates did not run out";
+    EXPECT_EQ(client.frames_.back().held_points() == kPoints, background == Background::kImproves);
+    expect_reasons(client.frames_);
+    const v1::PointLimit reason = background == Background::kImproves ? v1::POINT_LIMIT_UNSPECIFIED : v1::POINT_LIMIT_SERVER;
+    EXPECT_EQ(client.frames_.back().statistics().limit(), reason);
   }
 }
 
@@ -187,6 +208,7 @@ TEST(ViewSettles, HoweverNearAndWhateverIsMade) {
     const std::vector<v1::PointFrame>& frames = client.frames_;
     ASSERT_FALSE(frames.empty());
     ASSERT_LE(frames.size(), kMostFrames);
+    expect_reasons(frames);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       const bool is_last = i + 1 == frames.size();
       // Nearest to the surface, the last word may be that there is no candidate in sight.

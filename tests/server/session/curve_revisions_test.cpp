@@ -74,14 +74,16 @@ TEST(CurveRevisions, ReadersKeepTheRevisionThatTheyTook) {
 
 TEST(CurveRevisions, AnOldRevisionGoesWithItsLastReader) {
   CurveRevisions live;
-  live.publish(strip(10, 1));
+  live.publish(strip(5, 1));
+  live.publish(strip(10, 2));
   std::weak_ptr<const SurfaceCurve> old = live.newest();
   std::shared_ptr<const SurfaceCurve> held = live.newest();
-  live.publish(strip(20, 2));
+  live.publish(strip(20, 3));
   EXPECT_FALSE(old.expired());
   EXPECT_EQ(held->size(), 10u);
   held.reset();
   EXPECT_TRUE(old.expired());
+  EXPECT_EQ(live.first()->size(), 5u) << "the first one stays: ranked points lie on it";
 }
 
 }  // namespace

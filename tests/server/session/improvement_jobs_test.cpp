@@ -20,7 +20,8 @@ using Wishes = std::set<std::string>;
 /// Jobs whose first improvement waits until it is let go or cancelled.
 class ImprovementJobsTest : public ::testing::Test {
  protected:
-  Improvement improve(const Wishes& wishes, const std::atomic<bool>& cancel) {
+  Improvement improve(const Demands<std::string>& demands, const std::atomic<bool>& cancel) {
+    const Wishes wishes(demands.begin(), demands.end());
     improved_.push_back(wishes);
     if (improved_.size() == 1) {
       begun_.set_value();
@@ -29,7 +30,7 @@ class ImprovementJobsTest : public ::testing::Test {
     return {.is_better = !cancel, .is_last = wishes.contains("the last")};
   }
   bool ask(const std::shared_ptr<const Session>& session, const std::string& wish) {
-    return jobs_.request(session, [&](Wishes& wishes) { wishes.insert(wish); });
+    return jobs_.request(session, ++source_, wish);
   }
   void wait_for_first() { ASSERT_EQ(begun_.get_future().wait_for(kPatience), std::future_status::ready); }
 
@@ -40,13 +41,14 @@ class ImprovementJobsTest : public ::testing::Test {
   std::atomic<bool> is_open_ = false;
   std::vector<Wishes> improved_;  // by the jobs' thread
   std::vector<bool> marks_;       // of session_
-  ImprovementJobs<Wishes> jobs_{{.improve = [this](const Session&, const Wishes& wishes,
-                                                   const std::atomic<bool>& cancel) { return improve(wishes, cancel); },
-                                 .on_done = ends_.counter(),
-                                 .mark =
-                                     [this](const Session& session, bool has_job) {
-                                       if (session.revisions == session_->revisions) marks_.push_back(has_job);
-                                     }}};
+  std::uint64_t source_ = 0;
+  ImprovementJobs<std::string> jobs_{{.improve = [this](const Session&, const Demands<std::string>& wishes,
+                                                        const std::atomic<bool>& cancel) { return improve(wishes, cancel); },
+                                      .on_done = ends_.counter(),
+                                      .mark =
+                                          [this](const Session& session, bool has_job) {
+                                            if (session.revisions == session_->revisions) marks_.push_back(has_job);
+                                          }}};
 };
 
 TEST_F(ImprovementJobsTest, WhatIsAskedMeanwhileIsMadeTogether) {

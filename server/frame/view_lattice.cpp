@@ -1,0 +1,103 @@
+#include "server/frame/view_lattice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "core/codec/position_bits.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr double kFloatError = 0.5 * std::numeric_limits<float>::epsilon();  // of a length, relative to it
+
+/// The nearest of some points to a place.
+struct Nearest {
+  Vec3f place;
+  Vec3f position = Vec3f::Zero();
+  float square = std::numeric_limits<float>::infinity();  // of the distance
+
+  void add(const Vec3f& p) {
+    const float d = (p - place).squaredNorm();
+    if (d < square) square = d, position = p;
+  }
+  bool is_found() const { return std::isfinite(square); }
+};
+
+void find(const PointSet& points, Nearest& nearest) {
+  for (const Vec3f& position : points.positions) nearest.add(position);
+}
+
+void find(const RankSelection& selection, Nearest& nearest) {
+  for (const RankSelection::Part& part : selection.parts) {
+    const RankChunk& chunk = *part.chunk;
+    const CurveBlocks& bounds = chunk.bounds;
+    const std::size_t words_of_run = chunk.run_size() / RankSelection::kWord;
+    const std::uint64_t* word = &selection.shown[part.first_bit / RankSelection::kWord];
+    for (std::size_t run = 0; run < kChunkRuns; ++run, word += words_of_run) {
+      const Vec3f middle(bounds.x[run], bounds.y[run], bounds.z[run]);
+      if ((middle - nearest.place).norm() - bounds.radius[run] >= std::sqrt(nearest.square)) continue;
+      for (std::size_t w = 0; w < words_of_run; ++w) {
+        for_each_bit(word[w], run * chunk.run_size() + w * RankSelection::kWord,
+                     [&](std::size_t i) { nearest.add(Vec3f(chunk.x[i], chunk.y[i], chunk.z[i])); });
+      }
+    }
+  }
+}
+
+template <typename Points>
+LatticeNeed need_of(const PointSetRequest& request, const SurfaceCurve& curve, const Points& points) {
+  LatticeNeed need;
+  if (!request.draco) return need;
+  need.is_open = request.draco->position_bits == kAutomaticBits;
+  need.best.bits = request.draco->position_bits;
+  if (!need.is_open) return need;
+  const Vec3d size = curve.box.max - curve.box.min;
+  for (const Camera& camera : request.options.density.cameras) {
+    Nearest nearest{((camera.is_orthographic() ? camera.target : camera.eye) - curve.origin).cast<float>()};
+    find(points, nearest);
+    if (!nearest.is_found()) continue;
+    const double pixels = pixels_per_length(camera, std::sqrt(static_cast<double>(nearest.square)), size.norm());
+    if (pixels <= need.pixels) continue;
+    need.pixels = pixels;
+    need.nearest = nearest.position.cast<double>() + curve.origin;
+  }
+  need.best.bits = position_bits_for(need.pixels, size.maxCoeff());
+  if (need.best.bits > kMostCornerBits) need.best.centre = need.nearest;
+  return need;
+}
+
+}  // namespace
+
+bool LatticeNeed::is_met_by(const ViewLattice& held) const {
+  if (!is_open) return held == best;
+  if (!may_keep_position_bits(held.bits, best.bits)) return false;
+  return !held.centre || (nearest - *held.centre).cwiseAbs().maxCoeff() * kFloatError * pixels <= kMostFloatPixels;
+}
+
+LatticeNeed lattice_need(const PointSetRequest& request, const SurfaceCurve& curve, const PointSet& points) {
+  return need_of(request, curve, points);
+}
+
+LatticeNeed lattice_need(const PointSetRequest& request, const SurfaceCurve& curve, const RankSelection& selection) {
+  return need_of(request, curve, selection);
+}
+
+void move_origin(const ViewLattice& lattice, PointSet& points) {
+  if (!lattice.centre || points.origin == *lattice.centre) return;
+  const Vec3d shift = points.origin - *lattice.centre;
+  for (Vec3f& position : points.positions) position = (position.cast<double>() + shift).cast<float>();
+  points.origin = *lattice.centre;
+}
+
+std::optional<DracoOptions> draco_options(const PointSetRequest& request, const ViewLattice& lattice) {
+  std::optional<DracoOptions> options = request.draco;
+  if (options) {
+    options->position_bits = lattice.bits;
+    options->is_centred = lattice.centre.has_value();
+  }
+  return options;
+}
+
+}  // namespace curvecast::server
