@@ -60,7 +60,8 @@ std::vector<double> set_sizes(std::size_t most) {
   std::vector<double> sizes;
   for (std::size_t n = 2; n <= most; n *= 2) {
     sizes.push_back(static_cast<double>(n));
-    if (n + n / 2 <= most) sizes.push_back(static_cast<double>(n + n / 2));
+    const std::size_t half_more = n + n / 2;
+    if (half_more <= most) sizes.push_back(static_cast<double>(half_more));
   }
   return sizes;
 }

@@ -21,6 +21,7 @@
 #include "client/bench/preprocess_bench.h"
 #include "client/bench/sample_bench.h"
 #include "client/bench/stream_bench.h"
+#include "client/bench/zoom_bench.h"
 #include "client/cli/progress_bar.h"
 #include "client/lib/file_bytes.h"
 
@@ -84,9 +85,9 @@ absl::Status run_corpus_bench(const CorpusFlags& flags, const CommonOptions& com
     const std::string table = csv ? corpus_csv(*entries) : corpus_markdown(*entries);
     if (absl::Status status = client::write_bytes(flags.out, table); !status.ok()) return status;
   }
-  const absl::Status printed = common.json         ? print_json(corpus_json(*entries))
-                               : flags.out.empty() ? print_text(corpus_markdown(*entries))
-                                                   : print_text(bench_text(summarise_corpus(*entries)));
+  absl::Status printed = common.json         ? print_json(corpus_json(*entries))
+                         : flags.out.empty() ? print_text(corpus_markdown(*entries))
+                                             : print_text(bench_text(summarise_corpus(*entries)));
   if (!printed.ok()) return printed;
   if (!corpus_passed(*entries)) return absl::FailedPreconditionError("not every mesh of the folder came through as it should");
   return absl::OkStatus();
@@ -208,6 +209,32 @@ Run add_stream_benchmark(CLI::App& app) {
   return on_mesh(app, options, bench_stream);
 }
 
+Run add_zoom(CLI::App& app) {
+  const auto options = std::make_shared<ZoomBenchOptions>();
+  app.add_option("-n,--points", options->points, "points of the views: a path for each number")
+      ->check(point_count_range())
+      ->type_name("N")
+      ->capture_default_str();
+  add_count(app, "--frames", &options->frames, 100'000, "views of the path, down and up together");
+  add_count(app, "--stops", &options->stops, 1000, "on the way down, and again on the way up");
+  app.add_option("--rate", options->rate, "views per second")->check(CLI::Range(0.1, 1e4))->capture_default_str();
+  app.add_option("--nearest", options->nearest, "distance from the surface at the nearest stop, in diagonals of the mesh's box")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->capture_default_str();
+  add_count(app, "--width", &options->width, 4096, "of the camera's picture, pixels");
+  add_count(app, "--height", &options->height, 4096, "of the camera's picture, pixels");
+  app.add_option("--wander", options->wander,
+                 "views of random places from near by after the path, and the memory of the server after them; 0 = none")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  app.add_option(
+         "--pictures", options->pictures,
+         "a folder for a picture of each stop, the points beside the mesh itself; made if missing. The table then has the "
+         "coverage, which takes time")
+      ->type_name("DIR");
+  return on_mesh(app, options, bench_zoom);
+}
+
 constexpr Benchmark kBenchmarks[] = {
     {"corpus", "DIR", "every mesh of a folder through all of preprocessing, checked",
      "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
@@ -249,6 +276,12 @@ constexpr Benchmark kBenchmarks[] = {
      "with deltas, and of crowds of 1, 8, 64 ... clients that send views at a fixed rate; bytes of their frames, and processor "
      "time.",
      add_stream_benchmark},
+    {"zoom", "MESH", "points, bytes, latency and memory on the way down to the surface and back",
+     "One client goes from the whole mesh down to a place of its surface and back up, over TCP on the loopback, and waits at "
+     "stops "
+     "until nothing better follows: points, of how many, what limits them, the time to the last frame, bytes and ranks of each "
+     "stop; latency of deltas in motion, processor time of a frame, memory of the server.",
+     add_zoom},
 };
 
 std::string list_benchmarks() {
@@ -296,7 +329,8 @@ Command add_benchmarks(CLI::App& root, CommonOptions& options) {
       throw CLI::ValidationError("bench", "name a benchmark; --list tells which there are");
     }
   });
-  return {app, [list, chosen](const CommonOptions& common, std::stop_token stop) { return run(*list, *chosen, common, stop); }};
+  return {app,
+          [list, chosen](const CommonOptions& common, const std::stop_token& stop) { return run(*list, *chosen, common, stop); }};
 }
 
 }  // namespace curvecast::cli::bench

@@ -18,14 +18,23 @@ struct BenchResult {
   std::optional<double> reference = {};  // what it is compared with, in the same unit
 };
 
+/// Rows of numbers and words under common headings.
+struct BenchTable {
+  std::string name;
+  std::vector<std::string> columns;
+  std::vector<std::vector<Json>> rows;  // a cell for each column; null: nothing
+};
+
 struct BenchReport {
   std::string name;  // of the benchmark
   std::vector<BenchResult> results;
   std::vector<std::string> notes = {};  // how it was measured; whole sentences
+  std::vector<BenchTable> tables = {};
 };
 
-Json bench_json(const BenchReport& report);         // {name, machine, results[{case, value, unit, reference, ratio}], notes}
-std::string bench_text(const BenchReport& report);  // a table
+Json bench_json(const BenchReport& report);  // {name, machine, results[{case, value, unit, reference, ratio}], notes} and, where
+                                             // there are any, tables[{name, rows[{column: cell}]}]
+std::string bench_text(const BenchReport& report);  // the tables, and one of the results
 
 /// Processor, number of cores, and how many processes want them now (the load average of the last minute): times taken on a busy
 /// machine say so.

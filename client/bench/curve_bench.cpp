@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <memory>
 #include <numeric>
-#include <optional>
 #include <span>
 #include <thread>
 #include <utility>
@@ -17,7 +16,7 @@
 #include "client/bench/stages.h"
 #include "core/base/column.h"
 #include "core/base/stopwatch.h"
-#include "core/refine/curve_base.h"
+#include "core/pipeline/curve_surface.h"
 #include "core/refine/subdivide_all.h"
 
 namespace curvecast::cli::bench {
@@ -51,15 +50,11 @@ void add_stages(const std::string& name, const StageSeconds& seconds, double bou
 
 /// Seconds to divide every leaf of a curve once, the median of several runs.
 double seconds_to_raise(const Preprocessed& done, int repeats) {
-  const LoadedMesh& loaded = done.flattened->loaded;
-  std::optional<SurfaceColour> colour;
-  if (!done.curve->colour.empty()) colour.emplace(loaded.mesh, loaded.attributes);
-  const CurveBase base(SurfaceData{loaded.mesh, done.flattened->geometry, loaded.attributes, colour ? &*colour : nullptr},
-                       done.flattened->charts);
+  const std::shared_ptr<const CurveBase> base = curve_base(done.flattened);
   std::vector<double> seconds;
   for (int i = 0; i < repeats; ++i) {
     Stopwatch watch;
-    const SurfaceCurve raised = subdivide_all(base, *done.curve, 1);
+    const SurfaceCurve raised = subdivide_all(*base, *done.curve, 1);
     seconds.push_back(watch.lap());
   }
   return median(seconds);

@@ -18,6 +18,7 @@
 #include "core/measure/gradient.h"
 #include "core/measure/ring_discrepancy.h"
 #include "core/measure/spacing.h"
+#include "core/pipeline/curve_surface.h"
 #include "core/pipeline/pipeline.h"
 #include "core/progressive/grow_ranks.h"
 #include "core/progressive/sample_ranked.h"
@@ -40,7 +41,7 @@ constexpr Sampling kSamplings[] = {{"equalised jittered", Sequence::kJittered},
 class Sampler {
  public:
   Sampler(const Preprocessed& made, Density density, std::uint64_t seed)
-      : curve_(made.curve), density_(std::move(density)), seed_(seed) {}
+      : surface_(leaf_surface(made)), curve_(made.curve), density_(std::move(density)), seed_(seed) {}
 
   absl::Status prepare(std::uint64_t most_points, const ExecutionContext& context) {
     auto fixed = make_fixed_density(*curve_, density_.terms);
@@ -49,7 +50,7 @@ class Sampler {
     const int level = std::clamp((static_cast<int>(std::bit_width(most_points - 1)) + 1) / 2, kChunkLevels, kMaxLevelAtOnce);
     ExecutionContext quiet = context;
     quiet.on_progress = nullptr;
-    auto grower = RankGrower::make(curve_, {.level = level}, quiet);
+    auto grower = RankGrower::make(surface_, {.level = level}, quiet);
     if (!grower.ok()) return grower.status();
     grower_ = *std::move(grower);
     return absl::OkStatus();
@@ -73,6 +74,7 @@ class Sampler {
   }
 
  private:
+  std::shared_ptr<const LeafSurface> surface_;
   std::shared_ptr<const SurfaceCurve> curve_;
   Density density_;
   std::uint64_t seed_;
@@ -86,7 +88,7 @@ struct Spread {
 
 Spread spread_of(const TriangleMesh& mesh, double area, const BallDiscrepancy& balls, const Box3d& box, const PointSet& points) {
   std::vector<Vec3d> positions;
-  for (const Vec3f& p : points.positions) positions.push_back(points.origin + p.cast<double>());
+  for (const Vec3f& p : points.positions) positions.emplace_back(points.origin + p.cast<double>());
   const PointCloud cloud(positions, box);
   return {balls.of(positions).rms_relative, neighbour_distances_on_side(area, cloud, points.normals).min,
           coverage_radius(mesh, cloud) / packing_radius(area, points.size())};

@@ -21,14 +21,14 @@ namespace {
 constexpr int kLevel = 9;  // 4^9 = 262,144 ranks
 constexpr double kMilliseconds = 1e3;
 
-std::vector<double> seconds_to_make(const std::shared_ptr<const SurfaceCurve>& curve, int times, const ExecutionContext& context,
+std::vector<double> seconds_to_make(const std::shared_ptr<const LeafSurface>& surface, int times, const ExecutionContext& context,
                                     std::unique_ptr<RankGrower>& grower, absl::Status& status) {
   std::vector<double> seconds;
   ExecutionContext quiet = context;
   quiet.on_progress = nullptr;
   for (int i = 0; i < times; ++i) {
     Stopwatch watch;
-    auto made = RankGrower::make(curve, {.level = kLevel}, quiet);
+    auto made = RankGrower::make(surface, {.level = kLevel}, quiet);
     seconds.push_back(watch.lap());
     if (!made.ok()) {
       status = made.status();
@@ -47,11 +47,12 @@ Camera orbit_camera(const SurfaceCurve& curve, double degrees) {
   return {.eye = curve.box.center() + direction * curve.box.diagonal(), .target = curve.box.center()};
 }
 
-absl::Status bench_ranks(const std::shared_ptr<const SurfaceCurve>& curve, const SampleBenchOptions& options, double read_seconds,
-                         const ExecutionContext& context, BenchReport& report) {
+absl::Status bench_ranks(const std::shared_ptr<const LeafSurface>& surface, const SampleBenchOptions& options,
+                         double read_seconds, const ExecutionContext& context, BenchReport& report) {
+  const SurfaceCurve* const curve = &surface->curve();
   absl::Status status;
   std::unique_ptr<RankGrower> grower;
-  const std::vector<double> make = seconds_to_make(curve, 3, context, grower, status);
+  const std::vector<double> make = seconds_to_make(surface, 3, context, grower, status);
   if (!status.ok()) return status;
   const auto add = [&](const std::string& name, const std::vector<double>& seconds) {
     report.results.push_back({name, kMilliseconds * median(seconds), "ms", kMilliseconds * read_seconds});
@@ -75,7 +76,7 @@ absl::Status bench_ranks(const std::shared_ptr<const SurfaceCurve>& curve, const
   for (int i = 1; i <= steps; ++i) {
     if (status = context.check(); !status.ok()) return status;
     Stopwatch watch;
-    selector.select(grower->tree(), nullptr, ViewFactor(*curve, density(i)), options.view_points, after);
+    selector.select(grower->tree(), nullptr, ViewFactor(*curve, density(i)), options.view_points, after, before.scale);
     select.push_back(watch.lap());
     compare(before, {}, after, delta);
     compare_both.push_back(watch.lap());

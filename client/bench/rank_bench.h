@@ -7,6 +7,7 @@
 
 #include "client/bench/sample_bench.h"
 #include "core/base/execution_context.h"
+#include "core/curve/leaf_surface.h"
 #include "core/curve/surface_curve.h"
 #include "core/density/camera.h"
 
@@ -16,7 +17,7 @@ namespace curvecast::cli::bench {
 Camera orbit_camera(const SurfaceCurve& curve, double degrees);
 
 /// Appends rows to `report`; `read_seconds` is what they are compared with.
-absl::Status bench_ranks(const std::shared_ptr<const SurfaceCurve>& curve, const SampleBenchOptions& options, double read_seconds,
-                         const ExecutionContext& context, BenchReport& report);
+absl::Status bench_ranks(const std::shared_ptr<const LeafSurface>& surface, const SampleBenchOptions& options,
+                         double read_seconds, const ExecutionContext& context, BenchReport& report);
 
 }  // namespace curvecast::cli::bench

@@ -12,6 +12,7 @@
 #include "client/bench/rank_bench.h"
 #include "client/bench/read_bytes.h"
 #include "core/base/stopwatch.h"
+#include "core/pipeline/curve_surface.h"
 #include "core/pipeline/pipeline.h"
 #include "core/sample/resample.h"
 
@@ -118,7 +119,7 @@ absl::StatusOr<BenchReport> bench_sample(const MeshFile& file, const SampleBench
   const double reference = median(read);
   report.results.push_back({"read positions, normals, areas once", kMilliseconds * reference, "ms"});
   for (const Case& one : all) one.report(reference, report);
-  if (absl::Status status = bench_ranks(made->curve, options, reference, context, report); !status.ok()) return status;
+  if (absl::Status status = bench_ranks(leaf_surface(*made), options, reference, context, report); !status.ok()) return status;
   report.results.push_back({"curve", static_cast<double>(curve.byte_size()) / static_cast<double>(curve.size()), "B/vertex"});
   report.notes = {absl::StrFormat(
       "%s: %d curve vertices of a curve for %d points; medians of %d rounds, in each of which all cases have their turn; one "

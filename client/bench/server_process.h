@@ -22,6 +22,7 @@ class ServerProcess {
   const std::string& address() const { return address_; }  // host:port
   double cpu_milliseconds() const;                         // used so far by all of its threads; to 10 ms
   std::uint64_t resident_bytes() const;
+  std::uint64_t peak_bytes() const;  // the most that were resident so far
 
  private:
   ServerProcess(pid_t pid, std::string address) : pid_(pid), address_(std::move(address)) {}

@@ -2,11 +2,9 @@
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
-#include <grpcpp/grpcpp.h>
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -17,10 +15,8 @@
 #include <vector>
 
 #include "client/bench/abusers.h"
-#include "client/bench/server_process.h"
+#include "client/bench/server_stage.h"
 #include "client/cli/quantile.h"
-#include "client/lib/client.h"
-#include "client/lib/view_stream.h"
 
 namespace curvecast::cli::bench {
 namespace {
@@ -30,7 +26,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kPatience{60};
 constexpr int kWarmUpViews = 120, kViews = 360;
 constexpr std::uint64_t kAbused = 8;
-constexpr int kMaxMessage = 64 << 20;  // bytes
 constexpr double kKibi = 1024;
 constexpr double kGoldenDegrees = 137.50776;  // from client to client
 constexpr double kRunDegrees = 0.317;         // from run to run
@@ -49,41 +44,10 @@ double cpu_milliseconds() {
   return of(usage.ru_utime) + of(usage.ru_stime);
 }
 
-/// A server, a session on it, and where its mesh lies.
-class Stage {
- public:
-  static absl::StatusOr<Stage> open(const MeshFile& file, const StreamBenchOptions& options, const ExecutionContext& context) {
-    Stage stage;
-    auto server = ServerProcess::start(options.command, context.threads);
-    if (!server.ok()) return server.status();
-    stage.server_ = *std::move(server);
-    client::Client client(stage.connect());
-    const auto on_progress = [&](std::string_view name, double fraction) { context.progress(name, fraction); };
-    const absl::StatusOr<std::string> mesh = client.upload_mesh(std::string(file.name), file.bytes, on_progress);
-    if (!mesh.ok()) return mesh.status();
-    v1::SessionOptions session_options;
-    session_options.set_max_points(options.points);
-    const absl::StatusOr<v1::Session> session = client.create_session(*mesh, session_options, on_progress);
-    if (!session.ok()) return session.status();
-    stage.session_id_ = session->session_id();
-    const v1::MeshInfo& info = session->report().mesh();
-    stage.centre_ = {0.5 * (info.box_min().x() + info.box_max().x()), 0.5 * (info.box_min().y() + info.box_max().y()),
-                     0.5 * (info.box_min().z() + info.box_max().z())};
-    stage.size_ = std::hypot(info.box_max().x() - info.box_min().x(), info.box_max().y() - info.box_min().y(),
-                             info.box_max().z() - info.box_min().z());
-    return stage;
-  }
-
-  /// Over a TCP connection of its own.
-  std::shared_ptr<client::Connection> connect() const {
-    grpc::ChannelArguments arguments;
-    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL,
-                     1);  // else channels to one address share a connection, which has 256 calls
-    arguments.SetMaxReceiveMessageSize(kMaxMessage);
-    return client::make_connection(grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(), arguments));
-  }
-  const std::string& session_id() const { return session_id_; }
-  const ServerProcess& server() const { return *server_; }
+/// A session of a mesh, and views of it.
+struct Stage : ServerStage {
+  explicit Stage(ServerStage stage)
+      : ServerStage(std::move(stage)), centre(box().center()), size((box().max - box().min).norm()) {}
 
   /// On an orbit about the mesh, with silhouettes.
   v1::SampleRequest view(double degrees, std::uint64_t points) const {
@@ -94,30 +58,16 @@ class Stage {
     const double angle = degrees * std::numbers::pi / 180;
     v1::Camera& camera = *sample.add_cameras();
     const auto set = [&](v1::Vec3& to, double x, double y, double z) {
-      to.set_x(centre_[0] + size_ * x), to.set_y(centre_[1] + size_ * y), to.set_z(centre_[2] + size_ * z);
+      to.set_x(centre.x() + size * x), to.set_y(centre.y() + size * y), to.set_z(centre.z() + size * z);
     };
     set(*camera.mutable_eye(), 2 * std::sin(angle), 0.5, 2 * std::cos(angle));
     set(*camera.mutable_target(), 0, 0, 0);
     return sample;
   }
 
- private:
-  std::unique_ptr<ServerProcess> server_;
-  std::string session_id_;
-  std::array<double, 3> centre_{};
-  double size_ = 1;
+  Vec3d centre;
+  double size;
 };
-
-absl::StatusOr<client::Frame> answer(client::ViewStream& stream, const v1::SampleRequest& sample, bool settled) {
-  const absl::StatusOr<std::uint64_t> sequence = stream.send_view(sample);
-  if (!sequence.ok()) return sequence.status();
-  while (true) {
-    absl::StatusOr<client::Frame> frame = stream.next_frame(kPatience);
-    if (!frame.ok()) return frame.status();
-    if (!frame->error.ok()) return frame->error;
-    if (frame->sequence == *sequence && !(settled && frame->statistics.refining())) return frame;
-  }
-}
 
 struct Alone {
   std::vector<double> latency, server, decode, bytes, added;  // ms, bytes, points
@@ -272,12 +222,13 @@ absl::StatusOr<double> bytes_of_idle(const Stage& stage, const StreamBenchOption
 
 absl::StatusOr<BenchReport> bench_stream(const MeshFile& file, const StreamBenchOptions& options,
                                          const ExecutionContext& context) {
-  absl::StatusOr<Stage> stage = Stage::open(file, options, context);
-  if (!stage.ok()) return stage.status();
+  absl::StatusOr<ServerStage> opened = ServerStage::open(file, options.points, options.command, context);
+  if (!opened.ok()) return opened.status();
+  const Stage stage(*std::move(opened));
   BenchReport report{"stream", {}};
   double key_bytes = 0;
   for (const bool deltas : {false, true}) {
-    const absl::StatusOr<Alone> alone = stream_alone(*stage, options.points, deltas, context);
+    const absl::StatusOr<Alone> alone = stream_alone(stage, options.points, deltas, context);
     if (!alone.ok()) return alone.status();
     const std::string name =
         absl::StrFormat("1 client, N = %d, %s", options.points, deltas ? "deltas by 1 degree" : "key frames");
@@ -300,7 +251,7 @@ absl::StatusOr<BenchReport> bench_stream(const MeshFile& file, const StreamBench
   }
   for (std::uint64_t clients = 1; clients <= options.clients; clients *= 8) {
     if (absl::Status status = context.check(); !status.ok()) return status;
-    absl::StatusOr<Crowd> crowd = stream_crowd(*stage, options, clients, static_cast<int>(2 + clients));
+    absl::StatusOr<Crowd> crowd = stream_crowd(stage, options, clients, static_cast<int>(2 + clients));
     if (!crowd.ok()) return crowd.status();
     const std::string name = absl::StrFormat("%d clients, N = %d, %g views/s each", clients, options.crowd_points, options.rate);
     const auto add = [&](const char* what, double value, const char* unit) {
@@ -315,10 +266,10 @@ absl::StatusOr<BenchReport> bench_stream(const MeshFile& file, const StreamBench
     add(": processor time of a frame, client", crowd->client_cpu / answered, "ms");
   }
   if (options.abuse) {
-    if (absl::Status status = stream_beside_abusers(*stage, options, report); !status.ok()) return status;
+    if (absl::Status status = stream_beside_abusers(stage, options, report); !status.ok()) return status;
   }
   if (options.idle > 0) {
-    const absl::StatusOr<double> bytes = bytes_of_idle(*stage, options, context);
+    const absl::StatusOr<double> bytes = bytes_of_idle(stage, options, context);
     if (!bytes.ok()) return bytes.status();
     report.results.push_back({absl::StrFormat("%d clients with %d points that do nothing: memory of the server, each",
                                               options.idle, options.crowd_points),

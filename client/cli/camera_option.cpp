@@ -42,7 +42,7 @@ absl::StatusOr<std::vector<Part>> split_parts(const std::string& text) {
     }
     if (parts.empty()) {
       return absl::InvalidArgumentError(
-          absl::StrCat("camera: '", text, "' does not begin with eye=, target=, up=, fov= or ortho="));
+          absl::StrCat("camera: '", text, "' does not begin with eye=, target=, up=, fov=, ortho= or aspect="));
     }
     parts.back().values.push_back(value);
   }
@@ -72,7 +72,15 @@ absl::Status set_part(const Part& part, CameraOption* option) {
     }
     return set_once(part, 1, &option->height, part.values[0]);
   }
-  return absl::InvalidArgumentError(absl::StrCat("camera: there is no '", part.key, "'; there are: eye, target, up, fov, ortho"));
+  if (part.key == "aspect") {
+    if (part.values.size() == 1 && !(part.values[0] >= 1 / kMaxAspect && part.values[0] <= kMaxAspect)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("camera: aspect is ", part.values[0], "; it must lie between ", 1 / kMaxAspect, " and ", kMaxAspect));
+    }
+    return set_once(part, 1, &option->aspect, part.values[0]);
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("camera: there is no '", part.key, "'; there are: eye, target, up, fov, ortho, aspect"));
 }
 
 v1::Vec3 to_proto(const Vec3d& v) {

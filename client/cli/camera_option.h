@@ -12,9 +12,10 @@
 namespace curvecast::cli {
 
 inline constexpr char kCameraHelp[] =
-    "eye=x,y,z,target=x,y,z,up=x,y,z,fov=degrees,ortho=height, each of them optional (ortho: a parallel projection, whose "
-    "picture "
-    "is so high, in the mesh's units); default: a three-quarter view of the whole mesh";
+    "eye=x,y,z,target=x,y,z,up=x,y,z,fov=degrees,ortho=height,aspect=width/height, each of them optional (ortho: a parallel "
+    "projection, whose picture is so high, in the mesh's units; aspect: of the picture, by default 1, a square); default: a "
+    "three-quarter view of the whole mesh";
+inline constexpr double kMaxAspect = 100;         // and its inverse the least
 inline constexpr double kDefaultFovDegrees = 30;  // vertical
 
 /// What the user said; the rest follows from the box of what is looked at.
@@ -22,6 +23,7 @@ struct CameraOption {
   std::optional<Vec3d> eye, target, up;
   std::optional<double> fov_degrees;  // vertical
   std::optional<double> height;       // of an orthographic picture, in the mesh's units
+  std::optional<double> aspect;       // of the picture, width / height
 };
 
 /// Comma-separated, as in kCameraHelp. InvalidArgument names the part at fault.

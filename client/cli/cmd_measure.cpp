@@ -120,9 +120,10 @@ absl::StatusOr<v1::MeasureRequest> make_measure_request(const Flags& flags, cons
   if (std::none_of(request.density().begin(), request.density().end(), is_camera_term)) return request;
   const absl::StatusOr<v1::MeshInfo> info = client.inspect(mesh, stop);
   if (!info.ok()) return info.status();
-  const absl::StatusOr<std::vector<v1::Camera>> cameras = cameras_of(flags.sample, box_of(*info), 1);
+  const absl::StatusOr<Cameras> cameras = cameras_of(flags.sample, box_of(*info));
   if (!cameras.ok()) return cameras.status();
-  *request.mutable_cameras() = {cameras->begin(), cameras->end()};
+  *request.mutable_cameras() = {cameras->all.begin(), cameras->all.end()};
+  *request.mutable_viewport() = cameras->viewport();
   return request;
 }
 

@@ -1,9 +1,6 @@
-#include <array>
 #include <cstdio>
 #include <memory>
-#include <string_view>
 
-#include "client/cli/choice.h"
 #include "client/cli/commands.h"
 #include "client/cli/report.h"
 #include "client/cli/session_flags.h"
@@ -11,21 +8,17 @@
 namespace curvecast::cli {
 namespace {
 
-constexpr std::array<std::string_view, 2> kParameterisers = {"own", "cgal"};
-
 struct Flags {
   std::string mesh;
   std::uint64_t points = 65'536;
-  std::string parameteriser = "own";
-  SessionFlags session{.omega = 10};
+  SessionFlags session;
 };
 
 absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_token stop) {
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
-  absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, flags.points);
+  const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, flags.points);
   if (!session_options.ok()) return session_options.status();
-  session_options->set_parameteriser(flags.parameteriser == "cgal" ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
   absl::StatusOr<OpenedMesh> opened = open_mesh((*host)->client(), flags.mesh, *session_options, options.quiet, stop);
   if (!opened.ok()) return opened.status();
   if (opened->session.cached() && !options.quiet) {
@@ -52,14 +45,7 @@ Command add_preprocess(CLI::App& root, CommonOptions& options) {
       ->check(point_count_range())
       ->type_name("N")
       ->capture_default_str();
-  add_omega_flag(app, &flags->session)->capture_default_str();
-  app->add_option("--parameteriser", flags->parameteriser,
-                  "own, or cgal: CGAL's mean value parameteriser, for comparison; slower, more distortion")
-      ->check(validator([](const std::string& text) { return check_choice("parameteriser", text, kParameterisers); }, ""))
-      ->type_name("NAME")
-      ->capture_default_str();
   add_session_flags(app, &flags->session);
-  add_base_density_flag(app, &flags->session);
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
 }
 

@@ -177,10 +177,8 @@ Command add_render(CLI::App& root, CommonOptions& options) {
   points->description(
       "number of points N, 1 to 4,000,000; of a curve: N for which it is made; default: 65,536, and 1,500 for samples, curve and "
       "surface-curve");
-  add_session_flags(app, &flags->session);
-  add_base_density_flag(app, &flags->session);
-  CLI::Option* omega = add_omega_flag(app, &flags->session);
-  omega->description(omega->get_description() + "; default: 10, and 1 for curve and surface-curve");
+  CLI::Option* omega = add_session_flags(app, &flags->session);
+  omega->description(omega->get_description() + ", and 1 for curve and surface-curve");
   app->add_option("--what", flags->what, "surface, samples, mesh, cut, surface-curve, uv or curve: see above")
       ->check(validator([](const std::string& text) { return check_choice("subject", text, kSubjects); }, ""))
       ->type_name("NAME")

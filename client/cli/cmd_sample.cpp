@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "client/cli/choice.h"
@@ -23,7 +24,8 @@ struct Flags {
   std::vector<std::string> attributes;
   SampleFlags sample;
   SessionFlags session;
-  client::DrcOptions drc;
+  std::optional<int> position_bits;
+  client::DrcOptions drc;  // all but position_bits
   bool first_answer = false;
 };
 
@@ -35,6 +37,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 absl::Status report(const Flags& flags, const CommonOptions& options, const OpenedMesh& opened,
                     const client::DecodedSample& sample, double total) {
   const v1::FrameStatistics& statistics = sample.statistics;
+  if (const std::string text = point_limit_text(sample.points.size(), statistics); !text.empty()) print_note(text);
   if (!options.json) {
     std::string text = absl::StrFormat("%d points from %d curve vertices\n", sample.points.size(), statistics.curve_vertices());
     absl::StrAppendFormat(&text, "seconds        preprocess %.3f, density %.4f, equalise %.4f, encode %.4f, total %.3f\n",
@@ -44,6 +47,8 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Open
     return print_text(text);
   }
   Json json = {{"points", sample.points.size()},
+               {"wanted_points", statistics.wanted_points()},
+               {"limit", point_limit_name(statistics.limit())},
                {"curve_vertices", statistics.curve_vertices()},
                {"seconds",
                 {{"preprocess", opened.seconds},
@@ -75,11 +80,12 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   client::Client& client = (*host)->client();
   absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, *session_options, options.quiet, stop);
   if (!opened.ok()) return opened.status();
-  const absl::StatusOr<std::vector<v1::Camera>> cameras = cameras_of(flags.sample, box_of(opened->session.report().mesh()), 1);
+  const absl::StatusOr<Cameras> cameras = cameras_of(flags.sample, box_of(opened->session.report().mesh()));
   if (!cameras.ok()) return cameras.status();
   request.set_session_id(opened->session.session_id());
   *request.mutable_sample() = *std::move(wanted);
-  *request.mutable_sample()->mutable_cameras() = {cameras->begin(), cameras->end()};
+  *request.mutable_sample()->mutable_cameras() = {cameras->all.begin(), cameras->all.end()};
+  *request.mutable_sample()->mutable_viewport() = cameras->viewport();
   for (const std::string& attribute : flags.attributes) {
     request.mutable_sample()->add_attributes(attribute == "curvatures" ? v1::POINT_ATTRIBUTE_CURVATURES
                                              : attribute == "rank"     ? v1::POINT_ATTRIBUTE_RANK
@@ -89,7 +95,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
     // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
     request.mutable_sample()->mutable_encoding()->mutable_raw();
   } else {
-    request.mutable_sample()->mutable_encoding()->mutable_draco()->set_position_bits(flags.drc.position_bits);
+    request.mutable_sample()->mutable_encoding()->mutable_draco()->set_position_bits(flags.position_bits.value_or(0));
     request.mutable_sample()->mutable_encoding()->mutable_draco()->set_normal_bits(flags.drc.normal_bits);
   }
   absl::StatusOr<client::DecodedSample> sample =
@@ -98,7 +104,9 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   if (stop.stop_requested()) return absl::CancelledError("cancelled");
   if (!flags.output.empty()) {
     const Clock::time_point encode_start = Clock::now();
-    if (absl::Status status = save_points(flags.output, sample->points, flags.drc); !status.ok()) return status;
+    client::DrcOptions drc = flags.drc;
+    drc.position_bits = flags.position_bits.value_or(drc.position_bits);
+    if (absl::Status status = save_points(flags.output, sample->points, drc); !status.ok()) return status;
     sample->statistics.set_encode_seconds(sample->statistics.encode_seconds() + seconds_since(encode_start));
   }
   return report(flags, options, *opened, *sample, seconds_since(start));
@@ -122,7 +130,6 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
   add_budget_flags(app, &flags->sample, count);
   add_camera_flag(app, &flags->sample, true);
   add_session_flags(app, &flags->session);
-  add_base_density_flag(app, &flags->session);
   app->add_option("-o,--output", flags->output,
                   "the points' file: .ply, .xyz, .pcd (lossless) or .drc (Draco); without it, only statistics")
       ->check(validator(check_points_ending, ""))
@@ -136,9 +143,11 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
       ->type_name("NAME");
   app->add_flag("--first-answer", flags->first_answer,
                 "take the first point set, even where the curve is too coarse for the density and a finer one is being made");
-  app->add_option("--position-bits", flags->drc.position_bits, "of a .drc file, per coordinate")
-      ->check(CLI::Range(1, 30))
-      ->capture_default_str();
+  app->add_option(
+         "--position-bits", flags->position_bits,
+         "of a .drc file and of an answer within --max-bytes, per coordinate; without it 16 in a file, and in an answer as "
+         "many as the camera's pixels ask for")
+      ->check(CLI::Range(1, 30));
   app->add_option("--normal-bits", flags->drc.normal_bits, "of a .drc file")->check(CLI::Range(2, 30))->capture_default_str();
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
 }

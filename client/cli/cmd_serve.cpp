@@ -33,7 +33,8 @@ struct Flags {
   server::ServerOptions server = {.listen = "127.0.0.1:50051", .http = kHttp};
   std::vector<std::string> meshes;
   SessionFlags session;
-  double drain = 5;  // seconds
+  std::uint64_t points = 65'536;  // for which the sessions of `meshes` are made
+  double drain = 5;               // seconds
   std::string log_format = "text";
   std::string config;  // path; empty: none
   bool print_config = false;
@@ -64,7 +65,7 @@ void announce(const CommonOptions& options, const std::string& line) {
 /// With --json, prints `object` with the sessions in it, which are added to `ids`. `viewer`: its address; empty: there is none.
 absl::Status open_meshes(const Flags& flags, const CommonOptions& options, client::Client& client, const std::string& viewer,
                          Json object, std::vector<std::string>& ids, const std::stop_token& stop) {
-  const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, session_points(0));
+  const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, flags.points);
   if (!session_options.ok()) return session_options.status();
   Json sessions = Json::array();
   for (const std::string& path : flags.meshes) {
@@ -237,10 +238,13 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
   app->add_option("--cache", flags->server.cache,
                   "folder where sessions survive a restart; made if missing; several servers may share one; without it, none")
       ->type_name("DIR");
-  app->add_option("--open", flags->meshes,
-                  "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) to prepare at once, for 65,536 points; repeat for more")
+  app->add_option("--open", flags->meshes, "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) to prepare at once; repeat for more")
       ->type_name("MESH")
       ->allow_extra_args(false);
+  app->add_option("-n,--points", flags->points, "of --open, N for which the curves are made fine enough, 1 to 4,000,000")
+      ->check(point_count_range())
+      ->type_name("N")
+      ->capture_default_str();
   app->add_option("--drain", flags->drain, "that running calls get to end when the server is stopped")
       ->check(CLI::Range(0.0, kMaxDrain))
       ->type_name("SECONDS")

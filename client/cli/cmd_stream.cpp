@@ -6,7 +6,9 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <system_error>
+#include <utility>
 
 #include "client/cli/camera_path.h"
 #include "client/cli/commands.h"
@@ -37,7 +39,10 @@ struct Flags {
 struct Measured {
   std::vector<double> points, added, removed, resized, bytes, server_ms, latency_ms;
   std::size_t key_frames = 0;
-  std::size_t improved = 0;  // frames that followed by themselves when the curve had become finer; in none of the above
+  std::size_t improved = 0;      // frames that followed by themselves when the curve had become finer; in none of the above
+  std::size_t short_frames = 0;  // with fewer points than wanted
+  double least_share = 1;        // of the points wanted, of all frames
+  std::string scarcest;          // what the frame with the least share says
 };
 
 double sum(const std::vector<double>& values) {
@@ -87,6 +92,11 @@ absl::StatusOr<Measured> stream_views(const Flags& flags, client::ViewStream& st
     measured.removed.push_back(static_cast<double>(frame->removed));
     measured.resized.push_back(static_cast<double>(frame->resized));
     if (!frame->is_delta) ++measured.key_frames;
+    if (std::string text = point_limit_text(frame->points->size(), s); !text.empty()) {
+      ++measured.short_frames;
+      const double share = measured.points.back() / static_cast<double>(s.wanted_points());
+      if (share < measured.least_share) measured.least_share = share, measured.scarcest = std::move(text);
+    }
     measured.bytes.push_back(static_cast<double>(frame->encoded_bytes));
     if (!flags.output.empty()) {
       if (absl::Status status = save_points(frame_file(flags.output, i), *frame->points, {}); !status.ok()) return status;
@@ -105,6 +115,10 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Meas
   const std::uint64_t key_bytes = count(measured.bytes.front()), update_bytes = count(quantile(updates, 0.5));
   const double bytes_per_point = sum(measured.bytes) / std::max(1.0, sum(measured.added));
   const double server50 = quantile(measured.server_ms, 0.5), server99 = quantile(measured.server_ms, 0.99);
+  if (measured.short_frames > 0) {
+    print_note(absl::StrFormat("%d of %d frames have fewer points than wanted, at the least %s", measured.short_frames,
+                               measured.points.size(), measured.scarcest));
+  }
   const double latency50 = quantile(measured.latency_ms, 0.5), latency99 = quantile(measured.latency_ms, 0.99);
   if (!options.json) {
     return print_text(
@@ -118,6 +132,7 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Meas
   }
   Json json = {{"frames", measured.points.size()},
                {"key_frames", measured.key_frames},
+               {"short_frames", measured.short_frames},
                {"points_median", points},
                {"added_median", added},
                {"removed_median", removed},

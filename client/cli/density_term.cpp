@@ -120,7 +120,15 @@ absl::Status set_brush(const std::string& text, v1::BrushDensity* brush) {
   return absl::OkStatus();
 }
 
-/// "near,far", "near=1,far=2,global" or a mixture: numbers without a key come in this order.
+/// Which law the number of points follows.
+absl::StatusOr<v1::DistanceFall> parse_fall(const std::string& name) {
+  if (name.empty() || name == "inverse-square") return v1::DISTANCE_FALL_INVERSE_SQUARE;
+  if (name == "inverse") return v1::DISTANCE_FALL_INVERSE;
+  if (name == "linear") return v1::DISTANCE_FALL_LINEAR;
+  return absl::InvalidArgumentError(absl::StrCat("distance: global is '", name, "'; there are: inverse-square, inverse, linear"));
+}
+
+/// "near,far", "near=1,far=2,global=linear" or a mixture: numbers without a key come in this order.
 absl::Status set_distance(const std::string& text, v1::DistanceDensity* distance) {
   std::set<std::string> seen;
   for (const std::string& part : std::vector<std::string>(absl::StrSplit(text, ','))) {
@@ -133,8 +141,11 @@ absl::Status set_distance(const std::string& text, v1::DistanceDensity* distance
       value = part;
     }
     if (!seen.insert(key).second) return absl::InvalidArgumentError(absl::StrCat("distance: ", key, " is given twice"));
-    if (key == "global" && value.empty()) {
+    if (key == "global") {
+      const absl::StatusOr<v1::DistanceFall> fall = parse_fall(value);
+      if (!fall.ok()) return fall.status();
       distance->set_global(true);
+      distance->set_fall(*fall);
       continue;
     }
     if (key != "near" && key != "far") return unknown_key("distance", key, "there are: near, far, global");
@@ -144,6 +155,9 @@ absl::Status set_distance(const std::string& text, v1::DistanceDensity* distance
   }
   if (distance->far() != 0 && distance->far() < distance->near()) {
     return absl::InvalidArgumentError(absl::StrCat("distance: far=", distance->far(), " is less than near=", distance->near()));
+  }
+  if (distance->fall() == v1::DISTANCE_FALL_LINEAR && distance->far() == 0) {
+    return absl::InvalidArgumentError("distance: global=linear needs a far, where no points are left");
   }
   return absl::OkStatus();
 }

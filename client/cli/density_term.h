@@ -16,7 +16,8 @@ inline constexpr char kDensityHelp[] =
     "(a number that the mesh has for each vertex), brush:x,y,z,radius,factor[,falloff=0.5], expression:FORMULA (of x, y, z, nx, "
     "ny, nz, gauss, mean, k1, k2 and attributes, as in 'expression:(z > 0) + 0.1'); and of the cameras: view[:s0=0.1] "
     "(silhouette), screen (even spacing in pixels), frustum (nothing outside the picture), distance[:near,far] or "
-    "distance[:near=..,far=..,global] (level of detail; global: fewer points instead of another density)";
+    "distance[:near=..,far=..,global[=inverse-square|inverse|linear]] (level of detail; global: fewer points instead of another "
+    "density)";
 
 /// One of kDensityHelp. Values are checked against the ranges of the API. InvalidArgument names the term, the key and what is
 /// allowed.

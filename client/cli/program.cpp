@@ -8,6 +8,7 @@
 
 #include "client/cli/exit_status.h"
 #include "client/cli/signals.h"
+#include "proto/tls/exit_cleanup.h"
 #include "server/base/build_info.h"
 
 namespace curvecast::cli {
@@ -60,6 +61,7 @@ int run(int argc, const char* const* argv, const AddCommands& add_commands) {
 }  // namespace
 
 int run_program(int argc, const char* const* argv, const AddCommands& add_commands) {
+  tls::skip_cleanup_at_exit();
   try {
     return run(argc, argv, add_commands);
   } catch (const std::exception& error) {  // of the standard library, such as bad_alloc

@@ -38,12 +38,11 @@ float diameter(const Size& size, double across) {
 
 /// A picture's own camera.
 absl::StatusOr<v1::Camera> camera_of(const SampleFlags& flags, const Box3d& box, const Size& size) {
-  const absl::StatusOr<std::vector<v1::Camera>> cameras = cameras_of(flags, box, size.aspect());
-  if (!cameras.ok()) return cameras.status();
-  if (cameras->front().orthographic_height() > 0) {
+  absl::StatusOr<v1::Camera> camera = picture_camera_of(flags, box, size.aspect());
+  if (camera.ok() && camera->orthographic_height() > 0) {
     return absl::InvalidArgumentError("camera: pictures are made by perspective cameras only; leave ortho= out");
   }
-  return cameras->front();
+  return camera;
 }
 
 /// One call's worth of what the makers of scenes need.

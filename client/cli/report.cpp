@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdio>
 #include <utility>
 
 #include "client/cli/camera_option.h"
@@ -34,6 +35,28 @@ std::array<std::pair<const char*, std::uint64_t>, 8> counts(const v1::Repairs& r
            {"flipped_faces", repairs.flipped_faces()},
            {"nonmanifold_edges", repairs.nonmanifold_edges()},
            {"split_vertices", repairs.split_vertices()}}};
+}
+
+/// With a comma between thousands.
+std::string grouped(std::uint64_t number) {
+  std::string text = absl::StrCat(number);
+  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
+  return text;
+}
+
+const char* reason(v1::PointLimit limit) {
+  switch (limit) {
+    case v1::POINT_LIMIT_BYTES:
+      return "more would not fit into the bytes";
+    case v1::POINT_LIMIT_DENSITY:
+      return "the view has no more places for points";
+    case v1::POINT_LIMIT_SERVER:
+      return "the server makes no more of them for this view";
+    case v1::POINT_LIMIT_COMING:
+      return "more are being made";
+    default:
+      return "the server does not say why";
+  }
 }
 
 }  // namespace
@@ -130,6 +153,28 @@ std::string preprocess_text(const v1::Session& session) {
   absl::StrAppendFormat(&text, "area error     %.2e\nsession        %s\n", report.area_error(), session.session_id());
   return text;
 }
+
+std::string point_limit_text(std::uint64_t points, const v1::FrameStatistics& statistics) {
+  if (points >= statistics.wanted_points()) return {};
+  return absl::StrCat(grouped(points), " of ", grouped(statistics.wanted_points()), " points: ", reason(statistics.limit()));
+}
+
+const char* point_limit_name(v1::PointLimit limit) {
+  switch (limit) {
+    case v1::POINT_LIMIT_BYTES:
+      return "bytes";
+    case v1::POINT_LIMIT_DENSITY:
+      return "density";
+    case v1::POINT_LIMIT_SERVER:
+      return "server";
+    case v1::POINT_LIMIT_COMING:
+      return "coming";
+    default:
+      return "none";
+  }
+}
+
+void print_note(const std::string& text) { std::fprintf(stderr, "note: %s\n", text.c_str()); }
 
 Box3d box_of(const v1::MeshInfo& mesh) { return {to_vec(mesh.box_min()), to_vec(mesh.box_max())}; }
 

@@ -1,6 +1,7 @@
-// What the server says about meshes and sessions, as JSON and as text.
+// What the server says about meshes, sessions and answers, as JSON and as text.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "client/cli/common.h"
@@ -15,6 +16,14 @@ Json preprocess_json(const v1::Session& session);
 
 std::string mesh_text(const v1::MeshInfo& mesh);  // a few lines, and one for each warning
 std::string preprocess_text(const v1::Session& session);
+
+/// Returns such as "4,384 of 50,000 points: the view has no more places for points"; nothing where there are as many as wanted,
+/// or as a budget in bytes holds.
+std::string point_limit_text(std::uint64_t points, const v1::FrameStatistics& statistics);
+/// Returns a word for the limit: "none", "bytes", "density", "server", "coming".
+const char* point_limit_name(v1::PointLimit limit);
+/// Prints a line to standard error.
+void print_note(const std::string& text);
 
 Box3d box_of(const v1::MeshInfo& mesh);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <string_view>
@@ -22,6 +23,18 @@ constexpr std::array<v1::Sequence, kSequences.size()> kSequenceValues = {v1::SEQ
                                                                          v1::SEQUENCE_VAN_DER_CORPUT, v1::SEQUENCE_GOLDEN_RATIO};
 
 constexpr std::array<std::string_view, 2> kSamplers = {"equalised", "progressive"};
+
+/// What the flags say; where that is nothing, one camera of which nothing is said.
+absl::StatusOr<std::vector<CameraOption>> parse_cameras(const SampleFlags& flags) {
+  std::vector<CameraOption> options;
+  for (const std::string& text : flags.cameras) {
+    absl::StatusOr<CameraOption> parsed = parse_camera(text);
+    if (!parsed.ok()) return parsed.status();
+    options.push_back(*parsed);
+  }
+  if (options.empty()) options.emplace_back();
+  return options;
+}
 
 }  // namespace
 
@@ -105,21 +118,37 @@ absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::ui
   return request;
 }
 
-absl::StatusOr<std::vector<v1::Camera>> cameras_of(const SampleFlags& flags, const Box3d& box, double aspect) {
-  std::vector<CameraOption> options;
-  for (const std::string& text : flags.cameras) {
-    absl::StatusOr<CameraOption> parsed = parse_camera(text);
-    if (!parsed.ok()) return parsed.status();
-    options.push_back(*parsed);
-  }
-  if (options.empty()) options.emplace_back();
-  std::vector<v1::Camera> cameras;
-  for (const CameraOption& option : options) {
-    absl::StatusOr<v1::Camera> camera = resolve_camera(option, box, aspect);
+v1::Viewport Cameras::viewport() const {
+  constexpr std::uint32_t kHeight = 1024;  // for which --pixel-error is meant
+  v1::Viewport viewport;
+  viewport.set_width(static_cast<std::uint32_t>(std::lround(aspect * kHeight)));
+  viewport.set_height(kHeight);
+  return viewport;
+}
+
+absl::StatusOr<Cameras> cameras_of(const SampleFlags& flags, const Box3d& box) {
+  const absl::StatusOr<std::vector<CameraOption>> options = parse_cameras(flags);
+  if (!options.ok()) return options.status();
+  Cameras cameras;
+  cameras.aspect = options->front().aspect.value_or(1);
+  for (const CameraOption& option : *options) {
+    if (option.aspect.value_or(1) != cameras.aspect) {
+      return absl::InvalidArgumentError("camera: the pictures of all cameras have the same aspect");
+    }
+    absl::StatusOr<v1::Camera> camera = resolve_camera(option, box, cameras.aspect);
     if (!camera.ok()) return camera.status();
-    cameras.push_back(*std::move(camera));
+    cameras.all.push_back(*std::move(camera));
   }
   return cameras;
+}
+
+absl::StatusOr<v1::Camera> picture_camera_of(const SampleFlags& flags, const Box3d& box, double aspect) {
+  const absl::StatusOr<std::vector<CameraOption>> options = parse_cameras(flags);
+  if (!options.ok()) return options.status();
+  if (options->front().aspect) {
+    return absl::InvalidArgumentError("camera: a picture's aspect is that of --size; leave aspect= out");
+  }
+  return resolve_camera(options->front(), box, aspect);
 }
 
 }  // namespace curvecast::cli

@@ -35,7 +35,18 @@ void add_camera_flag(CLI::App* command, SampleFlags* flags, bool several);
 /// All but camera, viewport and encoding. The flags have been checked.
 absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::uint64_t seed);
 
-/// The cameras of the flags, for a box; one at least.
-absl::StatusOr<std::vector<v1::Camera>> cameras_of(const SampleFlags& flags, const Box3d& box, double aspect);
+/// Cameras of one request, which all have pictures of the same shape.
+struct Cameras {
+  std::vector<v1::Camera> all;  // one at least
+  double aspect = 1;            // width / height
+
+  /// Returns a picture of this shape, 1,024 pixels high.
+  v1::Viewport viewport() const;
+};
+
+/// Returns the cameras of the flags, for a box. InvalidArgument: their aspects differ.
+absl::StatusOr<Cameras> cameras_of(const SampleFlags& flags, const Box3d& box);
+/// Returns the camera of a picture of this aspect. InvalidArgument: the flags say another.
+absl::StatusOr<v1::Camera> picture_camera_of(const SampleFlags& flags, const Box3d& box, double aspect);
 
 }  // namespace curvecast::cli

@@ -1,6 +1,7 @@
 #include "client/cli/session_flags.h"
 
 #include <array>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -11,6 +12,7 @@
 namespace curvecast::cli {
 namespace {
 
+constexpr std::array<std::string_view, 2> kParameterisers = {"own", "cgal"};
 constexpr std::array<std::string_view, 2> kMappers = {"exact", "id-buffer"};
 constexpr std::array<std::string_view, 2> kAreas = {"exact", "voronoi"};
 
@@ -24,20 +26,7 @@ absl::Status check_base_term(const std::string& text) {
 
 }  // namespace
 
-void add_session_flags(CLI::App* command, SessionFlags* flags) {
-  command
-      ->add_option("--mapper", flags->mapper,
-                   "what finds the triangle under each curve vertex: exact, or id-buffer (pictures of the parameter mesh)")
-      ->check(validator([](const std::string& text) { return check_choice("mapper", text, kMappers); }, ""))
-      ->type_name("NAME")
-      ->capture_default_str();
-  command->add_option("--area", flags->area, "what counts as the surface around a curve vertex: exact, or voronoi (the paper's)")
-      ->check(validator([](const std::string& text) { return check_choice("area element", text, kAreas); }, ""))
-      ->type_name("NAME")
-      ->capture_default_str();
-}
-
-void add_base_density_flag(CLI::App* command, SessionFlags* flags) {
+CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags) {
   command
       ->add_option("--base-density", flags->base_density,
                    "a factor of the density for which the curve is made; repeat to multiply: uniform, curvature[:...], "
@@ -45,18 +34,30 @@ void add_base_density_flag(CLI::App* command, SessionFlags* flags) {
       ->check(validator(check_base_term, ""))
       ->type_name("TERM")
       ->allow_extra_args(false);
-}
-
-CLI::Option* add_omega_flag(CLI::App* command, SessionFlags* flags) {
-  return command->add_option("--omega", flags->omega, "curve vertices per point, 1 to 1,000")
-      ->check(CLI::Range(1.0, 1000.0))
-      ->type_name("W");
+  CLI::Option* const omega = command->add_option("--omega", flags->omega, "curve vertices per point, 1 to 1,000; default: 10")
+                                 ->check(CLI::Range(1.0, 1000.0))
+                                 ->type_name("W");
+  const auto add_choice = [&](const char* name, const char* what, std::string* value, std::span<const std::string_view> values,
+                              const char* description) {
+    command->add_option(name, *value, description)
+        ->check(validator([=](const std::string& text) { return check_choice(what, text, values); }, ""))
+        ->type_name("NAME")
+        ->capture_default_str();
+  };
+  add_choice("--parameteriser", "parameteriser", &flags->parameteriser, kParameterisers,
+             "own, or cgal: CGAL's mean value parameteriser, for comparison; slower, more distortion");
+  add_choice("--mapper", "mapper", &flags->mapper, kMappers,
+             "what finds the triangle under each curve vertex: exact, or id-buffer (pictures of the parameter mesh)");
+  add_choice("--area", "area element", &flags->area, kAreas,
+             "what counts as the surface around a curve vertex: exact, or voronoi (the paper's)");
+  return omega;
 }
 
 absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flags, std::uint64_t points) {
   v1::SessionOptions options;
   options.set_max_points(points);
   options.set_omega(flags.omega);
+  options.set_parameteriser(flags.parameteriser == "cgal" ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
   options.set_mapper(flags.mapper == "id-buffer" ? v1::MAPPER_ID_BUFFER : v1::MAPPER_EXACT);
   options.set_area_element(flags.area == "voronoi" ? v1::AREA_ELEMENT_VORONOI : v1::AREA_ELEMENT_EXACT);
   if (absl::Status status = add_density_terms(flags.base_density, options.mutable_density()); !status.ok()) return status;

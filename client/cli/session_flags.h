@@ -13,17 +13,13 @@
 namespace curvecast::cli {
 
 struct SessionFlags {
-  std::string mapper = "exact", area = "exact";
+  std::string parameteriser = "own", mapper = "exact", area = "exact";
   std::vector<std::string> base_density;
   double omega = 0;  // 0: the API's default
 };
 
-/// --mapper and --area; values of all flags are checked while parsing.
-void add_session_flags(CLI::App* command, SessionFlags* flags);
-/// --base-density.
-void add_base_density_flag(CLI::App* command, SessionFlags* flags);
-/// --omega.
-CLI::Option* add_omega_flag(CLI::App* command, SessionFlags* flags);
+/// Adds --base-density, --omega, --parameteriser, --mapper and --area; values are checked while parsing. Returns --omega.
+CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags);
 
 /// `points`: N for which the curve is made. The flags have been checked.
 absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flags, std::uint64_t points);

@@ -35,7 +35,7 @@ class Tracer {
       const double t = length > 0 ? along / length : 0;
       const Vec3d p = place(t);
       if (!is_hidden(t, p)) {
-        dots_.positions.push_back((p - view_.origin).template cast<float>());
+        dots_.positions.emplace_back((p - view_.origin).template cast<float>());
         dots_.colors.push_back(color);
       }
       const double step = std::max(pixel_at_one_ * (p - view_.camera.eye).norm() / kDotsPerPixel, smallest_);

@@ -87,7 +87,7 @@ class GrpcViewCall : public ViewCall {
       : call_(options, stop, std::nullopt), stream_(stub.StreamViews(call_.context())) {}
   ~GrpcViewCall() override {
     if (finished_) return;
-    cancel();
+    GrpcViewCall::cancel();
     v1::StreamViewsResponse rest;
     while (stream_->Read(&rest)) {
     }

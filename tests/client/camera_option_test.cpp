@@ -47,13 +47,20 @@ TEST(ParseCamera, MayBeOrthographic) {
   EXPECT_EQ(resolve_camera({}, kBox, 1)->orthographic_height(), 0);
 }
 
+TEST(ParseCamera, MayHaveAnAspect) {
+  EXPECT_EQ(*parse_camera("aspect=1.5,fov=20")->aspect, 1.5);
+  EXPECT_FALSE(parse_camera("fov=20")->aspect);
+  EXPECT_THAT(error_of("aspect=0"), HasSubstr("aspect is 0; it must lie between 0.01 and 100"));
+  EXPECT_THAT(error_of("aspect=16,9"), HasSubstr("aspect takes 1 number"));
+}
+
 TEST(ParseCamera, RefusesWhatIsWrong) {
   EXPECT_THAT(error_of("eye=1,2"), HasSubstr("eye takes 3 numbers, not 2"));
   EXPECT_THAT(error_of("eye=1,2,3,4"), HasSubstr("not 4"));
   EXPECT_THAT(error_of("fov=1,2"), HasSubstr("fov takes 1 number"));
   EXPECT_THAT(error_of("eye=1,2,x"), HasSubstr("'x' is not a number"));
   EXPECT_THAT(error_of("eye=1,2,3,eye=1,2,3"), HasSubstr("given twice"));
-  EXPECT_THAT(error_of("zoom=3"), HasSubstr("there are: eye, target, up, fov, ortho"));
+  EXPECT_THAT(error_of("zoom=3"), HasSubstr("there are: eye, target, up, fov, ortho, aspect"));
   EXPECT_THAT(error_of("1,2,3"), HasSubstr("does not begin"));
   EXPECT_THAT(error_of("ortho=0"), HasSubstr("ortho is 0; it must be above 0"));
   EXPECT_THAT(error_of("ortho=1,2"), HasSubstr("ortho takes 1 number"));

@@ -1,6 +1,9 @@
 // curvecast sample with densities, cameras and budgets of all kinds.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <string>
+#include <utility>
 
 #include "tests/client/cli_fixture.h"
 
@@ -71,6 +74,31 @@ TEST_F(CliTest, SampleFollowsBrushesAndFormulas) {
   expect_failure({"sample", sphere_, "-n", "10", "--density", "expression:heat"}, 3, "there are: x, y, z");
 }
 
+TEST_F(CliTest, SampleFillsAPictureOfAnyShape) {
+  const auto widest = [](const std::string& camera) {
+    const std::string path = temporary("wide.ply");
+    run_json({"sample", sphere_, "-n", "4000", "--density", "frustum", "--density", "view", "--camera", camera, "-o", path});
+    const auto points = load_points(path);
+    EXPECT_TRUE(points.ok()) << points.status();
+    double x = 0, y = 0;
+    for (const auto& p : points->positions) {
+      x = std::max(x, std::abs(static_cast<double>(p[0]) / (3 - static_cast<double>(p[2]))));
+      y = std::max(y, std::abs(static_cast<double>(p[1]) / (3 - static_cast<double>(p[2]))));
+    }
+    return std::pair(x, y);
+  };
+  const double half = std::tan(5 * std::acos(-1) / 180);
+  const auto [x, y] = widest("eye=0,0,3,fov=10");
+  EXPECT_NEAR(x, half, 0.05 * half);
+  EXPECT_NEAR(y, half, 0.05 * half);
+  const auto [wide_x, wide_y] = widest("eye=0,0,3,fov=10,aspect=2");
+  EXPECT_NEAR(wide_x, 2 * half, 0.1 * half);
+  EXPECT_NEAR(wide_y, half, 0.05 * half);
+  expect_failure({"sample", sphere_, "-n", "9", "--density", "view", "--camera", "aspect=2", "--camera", "fov=30"}, 3,
+                 "the same aspect");
+  expect_failure({"render", sphere_, "-o", temporary("wide.png"), "--camera", "aspect=2"}, 3, "leave aspect= out");
+}
+
 TEST_F(CliTest, SampleTakesABudget) {
   const auto count = [](const std::vector<std::string>& flags) {
     std::vector<std::string> arguments = {"sample", sphere_, "--density", "screen", "--camera", "eye=0,0,3"};
@@ -84,6 +112,8 @@ TEST_F(CliTest, SampleTakesABudget) {
   EXPECT_GT(few, 1000);
   EXPECT_GT(many, 3.5 * few);
   EXPECT_EQ(count({"--density", "distance:1.5,global", "-n", "4000"}), 1000);
+  EXPECT_EQ(count({"--density", "distance:1.5,global=inverse", "-n", "4000"}), 2000);
+  EXPECT_EQ(count({"--density", "distance:1,5,global=linear", "-n", "4000"}), 2000);
 }
 
 }  // namespace

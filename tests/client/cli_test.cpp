@@ -221,6 +221,13 @@ TEST_F(CliTest, WhatAMeshRefersToIsTakenFromItsFolder) {
 
 TEST_F(CliTest, PreprocessTakesCgalsParameteriser) {
   const json own = run_json({"preprocess", sphere_, "-n", "500"});
+  const auto vertices = [](const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments = {"sample", sphere_, "-n", "500"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    return run_json(arguments)["curve_vertices"].get<int>();
+  };
+  EXPECT_GT(vertices({"--omega", "20"}), vertices({})) << "other commands take these options too";
+  EXPECT_NE(vertices({"--parameteriser", "cgal"}), vertices({}));
   const json cgal = run_json({"preprocess", sphere_, "-n", "500", "--parameteriser", "cgal"});
   EXPECT_EQ(own["parameteriser"], "own");
   EXPECT_EQ(cgal["parameteriser"], "cgal");

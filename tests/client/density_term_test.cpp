@@ -71,6 +71,9 @@ TEST(DensityTerm, ReadsDistancesWithAndWithoutKeys) {
   ASSERT_TRUE(global.ok()) << global.status();
   EXPECT_TRUE(global->distance().global());
   EXPECT_EQ(global->distance().far(), 0);
+  const auto linear = parse_density_term("distance:2,5,global=linear");
+  ASSERT_TRUE(linear.ok()) << linear.status();
+  EXPECT_EQ(linear->distance().fall(), v1::DISTANCE_FALL_LINEAR);
 }
 
 TEST(DensityTerm, KnowsWhatLooksFromACamera) {
@@ -135,6 +138,7 @@ TEST(DensityTerm, RefusesBadSettings) {
                            "distance:1,2,3",
                            "distance:near=1,near=2",
                            "distance:global=1",
+                           "distance:1,global=linear",
                            "distance:middle=1",
                            "distance:nan"}) {
     EXPECT_FALSE(error_of(text).empty()) << text;

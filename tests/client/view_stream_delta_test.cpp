@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "client/lib/client.h"
 #include "client/lib/view_stream.h"
@@ -44,11 +46,12 @@ class ViewStreamDelta : public ::testing::Test {
     }
   }
 
-  /// The ball from a place on a circle about it.
+  /// The ball from a place on a circle about it. On one lattice, so that every frame has the same positions.
   static v1::SampleRequest view(double degrees, double distance, std::uint64_t points) {
     v1::SampleRequest sample;
     sample.set_points(points);
     sample.set_sampler(v1::SAMPLER_PROGRESSIVE);
+    sample.mutable_encoding()->mutable_draco()->set_position_bits(11);
     sample.add_density()->mutable_view();
     const double angle = degrees * M_PI / 180;
     v1::Camera& camera = *sample.add_cameras();
@@ -57,6 +60,68 @@ class ViewStreamDelta : public ::testing::Test {
     camera.mutable_eye()->set_z(distance * std::cos(angle));
     camera.mutable_target();
     return sample;
+  }
+
+  using Place = std::array<double, 3>;
+
+  /// The point that every view shows of which it is in the picture: that of the lowest rank.
+  Place first_point() {
+    v1::ResampleRequest request;
+    request.set_session_id(session_id_);
+    request.mutable_sample()->set_points(1);
+    request.mutable_sample()->set_sampler(v1::SAMPLER_PROGRESSIVE);
+    request.mutable_sample()->mutable_encoding()->mutable_raw();
+    const absl::StatusOr<DecodedSample> sample = client_->resample(request);
+    EXPECT_TRUE(sample.ok()) << sample.status();
+    if (!sample.ok()) return {};
+    const auto [x, y, z] = sample->points.positions[0];
+    return {x, y, z};
+  }
+
+  /// The surroundings of a point from so far above it, evenly on the picture, with as many bits as that asks for.
+  static v1::SampleRequest near_view(const Place& point, double distance) {
+    v1::SampleRequest sample = view(0, 1, 500);
+    sample.clear_density();
+    sample.clear_encoding();
+    sample.add_density()->mutable_screen();
+    sample.add_density()->mutable_frustum();
+    const auto set = [&](v1::Vec3& to, double scale) {
+      to.set_x(scale * point[0]), to.set_y(scale * point[1]), to.set_z(scale * point[2]);
+    };
+    set(*sample.mutable_cameras(0)->mutable_eye(), 1 + distance);
+    set(*sample.mutable_cameras(0)->mutable_target(), 1);
+    return sample;
+  }
+
+  /// By how much the points of a frame lie beside where they were computed, at most, in pixels of the picture.
+  double most_pixels_moved(const Frame& frame, v1::SampleRequest sample) {
+    sample.mutable_encoding()->mutable_raw();
+    v1::ResampleRequest request;
+    request.set_session_id(session_id_);
+    *request.mutable_sample() = sample;
+    const absl::StatusOr<DecodedSample> exact = client_->resample(request);
+    EXPECT_TRUE(exact.ok()) << exact.status();
+    if (!exact.ok() || exact->points.size() != frame.points->size()) return HUGE_VAL;
+    const v1::Vec3 &eye = sample.cameras(0).eye(), &target = sample.cameras(0).target();
+    Place forward = {target.x() - eye.x(), target.y() - eye.y(), target.z() - eye.z()};
+    const double reach = std::hypot(forward[0], forward[1], forward[2]);
+    for (double& c : forward) c /= reach;
+    const auto from_eye = [&](const Points& points, std::size_t i) {
+      const auto& p = points.positions[i];
+      const auto& o = points.origin;
+      return Place{o[0] + double{p[0]} - eye.x(), o[1] + double{p[1]} - eye.y(), o[2] + double{p[2]} - eye.z()};
+    };
+    double most = 0;
+    for (std::size_t i = 0; i < frame.points->size(); ++i) {
+      const Place seen = from_eye(*frame.points, i), wanted = from_eye(exact->points, i);
+      const auto depth = [&](const Place& p) { return forward[0] * p[0] + forward[1] * p[1] + forward[2] * p[2]; };
+      // On the plane at depth 1, where the default viewport of 45 degrees has so many pixels to a length.
+      const double pixels = 512 / std::tan(M_PI / 8);
+      Place apart;
+      for (std::size_t c = 0; c < 3; ++c) apart[c] = pixels * (seen[c] / depth(seen) - wanted[c] / depth(wanted));
+      most = std::max(most, std::hypot(apart[0], apart[1], apart[2]));
+    }
+    return most;
   }
 
   /// The view's frames, until nothing better follows.
@@ -151,7 +216,7 @@ TEST_F(ViewStreamDelta, KeyFramesComeWhereDeltasCannot) {
   EXPECT_TRUE(is_delta(view(1, 3, 1000))) << "of nothing at all";
   EXPECT_FALSE(is_delta(view(181, 3, 1000))) << "from the other side";
   v1::SampleRequest finer = view(182, 3, 1000);
-  finer.mutable_encoding()->mutable_draco()->set_position_bits(14);
+  finer.mutable_encoding()->mutable_draco()->set_position_bits(12);
   EXPECT_FALSE(is_delta(finer));
   v1::SampleRequest equalised = view(183, 3, 1000);
   equalised.set_sampler(v1::SAMPLER_EQUALISED);
@@ -166,6 +231,50 @@ TEST_F(ViewStreamDelta, KeyFramesComeWhereDeltasCannot) {
 
   const auto keys_only = ViewStream::open(*connection_, session_id_, {}, {.deltas = false});
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(settled_frame(*keys_only, view(i, 3, 1000)).is_delta);
+}
+
+TEST_F(ViewStreamDelta, PositionsAreAsFineAsThePictureAsksForAtAnyDepth) {
+  const Place point = first_point();
+  const auto stream = ViewStream::open(*connection_, session_id_);
+  std::vector<double> distances;
+  for (double distance = 3; distance > 0.8e-3; distance *= 0.8) distances.push_back(distance);
+  bool has_centre = false;
+  const auto look = [&](double distance) {
+    const v1::SampleRequest sample = near_view(point, distance);
+    const Frame frame = settled_frame(*stream, sample);
+    EXPECT_GT(frame.points->size(), 0u);
+    EXPECT_LE(most_pixels_moved(frame, sample), 0.25) << "at " << distance;
+    has_centre = has_centre || frame.points->origin != std::array<double, 3>{};
+    return frame;
+  };
+  for (const double distance : distances) look(distance);
+  EXPECT_TRUE(has_centre) << "floats that count from the box's corner would not do";
+  std::ranges::reverse(distances);
+  for (const double distance : distances) {
+    look(distance);
+    // To and fro, nothing asks for other bits.
+    look(1.1 * distance);
+    EXPECT_TRUE(look(distance).is_delta) << "at " << distance;
+  }
+}
+
+TEST_F(ViewStreamDelta, ABrokenStreamIsResumedWithTheBitsThatItHad) {
+  const Place point = first_point();
+  // Seen nearer first: the client's lattice is finer than that of the view that it ends with.
+  HeldFrame held;
+  const v1::SampleRequest sample = near_view(point, 0.92);
+  {
+    const auto stream = ViewStream::open(*connection_, session_id_);
+    settled_frame(*stream, near_view(point, 0.84));
+    EXPECT_TRUE(settled_frame(*stream, sample).is_delta);
+    held = stream->held();
+  }
+  const auto fresh = ViewStream::open(*connection_, session_id_);
+  EXPECT_NE(settled_frame(*fresh, sample).points->positions, held.points->positions);
+  const auto again = ViewStream::open(*connection_, session_id_, {}, {.held = held});
+  const Frame frame = settled_frame(*again, sample);
+  EXPECT_TRUE(frame.is_delta);
+  EXPECT_EQ(frame.points->positions, held.points->positions);
 }
 
 TEST_F(ViewStreamDelta, ABrokenStreamIsResumed) {

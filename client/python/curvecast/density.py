@@ -60,10 +60,12 @@ def view(s0: float | None = None) -> v1.DensityTerm:
     return v1.DensityTerm(view=v1.ViewDensity(s0=s0))
 
 
-def distance(near: float = 0, far: float = 0, whole: bool = False) -> v1.DensityTerm:
+def distance(near: float = 0, far: float = 0, whole: bool = False, fall: str | None = None) -> v1.DensityTerm:
     """(near / clamp(d, near, far))^2, d from the eye, in units; 0: as near as the mesh's box, no far limit. `whole`: the density
-    stays, and the number of points falls by the distance of the middle of the mesh's box."""
-    term = v1.DistanceDensity(near=near, far=far)
+    stays, and the number of points falls by the distance d of the middle of the mesh's box, by `fall`: inverse_square (the
+    default), inverse, or linear, (far - d) / (far - near); near is then the box's diagonal by default."""
+    law = None if fall is None else enum_name(v1.DistanceFall, "DISTANCE_FALL", fall)
+    term = v1.DistanceDensity(near=near, far=far, fall=law)
     setattr(term, "global", whole)  # a keyword of Python
     return v1.DensityTerm(distance=term)
 

@@ -36,6 +36,14 @@ COLUMNS: Columns = {
     "barycentric": ("<f4", 2),
 }
 
+LIMITS = {
+    int(v1.POINT_LIMIT_UNSPECIFIED): None,
+    int(v1.POINT_LIMIT_BYTES): "bytes",
+    int(v1.POINT_LIMIT_DENSITY): "density",
+    int(v1.POINT_LIMIT_SERVER): "server",
+    int(v1.POINT_LIMIT_COMING): "coming",
+}
+
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Points:
@@ -50,11 +58,17 @@ class Points:
     ranks: npt.NDArray[np.uint32] | None = None  #: (N,): of the progressive sampler
     faces: npt.NDArray[np.uint32] | None = None  #: (N,): faces of the repaired mesh
     barycentric: Float32s | None = None  #: (N, 2): weights of the face's second and third corner
-    #: how the server made them: its times, and .refining: better points are being made
+    #: how the server made them: its times, .refining: better points are being made, .wanted_points: see limit
     statistics: v1.FrameStatistics = dataclasses.field(default_factory=v1.FrameStatistics)
 
     def __len__(self) -> int:
         return len(self.positions)
+
+    @property
+    def limit(self) -> str | None:
+        """Says why there are fewer points than statistics.wanted_points: bytes, density, server or coming, as PointLimit of the API
+        has them. None: there are as many."""
+        return LIMITS.get(self.statistics.limit, "unknown")  # of a newer server
 
     def world_positions(self) -> npt.NDArray[np.float64]:
         """Returns the positions in the frame of the mesh file: (N, 3) float64, units."""

@@ -52,7 +52,7 @@ class View:
     seed: int = 0  #: of the equalised sampler
     attributes: Sequence[str] = ()  #: of curvatures, rank (progressive sampler only) and surface (faces, barycentric)
     encoding: str = "raw"  #: exactly as computed; or draco: a tenth of the bytes, rounded
-    position_bits: int = 0  #: of draco, per coordinate over the largest side of the mesh's box; 0 = 11
+    position_bits: int = 0  #: of draco, per coordinate over the largest side of the mesh's box; 0 = as the camera's pixels ask for
     normal_bits: int = 0  #: of draco; 0 = 8
 
     def to_proto(self) -> v1.SampleRequest:

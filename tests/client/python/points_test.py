@@ -30,6 +30,16 @@ class PointsTest(unittest.TestCase):
         self.assertEqual(caught.exception.code.name, "DATA_LOSS")
         self.assertIn(message, caught.exception.message)
 
+    def test_a_limit_has_a_name(self) -> None:
+        def limit(value: int) -> str | None:
+            points = as_points(np.zeros((1, 3)))
+            points.statistics.limit = value  # type: ignore[assignment]  # as from the wire
+            return points.limit
+
+        self.assertIsNone(limit(0))
+        self.assertEqual([limit(value) for value in range(1, 5)], ["bytes", "density", "server", "coming"])
+        self.assertEqual(limit(77), "unknown")
+
     def test_blocks_are_joined(self) -> None:
         points = decode_blocks([raw_block(2, 10), raw_block(0, 10), raw_block(3, 12)])
         np.testing.assert_array_equal(points.world_positions()[:, 0], [11, 11, 13, 13, 13])

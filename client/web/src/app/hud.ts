@@ -3,6 +3,7 @@
 import type { LiveViewState } from "../stream";
 import { element } from "./elements";
 import { bytes, count, length, seconds } from "./format";
+import { pointsText } from "./points_text";
 import type { Streams } from "./streams";
 
 const words: Record<LiveViewState, string> = {
@@ -58,7 +59,7 @@ export class Hud {
     const { last, viewP50, viewP99 } = view.statistics();
     this.state.textContent = words[view.state];
     this.state.dataset.state = view.state;
-    this.set("points", count(view.store.count));
+    this.set("points", pointsText(view.store.count, last));
     this.set("view → points", `${seconds(viewP50)}, p99 ${seconds(viewP99)}`);
     const frames = framesPerSecond > 0 ? `${framesPerSecond.toFixed(0)} per second` : "–";
     this.set("frames", `${frames}, upload ${uploadMilliseconds.toFixed(1)} ms`);

@@ -13,6 +13,7 @@ export type { FrameReport, StatisticsSummary } from "./statistics";
 export {
   CurvatureKind,
   PointAttribute,
+  PointLimit,
   Sampler,
   SampleRequestSchema,
   Sequence,

@@ -5,6 +5,7 @@ import { create, type MessageInitShape } from "@bufbuild/protobuf";
 import {
   CurvecastService,
   FrameKind,
+  PointLimit,
   SampleRequestSchema,
   type FrameStatistics,
   type PointFrame,
@@ -239,6 +240,8 @@ export class LiveView {
       bytes,
       isDelta: frame.kind === FrameKind.DELTA,
       points: this.store.count,
+      wantedPoints: Number(frame.statistics?.wantedPoints ?? 0n),
+      limit: frame.statistics?.limit ?? PointLimit.UNSPECIFIED,
       viewSeconds: view?.time == null ? null : end - view.time,
       serverSeconds: secondsOf(frame.statistics),
       decodeSeconds: decoded instanceof CurvecastError ? 0 : decoded.seconds,

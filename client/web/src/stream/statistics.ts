@@ -1,5 +1,6 @@
 // What frames cost, measured by the client.
 
+import type { PointLimit } from "../gen/curvecast/v1/curvecast_pb";
 import type { CurvecastError } from "./errors";
 
 /// A frame that was applied, or that says why its view was refused. Seconds and bytes.
@@ -7,6 +8,8 @@ export interface FrameReport {
   sequence: number; // of the view, as look() returned it
   isDelta: boolean;
   points: number; // in the store after the frame
+  wantedPoints: number; // that the view's budget comes to; 0 of a budget in bytes
+  limit: PointLimit; // why there are fewer
   added: number;
   removed: number;
   resized: number;

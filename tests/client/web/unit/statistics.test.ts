@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 
+import { PointLimit } from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
 import { quantile, Statistics, type FrameReport } from "../../../../client/web/src/stream/statistics";
 
 function frame(bytes: number, viewSeconds: number | null): FrameReport {
@@ -7,6 +8,8 @@ function frame(bytes: number, viewSeconds: number | null): FrameReport {
     sequence: 1,
     isDelta: true,
     points: 1,
+    wantedPoints: 1,
+    limit: PointLimit.UNSPECIFIED,
     added: 0,
     removed: 0,
     resized: 0,
