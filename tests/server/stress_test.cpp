@@ -163,11 +163,11 @@ TEST_F(Stress, ManyClientsDoEverythingAtOnce) {
     for (unsigned c = 0; c < kClients; ++c) {
       threads.emplace_back([&, c] {
         Client one(connect(), c, frames);
-        while (std::chrono::steady_clock::now() < end) one.act();
+        // On a busy machine nobody may have come as far as a frame by then.
+        while (std::chrono::steady_clock::now() < end || frames == 0) one.act();
       });
     }
   }
-  EXPECT_GT(frames, 0u);
   // And it serves as if nothing had been, once those that were pinned make room.
   const auto stub = client();
   grpc::ClientContext context;
@@ -179,7 +179,9 @@ TEST_F(Stress, ManyClientsDoEverythingAtOnce) {
     v1::CloseSessionRequest request;
     request.set_session_id(session.session_id());
     v1::CloseSessionResponse response;
-    EXPECT_TRUE(stub->CloseSession(&closing, request, &response).ok());
+    const grpc::Status status = stub->CloseSession(&closing, request, &response);
+    // One that was not wanted any more may have gone meanwhile.
+    EXPECT_TRUE(status.ok() || status.error_code() == grpc::NOT_FOUND) << status.error_message();
   }
   const Created created = create(*stub, upload(*stub, sphere_off(2)), 500);
   ASSERT_TRUE(created.status.ok()) << created.status.error_message();
