@@ -17,7 +17,8 @@ constexpr int kMaxDepth = 24;
 
 // Where the curve is in a piece is looked up a few levels at a time.
 constexpr int kTableLevels = 4;
-constexpr int kTables = 5;  // one after the other: 20 levels, finer than a float can tell
+constexpr int kTables = 5;      // one after the other: 20 levels, finer than a float can tell
+constexpr int kEvenTables = 3;  // 12 levels: enough where there are only a few places in each leaf
 constexpr unsigned kTableSize = 1u << 2 * kTableLevels;
 
 struct TableEntry {
@@ -42,17 +43,20 @@ constexpr auto kTable = [] {
   return table;
 }();
 
-/// Where the curve has passed a part of a quad, in [0, 1): the middle of the cell there.
-Vec2d place_in_quad(const Quad& quad, HilbertState state, double part) {
-  auto index = static_cast<std::uint64_t>(part * 0x1p40);
-  std::uint64_t x = 0, y = 0;
-  for (int t = kTables - 1; t >= 0; --t) {
+/// Where the curve has passed a part of a quad, in [0, 1]: the middle of the cell there. There are 4^(4 tables) cells.
+template <int tables>
+[[gnu::always_inline]] inline Vec2d place_in_quad(const Quad& quad, HilbertState state, double part) {
+  constexpr std::int64_t kSide = std::int64_t{1} << kTableLevels * tables;
+  constexpr auto kCells = static_cast<double>(kSide * kSide);
+  const auto index = static_cast<std::int64_t>(fast_clamp(part * kCells, 0, kCells - 1));
+  std::int64_t x = 0, y = 0;
+  for (int t = tables - 1; t >= 0; --t) {
     const TableEntry& entry = kTable[state][index >> 2 * kTableLevels * t & (kTableSize - 1)];
     x = x << kTableLevels | entry.x;
     y = y << kTableLevels | entry.y;
     state = entry.state;
   }
-  const double cell = quad.side * 0x1p-20;
+  const double cell = quad.side / static_cast<double>(kSide);
   return quad.corner + cell * Vec2d(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
 }
 
@@ -67,6 +71,15 @@ struct Piece {
     return {quad.corner + Vec2d(quadrant & 1 ? half : 0, quadrant & 2 ? half : 0), half};
   }
 };
+
+Piece whole_leaf(const SurfaceCurve& curve, std::size_t l) {
+  const std::uint64_t key = curve.key[l];
+  HilbertState state = 0;
+  for (int depth = 1; depth <= curve.level[l]; ++depth) {
+    state = hilbert_child_state(state, key >> 2 * (kMaxLevel - depth) & 3);
+  }
+  return {leaf_quad(key, curve.level[l]), state, 0, 1};
+}
 
 }  // namespace
 
@@ -139,8 +152,8 @@ class LeafSurface::Finder {
 
   void put(const Piece& piece, const std::vector<std::uint32_t>& near, std::size_t i) {
     const double size = piece.end - piece.begin;
-    const double part = size > 0 ? std::clamp((parts_[i] - piece.begin) / size, 0.0, 1 - 0x1p-40) : 0;
-    const Vec2d uv = place_in_quad(piece.quad, piece.state, part);
+    const double part = size > 0 ? (parts_[i] - piece.begin) / size : 0;
+    const Vec2d uv = place_in_quad<kTables>(piece.quad, piece.state, part);
     LeafBatch& batch = memory_.batch;
     batch.u[batch.count] = uv.x();
     batch.v[batch.count] = uv.y();
@@ -161,22 +174,52 @@ class LeafSurface::Finder {
 LeafSurface::LeafSurface(std::shared_ptr<const CurveBase> base, std::shared_ptr<const SurfaceCurve> curve)
     : base_(std::move(base)), curve_(std::move(curve)) {}
 
-void LeafSurface::find(std::size_t l, std::span<const double> parts, double grain, std::span<SurfacePlace> places) const {
+std::size_t LeafSurface::disc_of(std::size_t l) const {
   const auto end_of_disc = std::upper_bound(curve_->disc_begin.begin(), curve_->disc_begin.end(), l);
-  const auto disc = static_cast<std::size_t>(end_of_disc - curve_->disc_begin.begin()) - 1;
+  return static_cast<std::size_t>(end_of_disc - curve_->disc_begin.begin()) - 1;
+}
+
+void LeafSurface::find(std::size_t l, std::span<const double> parts, double grain, std::span<SurfacePlace> places) const {
+  const std::size_t disc = disc_of(l);
   Memory& memory = memory_.local();
   memory.lists.resize(kMaxDepth + 1);
   memory.batch.count = 0;
-  const std::uint64_t key = curve_->key[l];
-  const int level = curve_->level[l];
-  HilbertState state = 0;
-  for (int depth = 1; depth <= level; ++depth) state = hilbert_child_state(state, key >> 2 * (kMaxLevel - depth) & 3);
-  const Piece leaf{leaf_quad(key, curve_->level[l]), state, 0, 1};
+  const Piece leaf = whole_leaf(*curve_, l);
   TouchingTriangles& touching = memory.touching.try_emplace(disc, base_->mesh_of(disc)).first->second;
   touching.find(leaf.quad, base_->triangle_of[curve_->triangle[l]], memory.lists[0]);
   Finder finder(*this, disc, grain, parts, places, memory);
   finder.descend(leaf, 0, 0, parts.size());
   finder.finish();
+}
+
+void LeafSurface::find_even(std::span<const LeafPart> at, std::span<SurfacePlace> places) const {
+  LeafBatch& batch = memory_.local().batch;
+  batch.count = 0;
+  std::size_t done = 0, disc = 0;
+  const auto finish = [&] {
+    base_->mappers[disc].place(batch, curve_->origin, &places[done]);
+    done += batch.count;
+    batch.count = 0;
+  };
+  for (std::size_t begin = 0, end; begin < at.size(); begin = end) {
+    const std::uint32_t l = at[begin].leaf;
+    for (end = begin + 1; end < at.size() && at[end].leaf == l;) ++end;
+    if (l < curve_->disc_begin[disc] || l >= curve_->disc_begin[disc + 1]) {
+      finish();
+      disc = disc_of(l);
+    }
+    const Piece leaf = whole_leaf(*curve_, l);
+    const ParameterMesh mesh = base_->mesh_of(disc);
+    const std::uint32_t own = base_->triangle_of[curve_->triangle[l]];
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec2d uv = place_in_quad<kEvenTables>(leaf.quad, leaf.state, at[i].part);
+      batch.u[batch.count] = uv.x();
+      batch.v[batch.count] = uv.y();
+      batch.under[batch.count] = find_triangle(mesh, uv, own);
+      if (++batch.count == LeafBatch::kSize) finish();
+    }
+  }
+  finish();
 }
 
 Rgba8 LeafSurface::colour(std::size_t l, std::uint32_t face, std::array<float, 2> weights, double share) const {

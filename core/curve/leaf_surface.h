@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <span>
@@ -19,6 +20,12 @@
 #include "core/curve/surface_map.h"
 
 namespace curvecast {
+
+/// A place on the curve: where it has passed a part, in [0, 1], of a leaf's area.
+struct LeafPart {
+  std::uint32_t leaf;
+  double part;
+};
 
 /// A curve and what it lies on. What it says of a leaf depends on the leaf alone, not on what was asked before. Any number of
 /// threads may ask.
@@ -35,6 +42,10 @@ class LeafSurface {
   /// is taken to be even, as in the latter it is.
   void find(std::size_t l, std::span<const double> parts, double grain, std::span<SurfacePlace> places) const;
 
+  /// Finds places in leaves whose area is taken to be even, as many as `at`: much faster, and as good where there are only a few
+  /// places in each leaf. The order is free; quickest is that of the curve.
+  void find_even(std::span<const LeafPart> at, std::span<SurfacePlace> places) const;
+
   bool has_colour() const { return base_->data.colour != nullptr; }
   /// Returns the surface's colour at a place in leaf l, averaged over about a share of the whole surface, and over no more than
   /// the leaf. `weights`: of the face's second and third corner. Precondition: has_colour().
@@ -42,6 +53,7 @@ class LeafSurface {
 
  private:
   class Finder;
+  std::size_t disc_of(std::size_t l) const;
   /// What a thread uses again.
   struct Memory {
     std::map<std::size_t, TouchingTriangles> touching;  // by disc

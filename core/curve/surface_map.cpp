@@ -95,7 +95,8 @@ struct Corners {
   }
 }
 
-/// What the weights make of the corners' records.
+/// What the weights make of the first numbers of the corners' records.
+template <int numbers>
 [[gnu::always_inline]] inline void mix_records(const Corners& corners, std::size_t begin, std::size_t end, MappedBatch& out) {
   const float *a = corners.record[0]->values, *b = corners.record[1]->values, *c = corners.record[2]->values;
   for (std::size_t i = begin; i < end; i += 4) {
@@ -103,7 +104,7 @@ struct Corners {
     load_lanes(w0, out.weights[0] + i);
     load_lanes(w1, out.weights[1] + i);
     load_lanes(w2, out.weights[2] + i);
-    for (int k = 0; k < VertexRecord::kSize; ++k) store_lanes(w0 * a[k] + w1 * b[k] + w2 * c[k], out.mixed[k] + i);
+    for (int k = 0; k < numbers; ++k) store_lanes(w0 * a[k] + w1 * b[k] + w2 * c[k], out.mixed[k] + i);
   }
 }
 
@@ -115,16 +116,28 @@ void weigh_in_face(const TriangleMesh& mesh, std::uint32_t face, std::size_t beg
   }
 }
 
-CURVECAST_WIDE void map_batch(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
-                              const std::uint8_t* is_whole, const LeafBatch& batch, MappedBatch& out) {
+template <int numbers>
+[[gnu::always_inline]] inline void map_records(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
+                                               const std::uint8_t* is_whole, const LeafBatch& batch, MappedBatch& out) {
   for (std::size_t begin = 0, end; begin < batch.count; begin = end) {
     const std::uint32_t t = batch.under[begin];
     const Corners corners(data, disc, t);
     for (end = begin; end < batch.count && batch.under[end] == t; ++end) out.face[end] = corners.face;
     place_leaves(triangles[t], corners, batch, begin, end, out);
     if (is_whole[t] == 0) weigh_in_face(data.mesh, corners.face, begin, end, out);
-    mix_records(corners, begin, end, out);
+    mix_records<numbers>(corners, begin, end, out);
   }
+}
+
+CURVECAST_WIDE void map_batch(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
+                              const std::uint8_t* is_whole, const LeafBatch& batch, MappedBatch& out) {
+  map_records<VertexRecord::kSize>(data, disc, triangles, is_whole, batch, out);
+}
+
+/// Normals only.
+CURVECAST_WIDE void map_normals(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
+                                const std::uint8_t* is_whole, const LeafBatch& batch, MappedBatch& out) {
+  map_records<3>(data, disc, triangles, is_whole, batch, out);
 }
 
 /// Where a batch goes.
@@ -230,7 +243,7 @@ void SurfaceMapper::map(const LeafBatch& batch, std::size_t at, SurfaceCurve& cu
 
 void SurfaceMapper::place(const LeafBatch& batch, const Vec3d& origin, SurfacePlace* places) const {
   MappedBatch mapped;
-  map_batch(data_, disc_, triangles_.data(), is_whole_.data(), batch, mapped);
+  map_normals(data_, disc_, triangles_.data(), is_whole_.data(), batch, mapped);
   UnitNormals normals;
   find_normals(mapped, batch.count, normals);
   for (std::size_t i = 0; i < batch.count; ++i) {

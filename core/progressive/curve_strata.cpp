@@ -7,6 +7,8 @@ namespace curvecast {
 namespace {
 
 constexpr std::uint32_t kFewLeaves = 3;
+// Places in a leaf of at most this part of the grain are taken to be its vertex.
+constexpr double kSmallLeaf = 0.05;
 
 }  // namespace
 
@@ -37,23 +39,35 @@ void CurveStrata::points_at(std::span<const double> t, double grain, std::span<C
     while (l < last && before_[l + 1] <= t[i] * total_area()) ++l;
     return l;
   };
+  std::vector<LeafPart> even;        // in leaves no larger than the grain
+  std::vector<std::size_t> even_at;  // which of the points these are
   std::vector<double> parts;
   std::vector<SurfacePlace> places;
+  const double all = total_area();
   for (std::size_t i = 0; i < t.size();) {
     const std::uint32_t vertex = on_vertex(i);
-    std::size_t end = i + 1;
-    while (end < t.size() && on_vertex(end) == vertex) ++end;
     const double area = static_cast<double>(curve().area[vertex]);
-    if (end == i + 1 && area <= grain * total_area()) {
+    if (area <= kSmallLeaf * grain * all) {
       points[i++] = at_vertex(vertex);
       continue;
     }
+    const auto part_at = [&](std::size_t k) { return (t[k] * all - before_[vertex]) / area; };
+    if (area <= grain * all) {
+      even_at.push_back(i);
+      even.push_back({vertex, part_at(i++)});
+      continue;
+    }
+    std::size_t end = i + 1;
+    while (end < t.size() && on_vertex(end) == vertex) ++end;
     parts.clear();
-    for (std::size_t k = i; k < end; ++k) parts.push_back(std::clamp((t[k] * total_area() - before_[vertex]) / area, 0.0, 1.0));
+    for (std::size_t k = i; k < end; ++k) parts.push_back(std::clamp(part_at(k), 0.0, 1.0));
     places.resize(parts.size());
-    surface_->find(vertex, parts, grain * total_area() / area, places);
+    surface_->find(vertex, parts, grain * all / area, places);
     for (std::size_t k = 0; i < end; ++i, ++k) points[i] = {places[k], vertex};
   }
+  places.resize(even.size());
+  surface_->find_even(even, places);
+  for (std::size_t k = 0; k < even.size(); ++k) points[even_at[k]] = {places[k], even[k].leaf};
 }
 
 std::vector<CurvePoint> CurveStrata::spread_over(int level, std::uint64_t stratum, std::size_t count) const {

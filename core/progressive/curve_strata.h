@@ -33,8 +33,8 @@ class CurveStrata {
   /// Returns the curve vertex on whose area element the curve position t, in [0, 1], lies.
   std::uint32_t vertex_at(double t) const;
   /// Writes the points at the curve positions t (ascending) to `points`, as many as t. They lie where the curve passes within the
-  /// leaf, on the surface: see LeafSurface::find(), where `grain` is a share of the leaf's area and here of the whole. A single
-  /// one in a leaf that is no larger than the grain lies at its vertex.
+  /// leaf, on the surface: see LeafSurface::find(), where `grain` is a share of the leaf's area and here of the whole. In a leaf
+  /// that is no larger than a twentieth of the grain they lie at its vertex.
   void points_at(std::span<const double> t, double grain, std::span<CurvePoint> points) const;
   /// Returns `count` points spread evenly over a stratum.
   std::vector<CurvePoint> spread_over(int level, std::uint64_t stratum, std::size_t count) const;
