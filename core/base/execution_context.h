@@ -4,6 +4,7 @@
 #include <absl/status/status.h>
 
 #include <atomic>
+#include <cstddef>
 #include <functional>
 #include <string_view>
 
@@ -16,6 +17,8 @@ struct ExecutionContext {
   const std::atomic<bool>* cancel = nullptr;
   /// Threads to use; 0 = one per core. Results never depend on it.
   int threads = 0;
+  /// Shares work instead, for programs that have threads of their own for it: see core/base/for_all.h. May be empty.
+  std::function<void(std::size_t n, const std::function<void(std::size_t i)>& work)> for_all = {};
 
   void progress(std::string_view stage, double fraction) const {
     if (on_progress) on_progress(stage, fraction);

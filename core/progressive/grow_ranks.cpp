@@ -1,12 +1,13 @@
 #include "core/progressive/grow_ranks.h"
 
 #include <absl/strings/str_format.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <limits>
 #include <utility>
+
+#include "core/base/for_all.h"
 
 namespace curvecast {
 namespace {
@@ -18,10 +19,6 @@ constexpr std::size_t kMaxKeptPoints = 750'000;  // in groups that are kept for 
 constexpr std::uint64_t kWholeLevelPart = 3;
 
 std::uint64_t chunks_of_level(int level) { return std::uint64_t{1} << 2 * (level - kChunkLevels); }
-
-tbb::task_arena arena_of(const ExecutionContext& context) {
-  return tbb::task_arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-}
 
 }  // namespace
 
@@ -35,7 +32,8 @@ absl::StatusOr<std::unique_ptr<RankGrower>> RankGrower::make(std::shared_ptr<con
                                                       options.level, kChunkLevels, kMaxLevelAtOnce));
   }
   std::unique_ptr<RankGrower> grower;
-  arena_of(context).execute([&] { grower.reset(new RankGrower(std::move(surface), options)); });
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  arena.execute([&] { grower.reset(new RankGrower(std::move(surface), options)); });
   if (absl::Status status = grower->make_whole(options.level, context); !status.ok()) return status;
   return grower;
 }
@@ -52,9 +50,7 @@ absl::Status RankGrower::make_whole(int level, const ExecutionContext& context) 
   for (int l = tree_ == nullptr ? kChunkLevels : level; l <= level; ++l) {
     const std::size_t begin = chunks.size();
     chunks.resize(begin + chunks_of_level(l));
-    arena_of(context).execute([&] {
-      tbb::parallel_for(std::size_t{0}, chunks.size() - begin, [&](std::size_t i) { chunks[begin + i] = whole_chunk({l, i}); });
-    });
+    for_all(context, chunks.size() - begin, [&](std::size_t i) { chunks[begin + i] = whole_chunk({l, i}); });
   }
   tree_ = std::make_shared<const RankTree>(tree_ == nullptr ? RankTree(std::move(chunks))
                                                             : tree_->grown(chunks, std::numeric_limits<std::size_t>::max()));
@@ -87,11 +83,9 @@ absl::Status RankGrower::make_chunks(std::span<const ChunkId> wanted, std::vecto
   if (!points.ok()) return points.status();
   const std::size_t begin = out.size();
   out.resize(begin + wanted.size());
-  arena_of(context).execute([&] {
-    tbb::parallel_for(std::size_t{0}, wanted.size(), [&](std::size_t i) {
-      const auto own = std::span(*points).subspan(i * kChunkStrata, kChunkStrata);
-      out[begin + i] = std::make_shared<const RankChunk>(make_chunk(wanted[i], own, bounds_, *surface_));
-    });
+  for_all(context, wanted.size(), [&](std::size_t i) {
+    const auto own = std::span(*points).subspan(i * kChunkStrata, kChunkStrata);
+    out[begin + i] = std::make_shared<const RankChunk>(make_chunk(wanted[i], own, bounds_, *surface_));
   });
   return absl::OkStatus();
 }

@@ -1,7 +1,6 @@
 #include "core/progressive/progressive.h"
 
 #include <absl/strings/str_format.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "core/base/for_all.h"
 #include "core/base/random.h"
 #include "core/progressive/fill_free_group.h"
 
@@ -83,7 +83,7 @@ class GroupMaker {
              std::span<const RankedPoint> points, DeepGroups& made)
       : strata_(strata), order_(order), options_(options), points_(points), made_(made) {}
 
-  /// Makes groups of a level, on all threads of the arena. Cancelled, and some of them may have been made.
+  /// Makes groups of a level. Cancelled, and some of them may have been made.
   absl::Status make(int level, const Groups& wanted, const ExecutionContext& context) {
     std::vector<Groups> missing(static_cast<std::size_t>(level) + 1);
     std::unordered_set<std::uint64_t> needed(wanted.begin(), wanted.end());
@@ -97,7 +97,7 @@ class GroupMaker {
       for (const Groups& wave : waves_of(l, missing[static_cast<std::size_t>(l)], near_of)) {
         for (std::size_t begin = 0; begin < wave.size(); begin += kMaxGroupsAtOnce) {
           if (absl::Status status = context.check(); !status.ok()) return status;
-          fill(l, std::span(wave).subspan(begin, std::min(kMaxGroupsAtOnce, wave.size() - begin)));
+          fill(l, std::span(wave).subspan(begin, std::min(kMaxGroupsAtOnce, wave.size() - begin)), context);
         }
       }
     }
@@ -145,10 +145,10 @@ class GroupMaker {
     return made_.near.emplace(GroupKey{level, index}, order_.near({level, index}, near_parent, made_.shapes)).first->second;
   }
 
-  void fill(int level, std::span<const std::uint64_t> wave) {
+  void fill(int level, std::span<const std::uint64_t> wave, const ExecutionContext& context) {
     const std::size_t size = StratumGroup{level, 0}.size();
     std::vector<std::vector<RankedPoint>> filled_now(wave.size());
-    tbb::parallel_for(std::size_t{0}, wave.size(), [&](std::size_t k) {
+    for_all(context, wave.size(), [&](std::size_t k) {
       filled_now[k].resize(4 * size);
       make_group(
           strata_, order_, {level, wave[k]}, made_.near.at({level, wave[k]}), made_.shapes, options_.seed,
@@ -217,10 +217,8 @@ absl::Status ProgressiveRanks::fill(int last, const ExecutionContext& context) {
   for (int level = 0; level < last; ++level) {
     const std::size_t size = StratumGroup{level, 0}.size();
     std::vector<Groups> finer(GroupOrder::count(level));
-    arena.execute([&] {
-      tbb::parallel_for(std::size_t{0}, finer.size(), [&](std::size_t i) {
-        finer[i] = order->near({level, i}, finer.size() > 1 ? near[i / 4] : Groups{0}, {});
-      });
+    for_all(context, finer.size(), [&](std::size_t i) {
+      finer[i] = order->near({level, i}, finer.size() > 1 ? near[i / 4] : Groups{0}, {});
     });
     near = std::move(finer);
     if (level < options_.level) continue;
@@ -232,11 +230,9 @@ absl::Status ProgressiveRanks::fill(int last, const ExecutionContext& context) {
     const auto near_of = [&](std::uint64_t i) -> const Groups& { return near[i]; };
     for (const Groups& wave : waves_of(level, std::move(all), near_of)) {
       if (absl::Status status = context.check(); !status.ok()) return status;
-      arena.execute([&] {
-        tbb::parallel_for(std::size_t{0}, wave.size(), [&](std::size_t k) {
-          const std::uint64_t i = wave[k];
-          make_group(*strata_, *order, {level, i}, near[i], {}, options_.seed, base_of, filled, filled(i));
-        });
+      for_all(context, wave.size(), [&](std::size_t k) {
+        const std::uint64_t i = wave[k];
+        make_group(*strata_, *order, {level, i}, near[i], {}, options_.seed, base_of, filled, filled(i));
       });
     }
     points = std::move(next);
@@ -274,9 +270,7 @@ absl::StatusOr<std::vector<RankedPoint>> ProgressiveRanks::deepen(int level, std
     for (const auto [first, last] : ranges) {
       for (std::uint64_t group = first / size; group * size < last; ++group) wanted.insert(group);
     }
-    tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-    absl::Status status = arena.execute([&] { return groups.make(level - 1, {wanted.begin(), wanted.end()}, context); });
-    if (!status.ok()) return status;
+    if (absl::Status status = groups.make(level - 1, {wanted.begin(), wanted.end()}, context); !status.ok()) return status;
   }
   std::vector<RankedPoint> points;
   points.reserve(count);

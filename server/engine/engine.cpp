@@ -49,7 +49,8 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
             notify_streams(session);
           },
           log),
-      rank_jobs([this](const Session& session) { notify_streams(session); }, log),
+      rank_jobs(
+          worker_count(options.threads), [this](const Session& session) { notify_streams(session); }, log),
       housekeeper_([this](const std::stop_token& stop) { run_housekeeping(stop); }) {}
 
 void Engine::run_housekeeping(const std::stop_token& stop) {

@@ -57,8 +57,8 @@ template <class Demand>
 class ImprovementJobs {
  public:
   struct Hooks {
-    /// Improves the session, with the calling thread alone: any other of the pool would run at the priority of views. `cancel` is
-    /// set once the improvement is not wanted any more. Not called for a job that is cancelled before its turn.
+    /// Improves the session, without threads of oneTBB's, which would run at the priority of views. `cancel` is set once the
+    /// improvement is not wanted any more. Not called for a job that is cancelled before its turn.
     std::function<Improvement(const Session& session, const Demands<Demand>& demands, const std::atomic<bool>& cancel)> improve;
     /// Called without locks after each improvement, also where the session has not become better or the job was cancelled.
     std::function<void(const Session& session, bool is_better)> on_done;

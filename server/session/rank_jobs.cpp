@@ -27,15 +27,15 @@ LackingRanks lacking_of(const Demands<RankDemand>& demands, const std::shared_pt
 }
 
 /// Grows candidates until nothing lacks or the time has come to show them. Returns whether there are more than before.
-absl::StatusOr<bool> grow(const Session& session, const Demands<RankDemand>& demands, const std::atomic<bool>& cancel) {
+absl::StatusOr<bool> grow(const Session& session, const Demands<RankDemand>& demands, const ExecutionContext& context) {
   Stopwatch watch;
-  absl::StatusOr<RankedCurve> ranked = session.ranks({.cancel = &cancel, .threads = 1});
+  absl::StatusOr<RankedCurve> ranked = session.ranks(context);
   if (!ranked.ok()) return ranked.status();
   LackingRanks lacking = lacking_of(demands, ranked->tree);
   const std::size_t points_before = lacking.points, tree_before = ranked->tree->points();
   double seconds = 0;
   while (!lacking.chunks.empty()) {
-    ranked = session.candidates->grow(lacking.chunks, {.cancel = &cancel, .threads = 1});
+    ranked = session.candidates->grow(lacking.chunks, context);
     if (!ranked.ok()) return ranked.status();
     lacking = lacking_of(demands, ranked->tree);
     seconds += watch.lap();
@@ -46,8 +46,9 @@ absl::StatusOr<bool> grow(const Session& session, const Demands<RankDemand>& dem
 
 }  // namespace
 
-RankJobs::RankJobs(OnDone on_done, std::shared_ptr<spdlog::logger> log)
+RankJobs::RankJobs(int threads, OnDone on_done, std::shared_ptr<spdlog::logger> log)
     : log_(std::move(log)),
+      crew_(threads - 1),
       jobs_({.improve = [this](const Session& session, const Demands<RankDemand>& demands,
                                const std::atomic<bool>& cancel) { return improve(session, demands, cancel); },
              .on_done = [on_done = std::move(on_done)](const Session& session, bool /*is_better*/) { on_done(session); }}) {}
@@ -56,9 +57,12 @@ bool RankJobs::request(const std::shared_ptr<const Session>& session, std::uint6
   return jobs_.request(session, source, std::move(demand));
 }
 
-Improvement RankJobs::improve(const Session& session, const Demands<RankDemand>& demands, const std::atomic<bool>& cancel) const {
+Improvement RankJobs::improve(const Session& session, const Demands<RankDemand>& demands, const std::atomic<bool>& cancel) {
   Stopwatch watch;
-  const absl::StatusOr<bool> grown = status_from_exceptions([&] { return grow(session, demands, cancel); });
+  // Threads of oneTBB's would run at the priority of views.
+  const ExecutionContext context{
+      .cancel = &cancel, .threads = 1, .for_all = [this](std::size_t n, const auto& work) { crew_.for_all(n, work); }};
+  const absl::StatusOr<bool> grown = status_from_exceptions([&] { return grow(session, demands, context); });
   if (grown.ok()) {
     log_->info("session {} has more ranked candidates in {:.3f} s", session.id, watch.lap());
   } else if (!cancel) {

@@ -1,16 +1,25 @@
 #include "server/session/ranked_candidates.h"
 
+#include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace curvecast::server {
 namespace {
 
-// Takes a few hundredths of a second; what a view needs beyond is made for it.
-constexpr int kFirstLevel = 6;
+// What a view needs beyond is made for it. 65,536 candidates take two cores half a second.
+constexpr int kMostLevelsAtFirst = 8;
+
+/// Returns the level with at least as many points.
+int first_level(std::uint64_t max_points) {
+  const int level = (std::bit_width(std::max<std::uint64_t>(max_points, 1) - 1) + 1) / 2;
+  return std::clamp(level, kChunkLevels, kMostLevelsAtFirst);
+}
 
 }  // namespace
 
-absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, const ExecutionContext& context) {
+absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::uint64_t max_points,
+                                                   const ExecutionContext& context) {
   {
     const MutexLock lock(mutex_);
     if (newest_.tree != nullptr) return newest_;
@@ -20,7 +29,8 @@ absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, const
     absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = surface();
     if (!leaves.ok()) return leaves.status();
     const std::shared_ptr<const SurfaceCurve> curve = (*leaves)->shared_curve();
-    absl::StatusOr<std::unique_ptr<RankGrower>> grower = RankGrower::make(*std::move(leaves), {.level = kFirstLevel}, context);
+    absl::StatusOr<std::unique_ptr<RankGrower>> grower =
+        RankGrower::make(*std::move(leaves), {.level = first_level(max_points)}, context);
     if (!grower.ok()) return grower.status();
     grower_ = *std::move(grower);
     const MutexLock lock(mutex_);

@@ -27,9 +27,10 @@ class RankedCandidates {
 
   using Surface = std::function<absl::StatusOr<std::shared_ptr<const LeafSurface>>()>;
 
-  /// Returns the candidates that there are by now. The first call makes those of the lowest ranks, on `surface`; others wait for
-  /// it. Errors of `surface`, and as of RankGrower::make().
-  absl::StatusOr<RankedCurve> take(const Surface& surface, const ExecutionContext& context) ABSL_LOCKS_EXCLUDED(growing_, mutex_);
+  /// Returns the candidates that there are by now. The first call makes those of the lowest ranks, on `surface`, about as many as
+  /// views of `max_points` points take; others wait for it. Errors of `surface`, and as of RankGrower::make().
+  absl::StatusOr<RankedCurve> take(const Surface& surface, std::uint64_t max_points, const ExecutionContext& context)
+      ABSL_LOCKS_EXCLUDED(growing_, mutex_);
 
   /// Makes the chunks that are lacking, if they still are; one caller after the other. Returns the candidates that there are
   /// then. Errors as of RankGrower::grow(). Precondition: take() has returned candidates.

@@ -56,7 +56,8 @@ std::map<std::string, Stored> scan(const std::string& folder) {
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     const std::string id = name.substr(0, kIdDigits);
-    const bool is_ours = is_session_id(id) && (absl::EndsWith(name, ".curve") || absl::EndsWith(name, ".surface"));
+    const bool is_ours = is_session_id(id) &&
+                         (absl::EndsWith(name, ".curve") || absl::EndsWith(name, ".refined") || absl::EndsWith(name, ".surface"));
     struct stat status = {};
     if (!is_ours || ::lstat(it->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
     Stored& stored = sessions[id];
@@ -109,16 +110,18 @@ SessionRecord record_of(const Session& session) {
   return record;
 }
 
+absl::Status check_faces(const SurfaceCurve& curve, std::uint64_t faces, const std::string& path) {
+  if (*std::max_element(curve.triangle.begin(), curve.triangle.end()) < faces) return absl::OkStatus();
+  return absl::DataLossError(absl::StrCat(path, ": its curve lies on a face that is not there"));
+}
+
 absl::StatusOr<std::shared_ptr<Session>> to_session(CurveFile file, const std::string& id, const std::string& path) {
   SessionRecord record;
   if (!from_archive(file.note, record) || record.companions.size() % 2 != 0) {
     return absl::DataLossError(absl::StrCat(path, ": what it says of its session makes no sense"));
   }
   if (record.id != id) return absl::DataLossError(absl::StrCat(path, ": it is of session ", printable(record.id)));
-  const Column<std::uint32_t>& triangle = file.curve->triangle;
-  if (*std::max_element(triangle.begin(), triangle.end()) >= record.report.mesh.faces) {
-    return absl::DataLossError(absl::StrCat(path, ": its curve lies on a face that is not there"));
-  }
+  if (absl::Status status = check_faces(*file.curve, record.report.mesh.faces, path); !status.ok()) return status;
   auto session = std::make_shared<Session>();
   session->id = id;
   session->mesh_id = std::move(record.mesh_id);
@@ -146,7 +149,7 @@ absl::StatusOr<std::unique_ptr<SessionCache>> SessionCache::open(const std::stri
   for (const auto& [id, stored] : scan(*path)) {
     for (const std::string& file : stored.paths) {
       sessions += file == cache->curve_path(id);
-      foreign += file != cache->curve_path(id) && file != cache->surface_path(id);
+      foreign += file != cache->curve_path(id) && file != cache->refined_path(id) && file != cache->surface_path(id);
     }
     bytes += stored.bytes;
   }
@@ -173,6 +176,10 @@ std::string SessionCache::curve_path(const std::string& id) const {
   return absl::StrCat(folder_, "/", id, ".v", kCurveFileVersion, ".curve");
 }
 
+std::string SessionCache::refined_path(const std::string& id) const {
+  return absl::StrCat(folder_, "/", id, ".v", kCurveFileVersion, ".refined");
+}
+
 std::string SessionCache::surface_path(const std::string& id) const {
   return absl::StrCat(folder_, "/", id, ".v", kSurfaceFileVersion, ".surface");
 }
@@ -188,6 +195,7 @@ bool SessionCache::is_going(const std::string& id) const { return saving_ == id 
 bool SessionCache::remove_files(const std::string& id) const {
   std::error_code ignored;
   const bool removed = fs::remove(curve_path(id), ignored);
+  fs::remove(refined_path(id), ignored);
   fs::remove(surface_path(id), ignored);
   return removed;
 }
@@ -219,6 +227,7 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::str
     absl::StatusOr<std::shared_ptr<Session>> loaded = to_session(*std::move(file), id, path);
     if (!loaded.ok()) return loaded.status();
     (*loaded)->load_flattened = [this, id] { return load_surface(id); };
+    load_refined(**loaded);
     return *std::move(loaded);
   });
   if (session.ok()) {
@@ -227,6 +236,20 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::str
     discard(path, session.status());
   }
   return session;
+}
+
+void SessionCache::load_refined(const Session& session) {
+  const std::string path = refined_path(session.id);
+  if (!is_file(path)) return;
+  absl::StatusOr<CurveFile> file = load_curve(path);
+  absl::Status status = file.status();
+  if (file.ok() && file->note != session.id) status = absl::DataLossError(absl::StrCat(path, ": it is of another session"));
+  if (status.ok()) status = check_faces(*file->curve, session.preprocessed.report.mesh.faces, path);
+  if (status.ok()) {
+    session.revisions->publish(std::move(file->curve));
+  } else {
+    discard(path, status);
+  }
 }
 
 absl::StatusOr<std::shared_ptr<const FlattenedMesh>> SessionCache::load_surface(const std::string& id) {
@@ -242,11 +265,12 @@ absl::StatusOr<std::shared_ptr<const FlattenedMesh>> SessionCache::load_surface(
 }
 
 void SessionCache::save(const Session& session) {
-  Snapshot snapshot = {session.curve(), session.preprocessed.flattened, to_archive(record_of(session))};
+  Snapshot snapshot = {session.revisions->first(), session.curve(), session.preprocessed.flattened,
+                       to_archive(record_of(session))};
   const std::string& id = session.id;
   absl::Status status;
   const MutexLock lock(mutex_);
-  if (snapshot.curve->byte_size() > max_bytes_) {
+  if (snapshot.first->byte_size() > max_bytes_) {
     status = absl::ResourceExhaustedError("it alone is larger than the cache may be");
   } else if (const auto [waiting, is_new] = pending_.insert_or_assign(id, std::move(snapshot)); is_new) {
     status = saving_queue_.submit([this, id] { save_next(id); }).status();
@@ -279,7 +303,7 @@ void SessionCache::save_next(const std::string& id) {
       remove_files(id);
     } else if (status.ok()) {
       failing_ = false;
-      log_->info("session {} cached in {:.3f} s: revision {}", id, seconds, snapshot.curve->revision);
+      log_->info("session {} cached in {:.3f} s: revision {}", id, seconds, snapshot.newest->revision);
     } else {
       note_failure(id, status);
     }
@@ -288,13 +312,19 @@ void SessionCache::save_next(const std::string& id) {
 }
 
 absl::Status SessionCache::write(const std::string& id, const Snapshot& snapshot) const {
-  // The curve's file comes last: where it is, the other one is too. A revision has a new curve on the old surface.
+  // The first curve's file comes after the surface's: where it is, the other one is too. A revision has a new curve on the old
+  // surface; the first one stays, since ranked points lie on it.
   if (snapshot.flattened != nullptr && !is_file(surface_path(id))) {
     if (absl::Status status = save_surface(surface_path(id), *snapshot.flattened); !status.ok()) return status;
   }
-  absl::Status status = save_curve(curve_path(id), *snapshot.curve, snapshot.record);
-  if (!status.ok() && !is_file(curve_path(id))) remove_files(id);
-  return status;
+  if (!is_file(curve_path(id))) {
+    if (absl::Status status = save_curve(curve_path(id), *snapshot.first, snapshot.record); !status.ok()) {
+      remove_files(id);
+      return status;
+    }
+  }
+  if (snapshot.newest == snapshot.first) return absl::OkStatus();
+  return save_curve(refined_path(id), *snapshot.newest, id);
 }
 
 std::uint64_t SessionCache::used_bytes() const {

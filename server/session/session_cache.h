@@ -1,5 +1,5 @@
-// The folder in which sessions survive the server: two files for each, one with the curve and what the session is, one with what
-// refining the curve starts from.
+// The folder in which sessions survive the server: for each a file with the first revision of its curve and what the session is,
+// one with what refining the curve starts from, and where it was refined, one with the newest revision.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -53,17 +53,20 @@ class SessionCache {
  private:
   /// What is saved of a session: shares its arrays, but does not keep it from being evicted.
   struct Snapshot {
-    std::shared_ptr<const SurfaceCurve> curve;
-    std::shared_ptr<const FlattenedMesh> flattened;  // null: not known, as its file is there
-    std::string record;                              // what the session is besides
+    std::shared_ptr<const SurfaceCurve> first, newest;  // revisions of the curve; may be the same
+    std::shared_ptr<const FlattenedMesh> flattened;     // null: not known, as its file is there
+    std::string record;                                 // what the session is besides
   };
 
   SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log);
   std::string curve_path(const std::string& id) const;
+  std::string refined_path(const std::string& id) const;
   std::string surface_path(const std::string& id) const;
   /// Whether a session's files are being written, and are to be removed then.
   bool is_going(const std::string& id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool remove_files(const std::string& id) const;
+  /// Takes up the newest revision of a session's curve, if it is there.
+  void load_refined(const Session& session);
   void discard(const std::string& path, const absl::Status& reason) const;
   void save_next(const std::string& id);
   absl::Status write(const std::string& id, const Snapshot& snapshot) const;

@@ -94,7 +94,10 @@ void SessionJobs::preprocess(const std::shared_ptr<SessionJob>& job) {
     absl::StatusOr<Preprocessed> made =
         status_from_exceptions([&] { return preprocess_(job->files.file(), job->options, context); });
     if (made.ok()) {
-      result = make_session(*job, *std::move(made));
+      const std::shared_ptr<const Session> session = make_session(*job, *std::move(made));
+      // Now, with all threads, not when the first view waits for them. Where that fails the view will be told why.
+      (void)status_from_exceptions([&] { return session->ranks(context); });
+      result = session;
     } else {
       result = made.status();
     }

@@ -38,8 +38,8 @@ void count_vertices(benchmark::State& state) {
 void read_arrays(benchmark::State& state) {
   for (auto _ : state) {
     std::uint64_t sum = 0;
-    for (const Column<float>* column : {&curve->x, &curve->y, &curve->z, &curve->area}) sum += cli::read_bytes(*column);
-    for (const Column<Snorm16>* column : {&curve->nx, &curve->ny, &curve->nz}) sum += cli::read_bytes(*column);
+    for (const Column<float>* column : {&curve->x, &curve->y, &curve->z, &curve->area}) sum += cli::bench::read_bytes(*column);
+    for (const Column<Snorm16>* column : {&curve->nx, &curve->ny, &curve->nz}) sum += cli::bench::read_bytes(*column);
     benchmark::DoNotOptimize(sum);
   }
   count_vertices(state);

@@ -121,7 +121,7 @@ TEST_F(ServerSessions, ProgressGoesThroughTheStages) {
   }
   EXPECT_EQ(stages.front(), "queued");
   EXPECT_EQ(std::set<std::string>(stages.begin(), stages.end()),
-            (std::set<std::string>{"queued", "read", "repair", "cut", "parameterise", "curve", "map", "area"}));
+            (std::set<std::string>{"queued", "read", "repair", "cut", "parameterise", "curve", "map", "area", "ranks"}));
 }
 
 TEST_F(ServerSessions, ResamplesTheSameBytesEveryTime) {

@@ -68,7 +68,7 @@ class ClientTest(ServerTest):
             mesh, 500, density=[curvecast.density.curvature()], on_progress=lambda stage, _: stages.add(stage)
         )
         self.assertEqual(session.info.state, v1.SESSION_STATE_READY)
-        self.assertLessEqual(stages, {"queued", "load", "read", "repair", "cut", "parameterise", "curve", "map", "area"})
+        self.assertLessEqual(stages, {"queued", "load", "read", "repair", "cut", "parameterise", "curve", "map", "area", "ranks"})
         self.assertEqual(self.client.open(mesh.id, 500, density=[curvecast.density.curvature()]).id, session.id)
         self.assertNotEqual(self.client.open(mesh, 501).id, session.id)
         self.assertIn(session.id, [other.id for other in self.client.sessions()])

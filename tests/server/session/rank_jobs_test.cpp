@@ -39,7 +39,7 @@ TEST(RankJobs, MakeWhatLacks) {
   const auto session = make_ranked_session();
   EXPECT_EQ(points_of(*session), 4096u);
   Ends ends;
-  RankJobs jobs(ends.counter(), make_logger(false, false));
+  RankJobs jobs(2, ends.counter(), make_logger(false, false));
   EXPECT_TRUE(jobs.request(session, 1, wanting({{7, 1}})));
   ASSERT_TRUE(ends.wait_for(1));
   EXPECT_EQ(points_of(*session), 4096u + kNew);
@@ -51,7 +51,7 @@ TEST(RankJobs, MakeWhatLacks) {
 TEST(RankJobs, ServeManyAtOnce) {
   const auto one = make_ranked_session(), two = make_ranked_session();
   Ends ends;
-  RankJobs jobs(ends.counter(), make_logger(false, false));
+  RankJobs jobs(2, ends.counter(), make_logger(false, false));
   std::vector<ChunkId> level_7;
   for (std::uint64_t i = 0; i < 16; ++i) level_7.push_back({7, i});
   std::vector<std::jthread> threads;
@@ -73,7 +73,7 @@ TEST(RankJobs, ServeManyAtOnce) {
 TEST(RankJobs, RefuseOnceStopped) {
   const auto session = make_ranked_session();
   Ends ends;
-  RankJobs jobs(ends.counter(), make_logger(false, false));
+  RankJobs jobs(2, ends.counter(), make_logger(false, false));
   jobs.request(session, 1, wanting({{7, 0}, {8, 0}, {9, 0}, {10, 0}}));
   jobs.stop();
   EXPECT_FALSE(jobs.request(session, 1, wanting({{7, 0}})));

@@ -67,6 +67,7 @@ class SessionCacheTest : public ::testing::Test {
     cache->stop();
   }
   std::string curve_path(char digit) const { return folder_ / absl::StrCat(id_of(digit), ".v", kCurveFileVersion, ".curve"); }
+  std::string refined_path(char digit) const { return folder_ / absl::StrCat(id_of(digit), ".v", kCurveFileVersion, ".refined"); }
   std::string surface_path(char digit) const {
     return folder_ / absl::StrCat(id_of(digit), ".v", kSurfaceFileVersion, ".surface");
   }
@@ -119,7 +120,7 @@ TEST_F(SessionCacheTest, RemoveTakesAllFilesAndWaitingSaves) {
   EXPECT_FALSE(cache->remove(id_of('a')));
 }
 
-TEST_F(SessionCacheTest, ARevisionReplacesTheCurve) {
+TEST_F(SessionCacheTest, ARevisionStandsBesideTheFirstCurve) {
   Session session = some_session(id_of('a'));
   save(session);
   const std::string surface = bytes_of(surface_path('a'));
@@ -128,7 +129,9 @@ TEST_F(SessionCacheTest, ARevisionReplacesTheCurve) {
   session.revisions->publish(revised);
   session.preprocessed.flattened = nullptr;  // as after a load
   save(session);
-  EXPECT_EQ(open()->load(id_of('a')).value()->curve()->revision, 2u);
+  const auto loaded = open()->load(id_of('a')).value();
+  EXPECT_EQ(loaded->curve()->revision, 2u);
+  EXPECT_EQ(loaded->revisions->first()->revision, 1u) << "ranked points lie on it";
   EXPECT_EQ(bytes_of(surface_path('a')), surface);
 }
 
@@ -168,9 +171,35 @@ TEST_F(SessionCacheTest, RefusesFilesThatBelongElsewhere) {
   Session wrong = some_session(id_of('d'));
   auto curve = std::make_shared<SurfaceCurve>(*wrong.curve());
   curve->triangle[7] = 1'000'000;
+  wrong.revisions = std::make_shared<CurveRevisions>();
   wrong.revisions->publish(curve);
   save(wrong);
   EXPECT_EQ(cache->load(id_of('d')).status().code(), Code::kDataLoss) << "a face that is not there";
+}
+
+TEST_F(SessionCacheTest, WithoutAGoodRevisionTheFirstOneDoes) {
+  Session session = some_session(id_of('a'));
+  auto revised = std::make_shared<SurfaceCurve>(*session.curve());
+  revised->revision = 2;
+  session.revisions->publish(revised);
+  save(session);
+  const std::string good = bytes_of(refined_path('a'));
+  const auto cache = open();
+  const auto falls_back = [&](const std::string& reason) {
+    lines_.str("");
+    const auto loaded = cache->load(id_of('a'));
+    ASSERT_TRUE(loaded.ok()) << loaded.status();
+    EXPECT_EQ((*loaded)->curve()->revision, 1u);
+    EXPECT_FALSE(std::filesystem::exists(refined_path('a')));
+    EXPECT_THAT(lines_.str(), HasSubstr(reason));
+  };
+  write_file(refined_path('a'), good.substr(0, good.size() / 2));
+  falls_back("bytes");
+  ASSERT_TRUE(save_curve(refined_path('a'), *revised, id_of('b')).ok());
+  falls_back("of another session");
+  revised->triangle[7] = 1'000'000;
+  ASSERT_TRUE(save_curve(refined_path('a'), *revised, id_of('a')).ok());
+  falls_back("a face that is not there");
 }
 
 TEST_F(SessionCacheTest, TheLeastRecentlyUsedGoFirst) {

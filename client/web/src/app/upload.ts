@@ -11,7 +11,7 @@ export interface UploadEvents {
   onFailure(what: string, error: CurvecastError): void;
 }
 
-const stages = ["read", "repair", "cut", "parameterise", "curve", "map", "area"];
+const stages = ["read", "repair", "cut", "parameterise", "curve", "map", "area", "ranks"];
 const stageWords: Record<string, string> = {
   queued: "waiting for its turn",
   load: "taken from the cache",
@@ -22,6 +22,7 @@ const stageWords: Record<string, string> = {
   curve: "laying the curve",
   map: "finding the surface",
   area: "measuring areas",
+  ranks: "ranking points",
 };
 const sendingShare = 0.3; // of the bar, for sending the files; the rest is for preparing the session
 const dropLinger = 700; // ms; browsers send dragover every 350 ms at least while files are over the page
