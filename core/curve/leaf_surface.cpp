@@ -197,6 +197,7 @@ void LeafSurface::find_even(std::span<const LeafPart> at, std::span<SurfacePlace
   batch.count = 0;
   std::size_t done = 0, disc = 0;
   const auto finish = [&] {
+    if (batch.count == 0) return;
     base_->mappers[disc].place(batch, curve_->origin, &places[done]);
     done += batch.count;
     batch.count = 0;

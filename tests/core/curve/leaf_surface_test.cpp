@@ -76,6 +76,11 @@ TEST(LeafSurface, APlaceDependsOnItsLeafAndPartAlone) {
   }
 }
 
+TEST(LeafSurface, NothingAskedForIsNothingFound) {
+  const auto surface = flat_surface(flat_curve(1));
+  surface->find_even({}, {});
+}
+
 TEST(LeafSurface, PlacesAreTheirFacesBarycentricCombinations) {
   const auto soup = torus(24, 16);
   const std::string off = to_off(soup);
