@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/base/simd.h"
@@ -33,18 +34,23 @@ Vec3d weights_on_face(const TriangleMesh& mesh, std::uint32_t f, const Vec3d& p)
   return clamped({u, v, 1 - u - v});
 }
 
-/// For each triangle of a disc whether it is its whole face, corner by corner, and not a part of it.
-std::vector<std::uint8_t> whole_faces(const TriangleMesh& mesh, const DiscMesh& disc) {
-  std::vector<std::uint8_t> is_whole(disc.triangles.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, is_whole.size(), kGrain), [&](const auto& range) {
+// What a triangle of a disc is:
+constexpr std::uint8_t kIsWhole = 1;    // its whole face, corner by corner, and not a part of it
+constexpr std::uint8_t kHasCrease = 2;  // its face is a CreaseFace
+
+std::vector<std::uint8_t> kinds_of(const SurfaceData& data, const DiscMesh& disc) {
+  std::vector<std::uint8_t> kinds(disc.triangles.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kinds.size(), kGrain), [&](const auto& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      const std::uint32_t face = disc.face_of[t];
       const Triangle& v = disc.triangles[t];
-      const Triangle& corners = mesh.triangles[disc.face_of[t]];
-      is_whole[t] = disc.positions[v[0]] == mesh.positions[corners[0]] && disc.positions[v[1]] == mesh.positions[corners[1]] &&
-                    disc.positions[v[2]] == mesh.positions[corners[2]];
+      const Triangle& corners = data.mesh.triangles[face];
+      const auto is_at = [&](int i) { return disc.positions[v[i]] == data.mesh.positions[corners[i]]; };
+      if (is_at(0) && is_at(1) && is_at(2)) kinds[t] |= kIsWhole;
+      if (data.crease_of(face) != nullptr) kinds[t] |= kHasCrease;
     }
   });
-  return is_whole;
+  return kinds;
 }
 
 constexpr std::size_t kRoom = LeafBatch::kSize + LeafBatch::kSlack;
@@ -63,10 +69,15 @@ struct Corners {
   const Vec3d* place[3];
   const VertexRecord* record[3];  // of the face's corners
 
-  Corners(const SurfaceData& data, const DiscMesh& disc, std::uint32_t t) : face(disc.face_of[t]) {
+  Corners(const SurfaceData& data, const DiscMesh& disc, std::uint32_t t, bool has_crease) : face(disc.face_of[t]) {
     for (int i = 0; i < 3; ++i) {
       place[i] = &disc.positions[disc.triangles[t][i]];
       record[i] = &data.records[data.mesh.triangles[face][i]];
+    }
+    if (!has_crease) return;
+    const CreaseFace& crease = *data.crease_of(face);
+    for (int i = 0; i < 3; ++i) {
+      if (crease.normals[i] != kNone) record[i] = &data.records[data.mesh.vertex_count() + crease.normals[i]];
     }
   }
 };
@@ -118,26 +129,26 @@ void weigh_in_face(const TriangleMesh& mesh, std::uint32_t face, std::size_t beg
 
 template <int numbers>
 [[gnu::always_inline]] inline void map_records(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
-                                               const std::uint8_t* is_whole, const LeafBatch& batch, MappedBatch& out) {
+                                               const std::uint8_t* kinds, const LeafBatch& batch, MappedBatch& out) {
   for (std::size_t begin = 0, end; begin < batch.count; begin = end) {
     const std::uint32_t t = batch.under[begin];
-    const Corners corners(data, disc, t);
+    const Corners corners(data, disc, t, (kinds[t] & kHasCrease) != 0);
     for (end = begin; end < batch.count && batch.under[end] == t; ++end) out.face[end] = corners.face;
     place_leaves(triangles[t], corners, batch, begin, end, out);
-    if (is_whole[t] == 0) weigh_in_face(data.mesh, corners.face, begin, end, out);
+    if ((kinds[t] & kIsWhole) == 0) weigh_in_face(data.mesh, corners.face, begin, end, out);
     mix_records<numbers>(corners, begin, end, out);
   }
 }
 
 CURVECAST_WIDE void map_batch(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
-                              const std::uint8_t* is_whole, const LeafBatch& batch, MappedBatch& out) {
-  map_records<VertexRecord::kSize>(data, disc, triangles, is_whole, batch, out);
+                              const std::uint8_t* kinds, const LeafBatch& batch, MappedBatch& out) {
+  map_records<VertexRecord::kSize>(data, disc, triangles, kinds, batch, out);
 }
 
 /// Normals only.
 CURVECAST_WIDE void map_normals(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
-                                const std::uint8_t* is_whole, const LeafBatch& batch, MappedBatch& out) {
-  map_records<3>(data, disc, triangles, is_whole, batch, out);
+                                const std::uint8_t* kinds, const LeafBatch& batch, MappedBatch& out) {
+  map_records<3>(data, disc, triangles, kinds, batch, out);
 }
 
 /// Where a batch goes.
@@ -208,12 +219,26 @@ void locate_centres(std::span<const ParameterTriangle> triangles, const Quadtree
   });
 }
 
+SurfaceData::SurfaceData(const TriangleMesh& of_mesh, const DifferentialGeometry& geometry, const MeshAttributes& of_attributes,
+                         const SurfaceColour* of_colour)
+    : mesh(of_mesh), attributes(of_attributes), colour(of_colour) {
+  CreaseNormals creases = crease_normals(mesh);
+  records = vertex_records(geometry, creases);
+  crease_faces = std::move(creases.faces);
+}
+
+const CreaseFace* SurfaceData::crease_of(std::uint32_t face) const {
+  const auto is_before = [](const CreaseFace& crease, std::uint32_t f) { return crease.face < f; };
+  const auto found = std::lower_bound(crease_faces.begin(), crease_faces.end(), face, is_before);
+  return found != crease_faces.end() && found->face == face ? &*found : nullptr;
+}
+
 SurfaceMapper::SurfaceMapper(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles)
-    : data_(data), disc_(chart.disc), triangles_(triangles), is_whole_(whole_faces(data.mesh, chart.disc)) {}
+    : data_(data), disc_(chart.disc), triangles_(triangles), kinds_(kinds_of(data, chart.disc)) {}
 
 void SurfaceMapper::map(const LeafBatch& batch, std::size_t at, SurfaceCurve& curve) const {
   MappedBatch mapped;
-  map_batch(data_, disc_, triangles_.data(), is_whole_.data(), batch, mapped);
+  map_batch(data_, disc_, triangles_.data(), kinds_.data(), batch, mapped);
   pack(mapped, batch.count, curve.origin,
        {{&curve.x[at], &curve.y[at], &curve.z[at]},
         &curve.nx[at],
@@ -243,7 +268,7 @@ void SurfaceMapper::map(const LeafBatch& batch, std::size_t at, SurfaceCurve& cu
 
 void SurfaceMapper::place(const LeafBatch& batch, const Vec3d& origin, SurfacePlace* places) const {
   MappedBatch mapped;
-  map_normals(data_, disc_, triangles_.data(), is_whole_.data(), batch, mapped);
+  map_normals(data_, disc_, triangles_.data(), kinds_.data(), batch, mapped);
   UnitNormals normals;
   find_normals(mapped, batch.count, normals);
   for (std::size_t i = 0; i < batch.count; ++i) {

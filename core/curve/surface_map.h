@@ -31,12 +31,15 @@ void locate_centres(std::span<const ParameterTriangle> triangles, const Quadtree
 /// What is known of the surface; all that it is made of must outlive it.
 struct SurfaceData {
   SurfaceData(const TriangleMesh& of_mesh, const DifferentialGeometry& geometry, const MeshAttributes& of_attributes,
-              const SurfaceColour* of_colour = nullptr)
-      : mesh(of_mesh), attributes(of_attributes), colour(of_colour), records(vertex_records(geometry)) {}
+              const SurfaceColour* of_colour = nullptr);
+
+  /// Null where the face has none.
+  const CreaseFace* crease_of(std::uint32_t face) const;
 
   const TriangleMesh& mesh;
-  const MeshAttributes& attributes;  // of the mesh
-  const SurfaceColour* colour;       // may be null
+  const MeshAttributes& attributes;      // of the mesh
+  const SurfaceColour* colour;           // may be null
+  std::vector<CreaseFace> crease_faces;  // in order of face
   Column<VertexRecord> records;
 };
 
@@ -53,7 +56,7 @@ struct LeafBatch {
 /// A place on the surface.
 struct SurfacePlace {
   float position[3];         // relative to an origin
-  float normal[3];           // unit length, smooth
+  float normal[3];           // unit length, smooth but for creases
   std::uint32_t face;        // of the repaired mesh
   float weight_1, weight_2;  // barycentric: of the face's second and third corner
 };
@@ -75,7 +78,7 @@ class SurfaceMapper {
   const SurfaceData& data_;
   const DiscMesh& disc_;
   std::span<const ParameterTriangle> triangles_;
-  std::vector<std::uint8_t> is_whole_;  // for each triangle whether it is its whole face, corner by corner, and not a part of it
+  std::vector<std::uint8_t> kinds_;  // of each triangle
 };
 
 /// Maps all leaves of a disc to entries [offset, offset + L) of the curve, with their keys and levels. `under`: the triangle

@@ -5,10 +5,11 @@
 
 namespace curvecast {
 
-Column<VertexRecord> vertex_records(const DifferentialGeometry& geometry) {
+Column<VertexRecord> vertex_records(const DifferentialGeometry& geometry, const CreaseNormals& creases) {
+  const std::size_t vertices = geometry.normals.size();
   Column<VertexRecord> records;
-  records.resize(geometry.normals.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, records.size(), 4096), [&](const auto& range) {
+  records.resize(vertices + creases.normals.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       const Vec3f& n = geometry.normals[v];
       const AxisTensor axis = axis_tensor(geometry.directions_max[v]);
@@ -17,6 +18,12 @@ Column<VertexRecord> vertex_records(const DifferentialGeometry& geometry) {
                     0};
     }
   });
+  for (std::size_t i = 0; i < creases.normals.size(); ++i) {
+    const CreaseNormal& crease = creases.normals[i];
+    VertexRecord& record = records[vertices + i];
+    record = records[crease.vertex];
+    for (int k = 0; k < 3; ++k) record.values[VertexRecord::kNormal + k] = crease.normal[k];
+  }
   return records;
 }
 

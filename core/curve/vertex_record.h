@@ -3,6 +3,7 @@
 
 #include "core/base/column.h"
 #include "core/curve/tangent_frame.h"
+#include "core/mesh/crease_normals.h"
 #include "core/mesh/curvature.h"
 
 namespace curvecast {
@@ -16,7 +17,7 @@ struct alignas(16) VertexRecord {
 };
 static_assert(sizeof(VertexRecord) == 12 * sizeof(float));
 
-/// One for each vertex.
-Column<VertexRecord> vertex_records(const DifferentialGeometry& geometry);
+/// One for each vertex, then one for each normal beside a crease: its vertex's, with that normal.
+Column<VertexRecord> vertex_records(const DifferentialGeometry& geometry, const CreaseNormals& creases);
 
 }  // namespace curvecast

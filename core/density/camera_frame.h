@@ -46,6 +46,10 @@ struct CameraFrame {
 /// Rounding error of directions and cosines.
 inline constexpr float kCosineBlur = 2e-6f;
 
+/// Normals of a block that differ by more than this from their mean lie on two sides of a crease. The mean then tells little of
+/// them: the vertices are looked at one by one.
+inline constexpr float kSmoothSpread = 0.5f;
+
 /// Squared distances to the eye count as at least this, so that nothing divides by 0.
 inline constexpr float kLeastSquare = 1e-37f;
 

@@ -94,7 +94,7 @@ CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockColumns& blocks, st
     const float high = covered(weight, cosine + most, distance + reach, depth - deep);
     const float low = covered(weight, cosine - most, fast_max(distance - reach, 0.0f), depth + deep);
     const bool is_hidden = cosine < -most || depth < -deep;
-    const bool is_seen = cosine > most && depth > deep;
+    const bool is_seen = cosine > most && depth > deep && spread[i] < kSmoothSpread;
     const float rise = high / value, fall = 2 - low / value;
     factor[i] *= is_hidden ? 0.0f : is_seen ? value : high;
     change[i] = (1 + change[i]) * (is_hidden ? 1.0f : is_seen ? fast_max(rise, fall) + kSlack : kInfinity) - 1;

@@ -48,7 +48,7 @@ CURVECAST_WIDE void SilhouetteFactor::multiply_blocks(const BlockColumns& blocks
     const float sine = (slope * radius[i] + blur) * inverse;
     const float most = spread[i] + (sine < 0.5f ? 1.05f * sine : 2.0f) + kCosineBlur;  // difference of the cosine
     const float value = 1 - (cosine < 1 ? cosine : 1.0f) + s0;
-    const bool is_seen = cosine > most, is_hidden = cosine < -most;
+    const bool is_seen = cosine > most && spread[i] < kSmoothSpread, is_hidden = cosine < -most;
     factor[i] *= is_hidden ? 0.0f : is_seen ? value : 1 + s0;
     change[i] = (1 + change[i]) * (is_hidden ? 1.0f : is_seen ? 1 + most / value + kSlack : kInfinity) - 1;
   }

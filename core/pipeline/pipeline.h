@@ -27,7 +27,7 @@ namespace curvecast {
 
 /// Grows whenever preprocessing or sampling gives other bytes than before for the same files and options: sessions of other
 /// versions are others. tests/core/pipeline/golden_test.cpp guards it.
-inline constexpr int kAlgorithmVersion = 3;
+inline constexpr int kAlgorithmVersion = 4;
 
 struct PreprocessOptions {
   std::uint64_t points = 65'536;  // N for which the curve is made fine enough, 1 .. kMaxPoints
@@ -36,6 +36,7 @@ struct PreprocessOptions {
   Mapper mapper = Mapper::kExact;
   AreaElement area_element = AreaElement::kExact;
   std::vector<DensityTerm> density;  // base density for which the curve is made, without camera terms; none = uniform
+  std::uint64_t seed = 0;            // of the ranked points
 };
 
 /// What a file holds and what repair made of it.

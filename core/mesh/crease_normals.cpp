@@ -1,0 +1,119 @@
+#include "core/mesh/crease_normals.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "core/mesh/vertex_fans.h"
+
+namespace curvecast {
+namespace {
+
+constexpr std::size_t kGrain = 4096;  // faces
+
+/// The normal of a face, as long as twice its area.
+Vec3d area_vector(const TriangleMesh& mesh, std::size_t f) {
+  const Triangle& t = mesh.triangles[f];
+  return (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]);
+}
+
+/// For each halfedge whether its edge is a crease.
+std::vector<std::uint8_t> find_creases(const TriangleMesh& mesh) {
+  std::vector<std::uint8_t> creases(mesh.twins.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.face_count(), kGrain), [&](const auto& range) {
+    for (std::size_t f = range.begin(); f < range.end(); ++f) {
+      const Vec3d here = area_vector(mesh, f);
+      for (std::size_t h = 3 * f; h < 3 * f + 3; ++h) {
+        const std::uint32_t twin = mesh.twins[h];
+        if (twin == kNone) continue;
+        const Vec3d there = area_vector(mesh, twin / 3);
+        creases[h] = here.dot(there) < kCreaseCosine * std::sqrt(here.squaredNorm() * there.squaredNorm());
+      }
+    }
+  });
+  return creases;
+}
+
+double angle_at(const TriangleMesh& mesh, std::uint32_t h) {
+  const Vec3d& apex = mesh.positions[mesh.from(h)];
+  const Vec3d a = mesh.positions[mesh.to(h)] - apex, b = mesh.positions[mesh.from(previous_halfedge(h))] - apex;
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// Puts the parts of the vertices' fans together.
+class Collector {
+ public:
+  explicit Collector(const TriangleMesh& mesh) : mesh_(mesh) {}
+
+  /// `part`: the halfedges that leave v into the faces of one part.
+  void add(std::uint32_t v, std::span<const std::uint32_t> part) {
+    Vec3d sum = Vec3d::Zero();
+    for (const std::uint32_t h : part) sum += angle_at(mesh_, h) * area_vector(mesh_, h / 3).normalized();
+    const double length = sum.norm();
+    if (!(length > 0)) return;  // keeps the vertex's own
+    for (const std::uint32_t h : part) {
+      CreaseFace face{h / 3, {kNone, kNone, kNone}};
+      face.normals[h % 3] = static_cast<std::uint32_t>(out_.normals.size());
+      out_.faces.push_back(face);
+    }
+    out_.normals.push_back({v, Vec3d(sum / length).cast<float>()});
+  }
+
+  /// Every face once.
+  CreaseNormals take() {
+    std::vector<CreaseFace>& faces = out_.faces;
+    std::stable_sort(faces.begin(), faces.end(), [](const CreaseFace& a, const CreaseFace& b) { return a.face < b.face; });
+    std::size_t kept = 0;
+    for (const CreaseFace& face : faces) {
+      if (kept == 0 || faces[kept - 1].face != face.face) {
+        faces[kept++] = face;
+        continue;
+      }
+      for (int i = 0; i < 3; ++i) {
+        if (face.normals[i] != kNone) faces[kept - 1].normals[i] = face.normals[i];
+      }
+    }
+    faces.resize(kept);
+    return std::move(out_);
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  CreaseNormals out_;
+};
+
+}  // namespace
+
+CreaseNormals crease_normals(const TriangleMesh& mesh) {
+  const std::vector<std::uint8_t> creases = find_creases(mesh);
+  std::vector<std::uint8_t> has_crease(mesh.vertex_count());
+  for (std::uint32_t h = 0; h < creases.size(); ++h) {
+    if (creases[h] != 0) has_crease[mesh.from(h)] = 1;
+  }
+  const VertexFans fans(mesh);
+  // Counter-clockwise from the face of h, the next one lies beyond its last edge.
+  const auto ends_part = [&](std::uint32_t h) { return creases[previous_halfedge(h)] != 0; };
+  Collector collector(mesh);
+  std::vector<std::uint32_t> fan;
+  for (std::uint32_t v = 0; v < has_crease.size(); ++v) {
+    if (has_crease[v] == 0) continue;
+    fan.clear();
+    fans.visit(v, [&](std::uint32_t h) { fan.push_back(h); });
+    if (!fans.on_border(v)) {  // a ring: it is cut where a part ends
+      if (std::count_if(fan.begin(), fan.end(), ends_part) < 2) continue;
+      std::rotate(fan.begin(), std::find_if(fan.begin(), fan.end(), ends_part) + 1, fan.end());
+    }
+    for (std::size_t begin = 0, end = 0; begin < fan.size(); begin = end) {
+      while (end < fan.size() && !ends_part(fan[end])) ++end;
+      end = std::min(end + 1, fan.size());
+      collector.add(v, std::span(fan).subspan(begin, end - begin));
+    }
+  }
+  return collector.take();
+}
+
+}  // namespace curvecast
