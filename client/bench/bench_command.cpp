@@ -267,9 +267,9 @@ constexpr Benchmark kBenchmarks[] = {
      "beside the time to read the curve's positions, normals and areas once.",
      add_sample_benchmark},
     {"discrepancy", "MESH", "how evenly each sampler and sequence spreads points",
-     "Discrepancy over balls beside random points, relative radius and coverage radius of every sampler and sequence, for powers "
-     "of "
-     "four and numbers between; and the power of N by which the discrepancy over rings falls.",
+     "Discrepancy over balls beside random points, relative radius and coverage radius of every sampler and sequence, and of "
+     "farthest-point order, for powers of four and numbers between; and the power of N by which the discrepancy over rings "
+     "falls.",
      add_discrepancy},
     {"stream", "MESH", "latency, bytes and processor time of views, of one client and of many",
      "Milliseconds from sending a view until its points are decoded, over TCP on the loopback: of one client with key frames and "

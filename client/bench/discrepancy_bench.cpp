@@ -7,11 +7,12 @@
 #include <bit>
 #include <cmath>
 #include <memory>
-#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "client/bench/farthest_points.h"
 #include "core/density/face_density.h"
 #include "core/measure/ball_discrepancy.h"
 #include "core/measure/coverage.h"
@@ -28,14 +29,19 @@ namespace curvecast::cli::bench {
 namespace {
 
 struct Sampling {
+  enum Kind { kEqualised, kProgressive, kFarthest };
+
   const char* name;
-  std::optional<Sequence> sequence;  // none: the progressive sampler
+  Kind kind;
+  Sequence sequence = Sequence::kJittered;
 };
-constexpr Sampling kSamplings[] = {{"equalised jittered", Sequence::kJittered},
-                                   {"equalised regular", Sequence::kRegular},
-                                   {"equalised vandercorput", Sequence::kVanDerCorput},
-                                   {"equalised golden", Sequence::kGoldenRatio},
-                                   {"progressive", std::nullopt}};
+constexpr Sampling kSamplings[] = {{"equalised jittered", Sampling::kEqualised, Sequence::kJittered},
+                                   {"equalised regular", Sampling::kEqualised, Sequence::kRegular},
+                                   {"equalised vandercorput", Sampling::kEqualised, Sequence::kVanDerCorput},
+                                   {"equalised golden", Sampling::kEqualised, Sequence::kGoldenRatio},
+                                   {"progressive", Sampling::kProgressive},
+                                   {"farthest point", Sampling::kFarthest}};
+constexpr std::uint64_t kFarthestCandidates = 262'144;
 
 /// Sets of points of all samplings on one curve.
 class Sampler {
@@ -53,14 +59,16 @@ class Sampler {
     auto grower = RankGrower::make(surface_, {.level = level}, quiet);
     if (!grower.ok()) return grower.status();
     grower_ = *std::move(grower);
+    most_points_ = most_points;
     return absl::OkStatus();
   }
 
   absl::StatusOr<PointSet> sample(const Sampling& sampling, std::uint64_t n, const ExecutionContext& context) {
-    if (sampling.sequence) {
-      const ResampleOptions options{.points = n, .density = density_, .sequence = *sampling.sequence, .seed = seed_};
+    if (sampling.kind == Sampling::kEqualised) {
+      const ResampleOptions options{.points = n, .density = density_, .sequence = sampling.sequence, .seed = seed_};
       return resample(*curve_, options);
     }
+    if (sampling.kind == Sampling::kFarthest) return farthest(n);
     RankedWorkspace workspace;
     while (true) {
       absl::Status status = sample_ranked(*curve_, grower_->tree(), fixed_.get(), density_, n, workspace);
@@ -74,12 +82,33 @@ class Sampler {
   }
 
  private:
+  /// The first n in farthest-point order of even candidates, four or more for each point of the largest set.
+  absl::StatusOr<PointSet> farthest(std::uint64_t n) {
+    if (order_.empty()) {
+      absl::StatusOr<PointSet> candidates =
+          resample(*curve_, {.points = std::max(kFarthestCandidates, std::min(4 * most_points_, kMaxPoints)), .seed = seed_});
+      if (!candidates.ok()) return candidates.status();
+      candidates_ = *std::move(candidates);
+      order_ = farthest_points(candidates_.positions, static_cast<std::size_t>(most_points_));
+    }
+    PointSet points;
+    points.origin = candidates_.origin;
+    for (const std::uint32_t i : std::span(order_).first(static_cast<std::size_t>(n))) {
+      points.positions.push_back(candidates_.positions[i]);
+      points.normals.push_back(candidates_.normals[i]);
+    }
+    return points;
+  }
+
   std::shared_ptr<const LeafSurface> surface_;
   std::shared_ptr<const SurfaceCurve> curve_;
   Density density_;
   std::uint64_t seed_;
   std::shared_ptr<const FixedDensity> fixed_;
   std::unique_ptr<RankGrower> grower_;
+  std::uint64_t most_points_ = 0;
+  PointSet candidates_;  // of farthest()
+  std::vector<std::uint32_t> order_;
 };
 
 struct Spread {
@@ -172,6 +201,7 @@ absl::Status measure_rings(const MeshFile& file, const DiscrepancyBenchOptions& 
   Sampler sampler(*made, density, options.seed);
   if (absl::Status status = sampler.prepare(static_cast<std::uint64_t>(sizes.back()), context); !status.ok()) return status;
   for (const Sampling& sampling : kSamplings) {
+    if (sampling.kind == Sampling::kFarthest) continue;  // it knows no density
     std::vector<std::vector<std::uint32_t>> sets;
     for (const double n : sizes) {
       context.progress(sampling.name, static_cast<double>(sets.size()) / static_cast<double>(sizes.size()));

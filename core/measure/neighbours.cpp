@@ -58,6 +58,25 @@ class Nearest {
   std::uint32_t but_;
 };
 
+/// Keeps all that nanoflann offers within a distance.
+class Within {
+ public:
+  Within(float square, std::vector<Neighbour>& found) : square_(square), found_(found) {}
+
+  bool full() const { return true; }
+  // NOLINTBEGIN(readability-identifier-naming)
+  float worstDist() const { return just_beyond(square_); }
+  bool addPoint(float square, std::uint32_t index) {
+    if (square <= square_) found_.push_back({index, square});
+    return true;
+  }
+  // NOLINTEND(readability-identifier-naming)
+
+ private:
+  float square_;
+  std::vector<Neighbour>& found_;
+};
+
 }  // namespace
 
 struct NeighbourTree::Tree {
@@ -81,6 +100,14 @@ std::span<const Vec3f> NeighbourTree::points() const { return tree_->cloud.point
 std::size_t NeighbourTree::nearest(const Vec3f& query, std::span<Neighbour> found) const {
   tree_->nearest(query, found);
   return std::min(found.size(), points().size());
+}
+
+void NeighbourTree::within(const Vec3f& query, float square, std::vector<Neighbour>& found) const {
+  found.clear();
+  if (points().empty()) return;
+  Within all(square, found);
+  tree_->index.findNeighbors(all, query.data(), {});
+  std::sort(found.begin(), found.end(), [](const Neighbour& a, const Neighbour& b) { return a.index < b.index; });
 }
 
 void NeighbourTree::all_nearest(std::size_t k, std::span<Neighbour> found) const {

@@ -37,6 +37,9 @@ class NeighbourTree {
   /// at most. The rest of `found` becomes nobody. Meant for up to a hundred or so.
   std::size_t nearest(const Vec3f& query, std::span<Neighbour> found) const;
 
+  /// Finds all points whose squared distance from the query is at most `square`, by index.
+  void within(const Vec3f& query, float square, std::vector<Neighbour>& found) const;
+
   /// Finds for every point i the k others nearest to it, nearest first: found[i k] .. found[i k + k - 1], nobody where there are
   /// fewer. `found` has k entries for each point. Others at the same place count. Runs on all threads of the arena.
   void all_nearest(std::size_t k, std::span<Neighbour> found) const;

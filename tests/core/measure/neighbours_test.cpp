@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 
 #include "core/base/random.h"
@@ -66,6 +67,25 @@ void expect_exact(const Points& points, const std::string& where) {
       expect_same(std::span(all).subspan(i * k, k), truth, where + ", all of " + std::to_string(i));
     }
   }
+}
+
+TEST(Neighbours, WithinADistanceAreThoseOfBruteForce) {
+  const Points points = noise(2000, 3);
+  const NeighbourTree tree(points);
+  std::vector<Neighbour> found;
+  for (const Vec3f& query : noise(30, 8, 1.5f)) {
+    std::vector<Neighbour> truth = by_brute_force(points, query);
+    for (const float square : {0.0f, 1e-3f, truth[40].square, 0.3f, 100.0f}) {
+      tree.within(query, square, found);
+      std::vector<Neighbour> wanted;
+      std::copy_if(truth.begin(), truth.end(), std::back_inserter(wanted),
+                   [&](const Neighbour& n) { return n.square <= square; });
+      std::sort(wanted.begin(), wanted.end(), [](const Neighbour& a, const Neighbour& b) { return a.index < b.index; });
+      EXPECT_EQ(found, wanted);
+    }
+  }
+  NeighbourTree({}).within(Vec3f::Zero(), 1, found);
+  EXPECT_TRUE(found.empty());
 }
 
 /// Curve vertices of a mesh, disc after disc.
