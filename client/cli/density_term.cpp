@@ -1,11 +1,14 @@
 #include "client/cli/density_term.h"
 
+#include <absl/strings/match.h>
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
 #include <absl/strings/str_split.h>
 
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <optional>
 #include <set>
@@ -94,7 +97,8 @@ absl::StatusOr<double> parse_number(const std::string& term, const std::string& 
                       may_be_negative ? "that is finite" : "that is not negative");
 }
 
-absl::Status set_brush(const std::string& text, v1::BrushDensity* brush) {
+/// Appends a dab.
+absl::Status add_dab(const std::string& text, v1::BrushDensity* term) {
   constexpr std::array<const char*, 6> kKeys = {"x", "y", "z", "radius", "factor", "falloff"};
   const std::vector<std::string> parts = absl::StrSplit(text, ',');
   if (parts.size() != 5 && parts.size() != 6) {
@@ -111,12 +115,36 @@ absl::Status set_brush(const std::string& text, v1::BrushDensity* brush) {
   if (values[4] > 1e6)
     return absl::InvalidArgumentError(absl::StrCat("brush: factor=", values[4], ": must be from 0 to 1,000,000"));
   if (values[5] > 1) return absl::InvalidArgumentError(absl::StrCat("brush: falloff=", values[5], ": must be from 0 to 1"));
+  v1::BrushStroke* const brush = term->add_strokes();
   brush->mutable_centre()->set_x(values[0]);
   brush->mutable_centre()->set_y(values[1]);
   brush->mutable_centre()->set_z(values[2]);
   brush->set_radius(values[3]);
   brush->set_factor(values[4]);
   if (parts.size() == 6) brush->set_falloff(values[5]);
+  return absl::OkStatus();
+}
+
+/// Dabs separated by semicolons, or @ and a file with one in each line.
+absl::Status set_brush(const std::string& text, v1::BrushDensity* brush) {
+  if (!absl::StartsWith(text, "@")) {
+    for (const std::string& dab : std::vector<std::string>(absl::StrSplit(text, ';'))) {
+      if (absl::Status status = add_dab(dab, brush); !status.ok()) return status;
+    }
+    return absl::OkStatus();
+  }
+  const std::string path = text.substr(1);
+  std::ifstream file(path);
+  if (!file) return absl::InvalidArgumentError(absl::StrCat("brush: the file '", path, "' cannot be read"));
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    line = line.substr(0, line.find('#'));
+    const std::vector<std::string> values = absl::StrSplit(line, absl::ByAnyChar(", \t\r"), absl::SkipEmpty());
+    if (values.empty()) continue;
+    if (absl::Status status = add_dab(absl::StrJoin(values, ","), brush); !status.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat(path, ", line ", number, ": ", status.message()));
+    }
+  }
   return absl::OkStatus();
 }
 

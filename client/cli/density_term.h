@@ -13,7 +13,9 @@ namespace curvecast::cli {
 
 inline constexpr char kDensityHelp[] =
     "a factor of the density; repeat to multiply: uniform, curvature[:kind=gauss|mean|max,exponent=1,floor=0.05], attribute:NAME "
-    "(a number that the mesh has for each vertex), brush:x,y,z,radius,factor[,falloff=0.5], expression:FORMULA (of x, y, z, nx, "
+    "(a number that the mesh has for each vertex), brush:x,y,z,radius,factor[,falloff=0.5] (paint: more dabs after a semicolon, "
+    "each over those before, or @FILE with one in each "
+    "line), expression:FORMULA (of x, y, z, nx, "
     "ny, nz, gauss, mean, k1, k2 and attributes, as in 'expression:(z > 0) + 0.1'); and of the cameras: view[:s0=0.1] "
     "(silhouette), screen (even spacing in pixels), frustum (nothing outside the picture), distance[:near,far] or "
     "distance[:near=..,far=..,global[=inverse-square|inverse|linear]] (level of detail; global: fewer points instead of another "

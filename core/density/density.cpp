@@ -54,17 +54,24 @@ absl::Status check(const AttributeTerm& term) {
   return term.name.empty() ? absl::InvalidArgumentError("attribute density: the name is empty") : absl::OkStatus();
 }
 
-absl::Status check(const BrushTerm& term) {
-  if (!term.centre.allFinite()) return absl::InvalidArgumentError("brush density: the centre's coordinates are not finite");
-  if (!(term.radius > 0 && std::isfinite(term.radius))) {
-    return absl::InvalidArgumentError(absl::StrFormat("brush density: radius = %g; it must be above 0, and finite", term.radius));
+absl::Status check(const Dab& dab) {
+  if (!dab.centre.allFinite()) return absl::InvalidArgumentError("brush density: the centre's coordinates are not finite");
+  if (!(dab.radius > 0 && std::isfinite(dab.radius))) {
+    return absl::InvalidArgumentError(absl::StrFormat("brush density: radius = %g; it must be above 0, and finite", dab.radius));
   }
-  if (!(term.factor >= 0 && term.factor <= kMaxBrushFactor)) {
+  if (!(dab.factor >= 0 && dab.factor <= kMaxBrushFactor)) {
     return absl::InvalidArgumentError(
-        absl::StrFormat("brush density: factor = %g; it must lie in [0, %g]", term.factor, kMaxBrushFactor));
+        absl::StrFormat("brush density: factor = %g; it must lie in [0, %g]", dab.factor, kMaxBrushFactor));
   }
-  if (!(term.falloff >= 0 && term.falloff <= 1)) {
-    return absl::InvalidArgumentError(absl::StrFormat("brush density: falloff = %g; it must lie in [0, 1]", term.falloff));
+  if (!(dab.falloff >= 0 && dab.falloff <= 1)) {
+    return absl::InvalidArgumentError(absl::StrFormat("brush density: falloff = %g; it must lie in [0, 1]", dab.falloff));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check(const BrushTerm& term) {
+  for (const Dab& dab : term.dabs) {
+    if (absl::Status status = check(dab); !status.ok()) return status;
   }
   return absl::OkStatus();
 }

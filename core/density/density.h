@@ -81,12 +81,20 @@ struct AttributeTerm {
 
 inline constexpr double kMaxBrushFactor = 1e6;
 
-/// `factor` within (1 - falloff) radius of the centre, then smoothly 1 from the radius on.
-struct BrushTerm {
+/// Moves the paint beneath it toward `factor`: all the way within (1 - falloff) radius of the centre, then smoothly less, not at
+/// all from the radius on.
+struct Dab {
   Vec3d centre = Vec3d::Zero();  // absolute coordinates, in the file's units
   double radius = 1;             // above 0, in the file's units
-  double factor = 0;             // in [0, kMaxBrushFactor]; 0 erases
+  double factor = 0;             // in [0, kMaxBrushFactor]; 0 takes points away, 1 takes paint away
   double falloff = 0.5;          // in [0, 1]; 0 = a hard edge
+
+  bool operator==(const Dab&) const = default;
+};
+
+/// Paint, 1 where there is none: dabs in the order in which they were painted.
+struct BrushTerm {
+  std::vector<Dab> dabs;
 
   bool operator==(const BrushTerm&) const = default;
 };

@@ -5,6 +5,23 @@
 #include <utility>
 
 namespace curvecast {
+namespace {
+
+/// Not by address: another curve may lie where one was that has gone.
+bool is_same(const std::weak_ptr<const SurfaceCurve>& a, const std::shared_ptr<const SurfaceCurve>& b) {
+  return !a.owner_before(b) && !b.owner_before(a);
+}
+
+/// Says whether the terms differ by this only, that `later` has more of the brush's dabs.
+bool is_earlier(const std::vector<DensityTerm>& earlier, const std::vector<DensityTerm>& later) {
+  return std::equal(earlier.begin(), earlier.end(), later.begin(), later.end(), [](const DensityTerm& a, const DensityTerm& b) {
+    const auto *const before = std::get_if<BrushTerm>(&a), *const after = std::get_if<BrushTerm>(&b);
+    if (before == nullptr || after == nullptr) return a == b;
+    return before->dabs.size() < after->dabs.size() && std::equal(before->dabs.begin(), before->dabs.end(), after->dabs.begin());
+  });
+}
+
+}  // namespace
 
 absl::StatusOr<std::shared_ptr<const FixedDensity>> FixedDensityCache::get(const std::shared_ptr<const SurfaceCurve>& curve,
                                                                            std::span<const DensityTerm> terms) {
@@ -14,7 +31,8 @@ absl::StatusOr<std::shared_ptr<const FixedDensity>> FixedDensityCache::get(const
   if (!fixed_terms.empty()) {
     if (auto found = find(curve, fixed_terms)) return found;
   }
-  absl::StatusOr<std::shared_ptr<const FixedDensity>> made = make_fixed_density(*curve, terms);
+  absl::StatusOr<std::shared_ptr<const FixedDensity>> made =
+      make_fixed_density(*curve, fixed_terms, find_earlier(curve, fixed_terms));
   if (made.ok() && *made != nullptr) insert({curve, std::move(fixed_terms), *made});
   return made;
 }
@@ -27,13 +45,24 @@ std::size_t FixedDensityCache::byte_size() const {
 std::shared_ptr<const FixedDensity> FixedDensityCache::find(const std::shared_ptr<const SurfaceCurve>& curve,
                                                             const std::vector<DensityTerm>& terms) {
   const MutexLock lock(mutex_);
-  const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
-    // Not by address: another curve may lie where one was that has gone.
-    return !e.curve.owner_before(curve) && !curve.owner_before(e.curve) && e.terms == terms;
-  });
+  const auto entry =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return is_same(e.curve, curve) && e.terms == terms; });
   if (entry == entries_.end()) return nullptr;
   entries_.splice(entries_.begin(), entries_, entry);
   return entry->fixed;
+}
+
+EarlierPaint FixedDensityCache::find_earlier(const std::shared_ptr<const SurfaceCurve>& curve,
+                                             const std::vector<DensityTerm>& terms) {
+  EarlierPaint found;
+  if (only_brush(terms) == nullptr) return found;
+  const MutexLock lock(mutex_);
+  for (const Entry& e : entries_) {
+    if (!is_same(e.curve, curve) || !is_earlier(e.terms, terms)) continue;
+    const std::size_t dabs = only_brush(e.terms)->dabs.size();
+    if (found.fixed == nullptr || dabs > found.dabs) found = {e.fixed, dabs};
+  }
+  return found;
 }
 
 void FixedDensityCache::insert(Entry entry) {

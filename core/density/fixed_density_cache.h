@@ -37,6 +37,8 @@ class FixedDensityCache {
 
   std::shared_ptr<const FixedDensity> find(const std::shared_ptr<const SurfaceCurve>& curve,
                                            const std::vector<DensityTerm>& terms);
+  /// Returns the density with the most of the brush's dabs, where there is any; it has fewer than are wanted.
+  EarlierPaint find_earlier(const std::shared_ptr<const SurfaceCurve>& curve, const std::vector<DensityTerm>& terms);
   void insert(Entry entry);
 
   const std::size_t max_entries_, max_bytes_;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/density/brush.h"
 #include "core/density/expression.h"
 
 namespace curvecast {
@@ -65,21 +66,10 @@ absl::Status multiply(const SurfaceCurve& curve, const AttributeTerm& term, std:
 }
 
 absl::Status multiply(const SurfaceCurve& curve, const BrushTerm& term, std::span<float> density) {
-  const Vec3d centre = term.centre - curve.origin;
-  const double scale = 1 / term.radius;
-  const double largest = std::max(term.factor, 1.0);
-  const auto outside = static_cast<float>(1 / largest), rise = static_cast<float>((term.factor - 1) / largest);
-  // As good as a hard edge, without a division by zero.
-  const double steepness = 1 / std::max(term.falloff, 1e-12);
-  for (std::size_t l = 0; l < density.size(); ++l) {
-    const double dx = (static_cast<double>(curve.x[l]) - centre.x()) * scale;
-    const double dy = (static_cast<double>(curve.y[l]) - centre.y()) * scale;
-    const double dz = (static_cast<double>(curve.z[l]) - centre.z()) * scale;
-    const double inside = (1 - std::sqrt(dx * dx + dy * dy + dz * dz)) * steepness;
-    const double t = inside > 0 ? (inside < 1 ? inside : 1.0) : 0.0;
-    const auto weight = static_cast<float>(t * t * (3 - 2 * t));
-    density[l] *= weight < 1 ? outside + rise * weight : static_cast<float>(term.factor / largest);
-  }
+  std::vector<float> values(density.size(), 1.0f);
+  paint(curve, term.dabs, values);
+  const float scale = paint_scale(term.dabs);
+  for (std::size_t l = 0; l < density.size(); ++l) density[l] *= scale * values[l];
   return absl::OkStatus();
 }
 

@@ -82,10 +82,16 @@ void archive(Archive& fields, T& term) {
   fields(name);
 }
 
+template <typename Archive, ConstOr<Dab> T>
+void archive(Archive& fields, T& dab) {
+  auto& [centre, radius, factor, falloff] = dab;
+  fields(centre, radius, factor, falloff);
+}
+
 template <typename Archive, ConstOr<BrushTerm> T>
 void archive(Archive& fields, T& term) {
-  auto& [centre, radius, factor, falloff] = term;
-  fields(centre, radius, factor, falloff);
+  auto& [dabs] = term;
+  fields(dabs);
 }
 
 template <typename Archive, ConstOr<ExpressionTerm> T>

@@ -9,6 +9,7 @@ namespace curvecast::server {
 inline constexpr std::uint64_t kMaxMeasuredPoints = 8'000'000;               // points of all sets of one call
 inline constexpr int kMaxMeasuredSets = 64;                                  // of one call
 inline constexpr int kMaxDensityTerms = 16;                                  // of one request
+inline constexpr std::size_t kMaxDabs = 10'000;                              // of the brush, of one request
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;          // bytes of one chunk of an upload
 inline constexpr std::size_t kMaxFrameBytes = std::size_t{32} << 20;         // bytes of the points of a frame, or of a picture
 inline constexpr std::size_t kMaxFramesInFlight = 2;                         // frames of a stream that are not acknowledged

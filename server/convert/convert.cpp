@@ -99,6 +99,7 @@ v1::SessionOptions to_proto(const PreprocessOptions& options) {
   out.set_mapper(options.mapper == Mapper::kIdBuffer ? v1::MAPPER_ID_BUFFER : v1::MAPPER_EXACT);
   out.set_area_element(options.area_element == AreaElement::kVoronoi ? v1::AREA_ELEMENT_VORONOI : v1::AREA_ELEMENT_EXACT);
   for (const DensityTerm& term : options.density) *out.add_density() = server::to_proto(term);
+  out.set_seed(options.seed);
   return out;
 }
 
@@ -215,6 +216,7 @@ absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions
   out.mapper = to_core(check, options.mapper());
   out.area_element = to_core(check, options.area_element());
   out.density = to_density(check, "options.density", options.density(), {}, "depends on a camera; a base density cannot").terms;
+  out.seed = options.seed();
   if (const double vertices = static_cast<double>(out.points) * out.omega; vertices > kMaxCurveVertices) {
     check.fail("options.max_points",
                absl::StrFormat("times omega makes %.0f curve vertices; at most %.0f are made", vertices, kMaxCurveVertices));

@@ -86,14 +86,41 @@ AttributeTerm to_core(FieldValidator& check, const std::string& field, const v1:
   return {in.name()};
 }
 
+/// Adds a stroke's dabs.
+void add_stroke(FieldValidator& check, const std::string& field, const v1::BrushStroke& in, std::vector<Dab>& dabs) {
+  Dab dab;
+  const Vec3d first = check.vector(field + ".centre", in.centre());
+  dab.radius = check.finite(field + ".radius", in.radius());
+  if (dab.radius <= 0) check.fail(field + ".radius", absl::StrCat("is ", dab.radius, "; it must be above 0"));
+  dab.factor = check.in_range(field + ".factor", in.factor(), 0.0, kMaxBrushFactor);
+  if (in.has_falloff()) dab.falloff = check.in_range(field + ".falloff", in.falloff(), 0.0, 1.0);
+  dab.centre = first;
+  dabs.push_back(dab);
+  if (in.path_size() % 3 != 0) {
+    check.fail(field + ".path", absl::StrCat("has ", in.path_size(), " numbers, not three for each dab"));
+    return;
+  }
+  for (int i = 0; i < in.path_size(); i += 3) {
+    const auto coordinate = [&](int k) { return check.finite(field + ".path", static_cast<double>(in.path(i + k))); };
+    dab.centre = first + Vec3d(coordinate(0), coordinate(1), coordinate(2));
+    dabs.push_back(dab);
+  }
+}
+
 BrushTerm to_core(FieldValidator& check, const std::string& field, const v1::BrushDensity& in) {
   BrushTerm term;
-  term.centre = check.vector(field + ".centre", in.centre());
-  term.radius = check.finite(field + ".radius", in.radius());
-  if (term.radius <= 0) check.fail(field + ".radius", absl::StrCat("is ", term.radius, "; it must be above 0"));
-  term.factor = check.in_range(field + ".factor", in.factor(), 0.0, kMaxBrushFactor);
-  if (in.has_falloff()) term.falloff = check.in_range(field + ".falloff", in.falloff(), 0.0, 1.0);
+  for (int i = 0; i < in.strokes_size() && check.ok(); ++i) {
+    add_stroke(check, absl::StrCat(field, ".strokes[", i, "]"), in.strokes(i), term.dabs);
+  }
   return term;
+}
+
+std::size_t dabs_of(const DensityTerms& terms) {
+  std::size_t count = 0;
+  for (const v1::DensityTerm& term : terms) {
+    for (const v1::BrushStroke& stroke : term.brush().strokes()) count += 1 + static_cast<std::size_t>(stroke.path_size()) / 3;
+  }
+  return count;
 }
 
 ExpressionTerm to_core(FieldValidator& check, const std::string& field, const v1::ExpressionDensity& in) {
@@ -179,10 +206,13 @@ void fill(const ScreenTerm&, v1::DensityTerm& out) { out.mutable_screen(); }
 void fill(const AttributeTerm& term, v1::DensityTerm& out) { out.mutable_attribute()->set_name(term.name); }
 
 void fill(const BrushTerm& term, v1::DensityTerm& out) {
-  *out.mutable_brush()->mutable_centre() = to_proto(term.centre);
-  out.mutable_brush()->set_radius(term.radius);
-  out.mutable_brush()->set_factor(term.factor);
-  out.mutable_brush()->set_falloff(term.falloff);
+  for (const Dab& dab : term.dabs) {
+    v1::BrushStroke& stroke = *out.mutable_brush()->add_strokes();
+    *stroke.mutable_centre() = to_proto(dab.centre);
+    stroke.set_radius(dab.radius);
+    stroke.set_factor(dab.factor);
+    stroke.set_falloff(dab.falloff);
+  }
 }
 
 void fill(const ExpressionTerm& term, v1::DensityTerm& out) { out.mutable_expression()->set_text(term.text); }
@@ -212,6 +242,9 @@ Density to_density(FieldValidator& check, const std::string& field, const Densit
   Density out;
   if (terms.size() > kMaxDensityTerms) {
     check.fail(field, absl::StrCat("has ", terms.size(), " terms; at most ", kMaxDensityTerms, " are taken"));
+  }
+  if (const std::size_t dabs = dabs_of(terms); dabs > kMaxDabs) {
+    check.fail(field, absl::StrCat("has ", dabs, " dabs of the brush; at most ", kMaxDabs, " are taken"));
   }
   for (int i = 0; check.ok() && i < terms.size(); ++i) {
     const std::string name = absl::StrCat(field, "[", i, "]");

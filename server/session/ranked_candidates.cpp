@@ -18,7 +18,7 @@ int first_level(std::uint64_t max_points) {
 
 }  // namespace
 
-absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::uint64_t max_points,
+absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::uint64_t max_points, std::uint64_t seed,
                                                    const ExecutionContext& context) {
   {
     const MutexLock lock(mutex_);
@@ -30,7 +30,7 @@ absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::
     if (!leaves.ok()) return leaves.status();
     const std::shared_ptr<const SurfaceCurve> curve = (*leaves)->shared_curve();
     absl::StatusOr<std::unique_ptr<RankGrower>> grower =
-        RankGrower::make(*std::move(leaves), {.level = first_level(max_points)}, context);
+        RankGrower::make(*std::move(leaves), {.level = first_level(max_points), .seed = seed}, context);
     if (!grower.ok()) return grower.status();
     grower_ = *std::move(grower);
     const MutexLock lock(mutex_);

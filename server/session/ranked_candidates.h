@@ -28,9 +28,10 @@ class RankedCandidates {
   using Surface = std::function<absl::StatusOr<std::shared_ptr<const LeafSurface>>()>;
 
   /// Returns the candidates that there are by now. The first call makes those of the lowest ranks, on `surface`, about as many as
-  /// views of `max_points` points take; others wait for it. Errors of `surface`, and as of RankGrower::make().
-  absl::StatusOr<RankedCurve> take(const Surface& surface, std::uint64_t max_points, const ExecutionContext& context)
-      ABSL_LOCKS_EXCLUDED(growing_, mutex_);
+  /// views of `max_points` points take, with places by `seed`; others wait for it. Errors of `surface`, and as of
+  /// RankGrower::make().
+  absl::StatusOr<RankedCurve> take(const Surface& surface, std::uint64_t max_points, std::uint64_t seed,
+                                   const ExecutionContext& context) ABSL_LOCKS_EXCLUDED(growing_, mutex_);
 
   /// Makes the chunks that are lacking, if they still are; one caller after the other. Returns the candidates that there are
   /// then. Errors as of RankGrower::grow(). Precondition: take() has returned candidates.

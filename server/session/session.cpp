@@ -39,7 +39,7 @@ absl::StatusOr<std::shared_ptr<const LeafSurface>> Session::leaf_surface(const s
 }
 
 absl::StatusOr<RankedCurve> Session::ranks(const ExecutionContext& context) const {
-  return candidates->take([this] { return leaf_surface(revisions->first()); }, options.points, context);
+  return candidates->take([this] { return leaf_surface(revisions->first()); }, options.points, options.seed, context);
 }
 
 std::uint64_t Session::memory_bytes() const {

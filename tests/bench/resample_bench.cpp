@@ -9,6 +9,7 @@
 
 #include "client/bench/read_bytes.h"
 #include "core/codec/draco_codec.h"
+#include "core/density/fixed_density.h"
 #include "core/pipeline/pipeline.h"
 #include "core/sample/equalise.h"
 #include "core/sample/resample.h"
@@ -50,6 +51,31 @@ void density(benchmark::State& state) {
   const ResampleOptions options = view_options();
   for (auto _ : state) benchmark::DoNotOptimize(evaluate_density(*curve, options.density, values).ok());
   count_vertices(state);
+}
+
+/// So many dabs, each a twentieth of the surface's size, along the curve.
+BrushTerm brush_of(std::size_t n) {
+  BrushTerm brush;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3d place = curve->origin + curve->position(i * (curve->size() - 1) / n).cast<double>();
+    brush.dabs.push_back({place, 0.05 * curve->box.diagonal(), 8, 0.5});
+  }
+  return brush;
+}
+
+/// The density of many dabs, from nothing.
+void paint_all(benchmark::State& state) {
+  const std::vector<DensityTerm> terms = {brush_of(static_cast<std::size_t>(state.range(0)))};
+  for (auto _ : state) benchmark::DoNotOptimize(make_fixed_density(*curve, terms).value());
+}
+
+/// The density of one dab more.
+void paint_one_more(benchmark::State& state) {
+  const auto n = static_cast<std::size_t>(state.range(0));
+  const BrushTerm more = brush_of(n);
+  const std::vector<DensityTerm> terms = {more}, before = {BrushTerm{{more.dabs.begin(), more.dabs.end() - 1}}};
+  const EarlierPaint earlier{make_fixed_density(*curve, before).value(), n - 1};
+  for (auto _ : state) benchmark::DoNotOptimize(make_fixed_density(*curve, terms, earlier).value());
 }
 
 void view_blocks(benchmark::State& state) {
@@ -126,6 +152,8 @@ void encode(benchmark::State& state) {
 
 BENCHMARK(read_arrays)->Unit(benchmark::kMillisecond);
 BENCHMARK(density)->Unit(benchmark::kMillisecond);
+BENCHMARK(paint_all)->Arg(1000)->Unit(benchmark::kMillisecond);
+BENCHMARK(paint_one_more)->Arg(1000)->Unit(benchmark::kMillisecond);
 BENCHMARK(view_blocks)->Unit(benchmark::kMillisecond);
 BENCHMARK(sequence)->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
 BENCHMARK(resample_evenly)->Unit(benchmark::kMillisecond);

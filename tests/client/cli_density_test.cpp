@@ -69,6 +69,16 @@ TEST_F(CliTest, SampleFollowsBrushesAndFormulas) {
   const auto points = load_points(path);
   ASSERT_TRUE(points.ok()) << points.status();
   for (const auto& p : points->positions) ASSERT_TRUE(p[1] > -1e-6 && std::hypot(p[0], p[1], p[2] + 1) > 1.5 - 1e-3);
+  const std::string dabs = temporary("dabs.txt");
+  std::ofstream(dabs) << "# all away, then half of it back\n0 0 0 9 0\n\n0, 0, 1, 1.4, 1, 0  # a hard edge\n";
+  run_json({"sample", sphere_, "-n", "2000", "--density", "brush:@" + dabs, "-o", path});
+  const auto kept = load_points(path);
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  EXPECT_EQ(kept->size(), 2000u);
+  for (const auto& p : kept->positions) ASSERT_LT(std::hypot(p[0], p[1], p[2] - 1), 1.4 + 1e-3);
+  std::ofstream(dabs) << "0 0 0 9 0\n0 0 0 -9 0\n";
+  expect_failure({"sample", sphere_, "-n", "10", "--density", "brush:@" + dabs}, 2, "dabs.txt, line 2: brush: radius=-9");
+  expect_failure({"sample", sphere_, "-n", "10", "--density", "brush:@none.txt"}, 2, "'none.txt' cannot be read");
   expect_failure({"sample", sphere_, "-n", "10", "--density", "attribute:heat"}, 3, "no attribute 'heat'");
   expect_failure({"sample", sphere_, "-n", "10", "--density", "expression:1 / (x - x)"}, 3, "infinite at");
   expect_failure({"sample", sphere_, "-n", "10", "--density", "expression:heat"}, 3, "there are: x, y, z");

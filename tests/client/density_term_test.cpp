@@ -45,13 +45,17 @@ TEST(DensityTerm, ReadsWhatHasAFormOfItsOwn) {
   EXPECT_EQ(parse_density_term("expression:min(x, y) == 0 ? 1 : 2")->expression().text(), "min(x, y) == 0 ? 1 : 2");
   const auto brush = parse_density_term("brush:1,-2,3e1,0.5,0");
   ASSERT_TRUE(brush.ok()) << brush.status();
-  EXPECT_EQ(brush->brush().centre().x(), 1);
-  EXPECT_EQ(brush->brush().centre().y(), -2);
-  EXPECT_EQ(brush->brush().centre().z(), 30);
-  EXPECT_EQ(brush->brush().radius(), 0.5);
-  EXPECT_EQ(brush->brush().factor(), 0);
-  EXPECT_FALSE(brush->brush().has_falloff());
-  EXPECT_EQ(parse_density_term("brush:1,2,3,4,5,0.25")->brush().falloff(), 0.25);
+  EXPECT_EQ(brush->brush().strokes(0).centre().x(), 1);
+  EXPECT_EQ(brush->brush().strokes(0).centre().y(), -2);
+  EXPECT_EQ(brush->brush().strokes(0).centre().z(), 30);
+  EXPECT_EQ(brush->brush().strokes(0).radius(), 0.5);
+  EXPECT_EQ(brush->brush().strokes(0).factor(), 0);
+  EXPECT_FALSE(brush->brush().strokes(0).has_falloff());
+  EXPECT_EQ(parse_density_term("brush:1,2,3,4,5,0.25")->brush().strokes(0).falloff(), 0.25);
+  const auto paint = parse_density_term("brush:1,2,3,4,5;6,7,8,9,10,1");
+  ASSERT_TRUE(paint.ok()) << paint.status();
+  ASSERT_EQ(paint->brush().strokes_size(), 2);
+  EXPECT_EQ(paint->brush().strokes(1).centre().z(), 8);
   EXPECT_TRUE(parse_density_term("screen")->has_screen());
   EXPECT_TRUE(parse_density_term("frustum")->has_frustum());
 }

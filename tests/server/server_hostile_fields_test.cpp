@@ -67,8 +67,8 @@ v1::SampleRequest rich_sample() {
   for (int i = 0; i < 8; ++i) sample.add_density();
   sample.mutable_density(1)->mutable_uniform();
   sample.mutable_density(2)->mutable_curvature()->set_exponent(1);
-  sample.mutable_density(3)->mutable_brush()->set_radius(1);
-  sample.mutable_density(3)->mutable_brush()->set_factor(1);
+  sample.mutable_density(3)->mutable_brush()->add_strokes()->set_radius(1);
+  sample.mutable_density(3)->mutable_brush()->mutable_strokes(0)->set_factor(1);
   sample.mutable_density(4)->mutable_distance()->set_far(10);
   sample.mutable_density(5)->mutable_frustum();
   sample.mutable_density(6)->mutable_screen();

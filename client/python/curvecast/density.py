@@ -44,10 +44,24 @@ def attribute(name: str) -> v1.DensityTerm:
     return v1.DensityTerm(attribute=v1.AttributeDensity(name=name))
 
 
-def brush(centre: Vector, radius: float, factor: float, falloff: float | None = None) -> v1.DensityTerm:
-    """`factor` within `radius` (units) of the position `centre`, 1 elsewhere; 0 erases. `falloff`: part of the radius over which
-    the factor goes to 1, by default 0.5."""
-    return v1.DensityTerm(brush=v1.BrushDensity(centre=vec3(centre), radius=radius, factor=factor, falloff=falloff))
+def brush(
+    centres: Vector | Sequence[Vector] | npt.NDArray[Any], radius: float, factor: float, falloff: float | None = None
+) -> v1.DensityTerm:
+    """A stroke of paint: `factor` within `radius` (units) of one position or of each of several (N, 3), 1 elsewhere. A factor of 0
+    takes points away. `falloff`: part of the radius over which the paint thins out, by default 0.5."""
+    places = np.asarray(centres, dtype=np.float64).reshape(-1, 3)
+    if len(places) == 0:
+        return v1.DensityTerm(brush=v1.BrushDensity())
+    path = (places[1:] - places[0]).ravel()
+    stroke = v1.BrushStroke(centre=vec3(places[0]), radius=radius, factor=factor, falloff=falloff, path=path)
+    return v1.DensityTerm(brush=v1.BrushDensity(strokes=[stroke]))
+
+
+def paint(*brushes: v1.DensityTerm) -> v1.DensityTerm:
+    """One term of several brushes, each over those before it, where terms of their own would be multiplied. A factor of 1 takes
+    paint away."""
+    strokes = [stroke for term in brushes for stroke in term.brush.strokes]
+    return v1.DensityTerm(brush=v1.BrushDensity(strokes=strokes))
 
 
 def expression(text: str) -> v1.DensityTerm:

@@ -117,10 +117,10 @@ TEST(Density, RefusesBadValuesByName) {
   for (const double bad : {0.0, -0.1, kNaN, kInfinity}) expect_refused(ViewTerm{.s0 = bad}, "view", "s0");
   for (const double bad : {-1.0, kNaN, kInfinity}) expect_refused(DistanceTerm{.near = bad}, "distance", "near");
   for (const double bad : {0.0, 1.0, kNaN, -kInfinity}) expect_refused(DistanceTerm{.near = 2, .far = bad}, "distance", "far");
-  for (const double bad : {0.0, -1.0, kNaN, kInfinity}) expect_refused(BrushTerm{.radius = bad}, "brush", "radius");
-  for (const double bad : {-1.0, 1e7, kNaN, kInfinity}) expect_refused(BrushTerm{.factor = bad}, "brush", "factor");
-  for (const double bad : {-0.1, 1.1, kNaN, kInfinity}) expect_refused(BrushTerm{.falloff = bad}, "brush", "falloff");
-  for (const double bad : {kNaN, kInfinity}) expect_refused(BrushTerm{.centre = Vec3d(0, bad, 0)}, "brush", "centre");
+  for (const double bad : {0.0, -1.0, kNaN, kInfinity}) expect_refused(BrushTerm{{Dab{.radius = bad}}}, "brush", "radius");
+  for (const double bad : {-1.0, 1e7, kNaN, kInfinity}) expect_refused(BrushTerm{{Dab{.factor = bad}}}, "brush", "factor");
+  for (const double bad : {-0.1, 1.1, kNaN, kInfinity}) expect_refused(BrushTerm{{Dab{.falloff = bad}}}, "brush", "falloff");
+  for (const double bad : {kNaN, kInfinity}) expect_refused(BrushTerm{{Dab{.centre = Vec3d(0, bad, 0)}}}, "brush", "centre");
   expect_refused(AttributeTerm{}, "attribute", "name is empty");
   expect_refused(ExpressionTerm{"1 +"}, "expression", "1 +");
 }

@@ -85,7 +85,7 @@ TEST(FixedTerms, OfABrushRiseSmoothlyFromItsFactorToOne) {
   const SurfaceCurve curve = row(x, origin);
   for (const double factor : {0.0, 0.25, 4.0, 1e6}) {
     for (const double falloff : {0.0, 0.5, 1.0}) {
-      const std::vector<float> values = values_of(curve, BrushTerm{origin, 2, factor, falloff});
+      const std::vector<float> values = values_of(curve, BrushTerm{{{origin, 2, factor, falloff}}});
       const double outside = values.back(), unit = outside;
       ASSERT_GT(unit, 0);
       for (std::size_t l = 0; l < x.size(); ++l) {
@@ -109,7 +109,7 @@ TEST(FixedTerms, OfABrushRiseSmoothlyFromItsFactorToOne) {
       }
     }
   }
-  EXPECT_EQ(values_of(curve, BrushTerm{origin, 1, 0})[0], 0) << "factor 0 erases";
+  EXPECT_EQ(values_of(curve, BrushTerm{{{origin, 1, 0}}})[0], 0) << "factor 0 erases";
 }
 
 TEST(FixedTerms, OfAnExpressionAreItsPositiveValues) {

@@ -121,7 +121,7 @@ TEST(MeasurePoints, RefusesWhatCannotBeMeasured) {
   refused(good, {.ring_seeds = 0}, Code::kInvalidArgument, "ring_seeds = 0");
   refused(good, {.ball_centres = kMaxRegions + 1}, Code::kInvalidArgument, "ball_centres");
   refused(good, {.density = {CurvatureTerm{.floor = 2}}}, Code::kInvalidArgument, "floor");
-  refused(good, {.density = {BrushTerm{.radius = 1e9}}}, Code::kFailedPrecondition, "zero");
+  refused(good, {.density = {BrushTerm{{Dab{.radius = 1e9}}}}}, Code::kFailedPrecondition, "zero");
 }
 
 TEST(MeasurePoints, StopsWhenToldTo) {

@@ -41,13 +41,14 @@ double expected_points(const SurfaceCurve& curve, const Density& density, double
 }
 
 TEST(PointsForPixelError, IsThatOfTheWorstPlace) {
-  const std::vector<std::vector<DensityTerm>> term_sets = {{},
-                                                           {ViewTerm{}},
-                                                           {ScreenTerm{}},
-                                                           {ScreenTerm{}, FrustumTerm{}},
-                                                           {ViewTerm{}, DistanceTerm{}, FrustumTerm{}},
-                                                           {CurvatureTerm{}, ViewTerm{}},
-                                                           {BrushTerm{.centre = Vec3d(0, 0, 1), .radius = 0.3, .factor = 5}}};
+  const std::vector<std::vector<DensityTerm>> term_sets = {
+      {},
+      {ViewTerm{}},
+      {ScreenTerm{}},
+      {ScreenTerm{}, FrustumTerm{}},
+      {ViewTerm{}, DistanceTerm{}, FrustumTerm{}},
+      {CurvatureTerm{}, ViewTerm{}},
+      {BrushTerm{{Dab{.centre = Vec3d(0, 0, 1), .radius = 0.3, .factor = 5}}}}};
   for (const std::vector<DensityTerm>& terms : term_sets) {
     for (const Vec3d& eye : {Vec3d(0, 0, 3), Vec3d(0.8, 0.8, 0.8), Vec3d(20, -30, 10)}) {
       Density density = seen_from(eye, terms);

@@ -14,7 +14,7 @@ PreprocessOptions some_options() {
           .mapper = Mapper::kIdBuffer,
           .area_element = AreaElement::kVoronoi,
           .density = {UniformTerm{}, CurvatureTerm{CurvatureKind::kMean, 2, 0.25}, ViewTerm{0.5}, DistanceTerm{1, 2, true},
-                      FrustumTerm{}, ScreenTerm{}, AttributeTerm{"quality"}, BrushTerm{{1, 2, 3}, 4, 5, 0.25},
+                      FrustumTerm{}, ScreenTerm{}, AttributeTerm{"quality"}, BrushTerm{{{{1, 2, 3}, 4, 5, 0.25}}},
                       ExpressionTerm{"1 + x"}},
           .seed = 9};
 }
@@ -41,7 +41,7 @@ TEST(Archive, BringsOptionsBack) {
   ASSERT_EQ(back.density.size(), 9u);
   EXPECT_EQ(std::get<CurvatureTerm>(back.density[1]).floor, 0.25);
   EXPECT_EQ(std::get<AttributeTerm>(back.density[6]).name, "quality");
-  EXPECT_EQ(std::get<BrushTerm>(back.density[7]).centre, Vec3d(1, 2, 3));
+  EXPECT_EQ(std::get<BrushTerm>(back.density[7]).dabs.at(0).centre, Vec3d(1, 2, 3));
 }
 
 TEST(Archive, BringsReportsBack) {
@@ -71,7 +71,7 @@ TEST(Archive, EveryOptionCounts) {
   EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).global = false; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).fall = DistanceFall::kInverse; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<AttributeTerm>(o.density[6]).name = "other"; }));
-  EXPECT_TRUE(differs([](auto& o) { std::get<BrushTerm>(o.density[7]).falloff = 0.75; }));
+  EXPECT_TRUE(differs([](auto& o) { std::get<BrushTerm>(o.density[7]).dabs[0].falloff = 0.75; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<ExpressionTerm>(o.density[8]).text = "1 + y"; }));
 }
 

@@ -23,6 +23,7 @@ TEST(Protocol, HasTheNumbersOfTheApi) {
       {"MAX_MEASURED_SETS", kMaxMeasuredSets},
       {"MAX_COMPANIONS", kMaxCompanions},
       {"MAX_DENSITY_TERMS", kMaxDensityTerms},
+      {"MAX_DABS", kMaxDabs},
       {"MAX_CAMERAS", kMaxCameras},
       {"MAX_CHUNK_BYTES", kMaxChunkBytes},
       {"MAX_FRAME_BYTES", kMaxFrameBytes},

@@ -20,7 +20,9 @@ TEST(ConvertDensity, TakesCamerasAndTerms) {
   *request.add_cameras() = request.cameras(0);
   request.mutable_cameras(1)->set_orthographic_height(7);
   request.mutable_cameras(0)->set_vertical_fov_degrees(90);
-  request.mutable_density(4)->mutable_brush()->set_falloff(0);
+  v1::BrushStroke& stroke = *request.mutable_density(4)->mutable_brush()->mutable_strokes(0);
+  stroke.set_falloff(0);
+  for (const float x : {1.0f, 0.0f, -2.0f, 0.0f, 0.5f, 0.0f}) stroke.add_path(x);
   v1::DistanceDensity& distance = *request.mutable_density(5)->mutable_distance();
   distance.set_near(2);
   distance.set_far(5);
@@ -34,7 +36,8 @@ TEST(ConvertDensity, TakesCamerasAndTerms) {
   EXPECT_EQ(sample->options.density.cameras[0].aspect, 1);
   EXPECT_EQ(sample->options.density.cameras[0].pixels, 1024);
   EXPECT_EQ(sample->options.density.cameras[1].height, 7);
-  EXPECT_EQ(std::get<BrushTerm>(sample->options.density.terms[4]).falloff, 0);
+  EXPECT_EQ(std::get<BrushTerm>(sample->options.density.terms[4]).dabs,
+            (std::vector<Dab>{{{1, 0, 0}, 2, 3, 0}, {{2, 0, -2}, 2, 3, 0}, {{1, 0.5, 0}, 2, 3, 0}}));
   EXPECT_EQ(std::get<DistanceTerm>(sample->options.density.terms[5]).near, 2);
   EXPECT_EQ(std::get<DistanceTerm>(sample->options.density.terms[5]).far, 5);
   EXPECT_TRUE(std::get<DistanceTerm>(sample->options.density.terms[5]).global);
@@ -74,13 +77,30 @@ TEST(ConvertDensity, NamesTheFieldAtFault) {
       {"sample.cameras[0].orthographic_height is not finite",
        [](auto& r) { r.mutable_cameras(0)->set_orthographic_height(kNan); }},
       {"sample.density[3].attribute.name is empty", [](auto& r) { r.mutable_density(3)->mutable_attribute()->clear_name(); }},
-      {"sample.density[4].brush.centre.y is not finite",
-       [](auto& r) { r.mutable_density(4)->mutable_brush()->mutable_centre()->set_y(kNan); }},
-      {"sample.density[4].brush.radius is 0", [](auto& r) { r.mutable_density(4)->mutable_brush()->set_radius(0); }},
-      {"sample.density[4].brush.radius is not finite", [](auto& r) { r.mutable_density(4)->mutable_brush()->set_radius(kInf); }},
-      {"sample.density[4].brush.factor is -1", [](auto& r) { r.mutable_density(4)->mutable_brush()->set_factor(-1); }},
-      {"sample.density[4].brush.factor is nan", [](auto& r) { r.mutable_density(4)->mutable_brush()->set_factor(kNan); }},
-      {"sample.density[4].brush.falloff is 1.5", [](auto& r) { r.mutable_density(4)->mutable_brush()->set_falloff(1.5); }},
+      {"sample.density[4].brush.strokes[0].path has 4 numbers",
+       [](auto& r) {
+         for (int i = 0; i < 4; ++i) r.mutable_density(4)->mutable_brush()->mutable_strokes(0)->add_path(0);
+       }},
+      {"sample.density[4].brush.strokes[0].path is not finite",
+       [](auto& r) {
+         for (int i = 0; i < 3; ++i) r.mutable_density(4)->mutable_brush()->mutable_strokes(0)->add_path(NAN);
+       }},
+      {"sample.density has 10001 dabs of the brush; at most 10000",
+       [](auto& r) {
+         for (int i = 0; i < 30'000; ++i) r.mutable_density(4)->mutable_brush()->mutable_strokes(0)->add_path(0);
+       }},
+      {"sample.density[4].brush.strokes[0].centre.y is not finite",
+       [](auto& r) { r.mutable_density(4)->mutable_brush()->mutable_strokes(0)->mutable_centre()->set_y(kNan); }},
+      {"sample.density[4].brush.strokes[0].radius is 0",
+       [](auto& r) { r.mutable_density(4)->mutable_brush()->mutable_strokes(0)->set_radius(0); }},
+      {"sample.density[4].brush.strokes[0].radius is not finite",
+       [](auto& r) { r.mutable_density(4)->mutable_brush()->mutable_strokes(0)->set_radius(kInf); }},
+      {"sample.density[4].brush.strokes[0].factor is -1",
+       [](auto& r) { r.mutable_density(4)->mutable_brush()->mutable_strokes(0)->set_factor(-1); }},
+      {"sample.density[4].brush.strokes[0].factor is nan",
+       [](auto& r) { r.mutable_density(4)->mutable_brush()->mutable_strokes(0)->set_factor(kNan); }},
+      {"sample.density[4].brush.strokes[0].falloff is 1.5",
+       [](auto& r) { r.mutable_density(4)->mutable_brush()->mutable_strokes(0)->set_falloff(1.5); }},
       {"sample.density[5].distance.near is -1", [](auto& r) { r.mutable_density(5)->mutable_distance()->set_near(-1); }},
       {"sample.density[5].distance.near is not finite",
        [](auto& r) { r.mutable_density(5)->mutable_distance()->set_near(kInf); }},

@@ -37,7 +37,7 @@ TEST(ToPointSetRequest, FillsInTheDefaults) {
   const auto& view = std::get<ViewTerm>(sample->options.density.terms[2]);
   EXPECT_EQ(view.s0, 0.1);
   EXPECT_EQ(std::get<AttributeTerm>(sample->options.density.terms[3]).name, "heat");
-  const auto& brush = std::get<BrushTerm>(sample->options.density.terms[4]);
+  const Dab& brush = std::get<BrushTerm>(sample->options.density.terms[4]).dabs.at(0);
   EXPECT_EQ(brush.centre, Vec3d(1, 0, 0));
   EXPECT_EQ(brush.radius, 2);
   EXPECT_EQ(brush.factor, 3);
@@ -157,6 +157,7 @@ TEST(ToPreprocessOptions, TakesMapperAreaElementAndBaseDensity) {
   EXPECT_TRUE(converted->density.empty());
   options.set_mapper(v1::MAPPER_ID_BUFFER);
   options.set_area_element(v1::AREA_ELEMENT_VORONOI);
+  options.set_seed(11);
   options.add_density()->mutable_uniform();
   v1::CurvatureDensity& curvature = *options.add_density()->mutable_curvature();
   curvature.set_kind(v1::CURVATURE_KIND_MEAN);
@@ -172,20 +173,21 @@ TEST(ToPreprocessOptions, TakesMapperAreaElementAndBaseDensity) {
   EXPECT_EQ(std::get<CurvatureTerm>(converted->density[1]).floor, 0.05);
   // And back, with the defaults filled in.
   converted->density.insert(converted->density.end(),
-                            {AttributeTerm{"heat"}, BrushTerm{{1, 2, 3}, 4, 5, 0.25}, ExpressionTerm{"x"}});
+                            {AttributeTerm{"heat"}, BrushTerm{{{{1, 2, 3}, 4, 5, 0.25}}}, ExpressionTerm{"x"}});
   const v1::SessionOptions back = to_proto(SessionInfo{"id", "mesh", *converted, SessionState::kQueued, nullptr}).options();
   EXPECT_EQ(back.mapper(), v1::MAPPER_ID_BUFFER);
   EXPECT_EQ(back.area_element(), v1::AREA_ELEMENT_VORONOI);
+  EXPECT_EQ(back.seed(), 11u);
   ASSERT_EQ(back.density_size(), 5);
   EXPECT_TRUE(back.density(0).has_uniform());
   EXPECT_EQ(back.density(1).curvature().kind(), v1::CURVATURE_KIND_MEAN);
   EXPECT_EQ(back.density(1).curvature().exponent(), 0.5);
   EXPECT_EQ(back.density(1).curvature().floor(), 0.05);
   EXPECT_EQ(back.density(2).attribute().name(), "heat");
-  EXPECT_EQ(back.density(3).brush().centre().z(), 3);
-  EXPECT_EQ(back.density(3).brush().radius(), 4);
-  EXPECT_EQ(back.density(3).brush().factor(), 5);
-  EXPECT_EQ(back.density(3).brush().falloff(), 0.25);
+  EXPECT_EQ(back.density(3).brush().strokes(0).centre().z(), 3);
+  EXPECT_EQ(back.density(3).brush().strokes(0).radius(), 4);
+  EXPECT_EQ(back.density(3).brush().strokes(0).factor(), 5);
+  EXPECT_EQ(back.density(3).brush().strokes(0).falloff(), 0.25);
   EXPECT_EQ(back.density(4).expression().text(), "x");
   EXPECT_EQ(to_preprocess_options(back)->density.size(), 5u);
 }

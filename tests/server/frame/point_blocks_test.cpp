@@ -158,7 +158,7 @@ TEST(PointBlocks, RefuseWhatIsTooMuch) {
   request.options.points = 4'000'001;
   EXPECT_EQ(make_frame(ball(), {.point_set = request}, cache(), {}).status().code(), absl::StatusCode::kOutOfRange);
   request = request_of(100);  // Draco's header alone takes more
-  request.options.density = {BrushTerm{.radius = 1e9}};
+  request.options.density = {BrushTerm{{Dab{.radius = 1e9}}}};
   EXPECT_EQ(make_frame(ball(), {.point_set = request}, cache(), {}).status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(
       make_point_blocks(ball(), request_of(5000), cache(), {}, nullptr, [](const v1::ResampleResponse&) { return false; }).code(),

@@ -21,7 +21,7 @@ inline v1::SampleRequest good_request() {
   request.add_density()->mutable_view();
   request.add_cameras()->mutable_eye()->set_z(3);
   request.add_density()->mutable_attribute()->set_name("heat");
-  v1::BrushDensity& brush = *request.add_density()->mutable_brush();
+  v1::BrushStroke& brush = *request.add_density()->mutable_brush()->add_strokes();
   brush.mutable_centre()->set_x(1);
   brush.set_radius(2);
   brush.set_factor(3);

@@ -1,10 +1,10 @@
-// Strokes of the brush: dabs of density, up to the number that the server takes.
+// Strokes of the brush: dabs of paint, up to the number that the server takes.
 
 import { distance } from "../view/vector";
-import { roomForDabs } from "./sample_request";
-import { maxTerms, type Dab, type Settings } from "./settings";
+import { maxDabs, type Dab, type Settings } from "./settings";
 
-const spacing = 1.2; // between the dabs of a stroke, in radii: dabs overlap where they fall off
+const spacing = 0.5; // between the dabs of a stroke, in radii: paint of one stroke does not pile up
+const noPaint = 1; // the factor that takes paint away
 
 /// Adds dabs to Settings.dabs, and removes them.
 export class Brush {
@@ -22,11 +22,12 @@ export class Brush {
     this.stroke ??= 1 + (dabs.at(-1)?.stroke ?? -1);
     const before = dabs.at(-1);
     const isNear = before !== undefined && before.stroke === this.stroke && distance(before.centre, centre) < spacing * radius;
-    const adds = !isNear && roomForDabs(this.settings) > 0;
-    if (adds) dabs.push({ centre, radius, factor: this.settings.brushFactor, stroke: this.stroke });
+    const adds = !isNear && dabs.length < maxDabs;
+    const factor = this.settings.eraser ? noPaint : this.settings.brushFactor;
+    if (adds) dabs.push(this.likeStroke({ centre, radius, factor, stroke: this.stroke }));
     else if (!isNear && !this.hasWarned) {
       this.hasWarned = true;
-      this.notice(`A density has ${maxTerms} terms at most: undo or clear strokes to go on.`);
+      this.notice(`There are ${maxDabs.toLocaleString("en")} dabs at most: undo or clear strokes to go on.`);
     }
     if (done) {
       this.stroke = null;
@@ -43,5 +44,11 @@ export class Brush {
 
   clear(): void {
     this.settings.dabs = [];
+  }
+
+  /// Dabs of a stroke are alike, also where the settings change under way.
+  private likeStroke(dab: Dab): Dab {
+    const before = this.settings.dabs.at(-1);
+    return before?.stroke === dab.stroke ? { ...dab, radius: before.radius, factor: before.factor } : dab;
   }
 }

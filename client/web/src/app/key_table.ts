@@ -44,6 +44,7 @@ export function keyTable(actions: KeyActions): Shortcut[] {
     sets("v", "uniform points beside", (s) => (s.split = !s.split)),
     sets("z", "freeze the sampling camera", (s) => (s.frozen = !s.frozen)),
     sets("b", "brush", (s) => ((s.brush = !s.brush), (s.measuring = false))),
+    sets("r", "paint, rub it out", (s) => ((s.eraser = !s.eraser), (s.brush = true), (s.measuring = false))),
     { key: "mod+z", what: "undo a stroke", run: () => actions.undoStroke(), repeats: true },
     { key: "delete", what: "clear all strokes", run: () => actions.clearStrokes() },
     sets("m", "measure", (s) => ((s.measuring = !s.measuring), (s.brush = false))),

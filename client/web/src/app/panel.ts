@@ -130,7 +130,8 @@ export class Panel {
     const folder = this.gui.addFolder("Brush");
     folder.add(s, "brush").name("paint density");
     this.addNumber(folder, "brushSize").name("radius, % of size");
-    this.addNumber(folder, "brushFactor").name("factor");
+    folder.add(s, "eraser").name("rub paint out (R)");
+    this.when(this.addNumber(folder, "brushFactor").name("factor"), ({ eraser }) => !eraser);
     folder.add(actions, "undoStroke").name("Undo a stroke (Ctrl Z)");
     folder.add(actions, "clearStrokes").name("Clear all strokes");
     folder.close();

@@ -11,7 +11,7 @@ import {
   type SampleRequestSchema,
 } from "../gen/curvecast/v1/curvecast_pb";
 import type { CameraState } from "../view";
-import { maxTerms, type Settings } from "./settings";
+import type { Dab, Settings } from "./settings";
 
 /// The fields of a SampleRequest.
 export type SampleInit = MessageInitShape<typeof SampleRequestSchema>;
@@ -29,7 +29,7 @@ function vec3([x, y, z]: readonly [number, number, number]): { x: number; y: num
   return { x, y, z };
 }
 
-/// Makes the density terms of all settings but the brush.
+/// Makes the terms of all settings but the brush.
 function plainTerms(settings: Settings): TermInit[] {
   const { curvature } = settings;
   const terms: TermInit[] = [];
@@ -43,9 +43,25 @@ function plainTerms(settings: Settings): TermInit[] {
   return terms;
 }
 
-/// Returns how many more dabs of the brush a request has room for.
-export function roomForDabs(settings: Settings): number {
-  return maxTerms - plainTerms(settings).length - settings.dabs.length;
+/// Makes one term of all dabs; none where there are none.
+function paint(dabs: readonly Dab[]): TermInit[] {
+  const strokes: { first: Dab; path: number[] }[] = [];
+  for (const dab of dabs) {
+    const last = strokes.at(-1);
+    if (last === undefined || last.first.stroke !== dab.stroke) strokes.push({ first: dab, path: [] });
+    else last.path.push(...dab.centre.map((x, i) => x - last.first.centre[i]!));
+  }
+  if (strokes.length === 0) return [];
+  return [
+    {
+      term: {
+        case: "brush",
+        value: {
+          strokes: strokes.map(({ first: { centre, radius, factor }, path }) => ({ centre: vec3(centre), radius, factor, path })),
+        },
+      },
+    },
+  ];
 }
 
 function budgetOf(settings: Settings): NonNullable<SampleInit["budget"]> {
@@ -69,7 +85,6 @@ export function sampleRequest(
   uniform = false,
 ): SampleInit {
   const terms = uniform ? [] : plainTerms(settings);
-  const dabs = uniform ? [] : settings.dabs.slice(0, maxTerms - terms.length);
   const needsCamera =
     settings.budget === "pixels" || (!uniform && (settings.silhouette || settings.distance || settings.screen || settings.frustum));
   const attributes: PointAttribute[] = [];
@@ -77,12 +92,7 @@ export function sampleRequest(
   if (settings.colouring === "rank" && settings.sampler === "progressive") attributes.push(PointAttribute.RANK);
   return {
     budget: budgetOf(settings),
-    density: [
-      ...terms,
-      ...dabs.map(({ centre, radius, factor }): TermInit => ({
-        term: { case: "brush", value: { centre: vec3(centre), radius, factor } },
-      })),
-    ],
+    density: [...terms, ...(uniform ? [] : paint(settings.dabs))],
     // A request without a camera stays the same while the camera moves, and is not sent again.
     cameras: needsCamera
       ? [{ eye: vec3(camera.eye), target: vec3(camera.target), up: vec3(camera.up), verticalFovDegrees: camera.fov }]

@@ -2,7 +2,8 @@
 
 import type { Background, Colouring, Mode } from "../view";
 
-/// A dab of the brush, which multiplies the density by `factor` within `radius` of the centre. Dabs of one `stroke` are undone together.
+/// A dab of the brush, which paints the density `factor` within `radius` of the centre over what was painted before. Dabs of one
+/// `stroke` are alike, and undone together.
 export interface Dab {
   centre: [number, number, number];
   radius: number;
@@ -30,6 +31,7 @@ export interface Settings {
   brush: boolean; // painting instead of orbiting
   brushSize: number; // radius, % of the diagonal of the mesh's box
   brushFactor: number;
+  eraser: boolean; // the brush takes paint away
   mode: Mode;
   colouring: Colouring;
   background: Background;
@@ -42,8 +44,8 @@ export interface Settings {
   measuring: boolean;
 }
 
-/// The most terms of a density; the same limit as the server's.
-export const maxTerms = 16;
+/// The most dabs of the brush; the same limit as the server's.
+export const maxDabs = 10_000;
 
 interface Range {
   min: number;
@@ -93,6 +95,7 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     brush: false,
     brushSize: 5,
     brushFactor: 8,
+    eraser: false,
     mode: "splats",
     colouring: "shading",
     background,

@@ -12,11 +12,12 @@ export interface UrlState {
 }
 
 const tokenKey = "curvecast.token";
+const mostDabs = 500; // longer addresses are too much for browsers and for those who pass them on
 const digits = 12; // of a number: coordinates may lie far from 0, and cameras near the surface
 // Settings that are written even where they are the defaults, because these differ from machine to machine.
 const always: readonly (keyof Settings)[] = ["points", "background"];
 // Settings of what a visit does, not of how the page looks.
-const unsaved: readonly (keyof Settings)[] = ["dabs", "brush", "measuring", "frozen"];
+const unsaved: readonly (keyof Settings)[] = ["dabs", "brush", "eraser", "measuring", "frozen"];
 
 const choices: { [Key in keyof Settings]?: readonly string[] } = {
   budget: ["points", "bytes", "pixels", "automatic"],
@@ -58,12 +59,27 @@ function readCamera(text: string): CameraState | null {
   return isUsable(camera) ? camera : null;
 }
 
+/// Strokes: radius, factor and the places of all dabs.
+function writeDabs(dabs: readonly Dab[]): string {
+  const strokes = new Map<number, number[]>();
+  for (const { centre, radius, factor, stroke } of dabs) {
+    if (!strokes.has(stroke)) strokes.set(stroke, [radius, factor]);
+    strokes.get(stroke)!.push(...centre);
+  }
+  return [...strokes.values()].map((values) => values.map(short).join(",")).join(";");
+}
+
 function readDabs(text: string): Dab[] {
   return text.split(";").flatMap((part, stroke) => {
-    const v = numbers(part, 5) as [number, number, number, number, number] | null;
-    if (v === null || v[3] <= 0 || v[4] < 0) return [];
-    const [x, y, z, radius, factor] = v;
-    return [{ centre: [x, y, z] as Dab["centre"], radius, factor: withinRange("brushFactor", factor), stroke }];
+    const v = part.split(",").map(Number);
+    const [radius, factor, ...centres] = v as [number, number, ...number[]];
+    if (v.length < 5 || v.length % 3 !== 2 || !v.every(Number.isFinite) || radius <= 0 || factor < 0) return [];
+    const dabs: Dab[] = [];
+    for (let i = 0; i < centres.length; i += 3) {
+      const centre = centres.slice(i, i + 3) as Dab["centre"];
+      dabs.push({ centre, radius, factor: withinRange("brushFactor", factor), stroke });
+    }
+    return dabs;
   });
 }
 
@@ -109,9 +125,7 @@ export function writeState(session: string | null, camera: CameraState | null, s
     if (typeof value === "object" || unsaved.includes(key) || (value === defaults[key] && !always.includes(key))) continue;
     out.set(key, typeof value === "boolean" ? (value ? "1" : "0") : typeof value === "number" ? short(value) : value);
   }
-  if (settings.dabs.length > 0) {
-    out.set("dabs", settings.dabs.map(({ centre, radius, factor }) => [...centre, radius, factor].map(short).join(",")).join(";"));
-  }
+  if (settings.dabs.length > 0 && settings.dabs.length <= mostDabs) out.set("dabs", writeDabs(settings.dabs));
   return "#" + out.toString().replaceAll("%2C", ",").replaceAll("%3B", ";");
 }
 

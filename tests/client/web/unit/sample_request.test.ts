@@ -2,8 +2,8 @@ import { create, toBinary } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 
 import { Brush } from "../../../../client/web/src/app/brush";
-import { roomForDabs, sampleRequest } from "../../../../client/web/src/app/sample_request";
-import { defaultSettings, type Settings } from "../../../../client/web/src/app/settings";
+import { sampleRequest } from "../../../../client/web/src/app/sample_request";
+import { defaultSettings, maxDabs, type Settings } from "../../../../client/web/src/app/settings";
 import {
   CurvatureKind,
   PointAttribute,
@@ -73,39 +73,53 @@ describe("a request", () => {
     expect(request({ sequence: "goldenRatio" }).sequence).toBe(Sequence.GOLDEN_RATIO);
   });
 
-  it("never has more than 16 terms", () => {
-    const dabs = Array.from({ length: 20 }, (_, i) => ({
-      centre: [i, 0, 0] as [number, number, number],
+  it("paints with one term, stroke by stroke", () => {
+    const dab = (stroke: number, x: number, factor: number) => ({
+      centre: [x, 2, 3] as [number, number, number],
       radius: 1,
-      factor: 4,
-      stroke: i,
-    }));
-    expect(terms({ dabs }).length).toBe(16);
-    expect(terms({ dabs, curvature: "gauss" }).filter((name) => name === "brush").length).toBe(13);
-    const sample = request({ dabs: dabs.slice(0, 1) });
-    expect(sample.density.at(-1)!.term.value).toMatchObject({ centre: { x: 0, y: 0, z: 0 }, radius: 1, factor: 4 });
-    expect(toBinary(SampleRequestSchema, sample).length).toBeLessThan(250);
+      factor,
+      stroke,
+    });
+    const dabs = [dab(0, 1, 4), dab(0, 1.5, 4), dab(0, 2, 4), dab(1, 1, 1)];
+    expect(terms({ dabs, curvature: "gauss" }).filter((name) => name === "brush").length).toBe(1);
+    expect(terms({ dabs }, true)).toEqual([]);
+    const { term } = request({ dabs }).density.at(-1)!;
+    expect(term.case === "brush" && term.value.strokes).toMatchObject([
+      { centre: { x: 1, y: 2, z: 3 }, radius: 1, factor: 4, path: [0.5, 0, 0, 1, 0, 0] },
+      { centre: { x: 1, y: 2, z: 3 }, radius: 1, factor: 1, path: [] },
+    ]);
+    const many = Array.from({ length: 1000 }, (_, i) => dab(0, i, 4));
+    expect(toBinary(SampleRequestSchema, request({ dabs: many })).length).toBeLessThan(12_500);
   });
 });
 
 describe("the brush", () => {
-  it("leaves dabs apart, until the density is full, and takes strokes back whole", () => {
+  it("leaves dabs apart, until there are enough, and takes strokes back whole", () => {
     const s = settings();
     const notices: string[] = [];
     const brush = new Brush(s, (text) => notices.push(text));
     expect(brush.paint([0, 0, 0], 1, false)).toBe(true);
-    expect(brush.paint([0.5, 0, 0], 1, false)).toBe(false);
+    expect(brush.paint([0.4, 0, 0], 1, false)).toBe(false);
     expect(brush.paint([1.5, 0, 0], 1, true)).toBe(true);
     expect(brush.paint([1.5, 0, 0], 1, true)).toBe(true); // another stroke, at the same place
     expect(s.dabs.map(({ stroke }) => stroke)).toEqual([0, 0, 1]);
     brush.undo();
     brush.undo();
     expect(s.dabs).toEqual([]);
-    for (let i = 0; i < 30; ++i) brush.paint([2 * i, 0, 0], 1, false);
-    expect(s.dabs.length).toBe(14);
-    expect(roomForDabs(s)).toBe(0);
+    for (let i = 0; i < maxDabs + 10; ++i) brush.paint([2 * i, 0, 0], 1, false);
+    expect(s.dabs.length).toBe(maxDabs);
     expect(notices.length).toBe(1);
     brush.clear();
-    expect(roomForDabs(s)).toBe(14);
+    expect(s.dabs).toEqual([]);
+    s.brushFactor = 6;
+    expect(brush.paint([0, 0, 0], 1, false)).toBe(true);
+    s.eraser = true;
+    brush.paint([1, 0, 0], 2, true);
+    brush.paint([1, 0, 0], 2, true);
+    expect(s.dabs.map(({ radius, factor }) => [radius, factor])).toEqual([
+      [1, 6],
+      [1, 6],
+      [2, 1],
+    ]);
   });
 });

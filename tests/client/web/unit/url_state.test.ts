@@ -19,6 +19,7 @@ describe("the address", () => {
       dabs: [
         { centre: [1, 2, 3], radius: 0.5, factor: 0, stroke: 0 },
         { centre: [4, 5, 6], radius: 0.25, factor: 8, stroke: 1 },
+        { centre: [4.5, 5, 6], radius: 0.25, factor: 8, stroke: 1 },
       ],
     };
     const hash = writeState("abc", camera, settings, defaults);
@@ -35,7 +36,8 @@ describe("the address", () => {
   });
 
   it("does not keep tools, nor take them", () => {
-    expect(writeState(null, null, { ...defaults, brush: true, measuring: true, frozen: true }, defaults)).toBe(
+    const dabs = Array.from({ length: 501 }, () => ({ centre: [0, 0, 0] as [number, number, number], radius: 1, factor: 2, stroke: 0 }));
+    expect(writeState(null, null, { ...defaults, dabs, brush: true, eraser: true, measuring: true, frozen: true }, defaults)).toBe(
       "#points=50000&background=light",
     );
     expect(readState("#brush=1&frozen=1", defaults).settings).toEqual({});
@@ -63,7 +65,7 @@ describe("the address", () => {
       brushFactor: 0,
       dotSize: 10,
     });
-    expect(read("#points=Infinity&kilobytes=&dotSize=%20&dabs=0,0,0,1,1e9")).toEqual({
+    expect(read("#points=Infinity&kilobytes=&dotSize=%20&dabs=1,1e9,0,0,0")).toEqual({
       dabs: [{ centre: [0, 0, 0], radius: 1, factor: 64, stroke: 0 }],
     });
     const settings = { ...defaults, brushFactor: 0 };
@@ -73,7 +75,7 @@ describe("the address", () => {
   it("leaves out what makes no sense", () => {
     const hash =
       "#points=many&splatScale=x&mode=cubes&edl=yes&sampler=equalised&camera=1,2,3,1,2,3,0,1,0,30" +
-      "&dabs=1,2;1,2,3,-1,2;x&__proto__=1";
+      "&dabs=1,2;-1,2,1,2,3;1,2,1,2,3,4;x&__proto__=1";
     expect(readState(hash, defaults)).toEqual({ session: null, camera: null, settings: { sampler: "equalised", dabs: [] } });
     for (const fov of ["180", "NaN", "0.5", "170"])
       expect(readState(`#camera=0,0,1,0,0,0,0,1,0,${fov}`, defaults).camera).toBeNull();
