@@ -53,7 +53,8 @@ struct Leg {
 
 /// What came of all views in motion.
 struct Motion {
-  std::vector<double> delta_ms, key_ms;  // from sending a view to its first frame, decoded
+  std::vector<double> delta_ms, key_ms;                          // from sending a view to its first frame, decoded
+  std::vector<double> select_ms, encode_ms, decode_ms, changed;  // of the deltas: what takes it, and points that come or go
   std::uint64_t views = 0, frames = 0;
   double server_cpu = 0;  // ms
 };
@@ -141,7 +142,14 @@ class Traveller {
     ++leg.frames;
     ++motion_.frames;
     (frame.is_delta ? leg.delta_bytes : leg.key_bytes) += static_cast<double>(frame.encoded_bytes);
-    if (is_first && frame.error.ok()) (frame.is_delta ? motion_.delta_ms : motion_.key_ms).push_back(milliseconds(since));
+    if (!is_first || !frame.error.ok()) return;
+    (frame.is_delta ? motion_.delta_ms : motion_.key_ms).push_back(milliseconds(since));
+    if (!frame.is_delta) return;
+    const v1::FrameStatistics& s = frame.statistics;
+    motion_.select_ms.push_back(1e3 * (s.density_seconds() + s.equalise_seconds()));
+    motion_.encode_ms.push_back(1e3 * s.encode_seconds());
+    motion_.decode_ms.push_back(1e3 * frame.decode_seconds);
+    motion_.changed.push_back(static_cast<double>(frame.added + frame.removed));
   }
 
   ServerStage stage_;
@@ -232,6 +240,10 @@ absl::Status zoom(const MeshFile& file, const TriangleMesh& mesh, std::uint64_t 
   const double end = mebibytes(traveller->server().resident_bytes()), peak = mebibytes(traveller->server().peak_bytes());
   add("latency of deltas p50", quantile(motion.delta_ms, 0.5), "ms");
   add("latency of deltas p99", quantile(motion.delta_ms, 0.99), "ms");
+  add("of it selecting p50", quantile(motion.select_ms, 0.5), "ms");
+  add("of it encoding p50", quantile(motion.encode_ms, 0.5), "ms");
+  add("of it decoding p50", quantile(motion.decode_ms, 0.5), "ms");
+  add("points that come or go with a delta p50", quantile(motion.changed, 0.5), "");
   add("latency of key frames p50", quantile(motion.key_ms, 0.5), "ms");
   add("latency of key frames p99", quantile(motion.key_ms, 0.99), "ms");
   const auto answered = static_cast<double>(motion.delta_ms.size() + motion.key_ms.size());

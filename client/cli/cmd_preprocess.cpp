@@ -17,7 +17,7 @@ struct Flags {
 absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_token stop) {
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
-  const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, flags.points);
+  const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, flags.points, options.seed);
   if (!session_options.ok()) return session_options.status();
   absl::StatusOr<OpenedMesh> opened = open_mesh((*host)->client(), flags.mesh, *session_options, options.quiet, stop);
   if (!opened.ok()) return opened.status();

@@ -173,6 +173,7 @@ Command add_render(CLI::App& root, CommonOptions& options) {
       ->type_name("WxH")
       ->capture_default_str();
   add_camera_flag(app, &flags->sample, false);
+  flags->sample.usual_sampler = "progressive";
   CLI::Option* points = add_sample_flags(app, &flags->sample);
   points->description(
       "number of points N, 1 to 4,000,000; of a curve: N for which it is made; default: 65,536, and 1,500 for samples, curve and "

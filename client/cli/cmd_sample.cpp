@@ -56,8 +56,8 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Open
                  {"equalise", statistics.equalise_seconds()},
                  {"encode", statistics.encode_seconds()},
                  {"total", total}}},
-               {"sampler", flags.sample.sampler},
-               {"sequence", flags.sample.sequence},
+               {"sampler", sampler_of(flags.sample)},
+               {"sequence", sequence_of(flags.sample)},
                {"seed", options.seed},
                {"session_id", opened.session.session_id()}};
   if (!flags.output.empty()) json["output"] = flags.output;
@@ -73,7 +73,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   absl::StatusOr<v1::SampleRequest> wanted = make_request(flags.sample, options.seed);
   if (!wanted.ok()) return wanted.status();
   const absl::StatusOr<v1::SessionOptions> session_options =
-      make_session_options(flags.session, session_points(flags.sample.points));
+      make_session_options(flags.session, session_points(flags.sample.points), ranks_seed(flags.sample, options.seed));
   if (!session_options.ok()) return session_options.status();
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();

@@ -156,7 +156,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   absl::StatusOr<v1::SampleRequest> sample = make_request(sample_flags, options.seed);
   if (!sample.ok()) return sample.status();
   const absl::StatusOr<v1::SessionOptions> session_options =
-      make_session_options(flags.session, session_points(flags.sample.points));
+      make_session_options(flags.session, session_points(flags.sample.points), ranks_seed(flags.sample, options.seed));
   if (!session_options.ok()) return session_options.status();
   // A broken path file is found out before the long work.
   const Box3d any_box{Vec3d(-1, -1, -1), Vec3d(1, 1, 1)};
@@ -199,6 +199,7 @@ Command add_stream(CLI::App& root, CommonOptions& options) {
       ->check(CLI::Range(std::size_t{1}, kMaxFrames))
       ->type_name("F")
       ->capture_default_str();
+  flags->sample.usual_sampler = "progressive";
   add_sample_flags(app, &flags->sample)->capture_default_str();
   app->get_option("--density")->description(std::string(kDensityHelp) + "; default: view");
   add_session_flags(app, &flags->session);

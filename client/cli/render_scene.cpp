@@ -165,7 +165,8 @@ absl::StatusOr<Scene> load_scene(const RenderFlags& flags, const Size& size) {
 absl::StatusOr<Scene> make_scene(const RenderFlags& flags, const CommonOptions& options, const Size& size, std::stop_token stop) {
   const bool has_own_points = flags.what == "surface" || flags.what == "samples" || flags.what == "cut";
   const std::uint64_t points = session_points(has_own_points ? flags.sample.points : 0);
-  const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, points);
+  const absl::StatusOr<v1::SessionOptions> session_options =
+      make_session_options(flags.session, points, ranks_seed(flags.sample, options.seed));
   if (!session_options.ok()) return session_options.status();
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();

@@ -23,6 +23,7 @@ constexpr std::array<v1::Sequence, kSequences.size()> kSequenceValues = {v1::SEQ
                                                                          v1::SEQUENCE_VAN_DER_CORPUT, v1::SEQUENCE_GOLDEN_RATIO};
 
 constexpr std::array<std::string_view, 2> kSamplers = {"equalised", "progressive"};
+constexpr char kProgressive[] = "progressive";
 
 /// What the flags say; where that is nothing, one camera of which nothing is said.
 absl::StatusOr<std::vector<CameraOption>> parse_cameras(const SampleFlags& flags) {
@@ -37,6 +38,15 @@ absl::StatusOr<std::vector<CameraOption>> parse_cameras(const SampleFlags& flags
 }
 
 }  // namespace
+
+std::string sampler_of(const SampleFlags& flags) {
+  if (!flags.sampler.empty()) return flags.sampler;
+  return flags.sequence.empty() ? flags.usual_sampler : "equalised";
+}
+
+std::uint64_t ranks_seed(const SampleFlags& flags, std::uint64_t seed) { return sampler_of(flags) == kProgressive ? seed : 0; }
+
+std::string sequence_of(const SampleFlags& flags) { return flags.sequence.empty() ? "jittered" : flags.sequence; }
 
 void add_density_flag(CLI::App* command, SampleFlags* flags, const std::string& help) {
   command->add_option("--density", flags->density, help)
@@ -53,19 +63,19 @@ CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
   command
       ->add_option(
           "--sampler", flags->sampler,
-          "equalised (the paper's: any sequence) or progressive (points with fixed ranks, evenly spread and apart: more points "
-          "add to fewer, whatever the density)")
+          absl::StrCat(
+              "equalised (the paper's: any sequence) or progressive (points with fixed ranks, evenly spread and apart: more "
+              "points add to fewer, whatever the density); default: ",
+              flags->usual_sampler, flags->usual_sampler == kProgressive ? ", with --sequence equalised" : ""))
       ->check(validator([](const std::string& text) { return check_choice("sampler", text, kSamplers); }, ""))
-      ->type_name("NAME")
-      ->capture_default_str();
+      ->type_name("NAME");
   command
-      ->add_option("--sequence", flags->sequence,
-                   "of the equalised sampler, placement along the curve: jittered (low discrepancy without a pattern), regular, "
-                   "or endless sequences, of which "
-                   "more points add to fewer: vandercorput or golden")
+      ->add_option(
+          "--sequence", flags->sequence,
+          "of the equalised sampler, placement along the curve: jittered (the default: low discrepancy without a pattern), "
+          "regular, or endless sequences, of which more points add to fewer: vandercorput or golden")
       ->check(validator([](const std::string& text) { return check_choice("sequence", text, kSequences); }, ""))
-      ->type_name("NAME")
-      ->capture_default_str();
+      ->type_name("NAME");
   return count;
 }
 
@@ -111,8 +121,8 @@ absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::ui
     request.set_points(flags.points);
   }
   request.set_seed(seed);
-  request.set_sampler(flags.sampler == "progressive" ? v1::SAMPLER_PROGRESSIVE : v1::SAMPLER_EQUALISED);
-  const auto choice = std::find(kSequences.begin(), kSequences.end(), flags.sequence) - kSequences.begin();
+  request.set_sampler(sampler_of(flags) == kProgressive ? v1::SAMPLER_PROGRESSIVE : v1::SAMPLER_EQUALISED);
+  const auto choice = std::find(kSequences.begin(), kSequences.end(), sequence_of(flags)) - kSequences.begin();
   request.set_sequence(kSequenceValues[static_cast<std::size_t>(choice)]);
   if (absl::Status status = add_density_terms(flags.density, request.mutable_density()); !status.ok()) return status;
   return request;

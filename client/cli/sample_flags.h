@@ -18,12 +18,20 @@ struct SampleFlags {
   double pixel_error = 0;       // above 0: instead of points
   std::uint64_t max_bytes = 0;  // above 0: instead of points
   std::vector<std::string> density;
-  std::string sampler = "equalised";
-  std::string sequence = "jittered";
+  std::string usual_sampler = "equalised";  // of the command, where the user names neither a sampler nor a sequence
+  std::string sampler, sequence;            // empty: not given
   std::vector<std::string> cameras;
 };
 
-/// -n, --density, --sampler and --sequence; values are checked while parsing. Returns the option -n.
+/// Returns the sampler: what --sampler says, equalised for a --sequence, else the command's usual one.
+std::string sampler_of(const SampleFlags& flags);
+/// Returns the seed of the session: sessions that no progressive sampler needs are the same for all seeds.
+std::uint64_t ranks_seed(const SampleFlags& flags, std::uint64_t seed);
+/// Returns the sequence of the equalised sampler.
+std::string sequence_of(const SampleFlags& flags);
+
+/// -n, --density, --sampler and --sequence; values are checked while parsing. Precondition: flags->usual_sampler is set. Returns
+/// the option -n.
 CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags);
 /// --density alone.
 void add_density_flag(CLI::App* command, SampleFlags* flags, const std::string& help);
@@ -32,7 +40,8 @@ void add_budget_flags(CLI::App* command, SampleFlags* flags, CLI::Option* count)
 /// --camera; with `several` it may be repeated.
 void add_camera_flag(CLI::App* command, SampleFlags* flags, bool several);
 
-/// All but camera, viewport and encoding. The flags have been checked.
+/// All but camera, viewport and encoding. The flags have been checked. The seed is that of the equalised sampler; of the
+/// progressive one see make_session_options().
 absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::uint64_t seed);
 
 /// Cameras of one request, which all have pictures of the same shape.

@@ -53,9 +53,10 @@ CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags) {
   return omega;
 }
 
-absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flags, std::uint64_t points) {
+absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flags, std::uint64_t points, std::uint64_t seed) {
   v1::SessionOptions options;
   options.set_max_points(points);
+  options.set_seed(seed);
   options.set_omega(flags.omega);
   options.set_parameteriser(flags.parameteriser == "cgal" ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
   options.set_mapper(flags.mapper == "id-buffer" ? v1::MAPPER_ID_BUFFER : v1::MAPPER_EXACT);

@@ -21,8 +21,8 @@ struct SessionFlags {
 /// Adds --base-density, --omega, --parameteriser, --mapper and --area; values are checked while parsing. Returns --omega.
 CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags);
 
-/// `points`: N for which the curve is made. The flags have been checked.
-absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flags, std::uint64_t points);
+/// `points`: N for which the curve is made. `seed`: of the progressive sampler. The flags have been checked.
+absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flags, std::uint64_t points, std::uint64_t seed = 0);
 
 std::string mapper_name(v1::Mapper mapper);
 std::string area_name(v1::AreaElement area);

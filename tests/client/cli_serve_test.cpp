@@ -129,8 +129,11 @@ TEST_F(ServeTest, IsReadyWhenItsMeshesAreOpen) {
   EXPECT_EQ(server::HttpClient(port).get("/healthz").status, 200);
   EXPECT_EQ(server::HttpClient(port).get("/readyz").body, "meshes are being prepared\n");
   ASSERT_TRUE(server.wait_for("session ")) << server.err();
-  while (server::HttpClient(port).get("/readyz").status != 200) {  // the line comes a moment before
-  }
+  int status = 0;  // 0: no answer
+  do {
+    status = server::HttpClient(port).get("/readyz").status;
+  } while (status == 503);  // the line comes a moment before
+  EXPECT_EQ(status, 200);
   const std::string metrics = server::HttpClient(port).get("/metrics").body;
   EXPECT_THAT(metrics, HasSubstr("curvecast_requests_total{code=\"OK\",method=\"CreateSession\"} 1\n"));
   server.signal(SIGTERM);

@@ -130,13 +130,14 @@ class Client:
         parameteriser: str = "own",
         mapper: str = "exact",
         area: str = "exact",
+        seed: int = 0,
         on_progress: OnProgress | None = None,
     ) -> Session:
         """Prepares a mesh, or joins the session that exists for the same mesh and options, and waits until it is ready.
 
         points: N for which the curve is made fine enough, up to 4,000,000. omega: curve vertices per point; 0 = 10. density: for
         which the curve is made, without terms of a camera. parameteriser: own or cgal; mapper: exact or id_buffer; area: exact or
-        voronoi. An exception in on_progress stops preprocessing on the server too, unless other clients wait for the same session.
+        voronoi. seed: of the progressive sampler's points. An exception in on_progress stops preprocessing on the server too, unless other clients wait for the same session.
         """
         mesh = as_mesh(mesh)
         options = v1.SessionOptions(
@@ -146,6 +147,7 @@ class Client:
             mapper=enum_name(v1.Mapper, "MAPPER", mapper),
             parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
             area_element=enum_name(v1.AreaElement, "AREA_ELEMENT", area),
+            seed=seed,
         )
         request = v1.CreateSessionRequest(mesh_id=mesh.id, options=options, companions=mesh.companions)
         return Session(self._connection, self._connection.call_with_progress("CreateSession", request, "session", on_progress))

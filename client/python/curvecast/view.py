@@ -45,18 +45,18 @@ class View:
     density: Sequence[v1.DensityTerm] | v1.DensityTerm = ()  #: of curvecast.density, multiplied
     camera: Camera | Sequence[Camera] = ()  #: with several there are points for all of them
     viewport: tuple[int, int] | None = None  #: width and height in pixels; default 1024 x 1024
-    sampler: str = (
-        "equalised"  #: or progressive: fixed positions and ranks, more even, small deltas; fewer points where candidates lack
-    )
+    #: equalised, or progressive: fixed positions and ranks, more even, small deltas. None: progressive in a stream and where ranks
+    #: are asked for, unless `sequence` is another than jittered; else equalised
+    sampler: str | None = None
     sequence: str = "jittered"  #: or regular, van_der_corput, golden_ratio; of the equalised sampler
-    seed: int = 0  #: of the equalised sampler
+    seed: int = 0  #: of the equalised sampler; that of the progressive one is the session's
     attributes: Sequence[str] = ()  #: of curvatures, rank (progressive sampler only) and surface (faces, barycentric)
     encoding: str = "raw"  #: exactly as computed; or draco: a tenth of the bytes, rounded
     position_bits: int = 0  #: of draco, per coordinate over the largest side of the mesh's box; 0 = as the camera's pixels ask for
     normal_bits: int = 0  #: of draco; 0 = 8
 
-    def to_proto(self) -> v1.SampleRequest:
-        """Makes the message of the API. ValueError: not exactly one budget, or a name that the API does not know."""
+    def to_proto(self, in_stream: bool = False) -> v1.SampleRequest:
+        """Makes the message of the API, for one answer or for a stream. ValueError: not exactly one budget, or a name that the API does not know."""
         automatic = None if self.frame_seconds is None else v1.AutomaticBudget(frame_seconds=self.frame_seconds)
         budgets = {"points": self.points, "pixel_error": self.pixel_error, "max_bytes": self.max_bytes, "automatic": automatic}
         given: dict[str, Any] = {name: value for name, value in budgets.items() if value is not None}
@@ -71,12 +71,18 @@ class View:
             seed=self.seed,
             encoding=self._encoding(),
             sequence=enum_name(v1.Sequence, "SEQUENCE", self.sequence),
-            sampler=enum_name(v1.Sampler, "SAMPLER", self.sampler),
+            sampler=enum_name(v1.Sampler, "SAMPLER", self._sampler(in_stream)),
             attributes=[enum_name(v1.PointAttribute, "POINT_ATTRIBUTE", name) for name in self.attributes],
         )
         if self.viewport is not None:
             request.viewport.width, request.viewport.height = self.viewport
         return request
+
+    def _sampler(self, in_stream: bool) -> str:
+        if self.sampler is not None:
+            return self.sampler
+        is_progressive = "rank" in self.attributes or (in_stream and self.sequence == "jittered")
+        return "progressive" if is_progressive else "equalised"
 
     def _encoding(self) -> v1.Encoding:
         if self.encoding == "raw":

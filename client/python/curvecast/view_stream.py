@@ -84,7 +84,7 @@ class ViewStream:
     def send(self, view: View, key_frame: bool = False) -> int:
         """Asks for a view and returns its number. The newest view wins: a view that is overtaken gets no frame. `key_frame`: the
         frame must not be a delta. Error: FAILED_PRECONDITION after close(); after the stream's end, what the stream ended with."""
-        request = view.to_proto()
+        request = view.to_proto(in_stream=True)
         with self._changed:
             if self._ended is not None:
                 raise self._ended

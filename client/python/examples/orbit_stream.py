@@ -24,7 +24,6 @@ with curvecast.connect(address) as client:
                     points=int(count),
                     density=[curvecast.density.view(s0=0.2)],
                     camera=curvecast.Camera(eye, centre),
-                    sampler="progressive",
                 )
             )
             frame = stream.frame(timeout=60)

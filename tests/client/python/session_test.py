@@ -9,6 +9,7 @@ import numpy as np
 import curvecast
 from curvecast import Camera, View, density
 from curvecast.protocol import MAX_POINTS
+from curvecast.v1 import curvecast_pb2 as v1
 from fixture import WITH_DRACO, ServerTest, eye_at, present, sphere_obj
 
 RINGS = 24
@@ -41,6 +42,24 @@ class SessionTest(ServerTest):
             np.testing.assert_array_equal(present(one.radii), present(other.radii))
         self.assertFalse(np.array_equal(self.session.sample(1000, seed=1).positions, self.session.sample(1000, seed=2).positions))
 
+    def test_the_progressive_samplers_seed_is_the_sessions(self) -> None:
+        mesh = self.client.upload_bytes("seeded.obj", sphere_obj(8).encode())
+        one, other = (self.client.open(mesh, 1000, seed=seed) for seed in (0, 1))
+        self.assertNotEqual(one.id, other.id)
+        points = [session.sample(500, sampler="progressive").positions for session in (one, other)]
+        self.assertFalse(np.array_equal(*points))
+
+    def test_streams_use_the_progressive_sampler(self) -> None:
+        for view, in_stream, expected in (
+            (View(10), False, v1.SAMPLER_EQUALISED),
+            (View(10), True, v1.SAMPLER_PROGRESSIVE),
+            (View(10, attributes=["rank"]), False, v1.SAMPLER_PROGRESSIVE),
+            (View(10, sequence="regular"), True, v1.SAMPLER_EQUALISED),
+            (View(10, sampler="equalised"), True, v1.SAMPLER_EQUALISED),
+        ):
+            with self.subTest(view, in_stream=in_stream):
+                self.assertEqual(view.to_proto(in_stream).sampler, expected)
+
     def test_points_lie_on_the_sphere(self) -> None:
         mesh = self.client.upload_bytes("far.obj", sphere_obj(RINGS, RADIUS, CENTRE).encode())
         points = self.client.open(mesh, 4096).sample(4096)
@@ -68,6 +87,8 @@ class SessionTest(ServerTest):
             density.uniform(),
             density.curvature("mean", exponent=2, floor=0.5),
             density.brush((0, 1, 0), 0.5, 9, falloff=1),
+            density.brush([(0, 1, 0), (0, 0, 1), (1, 0, 0)], 0.5, 9),
+            density.paint(density.brush((0, 1, 0), 2, 0), density.brush((0, 1, 0), 1, 1)),
             density.view(),
             density.view(0.5),
             density.distance(),
