@@ -168,7 +168,7 @@ TEST_F(CliTest, StreamMeasuresAPath) {
   EXPECT_EQ(report["frames"], 40);
   EXPECT_EQ(report["points_median"], 1500);
   EXPECT_LT(report["added_median"], 1000);
-  EXPECT_EQ(report["removed_median"], report["added_median"]);
+  EXPECT_NEAR(report["removed_median"].get<double>(), report["added_median"].get<double>(), 50);
   const json whole = run_json({"stream", sphere_, "--path", "orbit", "--frames", "4", "-n", "1500", "--sampler", "equalised"});
   EXPECT_EQ(whole["added_median"], 1500);
   EXPECT_EQ(whole["removed_median"], 1500);
