@@ -14,6 +14,10 @@ namespace {
 
 // Divisions of a leaf. A piece that meets several triangles after so many has hardly any area.
 constexpr int kMaxDepth = 24;
+// Triangles whose area on the surface, beside that in the parameter square, differs by less than this factor count as even.
+constexpr double kEven = 1.25;
+// A leaf of which the disc covers all but this part is covered.
+constexpr double kUncovered = 1e-6;
 
 // Where the curve is in a piece is looked up a few levels at a time.
 constexpr int kTableLevels = 4;
@@ -96,10 +100,22 @@ class LeafSurface::Finder {
         places_(places),
         memory_(memory) {}
 
-  /// memory.lists[depth] has the piece's triangles. Finds the places [first, last).
+  /// memory_.lists[0] has the triangles that touch the leaf. Finds all places.
+  void find(const Piece& leaf) {
+    double covered = 0;
+    for (const std::uint32_t t : memory_.lists[0]) {
+      covered += std::max(covered_share(triangles_[t], leaf.quad.corner.x(), leaf.quad.corner.y(), 1 / leaf.quad.side), 0.0);
+    }
+    is_covered_ = covered > 1 - kUncovered;
+    descend(leaf, 0, 0, parts_.size());
+    finish();
+  }
+
+ private:
+  /// memory_.lists[depth] has the piece's triangles. Finds the places [first, last).
   void descend(const Piece& piece, int depth, std::size_t first, std::size_t last) {
     const std::vector<std::uint32_t>& near = memory_.lists[static_cast<std::size_t>(depth)];
-    if (near.size() == 1 || piece.end - piece.begin <= grain_ || depth == kMaxDepth) {
+    if (near.size() == 1 || piece.end - piece.begin <= grain_ || depth == kMaxDepth || is_even(near)) {
       for (std::size_t i = first; i < last; ++i) put(piece, near, i);
       return;
     }
@@ -132,7 +148,17 @@ class LeafSurface::Finder {
     memory_.batch.count = 0;
   }
 
- private:
+  /// Says whether the surface's area is even in a piece of the leaf that these triangles touch.
+  bool is_even(const std::vector<std::uint32_t>& near) const {
+    if (!is_covered_) return false;
+    double least = triangles_[near[0]].area_ratio, most = least;
+    for (const std::uint32_t t : near) {
+      least = std::min(least, triangles_[t].area_ratio);
+      most = std::max(most, triangles_[t].area_ratio);
+    }
+    return most <= kEven * least;
+  }
+
   double area_in(const std::vector<std::uint32_t>& near, const Quad& quad) const {
     double sum = 0;
     for (const std::uint32_t t : near) {
@@ -169,6 +195,7 @@ class LeafSurface::Finder {
   std::span<SurfacePlace> places_;
   Memory& memory_;
   std::size_t done_ = 0;
+  bool is_covered_ = false;  // the leaf, by its disc
 };
 
 LeafSurface::LeafSurface(std::shared_ptr<const CurveBase> base, std::shared_ptr<const SurfaceCurve> curve)
@@ -187,9 +214,7 @@ void LeafSurface::find(std::size_t l, std::span<const double> parts, double grai
   const Piece leaf = whole_leaf(*curve_, l);
   TouchingTriangles& touching = memory.touching.try_emplace(disc, base_->mesh_of(disc)).first->second;
   touching.find(leaf.quad, base_->triangle_of[curve_->triangle[l]], memory.lists[0]);
-  Finder finder(*this, disc, grain, parts, places, memory);
-  finder.descend(leaf, 0, 0, parts.size());
-  finder.finish();
+  Finder(*this, disc, grain, parts, places, memory).find(leaf);
 }
 
 void LeafSurface::find_even(std::span<const LeafPart> at, std::span<SurfacePlace> places) const {

@@ -6,6 +6,7 @@
 
 #include "core/base/random.h"
 #include "core/base/simd.h"
+#include "core/progressive/group_order.h"
 
 namespace curvecast {
 namespace {
@@ -97,7 +98,8 @@ void place_candidates(const CurveStrata& strata, const StratumGroup& group, std:
       t[i] = unit_curve_position(position);
     }
   }
-  strata.points_at(t, std::ldexp(1.0, -2 * (group.level + 1)), points);
+  // Free groups do not see all of their neighbours, which may have a point at the same vertex.
+  strata.points_at(t, std::ldexp(1.0, -2 * (group.level + 1)), points, GroupOrder::is_free(group.level));
 }
 
 GroupCandidates::GroupCandidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed)

@@ -31,7 +31,7 @@ CurvePoint CurveStrata::at_vertex(std::uint32_t l) const {
   return {{{c.x[l], c.y[l], c.z[l]}, {c.nx[l], c.ny[l], c.nz[l]}, c.triangle[l], c.weight_1[l], c.weight_2[l]}, l};
 }
 
-void CurveStrata::points_at(std::span<const double> t, double grain, std::span<CurvePoint> points) const {
+void CurveStrata::points_at(std::span<const double> t, double grain, std::span<CurvePoint> points, bool of_their_own) const {
   if (t.empty()) return;
   const std::uint32_t last = vertex_at(t.back());
   std::uint32_t l = vertex_at(t.front());
@@ -47,7 +47,7 @@ void CurveStrata::points_at(std::span<const double> t, double grain, std::span<C
   for (std::size_t i = 0; i < t.size();) {
     const std::uint32_t vertex = on_vertex(i);
     const double area = static_cast<double>(curve().area[vertex]);
-    if (area <= kSmallLeaf * grain * all) {
+    if (!of_their_own && area <= kSmallLeaf * grain * all) {
       points[i++] = at_vertex(vertex);
       continue;
     }

@@ -34,8 +34,8 @@ class CurveStrata {
   std::uint32_t vertex_at(double t) const;
   /// Writes the points at the curve positions t (ascending) to `points`, as many as t. They lie where the curve passes within the
   /// leaf, on the surface: see LeafSurface::find(), where `grain` is a share of the leaf's area and here of the whole. In a leaf
-  /// that is no larger than a twentieth of the grain they lie at its vertex.
-  void points_at(std::span<const double> t, double grain, std::span<CurvePoint> points) const;
+  /// that is no larger than a twentieth of the grain they lie at its vertex, unless all are to have a place `of_their_own`.
+  void points_at(std::span<const double> t, double grain, std::span<CurvePoint> points, bool of_their_own = false) const;
   /// Returns `count` points spread evenly over a stratum.
   std::vector<CurvePoint> spread_over(int level, std::uint64_t stratum, std::size_t count) const;
   /// Says whether a stratum lies in so few leaves that their vertices say little of it.

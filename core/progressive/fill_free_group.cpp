@@ -84,14 +84,18 @@ class FreeGroup {
     for (std::size_t c = 0; c < children_.size(); ++c) measure(c);
   }
 
-  void fill(std::span<const RankedPoint> base, std::span<const RankedPoint> open, std::span<RankedPoint> points) {
+  /// Takes points around the group into account.
+  void heed(std::span<const RankedPoint> around) {
+    for (const RankedPoint& p : around) take(p);
+  }
+
+  void fill(std::span<const RankedPoint> base, std::span<RankedPoint> points) {
     for (const RankedPoint& p : base) {
       const std::size_t c = p.curve_position >> child_shift(group_.level) & (children_.size() - 1);
       points[c] = p;
       has_point_[c] = 1;
       take(p);
     }
-    for (const RankedPoint& p : open) take(p);
     const std::uint64_t size = group_.size(), n = std::uint64_t{1} << 2 * group_.level, groups = n / size;
     const std::uint64_t turn = reversed_bits(group_.index, std::bit_width(groups) - 1);
     const int bits = std::bit_width(size) - 1;
@@ -153,8 +157,12 @@ float free_influence_radius(double total_area, int level) {
 }
 
 void fill_free_group(const CurveStrata& strata, const StratumGroup& group, std::span<const RankedPoint> base,
-                     std::span<const RankedPoint> open, std::uint64_t seed, std::span<RankedPoint> points) {
-  FreeGroup(strata, group, seed).fill(base, open, points);
+                     std::span<const RankedPoint> done, std::span<const RankedPoint> open, std::uint64_t seed,
+                     std::span<RankedPoint> points) {
+  FreeGroup free(strata, group, seed);
+  free.heed(done);
+  free.heed(open);
+  free.fill(base, points);
 }
 
 }  // namespace curvecast

@@ -59,12 +59,13 @@ GroupOrder::GroupOrder(const CurveStrata& strata, int levels) : strata_(&strata)
 }
 
 float GroupOrder::influence_radius(double total_area, int level) {
-  return waits(level) ? curvecast::influence_radius(total_area, level) : free_influence_radius(total_area, level);
+  return is_free(level) ? free_influence_radius(total_area, level) : curvecast::influence_radius(total_area, level);
 }
 
 bool GroupOrder::precedes(int level, std::uint64_t first, std::uint64_t second) {
+  if (level >= kFirstLooseLevel) return first % 2 == 0 && second % 2 == 1;
   const int bits = 2 * stratum_level(level);
-  return waits(level) && reversed_bits(first, bits) < reversed_bits(second, bits);
+  return reversed_bits(first, bits) < reversed_bits(second, bits);
 }
 
 GroupShape GroupOrder::find_shape(const StratumGroup& group) const {

@@ -14,11 +14,15 @@ namespace {
 
 constexpr std::size_t kMaxChunksAtOnce = 1024;   // one deepen() makes no more
 constexpr std::size_t kMaxKeptPoints = 750'000;  // in groups that are kept for the next grow()
-// Where more than this part (a third) of a level's chunks are lacking, the whole level is made: less work for each chunk, and on
-// all threads.
-constexpr std::uint64_t kWholeLevelPart = 3;
 
 std::uint64_t chunks_of_level(int level) { return std::uint64_t{1} << 2 * (level - kChunkLevels); }
+
+/// Says whether the whole of a level is made where so many of its chunks are lacking: less work for each, and groups that wait
+/// for others take most of the level with them anyway.
+bool is_made_whole(int level, std::uint64_t lacking) {
+  const std::uint64_t all = chunks_of_level(level);
+  return lacking > (GroupOrder::is_free(level - 1) ? all / 5 * 4 : all / 3);
+}
 
 }  // namespace
 
@@ -100,8 +104,7 @@ absl::Status RankGrower::grow(std::span<const ChunkId> lacking, std::uint64_t ma
     const int level = wanted[begin].level;
     std::size_t end = begin;
     while (end < wanted.size() && wanted[end].level == level) ++end;
-    const std::uint64_t all = chunks_of_level(level);
-    if (level == ranks_->level() + 1 && level <= kMaxLevelAtOnce && (end - begin) * kWholeLevelPart > all) {
+    if (level == ranks_->level() + 1 && level <= kMaxLevelAtOnce && is_made_whole(level, end - begin)) {
       if (absl::Status status = make_whole(level, context); !status.ok()) return status;
       begin = end;
     }

@@ -48,10 +48,10 @@ void make_group(const CurveStrata& strata, const GroupOrder& order, const Stratu
       if (box.squaredExteriorDistance(position) <= reach * reach) near.push_back(p);
     }
   }
-  if (GroupOrder::waits(group.level)) {
-    fill_stratum_group(strata, group, base_of(group.index), done, open, seed, points);
+  if (GroupOrder::is_free(group.level)) {
+    fill_free_group(strata, group, base_of(group.index), done, open, seed, points);
   } else {
-    fill_free_group(strata, group, base_of(group.index), open, seed, points);
+    fill_stratum_group(strata, group, base_of(group.index), done, open, seed, points);
   }
 }
 
@@ -59,7 +59,6 @@ void make_group(const CurveStrata& strata, const GroupOrder& order, const Stratu
 /// i; those that are not among `groups` are waited for by nobody.
 template <typename NearOf>
 std::vector<Groups> waves_of(int level, Groups groups, NearOf&& near_of) {
-  if (!GroupOrder::waits(level)) return {std::move(groups)};
   std::sort(groups.begin(), groups.end(), [&](std::uint64_t a, std::uint64_t b) { return GroupOrder::precedes(level, a, b); });
   std::unordered_map<std::uint64_t, std::size_t> wave_of;
   wave_of.reserve(groups.size());
@@ -67,6 +66,7 @@ std::vector<Groups> waves_of(int level, Groups groups, NearOf&& near_of) {
   for (const std::uint64_t i : groups) {
     std::size_t wave = 0;
     for (const std::uint64_t other : near_of(i)) {
+      if (!GroupOrder::precedes(level, other, i)) continue;
       if (const auto before = wave_of.find(other); before != wave_of.end()) wave = std::max(wave, before->second + 1);
     }
     wave_of.emplace(i, wave);

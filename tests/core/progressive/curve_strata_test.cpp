@@ -87,5 +87,20 @@ TEST(CurveStrata, PointsSpreadOverAStratumLieInIt) {
   }
 }
 
+TEST(CurveStrata, PointsInSmallLeavesHavePlacesOfTheirOwnWhereTheyAreToHave) {
+  const auto surface = flat_surface(flat_curve(3));
+  const CurveStrata strata(*surface);
+  const std::vector<double> t = {0.5001, 0.5002, 0.5003, 0.9};
+  std::vector<CurvePoint> points(t.size());
+  strata.points_at(t, 1, points);
+  EXPECT_EQ(points[0].position[0], points[1].position[0]) << "at the leaf's vertex";
+  strata.points_at(t, 1, points, true);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      EXPECT_GT(std::hypot(points[i].position[0] - points[j].position[0], points[i].position[1] - points[j].position[1]), 1e-4);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace curvecast

@@ -21,7 +21,7 @@ constexpr StratumGroup kGroup{kLevel, 1234};
 
 /// A group of the flat square, filled, and the points that it was filled from.
 struct FlatGroup {
-  explicit FlatGroup(std::uint64_t seed = 0, bool has_neighbours = true)
+  explicit FlatGroup(std::uint64_t seed = 0, bool has_neighbours = true, const std::vector<RankedPoint>& done = {})
       : surface(flat_surface(flat_curve(5))), strata(*surface), points(4 * kGroup.size()) {
     base = first_points(kGroup.index);
     if (has_neighbours) {
@@ -29,7 +29,7 @@ struct FlatGroup {
         for (const RankedPoint& p : first_points(i)) open.push_back(p);
       }
     }
-    fill_free_group(strata, kGroup, base, open, seed, points);
+    fill_free_group(strata, kGroup, base, done, open, seed, points);
   }
 
   /// A point in the first child of each of a group's strata.
@@ -97,6 +97,21 @@ TEST(FillFreeGroup, PointsKeepApartAtAllTimes) {
     }
   }
   EXPECT_GT(sum / (4 * 3 * kGroupStrata), 0.65);
+}
+
+TEST(FillFreeGroup, KeepsApartFromGroupsThatAreDone) {
+  const FlatGroup before;
+  std::vector<RankedPoint> done;  // where the group would have its own, were they not there
+  for (const RankedPoint& p : before.points) {
+    if (p.rank >> 2 * kLevel != 0) done.push_back(p);
+  }
+  const FlatGroup after(0, true, done);
+  double least = 1e9;
+  for (const RankedPoint& p : after.points) {
+    if (p.rank >> 2 * kLevel == 0) continue;
+    for (const RankedPoint& q : done) least = std::min(least, distance(p, q));
+  }
+  EXPECT_GT(least, 0.2 * static_cast<double>(lattice_distance(1, std::ldexp(1.0, 2 * kLevel + 2))));
 }
 
 TEST(FillFreeGroup, HeedsThePointsOfGroupsAround) {

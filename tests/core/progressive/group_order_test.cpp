@@ -24,6 +24,20 @@ TEST(GroupOrder, IsTotal) {
   }
 }
 
+TEST(GroupOrder, IsAChessboardOnDeepLevels) {
+  for (std::uint64_t i = 100; i < 120; ++i) {
+    for (std::uint64_t j = 100; j < 120; ++j) {
+      EXPECT_EQ(GroupOrder::precedes(kFirstLooseLevel, i, j), i % 2 == 0 && j % 2 == 1);
+    }
+  }
+  // Groups that share a side take turns.
+  const int m = GroupOrder::stratum_level(kFirstLooseLevel);
+  for (std::uint64_t i = 0; i + 1 < 1000; ++i) {
+    const HilbertCell cell = hilbert_cell(i, m);
+    EXPECT_EQ((cell.x + cell.y) % 2, i % 2);
+  }
+}
+
 /// All near groups of a level, from those of the levels before.
 std::vector<Groups> near_groups(const GroupOrder& order, int level) {
   std::vector<Groups> near(GroupOrder::count(level));
