@@ -76,7 +76,7 @@ absl::Status bench_ranks(const std::shared_ptr<const LeafSurface>& surface, cons
   for (int i = 1; i <= steps; ++i) {
     if (status = context.check(); !status.ok()) return status;
     Stopwatch watch;
-    selector.select(grower->tree(), nullptr, ViewFactor(*curve, density(i)), options.view_points, after, before.scale);
+    selector.select(grower->tree(), nullptr, ViewFactor(*curve, density(i)), options.view_points, after, before.similar_scale());
     select.push_back(watch.lap());
     compare(before, {}, after, delta);
     compare_both.push_back(watch.lap());

@@ -58,27 +58,38 @@ bool needs_none(const ChunkId& id, float most, float scale) {
 }  // namespace
 
 void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& factor,
-                          std::uint64_t n, RankSelection& out, float expected_scale) {
+                          std::uint64_t n, RankSelection& out, double expected_scale) {
   const View view{*tree, density, factor};
   constexpr float kMore = 1.05f, kFewer = 0.93f, kFaster = 4;
-  float guess = expected_scale > 0 ? expected_scale : guess_scale(view, n);
+  out.pixels = factor.pixels();
+  float guess =
+      expected_scale > 0 ? static_cast<float>(expected_scale * (out.pixels > 0 ? out.pixels : 1)) : guess_scale(view, n);
   // Where nothing tells, all that there is in view is looked at, and tells.
   const bool is_known = guess > 0;
   float scale = is_known ? kMore * guess : std::numeric_limits<float>::max(), above = 0;
   bool is_all = visit(view, scale);
   if (!is_known && (guess = measure_scale(view, n)) > 0) scale = kMore * guess;
   std::size_t below = 0;
-  for (;; scale *= kFaster) {
+  for (;;) {
     above = kFewer * scale;
     below = collect(view, above, scale);
-    if (below + window_.size() >= n) break;
+    const std::size_t found = below + window_.size();
+    if (found >= n) break;
     if (is_all) {
       scale = std::numeric_limits<float>::max();
       break;
     }
-    is_all = visit(view, kFaster * scale);
+    // About as many more points as the scale is larger.
+    const float more = kMore * static_cast<float>(n) / static_cast<float>(std::max<std::size_t>(found, 1));
+    scale *= std::clamp(more, kMore, kFaster);
+    is_all = visit(view, scale);
   }
-  if (below >= n || below + window_.size() < n) {
+  while (below >= n) {
+    scale = above;
+    above *= kFewer * static_cast<float>(n) / static_cast<float>(below);
+    below = collect(view, above, scale);
+  }
+  if (below + window_.size() < n) {
     above = 0;
     below = collect(view, above, scale);
   }

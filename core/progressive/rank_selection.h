@@ -47,7 +47,8 @@ struct RankSelection {
   std::size_t count = 0;                 // of points shown
   // Rungs of the discs of the points shown on the curve's RadiusLadder, in the order of their bits; none where not known.
   std::vector<std::uint8_t> rungs;
-  float scale = 0;  // the largest that a point shown needs; a guess where fewer points are shown than were asked for
+  float scale = 0;    // the largest that a point shown needs; a guess where fewer points are shown than were asked for
+  double pixels = 0;  // of the view: ViewFactor::pixels()
   /// Chunks that are not in the tree and may have points to be shown. Without any the selection is what it would be with all
   /// chunks.
   std::vector<ChunkId> lacking;
@@ -56,9 +57,13 @@ struct RankSelection {
 
   /// Bytes allocated, in use or not; the tree is shared and not counted.
   std::size_t byte_size() const {
-    const auto& [t, p, s, c, r, f, l, e] = *this;
+    const auto& [t, p, s, c, r, f, x, l, e] = *this;
     return capacity_bytes(p, s, r, l);
   }
+
+  /// Returns the scale in a unit in which those of similar views are similar: points per pixel, where the view's density is one
+  /// of pixels. (That of a ScreenTerm is relative to the nearest that may be seen.)
+  double similar_scale() const { return pixels > 0 ? static_cast<double>(scale) / pixels : static_cast<double>(scale); }
 
   const RankChunk& chunk(const RankRef& ref) const { return *parts[ref.part].chunk; }
 
@@ -84,10 +89,9 @@ class RankSelector {
  public:
   /// Selects the n > 0 points that need the least scale; of points that need the same, those of lower ranks. Selects fewer where
   /// fewer points of the tree have a density. The density is the fixed one (null: 1 everywhere) times the view's.
-  /// `expected_scale`: about that of the result, as the scale of a similar view; 0: not known. It makes no difference but of
-  /// time.
+  /// `expected_scale`: about the similar_scale() of the result; 0: not known. It makes no difference but of time.
   void select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, std::uint64_t n,
-              RankSelection& out, float expected_scale = 0);
+              RankSelection& out, double expected_scale = 0);
 
   /// Writes the density at the points that the last selection shows, selection.count of them in the order of their bits.
   void densities(const RankSelection& selection, std::span<float> out) const;

@@ -52,7 +52,7 @@ void find_rungs(const SurfaceCurve& curve, const RankSelector& selector, std::ve
 }  // namespace
 
 absl::Status select_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
-                           const Density& density, std::uint64_t n, RankedWorkspace& workspace, float expected_scale) {
+                           const Density& density, std::uint64_t n, RankedWorkspace& workspace, double expected_scale) {
   if (absl::Status status = check_sample(n, density); !status.ok()) return status;
   RankSelection& selection = workspace.selection;
   workspace.selector.select(tree, fixed, ViewFactor(curve, density), n, selection, expected_scale);

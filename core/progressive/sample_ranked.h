@@ -23,7 +23,7 @@ namespace curvecast {
 /// InvalidArgument: n = 0, a bad density. OutOfRange: n > kMaxPoints. FailedPrecondition: the density is zero everywhere.
 /// `expected_scale`: see RankSelector::select().
 absl::Status select_ranked(const SurfaceCurve& curve, const std::shared_ptr<const RankTree>& tree, const FixedDensity* fixed,
-                           const Density& density, std::uint64_t n, RankedWorkspace& workspace, float expected_scale = 0);
+                           const Density& density, std::uint64_t n, RankedWorkspace& workspace, double expected_scale = 0);
 
 /// Writes the data of the points `refs` of a selection to `points`, in this order; their places on faces only if asked for. Radii
 /// are those of the refs' rungs.

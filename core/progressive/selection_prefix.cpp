@@ -24,16 +24,44 @@ std::size_t first_from(const RankChunk& chunk, std::uint64_t position) {
   return first + is_before(first) + is_before(first + 1) + is_before(first + 2);
 }
 
-/// Returns which of some ascending curve positions lie in the chunk's stratum: [first, second).
-std::pair<std::size_t, std::size_t> in_stratum(const ChunkId& id, std::span<const std::uint64_t> positions) {
-  if (id.level == kChunkLevels) return {0, positions.size()};
-  const int bits = 64 - 2 * (id.level - kChunkLevels);
-  const auto from = [&](std::uint64_t stratum) {
-    const auto at = std::ranges::lower_bound(positions, stratum, {}, [bits](std::uint64_t position) { return position >> bits; });
-    return static_cast<std::size_t>(at - positions.begin());
-  };
-  return {from(id.index), from(id.index + 1)};
-}
+/// Finds which of some ascending curve positions lie in the strata of chunks, one chunk after the other in order of id: from
+/// where those of the chunk before ended.
+class PositionsInChunks {
+ public:
+  explicit PositionsInChunks(std::span<const std::uint64_t> positions) : positions_(positions) {}
+
+  /// Returns [first, second) of the positions.
+  std::pair<std::size_t, std::size_t> next(const ChunkId& id) {
+    if (id.level == kChunkLevels) return {0, positions_.size()};
+    if (id.level != level_) level_ = id.level, at_ = 0;
+    const std::size_t first = at_ = from(id.index);
+    at_ = from(id.index + 1);
+    return {first, at_};
+  }
+
+ private:
+  /// Returns the first position from `at_` on that is in a stratum of the chunks' level, or after it.
+  std::size_t from(std::uint64_t stratum) const {
+    const int bits = 64 - 2 * (level_ - kChunkLevels);
+    const auto is_before = [&](std::size_t i) { return positions_[i] >> bits < stratum; };
+    std::size_t begin = at_, step = 1;
+    for (; begin + step < positions_.size() && is_before(begin + step); step *= 2) begin += step;
+    std::size_t end = std::min(begin + step, positions_.size());
+    while (begin < end) {
+      const std::size_t middle = (begin + end) / 2;
+      if (is_before(middle)) {
+        begin = middle + 1;
+      } else {
+        end = middle;
+      }
+    }
+    return begin;
+  }
+
+  std::span<const std::uint64_t> positions_;
+  int level_ = 0;
+  std::size_t at_ = 0;
+};
 
 /// Counts the bits below an index in a row of words; the indices asked for must ascend.
 class BitsBelow {
@@ -57,16 +85,17 @@ class BitsBelow {
 CURVECAST_WIDE void count_selected_before(const RankSelection& selection, std::span<const std::uint64_t> curve_positions,
                                           std::span<std::uint32_t> before) {
   std::ranges::fill(before, 0);
+  PositionsInChunks ends(curve_positions), ranges(curve_positions);
   for (const RankSelection::Part& part : selection.parts) {
     // Positions after the chunk's stratum have all of its points before them: added up below.
     const RankChunk& chunk = *part.chunk;
-    const std::size_t end = in_stratum(chunk.id, curve_positions).second;
+    const std::size_t end = ends.next(chunk.id).second;
     if (end < before.size()) before[end] += BitsBelow(&selection.shown[part.first_bit / kWord])(chunk.size());
   }
   std::partial_sum(before.begin(), before.end(), before.begin());
   for (const RankSelection::Part& part : selection.parts) {
     const RankChunk& chunk = *part.chunk;
-    const auto [first, end] = in_stratum(chunk.id, curve_positions);
+    const auto [first, end] = ranges.next(chunk.id);
     BitsBelow bits_below(&selection.shown[part.first_bit / kWord]);
     for (std::size_t i = first; i < end; ++i) before[i] += bits_below(first_from(chunk, curve_positions[i]));
   }

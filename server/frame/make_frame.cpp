@@ -146,7 +146,7 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
   if (!sampler.ok()) return sampler.status();
   const bool may_differ =
       request.reference != nullptr && sampler->is_ranked() && request.reference->goes_with(sampler->curve(), point_set);
-  if (may_differ) sampler->expect_scale(request.reference->selection().scale);
+  if (may_differ) sampler->expect_scale(request.reference->selection().similar_scale());
   absl::StatusOr<PackedFrame> made = point_set.max_bytes > 0
                                          ? pack_bytes(*sampler, point_set)
                                          : pack_view(*sampler, request, may_differ ? request.reference : nullptr);

@@ -20,6 +20,7 @@ ReferenceFrame::ReferenceFrame(std::shared_ptr<const SurfaceCurve> curve, const 
     : curve_(std::move(curve)), lattice_(lattice), normal_bits_(normal_bits_of(request)), attributes_(request.attributes) {
   selection_.count = selection.count;
   selection_.scale = selection.scale;
+  selection_.pixels = selection.pixels;
   const auto words_of = [&](const RankSelection::Part& part) {
     return std::span(selection.shown).subspan(part.first_bit / RankSelection::kWord, part.chunk->size() / RankSelection::kWord);
   };

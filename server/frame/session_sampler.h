@@ -71,7 +71,7 @@ class SessionSampler {
   /// end; candidates that lack are asked for so many. Precondition: is_ranked().
   absl::StatusOr<Sampled> select(std::uint64_t points, std::uint64_t whole);
   /// Expects the scale of an earlier view, which is likely to be near.
-  void expect_scale(float scale) { expected_scale_ = scale; }
+  void expect_scale(double scale) { expected_scale_ = scale; }
   /// Lists the points that select() selected.
   static void list(Sampled& selected, const PointAttributes& attributes);
 
@@ -92,7 +92,7 @@ class SessionSampler {
   std::shared_ptr<const SurfaceCurve> curve_;
   std::shared_ptr<const RankTree> ranks_;  // null: the equalised sampler
   std::shared_ptr<const FixedDensity> fixed_;
-  float expected_scale_ = 0;  // not known
+  double expected_scale_ = 0;  // not known
   double fixed_seconds_ = 0;
 };
 
