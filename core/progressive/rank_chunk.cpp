@@ -10,7 +10,7 @@ void fill_bounds(const StratumBounds& bounds, RankChunk& chunk) {
   for (Column<float>* column : {&out.x, &out.y, &out.z, &out.radius, &out.nx, &out.ny, &out.nz, &out.spread}) {
     column->resize(kChunkRuns);
   }
-  constexpr int kRunLevels = 1;
+  constexpr int kRunLevels = 2;
   static_assert(kChunkRuns == 1u << 2 * kRunLevels);
   for (std::size_t r = 0; r < kChunkRuns; ++r) {
     const StratumBound bound = bounds.of(chunk.id.level - kChunkLevels + kRunLevels, chunk.id.index * kChunkRuns + r);

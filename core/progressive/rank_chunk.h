@@ -20,7 +20,7 @@ namespace curvecast {
 inline constexpr int kChunkLevels = 5;
 inline constexpr std::size_t kChunkStrata = std::size_t{1} << 2 * kChunkLevels;
 /// A chunk's points in curve order are this many runs of equal length; each run has bounds of its own.
-inline constexpr std::size_t kChunkRuns = 4;
+inline constexpr std::size_t kChunkRuns = 16;
 
 /// Ranks of these levels are kept as they are.
 inline constexpr int kWholeRankLevels = 15;

@@ -33,14 +33,14 @@ void find(const RankSelection& selection, Nearest& nearest) {
   for (const RankSelection::Part& part : selection.parts) {
     const RankChunk& chunk = *part.chunk;
     const CurveBlocks& bounds = chunk.bounds;
-    const std::size_t words_of_run = chunk.run_size() / RankSelection::kWord;
-    const std::uint64_t* word = &selection.shown[part.first_bit / RankSelection::kWord];
-    for (std::size_t run = 0; run < kChunkRuns; ++run, word += words_of_run) {
+    const std::uint64_t* const words = &selection.shown[part.first_bit / RankSelection::kWord];
+    const std::size_t length = chunk.run_size();
+    for (std::size_t run = 0; run < kChunkRuns; ++run) {
       const Vec3f middle(bounds.x[run], bounds.y[run], bounds.z[run]);
       if ((middle - nearest.place).norm() - bounds.radius[run] >= std::sqrt(nearest.square)) continue;
-      for (std::size_t w = 0; w < words_of_run; ++w) {
-        for_each_bit(word[w], run * chunk.run_size() + w * RankSelection::kWord,
-                     [&](std::size_t i) { nearest.add(Vec3f(chunk.x[i], chunk.y[i], chunk.z[i])); });
+      for (std::size_t i = run * length; i < (run + 1) * length; ++i) {
+        if ((words[i / RankSelection::kWord] >> i % RankSelection::kWord & 1) == 0) continue;
+        nearest.add(Vec3f(chunk.x[i], chunk.y[i], chunk.z[i]));
       }
     }
   }
