@@ -56,7 +56,8 @@ class Canvas {
         const double x = column + 0.5, y = row + 0.5;
         const double u = cross(p[1], p[2], x, y) / area, v = cross(p[2], p[0], x, y) / area, w = 1 - u - v;
         if (u < 0 || v < 0 || w < 0) continue;
-        put(static_cast<std::size_t>(row * width_ + column), u * p[0].z() + v * p[1].z() + w * p[2].z(), light);
+        put(static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column),
+            u * p[0].z() + v * p[1].z() + w * p[2].z(), light);
       }
     }
   }
