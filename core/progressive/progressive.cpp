@@ -131,9 +131,9 @@ class GroupMaker {
 
   const Groups& near(int level, std::uint64_t index) {
     if (const auto found = made_.near.find({level, index}); found != made_.near.end()) return found->second;
-    static const Groups whole = {0};
+    static const Groups kWhole = {0};
     const bool is_whole = GroupOrder::count(level) == 1;
-    const Groups& near_parent = is_whole ? whole : near(level - 1, index / 4);
+    const Groups& near_parent = is_whole ? kWhole : near(level - 1, index / 4);
     if (!is_whole && !order_.has_shapes(level)) {
       for (const std::uint64_t parent : near_parent) {
         for (std::uint64_t i = 4 * parent; i < 4 * parent + 4; ++i) {
