@@ -54,12 +54,12 @@ class GroupOrder {
   static std::uint64_t count(int level) { return std::uint64_t{1} << 2 * stratum_level(level); }
   /// Returns up to which distance points influence those of a group of a level.
   static float influence_radius(double total_area, int level);
-  /// Says whether groups of a level are free: hardly wait for others of it.
+  /// Says whether groups of a level are free: filled by fill_free_group().
   static bool is_free(int level) { return level >= kFirstFreeLevel; }
   /// Says whether the second of two groups of one level waits for the first, where they are near each other, and heeds its
-  /// points. Free groups of odd indices wait for those of even ones, which lie about them like the squares of a chessboard.
-  /// Others wait in the order of the reversed bits of the index: groups that follow one another on the curve come in different
-  /// quarters of the order, so that chains of groups that wait for one another are short.
+  /// points. From kFirstLooseLevel on those of odd indices wait for those of even ones, which lie about them like the squares of
+  /// a chessboard. Others wait in the order of the reversed bits of the index: groups that follow one another on the curve come
+  /// in different quarters of the order, so that chains of groups that wait for one another are short.
   static bool precedes(int level, std::uint64_t first, std::uint64_t second);
 
   /// Says whether the shapes of a level's groups are prepared.

@@ -14,7 +14,8 @@ namespace curvecast {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kSlack = 1.0001f;  // bounds are rounded, points too
+constexpr float kSlack = 1.0001f;    // bounds are rounded, points too
+constexpr double kMostScale = 1e30;  // of a guess, which must stay finite
 constexpr std::size_t kWord = RankSelection::kWord;
 constexpr std::size_t kQuarterRuns = kChunkRuns / 4;
 
@@ -62,8 +63,8 @@ void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensi
   const View view{*tree, density, factor};
   constexpr float kMore = 1.05f, kFewer = 0.93f, kFaster = 4;
   out.pixels = factor.pixels();
-  float guess =
-      expected_scale > 0 ? static_cast<float>(expected_scale * (out.pixels > 0 ? out.pixels : 1)) : guess_scale(view, n);
+  const double expected = expected_scale * (out.pixels > 0 ? out.pixels : 1);
+  float guess = expected > 0 ? static_cast<float>(std::min(expected, kMostScale)) : guess_scale(view, n);
   // Where nothing tells, all that there is in view is looked at, and tells.
   const bool is_known = guess > 0;
   float scale = is_known ? kMore * guess : std::numeric_limits<float>::max(), above = 0;
@@ -81,7 +82,7 @@ void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensi
     }
     // About as many more points as the scale is larger.
     const float more = kMore * static_cast<float>(n) / static_cast<float>(std::max<std::size_t>(found, 1));
-    scale *= std::clamp(more, kMore, kFaster);
+    scale = std::min(scale * std::clamp(more, kMore, kFaster), std::numeric_limits<float>::max());
     is_all = visit(view, scale);
   }
   while (below >= n) {
@@ -155,7 +156,7 @@ float RankSelector::measure_scale(const View& view, std::uint64_t n) const {
       integral += sum / static_cast<double>(points) * std::ldexp(1.0, -2 * (chunk.id.level + 1 - kChunkLevels));
     }
   }
-  return integral > 0 ? static_cast<float>(std::min(static_cast<double>(n) / integral, 1e30)) : 0.0f;
+  return integral > 0 ? static_cast<float>(std::min(static_cast<double>(n) / integral, kMostScale)) : 0.0f;
 }
 
 float RankSelector::quarter_bound(std::size_t v, std::size_t quarter) const {

@@ -107,6 +107,24 @@ TEST(RankSelection, OfAUniformDensityTheLowestRanks) {
   EXPECT_TRUE(selection.lacking.empty());
 }
 
+TEST(RankSelection, WhatIsExpectedMakesNoDifference) {
+  const auto tree = ball_tree(8);
+  const FixedDensity own = fixed(some_density(5));
+  for (const Terms& terms : kViews) {
+    for (const std::uint64_t n : {std::uint64_t{1}, std::uint64_t{700}, std::uint64_t{1'000'000}}) {
+      const RankSelection plain = select(tree, terms, n, &own);
+      for (const double factor : {1e-300, 1e-9, 0.3, 0.96, 1.0, 1.02, 1.3, 7.0, 1e9, 1e300}) {
+        RankSelector selector;
+        RankSelection selection;
+        selector.select(tree, &own, ViewFactor(*ball_curve(), terms), n, selection, factor * plain.similar_scale());
+        EXPECT_EQ(ranks_of(selection), ranks_of(plain)) << n << " points, " << factor;
+        EXPECT_EQ(selection.scale, plain.scale);
+        EXPECT_EQ(selection.lacking, plain.lacking);
+      }
+    }
+  }
+}
+
 TEST(RankSelection, DoesNotDependOnWhatElseThereIsOnceNothingLacks) {
   const FixedDensity own = fixed(some_density(2));
   const auto deep = ball_tree(9);
