@@ -56,7 +56,8 @@ class View:
     normal_bits: int = 0  #: of draco; 0 = 8
 
     def to_proto(self, in_stream: bool = False) -> v1.SampleRequest:
-        """Makes the message of the API, for one answer or for a stream. ValueError: not exactly one budget, or a name that the API does not know."""
+        """Makes the message of the API, for one answer or for a stream. ValueError: not exactly one budget, or a name that the API
+        does not know."""
         automatic = None if self.frame_seconds is None else v1.AutomaticBudget(frame_seconds=self.frame_seconds)
         budgets = {"points": self.points, "pixel_error": self.pixel_error, "max_bytes": self.max_bytes, "automatic": automatic}
         given: dict[str, Any] = {name: value for name, value in budgets.items() if value is not None}

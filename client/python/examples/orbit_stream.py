@@ -20,11 +20,7 @@ with curvecast.connect(address) as client:
             angle = math.radians(i)
             eye = centre + reach * np.array([math.sin(angle), 0.2, math.cos(angle)])
             stream.send(
-                curvecast.View(
-                    points=int(count),
-                    density=[curvecast.density.view(s0=0.2)],
-                    camera=curvecast.Camera(eye, centre),
-                )
+                curvecast.View(points=int(count), density=[curvecast.density.view(s0=0.2)], camera=curvecast.Camera(eye, centre))
             )
             frame = stream.frame(timeout=60)
             if frame.error:

@@ -46,8 +46,8 @@ class SessionTest(ServerTest):
         mesh = self.client.upload_bytes("seeded.obj", sphere_obj(8).encode())
         one, other = (self.client.open(mesh, 1000, seed=seed) for seed in (0, 1))
         self.assertNotEqual(one.id, other.id)
-        points = [session.sample(500, sampler="progressive").positions for session in (one, other)]
-        self.assertFalse(np.array_equal(*points))
+        first, second = (session.sample(500, sampler="progressive").positions for session in (one, other))
+        self.assertFalse(np.array_equal(first, second))
 
     def test_streams_use_the_progressive_sampler(self) -> None:
         for view, in_stream, expected in (

@@ -36,7 +36,12 @@ describe("the address", () => {
   });
 
   it("does not keep tools, nor take them", () => {
-    const dabs = Array.from({ length: 501 }, () => ({ centre: [0, 0, 0] as [number, number, number], radius: 1, factor: 2, stroke: 0 }));
+    const dabs = Array.from({ length: 501 }, () => ({
+      centre: [0, 0, 0] as [number, number, number],
+      radius: 1,
+      factor: 2,
+      stroke: 0,
+    }));
     expect(writeState(null, null, { ...defaults, dabs, brush: true, eraser: true, measuring: true, frozen: true }, defaults)).toBe(
       "#points=50000&background=light",
     );
