@@ -40,9 +40,13 @@ void* aligned(std::size_t size, std::align_val_t alignment) {
 
 }  // namespace
 
-// The forms for arrays and those that throw nothing call these.
+// The forms for arrays call these; so do those that throw nothing, but not AddressSanitizer's.
 void* operator new(std::size_t size) { return taken_or_throw(std::malloc(size)); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return taken(std::malloc(size)); }
 void* operator new(std::size_t size, std::align_val_t alignment) { return taken_or_throw(aligned(size, alignment)); }
+void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return taken(aligned(size, alignment));
+}
 void operator delete(void* memory) noexcept { give_back(memory); }
 void operator delete(void* memory, std::size_t) noexcept { give_back(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { give_back(memory); }
