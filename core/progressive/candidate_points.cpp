@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "core/base/random.h"
 #include "core/base/simd.h"
@@ -84,13 +85,14 @@ CURVECAST_WIDE float largest_of(const float* values) {
 }
 
 void place_candidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed,
-                      std::span<std::uint64_t> curve_positions, std::span<CurvePoint> points) {
-  const std::size_t children = 4 * group.size(), in_each = points.size() / children;
+                      std::span<const std::uint32_t> children, std::span<std::uint64_t> curve_positions,
+                      std::span<CurvePoint> points) {
+  const std::size_t in_each = points.size() / children.size();
   std::vector<double> t(points.size());
   const int shift = child_shift(group.level);
   const std::uint64_t step = (std::uint64_t{1} << shift) / in_each;
-  for (std::size_t c = 0; c < children; ++c) {
-    const std::uint64_t stratum = group.index * children + c;
+  for (std::size_t c = 0; c < children.size(); ++c) {
+    const std::uint64_t stratum = group.index * 4 * group.size() + children[c];
     const double offset = random_unit(seed + static_cast<std::uint64_t>(group.level), stratum);
     std::uint64_t position = (stratum << shift) + static_cast<std::uint64_t>(offset * static_cast<double>(step));
     for (std::size_t i = c * in_each; i < (c + 1) * in_each; ++i, position += step) {
@@ -109,7 +111,9 @@ GroupCandidates::GroupCandidates(const CurveStrata& strata, const StratumGroup& 
       curve_position_(at_.size()),
       candidates_(4 * group.size()),
       children_(candidates_.size()) {
-  place_candidates(strata, group, seed, curve_position_, at_);
+  std::vector<std::uint32_t> all(size());
+  std::iota(all.begin(), all.end(), 0u);
+  place_candidates(strata, group, seed, all, curve_position_, at_);
   for (std::size_t c = 0; c < size(); ++c) {
     measure(c);
     const ChildStratum& child = children_[c];

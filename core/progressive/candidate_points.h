@@ -55,11 +55,12 @@ std::size_t central_candidate(const CandidatePoints& candidates, const float* ne
 /// Returns the largest of kCandidates values.
 float largest_of(const float* values);
 
-/// Places candidates at equal steps along the curve, as many in each child stratum of a group; the seed moves those of each child
-/// by a part of a step. Writes their curve positions and where these lie. Precondition: as many of both, a power of two in each
-/// child.
+/// Places candidates at equal steps along the curve, as many in each of some child strata of a group (ascending numbers of
+/// theirs); the seed moves those of each child by a part of a step. Writes their curve positions and where these lie, neither of
+/// which depends on the other children. Precondition: as many of both, a power of two in each child.
 void place_candidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed,
-                      std::span<std::uint64_t> curve_positions, std::span<CurvePoint> points);
+                      std::span<const std::uint32_t> children, std::span<std::uint64_t> curve_positions,
+                      std::span<CurvePoint> points);
 
 /// The candidates of all child strata of a group.
 class GroupCandidates {

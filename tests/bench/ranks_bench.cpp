@@ -2,14 +2,21 @@
 //   ranks_bench [MESH] [--benchmark_...]      without a mesh: a generated torus
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <memory>
 #include <string>
+#include <utility>
 
+#include "core/base/stopwatch.h"
 #include "core/pipeline/curve_surface.h"
 #include "core/progressive/grow_ranks.h"
+#include "core/progressive/rank_delta.h"
 #include "core/progressive/rank_selection.h"
+#include "core/progressive/sample_ranked.h"
 #include "tests/support/shapes.h"
 #include "tests/support/views.h"
 
@@ -56,6 +63,62 @@ void deepen(benchmark::State& state) {
   state.counters["made"] = static_cast<double>(made);
 }
 
+/// A camera that goes from the whole mesh to a 2,000th of its size from its surface: `part`, from 0 to 1, of the way.
+Density zoomed(double part) {
+  const SurfaceCurve& curve = surface->curve();
+  const std::size_t l = curve.size() / 3;
+  const Vec3d place = curve.position(l).cast<double>() + curve.origin;
+  const double distance = curve.box.diagonal() * 1.25 * std::pow(2500.0, -part);
+  return Density({ScreenTerm{}, FrustumTerm{}}, {testing::camera_at(place + distance * curve.normal(l).cast<double>(), place)});
+}
+
+/// What changes from view to view on the way down, on ranks that are there: points of the views, steps of the way.
+void step(benchmark::State& state) {
+  const SurfaceCurve& curve = surface->curve();
+  const auto points = static_cast<std::uint64_t>(state.range(0));
+  const int steps = static_cast<int>(state.range(1));
+  static std::map<std::uint64_t, std::unique_ptr<RankGrower>> growers;
+  std::unique_ptr<RankGrower>& grower = growers[points];
+  RankedWorkspace before, after;
+  if (grower == nullptr) {
+    grower = RankGrower::make(surface, {.level = 8}, {}).value();
+    for (int i = 0; i <= 180; ++i) {
+      for (;;) {
+        if (!select_ranked(curve, grower->tree(), nullptr, zoomed(i / 180.0), points, after).ok()) return;
+        if (after.selection.lacking.empty() || !grower->grow(after.selection.lacking, 1'000 * kPoints, {}).ok()) break;
+      }
+    }
+  }
+  double seconds[3] = {};
+  std::size_t changes = 0, count = 0, visited = 0;
+  for (auto _ : state) {
+    for (int i = 0; i <= steps; ++i) {
+      Stopwatch watch;
+      const double expected = i > 0 ? before.selection.similar_scale() : 0;
+      if (!select_ranked(curve, grower->tree(), nullptr, zoomed(static_cast<double>(i) / steps), points, after, expected).ok())
+        return;
+      const double selecting = watch.lap();
+      if (i > 0) {
+        RankDelta& delta = after.delta;
+        compare(before.selection, before.selection.rungs, after.selection, delta);
+        const double comparing = watch.lap();
+        changes += delta.added.size() + delta.removed.size() + delta.resized.size();
+        locate(before.selection, after.selection, delta, after.list_delta);
+        seconds[0] += selecting, seconds[1] += comparing, seconds[2] += watch.lap();
+        visited += after.selection.shown.size() * 64;
+        ++count;
+      }
+      std::swap(before.selection, after.selection);
+    }
+  }
+  const auto n = static_cast<double>(count);
+  state.counters["select_us"] = 1e6 * seconds[0] / n;
+  state.counters["compare_us"] = 1e6 * seconds[1] / n;
+  state.counters["locate_us"] = 1e6 * seconds[2] / n;
+  state.counters["changes"] = static_cast<double>(changes) / n;
+  state.counters["visited"] = static_cast<double>(visited) / n;
+}
+
 bool load(const std::string& path) {
   std::string bytes;
   if (path.empty()) {
@@ -74,6 +137,7 @@ bool load(const std::string& path) {
 }
 
 BENCHMARK(make_ranks)->DenseRange(7, 9)->Unit(benchmark::kMillisecond);
+BENCHMARK(step)->ArgsProduct({{20'000, 50'000}, {180, 300, 3'000}})->Unit(benchmark::kMillisecond);
 BENCHMARK(deepen)->Arg(5)->Arg(50)->Arg(500)->Unit(benchmark::kMillisecond);
 
 }  // namespace
