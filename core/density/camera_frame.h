@@ -19,6 +19,16 @@ struct VertexColumns {
 /// Columns of blocks of curve vertices; see CurveBlocks.
 struct BlockColumns {
   const float *x, *y, *z, *radius, *nx, *ny, *nz, *spread;
+
+  /// Returns the columns of a curve's blocks.
+  static BlockColumns of(const CurveBlocks& blocks) {
+    return {blocks.x.data(),  blocks.y.data(),  blocks.z.data(),  blocks.radius.data(),
+            blocks.nx.data(), blocks.ny.data(), blocks.nz.data(), blocks.spread.data()};
+  }
+  /// Returns the columns without their first entries.
+  BlockColumns from(std::size_t first) const {
+    return {x + first, y + first, z + first, radius + first, nx + first, ny + first, nz + first, spread + first};
+  }
 };
 
 /// The value (x, y, z) . p + offset, in diagonals, of a position p relative to the curve's origin and in the file's units.

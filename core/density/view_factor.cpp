@@ -11,11 +11,6 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t kBatch = 256;  // of several cameras: what lies between them stays in the nearest cache
 
-BlockColumns columns_of(const CurveBlocks& blocks, std::size_t begin) {
-  return {&blocks.x[begin],  &blocks.y[begin],  &blocks.z[begin],  &blocks.radius[begin],
-          &blocks.nx[begin], &blocks.ny[begin], &blocks.nz[begin], &blocks.spread[begin]};
-}
-
 /// Takes one more factor into what they are at most. Where its change has no bound, a factor is itself the most.
 CURVECAST_WIDE void take_most(const float* __restrict factor, const float* __restrict change, std::size_t n,
                               float* __restrict most) {
@@ -76,12 +71,13 @@ void ViewFactor::multiply(const float* x, const float* y, const float* z, const 
 
 void ViewFactor::of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* __restrict factor,
                            float* __restrict change) const {
+  const BlockColumns columns = BlockColumns::of(blocks);
   const auto of_camera = [&](const std::vector<Factor>& factors, std::size_t first, std::size_t count, float* value,
                              float* most) {
     std::fill_n(value, count, 1.0f);
     std::fill_n(most, count, 0.0f);
     for (const Factor& one : factors) {
-      std::visit([&](const auto& f) { f.multiply_blocks(columns_of(blocks, first), count, value, most); }, one);
+      std::visit([&](const auto& f) { f.multiply_blocks(columns.from(first), count, value, most); }, one);
     }
   };
   if (cameras_.size() == 1) return of_camera(cameras_[0], begin, end - begin, factor, change);
@@ -105,21 +101,21 @@ void ViewFactor::of_blocks(const CurveBlocks& blocks, std::size_t begin, std::si
   }
 }
 
-void ViewFactor::most_of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* most) const {
+void ViewFactor::most_of_blocks(const BlockColumns& blocks, std::size_t n, float* most) const {
   if (is_one()) {
-    std::fill_n(most, end - begin, 1.0f);
+    std::fill_n(most, n, 1.0f);
     return;
   }
   float value[kBatch], change[kBatch], of_camera[kBatch];
-  for (std::size_t first = begin; first < end; first += kBatch, most += kBatch) {
-    const std::size_t count = std::min(kBatch, end - first);
+  for (std::size_t first = 0; first < n; first += kBatch, most += kBatch) {
+    const std::size_t count = std::min(kBatch, n - first);
     std::fill_n(most, count, 0.0f);
     for (const std::vector<Factor>& factors : cameras_) {
       std::fill_n(of_camera, count, 1.0f);
       for (const Factor& one : factors) {
         std::fill_n(value, count, 1.0f);
         std::fill_n(change, count, 0.0f);
-        std::visit([&](const auto& f) { f.multiply_blocks(columns_of(blocks, first), count, value, change); }, one);
+        std::visit([&](const auto& f) { f.multiply_blocks(blocks.from(first), count, value, change); }, one);
         take_most(value, change, count, of_camera);
       }
       for (std::size_t i = 0; i < count; ++i) most[i] = std::max(most[i], of_camera[i]);

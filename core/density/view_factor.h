@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/curve/surface_curve.h"
+#include "core/density/camera_frame.h"
 #include "core/density/density.h"
 #include "core/density/distance_factor.h"
 #include "core/density/frustum_factor.h"
@@ -34,8 +35,8 @@ class ViewFactor {
   void of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* __restrict factor,
                  float* __restrict change) const;
 
-  /// Writes to `most` an upper bound of the factor on the vertices of the blocks [begin, end), but for rounding.
-  void most_of_blocks(const CurveBlocks& blocks, std::size_t begin, std::size_t end, float* most) const;
+  /// Writes to `most` an upper bound of the factor on the vertices of each of n blocks, but for rounding.
+  void most_of_blocks(const BlockColumns& blocks, std::size_t n, float* most) const;
 
   /// Returns the pixels per squared unit of the file where a screen term is 1.
   double pixels() const { return pixels_; }

@@ -6,10 +6,7 @@ namespace curvecast {
 namespace {
 
 void fill_bounds(const StratumBounds& bounds, RankChunk& chunk) {
-  CurveBlocks& out = chunk.bounds;
-  for (Column<float>* column : {&out.x, &out.y, &out.z, &out.radius, &out.nx, &out.ny, &out.nz, &out.spread}) {
-    column->resize(kChunkRuns);
-  }
+  RunBounds& out = chunk.bounds;
   constexpr int kRunLevels = 2;
   static_assert(kChunkRuns == 1u << 2 * kRunLevels);
   for (std::size_t r = 0; r < kChunkRuns; ++r) {

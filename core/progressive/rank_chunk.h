@@ -10,7 +10,7 @@
 
 #include "core/base/colour.h"
 #include "core/base/quantised.h"
-#include "core/curve/curve_blocks.h"
+#include "core/density/camera_frame.h"
 #include "core/progressive/stratum_bounds.h"
 #include "core/progressive/stratum_group.h"
 
@@ -37,6 +37,12 @@ struct ChunkId {
   /// Chunks keep ranks in steps of this, rounded down: they fit signed 32-bit integers, which vector code turns to floats.
   std::uint64_t rank_step() const { return level > kWholeRankLevels ? std::uint64_t{1} << 2 * (level - kWholeRankLevels) : 1; }
   ChunkId child(std::uint64_t quarter) const { return {level + 1, 4 * index + quarter}; }
+  /// Return the first and the last curve position in the chunk's stratum.
+  std::uint64_t first_position() const { return level == kChunkLevels ? 0 : index << (64 - 2 * (level - kChunkLevels)); }
+  std::uint64_t last_position() const {
+    return level == kChunkLevels ? ~std::uint64_t{0}
+                                 : first_position() + ((std::uint64_t{1} << (64 - 2 * (level - kChunkLevels))) - 1);
+  }
   auto operator<=>(const ChunkId&) const = default;
 };
 
@@ -58,6 +64,14 @@ class LastUse {
   mutable std::atomic<std::uint64_t> growth_ = 0;
 };
 
+/// Bounds of each run of a chunk: of all points in its strata, those of deeper chunks too. See CurveBlocks.
+struct RunBounds {
+  float x[kChunkRuns], y[kChunkRuns], z[kChunkRuns], radius[kChunkRuns];
+  float nx[kChunkRuns], ny[kChunkRuns], nz[kChunkRuns], spread[kChunkRuns];
+
+  BlockColumns columns() const { return {x, y, z, radius, nx, ny, nz, spread}; }
+};
+
 /// Points of a chunk, in curve order.
 struct RankChunk {
   ChunkId id;
@@ -70,7 +84,7 @@ struct RankChunk {
   std::vector<std::uint32_t> face;          // of the repaired mesh
   std::vector<Unorm16> weight_1, weight_2;  // barycentric: of the face's second and third corner
   std::vector<Rgba8> colour;                // of the surface; empty when the mesh has none
-  CurveBlocks bounds;  // of each run: bounds of all points in its strata, those of deeper chunks too; without area
+  RunBounds bounds;
   std::array<std::uint32_t, kChunkRuns> first_vertex{}, last_vertex{};  // of each run's strata on the curve, both included
 
   std::size_t size() const { return x.size(); }

@@ -17,6 +17,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kSlack = 1.0001f;    // bounds are rounded, points too
 constexpr double kMostScale = 1e30;  // of a guess, which must stay finite
 constexpr std::size_t kWord = RankSelection::kWord;
+constexpr std::size_t kAhead = 4;  // chunks whose bounds the memory brings beforehand
 constexpr std::size_t kQuarterRuns = kChunkRuns / 4;
 
 static_assert(kChunkStrata % (4 * kWord) == 0, "chunks fill whole words");
@@ -54,6 +55,28 @@ CURVECAST_WIDE std::size_t mark_upto(const float* key, std::size_t words, float 
 bool needs_none(const ChunkId& id, float most, float scale) {
   return static_cast<double>(most) * static_cast<double>(kSlack) * static_cast<double>(scale) <
          static_cast<double>(id.first_rank()) + 1;
+}
+
+/// Brings memory nearer that is read soon.
+void prefetch(const void* first, std::size_t bytes) {
+  constexpr std::size_t kLine = 64;
+  for (std::size_t at = 0; at < bytes + kLine - 1; at += kLine) __builtin_prefetch(static_cast<const char*>(first) + at);
+}
+
+/// Does so for what evaluate() reads of runs that may show points. Between two views other work has had the caches, and chunks
+/// are too short for a processor to foresee what is read.
+void prefetch_runs(const RankChunk& chunk, const float* most, float scale) {
+  const std::size_t length = chunk.run_size();
+  for (std::size_t r = 0; r < kChunkRuns; ++r) {
+    if (needs_none(chunk.id, most[r], scale)) continue;
+    for (const std::vector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) {
+      prefetch(&(*column)[r * length], length * sizeof(float));
+    }
+    for (const std::vector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) {
+      prefetch(&(*column)[r * length], length * sizeof(Snorm16));
+    }
+    prefetch(&chunk.rank[r * length], length * sizeof(std::uint32_t));
+  }
 }
 
 }  // namespace
@@ -173,6 +196,8 @@ bool RankSelector::visit(const View& view, float scale) {
   bool is_all = true;
   std::size_t keys = 0;
   for (std::size_t c = 0; c < chunks.size(); ++c) {
+    if (c + kAhead < chunks.size() && states_[c + kAhead] == State::kVisited)
+      prefetch(&chunks[c + kAhead]->bounds, sizeof(RunBounds));
     const auto decide_children = [&](const auto& state_of_quarter) {
       for (std::size_t q = 0; q < 4; ++q) {
         if (const std::uint32_t child = view.tree.child(c, q); child != RankTree::kNone) states_[child] = state_of_quarter(q);
@@ -189,8 +214,6 @@ bool RankSelector::visit(const View& view, float scale) {
       bound_runs(view, chunk, most);
       visited_.push_back({static_cast<std::uint32_t>(c), keys});
       most_.insert(most_.end(), most, most + kChunkRuns);
-      keys_.resize(std::max(keys_.size(), keys + chunk.size()));
-      is_all = fill_keys(view, chunk, most, scale, &keys_[keys]) && is_all;
       keys += chunk.size();
       decide_children([&](std::size_t q) {
         const float in_quarter = *std::max_element(most + kQuarterRuns * q, most + kQuarterRuns * (q + 1));
@@ -200,11 +223,16 @@ bool RankSelector::visit(const View& view, float scale) {
     }
   }
   keys_.resize(keys);
+  for (std::size_t v = 0; v < visited_.size(); ++v) {
+    if (v + 1 < visited_.size()) prefetch_runs(*chunks[visited_[v + 1].chunk], &most_[(v + 1) * kChunkRuns], scale);
+    const float* const most = &most_[v * kChunkRuns];
+    is_all = fill_keys(view, *chunks[visited_[v].chunk], most, scale, &keys_[visited_[v].first_key]) && is_all;
+  }
   return is_all;
 }
 
 void RankSelector::bound_runs(const View& view, const RankChunk& chunk, float* most) {
-  view.factor.most_of_blocks(chunk.bounds, 0, kChunkRuns, most);
+  view.factor.most_of_blocks(chunk.bounds.columns(), kChunkRuns, most);
   if (view.density == nullptr) return;
   for (std::size_t r = 0; r < kChunkRuns; ++r) {
     const std::size_t first = chunk.first_vertex[r] / kBlockSize, last = chunk.last_vertex[r] / kBlockSize;

@@ -67,19 +67,34 @@ struct RankSelection {
 
   const RankChunk& chunk(const RankRef& ref) const { return *parts[ref.part].chunk; }
 
+  /// Returns the bits of a part's points.
+  std::span<const std::uint64_t> words_of(std::size_t part) const {
+    return std::span(shown).subspan(parts[part].first_bit / kWord, parts[part].chunk->size() / kWord);
+  }
+  /// Returns how many points of a part are shown.
+  std::size_t count_of(std::size_t part) const {
+    std::size_t sum = 0;
+    for (const std::uint64_t word : words_of(part)) sum += static_cast<std::size_t>(std::popcount(word));
+    return sum;
+  }
+  /// Calls visit(point) for every point of a part that is shown, along the curve.
+  template <typename Visit>
+  void for_each_shown_of(std::size_t part, const Visit& visit) const {
+    std::size_t first = 0;
+    for (const std::uint64_t word : words_of(part)) {
+      for_each_bit(word, first, visit);
+      first += kWord;
+    }
+  }
   /// Calls visit(RankRef, index of its bit) for every point shown: chunk by chunk, along the curve in each.
   template <typename Visit>
   void for_each_shown(const Visit& visit) const {
     std::size_t i = 0;
     for (std::uint32_t p = 0; p < parts.size(); ++p) {
-      const Part& part = parts[p];
-      const std::size_t words = part.chunk->size() / kWord;
-      for (std::size_t w = 0; w < words; ++w) {
-        for_each_bit(shown[part.first_bit / kWord + w], w * kWord, [&](std::size_t point) {
-          const std::uint8_t rung = rungs.empty() ? std::uint8_t{0} : rungs[i++];
-          visit(RankRef{p, static_cast<std::uint16_t>(point), rung}, part.first_bit + point);
-        });
-      }
+      for_each_shown_of(p, [&](std::size_t point) {
+        const std::uint8_t rung = rungs.empty() ? std::uint8_t{0} : rungs[i++];
+        visit(RankRef{p, static_cast<std::uint16_t>(point), rung}, parts[p].first_bit + point);
+      });
     }
   }
 };

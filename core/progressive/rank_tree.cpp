@@ -65,7 +65,7 @@ int RankTree::level_at(std::size_t c, std::uint64_t curve_position) const {
 std::size_t RankTree::byte_size() const {
   constexpr std::size_t kPointBytes =
       3 * sizeof(float) + 3 * sizeof(Snorm16) + sizeof(std::uint64_t) + 3 * sizeof(std::uint32_t) + 2 * sizeof(Unorm16);
-  constexpr std::size_t kChunkBytes = sizeof(RankChunk) + kChunkRuns * 8 * sizeof(float);
+  constexpr std::size_t kChunkBytes = sizeof(RankChunk);
   const std::size_t colour_bytes = chunks_.front()->colour.empty() ? 0 : sizeof(Rgba8);
   return points_ * (kPointBytes + colour_bytes) + chunks_.size() * (kChunkBytes + sizeof(Chunk) + sizeof(children_[0]));
 }

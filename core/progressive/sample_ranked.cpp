@@ -1,10 +1,13 @@
 #include "core/progressive/sample_ranked.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "core/base/simd.h"
 #include "core/density/view_factor.h"
+#include "core/progressive/progressive.h"
 #include "core/progressive/sort_along_curve.h"
 #include "core/sample/resample.h"
 #include "core/sample/splat_radius.h"
@@ -28,23 +31,39 @@ CURVECAST_WIDE void to_rungs(const SplatRadius& radius, const float* __restrict 
   for (std::size_t i = 0; i < n; ++i) rungs[i] = own.rung(density[i]);
 }
 
+/// Lowers the densities of the points shown to those for which the tree has points: where it lacks some, those that there are
+/// have to do.
+void limit_to_tree(const RankSelection& selection, std::span<float> density) {
+  std::array<float, kMaxRankLevel + 1> most;
+  for (int level = 0; level <= kMaxRankLevel; ++level) {
+    most[static_cast<std::size_t>(level)] = static_cast<float>(std::ldexp(1.0, 2 * level)) / selection.scale;
+  }
+  std::vector<std::uint64_t> lacking;  // where that begins on the curve
+  for (const ChunkId& id : selection.lacking) lacking.push_back(id.first_position());
+  std::ranges::sort(lacking);
+  std::size_t i = 0;
+  for (std::size_t p = 0; p < selection.parts.size(); ++p) {
+    const RankChunk& chunk = *selection.parts[p].chunk;
+    const auto next = std::ranges::lower_bound(lacking, chunk.id.first_position());
+    if (!selection.is_exhausted && (next == lacking.end() || *next > chunk.id.last_position())) {
+      i += selection.count_of(p);
+      continue;
+    }
+    selection.for_each_shown_of(p, [&](std::size_t point) {
+      const int level = selection.tree->level_at(selection.parts[p].index, chunk.curve_position[point]);
+      density[i] = std::min(density[i], most[static_cast<std::size_t>(level)]);
+      ++i;
+    });
+  }
+}
+
 /// The discs of all points that a selection shows.
 void find_rungs(const SurfaceCurve& curve, const RankSelector& selector, std::vector<float>& density, RankSelection& selection) {
   density.resize(selection.count);
   selector.densities(selection, density);
   // With scale s a point stands for 1 / (s density) of the area.
   const SplatRadius radius(curve, curve.total_area / static_cast<double>(selection.scale));
-  if (!selection.lacking.empty() || selection.is_exhausted) {
-    // Those that there are have to do.
-    const RankTree& tree = *selection.tree;
-    std::size_t i = 0;
-    selection.for_each_shown([&](const RankRef& ref, std::size_t) {
-      const int level = tree.level_at(selection.parts[ref.part].index, selection.chunk(ref).curve_position[ref.point]);
-      const float most = static_cast<float>(std::ldexp(1.0, 2 * level)) / selection.scale;
-      density[i] = std::min(density[i], most);
-      ++i;
-    });
-  }
+  if (!selection.lacking.empty() || selection.is_exhausted) limit_to_tree(selection, density);
   selection.rungs.resize(selection.count);
   to_rungs(radius, density.data(), selection.count, selection.rungs.data());
 }

@@ -12,6 +12,8 @@ namespace curvecast {
 namespace {
 
 constexpr std::size_t kWord = RankSelection::kWord;
+// Where a chunk has so many positions for each point shown, the points are looked up among the positions, not these in the chunk.
+constexpr std::size_t kSparse = 8;
 
 /// Returns the first of a chunk's points that is not before `position`, which lies in the chunk's stratum. Each stratum of the
 /// chunk's level has one point; of four strata one has its point in a chunk of a lower level, but for the first chunk.
@@ -86,17 +88,29 @@ CURVECAST_WIDE void count_selected_before(const RankSelection& selection, std::s
                                           std::span<std::uint32_t> before) {
   std::ranges::fill(before, 0);
   PositionsInChunks ends(curve_positions), ranges(curve_positions);
-  for (const RankSelection::Part& part : selection.parts) {
-    // Positions after the chunk's stratum have all of its points before them: added up below.
-    const RankChunk& chunk = *part.chunk;
-    const std::size_t end = ends.next(chunk.id).second;
-    if (end < before.size()) before[end] += BitsBelow(&selection.shown[part.first_bit / kWord])(chunk.size());
+  const auto is_sparse = [](std::size_t shown, std::size_t positions) { return kSparse * shown < positions; };
+  for (std::size_t p = 0; p < selection.parts.size(); ++p) {
+    const RankChunk& chunk = *selection.parts[p].chunk;
+    const std::size_t shown = selection.count_of(p);
+    const std::pair<std::size_t, std::size_t> range = ends.next(chunk.id);
+    const std::size_t first = range.first, end = range.second;  // clang 14 captures no structured bindings
+    if (is_sparse(shown, end - first)) {
+      const auto in_chunk = curve_positions.subspan(first, end - first);
+      selection.for_each_shown_of(p, [&](std::size_t point) {
+        const auto after = std::ranges::upper_bound(in_chunk, chunk.curve_position[point]) - in_chunk.begin();
+        if (const std::size_t i = first + static_cast<std::size_t>(after); i < before.size()) ++before[i];
+      });
+    } else if (end < before.size()) {
+      before[end] += static_cast<std::uint32_t>(shown);
+    }
   }
+  // So far with the first position only that comes after some points.
   std::partial_sum(before.begin(), before.end(), before.begin());
-  for (const RankSelection::Part& part : selection.parts) {
-    const RankChunk& chunk = *part.chunk;
+  for (std::size_t p = 0; p < selection.parts.size(); ++p) {
+    const RankChunk& chunk = *selection.parts[p].chunk;
     const auto [first, end] = ranges.next(chunk.id);
-    BitsBelow bits_below(&selection.shown[part.first_bit / kWord]);
+    if (first == end || is_sparse(selection.count_of(p), end - first)) continue;
+    BitsBelow bits_below(selection.words_of(p).data());
     for (std::size_t i = first; i < end; ++i) before[i] += bits_below(first_from(chunk, curve_positions[i]));
   }
 }

@@ -301,7 +301,7 @@ absl::Status IdBuffer::locate(const Chart& chart, std::span<const ParameterTrian
                               std::span<std::uint32_t> under, const ExecutionContext& context, IdBufferCounts* counts) {
   if (absl::Status status = canvas_->make_current(); !status.ok()) return status;
   Locator locator(*canvas_, chart, triangles, leaves, under, context);
-  const absl::Status status = locator.run();
+  absl::Status status = locator.run();
   GlContext::release_current();
   if (counts != nullptr) {
     const IdBufferCounts more = locator.counts();

@@ -65,7 +65,7 @@ RenderCamera fit(std::span<const Point> points, const FitOptions& options) {
   double front = -std::numeric_limits<double>::infinity();
   double back = std::numeric_limits<double>::infinity();
   for (const Point& point : points) {
-    const Vec3d p = point.template cast<double>();
+    const Vec3d& p = point.template cast<double>();
     if (!p.allFinite()) continue;
     const double z = axes.z.dot(p);
     horizontal.extend(axes.x.dot(p), tx * z);

@@ -135,7 +135,7 @@ Gauges Engine::gauges() {
 
 absl::Status Engine::close_session(const std::string& id, const std::string& who) {
   const absl::StatusOr<SessionInfo> info = sessions.info(id);
-  const absl::Status closed = sessions.close(id, who);
+  absl::Status closed = sessions.close(id, who);
   if (closed.ok() && info.ok() && info->session != nullptr) refiner.forget(*info->session);
   return closed;
 }

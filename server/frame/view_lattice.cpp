@@ -17,10 +17,11 @@ struct Nearest {
   Vec3f place;
   Vec3f position = Vec3f::Zero();
   float square = std::numeric_limits<float>::infinity();  // of the distance
+  float distance = std::numeric_limits<float>::infinity();
 
   void add(const Vec3f& p) {
     const float d = (p - place).squaredNorm();
-    if (d < square) square = d, position = p;
+    if (d < square) square = d, distance = std::sqrt(d), position = p;
   }
   bool is_found() const { return std::isfinite(square); }
 };
@@ -30,14 +31,16 @@ void find(const PointSet& points, Nearest& nearest) {
 }
 
 void find(const RankSelection& selection, Nearest& nearest) {
-  for (const RankSelection::Part& part : selection.parts) {
-    const RankChunk& chunk = *part.chunk;
-    const CurveBlocks& bounds = chunk.bounds;
-    const std::uint64_t* const words = &selection.shown[part.first_bit / RankSelection::kWord];
+  // From the deepest chunks on, which are near: the others are farther then, as a rule.
+  for (auto part = selection.parts.rbegin(); part != selection.parts.rend(); ++part) {
+    const RankChunk& chunk = *part->chunk;
+    const RunBounds& bounds = chunk.bounds;
+    const std::uint64_t* const words = &selection.shown[part->first_bit / RankSelection::kWord];
     const std::size_t length = chunk.run_size();
     for (std::size_t run = 0; run < kChunkRuns; ++run) {
       const Vec3f middle(bounds.x[run], bounds.y[run], bounds.z[run]);
-      if ((middle - nearest.place).norm() - bounds.radius[run] >= std::sqrt(nearest.square)) continue;
+      const float reach = nearest.distance + bounds.radius[run];
+      if ((middle - nearest.place).squaredNorm() >= reach * reach) continue;
       for (std::size_t i = run * length; i < (run + 1) * length; ++i) {
         if ((words[i / RankSelection::kWord] >> i % RankSelection::kWord & 1) == 0) continue;
         nearest.add(Vec3f(chunk.x[i], chunk.y[i], chunk.z[i]));

@@ -60,7 +60,7 @@ double expect_bounds(const SurfaceCurve& curve, const Density& density) {
   std::vector<float> factor(blocks), change(blocks), of_vertex(curve.size(), 1.0f);
   view.of_blocks(curve.blocks, 0, blocks, factor.data(), change.data());
   std::vector<float> highest(blocks);
-  view.most_of_blocks(curve.blocks, 0, blocks, highest.data());
+  view.most_of_blocks(BlockColumns::of(curve.blocks), blocks, highest.data());
   view.multiply(curve.x.data(), curve.y.data(), curve.z.data(), curve.nx.data(), curve.ny.data(), curve.nz.data(), curve.size(),
                 of_vertex.data());
   double known = 0;
