@@ -51,7 +51,11 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
           log),
       rank_jobs(
           worker_count(options.threads), [this](const Session& session) { notify_streams(session); }, log),
-      housekeeper_([this](const std::stop_token& stop) { run_housekeeping(stop); }) {}
+      housekeeper_([this](const std::stop_token& stop) { run_housekeeping(stop); }) {
+  // Workers started before what they use was there. They take the lock of their queue once more before they use it.
+  for (const JobQueue* const queue : {&calls, &preprocessing}) static_cast<void>(queue->waiting());
+  static_cast<void>(views.waiting());
+}
 
 void Engine::run_housekeeping(const std::stop_token& stop) {
   Mutex mutex;
