@@ -28,37 +28,40 @@ void triangulate_quad(std::span<const Vec3d> p, std::vector<Triangle>& triangles
   }
 }
 
-/// Whether the polygon, seen along its normal, is one that a triangulation can fill: it neither crosses nor touches itself.
-bool is_simple(std::span<const Vec3d> corners) {
+/// Returns the polygon as seen along the axis that is nearest to its normal; nothing where it has no normal.
+std::vector<Kernel::Point_2> flatten(std::span<const Vec3d> corners) {
   Vec3d normal = Vec3d::Zero();
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
     normal += (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]);
   }
   int axis = 0;
-  if (!(normal.cwiseAbs().maxCoeff(&axis) > 0)) return false;
+  if (!(normal.cwiseAbs().maxCoeff(&axis) > 0)) return {};
   std::vector<Kernel::Point_2> outline;
   outline.reserve(corners.size());
   for (const Vec3d& p : corners) outline.emplace_back(p[(axis + 1) % 3], p[(axis + 2) % 3]);
-  return CGAL::is_simple_2(outline.begin(), outline.end(), Kernel());
+  return outline;
 }
 
 /// CGAL's answer, or nothing where it finds none.
 std::vector<Triangle> triangulate_large(std::span<const Vec3d> corners) {
   std::vector<Triangle> triangles;
   try {
-    if (!is_simple(corners)) return {};
+    // Of a polygon that crosses or touches itself CGAL makes faces that have no end. It looks along a normal of its own, from
+    // where a polygon that is not planar may cross itself; so it is given the flat one that was tested.
+    const std::vector<Kernel::Point_2> outline = flatten(corners);
+    if (outline.empty() || !CGAL::is_simple_2(outline.begin(), outline.end(), Kernel())) return {};
     CGAL::Surface_mesh<Kernel::Point_3> mesh;
     std::vector<CGAL::SM_Vertex_index> polygon;
     polygon.reserve(corners.size());
-    for (const Vec3d& p : corners) polygon.push_back(mesh.add_vertex(Kernel::Point_3(p.x(), p.y(), p.z())));
+    for (const Kernel::Point_2& p : outline) polygon.push_back(mesh.add_vertex(Kernel::Point_3(p.x(), p.y(), 0)));
     mesh.add_face(polygon);
     if (!CGAL::Polygon_mesh_processing::triangulate_faces(mesh)) return {};
     for (const CGAL::SM_Face_index f : mesh.faces()) {
       Triangle triangle{};
       int i = 0;
       for (const CGAL::SM_Vertex_index v : mesh.vertices_around_face(mesh.halfedge(f))) {
-        if (i < 3) triangle[i] = static_cast<std::uint32_t>(v);
-        ++i;
+        if (i == 3) return {};
+        triangle[i++] = static_cast<std::uint32_t>(v);
       }
       if (i != 3) return {};
       triangles.push_back(triangle);

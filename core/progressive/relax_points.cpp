@@ -7,16 +7,20 @@
 #include <vector>
 
 #include "core/base/simd.h"
+#include "core/progressive/group_energy.h"
 
 namespace curvecast {
 namespace {
 
 // README.md says where these come from. First each point moves to the most central candidate that is far enough from others,
-// kCentralSweeps times. Then the points below kTargetRelativeRadius go where they are farthest from others, kSweeps times. Then
-// those below kPoorRelativeRadius try to move together with one neighbour, kPairSweeps times.
-constexpr float kPoorRelativeRadius = 0.54f;
+// kCentralSweeps times. Then the points below kTargetRelativeRadius go where they are farthest from others. Then those below
+// kPoorRelativeRadius try to move together with one neighbour, kPairSweeps times. Then each point moves to the candidate with the
+// least energy that is as far from others as it was, or kPoorRelativeRadius, kEvenSweeps times; and the poor ones once more as
+// before.
+constexpr float kPoorRelativeRadius = 0.62f;
+constexpr float kMostAside = 0.7f;       // part of a child's radius: for evenness no point goes farther from its middle
 constexpr float kNeighbourRange = 0.8f;  // lattice distances: points that may come nearer to each other are neighbours
-constexpr int kCentralSweeps = 2, kSweeps = 1, kPairSweeps = 3;
+constexpr int kCentralSweeps = 2, kPairSweeps = 3, kEvenSweeps = 2;
 
 /// Points in columns, to be searched from end to end.
 struct PointColumns {
@@ -54,21 +58,38 @@ class Relaxation {
   }
 
   void run() {
-    std::vector<std::pair<std::uint64_t, std::size_t>> by_rank;
+    ByRank by_rank;
     for (std::size_t c = 0; c < points_.size(); ++c) {
       if (points_[c].rank >= n_) by_rank.emplace_back(points_[c].rank, c);
     }
     std::sort(by_rank.begin(), by_rank.end());
-    for (int sweep = 0; sweep < kCentralSweeps + kSweeps; ++sweep) {
+    for (int sweep = 0; sweep < kCentralSweeps; ++sweep) {
       for (std::size_t i = 0; i < by_rank.size(); ++i) {
         const std::size_t c = (sweep % 2 ? by_rank[i] : by_rank[by_rank.size() - 1 - i]).second;
-        if (sweep < kCentralSweeps) {
-          const BestCandidate best = farthest_candidate(c, kNobody);
-          move(c, central_candidate(candidates_.in_child(c), candidates_.in_child(c).nearest_lower, 1, enough(best)));
-        } else if (spacing_of(c) < kTargetRelativeRadius) {
-          move(c, farthest_candidate(c, kNobody).index);
-        }
+        const BestCandidate best = farthest_candidate(c, kNobody);
+        move(c, central_candidate(candidates_.in_child(c), candidates_.in_child(c).nearest_lower, 1, enough(best)));
       }
+    }
+    keep_apart(by_rank, kTargetRelativeRadius);
+    std::vector<std::uint8_t> moves(points_.size());
+    for (const auto& [rank, c] : by_rank) moves[c] = 1;
+    const GroupEnergy energy(candidates_, moves);
+    for (int sweep = 0; sweep < kEvenSweeps; ++sweep) {
+      for (std::size_t c = 0; c < points_.size(); ++c) {
+        if (moves[c] != 0) move_to_least(energy, c);
+      }
+    }
+    keep_apart(by_rank, kPoorRelativeRadius);
+  }
+
+ private:
+  static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
+  using ByRank = std::vector<std::pair<std::uint64_t, std::size_t>>;
+
+  /// Moves points below a relative radius away from others, the highest ranks first, then the poor ones in pairs.
+  void keep_apart(const ByRank& by_rank, float relative_radius) {
+    for (auto at = by_rank.rbegin(); at != by_rank.rend(); ++at) {
+      if (spacing_of(at->second) < relative_radius) move(at->second, farthest_candidate(at->second, kNobody).index);
     }
     for (int sweep = 0; sweep < kPairSweeps; ++sweep) {
       for (const auto& [rank, c] : by_rank) {
@@ -77,8 +98,24 @@ class Relaxation {
     }
   }
 
- private:
-  static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
+  /// Moves a point to the candidate with the least energy, not far from the middle of its child: the points of groups to come
+  /// need room beside it.
+  void move_to_least(const GroupEnergy& energy, std::size_t c) {
+    constexpr float kSame = 0.999f;  // of a squared distance: rounding takes no candidate away
+    const float now = spacing_of(c), enough = std::min(kPoorRelativeRadius * kPoorRelativeRadius, kSame * now * now) * unit();
+    farthest_candidate(c, kNobody);
+    float* const least = candidates_.in_child(c).nearest_lower;
+    const float aside = kMostAside * candidates_.child(c).radius;
+    for (std::size_t k = 0; k < kCandidates; ++k) {
+      if (candidates_.in_child(c).from_centre[k] > aside * aside) least[k] = 0;
+    }
+    const GroupEnergy::Row at = energy.of_candidates(c, points_);
+    std::size_t best = kCandidates;
+    for (std::size_t k = 0; k < kCandidates; ++k) {
+      if (least[k] >= enough && (best == kCandidates || at[k] < at[best])) best = k;
+    }
+    if (best < kCandidates) move(c, best);
+  }
 
   /// Moves a point together with the neighbour for which the smaller relative radius of both grows most; none if none grows.
   void move_with_neighbour(std::size_t c) {

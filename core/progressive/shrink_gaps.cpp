@@ -13,7 +13,7 @@ namespace {
 
 // README.md says where these come from. "Fine" lattice distances are those of all 4 n points of the level.
 constexpr float kGapRange = 1.1f;             // lattice distances: a point farther from a candidate leaves a wide gap there
-constexpr float kKeptRelativeRadius = 0.52f;  // no move brings a point nearer to another
+constexpr float kKeptRelativeRadius = 0.58f;  // no move brings a point nearer to another
 constexpr float kExpectedRange = 3;           // fine lattice distances: points to come in strata nearer than this are expected
 constexpr float kOneGap = 0.5f;               // fine lattice distances: wide places nearer to each other are one gap
 

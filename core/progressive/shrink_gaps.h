@@ -12,7 +12,7 @@
 namespace curvecast {
 
 /// The radius of a gap, over lattice_distance() of the points there are, beyond which the gap is shrunk.
-inline constexpr float kWideGap = 0.95f;
+inline constexpr float kWideGap = 0.92f;
 
 /// Moves those of a group's points (one in each child) whose rank is of the group's level, if that shrinks a wide gap by more
 /// than it widens others. No point comes nearer to another than half the lattice distance. `done`: all points around of groups

@@ -174,5 +174,16 @@ TEST(TriangulatePolygon, AnswersHopelessPolygonsWithTheRightCount) {
   }
 }
 
+TEST(TriangulatePolygon, EndsWhereTheMeshLibraryGoesRoundForEver) {
+  // Found by fuzzing: seen along CGAL's normal the first one crosses itself, and CGAL 5.5 made a face of it whose edges do not
+  // lead back to where they began.
+  const std::vector<std::vector<Vec3d>> polygons = {
+      {Vec3d(2, 1, 3), Vec3d(13, 2, 4), Vec3d(4, 0, 1), Vec3d(33, 2, 4), Vec3d(3, 3, 0)},
+      {Vec3d(33, 2, 4), Vec3d(3, 3, 0), Vec3d(4, 0, 1), Vec3d(2, 1, 3), Vec3d(3, 3, 0)},
+      {Vec3d(2, 1, 3), Vec3d(13, 2, 4), Vec3d(4, 0, 1), Vec3d(4, 0, 1), Vec3d(33, 2, 4), Vec3d(3, 3, 0)},
+  };
+  for (const std::vector<Vec3d>& corners : polygons) EXPECT_EQ(triangulated(corners).size(), corners.size() - 2);
+}
+
 }  // namespace
 }  // namespace curvecast

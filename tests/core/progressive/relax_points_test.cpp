@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
+#include "core/base/random.h"
 #include "tests/core/progressive/flat_group.h"
 
 namespace curvecast {
@@ -39,6 +41,32 @@ TEST(RelaxPoints, PointsKeepFartherApartAndStayInTheirStrata) {
   relax_points(candidates, {}, points);
   EXPECT_GT(least_distance(points), 2 * least_distance(before));
   expect_in_their_strata(points, before);
+}
+
+/// Root mean square over many discs within the square: by how much their share of the points differs from their area.
+double discrepancy(const std::vector<RankedPoint>& points) {
+  double sum = 0;
+  constexpr int kDiscs = 2000;
+  for (std::uint64_t i = 0; i < kDiscs; ++i) {
+    const double radius = 0.1 + 0.3 * random_unit(1, i);
+    const double x = radius + (1 - 2 * radius) * random_unit(2, i), y = radius + (1 - 2 * radius) * random_unit(3, i);
+    const auto inside = std::count_if(points.begin(), points.end(), [&](const RankedPoint& p) {
+      return std::hypot(static_cast<double>(p.position[0]) - x, static_cast<double>(p.position[1]) - y) < radius;
+    });
+    sum += std::pow(static_cast<double>(inside) / static_cast<double>(points.size()) - std::numbers::pi * radius * radius, 2);
+  }
+  return std::sqrt(sum / kDiscs);
+}
+
+TEST(RelaxPoints, PointsAreMoreEven) {
+  const auto curve = flat_curve(7);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
+  GroupCandidates candidates(strata, kFlatGroup, 0);
+  const std::vector<RankedPoint> before = points_in(candidates);
+  std::vector<RankedPoint> points = before;
+  relax_points(candidates, {}, points);
+  EXPECT_LT(discrepancy(points), 0.82 * discrepancy(before));
 }
 
 TEST(RelaxPoints, HeedsPointsOfOtherGroups) {
