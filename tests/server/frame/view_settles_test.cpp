@@ -158,7 +158,7 @@ void expect_reasons(const std::vector<v1::PointFrame>& frames) {
 
 TEST(ViewSettles, WithAllItsPointsIfTheirRanksAreMade) {
   for (const Background background : {Background::kImproves, Background::kRefuses}) {
-    const Zoom zoom{.distance = 0.12, .first_bytes = 2000, .background = background};
+    const Zoom zoom{.distance = 0.16, .first_bytes = 2000, .background = background};
     SCOPED_TRACE(zoom.name());
     ZoomedView client(zoom);
     client.look();
