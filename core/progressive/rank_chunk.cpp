@@ -1,5 +1,6 @@
 #include "core/progressive/rank_chunk.h"
 
+#include <array>
 #include <cmath>
 
 namespace curvecast {
@@ -20,6 +21,17 @@ void fill_bounds(const StratumBounds& bounds, RankChunk& chunk) {
   }
 }
 
+/// Returns the chunk's points in their order.
+std::array<const RankedPoint*, kChunkStrata> in_layers(const ChunkId& id, std::span<const RankedPoint> points) {
+  std::array<const RankedPoint*, kChunkStrata> ordered{};
+  for (const RankedPoint& p : points) {
+    if (p.rank < id.first_rank()) continue;
+    const std::size_t layer = (p.rank - id.first_rank()) / id.layer_ranks();
+    ordered[layer * kLayerStrata + id.stratum_in_layer(p.curve_position)] = &p;
+  }
+  return ordered;
+}
+
 }  // namespace
 
 RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, const StratumBounds& bounds,
@@ -27,8 +39,9 @@ RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, con
   RankChunk chunk;
   chunk.id = id;
   const double stratum_share = std::ldexp(1.0, -2 * id.level);
-  for (const RankedPoint& p : points) {
-    if (p.rank < id.first_rank()) continue;
+  for (const RankedPoint* at : in_layers(id, points)) {
+    if (at == nullptr) continue;
+    const RankedPoint& p = *at;
     chunk.x.push_back(p.position[0]);
     chunk.y.push_back(p.position[1]);
     chunk.z.push_back(p.position[2]);

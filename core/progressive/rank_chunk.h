@@ -19,8 +19,12 @@ namespace curvecast {
 /// The first chunk has the points of the 4^kChunkLevels lowest ranks.
 inline constexpr int kChunkLevels = 5;
 inline constexpr std::size_t kChunkStrata = std::size_t{1} << 2 * kChunkLevels;
-/// A chunk's points in curve order are this many runs of equal length; each run has bounds of its own.
+/// A chunk's points lie in layers, of ascending rank: a layer has one point in each of these strata, in curve order.
+inline constexpr std::size_t kLayerStrata = kChunkStrata / 4;
+/// A chunk's stratum has this many parts of equal area, the runs; each has bounds of its own.
 inline constexpr std::size_t kChunkRuns = 16;
+/// Points of each run in a layer.
+inline constexpr std::size_t kRunPoints = kLayerStrata / kChunkRuns;
 
 /// Ranks of these levels are kept as they are.
 inline constexpr int kWholeRankLevels = 15;
@@ -32,8 +36,12 @@ struct ChunkId {
   int level = kChunkLevels;
   std::uint64_t index = 0;
 
-  /// Returns the lowest rank that a point of the chunk may have.
-  std::uint64_t first_rank() const { return level == kChunkLevels ? 0 : std::uint64_t{1} << 2 * (level - 1); }
+  /// Returns how many ranks there are from the lowest in a layer to the lowest in the next.
+  std::uint64_t layer_ranks() const { return std::uint64_t{1} << 2 * (level - 1); }
+  /// Returns the lowest rank that a point of a layer may have.
+  std::uint64_t first_rank(std::size_t layer = 0) const {
+    return (layer + (level == kChunkLevels ? 0 : 1)) * layer_ranks();
+  }
   /// Chunks keep ranks in steps of this, rounded down: they fit signed 32-bit integers, which vector code turns to floats.
   std::uint64_t rank_step() const { return level > kWholeRankLevels ? std::uint64_t{1} << 2 * (level - kWholeRankLevels) : 1; }
   ChunkId child(std::uint64_t quarter) const { return {level + 1, 4 * index + quarter}; }
@@ -42,6 +50,10 @@ struct ChunkId {
   std::uint64_t last_position() const {
     return level == kChunkLevels ? ~std::uint64_t{0}
                                  : first_position() + ((std::uint64_t{1} << (64 - 2 * (level - kChunkLevels))) - 1);
+  }
+  /// Returns which of a layer's strata a curve position in the chunk's stratum lies in.
+  std::size_t stratum_in_layer(std::uint64_t curve_position) const {
+    return curve_position >> (64 - 2 * (level - 1)) & (kLayerStrata - 1);
   }
   auto operator<=>(const ChunkId&) const = default;
 };
@@ -72,7 +84,7 @@ struct RunBounds {
   BlockColumns columns() const { return {x, y, z, radius, nx, ny, nz, spread}; }
 };
 
-/// Points of a chunk, in curve order.
+/// Points of a chunk, layer by layer, in curve order in each.
 struct RankChunk {
   ChunkId id;
   LastUse used;
@@ -88,13 +100,13 @@ struct RankChunk {
   std::array<std::uint32_t, kChunkRuns> first_vertex{}, last_vertex{};  // of each run's strata on the curve, both included
 
   std::size_t size() const { return x.size(); }
-  std::size_t run_size() const { return size() / kChunkRuns; }
+  std::size_t layers() const { return size() / kLayerStrata; }
   /// Returns a point's rank, as far as it is kept: the exact one down to level kWholeRankLevels.
   std::uint64_t rank_of(std::size_t point) const { return rank[point] * id.rank_step(); }
 };
 
-/// Makes a chunk from the kChunkStrata points of level id.level in the chunk's stratum, in curve order. Points of lower levels,
-/// which belong to other chunks, are left out.
+/// Makes a chunk from the kChunkStrata points of level id.level in the chunk's stratum. Points of lower levels, which belong to
+/// other chunks, are left out.
 RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, const StratumBounds& bounds,
                      const LeafSurface& surface);
 

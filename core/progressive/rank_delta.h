@@ -29,8 +29,8 @@ struct RankDelta {
   }
 };
 
-/// Writes to `out` which points a later selection adds, removes and resizes; each list chunk by chunk, along the curve in a
-/// chunk. `discs`: the earlier selection's rungs, or none; points are compared for resizing only if both selections have rungs.
+/// Writes to `out` which points a later selection adds, removes and resizes; each list chunk by chunk, ascending in a chunk.
+/// `discs`: the earlier selection's rungs, or none; points are compared for resizing only if both selections have rungs.
 /// Both are selections of the same curve's points.
 void compare(const RankSelection& earlier, std::span<const std::uint8_t> discs, const RankSelection& later, RankDelta& out);
 

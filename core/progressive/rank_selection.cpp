@@ -20,7 +20,7 @@ constexpr std::size_t kWord = RankSelection::kWord;
 constexpr std::size_t kAhead = 4;  // chunks whose bounds the memory brings beforehand
 constexpr std::size_t kQuarterRuns = kChunkRuns / 4;
 
-static_assert(kChunkStrata % (4 * kWord) == 0, "chunks fill whole words");
+static_assert(kLayerStrata % kWord == 0, "layers fill whole words");
 
 /// Returns (rank + 1) / density, the scale that a point needs.
 [[gnu::always_inline]] inline float to_key(std::uint32_t rank, float step, float density) {
@@ -51,10 +51,11 @@ CURVECAST_WIDE std::size_t mark_upto(const float* key, std::size_t words, float 
   return count;
 }
 
-/// Says whether no point of the chunk, or of chunks below it, is shown at the scale where the density is at most `most`.
-bool needs_none(const ChunkId& id, float most, float scale) {
+/// Says whether no point of a layer of the chunk, or of later layers, or of chunks below it, is shown at the scale where the
+/// density is at most `most`.
+bool needs_none(const ChunkId& id, float most, float scale, std::size_t layer = 0) {
   return static_cast<double>(most) * static_cast<double>(kSlack) * static_cast<double>(scale) <
-         static_cast<double>(id.first_rank()) + 1;
+         static_cast<double>(id.first_rank(layer)) + 1;
 }
 
 /// Brings memory nearer that is read soon.
@@ -66,16 +67,18 @@ void prefetch(const void* first, std::size_t bytes) {
 /// Does so for what evaluate() reads of runs that may show points. Between two views other work has had the caches, and chunks
 /// are too short for a processor to foresee what is read.
 void prefetch_runs(const RankChunk& chunk, const float* most, float scale) {
-  const std::size_t length = chunk.run_size();
-  for (std::size_t r = 0; r < kChunkRuns; ++r) {
-    if (needs_none(chunk.id, most[r], scale)) continue;
-    for (const std::vector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) {
-      prefetch(&(*column)[r * length], length * sizeof(float));
+  for (std::size_t layer = 0; layer < chunk.layers(); ++layer) {
+    for (std::size_t r = 0; r < kChunkRuns; ++r) {
+      if (needs_none(chunk.id, most[r], scale, layer)) continue;
+      const std::size_t first = layer * kLayerStrata + r * kRunPoints;
+      for (const std::vector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) {
+        prefetch(&(*column)[first], kRunPoints * sizeof(float));
+      }
+      for (const std::vector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) {
+        prefetch(&(*column)[first], kRunPoints * sizeof(Snorm16));
+      }
+      prefetch(&chunk.rank[first], kRunPoints * sizeof(std::uint32_t));
     }
-    for (const std::vector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) {
-      prefetch(&(*column)[r * length], length * sizeof(Snorm16));
-    }
-    prefetch(&chunk.rank[r * length], length * sizeof(std::uint32_t));
   }
 }
 
@@ -165,18 +168,21 @@ float RankSelector::measure_scale(const View& view, std::uint64_t n) const {
   double integral = 0;  // of the density, over parts of the whole area
   for (std::size_t v = 0; v < visited_.size(); ++v) {
     const RankChunk& chunk = *view.tree.chunks()[visited_[v].chunk];
-    const std::size_t points = chunk.size() / 4;
+    constexpr std::size_t kQuarter = kLayerStrata / 4;
     const auto step = static_cast<float>(chunk.id.rank_step());
     for (std::size_t q = 0; q < 4; ++q) {
       const float most = quarter_bound(v, q);
       if (most == 0 || view.tree.child(visited_[v].chunk, q) != RankTree::kNone) continue;
       double sum = 0;
-      for (std::size_t i = q * points; i < (q + 1) * points; ++i) {
-        sum += static_cast<double>(to_key(chunk.rank[i], step, keys_[visited_[v].first_key + i]));
+      for (std::size_t layer = 0; layer < chunk.layers(); ++layer) {
+        const std::size_t first = layer * kLayerStrata + q * kQuarter;
+        for (std::size_t i = first; i < first + kQuarter; ++i) {
+          sum += static_cast<double>(to_key(chunk.rank[i], step, keys_[visited_[v].first_key + i]));
+        }
       }
       // Where no point has a density the view may still show a part between them.
       sum = std::max(sum, 0.25 * static_cast<double>(most));
-      integral += sum / static_cast<double>(points) * std::ldexp(1.0, -2 * (chunk.id.level + 1 - kChunkLevels));
+      integral += sum / static_cast<double>(chunk.layers() * kQuarter) * std::ldexp(1.0, -2 * (chunk.id.level + 1 - kChunkLevels));
     }
   }
   return integral > 0 ? static_cast<float>(std::min(static_cast<double>(n) / integral, kMostScale)) : 0.0f;
@@ -242,20 +248,23 @@ void RankSelector::bound_runs(const View& view, const RankChunk& chunk, float* m
 }
 
 bool RankSelector::fill_keys(const View& view, const RankChunk& chunk, const float* most, float scale, float* keys) {
-  const std::size_t length = chunk.run_size();
   bool is_all = true;
-  for (std::size_t r = 0; r < kChunkRuns;) {
-    // Neighbouring runs of one kind are done in one go.
-    const bool is_none = needs_none(chunk.id, most[r], scale);
-    std::size_t end = r + 1;
-    while (end < kChunkRuns && needs_none(chunk.id, most[end], scale) == is_none) ++end;
-    if (is_none) {
-      std::fill(keys + r * length, keys + end * length, kInfinity);
-      is_all = is_all && std::all_of(most + r, most + end, [](float m) { return m == 0; });
-    } else {
-      evaluate(view, chunk, r * length, end * length, keys + r * length);
+  for (std::size_t layer = 0; layer < chunk.layers(); ++layer) {
+    const std::size_t first = layer * kLayerStrata;
+    for (std::size_t r = 0; r < kChunkRuns;) {
+      // Neighbouring runs of one kind are done in one go.
+      const bool is_none = needs_none(chunk.id, most[r], scale, layer);
+      std::size_t next = r + 1;
+      while (next < kChunkRuns && needs_none(chunk.id, most[next], scale, layer) == is_none) ++next;
+      const std::size_t begin = first + r * kRunPoints, end = first + next * kRunPoints;
+      if (is_none) {
+        std::fill(keys + begin, keys + end, kInfinity);
+        is_all = is_all && std::all_of(most + r, most + next, [](float m) { return m == 0; });
+      } else {
+        evaluate(view, chunk, begin, end, keys + begin);
+      }
+      r = next;
     }
-    r = end;
   }
   return is_all;
 }

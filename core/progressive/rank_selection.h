@@ -77,7 +77,7 @@ struct RankSelection {
     for (const std::uint64_t word : words_of(part)) sum += static_cast<std::size_t>(std::popcount(word));
     return sum;
   }
-  /// Calls visit(point) for every point of a part that is shown, along the curve.
+  /// Calls visit(point) for every point of a part that is shown, ascending.
   template <typename Visit>
   void for_each_shown_of(std::size_t part, const Visit& visit) const {
     std::size_t first = 0;
@@ -86,7 +86,7 @@ struct RankSelection {
       first += kWord;
     }
   }
-  /// Calls visit(RankRef, index of its bit) for every point shown: chunk by chunk, along the curve in each.
+  /// Calls visit(RankRef, index of its bit) for every point shown: chunk by chunk, ascending in each.
   template <typename Visit>
   void for_each_shown(const Visit& visit) const {
     std::size_t i = 0;

@@ -15,17 +15,6 @@ constexpr std::size_t kWord = RankSelection::kWord;
 // Where a chunk has so many positions for each point shown, the points are looked up among the positions, not these in the chunk.
 constexpr std::size_t kSparse = 8;
 
-/// Returns the first of a chunk's points that is not before `position`, which lies in the chunk's stratum. Each stratum of the
-/// chunk's level has one point; of four strata one has its point in a chunk of a lower level, but for the first chunk.
-std::size_t first_from(const RankChunk& chunk, std::uint64_t position) {
-  const std::size_t stratum = position >> (64 - 2 * chunk.id.level) & (kChunkStrata - 1);
-  const std::uint64_t* const positions = chunk.curve_position.data();
-  const auto is_before = [&](std::size_t i) { return positions[i] < position ? std::size_t{1} : std::size_t{0}; };
-  if (chunk.id.level == kChunkLevels) return stratum + is_before(stratum);
-  const std::size_t first = stratum / 4 * 3;
-  return first + is_before(first) + is_before(first + 1) + is_before(first + 2);
-}
-
 /// Finds which of some ascending curve positions lie in the strata of chunks, one chunk after the other in order of id: from
 /// where those of the chunk before ended.
 class PositionsInChunks {
@@ -65,19 +54,26 @@ class PositionsInChunks {
   std::size_t at_ = 0;
 };
 
-/// Counts the bits below an index in a row of words; the indices asked for must ascend.
-class BitsBelow {
+/// Counts the points shown of a layer that come before curve positions, which lie in the chunk's stratum and ascend.
+class LayerPrefix {
  public:
-  explicit BitsBelow(const std::uint64_t* words) : words_(words) {}
-  std::uint32_t operator()(std::size_t index) {
-    for (; word_ < index / kWord; ++word_) count_ += std::popcount(words_[word_]);
-    const std::size_t rest = index % kWord;
-    const int more = rest == 0 ? 0 : std::popcount(words_[word_] << (kWord - rest));
-    return static_cast<std::uint32_t>(count_ + more);
+  /// `words`: the bits of the layer's points, the first of which is point `first` of the chunk.
+  LayerPrefix(const RankChunk& chunk, std::size_t first, const std::uint64_t* words)
+      : id_(chunk.id), positions_(&chunk.curve_position[first]), words_(words) {}
+
+  std::uint32_t operator()(std::uint64_t position) {
+    const std::size_t stratum = id_.stratum_in_layer(position);
+    for (; word_ < stratum / kWord; ++word_) count_ += std::popcount(words_[word_]);
+    const std::uint64_t word = words_[word_], bit = std::uint64_t{1} << stratum % kWord;
+    // Of a point that is not shown nothing has to be read.
+    const bool is_before = (word & bit) != 0 && positions_[stratum] < position;
+    return static_cast<std::uint32_t>(count_ + std::popcount(word & (bit - 1)) + (is_before ? 1 : 0));
   }
 
  private:
-  const std::uint64_t* words_;
+  const ChunkId id_;
+  const std::uint64_t* const positions_;
+  const std::uint64_t* const words_;
   std::size_t word_ = 0;
   int count_ = 0;
 };
@@ -110,8 +106,11 @@ CURVECAST_WIDE void count_selected_before(const RankSelection& selection, std::s
     const RankChunk& chunk = *selection.parts[p].chunk;
     const auto [first, end] = ranges.next(chunk.id);
     if (first == end || is_sparse(selection.count_of(p), end - first)) continue;
-    BitsBelow bits_below(selection.words_of(p).data());
-    for (std::size_t i = first; i < end; ++i) before[i] += bits_below(first_from(chunk, curve_positions[i]));
+    for (std::size_t layer = 0; layer < chunk.layers(); ++layer) {
+      const std::size_t begin = layer * kLayerStrata;
+      LayerPrefix shown_before(chunk, begin, &selection.words_of(p)[begin / kWord]);
+      for (std::size_t i = first; i < end; ++i) before[i] += shown_before(curve_positions[i]);
+    }
   }
 }
 

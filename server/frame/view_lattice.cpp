@@ -36,14 +36,16 @@ void find(const RankSelection& selection, Nearest& nearest) {
     const RankChunk& chunk = *part->chunk;
     const RunBounds& bounds = chunk.bounds;
     const std::uint64_t* const words = &selection.shown[part->first_bit / RankSelection::kWord];
-    const std::size_t length = chunk.run_size();
     for (std::size_t run = 0; run < kChunkRuns; ++run) {
       const Vec3f middle(bounds.x[run], bounds.y[run], bounds.z[run]);
       const float reach = nearest.distance + bounds.radius[run];
       if ((middle - nearest.place).squaredNorm() >= reach * reach) continue;
-      for (std::size_t i = run * length; i < (run + 1) * length; ++i) {
-        if ((words[i / RankSelection::kWord] >> i % RankSelection::kWord & 1) == 0) continue;
-        nearest.add(Vec3f(chunk.x[i], chunk.y[i], chunk.z[i]));
+      for (std::size_t layer = 0; layer < chunk.layers(); ++layer) {
+        const std::size_t first = layer * kLayerStrata + run * kRunPoints;
+        for (std::size_t i = first; i < first + kRunPoints; ++i) {
+          if ((words[i / RankSelection::kWord] >> i % RankSelection::kWord & 1) == 0) continue;
+          nearest.add(Vec3f(chunk.x[i], chunk.y[i], chunk.z[i]));
+        }
       }
     }
   }

@@ -43,9 +43,14 @@ TEST(RankChunk, HasThePointsThatItsLevelAdds) {
   for_each_chunk([](const ChunkId& id, std::span<const RankedPoint> points, const RankChunk& chunk) {
     ASSERT_EQ(points.size(), kChunkStrata);
     ASSERT_EQ(chunk.size(), id.level == kChunkLevels ? kChunkStrata : kChunkStrata / 4 * 3);
-    std::size_t i = 0;
-    for (const RankedPoint& p : points) {
+    std::size_t found = 0;
+    for (std::size_t stratum = 0; stratum < kChunkStrata; ++stratum) {
+      const RankedPoint& p = points[stratum];
       if (p.rank < id.first_rank()) continue;
+      // Four strata of the chunk's level are one of a layer.
+      const std::size_t layer = (p.rank - id.first_rank()) >> 2 * (id.level - 1), i = layer * kLayerStrata + stratum / 4;
+      ASSERT_LT(layer, chunk.layers());
+      ASSERT_GE(p.rank, id.first_rank(layer));
       ASSERT_EQ(chunk.rank[i], p.rank);
       ASSERT_EQ(Vec3f(chunk.x[i], chunk.y[i], chunk.z[i]), Vec3f(p.position[0], p.position[1], p.position[2]));
       ASSERT_LT((Vec3f(chunk.nx[i], chunk.ny[i], chunk.nz[i]) - Vec3f(p.normal[0], p.normal[1], p.normal[2])).norm(), 1e-4f);
@@ -54,9 +59,9 @@ TEST(RankChunk, HasThePointsThatItsLevelAdds) {
       ASSERT_EQ(chunk.face[i], p.face);
       ASSERT_NEAR(chunk.weight_1[i], p.weight_1, 1e-5);
       ASSERT_NEAR(chunk.weight_2[i], p.weight_2, 1e-5);
-      ++i;
+      ++found;
     }
-    ASSERT_EQ(i, chunk.size());
+    ASSERT_EQ(found, chunk.size());
   });
 }
 
@@ -73,7 +78,8 @@ TEST(RankChunk, RunsAreBoundedWithTheirDeeperPoints) {
         ASSERT_LE(p.vertex, chunk.last_vertex[r]);
       }
       // The chunk's own points of the run lie in its strata.
-      for (std::size_t i = r * chunk.run_size(); i < (r + 1) * chunk.run_size(); ++i) {
+      for (std::size_t i = 0; i < chunk.size(); ++i) {
+        if (i % kLayerStrata / kRunPoints != r) continue;
         ASSERT_GE(chunk.vertex[i], chunk.first_vertex[r]);
         ASSERT_LE(chunk.vertex[i], chunk.last_vertex[r]);
       }
