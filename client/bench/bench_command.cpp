@@ -180,6 +180,10 @@ Run add_sample_benchmark(CLI::App& app) {
 Run add_discrepancy(CLI::App& app) {
   const auto options = std::make_shared<DiscrepancyBenchOptions>();
   add_points(app, &options->points, "the largest set, and N for which the curve is made");
+  app.add_option("--chart-faces", options->chart_faces,
+                 "divide the mesh into charts of about so many faces; 0 = only very large meshes")
+      ->type_name("F")
+      ->capture_default_str();
   app.add_option("--ring-points", options->ring_points,
                  "N of the paper's test over rings, on a curve for so many points; 0 = none; the paper's: 1,600,000")
       ->check(CLI::Range(std::uint64_t{0}, kMaxPoints))

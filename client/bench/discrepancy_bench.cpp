@@ -136,7 +136,8 @@ std::vector<std::uint64_t> sizes_upto(std::uint64_t most) {
 
 absl::Status measure_spread(const MeshFile& file, const DiscrepancyBenchOptions& options, const ExecutionContext& context,
                             BenchReport& report) {
-  const absl::StatusOr<Preprocessed> made = preprocess(file, {.points = options.points}, context);
+  const absl::StatusOr<Preprocessed> made =
+      preprocess(file, {.points = options.points, .chart_faces = options.chart_faces}, context);
   if (!made.ok()) return made.status();
   const TriangleMesh& mesh = made->flattened->loaded.mesh;
   const double area = made->curve->total_area;

@@ -18,6 +18,7 @@ struct DiscrepancyBenchOptions {
   bool curvature = false;          // a density by curvature for the rings, weighted with it
   std::string formula;             // times the density for the rings, weighted with it: see ExpressionTerm; empty = 1
   std::uint64_t seed = 0;
+  std::uint64_t chart_faces = 0;  // about how many a chart may have; 0: as preprocess() says
 };
 
 /// Of every sampler and sequence, and of random points: ball discrepancy relative to random points, relative radius among points

@@ -21,6 +21,7 @@ class CutGraph {
 
   std::vector<bool> build(std::span<const std::uint32_t> extremities) {
     const Topology topology = analyse_topology(mesh_);
+    if (topology.genus == 0 && topology.boundary_loops == 1 && extremities.empty()) return std::move(cut_);  // a disc
     std::vector<std::uint32_t> roots = border_vertices();
     if (roots.empty() && topology.genus == 0 && !extremities.empty()) {
       roots = {extremities.front()};

@@ -1,5 +1,8 @@
 #include "core/flatten/distortion.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -79,7 +82,9 @@ Distortion summarise_distortion(std::vector<AreaShare> shares) {
     return shares.back().ratio;
   };
   const auto sort = [&] {
-    std::sort(shares.begin(), shares.end(), [](const AreaShare& a, const AreaShare& b) { return a.ratio < b.ratio; });
+    tbb::parallel_sort(shares.begin(), shares.end(), [](const AreaShare& a, const AreaShare& b) {
+      return a.ratio < b.ratio || (a.ratio == b.ratio && a.area < b.area);
+    });
   };
   sort();
   distortion.density_p999 = quantile(0.999);
@@ -93,13 +98,16 @@ Distortion summarise_distortion(std::vector<AreaShare> shares) {
 }
 
 Distortion measure_distortion(std::span<const Chart> charts) {
-  std::vector<AreaShare> shares;
-  for (const Chart& chart : charts) {
+  std::vector<std::size_t> first = {0};
+  for (const Chart& chart : charts) first.push_back(first.back() + chart.area_ratio.size());
+  std::vector<AreaShare> shares(first.back());
+  tbb::parallel_for(std::size_t{0}, charts.size(), [&](std::size_t c) {
+    const Chart& chart = charts[c];
     const double mean = surface_area(chart.disc);  // the square's area is 1
     for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
-      shares.push_back({uv_area(chart.disc, chart.uv, t) * chart.area_ratio[t], chart.area_ratio[t] / mean});
+      shares[first[c] + t] = {uv_area(chart.disc, chart.uv, t) * chart.area_ratio[t], chart.area_ratio[t] / mean};
     }
-  }
+  });
   return summarise_distortion(std::move(shares));
 }
 

@@ -21,9 +21,24 @@ class FaceSet {
     const auto found = std::lower_bound(faces_.begin(), faces_.end(), f);
     return found != faces_.end() && *found == f ? static_cast<std::uint32_t>(found - faces_.begin()) : kNone;
   }
-  /// Returns the number of halfedge h within the set; kNone for kNone, and where the set does not have its face.
-  std::uint32_t halfedge(std::uint32_t h) const {
-    const std::uint32_t f = h == kNone ? kNone : index(h / 3);
+  /// Does the same, fast where the face's number is near `hint`, which is below the number of faces.
+  std::uint32_t index(std::uint32_t f, std::uint32_t hint) const {
+    if (whole_) return f;
+    std::size_t begin = hint, end = hint, step = 1;  // the face is in [begin, end), if anywhere
+    if (faces_[hint] <= f) {
+      while (end < faces_.size() && faces_[end] <= f) begin = end, end += step, step *= 2;
+      end = std::min(end, faces_.size());
+    } else {
+      while (begin > 0 && faces_[begin] > f) end = begin, begin -= std::min(begin, step), step *= 2;
+    }
+    const auto found = std::lower_bound(faces_.begin() + static_cast<std::ptrdiff_t>(begin),
+                                        faces_.begin() + static_cast<std::ptrdiff_t>(end), f);
+    return found != faces_.end() && *found == f ? static_cast<std::uint32_t>(found - faces_.begin()) : kNone;
+  }
+  /// Returns the number of halfedge h within the set; kNone for kNone, and where the set does not have its face. `hint`: of
+  /// index().
+  std::uint32_t halfedge(std::uint32_t h, std::uint32_t hint) const {
+    const std::uint32_t f = h == kNone ? kNone : index(h / 3, hint);
     return f == kNone ? kNone : 3 * f + h % 3;
   }
 

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "core/base/mutex.h"
 #include "core/base/stopwatch.h"
@@ -16,6 +18,7 @@
 #include "core/flatten/minimise_stretch.h"
 #include "core/flatten/parameterise.h"
 #include "core/flatten/parameterise_cgal.h"
+#include "core/flatten/partition_faces.h"
 #include "core/flatten/piece.h"
 #include "core/mesh/topology.h"
 
@@ -23,6 +26,10 @@ namespace curvecast {
 namespace {
 
 using Faces = std::vector<std::uint32_t>;
+
+// README.md says where these come from.
+constexpr double kPartWork = 0.25;     // sweeps beyond the first, over the finest level of a part of a large component
+constexpr double kEvenStretch = 1.25;  // L2 stretch of a part up to which no cut is looked for
 
 bool is_valid(const Chart& chart, double max_area_ratio) {
   if (count_flipped(chart.disc, chart.uv) > 0) return false;
@@ -57,10 +64,10 @@ std::vector<Faces> bisect(const TriangleMesh& mesh, const Faces& faces) {
 }
 
 absl::StatusOr<std::vector<Vec2d>> map_to_square(const DiscMesh& disc, Parameterisation parameterisation,
-                                                 const ExecutionContext& context) {
+                                                 const MinimiseStretchOptions& stretch, const ExecutionContext& context) {
   switch (parameterisation) {
     case Parameterisation::kLeastStretch:
-      return minimise_stretch(disc, {}, context);
+      return minimise_stretch(disc, stretch, context);
     case Parameterisation::kCgal:
       return parameterise_cgal(disc);
     case Parameterisation::kMeanValue:
@@ -72,13 +79,14 @@ absl::StatusOr<std::vector<Vec2d>> map_to_square(const DiscMesh& disc, Parameter
 }
 
 /// The chart of a disc by the first parameterisation that is valid; nullopt when none is.
-std::optional<Chart> make_chart(DiscMesh disc, const FlattenOptions& options, const ExecutionContext& context) {
+std::optional<Chart> make_chart(DiscMesh disc, const FlattenOptions& options, const MinimiseStretchOptions& stretch,
+                                const ExecutionContext& context) {
   const Parameterisation first =
       options.parameteriser == Parameteriser::kCgal ? Parameterisation::kCgal : Parameterisation::kLeastStretch;
   Chart chart{.disc = std::move(disc)};
   for (const Parameterisation parameterisation : {first, Parameterisation::kMeanValue, Parameterisation::kUniform}) {
     if (context.cancelled()) break;
-    absl::StatusOr<std::vector<Vec2d>> uv = map_to_square(chart.disc, parameterisation, context);
+    absl::StatusOr<std::vector<Vec2d>> uv = map_to_square(chart.disc, parameterisation, stretch, context);
     if (!uv.ok()) continue;
     chart.uv = *std::move(uv);
     chart.area_ratio = area_ratios(chart.disc, chart.uv);
@@ -86,6 +94,28 @@ std::optional<Chart> make_chart(DiscMesh disc, const FlattenOptions& options, co
     if (is_valid(chart, options.max_area_ratio)) return chart;
   }
   return std::nullopt;
+}
+
+/// Makes the border start where the square's corners (0, 0) and (1, 0), a quarter of the border apart, come nearest to where the
+/// curve shall enter and leave.
+void turn_border(DiscMesh& disc, const std::optional<Vec3d>& entry, const std::optional<Vec3d>& exit) {
+  if (!entry && !exit) return;
+  std::vector<std::uint32_t>& border = disc.border;
+  const std::size_t n = border.size();
+  std::vector<double> along(2 * n + 1, 0.0);  // twice around
+  for (std::size_t i = 0; i < 2 * n; ++i) {
+    along[i + 1] = along[i] + (disc.positions[border[(i + 1) % n]] - disc.positions[border[i % n]]).norm();
+  }
+  const auto away = [&](std::size_t i, const std::optional<Vec3d>& gate) {
+    return gate ? (disc.positions[border[i % n]] - *gate).norm() : 0.0;
+  };
+  std::size_t best = 0, quarter = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < n; ++i) {
+    while (along[quarter] < along[i] + along[n] / 4) ++quarter;
+    if (const double sum = away(i, entry) + away(quarter, exit); sum < least) least = sum, best = i;
+  }
+  std::rotate(border.begin(), border.begin() + static_cast<std::ptrdiff_t>(best), border.end());
 }
 
 /// Flattens components one by one, several at a time.
@@ -96,22 +126,36 @@ class Flattener {
 
   /// The charts of one component; InternalError when a single triangle defeats all parameterisations.
   absl::StatusOr<std::vector<Chart>> flatten_component(Faces component) {
+    std::vector<FacePart> parts;
+    if (component.size() <= options_.most_whole_faces) {
+      parts.push_back({std::move(component), {}, {}});
+    } else {
+      parts = partition_faces(mesh_, component, (component.size() + options_.chart_faces - 1) / options_.chart_faces);
+      component = {};
+    }
+    return join(for_each_alone(parts, [&](FacePart& part) { return flatten_part(std::move(part)); }));
+  }
+
+  /// Calls flatten(item) for all items, several at a time.
+  template <typename Item, typename Flatten>
+  static std::vector<absl::StatusOr<std::vector<Chart>>> for_each_alone(std::vector<Item>& items, const Flatten& flatten) {
+    std::vector<absl::StatusOr<std::vector<Chart>>> flattened(items.size());
+    tbb::parallel_for(
+        std::size_t{0}, items.size(),
+        [&](std::size_t i) {
+          // A thread that waits within one item must not start on another: that would be counted, and held in memory, twice.
+          tbb::this_task_arena::isolate([&] { flattened[i] = flatten(items[i]); });
+        },
+        tbb::simple_partitioner());
+    return flattened;
+  }
+
+  /// Returns all charts, or the first error.
+  static absl::StatusOr<std::vector<Chart>> join(std::vector<absl::StatusOr<std::vector<Chart>>> flattened) {
     std::vector<Chart> charts;
-    std::vector<Faces> pieces;  // taken from the back
-    pieces.push_back(std::move(component));
-    while (!pieces.empty()) {
-      const Faces faces = std::move(pieces.back());
-      pieces.pop_back();
-      std::optional<Chart> chart = flatten_piece(faces);
-      if (absl::Status status = context_.check(); !status.ok()) return status;
-      if (chart) {
-        charts.push_back(*std::move(chart));
-      } else if (faces.size() == 1) {
-        return absl::InternalError("a single triangle could not be parameterised");
-      } else {
-        std::vector<Faces> parts = bisect(mesh_, faces);
-        pieces.insert(pieces.end(), std::make_move_iterator(parts.rbegin()), std::make_move_iterator(parts.rend()));
-      }
+    for (absl::StatusOr<std::vector<Chart>>& some : flattened) {
+      if (!some.ok()) return some.status();
+      charts.insert(charts.end(), std::make_move_iterator(some->begin()), std::make_move_iterator(some->end()));
     }
     return charts;
   }
@@ -123,22 +167,58 @@ class Flattener {
   }
 
  private:
-  std::optional<Chart> flatten_piece(const Faces& faces) {
+  /// The charts of a part: one, or several where that fails.
+  absl::StatusOr<std::vector<Chart>> flatten_part(FacePart part) {
+    std::vector<Chart> charts;
+    std::vector<Faces> pieces;  // taken from the back
+    pieces.push_back(std::move(part.faces));
+    while (!pieces.empty()) {
+      const Faces faces = std::move(pieces.back());
+      pieces.pop_back();
+      std::optional<Chart> chart = flatten_piece(faces, part);
+      if (absl::Status status = context_.check(); !status.ok()) return status;
+      if (chart) {
+        charts.push_back(*std::move(chart));
+      } else if (faces.size() == 1) {
+        return absl::InternalError("a single triangle could not be parameterised");
+      } else {
+        std::vector<Faces> halves = bisect(mesh_, faces);
+        pieces.insert(pieces.end(), std::make_move_iterator(halves.rbegin()), std::make_move_iterator(halves.rend()));
+      }
+    }
+    return charts;
+  }
+
+  std::optional<Chart> flatten_piece(const Faces& faces, const FacePart& part) {
     Stopwatch watch;
-    report("cut", 0);
     const TriangleMesh piece = extract_piece(mesh_, faces);
-    absl::StatusOr<DiscMesh> disc = cut_to_disc(piece, find_extremities(piece, options_.extremities, context_));
-    const double cut = watch.lap();
-    report("parameterise", 0);
+    const bool is_part = part.entry || part.exit;
+    MinimiseStretchOptions stretch;
+    FlattenTimes seconds;
     std::optional<Chart> chart;
-    if (disc.ok()) chart = make_chart(*std::move(disc), options_, context_);
+    const auto try_with = [&](std::span<const std::uint32_t> extremities) {
+      if (!is_part) report("cut", 0);  // parts take turns: all of it counts as one stage
+      absl::StatusOr<DiscMesh> disc = cut_to_disc(piece, extremities);
+      if (disc.ok()) turn_border(*disc, part.entry, part.exit);
+      seconds.cut += watch.lap();
+      report("parameterise", 0);
+      if (disc.ok()) chart = make_chart(*std::move(disc), options_, stretch, context_);
+      seconds.parameterise += watch.lap();
+    };
+    if (is_part) {
+      // As a rule parts of a large surface are flat enough without any cut: looking for one would take as long as the map.
+      stretch.work = kPartWork * static_cast<double>(piece.vertex_count());
+      try_with({});
+      if (chart && measure_stretch(chart->disc, chart->uv).total > kEvenStretch) chart.reset();
+    }
+    if (!chart) try_with(find_extremities(piece, options_.extremities, context_));
     if (chart) {
       for (std::uint32_t& f : chart->disc.face_of) f = faces[f];
       report("parameterise", faces.size());
     }
     const MutexLock lock(mutex_);
-    times_.cut += cut;
-    times_.parameterise += watch.lap();
+    times_.cut += seconds.cut;
+    times_.parameterise += seconds.parameterise;
     return chart;
   }
 
@@ -165,16 +245,9 @@ absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const Flatt
   std::vector<Faces> components(label_components(mesh.twins, component_of_face));
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) components[component_of_face[f]].push_back(f);
   Flattener flattener(mesh, options, context);
-  std::vector<absl::StatusOr<std::vector<Chart>>> flattened(components.size());
-  tbb::parallel_for(std::size_t{0}, components.size(), [&](std::size_t c) {
-    // A thread that waits within a component must not start on another one: that would be counted, and held in memory, twice.
-    tbb::this_task_arena::isolate([&] { flattened[c] = flattener.flatten_component(std::move(components[c])); });
-  });
-  std::vector<Chart> charts;
-  for (absl::StatusOr<std::vector<Chart>>& of_component : flattened) {
-    if (!of_component.ok()) return of_component.status();
-    charts.insert(charts.end(), std::make_move_iterator(of_component->begin()), std::make_move_iterator(of_component->end()));
-  }
+  absl::StatusOr<std::vector<Chart>> charts = Flattener::join(
+      Flattener::for_each_alone(components, [&](Faces& component) { return flattener.flatten_component(std::move(component)); }));
+  if (!charts.ok()) return charts.status();
   // What each stage took of the time that has passed.
   const FlattenTimes all = flattener.times();
   const double scale = watch.lap() / std::max(all.cut + all.parameterise, 1e-9);

@@ -38,15 +38,19 @@ struct FlattenOptions {
   /// A chart is divided when some triangle's surface-to-uv area ratio exceeds its mean by this factor: the quadtree would go too
   /// deep for the curve's keys.
   double max_area_ratio = 1e9;
+  /// A component of more faces than this is divided into charts of about `chart_faces`, by partition_faces().
+  std::size_t most_whole_faces = 1'000'000, chart_faces = 100'000;
 };
 
 struct FlattenTimes {  // seconds
   double cut = 0, parameterise = 0;
 };
 
-/// One chart per component, or more where a component defeats every parameterisation in turn and is divided into halves until it
-/// doesn't: down to single triangles, which always succeed. Every face of the mesh lies in exactly one chart, whole. Charts come
-/// in the order of their components. Cancelled when the context says so (CGAL's solver ends first).
+/// One chart per component, or several where it is large; or where one defeats every parameterisation in turn and is divided into
+/// halves until it doesn't: down to single triangles, which always succeed. Every face of the mesh lies in exactly one chart,
+/// whole. Charts come in the order of their components, and in one component each, as a rule, is a neighbour of the one before,
+/// with the square's corner (0, 0) beside that one's corner (1, 0): the Hilbert curve goes on where it ended. Charts are made
+/// side by side on all threads. Cancelled when the context says so (CGAL's solver ends first).
 absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const FlattenOptions& options,
                                            const ExecutionContext& context, FlattenTimes& times);
 

@@ -60,8 +60,7 @@ class Unfolding {
   }
 
   static int sweeps(std::size_t vertices, const MinimiseStretchOptions& options) {
-    constexpr double kWork = 5e5;  // vertices in sweeps beyond the first
-    return 1 + static_cast<int>(std::min(options.most_sweeps - 1.0, kWork / static_cast<double>(vertices)));
+    return 1 + static_cast<int>(std::min(options.most_sweeps - 1.0, options.work / static_cast<double>(vertices)));
   }
 
   /// The coarsest level is small: the barycentric map is valid, and all that matters.

@@ -17,6 +17,7 @@ struct MinimiseStretchOptions {
   double growth = 1.6;         // a level is relaxed when it has this many times the vertices of the last one that was
   double good_enough = 0.005;  // relaxing a level ends when a sweep lowers the stretch energy by less than this part
   int most_sweeps = 100;       // count, on the coarsest levels; fewer and fewer on finer ones
+  double work = 5e5;           // vertices in the sweeps of a level beyond the first, at most
 };
 
 /// uv in [0, 1]^2 of every vertex. The border goes once around the square with four of its vertices on the corners, chosen by arc

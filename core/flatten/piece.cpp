@@ -9,7 +9,8 @@ TriangleMesh extract_piece(const TriangleMesh& mesh, std::span<const std::uint32
   const FaceSet set(faces, mesh);
   TriangleMesh piece;
   piece.twins.resize(3 * faces.size());
-  for (std::uint32_t h = 0; h < piece.twins.size(); ++h) piece.twins[h] = set.halfedge(mesh.twins[3 * faces[h / 3] + h % 3]);
+  for (std::uint32_t h = 0; h < piece.twins.size(); ++h)
+    piece.twins[h] = set.halfedge(mesh.twins[3 * faces[h / 3] + h % 3], h / 3);
   std::vector<std::uint32_t> fan_of_corner;
   piece.positions.resize(label_fans(piece.twins, fan_of_corner));
   piece.triangles.resize(faces.size());

@@ -1,11 +1,13 @@
 #include "core/pipeline/pipeline.h"
 
 #include <absl/strings/str_format.h>
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "core/base/stopwatch.h"
@@ -125,14 +127,13 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
   Stopwatch watch;
   const LoadedMesh& loaded = flattened.loaded;
   const std::vector<Chart>& charts = flattened.charts;
-  std::vector<Column<ParameterTriangle>> triangles;
   std::vector<QuadtreeLeaves> leaves;
   curve.disc_begin.assign(1, 0);
   std::size_t count = 0;
   for (const Chart& chart : charts) {
     context.progress("curve", static_cast<double>(leaves.size()) / static_cast<double>(charts.size()));
-    triangles.push_back(parameter_triangles(chart));
-    absl::StatusOr<QuadtreeLeaves> built = divide_chart(chart, triangles.back(), demand_of_face, context);
+    // Triangles are made again for the map: those of all charts at once would take much memory.
+    absl::StatusOr<QuadtreeLeaves> built = divide_chart(chart, parameter_triangles(chart), demand_of_face, context);
     if (!built.ok()) return built.status();
     leaves.push_back(*std::move(built));
     count += leaves.back().size();
@@ -153,38 +154,39 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
     if (!made.ok()) return made.status();
     id_buffer = *std::move(made);
   }
-  std::vector<Column<std::uint32_t>> under(charts.size());
-  for (std::size_t d = 0; d < charts.size(); ++d) {
-    under[d].resize(leaves[d].size());
-    if (id_buffer != nullptr) {
-      absl::Status status = id_buffer->locate(charts[d], triangles[d], leaves[d], under[d], context);
-      if (!status.ok()) return status;
-    } else {
-      locate_centres(triangles[d], leaves[d], under[d]);
-    }
-    map_to_surface(data, charts[d], triangles[d], leaves[d], under[d], curve.disc_begin[d], curve);
-  }
-  report.max_level = *std::max_element(curve.level.begin(), curve.level.end());
-  report.seconds.map = watch.lap();
-  if (absl::Status status = context.check(); !status.ok()) return status;
-
-  context.progress("area", 0);
   double sum = 0;
   for (std::size_t d = 0; d < charts.size(); ++d) {
+    context.progress("map", static_cast<double>(d) / static_cast<double>(charts.size()));
+    if (absl::Status status = context.check(); !status.ok()) return status;
+    const Column<ParameterTriangle> triangles = parameter_triangles(charts[d]);
+    Column<std::uint32_t> under;
+    under.resize(leaves[d].size());
+    if (id_buffer != nullptr) {
+      absl::Status status = id_buffer->locate(charts[d], triangles, leaves[d], under, context);
+      if (!status.ok()) return status;
+    } else {
+      locate_centres(triangles, leaves[d], under);
+    }
+    map_to_surface(data, charts[d], triangles, leaves[d], under, curve.disc_begin[d], curve);
+    report.seconds.map += watch.lap();
     const auto of_disc = [&](Column<float>& column) { return std::span(column).subspan(curve.disc_begin[d], leaves[d].size()); };
     if (options.area_element == AreaElement::kVoronoi) {
-      const LeafVertices vertices{of_disc(curve.x), of_disc(curve.y), of_disc(curve.z), under[d], curve.origin};
-      sum += voronoi_areas(charts[d], triangles[d], leaves[d], vertices, of_disc(curve.area));
+      const LeafVertices vertices{of_disc(curve.x), of_disc(curve.y), of_disc(curve.z), under, curve.origin};
+      sum += voronoi_areas(charts[d], triangles, leaves[d], vertices, of_disc(curve.area));
     } else {
-      sum += area_elements(triangles[d], leaves[d], of_disc(curve.area));
+      sum += area_elements(triangles, leaves[d], of_disc(curve.area));
     }
+    leaves[d] = {};
+    report.seconds.area += watch.lap();
   }
+  report.max_level = *std::max_element(curve.level.begin(), curve.level.end());
+  context.progress("area", 0);
   report.area_error = std::abs(sum / curve.total_area - 1);
   normalise_areas(curve.total_area, curve.area);
   curve.reference_curvature = reference_curvatures(loaded.mesh, flattened.geometry);
   curve.finish();
   context.progress("area", 1);
-  report.seconds.area = watch.lap();
+  report.seconds.area += watch.lap();
   return absl::OkStatus();
 }
 
@@ -205,6 +207,7 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   tbb::task_group beside;
   beside.run([&] { flattened.geometry = differential_geometry(mesh); });
   FlattenOptions flatten_options{.parameteriser = options.parameteriser};
+  if (options.chart_faces > 0) flatten_options.most_whole_faces = flatten_options.chart_faces = options.chart_faces;
   if (!options.density.empty()) {
     beside.wait();
     absl::StatusOr<std::vector<double>> found = demand_of_faces(flattened, options);
@@ -220,8 +223,11 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   PreprocessReport& report = flattened.report;
   report.mesh = flattened.loaded.info;
   report.discs = static_cast<std::uint32_t>(flattened.charts.size());
+  std::vector<std::uint64_t> flipped(flattened.charts.size());
+  tbb::parallel_for(std::size_t{0}, flipped.size(),
+                    [&](std::size_t d) { flipped[d] = count_flipped(flattened.charts[d].disc, flattened.charts[d].uv); });
+  report.flipped_triangles = std::accumulate(flipped.begin(), flipped.end(), std::uint64_t{0});
   for (const Chart& chart : flattened.charts) {
-    report.flipped_triangles += count_flipped(chart.disc, chart.uv);
     report.fallback_discs +=
         chart.parameterisation != Parameterisation::kLeastStretch && chart.parameterisation != Parameterisation::kCgal;
   }

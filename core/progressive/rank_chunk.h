@@ -39,9 +39,7 @@ struct ChunkId {
   /// Returns how many ranks there are from the lowest in a layer to the lowest in the next.
   std::uint64_t layer_ranks() const { return std::uint64_t{1} << 2 * (level - 1); }
   /// Returns the lowest rank that a point of a layer may have.
-  std::uint64_t first_rank(std::size_t layer = 0) const {
-    return (layer + (level == kChunkLevels ? 0 : 1)) * layer_ranks();
-  }
+  std::uint64_t first_rank(std::size_t layer = 0) const { return (layer + (level == kChunkLevels ? 0 : 1)) * layer_ranks(); }
   /// Chunks keep ranks in steps of this, rounded down: they fit signed 32-bit integers, which vector code turns to floats.
   std::uint64_t rank_step() const { return level > kWholeRankLevels ? std::uint64_t{1} << 2 * (level - kWholeRankLevels) : 1; }
   ChunkId child(std::uint64_t quarter) const { return {level + 1, 4 * index + quarter}; }

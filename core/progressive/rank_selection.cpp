@@ -182,7 +182,8 @@ float RankSelector::measure_scale(const View& view, std::uint64_t n) const {
       }
       // Where no point has a density the view may still show a part between them.
       sum = std::max(sum, 0.25 * static_cast<double>(most));
-      integral += sum / static_cast<double>(chunk.layers() * kQuarter) * std::ldexp(1.0, -2 * (chunk.id.level + 1 - kChunkLevels));
+      integral +=
+          sum / static_cast<double>(chunk.layers() * kQuarter) * std::ldexp(1.0, -2 * (chunk.id.level + 1 - kChunkLevels));
     }
   }
   return integral > 0 ? static_cast<float>(std::min(static_cast<double>(n) / integral, kMostScale)) : 0.0f;

@@ -78,10 +78,14 @@ std::string Process::out() const { return content_of(out_path_); }
 std::string Process::err() const { return content_of(err_path_); }
 
 bool Process::wait_for(const std::string& text) {
+  const auto has_line = [&](const std::string& written) {
+    const std::size_t at = written.find(text);
+    return at != std::string::npos && written.find('\n', at) != std::string::npos;
+  };
   bool is_there = false;
   const bool is_settled = server::eventually([&] {
     const bool has_ended = reap(false);
-    is_there = (out() + err()).find(text) != std::string::npos;
+    is_there = has_line(out()) || has_line(err());
     return is_there || has_ended;
   });
   return is_settled && is_there;

@@ -25,7 +25,8 @@ class Process {
 
   void signal(int number) const;
   pid_t pid() const { return pid_; }
-  /// Waits until standard output or standard error contains `text`; false when the process ends or two minutes pass before.
+  /// Waits until a whole line with `text` stands in standard output or standard error; false when the process ends or two minutes
+  /// pass before.
   bool wait_for(const std::string& text);
   /// What has been written so far.
   std::string out() const;

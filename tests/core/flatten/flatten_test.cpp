@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <string_view>
 
 #include "core/flatten/distortion.h"
@@ -116,6 +118,49 @@ TEST(Flatten, DividesWhatIsTooDistorted) {
   const std::vector<Chart> charts = flattened(mesh, strict);
   EXPECT_GT(charts.size(), 1u);
   expect_complete(mesh, charts);
+}
+
+TEST(Flatten, LargeComponentsAreDividedAndTheCurveGoesOnWhereItEnded) {
+  const FlattenOptions small{.most_whole_faces = 2000, .chart_faces = 1000};
+  const TriangleMesh mesh = testing::make_mesh(testing::merged(
+      testing::merged(testing::jittered(testing::icosphere(5), 0.005), testing::translated(testing::cube(), {5, 0, 0})),
+      testing::translated(testing::torus(40, 80), {9, 0, 0})));
+  std::vector<std::vector<Chart>> results;
+  for (const int threads : {1, 4}) {
+    tbb::task_arena arena(threads);
+    arena.execute([&] { results.push_back(flattened(mesh, small)); });
+  }
+  const std::vector<Chart>& charts = results[0];
+  EXPECT_GE(charts.size(), 20u);
+  expect_complete(mesh, charts);
+  ASSERT_EQ(results[1].size(), charts.size());
+  for (std::size_t c = 0; c < charts.size(); ++c) EXPECT_EQ(results[1][c].uv, charts[c].uv);
+  const auto place_at = [](const Chart& chart, const Vec2d& corner) {
+    const auto found = std::find(chart.uv.begin(), chart.uv.end(), corner);
+    EXPECT_NE(found, chart.uv.end());
+    return chart.disc.positions[static_cast<std::size_t>(found - chart.uv.begin())];
+  };
+  // The ball's charts: from one to the next is not farther than across a chart.
+  std::size_t near = 0, steps = 0;
+  for (std::size_t c = 1; c < charts.size(); ++c) {
+    if (charts[c].disc.face_of[0] >= 20'480) break;
+    ++steps;
+    const double across = std::sqrt(surface_area(charts[c].disc));
+    if ((place_at(charts[c - 1], {1, 0}) - place_at(charts[c], {0, 0})).norm() < across) ++near;
+  }
+  EXPECT_GE(steps, 15u);
+  EXPECT_GE(4 * near, 3 * steps);  // entry and exit need not lie a quarter of a border apart
+}
+
+TEST(Flatten, PartsWithLimbsAreStillCutToThem) {
+  // A plane with a tall, thin spike: without a cut along it the spike's area would be squeezed into next to nothing.
+  PolygonSoup soup = testing::square(60);
+  for (Vec3d& p : soup.positions) p.z() = 3 * std::exp(-400 * ((p.x() - 0.3) * (p.x() - 0.3) + (p.y() - 0.3) * (p.y() - 0.3)));
+  const TriangleMesh mesh = testing::make_mesh(soup);
+  const std::vector<Chart> charts = flattened(mesh, {.most_whole_faces = 5000, .chart_faces = 2500});
+  EXPECT_GE(charts.size(), 2u);
+  expect_complete(mesh, charts);
+  for (const Chart& chart : charts) EXPECT_LT(measure_stretch(chart.disc, chart.uv).total, 2.0);
 }
 
 TEST(Flatten, FallsBackToSingleTriangles) {

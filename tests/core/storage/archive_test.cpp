@@ -16,7 +16,8 @@ PreprocessOptions some_options() {
           .density = {UniformTerm{}, CurvatureTerm{CurvatureKind::kMean, 2, 0.25}, ViewTerm{0.5}, DistanceTerm{1, 2, true},
                       FrustumTerm{}, ScreenTerm{}, AttributeTerm{"quality"}, BrushTerm{{{{1, 2, 3}, 4, 5, 0.25}}},
                       ExpressionTerm{"1 + x"}},
-          .seed = 9};
+          .seed = 9,
+          .chart_faces = 500};
 }
 
 PreprocessReport some_report() {
@@ -67,6 +68,7 @@ TEST(Archive, EveryOptionCounts) {
   EXPECT_TRUE(differs([](auto& o) { o.area_element = AreaElement::kExact; }));
   EXPECT_TRUE(differs([](auto& o) { o.density.pop_back(); }));
   EXPECT_TRUE(differs([](auto& o) { o.seed = 0; }));
+  EXPECT_TRUE(differs([](auto& o) { o.chart_faces = 0; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<ViewTerm>(o.density[2]).s0 = 0.75; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).global = false; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).fall = DistanceFall::kInverse; }));
