@@ -37,7 +37,9 @@ TEST(RankGrower, HasEveryRankOnce) {
     EXPECT_EQ(chunk->size(), chunk->id.level == kChunkLevels ? kChunkStrata : kNew);
     for (std::size_t i = 0; i < chunk->size(); ++i) {
       // Layer by layer, each along the curve.
-      if (i % kLayerStrata > 0) EXPECT_LT(chunk->curve_position[i - 1], chunk->curve_position[i]);
+      if (i % kLayerStrata > 0) {
+        EXPECT_LT(chunk->curve_position[i - 1], chunk->curve_position[i]);
+      }
       EXPECT_EQ(chunk->rank[i] / chunk->id.layer_ranks(), chunk->id.first_rank(i / kLayerStrata) / chunk->id.layer_ranks());
       ++times[chunk->rank[i]];
       EXPECT_GE(chunk->rank[i], chunk->id.first_rank());
