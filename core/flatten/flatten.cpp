@@ -140,13 +140,10 @@ class Flattener {
   template <typename Item, typename Flatten>
   static std::vector<absl::StatusOr<std::vector<Chart>>> for_each_alone(std::vector<Item>& items, const Flatten& flatten) {
     std::vector<absl::StatusOr<std::vector<Chart>>> flattened(items.size());
-    tbb::parallel_for(
-        std::size_t{0}, items.size(),
-        [&](std::size_t i) {
-          // A thread that waits within one item must not start on another: that would be counted, and held in memory, twice.
-          tbb::this_task_arena::isolate([&] { flattened[i] = flatten(items[i]); });
-        },
-        tbb::simple_partitioner());
+    tbb::parallel_for(std::size_t{0}, items.size(), [&](std::size_t i) {
+      // A thread that waits within one item must not start on another: that would be counted, and held in memory, twice.
+      tbb::this_task_arena::isolate([&] { flattened[i] = flatten(items[i]); });
+    });
     return flattened;
   }
 
