@@ -16,11 +16,7 @@ class FaceSet {
       : faces_(faces), whole_(faces.size() == mesh.face_count()) {}
 
   /// Returns the number of face f within the set; kNone when the set has no such face.
-  std::uint32_t index(std::uint32_t f) const {
-    if (whole_) return f;
-    const auto found = std::lower_bound(faces_.begin(), faces_.end(), f);
-    return found != faces_.end() && *found == f ? static_cast<std::uint32_t>(found - faces_.begin()) : kNone;
-  }
+  std::uint32_t index(std::uint32_t f) const { return whole_ ? f : find(f, 0, faces_.size()); }
   /// Does the same, fast where the face's number is near `hint`, which is below the number of faces.
   std::uint32_t index(std::uint32_t f, std::uint32_t hint) const {
     if (whole_) return f;
@@ -31,9 +27,7 @@ class FaceSet {
     } else {
       while (begin > 0 && faces_[begin] > f) end = begin, begin -= std::min(begin, step), step *= 2;
     }
-    const auto found = std::lower_bound(faces_.begin() + static_cast<std::ptrdiff_t>(begin),
-                                        faces_.begin() + static_cast<std::ptrdiff_t>(end), f);
-    return found != faces_.end() && *found == f ? static_cast<std::uint32_t>(found - faces_.begin()) : kNone;
+    return find(f, begin, end);
   }
   /// Returns the number of halfedge h within the set; kNone for kNone, and where the set does not have its face. `hint`: of
   /// index().
@@ -43,6 +37,13 @@ class FaceSet {
   }
 
  private:
+  /// The number of face f, if it is one of [begin, end).
+  std::uint32_t find(std::uint32_t f, std::size_t begin, std::size_t end) const {
+    const std::span<const std::uint32_t> some = faces_.subspan(begin, end - begin);
+    const auto found = std::lower_bound(some.begin(), some.end(), f);
+    return found != some.end() && *found == f ? static_cast<std::uint32_t>(begin + (found - some.begin())) : kNone;
+  }
+
   std::span<const std::uint32_t> faces_;
   bool whole_;
 };

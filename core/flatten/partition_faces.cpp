@@ -195,9 +195,9 @@ class Joining {
     return faces;
   }
 
-  /// The part of a face; kNone for one that is not of the piece.
-  std::uint32_t part_of(std::uint32_t f) const {
-    const std::uint32_t i = set_.index(f);
+  /// The part of the face beyond halfedge h; kNone where there is none, or not of the piece.
+  std::uint32_t part_beyond(std::uint32_t h) const {
+    const std::uint32_t twin = mesh_.twins[h], i = twin == kNone ? kNone : set_.index(twin / 3);
     return i == kNone ? kNone : fragments_[first_[range_of_[i]] + fragment_of_[i]].part;
   }
 
@@ -276,7 +276,7 @@ class Joining {
     std::map<std::uint32_t, std::size_t> edges;
     for (const std::uint32_t f : faces_of(fragments_[i])) {
       for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
-        const std::uint32_t part = mesh_.twins[h] == kNone ? kNone : part_of(mesh_.twins[h] / 3);
+        const std::uint32_t part = part_beyond(h);
         if (part != kNone) ++edges[part];
       }
     }
@@ -351,7 +351,7 @@ std::vector<FacePart> partition_faces(const TriangleMesh& mesh, std::span<const 
     for (const std::uint32_t f : parts[p]) {
       middles[p] += centroid(mesh, f);
       for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
-        const std::uint32_t other = mesh.twins[h] == kNone ? kNone : joining.part_of(mesh.twins[h] / 3);
+        const std::uint32_t other = joining.part_beyond(h);
         if (other == kNone || other == p) continue;
         Gate& gate = gates[p][other];
         gate.sum += 0.5 * (mesh.positions[mesh.from(h)] + mesh.positions[mesh.to(h)]);
