@@ -1,5 +1,7 @@
 #include "core/progressive/rank_delta.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <bit>
 #include <cstring>
 
@@ -56,26 +58,22 @@ std::uint64_t position_of(const RankSelection& selection, const RankRef& ref) {
   return selection.chunk(ref).curve_position[ref.point];
 }
 
-/// Sorts changes along the curve; ref(change) is the changed point in the selection.
+/// Sorts changes along the curve, and writes to `indices` how many points of the later list come before each of them: its index,
+/// as no two points share a position. ref(change) is the changed point in the selection.
 template <typename Change, typename Ref>
-void sort_changes(const RankSelection& selection, std::vector<Change>& changes, const Ref& ref, ListDelta& memory) {
-  std::vector<std::uint64_t>& keys = memory.keys;
-  keys.clear();
-  for (std::size_t i = 0; i < changes.size(); ++i) keys.push_back(curve_key(position_of(selection, ref(changes[i])), i));
+void locate_changes(const RankSelection& selection, std::vector<Change>& changes, const Ref& ref, const RankSelection& later,
+                    ListDelta::Scratch& scratch, std::vector<std::uint32_t>& indices) {
+  scratch.keys.clear();
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    scratch.keys.push_back(curve_key(position_of(selection, ref(changes[i])), i));
+  }
   std::vector<Change> sorted;
-  sort_along_curve(keys, memory.scratch, changes, sorted);
+  sort_along_curve(scratch.keys, scratch.sorting, changes, sorted);
   changes.swap(sorted);
-}
-
-/// Writes to `indices` how many points of the later list come before each change: its index, as no two points share a position.
-/// The changes are points of `selection`.
-template <typename Change, typename Ref>
-void find_indices(const RankSelection& selection, const std::vector<Change>& changes, const Ref& ref, const RankSelection& later,
-                  std::vector<std::uint64_t>& positions, std::vector<std::uint32_t>& indices) {
-  positions.clear();
-  for (const Change& change : changes) positions.push_back(position_of(selection, ref(change)));
-  indices.resize(positions.size());
-  count_selected_before(later, positions, indices);
+  scratch.curve_positions.clear();
+  for (const Change& change : changes) scratch.curve_positions.push_back(position_of(selection, ref(change)));
+  indices.resize(changes.size());
+  count_selected_before(later, scratch.curve_positions, indices);
 }
 
 }  // namespace
@@ -117,12 +115,9 @@ void compare(const RankSelection& earlier, std::span<const std::uint8_t> discs, 
 void locate(const RankSelection& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out) {
   const auto itself = [](const RankRef& ref) -> const RankRef& { return ref; };
   const auto point_of = [](const RankDelta::Resized& resized) -> const RankRef& { return resized.point; };
-  sort_changes(later, delta.added, itself, out);
-  sort_changes(earlier, delta.removed, itself, out);
-  sort_changes(later, delta.resized, point_of, out);
-  find_indices(later, delta.resized, point_of, later, out.curve_positions, out.resized);
-  find_indices(later, delta.added, itself, later, out.curve_positions, out.added);
-  find_indices(earlier, delta.removed, itself, later, out.curve_positions, out.removed);
+  tbb::parallel_invoke([&] { locate_changes(later, delta.resized, point_of, later, out.of_resized, out.resized); },
+                       [&] { locate_changes(later, delta.added, itself, later, out.of_added, out.added); },
+                       [&] { locate_changes(earlier, delta.removed, itself, later, out.of_removed, out.removed); });
   // So far the removed points have the indices that they would have in the later list. Of the points before it, the earlier list
   // lacks those that were added, and has those that were removed.
   std::size_t added = 0;

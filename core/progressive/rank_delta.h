@@ -40,18 +40,26 @@ struct ListDelta {
   std::vector<std::uint32_t> removed;  // in the earlier list
   std::vector<std::uint32_t> resized;  // in the later list
 
-  // Scratch of locate().
-  std::vector<std::uint64_t> keys, scratch;
-  std::vector<std::uint64_t> curve_positions;
+  /// Of locate(), for each list.
+  struct Scratch {
+    std::vector<std::uint64_t> keys, sorting, curve_positions;
+
+    std::size_t byte_size() const {
+      const auto& [k, s, c] = *this;
+      return capacity_bytes(k, s, c);
+    }
+  };
+  Scratch of_added, of_removed, of_resized;
 
   /// Bytes allocated, in use or not.
   std::size_t byte_size() const {
-    const auto& [a, r, s, k, c, p] = *this;
-    return capacity_bytes(a, r, s, k, c, p);
+    const auto& [a, r, s, x, y, z] = *this;
+    return capacity_bytes(a, r, s) + x.byte_size() + y.byte_size() + z.byte_size();
   }
 };
 
-/// Sorts the changes of `delta` along the curve and writes their indices to `out`.
+/// Sorts the changes of `delta` along the curve and writes their indices to `out`: the three lists side by side, where there are
+/// cores.
 void locate(const RankSelection& earlier, const RankSelection& later, RankDelta& delta, ListDelta& out);
 
 }  // namespace curvecast

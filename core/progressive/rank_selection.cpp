@@ -1,6 +1,10 @@
 #include "core/progressive/rank_selection.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -17,7 +21,9 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kSlack = 1.0001f;    // bounds are rounded, points too
 constexpr double kMostScale = 1e30;  // of a guess, which must stay finite
 constexpr std::size_t kWord = RankSelection::kWord;
-constexpr std::size_t kAhead = 4;  // chunks whose bounds the memory brings beforehand
+constexpr float kMore = 1.05f, kFewer = 0.93f, kFaster = 4;  // README.md says where these come from
+constexpr std::size_t kAhead = 4;                            // chunks whose bounds the memory brings beforehand
+constexpr std::size_t kGrain = 16;                           // chunks that a thread takes at once
 constexpr std::size_t kQuarterRuns = kChunkRuns / 4;
 
 static_assert(kLayerStrata % kWord == 0, "layers fill whole words");
@@ -87,7 +93,6 @@ void prefetch_runs(const RankChunk& chunk, const float* most, float scale) {
 void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& factor,
                           std::uint64_t n, RankSelection& out, double expected_scale) {
   const View view{*tree, density, factor};
-  constexpr float kMore = 1.05f, kFewer = 0.93f, kFaster = 4;
   out.pixels = factor.pixels();
   const double expected = expected_scale * (out.pixels > 0 ? out.pixels : 1);
   float guess = expected > 0 ? static_cast<float>(std::min(expected, kMostScale)) : guess_scale(view, n);
@@ -95,11 +100,14 @@ void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensi
   const bool is_known = guess > 0;
   float scale = is_known ? kMore * guess : std::numeric_limits<float>::max(), above = 0;
   bool is_all = visit(view, scale);
-  if (!is_known && (guess = measure_scale(view, n)) > 0) scale = kMore * guess;
+  if (!is_known && (guess = measure_scale(view, n)) > 0) {
+    scale = kMore * guess;
+    mark(kFewer * scale, scale);
+  }
   std::size_t below = 0;
   for (;;) {
     above = kFewer * scale;
-    below = collect(view, above, scale);
+    below = collect(view);
     const std::size_t found = below + window_.size();
     if (found >= n) break;
     if (is_all) {
@@ -114,11 +122,13 @@ void RankSelector::select(std::shared_ptr<const RankTree> tree, const FixedDensi
   while (below >= n) {
     scale = above;
     above *= kFewer * static_cast<float>(n) / static_cast<float>(below);
-    below = collect(view, above, scale);
+    mark(above, scale);
+    below = collect(view);
   }
   if (below + window_.size() < n) {
     above = 0;
-    below = collect(view, above, scale);
+    mark(above, scale);
+    below = collect(view);
   }
   const std::size_t wanted = std::min<std::size_t>(n - below, window_.size());
   if (wanted > 0) std::nth_element(window_.begin(), window_.begin() + static_cast<std::ptrdiff_t>(wanted - 1), window_.end());
@@ -145,19 +155,19 @@ void RankSelector::densities(const RankSelection& selection, std::span<float> ou
 }
 
 std::size_t RankSelector::byte_size() const {
-  const auto& [states, visited, most, keys, factor, shown, bits, window] = *this;
-  return capacity_bytes(states, visited, most, keys, factor, shown, bits, window);
+  const auto& [parallel, states, visited, most, keys, shown, bits, window] = *this;
+  return capacity_bytes(states, visited, most, keys, shown, bits, window);
 }
 
 float RankSelector::guess_scale(const View& view, std::uint64_t n) {
   const RankChunk& first = *view.tree.chunks().front();
-  keys_.resize(first.size());
-  evaluate(view, first, 0, first.size(), keys_.data());
+  float factor[kChunkStrata];
+  evaluate(view, first, 0, first.size(), factor);
   double sum = 0;
   std::size_t counted = 0;
-  for (const float factor : std::span(factor_).first(first.size())) {
-    sum += static_cast<double>(factor);
-    counted += factor > 0 ? 1 : 0;
+  for (const float f : std::span(factor).first(first.size())) {
+    sum += static_cast<double>(f);
+    counted += f > 0 ? 1 : 0;
   }
   constexpr std::size_t kEnough = 64;
   if (counted < kEnough) return 0;
@@ -230,12 +240,31 @@ bool RankSelector::visit(const View& view, float scale) {
     }
   }
   keys_.resize(keys);
-  for (std::size_t v = 0; v < visited_.size(); ++v) {
-    if (v + 1 < visited_.size()) prefetch_runs(*chunks[visited_[v + 1].chunk], &most_[(v + 1) * kChunkRuns], scale);
-    const float* const most = &most_[v * kChunkRuns];
-    is_all = fill_keys(view, *chunks[visited_[v].chunk], most, scale, &keys_[visited_[v].first_key]) && is_all;
+  shown_.resize(keys / kWord);
+  bits_.resize(keys / kWord);
+  std::atomic<bool> has_all = is_all;
+  for_each_visited([&](std::size_t v, std::size_t end) {
+    if (v + 1 < end) prefetch_runs(*chunks[visited_[v + 1].chunk], &most_[(v + 1) * kChunkRuns], scale);
+    const RankChunk& chunk = *chunks[visited_[v].chunk];
+    if (!fill_keys(view, chunk, &most_[v * kChunkRuns], scale, &keys_[visited_[v].first_key])) {
+      has_all.store(false, std::memory_order_relaxed);
+    }
+    mark(v, kFewer * scale, scale);
+  });
+  return has_all;
+}
+
+template <typename Work>
+void RankSelector::for_each_visited(const Work& work) {
+  const auto some = [&](const tbb::blocked_range<std::size_t>& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) work(v, range.end());
+  };
+  const tbb::blocked_range<std::size_t> all(0, visited_.size(), kGrain);
+  if (is_parallel_) {
+    tbb::parallel_for(all, some);
+  } else {
+    some(all);
   }
-  return is_all;
 }
 
 void RankSelector::bound_runs(const View& view, const RankChunk& chunk, float* most) {
@@ -249,6 +278,7 @@ void RankSelector::bound_runs(const View& view, const RankChunk& chunk, float* m
 }
 
 bool RankSelector::fill_keys(const View& view, const RankChunk& chunk, const float* most, float scale, float* keys) {
+  float factor[kLayerStrata];
   bool is_all = true;
   for (std::size_t layer = 0; layer < chunk.layers(); ++layer) {
     const std::size_t first = layer * kLayerStrata;
@@ -262,7 +292,8 @@ bool RankSelector::fill_keys(const View& view, const RankChunk& chunk, const flo
         std::fill(keys + begin, keys + end, kInfinity);
         is_all = is_all && std::all_of(most + r, most + next, [](float m) { return m == 0; });
       } else {
-        evaluate(view, chunk, begin, end, keys + begin);
+        evaluate(view, chunk, begin, end, factor);
+        to_keys(&chunk.rank[begin], static_cast<float>(chunk.id.rank_step()), factor, end - begin, keys + begin);
       }
       r = next;
     }
@@ -270,34 +301,39 @@ bool RankSelector::fill_keys(const View& view, const RankChunk& chunk, const flo
   return is_all;
 }
 
-void RankSelector::evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, float* keys) {
+void RankSelector::evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, float* density) {
   const std::size_t n = end - begin;
-  if (factor_.size() < n) factor_.resize(n);
-  float* const factor = factor_.data();
   if (view.density == nullptr) {
-    std::fill_n(factor, n, 1.0f);
+    std::fill_n(density, n, 1.0f);
   } else {
-    for (std::size_t i = 0; i < n; ++i) factor[i] = view.density->density[chunk.vertex[begin + i]];
+    for (std::size_t i = 0; i < n; ++i) density[i] = view.density->density[chunk.vertex[begin + i]];
   }
   view.factor.multiply(&chunk.x[begin], &chunk.y[begin], &chunk.z[begin], &chunk.nx[begin], &chunk.ny[begin], &chunk.nz[begin], n,
-                       factor);
-  to_keys(&chunk.rank[begin], static_cast<float>(chunk.id.rank_step()), factor, n, keys);
+                       density);
 }
 
-std::size_t RankSelector::collect(const View& view, float above, float upto) {
+void RankSelector::mark(std::size_t v, float above, float upto) {
+  const std::size_t end = v + 1 < visited_.size() ? visited_[v + 1].first_key : keys_.size();
+  const std::size_t first = visited_[v].first_key, word = first / kWord, words = (end - first) / kWord;
+  visited_[v].below = mark_upto(&keys_[first], words, above, &shown_[word]);
+  mark_upto(&keys_[first], words, upto, &bits_[word]);
+}
+
+void RankSelector::mark(float above, float upto) {
+  for_each_visited([&](std::size_t v, std::size_t) { mark(v, above, upto); });
+}
+
+std::size_t RankSelector::collect(const View& view) {
   window_.clear();
-  const std::size_t words = keys_.size() / kWord;
-  shown_.resize(words);
-  bits_.resize(words);
-  const std::size_t below = mark_upto(keys_.data(), words, above, shown_.data());
-  if (mark_upto(keys_.data(), words, upto, bits_.data()) == below) return below;
-  std::size_t visited = 0;
-  for (std::size_t w = 0; w < words; ++w) {
-    while (visited + 1 < visited_.size() && visited_[visited + 1].first_key <= w * kWord) ++visited;
-    const RankChunk& chunk = *view.tree.chunks()[visited_[visited].chunk];
-    for (std::uint64_t bits = bits_[w] & ~shown_[w]; bits != 0; bits &= bits - 1) {
-      const std::size_t i = w * kWord + static_cast<std::size_t>(std::countr_zero(bits));
-      window_.push_back({keys_[i], chunk.rank_of(i - visited_[visited].first_key), static_cast<std::uint32_t>(i)});
+  std::size_t below = 0, w = 0;
+  for (std::size_t v = 0; v < visited_.size(); ++v) {
+    below += visited_[v].below;
+    const RankChunk& chunk = *view.tree.chunks()[visited_[v].chunk];
+    const std::size_t first = visited_[v].first_key;
+    for (const std::size_t end = w + chunk.size() / kWord; w < end; ++w) {
+      for_each_bit(bits_[w] & ~shown_[w], w * kWord, [&](std::size_t i) {
+        window_.push_back({keys_[i], chunk.rank_of(i - first), static_cast<std::uint32_t>(i)});
+      });
     }
   }
   return below;

@@ -102,6 +102,9 @@ struct RankSelection {
 /// Selects points for one view after another, in memory that is used again. Not for several threads at once.
 class RankSelector {
  public:
+  /// `is_parallel`: a selection uses all cores, for the sake of who waits for it; what it selects does not depend on it.
+  explicit RankSelector(bool is_parallel = false) : is_parallel_(is_parallel) {}
+
   /// Selects the n > 0 points that need the least scale; of points that need the same, those of lower ranks. Selects fewer where
   /// fewer points of the tree have a density. The density is the fixed one (null: 1 everywhere) times the view's.
   /// `expected_scale`: about the similar_scale() of the result; 0: not known. It makes no difference but of time.
@@ -118,6 +121,7 @@ class RankSelector {
   struct Visited {
     std::uint32_t chunk;
     std::size_t first_key;
+    std::size_t below = 0;  // points marked in shown_
   };
   /// A point that may be among the last of the selection.
   struct WindowPoint {
@@ -145,18 +149,26 @@ class RankSelector {
   void find_lacking(const View& view, RankSelection& out) const;
   /// Says whether any visited chunk has no child where there is a density.
   bool any_lacking(const View& view) const;
-  /// Visits the chunks with points that may be shown at a scale, and finds the scale that each of their points needs. Returns
-  /// whether all points of the tree that have a density are among them.
+  /// Visits the chunks with points that may be shown at a scale, finds the scale that each of their points needs, and marks those
+  /// that need a little less, and those that need this one. Returns whether all points of the tree that have a density are among
+  /// them.
   bool visit(const View& view, float scale);
+  /// Calls work(v, end) for all visited chunks v: for each thread one after another below its end.
+  template <typename Work>
+  void for_each_visited(const Work& work);
   /// Writes to `most` the largest density that points in each of a chunk's runs may have, points of deeper chunks included.
   static void bound_runs(const View& view, const RankChunk& chunk, float* most);
   /// Writes the keys of a chunk's points; infinity in runs that show no point at the scale. Returns whether all points that have
   /// a density got their key.
-  bool fill_keys(const View& view, const RankChunk& chunk, const float* most, float scale, float* keys);
-  void evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, float* keys);
-  /// Marks as shown the points that need `above` at most, and puts those that need up to `upto` into the window. Returns how many
-  /// it marked.
-  std::size_t collect(const View& view, float above, float upto);
+  static bool fill_keys(const View& view, const RankChunk& chunk, const float* most, float scale, float* keys);
+  /// Writes the density at some of a chunk's points.
+  static void evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, float* density);
+  /// Marks the points of visited chunks, or of one of them, that need `above` at most, in shown_, and those that need `upto` at
+  /// most, in bits_.
+  void mark(float above, float upto);
+  void mark(std::size_t v, float above, float upto);
+  /// Puts the points that are marked in bits_ alone into the window. Returns how many are marked in shown_.
+  std::size_t collect(const View& view);
   void finish(const View& view, std::size_t count, RankSelection& out);
 
   /// What visit() does with a chunk. It is decided with the parent: chunks below a chunk that waits wait too.
@@ -166,11 +178,11 @@ class RankSelector {
     kEmpty,    // shows no point at any scale: there is no density
   };
 
+  const bool is_parallel_;
   std::vector<State> states_;  // of each chunk
   std::vector<Visited> visited_;
-  std::vector<float> most_;  // bound_runs() of the visited chunks
-  std::vector<float> keys_;  // the scale that each point of the visited chunks needs
-  std::vector<float> factor_;
+  std::vector<float> most_;                  // bound_runs() of the visited chunks
+  std::vector<float> keys_;                  // the scale that each point of the visited chunks needs
   std::vector<std::uint64_t> shown_, bits_;  // of each key
   std::vector<WindowPoint> window_;
 };

@@ -17,7 +17,7 @@ struct RankedWorkspace {
   RankSelection selection;  // the last result of select_ranked()
 
   // Scratch of select_ranked().
-  RankSelector selector;
+  RankSelector selector{true};
   std::vector<float> density;
   // Scratch of list_ranked(), and for compare() and locate().
   std::vector<RankRef> shown, refs;

@@ -109,14 +109,14 @@ void gather_ranked(const SurfaceCurve& curve, const RankSelection& selection, st
 void list_ranked(const SurfaceCurve& curve, RankedWorkspace& workspace, bool with_places) {
   const RankSelection& selection = workspace.selection;
   std::vector<RankRef>& shown = workspace.shown;
-  std::vector<std::uint64_t>& keys = workspace.list_delta.keys;
+  ListDelta::Scratch& scratch = workspace.list_delta.of_added;
   shown.clear();
-  keys.clear();
+  scratch.keys.clear();
   selection.for_each_shown([&](const RankRef& ref, std::size_t) {
-    keys.push_back(curve_key(selection.chunk(ref).curve_position[ref.point], shown.size()));
+    scratch.keys.push_back(curve_key(selection.chunk(ref).curve_position[ref.point], shown.size()));
     shown.push_back(ref);
   });
-  sort_along_curve(keys, workspace.list_delta.scratch, shown, workspace.refs);
+  sort_along_curve(scratch.keys, scratch.sorting, shown, workspace.refs);
   gather_ranked(curve, selection, workspace.refs, workspace.points, with_places);
 }
 

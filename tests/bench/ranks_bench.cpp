@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -13,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/stopwatch.h"
 #include "core/pipeline/curve_surface.h"
 #include "core/progressive/grow_ranks.h"
 #include "core/progressive/rank_delta.h"
@@ -73,24 +73,6 @@ Density zoomed(double part) {
   return Density({ScreenTerm{}, FrustumTerm{}}, {testing::camera_at(place + distance * curve.normal(l).cast<double>(), place)});
 }
 
-/// Processor time of this thread: other work on the machine does not count.
-class CpuWatch {
- public:
-  double lap() {
-    const double before = at_;
-    at_ = now();
-    return at_ - before;
-  }
-
- private:
-  static double now() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-  }
-  double at_ = now();
-};
-
 /// Fills the caches with something else, as what happens between two views of a server does.
 void cool_caches() {
   static std::vector<char> other(std::size_t{96} << 20);
@@ -121,7 +103,7 @@ void step(benchmark::State& state) {
   for (auto _ : state) {
     for (int i = 0; i <= steps; ++i) {
       if (state.range(2) != 0) cool_caches();
-      CpuWatch watch;
+      Stopwatch watch;
       const double expected = i > 0 ? before.selection.similar_scale() : 0;
       if (!select_ranked(curve, grower->tree(), nullptr, zoomed(static_cast<double>(i) / steps), points, after, expected).ok())
         return;

@@ -125,6 +125,23 @@ TEST(RankSelection, WhatIsExpectedMakesNoDifference) {
   }
 }
 
+TEST(RankSelection, OnAllCoresTheSame) {
+  const auto tree = ball_tree(9);
+  const FixedDensity own = fixed(some_density(6));
+  RankSelector parallel(true);
+  RankSelection selection;
+  for (const Terms& terms : kViews) {
+    for (const std::uint64_t n : {std::uint64_t{1}, std::uint64_t{20'000}, std::uint64_t{200'000}, std::uint64_t{1'000'000}}) {
+      const RankSelection plain = select(tree, terms, n, &own);
+      parallel.select(tree, &own, ViewFactor(*ball_curve(), terms), n, selection);
+      EXPECT_EQ(selection.shown, plain.shown);
+      EXPECT_EQ(selection.count, plain.count);
+      EXPECT_EQ(selection.scale, plain.scale);
+      EXPECT_EQ(selection.lacking, plain.lacking);
+    }
+  }
+}
+
 TEST(RankSelection, DoesNotDependOnWhatElseThereIsOnceNothingLacks) {
   const FixedDensity own = fixed(some_density(2));
   const auto deep = ball_tree(9);

@@ -28,7 +28,10 @@ TEST(RankedWorkspace, CountsEveryMember) {
   fill(workspace.density), fill(workspace.shown), fill(workspace.refs), fill(workspace.discs);
   fill(workspace.delta.added), fill(workspace.delta.removed), fill(workspace.delta.resized);
   ListDelta& list = workspace.list_delta;
-  fill(list.added), fill(list.removed), fill(list.resized), fill(list.keys), fill(list.scratch), fill(list.curve_positions);
+  fill(list.added), fill(list.removed), fill(list.resized);
+  for (ListDelta::Scratch* scratch : {&list.of_added, &list.of_removed, &list.of_resized}) {
+    fill(scratch->keys), fill(scratch->sorting), fill(scratch->curve_positions);
+  }
 }
 
 }  // namespace
