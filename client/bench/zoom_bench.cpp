@@ -275,9 +275,9 @@ absl::StatusOr<BenchReport> bench_zoom(const MeshFile& file, const ZoomBenchOpti
     std::filesystem::create_directories(options.pictures, error);
     if (error) return absl::FailedPreconditionError(absl::StrCat(options.pictures, ": cannot be made: ", error.message()));
   }
-  const absl::StatusOr<PolygonSoup> soup = read_mesh(file, context);
+  absl::StatusOr<PolygonSoup> soup = read_mesh(file, context);
   if (!soup.ok()) return soup.status();
-  const absl::StatusOr<RepairedMesh> repaired = repair(*soup, context);
+  const absl::StatusOr<RepairedMesh> repaired = repair(*std::move(soup), context);
   if (!repaired.ok()) return repaired.status();
   BenchReport report{.name = "zoom", .results = {}};
   for (const std::uint64_t points : options.points) {

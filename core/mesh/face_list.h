@@ -21,6 +21,12 @@ struct FaceList {
     if (!polygons.empty()) polygons[to] = polygons[from];
     for (std::size_t i = 0; i < 3 && !corners.empty(); ++i) corners[3 * to + i] = corners[3 * from + i];
   }
+  /// Adds the faces of another list of the same soup.
+  void append(const FaceList& more) {
+    triangles.insert(triangles.end(), more.triangles.begin(), more.triangles.end());
+    corners.insert(corners.end(), more.corners.begin(), more.corners.end());
+    polygons.insert(polygons.end(), more.polygons.begin(), more.polygons.end());
+  }
   /// Turns face f over.
   void flip(std::size_t f) {
     std::swap(triangles[f][1], triangles[f][2]);

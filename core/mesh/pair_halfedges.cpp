@@ -1,6 +1,10 @@
 #include "core/mesh/pair_halfedges.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 #include <utility>
 
@@ -9,7 +13,100 @@
 namespace curvecast {
 namespace {
 
-/// Drops faces with the same three vertices as an earlier one; returns how many there were.
+constexpr std::size_t kBlock = 1 << 15;  // vertices that a thread takes at once
+
+/// What is found at the edges of some vertices.
+struct Found {
+  std::vector<std::uint32_t> border;
+  std::uint64_t nonmanifold_edges = 0;
+  bool may_have_duplicates = false;
+};
+
+class Pairing {
+ public:
+  Pairing(const std::vector<Triangle>& triangles, std::size_t vertex_count)
+      : triangles_(triangles), end_(vertex_count + 1, 0), halfedges_(3 * triangles.size()) {}
+
+  HalfedgePairs run() {
+    sort_by_vertex();
+    HalfedgePairs pairs;
+    pairs.twins.assign(halfedges_.size(), kNone);
+    const std::size_t vertices = end_.size() - 1, blocks = (vertices + kBlock - 1) / kBlock;
+    std::vector<Found> found(blocks);
+    tbb::parallel_for(std::size_t{0}, blocks,
+                      [&](std::size_t b) { pair(b * kBlock, std::min((b + 1) * kBlock, vertices), pairs.twins, found[b]); });
+    for (const Found& some : found) {
+      pairs.border.insert(pairs.border.end(), some.border.begin(), some.border.end());
+      pairs.nonmanifold_edges += some.nonmanifold_edges;
+      pairs.may_have_duplicates |= some.may_have_duplicates;
+    }
+    std::sort(pairs.border.begin(), pairs.border.end());
+    return pairs;
+  }
+
+ private:
+  struct Edge {
+    std::uint32_t larger, halfedge;  // its larger vertex
+    bool operator<(const Edge& other) const { return larger != other.larger ? larger < other.larger : halfedge < other.halfedge; }
+  };
+
+  std::uint32_t from(std::uint32_t h) const { return triangles_[h / 3][h % 3]; }
+  std::uint32_t to(std::uint32_t h) const { return triangles_[h / 3][(h + 1) % 3]; }
+  std::uint32_t apex(std::uint32_t h) const { return triangles_[h / 3][(h + 2) % 3]; }
+
+  template <typename Visit>
+  void for_each_halfedge(const Visit& visit) const {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles_.size(), kBlock), [&](const auto& range) {
+      for (std::size_t f = range.begin(); f < range.end(); ++f) {
+        for (std::size_t i = 0; i < 3; ++i) visit(static_cast<std::uint32_t>(3 * f + i));
+      }
+    });
+  }
+
+  /// Sorts all halfedges by the smaller of their vertices: those of v are [end_[v], end_[v + 1]) then.
+  void sort_by_vertex() {
+    const auto cursor = [&](std::uint32_t h) { return std::atomic_ref(end_[std::min(from(h), to(h))]); };
+    for_each_halfedge([&](std::uint32_t h) { cursor(h).fetch_add(1, std::memory_order_relaxed); });
+    std::partial_sum(end_.begin(), end_.end(), end_.begin());
+    for_each_halfedge([&](std::uint32_t h) { halfedges_[cursor(h).fetch_sub(1, std::memory_order_relaxed) - 1] = h; });
+  }
+
+  void pair(std::size_t begin, std::size_t end, std::vector<std::uint32_t>& twins, Found& found) const {
+    std::vector<Edge> edges;  // of a vertex, to larger ones
+    for (std::size_t v = begin; v < end; ++v) {
+      edges.clear();
+      for (std::uint32_t i = end_[v]; i < end_[v + 1]; ++i) {
+        edges.push_back({std::max(from(halfedges_[i]), to(halfedges_[i])), halfedges_[i]});
+      }
+      std::sort(edges.begin(), edges.end());  // threads came in any order
+      for (auto first = edges.begin(); first != edges.end();) {
+        const auto last = std::find_if(first, edges.end(), [&](const Edge& edge) { return edge.larger != first->larger; });
+        const std::uint32_t a = first->halfedge, b = (last - 1)->halfedge;
+        if (last - first == 1) {
+          found.border.push_back(a);
+        } else if (last - first == 2) {
+          twins[a] = b, twins[b] = a;
+          found.may_have_duplicates |= apex(a) == apex(b);
+        } else {
+          ++found.nonmanifold_edges;
+          found.may_have_duplicates = true;
+        }
+        first = last;
+      }
+    }
+  }
+
+  const std::vector<Triangle>& triangles_;
+  std::vector<std::uint32_t> end_;  // while halfedges are sorted: of those of each vertex that have not come yet
+  std::vector<std::uint32_t> halfedges_;
+};
+
+}  // namespace
+
+HalfedgePairs pair_halfedges(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
+  return Pairing(triangles, vertex_count).run();
+}
+
 std::uint64_t drop_duplicates(FaceList& faces) {
   std::vector<std::pair<Triangle, std::uint32_t>> sorted(faces.triangles.size());
   for (std::uint32_t f = 0; f < sorted.size(); ++f) {
@@ -33,90 +130,6 @@ std::uint64_t drop_duplicates(FaceList& faces) {
   }
   faces.resize(kept);
   return dropped;
-}
-
-/// More than two faces at an edge, or two that share their third vertex too: there may be duplicates.
-bool may_have_duplicates(const EdgeGroups& groups, const std::vector<Triangle>& triangles) {
-  const auto apex = [&](std::uint32_t h) { return triangles[h / 3][previous_halfedge(h) % 3]; };
-  for (std::size_t e = 0; e + 1 < groups.begin.size(); ++e) {
-    const std::uint32_t size = groups.begin[e + 1] - groups.begin[e];
-    const std::uint32_t* edge = &groups.halfedges[groups.begin[e]];
-    if (size > 2 || (size == 2 && apex(edge[0]) == apex(edge[1]))) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
-EdgeGroups group_edges(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
-  struct Entry {
-    std::uint32_t larger, halfedge;
-  };
-  const auto smaller_of = [&](std::uint32_t h) { return std::min(triangles[h / 3][h % 3], triangles[h / 3][(h + 1) % 3]); };
-  const std::uint32_t count = static_cast<std::uint32_t>(3 * triangles.size());
-  std::vector<std::uint32_t> bucket(vertex_count + 1, 0);
-  for (std::uint32_t h = 0; h < count; ++h) ++bucket[smaller_of(h) + 1];
-  std::partial_sum(bucket.begin(), bucket.end(), bucket.begin());
-  std::vector<Entry> entries(count);
-  std::vector<std::uint32_t> cursor(bucket.begin(), bucket.end() - 1);
-  for (std::uint32_t h = 0; h < count; ++h) {
-    const std::uint32_t larger = std::max(triangles[h / 3][h % 3], triangles[h / 3][(h + 1) % 3]);
-    entries[cursor[smaller_of(h)]++] = {larger, h};
-  }
-  EdgeGroups groups;
-  groups.halfedges.resize(count);
-  groups.begin.reserve(count / 2 + 2);
-  for (std::size_t v = 0; v < vertex_count; ++v) {
-    const auto first = entries.begin() + bucket[v];
-    const auto last = entries.begin() + bucket[v + 1];
-    std::sort(first, last, [](const Entry& a, const Entry& b) {
-      return a.larger != b.larger ? a.larger < b.larger : a.halfedge < b.halfedge;
-    });
-    for (auto e = first; e != last; ++e) {
-      if (e == first || e->larger != (e - 1)->larger) {
-        groups.begin.push_back(static_cast<std::uint32_t>(e - entries.begin()));
-      }
-      groups.halfedges[e - entries.begin()] = e->halfedge;
-    }
-  }
-  groups.begin.push_back(count);
-  return groups;
-}
-
-std::vector<std::uint32_t> border_vertices(const EdgeGroups& groups, const std::vector<Triangle>& triangles,
-                                           std::size_t vertex_count) {
-  std::vector<bool> on_border;
-  for (std::size_t e = 0; e + 1 < groups.begin.size(); ++e) {
-    if (groups.begin[e + 1] - groups.begin[e] != 1) continue;
-    if (on_border.empty()) on_border.resize(vertex_count, false);
-    const std::uint32_t h = groups.halfedges[groups.begin[e]];
-    on_border[triangles[h / 3][h % 3]] = true;
-    on_border[triangles[h / 3][(h + 1) % 3]] = true;
-  }
-  std::vector<std::uint32_t> vertices;
-  for (std::uint32_t v = 0; v < on_border.size(); ++v) {
-    if (on_border[v]) vertices.push_back(v);
-  }
-  return vertices;
-}
-
-HalfedgePairs pair_halfedges(FaceList& faces, EdgeGroups groups, std::size_t vertex_count) {
-  HalfedgePairs pairs;
-  if (may_have_duplicates(groups, faces.triangles)) pairs.duplicate_faces = drop_duplicates(faces);
-  if (pairs.duplicate_faces > 0) groups = group_edges(faces.triangles, vertex_count);
-  pairs.twins.assign(3 * faces.triangles.size(), kNone);
-  for (std::size_t e = 0; e + 1 < groups.begin.size(); ++e) {
-    const std::uint32_t size = groups.begin[e + 1] - groups.begin[e];
-    if (size == 2) {
-      const std::uint32_t a = groups.halfedges[groups.begin[e]];
-      const std::uint32_t b = groups.halfedges[groups.begin[e] + 1];
-      pairs.twins[a] = b;
-      pairs.twins[b] = a;
-    } else if (size > 2) {
-      ++pairs.nonmanifold_edges;
-    }
-  }
-  return pairs;
 }
 
 }  // namespace curvecast

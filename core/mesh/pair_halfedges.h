@@ -9,26 +9,19 @@
 
 namespace curvecast {
 
-/// Halfedges (3 f + i, see TriangleMesh) sorted by the vertex pair that they join, as groups.
-struct EdgeGroups {
-  std::vector<std::uint32_t> halfedges;
-  std::vector<std::uint32_t> begin;  // E + 1
-};
-
-EdgeGroups group_edges(const std::vector<Triangle>& triangles, std::size_t vertex_count);
-
-/// Lists the vertices of edges that only one face has, ascending.
-std::vector<std::uint32_t> border_vertices(const EdgeGroups& groups, const std::vector<Triangle>& triangles,
-                                           std::size_t vertex_count);
-
 struct HalfedgePairs {
   std::vector<std::uint32_t> twins;     // 3 F; kNone where there is none, and at edges of more than two faces
-  std::uint64_t duplicate_faces = 0;    // dropped: the same three vertices as an earlier one
+  std::vector<std::uint32_t> border;    // the halfedges of edges that only one face has, ascending
   std::uint64_t nonmanifold_edges = 0;  // of more than two faces
+  bool may_have_duplicates = false;     // more than two faces at an edge, or two that share their third vertex too
 };
 
-/// Drops duplicates from `faces`, and gives the halfedges of edges of exactly two faces to each other. Twins of faces whose
-/// orientations disagree run the same way.
-HalfedgePairs pair_halfedges(FaceList& faces, EdgeGroups groups, std::size_t vertex_count);
+/// Gives the halfedges (3 f + i, see TriangleMesh) of edges of exactly two faces to each other. Twins of faces whose orientations
+/// disagree run the same way. Precondition: no triangle has the same vertex twice, all are below `vertex_count`. Any number of
+/// threads gives the same.
+HalfedgePairs pair_halfedges(const std::vector<Triangle>& triangles, std::size_t vertex_count);
+
+/// Drops faces with the same three vertices as an earlier one; returns how many there were.
+std::uint64_t drop_duplicates(FaceList& faces);
 
 }  // namespace curvecast

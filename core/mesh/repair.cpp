@@ -2,8 +2,14 @@
 
 #include <absl/strings/str_format.h>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <numeric>
+#include <span>
+#include <utility>
 
 #include "core/mesh/carry_attributes.h"
 #include "core/mesh/face_list.h"
@@ -20,24 +26,35 @@ constexpr double kSmallestDiagonal = 1e-12;
 constexpr double kLargestDiagonal = 1e15;
 // A triangle lower than this fraction of its longest side has no area to speak of.
 constexpr double kDegenerateHeight = 1e-12;
+constexpr std::size_t kBlock = 1 << 15;  // faces that a thread takes at once
 
 bool is_degenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
   return !((b - a).cross(c - a).norm() > kDegenerateHeight * longest);
 }
 
-/// Which polygon and which corners a face comes from is noted where the soup has something that hangs on them.
-FaceList triangulate(const PolygonSoup& soup, const std::vector<std::uint32_t>& weld_map, RepairReport& report) {
+/// Faces of some polygons, and what became of the others.
+struct Triangulated {
+  FaceList faces;
+  std::uint64_t triangulated_polygons = 0, degenerate_faces = 0;
+};
+
+/// Makes faces of the polygons [begin, end). Which polygon and which corners a face comes from is noted where the soup has
+/// something that hangs on them.
+Triangulated triangulate(const PolygonSoup& soup, const std::vector<std::uint32_t>& weld_map, std::size_t begin,
+                         std::size_t end) {
   const bool wants_corners = !soup.attributes.uv.empty();
   const bool wants_polygons =
       !soup.attributes.face_colours.empty() || !soup.attributes.material_of_face.empty() || !soup.attributes.colours.empty();
-  FaceList faces;
-  faces.triangles.reserve(soup.indices.size() > 2 * soup.polygon_count() ? soup.indices.size() - 2 * soup.polygon_count() : 0);
+  Triangulated out;
+  FaceList& faces = out.faces;
+  const std::size_t corner_count = soup.polygon_begin[end] - soup.polygon_begin[begin];
+  faces.triangles.reserve(corner_count - std::min(corner_count, 2 * (end - begin)));
   std::vector<std::uint32_t> vertices;
   std::vector<std::uint32_t> corners;  // of the soup, like `vertices`
   std::vector<Vec3d> places;
   std::vector<Triangle> pieces;
-  for (std::size_t p = 0; p < soup.polygon_count(); ++p) {
+  for (std::size_t p = begin; p < end; ++p) {
     vertices.clear();
     corners.clear();
     for (std::uint32_t i = soup.polygon_begin[p]; i < soup.polygon_begin[p + 1]; ++i) {
@@ -48,14 +65,14 @@ FaceList triangulate(const PolygonSoup& soup, const std::vector<std::uint32_t>& 
     }
     while (vertices.size() > 1 && vertices.front() == vertices.back()) vertices.pop_back();
     if (vertices.size() < 3) {
-      ++report.degenerate_faces;
+      ++out.degenerate_faces;
       continue;
     }
     pieces.clear();
     if (vertices.size() == 3) {
       pieces.push_back({0, 1, 2});
     } else {
-      ++report.triangulated_polygons;
+      ++out.triangulated_polygons;
       places.clear();
       for (const std::uint32_t v : vertices) places.push_back(soup.positions[v]);
       triangulate_polygon(places, pieces);
@@ -64,7 +81,7 @@ FaceList triangulate(const PolygonSoup& soup, const std::vector<std::uint32_t>& 
       const Triangle face = {vertices[t[0]], vertices[t[1]], vertices[t[2]]};
       const bool distinct = face[0] != face[1] && face[1] != face[2] && face[2] != face[0];
       if (!distinct || is_degenerate(soup.positions[face[0]], soup.positions[face[1]], soup.positions[face[2]])) {
-        ++report.degenerate_faces;
+        ++out.degenerate_faces;
         continue;
       }
       faces.triangles.push_back(face);
@@ -72,23 +89,62 @@ FaceList triangulate(const PolygonSoup& soup, const std::vector<std::uint32_t>& 
       if (wants_corners) faces.corners.insert(faces.corners.end(), {corners[t[0]], corners[t[1]], corners[t[2]]});
     }
   }
+  return out;
+}
+
+FaceList triangulate_all(const PolygonSoup& soup, const std::vector<std::uint32_t>& weld_map, RepairReport& report) {
+  const std::size_t polygons = soup.polygon_count();
+  std::vector<Triangulated> blocks((polygons + kBlock - 1) / kBlock);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+    blocks[b] = triangulate(soup, weld_map, b * kBlock, std::min((b + 1) * kBlock, polygons));
+  });
+  std::size_t count = 0;
+  for (const Triangulated& block : blocks) {
+    count += block.faces.triangles.size();
+    report.triangulated_polygons += block.triangulated_polygons;
+    report.degenerate_faces += block.degenerate_faces;
+  }
+  FaceList faces;
+  faces.triangles.reserve(count);
+  for (Triangulated& block : blocks) {
+    faces.append(block.faces);
+    block = {};
+  }
   return faces;
 }
 
 /// Joins surfaces that touch along borders but have vertices of their own there, as files do that cut along texture seams or
-/// share no vertices at all. What is closed already is left alone, whatever it touches.
-std::vector<std::uint32_t> weld_borders(const std::vector<Vec3d>& positions, FaceList& faces, EdgeGroups& groups,
-                                        RepairReport& report) {
-  const std::vector<std::uint32_t> border = border_vertices(groups, faces.triangles, positions.size());
-  if (border.empty()) return {};
-  Weld welding = weld(positions, border);
+/// share no vertices at all. What is closed already is left alone, whatever it touches. Empty where nothing is joined.
+std::vector<std::uint32_t> weld_borders(const std::vector<Vec3d>& positions, std::span<const std::uint32_t> border,
+                                        FaceList& faces, RepairReport& report) {
+  std::vector<std::uint32_t> vertices;
+  for (const std::uint32_t h : border) {
+    vertices.insert(vertices.end(), {faces.triangles[h / 3][h % 3], faces.triangles[h / 3][(h + 1) % 3]});
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  if (vertices.empty()) return {};
+  Weld welding = weld(positions, vertices);
   if (welding.welded == 0) return {};
   report.welded_vertices = welding.welded;
   for (Triangle& face : faces.triangles) {
     for (std::uint32_t& v : face) v = welding.map[v];
   }
-  groups = group_edges(faces.triangles, positions.size());
   return std::move(welding.map);
+}
+
+/// Says whether all twins run in opposite directions.
+bool is_oriented(const std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& twins) {
+  std::atomic<bool> disagrees = false;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), kBlock), [&](const auto& range) {
+    bool any = false;
+    for (std::size_t h = 3 * range.begin(); h < 3 * range.end(); ++h) {
+      const std::uint32_t t = twins[h];
+      any |= t != kNone && triangles[h / 3][h % 3] == triangles[t / 3][t % 3];
+    }
+    if (any) disagrees.store(true, std::memory_order_relaxed);
+  });
+  return !disagrees;
 }
 
 /// Decides which faces to turn so that neighbours agree; opens the edges of surfaces that have one side only.
@@ -141,32 +197,30 @@ void apply_flips(const std::vector<char>& flip, FaceList& faces, std::vector<std
 }
 
 /// Gives every fan of faces around a vertex a vertex of its own, numbered by first use; `source` tells whose it was.
-TriangleMesh split_into_fans(const std::vector<Vec3d>& positions, const std::vector<Triangle>& triangles,
+TriangleMesh split_into_fans(const std::vector<Vec3d>& positions, std::vector<Triangle> triangles,
                              std::vector<std::uint32_t> twins, std::vector<std::uint32_t>& source, RepairReport& report) {
-  TriangleMesh mesh;
   std::vector<std::uint32_t> fan_of_corner;
   const std::uint32_t fans = label_fans(twins, fan_of_corner);
-  mesh.twins = std::move(twins);
-  mesh.positions.resize(fans);
   source.resize(fans);
-  mesh.triangles.resize(triangles.size());
   std::vector<bool> used(positions.size(), false);
   for (std::uint32_t h = 0; h < fan_of_corner.size(); ++h) {
-    const std::uint32_t v = triangles[h / 3][h % 3];
-    mesh.triangles[h / 3][h % 3] = fan_of_corner[h];
-    mesh.positions[fan_of_corner[h]] = positions[v];
-    source[fan_of_corner[h]] = v;
+    std::uint32_t& v = triangles[h / 3][h % 3];
     used[v] = true;
+    source[fan_of_corner[h]] = v;
+    v = fan_of_corner[h];
   }
   const auto used_count = static_cast<std::uint64_t>(std::count(used.begin(), used.end(), true));
   report.unused_vertices = positions.size() - used_count;
   report.split_vertices = fans - used_count;
+  TriangleMesh mesh{{}, std::move(triangles), std::move(twins)};
+  mesh.positions.reserve(fans);
+  for (const std::uint32_t v : source) mesh.positions.push_back(positions[v]);
   return mesh;
 }
 
 }  // namespace
 
-absl::StatusOr<RepairedMesh> repair(const PolygonSoup& soup, const ExecutionContext& context) {
+absl::StatusOr<RepairedMesh> repair(PolygonSoup soup, const ExecutionContext& context) {
   RepairedMesh result;
   RepairReport& report = result.report;
   context.progress("repair", 0);
@@ -178,23 +232,33 @@ absl::StatusOr<RepairedMesh> repair(const PolygonSoup& soup, const ExecutionCont
     report.welded_vertices = welding.welded;
     weld_map = std::move(welding.map);
   }
-  FaceList faces = triangulate(soup, weld_map, report);
+  FaceList faces = triangulate_all(soup, weld_map, report);
   if (faces.triangles.empty()) {
     return absl::InvalidArgumentError(
         absl::StrFormat("the mesh has no face with an area (all %d are degenerate)", soup.polygon_count()));
   }
+  if (soup.attributes.colours.empty()) soup.indices = {}, soup.polygon_begin = {};  // nobody asks for them any more
   if (absl::Status status = context.check(); !status.ok()) return status;
   context.progress("repair", 0.3);
-  EdgeGroups groups = group_edges(faces.triangles, soup.positions.size());
-  if (soup.shares_vertices) weld_map = weld_borders(soup.positions, faces, groups, report);
-  HalfedgePairs pairs = pair_halfedges(faces, std::move(groups), soup.positions.size());
-  report.duplicate_faces = pairs.duplicate_faces;
+  const auto pair = [&] { return pair_halfedges(faces.triangles, soup.positions.size()); };
+  HalfedgePairs pairs = pair();
+  if (soup.shares_vertices) {
+    weld_map = weld_borders(soup.positions, pairs.border, faces, report);
+    if (!weld_map.empty()) pairs = pair();
+  }
+  if (pairs.may_have_duplicates) report.duplicate_faces = drop_duplicates(faces);
+  if (report.duplicate_faces > 0) pairs = pair();
   report.nonmanifold_edges = pairs.nonmanifold_edges;
-  const std::vector<char> flip = find_flips(faces.triangles, pairs.twins, report);
-  if (report.flipped_faces > 0) apply_flips(flip, faces, pairs.twins);
+  if (absl::Status status = context.check(); !status.ok()) return status;
+  context.progress("repair", 0.6);
+  if (!is_oriented(faces.triangles, pairs.twins)) {
+    const std::vector<char> flip = find_flips(faces.triangles, pairs.twins, report);
+    if (report.flipped_faces > 0) apply_flips(flip, faces, pairs.twins);
+  }
   context.progress("repair", 0.8);
   std::vector<std::uint32_t> source;
-  result.mesh = split_into_fans(soup.positions, faces.triangles, std::move(pairs.twins), source, report);
+  result.mesh = split_into_fans(soup.positions, std::move(faces.triangles), std::move(pairs.twins), source, report);
+  soup.positions = {};
   report.unused_vertices -= report.welded_vertices;
   const double diagonal = bounding_box(result.mesh).diagonal();
   if (!(diagonal >= kSmallestDiagonal && diagonal <= kLargestDiagonal)) {

@@ -32,6 +32,6 @@ struct RepairedMesh {
 /// !soup.shares_vertices), drops degenerate and duplicate faces, orients, splits non-manifold edges and vertices, drops unused
 /// vertices. Face order is kept. Closes nothing.
 /// InvalidArgument when no face with an area is left.
-absl::StatusOr<RepairedMesh> repair(const PolygonSoup& soup, const ExecutionContext& context = {});
+absl::StatusOr<RepairedMesh> repair(PolygonSoup soup, const ExecutionContext& context = {});
 
 }  // namespace curvecast

@@ -68,7 +68,9 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
   if (!format.ok()) return format.status();
   context.progress("read", 1);
   seconds.read = watch.lap();
-  absl::StatusOr<RepairedMesh> repaired = repair(*soup, context);
+  const std::size_t file_vertices = soup->positions.size(), file_polygons = soup->polygon_count();
+  std::vector<std::string> warnings = std::move(soup->warnings);
+  absl::StatusOr<RepairedMesh> repaired = repair(*std::move(soup), context);
   if (!repaired.ok()) return about(file.name, repaired.status());
   LoadedMesh loaded;
   loaded.mesh = std::move(repaired->mesh);
@@ -76,8 +78,8 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
   const Topology topology = analyse_topology(loaded.mesh);
   constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl", "gltf"};
   loaded.info = {.format = kFormatNames[static_cast<int>(*format)],
-                 .file_vertices = soup->positions.size(),
-                 .file_polygons = soup->polygon_count(),
+                 .file_vertices = file_vertices,
+                 .file_polygons = file_polygons,
                  .vertices = loaded.mesh.vertex_count(),
                  .faces = loaded.mesh.face_count(),
                  .components = topology.components,
@@ -87,7 +89,7 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
                  .box = bounding_box(loaded.mesh),
                  .repairs = repaired->report,
                  .attributes = names_of(loaded.attributes),
-                 .warnings = std::move(soup->warnings)};
+                 .warnings = std::move(warnings)};
   seconds.repair = watch.lap();
   return loaded;
 }
