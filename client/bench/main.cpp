@@ -1,4 +1,5 @@
 // The program that `curvecast bench` runs. `curvecast-bench ...` is `curvecast bench ...`.
+#include <CLI/CLI.hpp>
 #include <vector>
 
 #include "client/bench/bench_command.h"

@@ -1,5 +1,6 @@
 #include <absl/strings/str_cat.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <cerrno>
 #include <cstring>

@@ -1,4 +1,5 @@
 #include <absl/strings/str_cat.h>
+#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <memory>

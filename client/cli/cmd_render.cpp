@@ -3,6 +3,7 @@
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_replace.h>
 #include <absl/strings/str_split.h>
+#include <CLI/CLI.hpp>
 
 #include <array>
 #include <memory>

@@ -1,4 +1,5 @@
 #include <absl/strings/str_format.h>
+#include <CLI/CLI.hpp>
 
 #include <array>
 #include <chrono>

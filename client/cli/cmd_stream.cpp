@@ -1,5 +1,6 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>

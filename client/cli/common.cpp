@@ -3,6 +3,7 @@
 #include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -3,7 +3,6 @@
 
 #include <absl/status/statusor.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/cli11.h"
 #include "client/lib/client.h"
 
 namespace curvecast::server {

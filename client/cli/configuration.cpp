@@ -5,6 +5,7 @@
 #include <absl/strings/str_join.h>
 #include <absl/strings/str_replace.h>
 #include <absl/strings/str_split.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cstdlib>

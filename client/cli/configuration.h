@@ -3,9 +3,10 @@
 
 #include <absl/status/statusor.h>
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
+
+#include "client/cli/cli11.h"
 
 namespace curvecast::cli {
 

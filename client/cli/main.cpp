@@ -1,5 +1,8 @@
 // The `curvecast` command.
 #include "client/cli/commands.h"
+
+#include <CLI/CLI.hpp>
+
 #include "client/cli/program.h"
 
 int main(int argc, char** argv) {

@@ -1,6 +1,7 @@
 #include "client/cli/program.h"
 
 #include <absl/strings/match.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <exception>

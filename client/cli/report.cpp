@@ -40,7 +40,7 @@ std::array<std::pair<const char*, std::uint64_t>, 8> counts(const v1::Repairs& r
 /// With a comma between thousands.
 std::string grouped(std::uint64_t number) {
   std::string text = absl::StrCat(number);
-  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
+  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, 1, ',');
   return text;
 }
 

@@ -1,6 +1,7 @@
 #include "client/cli/sample_flags.h"
 
 #include <absl/strings/str_cat.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,6 @@
 #include "client/cli/session_flags.h"
 
+#include <CLI/CLI.hpp>
 #include <array>
 #include <span>
 #include <string_view>

@@ -3,11 +3,11 @@
 
 #include <absl/status/statusor.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "client/cli/cli11.h"
 #include "curvecast/v1/curvecast.pb.h"
 
 namespace curvecast::cli {
