@@ -116,7 +116,8 @@ std::vector<std::uint32_t> find_extremities(const TriangleMesh& piece, const Ext
                                             const ExecutionContext& context) {
   if (piece.face_count() < kSmallest || options.most == 0) return {};
   VertexHierarchy hierarchy(piece, {});
-  hierarchy.coarsen(std::clamp(piece.vertex_count() / kProxyShare, kSmallestProxy, options.proxy_vertices));
+  hierarchy.coarsen(std::clamp(piece.vertex_count() / kProxyShare, kSmallestProxy, options.proxy_vertices), context);
+  if (context.cancelled()) return {};
   const TriangleMesh proxy = hierarchy.base_mesh();
   std::vector<std::uint32_t> extremities = Search(proxy, options).run(context);
   for (std::uint32_t& v : extremities) v = hierarchy.base()[v];

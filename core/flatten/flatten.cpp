@@ -130,7 +130,8 @@ class Flattener {
     if (component.size() <= options_.most_whole_faces) {
       parts.push_back({std::move(component), {}, {}});
     } else {
-      parts = partition_faces(mesh_, component, (component.size() + options_.chart_faces - 1) / options_.chart_faces);
+      parts = partition_faces(mesh_, component, (component.size() + options_.chart_faces - 1) / options_.chart_faces, context_);
+      if (absl::Status status = context_.check(); !status.ok()) return status;
       component = {};
     }
     return join(for_each_alone(parts, [&](FacePart& part) { return flatten_part(std::move(part)); }));
@@ -241,6 +242,7 @@ absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const Flatt
   std::vector<std::uint32_t> component_of_face;
   std::vector<Faces> components(label_components(mesh.twins, component_of_face));
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) components[component_of_face[f]].push_back(f);
+  if (absl::Status status = context.check(); !status.ok()) return status;
   Flattener flattener(mesh, options, context);
   absl::StatusOr<std::vector<Chart>> charts = Flattener::join(
       Flattener::for_each_alone(components, [&](Faces& component) { return flattener.flatten_component(std::move(component)); }));

@@ -27,7 +27,8 @@ class Unfolding {
         fall_(disc.vertex_count(), 0.0) {}
 
   absl::Status solve(const MinimiseStretchOptions& options, const ExecutionContext& context) {
-    hierarchy_.coarsen(options.coarsest);
+    hierarchy_.coarsen(options.coarsest, context);
+    if (absl::Status status = context.check(); !status.ok()) return status;
     if (absl::Status status = solve_base(); !status.ok()) return status;
     independent_.resize(hierarchy_.level_count());
     std::size_t there = hierarchy_.base().size();

@@ -85,15 +85,17 @@ Plane choose_plane(const TriangleMesh& mesh, std::span<const std::uint32_t> face
 /// Halves faces again and again. The parts are ranges of `faces`, which is reordered.
 class Bisection {
  public:
-  Bisection(const TriangleMesh& mesh, std::span<std::uint32_t> faces) : mesh_(mesh), faces_(faces), scratch_(faces.size()) {}
+  Bisection(const TriangleMesh& mesh, std::span<std::uint32_t> faces, const ExecutionContext& context)
+      : mesh_(mesh), faces_(faces), context_(context), scratch_(faces.size()) {}
 
-  /// Writes the ranges of `parts.size()` parts of the faces [begin, end).
+  /// Writes the ranges of `parts.size()` parts of the faces [begin, end). Cancelled, they are of no use.
   void divide(std::size_t begin, std::size_t end, std::span<std::span<std::uint32_t>> parts) {
     const std::span<std::uint32_t> faces = faces_.subspan(begin, end - begin);
     if (parts.size() == 1) {
       parts[0] = faces;
       return;
     }
+    if (context_.cancelled()) return;
     const std::size_t first = parts.size() / 2;
     const Plane plane = choose_plane(mesh_, faces, static_cast<double>(first) / static_cast<double>(parts.size()));
     std::size_t middle = begin + sort_by_side(plane, faces, std::span(scratch_).subspan(begin, end - begin));
@@ -132,6 +134,7 @@ class Bisection {
 
   const TriangleMesh& mesh_;
   const std::span<std::uint32_t> faces_;
+  const ExecutionContext& context_;
   std::vector<std::uint32_t> scratch_;
 };
 
@@ -338,13 +341,17 @@ std::vector<std::uint32_t> find_way(const std::vector<Vec3d>& middles, const Gat
 
 }  // namespace
 
-std::vector<FacePart> partition_faces(const TriangleMesh& mesh, std::span<const std::uint32_t> faces, std::size_t count) {
+std::vector<FacePart> partition_faces(const TriangleMesh& mesh, std::span<const std::uint32_t> faces, std::size_t count,
+                                      const ExecutionContext& context) {
   count = std::clamp<std::size_t>(count, 1, faces.size());
   std::vector<std::uint32_t> order(faces.begin(), faces.end());
   std::vector<std::span<std::uint32_t>> ranges(count);
-  Bisection(mesh, order).divide(0, order.size(), ranges);
+  Bisection(mesh, order, context).divide(0, order.size(), ranges);
+  if (context.cancelled()) return {};
   Joining joining(mesh, faces, ranges);
+  if (context.cancelled()) return {};
   std::vector<std::vector<std::uint32_t>> parts = joining.join();
+  if (context.cancelled()) return {};
   Gates gates(parts.size());
   std::vector<Vec3d> middles(parts.size(), Vec3d::Zero());
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/base/vec.h"
 #include "core/mesh/triangle_mesh.h"
 
@@ -22,7 +23,8 @@ struct FacePart {
 /// planes across the longest axis of inertia halve the piece again and again, each where the cut is short (recursive inertial
 /// bisection; Simon, "Partitioning of unstructured problems for parallel processing", 1991), and what a plane cuts off goes to a
 /// neighbour. The parts come in an order in which each, as a rule, is the neighbour of the one before. Every face lies in exactly
-/// one part. Any number of threads gives the same parts.
-std::vector<FacePart> partition_faces(const TriangleMesh& mesh, std::span<const std::uint32_t> faces, std::size_t count);
+/// one part. Any number of threads gives the same parts. None where the context is cancelled.
+std::vector<FacePart> partition_faces(const TriangleMesh& mesh, std::span<const std::uint32_t> faces, std::size_t count,
+                                      const ExecutionContext& context = {});
 
 }  // namespace curvecast

@@ -242,13 +242,13 @@ bool VertexHierarchy::remove_level() {
   return true;
 }
 
-void VertexHierarchy::coarsen(std::size_t target) {
+void VertexHierarchy::coarsen(std::size_t target, const ExecutionContext& context) {
   base_.clear();
   for (std::uint32_t v = 0; v < outgoing_.size(); ++v) {
     if (outgoing_[v] != kNone) base_.push_back(v);
   }
   std::vector<bool> gone(outgoing_.size(), false);
-  while (base_.size() > target && remove_level()) {
+  while (base_.size() > target && !context.cancelled() && remove_level()) {
     for (const std::uint32_t h : levels_.back()) gone[from(h)] = true;
     std::erase_if(base_, [&](std::uint32_t v) { return gone[v]; });
     if (levels_.back().size() < base_.size() / kLeastShare) break;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
@@ -22,8 +23,8 @@ class VertexHierarchy {
   VertexHierarchy(TriangleMesh&&, std::span<const std::uint32_t>) = delete;
 
   /// Makes levels until at most `target` vertices are left or no more can go. Cheap vertices (flat, in coarse enough triangles)
-  /// go first. May be called once.
-  void coarsen(std::size_t target);
+  /// go first. May be called once. Where the context is cancelled there are fewer levels.
+  void coarsen(std::size_t target, const ExecutionContext& context = {});
 
   std::size_t level_count() const { return levels_.size(); }
   /// Returns the vertices that went with level l, in the order in which they went.

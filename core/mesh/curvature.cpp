@@ -3,7 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -14,54 +14,50 @@
 namespace curvecast {
 namespace {
 
-constexpr std::size_t kGrain = 4096;  // faces or vertices
+constexpr std::size_t kGrain = 4096;  // vertices
 
+/// The angle of a triangle's corner, as its sine and cosine times the lengths of the sides there.
 struct Corner {
-  double angle, cotangent;
+  double sine, cosine;
+
+  Corner(const Vec3d& apex, const Vec3d& p, const Vec3d& q) {
+    const Vec3d u = p - apex;
+    const Vec3d v = q - apex;
+    sine = std::sqrt(u.cross(v).squaredNorm());
+    cosine = u.dot(v);
+  }
+  double angle() const { return std::atan2(sine, cosine); }
+  double cotangent() const {
+    // Slivers would let one cotangent outweigh the whole neighbourhood.
+    constexpr double kLargestCotangent = 1e3;
+    return std::clamp(cosine / std::max(sine, 1e-300), -kLargestCotangent, kLargestCotangent);
+  }
 };
-
-Corner corner_at(const Vec3d& apex, const Vec3d& p, const Vec3d& q) {
-  const Vec3d u = p - apex;
-  const Vec3d v = q - apex;
-  const double sine = std::sqrt(u.cross(v).squaredNorm());
-  const double cosine = u.dot(v);
-  // Slivers would let one cotangent outweigh the whole neighbourhood.
-  constexpr double kLargestCotangent = 1e3;
-  const double cotangent = std::clamp(cosine / std::max(sine, 1e-300), -kLargestCotangent, kLargestCotangent);
-  return {std::atan2(sine, cosine), cotangent};
-}
-
-std::vector<std::array<Corner, 3>> all_corners(const TriangleMesh& mesh) {
-  std::vector<std::array<Corner, 3>> corners(mesh.face_count());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, corners.size(), kGrain), [&](const auto& range) {
-    for (std::size_t f = range.begin(); f < range.end(); ++f) {
-      const Triangle& t = mesh.triangles[f];
-      for (int i = 0; i < 3; ++i) {
-        corners[f][i] = corner_at(mesh.positions[t[i]], mesh.positions[t[(i + 1) % 3]], mesh.positions[t[(i + 2) % 3]]);
-      }
-    }
-  });
-  return corners;
-}
 
 /// What the faces around a vertex add up to.
 struct Sums {
   Vec3d normal = Vec3d::Zero(), laplacian = Vec3d::Zero();
   double angle = 0, mixed_area = 0;
 
-  /// The face's corner i is at the vertex.
-  void add(const TriangleMesh& mesh, std::uint32_t f, int i, const std::array<Corner, 3>& corner) {
+  /// The face's corner i is at the vertex. What a face has is found for each of its vertices anew: kept for all faces it would
+  /// take more memory than the mesh, and no less time.
+  void add(const TriangleMesh& mesh, std::uint32_t f, int i) {
     const Triangle& t = mesh.triangles[f];
     const int j = (i + 1) % 3, k = (i + 2) % 3;
-    const Vec3d to_j = mesh.positions[t[i]] - mesh.positions[t[j]], to_k = mesh.positions[t[i]] - mesh.positions[t[k]];
+    const Vec3d &a = mesh.positions[t[i]], &b = mesh.positions[t[j]], &c = mesh.positions[t[k]];
+    const Vec3d to_j = a - b, to_k = a - c;
     const Vec3d cross = to_j.cross(to_k);
     const double twice_area = std::sqrt(cross.squaredNorm());
-    normal += corner[i].angle / twice_area * cross;
-    angle += corner[i].angle;
-    laplacian += corner[k].cotangent * to_j + corner[j].cotangent * to_k;
-    const bool obtuse = corner[0].cotangent < 0 || corner[1].cotangent < 0 || corner[2].cotangent < 0;
-    mixed_area += obtuse ? twice_area / (corner[i].cotangent < 0 ? 4 : 8)
-                         : (corner[k].cotangent * to_j.squaredNorm() + corner[j].cotangent * to_k.squaredNorm()) / 8;
+    const Corner at_a(a, b, c);
+    const double own_angle = at_a.angle();
+    const double cotangent = at_a.cotangent(), cotangent_j = Corner(b, c, a).cotangent(),
+                 cotangent_k = Corner(c, a, b).cotangent();
+    normal += own_angle / twice_area * cross;
+    angle += own_angle;
+    laplacian += cotangent_k * to_j + cotangent_j * to_k;
+    const bool obtuse = cotangent < 0 || cotangent_j < 0 || cotangent_k < 0;
+    mixed_area +=
+        obtuse ? twice_area / (cotangent < 0 ? 4 : 8) : (cotangent_k * to_j.squaredNorm() + cotangent_j * to_k.squaredNorm()) / 8;
   }
 };
 
@@ -88,7 +84,6 @@ void fill_borders(const TriangleMesh& mesh, const VertexFans& fans, std::vector<
 
 DifferentialGeometry differential_geometry(const TriangleMesh& mesh) {
   const std::size_t n = mesh.vertex_count();
-  const std::vector<std::array<Corner, 3>> corners = all_corners(mesh);
   const VertexFans fans(mesh);
   DifferentialGeometry geometry;
   geometry.normals.resize(n);
@@ -97,7 +92,7 @@ DifferentialGeometry differential_geometry(const TriangleMesh& mesh) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       Sums sums;
-      fans.visit(v, [&](std::uint32_t h) { sums.add(mesh, h / 3, static_cast<int>(h % 3), corners[h / 3]); });
+      fans.visit(v, [&](std::uint32_t h) { sums.add(mesh, h / 3, static_cast<int>(h % 3)); });
       const double length = sums.normal.norm();
       const Vec3d normal = length > 0 ? Vec3d(sums.normal / length) : Vec3d::UnitZ();
       geometry.normals[v] = normal.cast<float>();

@@ -9,7 +9,7 @@
 namespace curvecast {
 namespace {
 
-constexpr std::size_t kGrain = 4096;  // faces or vertices
+constexpr std::size_t kGrain = 4096;  // vertices
 
 /// xx, yy, zz, xy, yz, zx of a symmetric tensor.
 using Tensor = std::array<double, 6>;
@@ -43,16 +43,13 @@ double apply(const Tensor& t, const Vec3d& u, const Vec3d& v) {
 }  // namespace
 
 std::vector<Vec3f> principal_directions(const TriangleMesh& mesh, const VertexFans& fans, std::span<const Vec3f> normals) {
-  std::vector<Tensor> tensors(mesh.face_count());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tensors.size(), kGrain), [&](const auto& range) {
-    for (std::size_t f = range.begin(); f < range.end(); ++f) tensors[f] = face_tensor(mesh, normals, mesh.triangles[f]);
-  });
   std::vector<Vec3f> directions(mesh.vertex_count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, directions.size(), kGrain), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       Tensor tensor{};
       fans.visit(v, [&](std::uint32_t h) {
-        for (std::size_t i = 0; i < tensor.size(); ++i) tensor[i] += tensors[h / 3][i];
+        const Tensor of_face = face_tensor(mesh, normals, mesh.triangles[h / 3]);
+        for (std::size_t i = 0; i < tensor.size(); ++i) tensor[i] += of_face[i];
       });
       const Vec3d normal = normals[v].cast<double>();
       const Vec3d first = normal.unitOrthogonal(), second = normal.cross(first);

@@ -255,6 +255,7 @@ absl::StatusOr<RepairedMesh> repair(PolygonSoup soup, const ExecutionContext& co
     const std::vector<char> flip = find_flips(faces.triangles, pairs.twins, report);
     if (report.flipped_faces > 0) apply_flips(flip, faces, pairs.twins);
   }
+  if (absl::Status status = context.check(); !status.ok()) return status;
   context.progress("repair", 0.8);
   std::vector<std::uint32_t> source;
   result.mesh = split_into_fans(soup.positions, std::move(faces.triangles), std::move(pairs.twins), source, report);

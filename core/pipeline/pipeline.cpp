@@ -75,6 +75,7 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
   LoadedMesh loaded;
   loaded.mesh = std::move(repaired->mesh);
   loaded.attributes = std::move(repaired->attributes);
+  if (absl::Status status = context.check(); !status.ok()) return status;
   const Topology topology = analyse_topology(loaded.mesh);
   constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl", "gltf"};
   loaded.info = {.format = kFormatNames[static_cast<int>(*format)],
@@ -219,6 +220,7 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   }
   FlattenTimes times;
   absl::StatusOr<std::vector<Chart>> charts = flatten(mesh, flatten_options, context, times);
+  if (!charts.ok()) beside.cancel();
   beside.wait();
   if (!charts.ok()) return charts.status();
   flattened.charts = *std::move(charts);
