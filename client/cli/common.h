@@ -11,8 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/cli11.h"
 #include "client/lib/client.h"
+
+namespace CLI {  // its header has globals that every source would compile anew
+class App;
+class Validator;
+}  // namespace CLI
 
 namespace curvecast::server {
 class Server;

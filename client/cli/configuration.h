@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/cli11.h"
+namespace CLI {  // its header has globals that every source would compile anew
+class App;
+}
 
 namespace curvecast::cli {
 

@@ -7,8 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/cli11.h"
 #include "curvecast/v1/curvecast.pb.h"
+
+namespace CLI {  // its header has globals that every source would compile anew
+class App;
+class Option;
+}  // namespace CLI
 
 namespace curvecast::cli {
 
