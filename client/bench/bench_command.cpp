@@ -255,8 +255,8 @@ constexpr Benchmark kBenchmarks[] = {
      "many more points, with the memory that it takes.",
      add_curve},
     {"growth", "MESH", "time and memory against the number of faces",
-     "Seconds and peak memory for a mesh and its subdivisions, each with four times the faces, and the exponent with which the "
-     "seconds grow.",
+     "Seconds and peak memory for a mesh and its subdivisions, each with four times the faces, the exponent with which the "
+     "seconds grow, and a chain of levels of detail by meshoptimizer beside them.",
      add_growth},
     {"mappers", "MESH", "the exact mapper beside the one that draws the parameter mesh",
      "Seconds of the exact mapper and of the ID buffer on the same leaves, and the shares of centres for which they differ and "

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/bench/farthest_points.h"
+#include "client/bench/peers/farthest_points.h"
 #include "core/density/face_density.h"
 #include "core/measure/ball_discrepancy.h"
 #include "core/measure/coverage.h"

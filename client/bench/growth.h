@@ -15,8 +15,9 @@ struct GrowthOptions {
 };
 
 /// For every size: seconds of each stage and the peak of resident memory per face; between sizes the exponent p of seconds ~
-/// faces^p. Finer meshes are made in memory by subdivide() and so are not read and not repaired. InvalidArgument for a number of
-/// levels out of range, or that makes more than 2^30 faces; else errors as of preprocess().
+/// faces^p; beside the totals those of simplification_chain(). Finer meshes are made in memory by subdivide() and so are not read
+/// and not repaired. InvalidArgument for a number of levels out of range, or that makes more than 2^30 faces; else errors as of
+/// preprocess().
 absl::StatusOr<BenchReport> bench_growth(const MeshFile& file, const GrowthOptions& options, const ExecutionContext& context);
 
 }  // namespace curvecast::cli::bench

@@ -66,6 +66,7 @@ TEST(Growth, MeasuresEverySize) {
     EXPECT_NE(find(*report, name), nullptr) << name;
   }
   EXPECT_EQ(find(*report, "576 faces: total exponent"), nullptr);
+  EXPECT_GT(find(*report, "9216 faces: total")->reference.value_or(0), 0);  // a chain of levels of detail
   EXPECT_EQ(bench_growth({"torus.off", off}, {.levels = 7}, {}).status().code(), absl::StatusCode::kInvalidArgument);
 }
 

@@ -1,4 +1,4 @@
-#include "client/bench/farthest_points.h"
+#include "client/bench/peers/farthest_points.h"
 
 #include <gtest/gtest.h>
 
