@@ -171,6 +171,7 @@ class Flattener {
     std::vector<Faces> pieces;  // taken from the back
     pieces.push_back(std::move(part.faces));
     while (!pieces.empty()) {
+      if (absl::Status status = context_.check(); !status.ok()) return status;
       const Faces faces = std::move(pieces.back());
       pieces.pop_back();
       std::optional<Chart> chart = flatten_piece(faces, part);
@@ -209,7 +210,7 @@ class Flattener {
       try_with({});
       if (chart && measure_stretch(chart->disc, chart->uv).total > kEvenStretch) chart.reset();
     }
-    if (!chart) try_with(find_extremities(piece, options_.extremities, context_));
+    if (!chart && !context_.cancelled()) try_with(find_extremities(piece, options_.extremities, context_));
     if (chart) {
       for (std::uint32_t& f : chart->disc.face_of) f = faces[f];
       report("parameterise", faces.size());

@@ -16,23 +16,12 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;  // vertices
 
-/// The angle of a triangle's corner, as its sine and cosine times the lengths of the sides there.
-struct Corner {
-  double sine, cosine;
-
-  Corner(const Vec3d& apex, const Vec3d& p, const Vec3d& q) {
-    const Vec3d u = p - apex;
-    const Vec3d v = q - apex;
-    sine = std::sqrt(u.cross(v).squaredNorm());
-    cosine = u.dot(v);
-  }
-  double angle() const { return std::atan2(sine, cosine); }
-  double cotangent() const {
-    // Slivers would let one cotangent outweigh the whole neighbourhood.
-    constexpr double kLargestCotangent = 1e3;
-    return std::clamp(cosine / std::max(sine, 1e-300), -kLargestCotangent, kLargestCotangent);
-  }
-};
+/// Returns the cotangent of an angle that has this sine and cosine, times anything.
+double cotangent(double sine, double cosine) {
+  // Slivers would let one cotangent outweigh the whole neighbourhood.
+  constexpr double kLargestCotangent = 1e3;
+  return std::clamp(cosine / std::max(sine, 1e-300), -kLargestCotangent, kLargestCotangent);
+}
 
 /// What the faces around a vertex add up to.
 struct Sums {
@@ -45,19 +34,20 @@ struct Sums {
     const Triangle& t = mesh.triangles[f];
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const Vec3d &a = mesh.positions[t[i]], &b = mesh.positions[t[j]], &c = mesh.positions[t[k]];
-    const Vec3d to_j = a - b, to_k = a - c;
+    const Vec3d to_j = a - b, to_k = a - c, across = b - c;
     const Vec3d cross = to_j.cross(to_k);
     const double twice_area = std::sqrt(cross.squaredNorm());
-    const Corner at_a(a, b, c);
-    const double own_angle = at_a.angle();
-    const double cotangent = at_a.cotangent(), cotangent_j = Corner(b, c, a).cotangent(),
-                 cotangent_k = Corner(c, a, b).cotangent();
+    // Of the angles at a, b and c, times the lengths of the sides there.
+    const double cosine = to_j.dot(to_k), cosine_j = -to_j.dot(across), cosine_k = to_k.dot(across);
+    const double sine_j = std::sqrt(across.cross(to_j).squaredNorm()), sine_k = std::sqrt(to_k.cross(across).squaredNorm());
+    const double cotangent_j = cotangent(sine_j, cosine_j), cotangent_k = cotangent(sine_k, cosine_k);
+    const double own_angle = std::atan2(twice_area, cosine);
     normal += own_angle / twice_area * cross;
     angle += own_angle;
     laplacian += cotangent_k * to_j + cotangent_j * to_k;
-    const bool obtuse = cotangent < 0 || cotangent_j < 0 || cotangent_k < 0;
+    const bool obtuse = cosine < 0 || cosine_j < 0 || cosine_k < 0;
     mixed_area +=
-        obtuse ? twice_area / (cotangent < 0 ? 4 : 8) : (cotangent_k * to_j.squaredNorm() + cotangent_j * to_k.squaredNorm()) / 8;
+        obtuse ? twice_area / (cosine < 0 ? 4 : 8) : (cotangent_k * to_j.squaredNorm() + cotangent_j * to_k.squaredNorm()) / 8;
   }
 };
 
