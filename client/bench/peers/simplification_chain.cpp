@@ -13,7 +13,7 @@ std::vector<std::size_t> simplification_chain(const TriangleMesh& mesh, std::siz
   constexpr double kHardlyFewer = 0.95;
   std::vector<Vec3f> positions;
   positions.reserve(mesh.vertex_count());
-  for (const Vec3d& p : mesh.positions) positions.push_back(p.cast<float>());
+  for (const Vec3d& p : mesh.positions) positions.emplace_back(p.cast<float>());
   std::vector<std::uint32_t> corners, fewer;
   corners.reserve(3 * mesh.face_count());
   for (const Triangle& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
