@@ -117,13 +117,15 @@ FaceList triangulate_all(const PolygonSoup& soup, const std::vector<std::uint32_
 /// share no vertices at all. What is closed already is left alone, whatever it touches. Empty where nothing is joined.
 std::vector<std::uint32_t> weld_borders(const std::vector<Vec3d>& positions, std::span<const std::uint32_t> border,
                                         FaceList& faces, RepairReport& report) {
-  std::vector<std::uint32_t> vertices;
+  if (border.empty()) return {};
+  std::vector<bool> on_border(positions.size(), false);
   for (const std::uint32_t h : border) {
-    vertices.insert(vertices.end(), {faces.triangles[h / 3][h % 3], faces.triangles[h / 3][(h + 1) % 3]});
+    on_border[faces.triangles[h / 3][h % 3]] = on_border[faces.triangles[h / 3][(h + 1) % 3]] = true;
   }
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  if (vertices.empty()) return {};
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < on_border.size(); ++v) {
+    if (on_border[v]) vertices.push_back(v);
+  }
   Weld welding = weld(positions, vertices);
   if (welding.welded == 0) return {};
   report.welded_vertices = welding.welded;

@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
 #include "core/flatten/piece.h"
@@ -48,6 +49,12 @@ std::size_t neighbours_on_the_way(const TriangleMesh& mesh, const std::vector<Fa
     if (there + 1 == here) meets[here] = true;
   }
   return static_cast<std::size_t>(std::count(meets.begin(), meets.end(), true));
+}
+
+TEST(PartitionFaces, NoneWhenCancelled) {
+  const TriangleMesh mesh = testing::make_mesh(testing::icosphere(4));
+  const std::atomic<bool> cancel = true;
+  EXPECT_TRUE(partition_faces(mesh, all_faces(mesh), 7, {.cancel = &cancel}).empty());
 }
 
 TEST(PartitionFaces, ConnectedPartsOfAboutOneSizeWithEveryFaceOnce) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <set>
 
 #include "core/flatten/cut_to_disc.h"
@@ -105,6 +106,15 @@ TEST(VertexHierarchy, NoInnerEdgeEverJoinsTwoBorderVertices) {
     const std::vector<std::uint32_t> ring = neighbours(hierarchy, v);
     for (std::size_t i = 1; i + 1 < ring.size(); ++i) EXPECT_FALSE(hierarchy.on_border(ring[i]));
   }
+}
+
+TEST(VertexHierarchy, HasNoLevelsWhenCancelled) {
+  const TriangleMesh mesh = make_mesh(testing::icosphere(3));
+  VertexHierarchy hierarchy(mesh, {});
+  const std::atomic<bool> cancel = true;
+  hierarchy.coarsen(4, {.cancel = &cancel});
+  EXPECT_EQ(hierarchy.level_count(), 0u);
+  EXPECT_EQ(hierarchy.base().size(), mesh.vertex_count());
 }
 
 TEST(VertexHierarchy, FlatVerticesGoFirst) {
