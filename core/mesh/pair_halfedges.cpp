@@ -19,25 +19,27 @@ constexpr std::size_t kBlock = 1 << 15;  // vertices that a thread takes at once
 struct Found {
   std::vector<std::uint32_t> border;
   std::uint64_t nonmanifold_edges = 0;
+  bool is_oriented = true;
   bool may_have_duplicates = false;
 };
 
 class Pairing {
  public:
   Pairing(const std::vector<Triangle>& triangles, std::size_t vertex_count)
-      : triangles_(triangles), end_(vertex_count + 1, 0), halfedges_(3 * triangles.size()) {}
+      : triangles_(triangles), first_(vertex_count + 1, 0), halfedges_(3 * triangles.size()) {}
 
   HalfedgePairs run() {
     sort_by_vertex();
     HalfedgePairs pairs;
     pairs.twins.assign(halfedges_.size(), kNone);
-    const std::size_t vertices = end_.size() - 1, blocks = (vertices + kBlock - 1) / kBlock;
+    const std::size_t vertices = first_.size() - 1, blocks = (vertices + kBlock - 1) / kBlock;
     std::vector<Found> found(blocks);
     tbb::parallel_for(std::size_t{0}, blocks,
                       [&](std::size_t b) { pair(b * kBlock, std::min((b + 1) * kBlock, vertices), pairs.twins, found[b]); });
     for (const Found& some : found) {
       pairs.border.insert(pairs.border.end(), some.border.begin(), some.border.end());
       pairs.nonmanifold_edges += some.nonmanifold_edges;
+      pairs.is_oriented &= some.is_oriented;
       pairs.may_have_duplicates |= some.may_have_duplicates;
     }
     std::sort(pairs.border.begin(), pairs.border.end());
@@ -63,11 +65,11 @@ class Pairing {
     });
   }
 
-  /// Sorts all halfedges by the smaller of their vertices: those of v are [end_[v], end_[v + 1]) then.
+  /// Sorts all halfedges by the smaller of their vertices: those of v are [first_[v], first_[v + 1]) then.
   void sort_by_vertex() {
-    const auto cursor = [&](std::uint32_t h) { return std::atomic_ref(end_[std::min(from(h), to(h))]); };
+    const auto cursor = [&](std::uint32_t h) { return std::atomic_ref(first_[std::min(from(h), to(h))]); };
     for_each_halfedge([&](std::uint32_t h) { cursor(h).fetch_add(1, std::memory_order_relaxed); });
-    std::partial_sum(end_.begin(), end_.end(), end_.begin());
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
     for_each_halfedge([&](std::uint32_t h) { halfedges_[cursor(h).fetch_sub(1, std::memory_order_relaxed) - 1] = h; });
   }
 
@@ -75,7 +77,7 @@ class Pairing {
     std::vector<Edge> edges;  // of a vertex, to larger ones
     for (std::size_t v = begin; v < end; ++v) {
       edges.clear();
-      for (std::uint32_t i = end_[v]; i < end_[v + 1]; ++i) {
+      for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i) {
         edges.push_back({std::max(from(halfedges_[i]), to(halfedges_[i])), halfedges_[i]});
       }
       std::sort(edges.begin(), edges.end());  // threads came in any order
@@ -86,6 +88,7 @@ class Pairing {
           found.border.push_back(a);
         } else if (last - first == 2) {
           twins[a] = b, twins[b] = a;
+          found.is_oriented &= from(a) != from(b);
           found.may_have_duplicates |= apex(a) == apex(b);
         } else {
           ++found.nonmanifold_edges;
@@ -97,7 +100,7 @@ class Pairing {
   }
 
   const std::vector<Triangle>& triangles_;
-  std::vector<std::uint32_t> end_;  // while halfedges are sorted: of those of each vertex that have not come yet
+  std::vector<std::uint32_t> first_;  // of each vertex; until all are sorted the end of those that have not come yet
   std::vector<std::uint32_t> halfedges_;
 };
 

@@ -13,6 +13,7 @@ struct HalfedgePairs {
   std::vector<std::uint32_t> twins;     // 3 F; kNone where there is none, and at edges of more than two faces
   std::vector<std::uint32_t> border;    // the halfedges of edges that only one face has, ascending
   std::uint64_t nonmanifold_edges = 0;  // of more than two faces
+  bool is_oriented = true;              // all twins run in opposite directions
   bool may_have_duplicates = false;     // more than two faces at an edge, or two that share their third vertex too
 };
 

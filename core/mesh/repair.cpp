@@ -1,12 +1,9 @@
 #include "core/mesh/repair.h"
 
 #include <absl/strings/str_format.h>
-
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -135,20 +132,6 @@ std::vector<std::uint32_t> weld_borders(const std::vector<Vec3d>& positions, std
   return std::move(welding.map);
 }
 
-/// Says whether all twins run in opposite directions.
-bool is_oriented(const std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& twins) {
-  std::atomic<bool> disagrees = false;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), kBlock), [&](const auto& range) {
-    bool any = false;
-    for (std::size_t h = 3 * range.begin(); h < 3 * range.end(); ++h) {
-      const std::uint32_t t = twins[h];
-      any |= t != kNone && triangles[h / 3][h % 3] == triangles[t / 3][t % 3];
-    }
-    if (any) disagrees.store(true, std::memory_order_relaxed);
-  });
-  return !disagrees;
-}
-
 /// Decides which faces to turn so that neighbours agree; opens the edges of surfaces that have one side only.
 std::vector<char> find_flips(const std::vector<Triangle>& triangles, std::vector<std::uint32_t>& twins, RepairReport& report) {
   constexpr char kUnseen = 2;
@@ -253,7 +236,7 @@ absl::StatusOr<RepairedMesh> repair(PolygonSoup soup, const ExecutionContext& co
   report.nonmanifold_edges = pairs.nonmanifold_edges;
   if (absl::Status status = context.check(); !status.ok()) return status;
   context.progress("repair", 0.6);
-  if (!is_oriented(faces.triangles, pairs.twins)) {
+  if (!pairs.is_oriented) {
     const std::vector<char> flip = find_flips(faces.triangles, pairs.twins, report);
     if (report.flipped_faces > 0) apply_flips(flip, faces, pairs.twins);
   }

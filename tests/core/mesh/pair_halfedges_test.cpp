@@ -39,6 +39,11 @@ void expect_pairs(const std::vector<Triangle>& triangles, std::size_t vertex_cou
   EXPECT_EQ(pairs.twins, twins);
   EXPECT_EQ(pairs.border, border);
   EXPECT_EQ(pairs.nonmanifold_edges, nonmanifold);
+  bool is_oriented = true;
+  for (std::uint32_t h = 0; h < twins.size(); ++h) {
+    if (twins[h] != kNone) is_oriented &= triangles[h / 3][h % 3] != triangles[twins[h] / 3][twins[h] % 3];
+  }
+  EXPECT_EQ(pairs.is_oriented, is_oriented);
 }
 
 TEST(PairHalfedges, OfShapes) {
