@@ -14,21 +14,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A server process on a free port.
-class ServeTest : public CliTest {
- protected:
-  /// What follows `prefix` in a line of standard output, once it is there.
-  static std::string address_of(Process& process, const std::string& prefix = "listening on ") {
-    EXPECT_TRUE(process.wait_for(prefix)) << process.err();
-    const std::string out = process.out();
-    const std::size_t begin = out.find(prefix) + prefix.size();
-    return out.substr(begin, out.find('\n', begin) - begin);
-  }
-};
+class ServeTest : public CliTest {};
 
 TEST_F(ServeTest, GivesTheSameBytesAsInProcess) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--open", sphere_});
-  const std::string address = address_of(server);
+  const std::string address = server.rest_of_line("listening on ");
   ASSERT_TRUE(server.wait_for("session ")) << server.err();
   const std::string remote = temporary("remote.ply"), local = temporary("local.ply");
   const json far = run_json({"sample", sphere_, "-n", "70000", "--seed", "3", "-o", remote, "--server", address});
@@ -60,8 +50,8 @@ TEST_F(ServeTest, ServesOnWhenNobodyReadsItsLines) {
   Process reader({"-c", R"(("$0" serve --listen 127.0.0.1:0 --open "$1" --open "$2" & echo "pid $!"; wait) | head -n 2)",
                   CURVECAST_COMMAND, sphere_, second},
                  "/bin/sh");
-  const std::string address = address_of(reader);
-  const auto pid = static_cast<pid_t>(std::stol(address_of(reader, "pid ")));
+  const std::string address = reader.rest_of_line("listening on ");
+  const auto pid = static_cast<pid_t>(std::stol(reader.rest_of_line("pid ")));
   Finished sessions;
   // The second mesh is opened once the lines of the first are written.
   EXPECT_TRUE(server::eventually([&] {
@@ -109,7 +99,7 @@ TEST_F(ServeTest, StopsWhileItOpensAMesh) {
 
 TEST_F(ServeTest, RefusesWhatItCannotDo) {
   Process server({"serve", "--listen", "127.0.0.1:0"});
-  const std::string address = address_of(server);
+  const std::string address = server.rest_of_line("listening on ");
   expect_failure({"serve", "--listen", address}, 4, address);
   expect_failure({"serve", "--listen", "nonsense"}, 3, "nonsense");
   expect_failure({"serve", "--listen", "127.0.0.1:0", "--http", address}, 4, address);
@@ -124,7 +114,7 @@ TEST_F(ServeTest, RefusesWhatItCannotDo) {
 
 TEST_F(ServeTest, IsReadyWhenItsMeshesAreOpen) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--open", write_sphere("slow_served.off", 300)});
-  const std::string address = address_of(server, "http on ");
+  const std::string address = server.rest_of_line("http on ");
   const int port = std::stoi(address.substr(address.rfind(':') + 1));
   EXPECT_EQ(server::HttpClient(port).get("/healthz").status, 200);
   EXPECT_EQ(server::HttpClient(port).get("/readyz").body, "meshes are being prepared\n");
@@ -142,7 +132,7 @@ TEST_F(ServeTest, IsReadyWhenItsMeshesAreOpen) {
 
 TEST_F(ServeTest, SaysWhereABrowserFindsTheViewer) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--open", write_sphere("viewed.off", 20)});
-  const std::string http = address_of(server, "http on ");
+  const std::string http = server.rest_of_line("http on ");
   ASSERT_TRUE(server.wait_for("session ")) << server.err();
   const server::HttpClient::Response page = server::HttpClient(std::stoi(http.substr(http.rfind(':') + 1))).get("/");
   if (page.status == 200) {  // else built without it
@@ -150,7 +140,7 @@ TEST_F(ServeTest, SaysWhereABrowserFindsTheViewer) {
     ASSERT_TRUE(server.wait_for("look at http://" + http + "/#session=")) << server.out();
   }
   Process second({"serve", "--listen", "127.0.0.1:0"});
-  EXPECT_NE(address_of(second, "http on "), http);  // the default port is taken, at least by the first one
+  EXPECT_NE(second.rest_of_line("http on "), http);  // the default port is taken, at least by the first one
   Process none({"serve", "--listen", "127.0.0.1:0", "--http", "none", "--open", write_sphere("unviewed.off", 20)});
   ASSERT_TRUE(none.wait_for("session ")) << none.err();
   for (Process* process : {&server, &second, &none}) {
@@ -163,7 +153,7 @@ TEST_F(ServeTest, SaysWhereABrowserFindsTheViewer) {
 
 TEST_F(ServeTest, TheSecondSignalEndsItAtOnce) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--drain", "3600"});
-  const std::string address = address_of(server);
+  const std::string address = server.rest_of_line("listening on ");
   Process client({"preprocess", write_sphere("big_drained.off", 400), "-n", "4000000", "--server", address});
   ASSERT_TRUE(client.wait_for("repair")) << client.err();
   server.signal(SIGTERM);
@@ -175,7 +165,7 @@ TEST_F(ServeTest, TheSecondSignalEndsItAtOnce) {
 
 TEST_F(ServeTest, CallsThatTakeLongerThanTheDrainAreCancelled) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--drain", "0.1"});
-  const std::string address = address_of(server);
+  const std::string address = server.rest_of_line("listening on ");
   Process client({"preprocess", write_sphere("big_cancelled.off", 400), "-n", "4000000", "--server", address});
   ASSERT_TRUE(client.wait_for("repair")) << client.err();
   server.signal(SIGTERM);
@@ -190,7 +180,7 @@ TEST_F(ServeTest, SettingsComeFromFlagsTheEnvironmentAndAFile) {
   ASSERT_EQ(::setenv("CURVECAST_THREADS", "1", 1), 0);
   const Finished printed = run({"serve", "--config", file, "--threads", "3", "--print-config"});
   Process server({"serve", "--config", file, "--listen", "127.0.0.1:0"});
-  const std::string address = address_of(server);
+  const std::string address = server.rest_of_line("listening on ");
   ::unsetenv("CURVECAST_MAX_SESSIONS");
   ::unsetenv("CURVECAST_THREADS");
   EXPECT_EQ(printed.status, 0) << printed.err;
@@ -228,7 +218,7 @@ TEST_F(ServeTest, EncryptsForThoseWhoBelieveIt) {
   const testing::CertificateFiles files;
   Process server({"serve", "--listen", "127.0.0.1:0", "--tls-cert", files.cert("ca-server"), "--tls-key", files.key("ca-server"),
                   "--tls-client-ca", files.cert("ca")});
-  const std::string address = address_of(server), ca = files.cert("ca");
+  const std::string address = server.rest_of_line("listening on "), ca = files.cert("ca");
   const std::string cert = files.cert("ca-client"), key = files.key("ca-client");
   run_json({"info", sphere_, "--server", address, "--tls-ca", ca, "--tls-cert", cert, "--tls-key", key});
   expect_failure({"info", sphere_, "--server", address, "--tls-ca", ca}, 4, address);
@@ -245,7 +235,7 @@ TEST_F(ServeTest, EncryptsForThoseWhoBelieveIt) {
 
 TEST_F(ServeTest, LogsRequestsAsJson) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--log-format", "json", "--verbose"});
-  const std::string address = address_of(server);
+  const std::string address = server.rest_of_line("listening on ");
   run_json({"info", sphere_, "--server", address});
   ASSERT_TRUE(server.wait_for("InspectMesh")) << server.err();
   server.signal(SIGTERM);

@@ -77,9 +77,7 @@ class KillTest : public ::testing::Test {
                                                                    "--max-curve-vertices", "0", "--cache", cache_.path()});
   }
   std::unique_ptr<Stub> connect(cli::Process& server) const {
-    EXPECT_TRUE(server.wait_for("listening on 127.0.0.1:")) << server.err();
-    const std::string out = server.out();
-    const std::string address = out.substr(out.find("127.0.0.1:"), out.find('\n') - out.find("127.0.0.1:"));
+    const std::string address = server.rest_of_line("listening on ");
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     arguments.SetMaxReceiveMessageSize(-1);

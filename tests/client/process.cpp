@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include "tests/server/eventually.h"
@@ -28,6 +29,14 @@ std::string content_of(const std::string& path) {
 std::string new_path(const std::string& kind) {
   static std::atomic<int> counter = 0;
   return ::testing::TempDir() + "/curvecast_cli_" + std::to_string(getpid()) + "_" + std::to_string(counter++) + kind;
+}
+
+/// What follows `prefix` in a whole line of what was written.
+std::optional<std::string> rest_of_line_in(const std::string& written, const std::string& prefix) {
+  const std::size_t at = written.find(prefix);
+  const std::size_t end = at == std::string::npos ? at : written.find('\n', at + prefix.size());
+  if (end == std::string::npos) return std::nullopt;
+  return written.substr(at + prefix.size(), end - at - prefix.size());
 }
 
 }  // namespace
@@ -77,18 +86,25 @@ void Process::signal(int number) const {
 std::string Process::out() const { return content_of(out_path_); }
 std::string Process::err() const { return content_of(err_path_); }
 
-bool Process::wait_for(const std::string& text) {
-  const auto has_line = [&](const std::string& written) {
-    const std::size_t at = written.find(text);
-    return at != std::string::npos && written.find('\n', at) != std::string::npos;
-  };
-  bool is_there = false;
+bool Process::wait_until(const std::function<bool()>& is_there) {
+  bool is_so = false;
   const bool is_settled = server::eventually([&] {
     const bool has_ended = reap(false);
-    is_there = has_line(out()) || has_line(err());
-    return is_there || has_ended;
+    is_so = is_there();
+    return is_so || has_ended;
   });
-  return is_settled && is_there;
+  return is_settled && is_so;
+}
+
+bool Process::wait_for(const std::string& text) {
+  return wait_until([&] { return rest_of_line_in(out(), text).has_value() || rest_of_line_in(err(), text).has_value(); });
+}
+
+std::string Process::rest_of_line(const std::string& prefix) {
+  std::optional<std::string> rest;
+  EXPECT_TRUE(wait_until([&] { return (rest = rest_of_line_in(out(), prefix)).has_value(); }))
+      << "no line with " << prefix << ": " << out() << err();
+  return rest.value_or("");
 }
 
 Finished Process::finish() {

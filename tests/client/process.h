@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ class Process {
   /// Waits until a whole line with `text` stands in standard output or standard error; false when the process ends or two minutes
   /// pass before.
   bool wait_for(const std::string& text);
+  /// Waits until a whole line with `prefix` stands in standard output, where a log beside it on standard error does not count,
+  /// and gives what follows there. "" and a failure of the test when the process ends or two minutes pass before.
+  std::string rest_of_line(const std::string& prefix);
   /// What has been written so far.
   std::string out() const;
   std::string err() const;
@@ -35,6 +39,8 @@ class Process {
 
  private:
   bool reap(bool block);
+  /// Waits until there is one, as wait_for().
+  bool wait_until(const std::function<bool()>& is_there);
 
   std::string out_path_, err_path_;
   pid_t pid_ = -1;
