@@ -76,7 +76,7 @@ class Sampler {
       if (workspace.selection.lacking.empty()) return std::move(workspace.points);
       ExecutionContext quiet = context;
       quiet.on_progress = nullptr;
-      status = grower_->grow(workspace.selection.lacking, 8 * kMaxPoints, quiet);
+      status = grower_->grow(workspace.selection.most_lacking(), 8 * kMaxPoints, quiet);
       if (!status.ok()) return status;
     }
   }

@@ -63,10 +63,10 @@ absl::Status bench_ranks(const std::shared_ptr<const LeafSurface>& surface, cons
   RankSelector selector;
   RankSelection before, after;
   // What a view lacks is made once, in the background of a server.
-  for (int round = 0; round < kMaxRankLevel; ++round) {
+  for (int round = 0; round < 4 * kMaxRankLevel; ++round) {
     selector.select(grower->tree(), nullptr, ViewFactor(*curve, density(0)), options.view_points, before);
     if (before.lacking.empty()) break;
-    if (status = grower->grow(before.lacking, 4 * kMaxPoints, context); !status.ok()) return status;
+    if (status = grower->grow(before.most_lacking(), 4 * kMaxPoints, context); !status.ok()) return status;
   }
   RankDelta delta;
   RankedWorkspace workspace;

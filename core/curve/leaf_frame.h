@@ -15,6 +15,7 @@ struct LeafFrame {
   Vec3f along_x = Vec3f::Zero(), along_y = Vec3f::Zero();
   HilbertState state = 0;  // how the curve runs in it
 
+  bool is_known() const { return along_x != Vec3f::Zero(); }
   /// From the leaf's vertex to the place at which the curve has passed a part of the leaf's area, in [0, 1].
   Vec3f offset(double part) const;
 };

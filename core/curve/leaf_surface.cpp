@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "core/base/simd.h"
@@ -85,6 +86,28 @@ Piece whole_leaf(const SurfaceCurve& curve, std::size_t l) {
   return {leaf_quad(key, curve.level[l]), state, 0, 1};
 }
 
+/// Returns the part of a quad that triangles cover.
+CURVECAST_WIDE double covered_in(const ParameterTriangle* triangles, const std::uint32_t* near, std::size_t count,
+                                 const Quad& quad) {
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    sum += fast_max(covered_share(triangles[near[i]], quad.corner.x(), quad.corner.y(), 1 / quad.side), 0.0);
+  }
+  return sum;
+}
+
+/// Returns the area on the surface that triangles have in a quad, in units of the quad's.
+CURVECAST_WIDE double area_in(const ParameterTriangle* triangles, const std::uint32_t* near, std::size_t count,
+                              const Quad& quad) {
+  const double x = quad.corner.x(), y = quad.corner.y(), scale = 1 / quad.side;
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const ParameterTriangle& triangle = triangles[near[i]];
+    sum += fast_max(covered_share(triangle, x, y, scale), 0.0) * triangle.area_ratio;
+  }
+  return sum;
+}
+
 }  // namespace
 
 /// Finds places of one leaf.
@@ -102,11 +125,7 @@ class LeafSurface::Finder {
 
   /// memory_.lists[0] has the triangles that touch the leaf. Finds all places.
   void find(const Piece& leaf) {
-    double covered = 0;
-    for (const std::uint32_t t : memory_.lists[0]) {
-      covered += std::max(covered_share(triangles_[t], leaf.quad.corner.x(), leaf.quad.corner.y(), 1 / leaf.quad.side), 0.0);
-    }
-    is_covered_ = covered > 1 - kUncovered;
+    leaf_ = leaf.quad;
     descend(leaf, 0, 0, parts_.size());
     finish();
   }
@@ -120,7 +139,9 @@ class LeafSurface::Finder {
       return;
     }
     double area[4], all = 0;
-    for (unsigned i = 0; i < 4; ++i) all += area[i] = area_in(near, piece.child(hilbert_quadrant(piece.state, i)));
+    for (unsigned i = 0; i < 4; ++i) {
+      all += area[i] = area_in(triangles_.data(), near.data(), near.size(), piece.child(hilbert_quadrant(piece.state, i)));
+    }
     double begin = piece.begin;
     for (unsigned i = 0; i < 4; ++i) {
       const double end = i == 3 ? piece.end : begin + (piece.end - piece.begin) * (all > 0 ? area[i] / all : 0.25);
@@ -149,23 +170,22 @@ class LeafSurface::Finder {
   }
 
   /// Says whether the surface's area is even in a piece of the leaf that these triangles touch.
-  bool is_even(const std::vector<std::uint32_t>& near) const {
-    if (!is_covered_) return false;
+  bool is_even(const std::vector<std::uint32_t>& near) {
     double least = triangles_[near[0]].area_ratio, most = least;
     for (const std::uint32_t t : near) {
       least = std::min(least, triangles_[t].area_ratio);
       most = std::max(most, triangles_[t].area_ratio);
     }
-    return most <= kEven * least;
+    return most <= kEven * least && is_covered();
   }
 
-  double area_in(const std::vector<std::uint32_t>& near, const Quad& quad) const {
-    double sum = 0;
-    for (const std::uint32_t t : near) {
-      const double share = covered_share(triangles_[t], quad.corner.x(), quad.corner.y(), 1 / quad.side);
-      sum += std::max(share, 0.0) * triangles_[t].area_ratio;
+  /// Says whether the disc covers the leaf.
+  bool is_covered() {
+    if (!is_covered_) {
+      const std::vector<std::uint32_t>& all = memory_.lists[0];
+      is_covered_ = covered_in(triangles_.data(), all.data(), all.size(), leaf_) > 1 - kUncovered;
     }
-    return sum;
+    return *is_covered_;
   }
 
   void list_touching(const std::vector<std::uint32_t>& near, const Quad& quad, std::vector<std::uint32_t>& list) const {
@@ -195,7 +215,8 @@ class LeafSurface::Finder {
   std::span<SurfacePlace> places_;
   Memory& memory_;
   std::size_t done_ = 0;
-  bool is_covered_ = false;  // the leaf, by its disc
+  Quad leaf_;
+  std::optional<bool> is_covered_;  // the leaf, by its disc; once asked for
 };
 
 LeafSurface::LeafSurface(std::shared_ptr<const CurveBase> base, std::shared_ptr<const SurfaceCurve> curve)

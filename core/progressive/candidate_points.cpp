@@ -100,9 +100,11 @@ void place_candidates(const CurveStrata& strata, const StratumGroup& group, std:
       t[i] = unit_curve_position(position);
     }
   }
-  // Free groups do not see all of their neighbours, which may have a point at the same vertex.
-  strata.points_at(t, std::ldexp(1.0, -2 * (group.level + 1)), points, GroupOrder::is_free(group.level));
+  strata.points_at(t, grain_of_candidates(group.level), points,
+                   GroupOrder::is_free(group.level) ? PointPlaces::kAbout : PointPlaces::kAtVertices);
 }
+
+double grain_of_candidates(int level) { return std::ldexp(1.0, -2 * (GroupOrder::is_free(level) ? level : level + 1)); }
 
 GroupCandidates::GroupCandidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed)
     : group_(group),

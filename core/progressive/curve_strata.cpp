@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/curve/leaf_frame.h"
+
 namespace curvecast {
 namespace {
 
@@ -31,7 +33,15 @@ CurvePoint CurveStrata::at_vertex(std::uint32_t l) const {
   return {{{c.x[l], c.y[l], c.z[l]}, {c.nx[l], c.ny[l], c.nz[l]}, c.triangle[l], c.weight_1[l], c.weight_2[l]}, l};
 }
 
-void CurveStrata::points_at(std::span<const double> t, double grain, std::span<CurvePoint> points, bool of_their_own) const {
+CurvePoint CurveStrata::about_vertex(std::uint32_t l, const Vec3f& offset) const {
+  CurvePoint point = at_vertex(l);
+  for (int k = 0; k < 3; ++k) point.position[k] += offset[k];
+  point.face = kNone;
+  return point;
+}
+
+void CurveStrata::points_at(std::span<const double> t, double grain, std::span<CurvePoint> points,
+                            PointPlaces how) const {
   if (t.empty()) return;
   const std::uint32_t last = vertex_at(t.back());
   std::uint32_t l = vertex_at(t.front());
@@ -43,16 +53,30 @@ void CurveStrata::points_at(std::span<const double> t, double grain, std::span<C
   std::vector<std::size_t> even_at;  // which of the points these are
   std::vector<double> parts;
   std::vector<SurfacePlace> places;
+  LeafFrames frames(curve());
+  LeafFrame frame;
+  std::uint32_t framed = kNone;  // the leaf of the frame
   const double all = total_area();
   for (std::size_t i = 0; i < t.size();) {
     const std::uint32_t vertex = on_vertex(i);
     const double area = static_cast<double>(curve().area[vertex]);
-    if (!of_their_own && area <= kSmallLeaf * grain * all) {
+    if (how == PointPlaces::kAtVertices && area <= kSmallLeaf * grain * all) {
       points[i++] = at_vertex(vertex);
       continue;
     }
     const auto part_at = [&](std::size_t k) { return (t[k] * all - before_[vertex]) / area; };
     if (area <= grain * all) {
+      if (how == PointPlaces::kAbout) {
+        if (vertex != framed) {
+          frame = frames.of(vertex);
+          framed = vertex;
+        }
+        if (frame.is_known()) {
+          points[i] = about_vertex(vertex, frame.offset(part_at(i)));
+          ++i;
+          continue;
+        }
+      }
       even_at.push_back(i);
       even.push_back({vertex, part_at(i++)});
       continue;
@@ -70,14 +94,15 @@ void CurveStrata::points_at(std::span<const double> t, double grain, std::span<C
   for (std::size_t k = 0; k < even.size(); ++k) points[even_at[k]] = {places[k], even[k].leaf};
 }
 
-std::vector<CurvePoint> CurveStrata::spread_over(int level, std::uint64_t stratum, std::size_t count) const {
+std::vector<CurvePoint> CurveStrata::spread_over(int level, std::uint64_t stratum, std::size_t count,
+                                                 PointPlaces places) const {
   const double step = 1 / static_cast<double>(count);
   std::vector<double> t(count);
   for (std::size_t i = 0; i < count; ++i) {
     t[i] = std::ldexp(static_cast<double>(stratum) + (static_cast<double>(i) + 0.5) * step, -2 * level);
   }
   std::vector<CurvePoint> points(count);
-  points_at(t, std::ldexp(step, -2 * level), points);
+  points_at(t, std::ldexp(places == PointPlaces::kAbout ? 4 * step : step, -2 * level), points, places);
   return points;
 }
 

@@ -21,6 +21,13 @@ struct CurvePoint : SurfacePlace {
   std::uint32_t vertex;  // the curve vertex in whose leaf it lies
 };
 
+/// How exactly points are placed that lie in leaves no larger than a grain.
+enum class PointPlaces : std::uint8_t {
+  kAtVertices,  // in leaves of at most a twentieth of the grain at the vertex, in others on the surface
+  kOnSurface,   // so that no two lie at one place
+  kAbout,       // in the plane of the leaf, with the vertex's normal, where the leaves around tell it; there the face is kNone
+};
+
 /// Finds vertices and points of a curve by curve position. Keeps the surface's address. Immutable: any number of threads may ask.
 class CurveStrata {
  public:
@@ -33,16 +40,18 @@ class CurveStrata {
   /// Returns the curve vertex on whose area element the curve position t, in [0, 1], lies.
   std::uint32_t vertex_at(double t) const;
   /// Writes the points at the curve positions t (ascending) to `points`, as many as t. They lie where the curve passes within the
-  /// leaf, on the surface: see LeafSurface::find(), where `grain` is a share of the leaf's area and here of the whole. In a leaf
-  /// that is no larger than a twentieth of the grain they lie at its vertex, unless all are to have a place `of_their_own`.
-  void points_at(std::span<const double> t, double grain, std::span<CurvePoint> points, bool of_their_own = false) const;
-  /// Returns `count` points spread evenly over a stratum.
-  std::vector<CurvePoint> spread_over(int level, std::uint64_t stratum, std::size_t count) const;
+  /// leaf, on the surface: see LeafSurface::find(), where `grain` is a share of the leaf's area and here of the whole.
+  void points_at(std::span<const double> t, double grain, std::span<CurvePoint> points,
+                 PointPlaces places = PointPlaces::kAtVertices) const;
+  /// Returns `count` points spread evenly over a stratum; the grain is the share of one of them, or with kAbout that of four.
+  std::vector<CurvePoint> spread_over(int level, std::uint64_t stratum, std::size_t count,
+                                      PointPlaces places = PointPlaces::kAtVertices) const;
   /// Says whether a stratum lies in so few leaves that their vertices say little of it.
   bool is_within_leaves(int level, std::uint64_t stratum) const;
 
  private:
   CurvePoint at_vertex(std::uint32_t l) const;
+  CurvePoint about_vertex(std::uint32_t l, const Vec3f& offset) const;
 
   const LeafSurface* surface_;
   std::vector<double> before_;  // L + 1: area before each vertex, and the whole area

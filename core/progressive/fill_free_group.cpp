@@ -176,6 +176,21 @@ std::vector<std::uint32_t> free_children(const StratumGroup& group, std::span<co
   return free;
 }
 
+/// Moves the points of a group that lie about at their curve positions onto the surface.
+void place_on_surface(const CurveStrata& strata, int level, std::span<RankedPoint> points) {
+  std::vector<std::size_t> which;
+  std::vector<double> t;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].face != kNone) continue;
+    which.push_back(i);
+    t.push_back(unit_curve_position(points[i].curve_position));
+  }
+  std::vector<CurvePoint> at(t.size());
+  // Free groups do not see all of their neighbours, which may have a point at the same vertex.
+  strata.points_at(t, grain_of_candidates(level), at, PointPlaces::kOnSurface);
+  for (std::size_t k = 0; k < which.size(); ++k) static_cast<CurvePoint&>(points[which[k]]) = at[k];
+}
+
 }  // namespace
 
 float free_influence_radius(double total_area, int level) {
@@ -212,6 +227,7 @@ void fill_free_group(const CurveStrata& strata, const StratumGroup& group, std::
     children.close(c);
     children.take(point);
   }
+  place_on_surface(strata, group.level, points);
 }
 
 }  // namespace curvecast

@@ -36,7 +36,7 @@ CURVECAST_WIDE bool is_near(const GroupShape& a, const GroupShape& b, float reac
 
 GroupShape shape_of(const CurveStrata& strata, const StratumGroup& group) {
   const int m = GroupOrder::stratum_level(group.level);
-  const std::vector<CurvePoint> places = strata.spread_over(m, group.index, kGroupStrata);
+  const std::vector<CurvePoint> places = strata.spread_over(m, group.index, kGroupStrata, PointPlaces::kAbout);
   GroupShape shape;
   for (std::size_t i = 0; i < kGroupStrata; ++i) {
     shape.x[i] = places[i].position[0], shape.y[i] = places[i].position[1], shape.z[i] = places[i].position[2];

@@ -88,8 +88,9 @@ class GroupMaker {
     std::vector<Groups> missing(static_cast<std::size_t>(level) + 1);
     std::unordered_set<std::uint64_t> needed(wanted.begin(), wanted.end());
     for (int l = level; l >= options_.level; --l) {
+      if (absl::Status status = context.check(); !status.ok()) return status;
       std::unordered_set<std::uint64_t> parents;
-      find_missing(l, needed, missing[static_cast<std::size_t>(l)], parents);
+      find_missing(l, needed, missing[static_cast<std::size_t>(l)], parents, context);
       needed.swap(parents);
     }
     for (int l = options_.level; l <= level; ++l) {
@@ -111,38 +112,65 @@ class GroupMaker {
   /// Adds to `missing` the groups of a level that are needed and not made, with those that they wait for; and to `parents` the
   /// groups of the level before that these need.
   void find_missing(int level, const std::unordered_set<std::uint64_t>& needed, Groups& missing,
-                    std::unordered_set<std::uint64_t>& parents) {
+                    std::unordered_set<std::uint64_t>& parents, const ExecutionContext& context) {
     std::unordered_set<std::uint64_t> seen = needed;
     Groups open(needed.begin(), needed.end());
     while (!open.empty()) {
-      const std::uint64_t index = open.back();
-      open.pop_back();
-      if (const auto found = made_.filled.find({level, index}); found != made_.filled.end()) {
+      std::erase_if(open, [&](std::uint64_t index) {
+        const auto found = made_.filled.find({level, index});
+        if (found == made_.filled.end()) return false;
         found->second.used = made_.calls;
-        continue;
+        return true;
+      });
+      find_near(level, open, context);
+      Groups next;
+      for (const std::uint64_t index : open) {
+        missing.push_back(index);
+        for (const std::uint64_t i : made_.near.at({level, index})) {
+          if (level > options_.level) parents.insert(i / 4);
+          if (GroupOrder::precedes(level, i, index) && seen.insert(i).second) next.push_back(i);
+        }
       }
-      missing.push_back(index);
-      for (const std::uint64_t i : near(level, index)) {
-        if (level > options_.level) parents.insert(i / 4);
-        if (GroupOrder::precedes(level, i, index) && seen.insert(i).second) open.push_back(i);
-      }
+      open.swap(next);
     }
   }
 
-  const Groups& near(int level, std::uint64_t index) {
-    if (const auto found = made_.near.find({level, index}); found != made_.near.end()) return found->second;
+  /// Finds which groups are near some of a level; and before, the same of lower levels and the shapes that this needs.
+  void find_near(int level, const Groups& groups, const ExecutionContext& context) {
+    Groups open;
+    for (const std::uint64_t i : groups) {
+      if (!made_.near.contains({level, i})) open.push_back(i);
+    }
+    if (open.empty()) return;
     static const Groups kWhole = {0};
     const bool is_whole = GroupOrder::count(level) == 1;
-    const Groups& near_parent = is_whole ? kWhole : near(level - 1, index / 4);
+    const auto near_parent = [&](std::uint64_t i) -> const Groups& { return is_whole ? kWhole : made_.near.at({level - 1, i / 4}); };
+    if (!is_whole) {
+      Groups parents;
+      for (const std::uint64_t i : open) parents.push_back(i / 4);
+      std::sort(parents.begin(), parents.end());
+      parents.erase(std::unique(parents.begin(), parents.end()), parents.end());
+      find_near(level - 1, parents, context);
+    }
     if (!is_whole && !order_.has_shapes(level)) {
-      for (const std::uint64_t parent : near_parent) {
-        for (std::uint64_t i = 4 * parent; i < 4 * parent + 4; ++i) {
-          const auto [at, is_new] = made_.shapes.try_emplace({level, i});
-          if (is_new) at->second = order_.find_shape({level, i});
+      std::vector<GroupShapes::value_type*> lacking;
+      for (const std::uint64_t index : open) {
+        for (const std::uint64_t parent : near_parent(index)) {
+          for (std::uint64_t i = 4 * parent; i < 4 * parent + 4; ++i) {
+            const auto [at, is_new] = made_.shapes.try_emplace({level, i});
+            if (is_new) lacking.push_back(&*at);
+          }
         }
       }
+      for_all(context, lacking.size(), [&](std::size_t k) {
+        lacking[k]->second = order_.find_shape({level, lacking[k]->first.index});
+      });
     }
-    return made_.near.emplace(GroupKey{level, index}, order_.near({level, index}, near_parent, made_.shapes)).first->second;
+    std::vector<Groups> near(open.size());
+    for_all(context, open.size(), [&](std::size_t k) {
+      near[k] = order_.near({level, open[k]}, near_parent(open[k]), made_.shapes);
+    });
+    for (std::size_t k = 0; k < open.size(); ++k) made_.near.emplace(GroupKey{level, open[k]}, std::move(near[k]));
   }
 
   void fill(int level, std::span<const std::uint64_t> wave, const ExecutionContext& context) {

@@ -22,6 +22,7 @@ constexpr float kSlack = 1.0001f;    // bounds are rounded, points too
 constexpr double kMostScale = 1e30;  // of a guess, which must stay finite
 constexpr std::size_t kWord = RankSelection::kWord;
 constexpr float kMore = 1.05f, kFewer = 0.93f, kFaster = 4;  // README.md says where these come from
+constexpr double kUrgent = 0.25;                             // of how many times too few ranks a chunk has, beside the one that has least
 constexpr std::size_t kAhead = 4;                            // chunks whose bounds the memory brings beforehand
 constexpr std::size_t kGrain = 16;                           // chunks that a thread takes at once
 constexpr std::size_t kQuarterRuns = kChunkRuns / 4;
@@ -155,8 +156,8 @@ void RankSelector::densities(const RankSelection& selection, std::span<float> ou
 }
 
 std::size_t RankSelector::byte_size() const {
-  const auto& [parallel, states, visited, most, keys, shown, bits, window] = *this;
-  return capacity_bytes(states, visited, most, keys, shown, bits, window);
+  const auto& [parallel, states, visited, most, keys, shown, bits, window, lacking] = *this;
+  return capacity_bytes(states, visited, most, keys, shown, bits, window, lacking);
 }
 
 float RankSelector::guess_scale(const View& view, std::uint64_t n) {
@@ -351,21 +352,34 @@ void RankSelector::finish(const View& view, std::size_t count, RankSelection& ou
   find_lacking(view, out);
 }
 
-void RankSelector::find_lacking(const View& view, RankSelection& out) const {
-  out.lacking.clear();
+void RankSelector::find_lacking(const View& view, RankSelection& out) {
+  lacking_.clear();
+  double most = 0;
   out.is_exhausted = false;
   for (std::size_t v = 0; v < visited_.size(); ++v) {
     const ChunkId& id = view.tree.chunks()[visited_[v].chunk]->id;
     for (std::size_t q = 0; q < 4; ++q) {
       if (view.tree.child(visited_[v].chunk, q) != RankTree::kNone) continue;
-      if (needs_none(id.child(q), quarter_bound(v, q), out.scale)) continue;
+      const float bound = quarter_bound(v, q);
+      if (needs_none(id.child(q), bound, out.scale)) continue;
       if (id.level == kMaxRankLevel) {
         out.is_exhausted = true;
       } else {
-        out.lacking.push_back(id.child(q));
+        const double excess = static_cast<double>(bound) / static_cast<double>(id.child(q).first_rank());
+        lacking_.emplace_back(excess, id.child(q));
+        most = std::max(most, excess);
       }
     }
   }
+  out.lacking.clear();
+  const auto add = [&](bool urgent) {
+    for (const auto& [excess, id] : lacking_) {
+      if ((excess >= kUrgent * most) == urgent) out.lacking.push_back(id);
+    }
+  };
+  add(true);
+  out.urgent = out.lacking.size();
+  add(false);
 }
 
 bool RankSelector::any_lacking(const View& view) const {

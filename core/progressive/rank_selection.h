@@ -50,16 +50,20 @@ struct RankSelection {
   float scale = 0;    // the largest that a point shown needs; a guess where fewer points are shown than were asked for
   double pixels = 0;  // of the view: ViewFactor::pixels()
   /// Chunks that are not in the tree and may have points to be shown. Without any the selection is what it would be with all
-  /// chunks.
+  /// chunks. First come the `urgent` ones, to be made before the others: what they show tells whether those are needed at all.
   std::vector<ChunkId> lacking;
+  std::size_t urgent = 0;
   /// Somewhere the density shows more points than level kMaxRankLevel has.
   bool is_exhausted = false;
 
   /// Bytes allocated, in use or not; the tree is shared and not counted.
   std::size_t byte_size() const {
-    const auto& [t, p, s, c, r, f, x, l, e] = *this;
+    const auto& [t, p, s, c, r, f, x, l, u, e] = *this;
     return capacity_bytes(p, s, r, l);
   }
+
+  /// Returns the chunks that are lacking and urgent.
+  std::span<const ChunkId> most_lacking() const { return std::span(lacking).first(urgent); }
 
   /// Returns the scale in a unit in which those of similar views are similar: points per pixel, where the view's density is one
   /// of pixels. (That of a ScreenTerm is relative to the nearest that may be seen.)
@@ -145,8 +149,8 @@ class RankSelector {
   float measure_scale(const View& view, std::uint64_t n) const;
   /// Returns a bound of the density in a quarter of a visited chunk's stratum.
   float quarter_bound(std::size_t v, std::size_t quarter) const;
-  /// Writes out.lacking and out.is_exhausted, for out.scale.
-  void find_lacking(const View& view, RankSelection& out) const;
+  /// Writes out.lacking, out.urgent and out.is_exhausted, for out.scale.
+  void find_lacking(const View& view, RankSelection& out);
   /// Says whether any visited chunk has no child where there is a density.
   bool any_lacking(const View& view) const;
   /// Visits the chunks with points that may be shown at a scale, finds the scale that each of their points needs, and marks those
@@ -185,6 +189,7 @@ class RankSelector {
   std::vector<float> keys_;                  // the scale that each point of the visited chunks needs
   std::vector<std::uint64_t> shown_, bits_;  // of each key
   std::vector<WindowPoint> window_;
+  std::vector<std::pair<double, ChunkId>> lacking_;  // with the most ranks that they show, over their first
 };
 
 }  // namespace curvecast

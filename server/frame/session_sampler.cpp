@@ -25,7 +25,8 @@ RankDemand demand_of(std::shared_ptr<const SurfaceCurve> curve, std::shared_ptr<
     memory->selector.select(tree, fixed.get(), ViewFactor(*curve, density), points, selection);
     selection.tree.reset();
     selection.parts.clear();
-    return LackingRanks{selection.lacking, selection.count};
+    const std::span<const ChunkId> next = selection.most_lacking();
+    return LackingRanks{{next.begin(), next.end()}, selection.count};
   };
 }
 
@@ -99,7 +100,7 @@ absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points, std::uint64
         select_ranked(*curve_, ranks_, fixed_.get(), density, points, out.workspace->ranked, expected_scale_);
     if (!status.ok()) return status;
     if (selection.lacking.empty() || wait_ == Wait::kForFirst) break;
-    const absl::StatusOr<RankedCurve> grown = session_->candidates->grow(selection.lacking, {.cancel = cancel_});
+    const absl::StatusOr<RankedCurve> grown = session_->candidates->grow(selection.most_lacking(), {.cancel = cancel_});
     if (!grown.ok()) return grown.status();
     ranks_ = grown->tree;
   }

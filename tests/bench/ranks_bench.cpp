@@ -45,7 +45,7 @@ void deepen(benchmark::State& state) {
   const double distance = curve.box.diagonal() / static_cast<double>(state.range(0));
   const Density density({ScreenTerm{}, FrustumTerm{}},
                         {testing::camera_at(place + distance * curve.normal(l).cast<double>(), place)});
-  std::size_t points = 0, made = 0;
+  std::size_t points = 0, made = 0, rounds = 0;
   for (auto _ : state) {
     state.PauseTiming();
     auto grower = RankGrower::make(surface, {.level = 8}, {.threads = 1}).value();
@@ -53,15 +53,16 @@ void deepen(benchmark::State& state) {
     state.ResumeTiming();
     RankSelector selector;
     RankSelection selection;
-    for (;;) {
+    for (rounds = 0;; ++rounds) {
       selector.select(grower->tree(), nullptr, ViewFactor(curve, density), kPoints, selection);
-      if (selection.lacking.empty() || !grower->grow(selection.lacking, 100 * kPoints, {.threads = 1}).ok()) break;
+      if (selection.lacking.empty() || !grower->grow(selection.most_lacking(), 100 * kPoints, {.threads = 1}).ok()) break;
     }
     points = selection.count;
     made = grower->tree()->points() - before;
   }
   state.counters["points"] = static_cast<double>(points);
   state.counters["made"] = static_cast<double>(made);
+  state.counters["rounds"] = static_cast<double>(rounds);
 }
 
 /// A camera that goes from the whole mesh to a 2,000th of its size from its surface: `part`, from 0 to 1, of the way.
@@ -94,7 +95,7 @@ void step(benchmark::State& state) {
     for (int i = 0; i <= 180; ++i) {
       for (;;) {
         if (!select_ranked(curve, grower->tree(), nullptr, zoomed(i / 180.0), points, after).ok()) return;
-        if (after.selection.lacking.empty() || !grower->grow(after.selection.lacking, 1'000 * kPoints, {}).ok()) break;
+        if (after.selection.lacking.empty() || !grower->grow(after.selection.most_lacking(), 1'000 * kPoints, {}).ok()) break;
       }
     }
   }

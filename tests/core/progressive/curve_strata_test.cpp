@@ -94,12 +94,32 @@ TEST(CurveStrata, PointsInSmallLeavesHavePlacesOfTheirOwnWhereTheyAreToHave) {
   std::vector<CurvePoint> points(t.size());
   strata.points_at(t, 1, points);
   EXPECT_EQ(points[0].position[0], points[1].position[0]) << "at the leaf's vertex";
-  strata.points_at(t, 1, points, true);
+  strata.points_at(t, 1, points, PointPlaces::kOnSurface);
   for (std::size_t i = 0; i < t.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       EXPECT_GT(std::hypot(points[i].position[0] - points[j].position[0], points[i].position[1] - points[j].position[1]), 1e-4);
     }
   }
+}
+
+TEST(CurveStrata, PointsLieAboutWhereTheyLieOnAFlatSurface) {
+  const auto surface = flat_surface(flat_curve(5));
+  const CurveStrata strata(*surface);
+  std::vector<double> t;
+  for (int i = 0; i < 200; ++i) t.push_back((i + 0.3) / 200);
+  std::vector<CurvePoint> about(t.size()), on_surface(t.size());
+  strata.points_at(t, 0x1p-9, about, PointPlaces::kAbout);  // two leaves are a grain
+  strata.points_at(t, 0x1p-9, on_surface, PointPlaces::kOnSurface);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    EXPECT_EQ(about[i].face, kNone);
+    EXPECT_NE(on_surface[i].face, kNone);
+    EXPECT_EQ(about[i].vertex, on_surface[i].vertex);
+    EXPECT_NEAR(about[i].position[0], on_surface[i].position[0], 0x1p-8);
+    EXPECT_NEAR(about[i].position[1], on_surface[i].position[1], 0x1p-8);
+  }
+  strata.points_at(t, 0x1p-11, about, PointPlaces::kAbout);  // half a leaf
+  strata.points_at(t, 0x1p-11, on_surface, PointPlaces::kOnSurface);
+  for (std::size_t i = 0; i < t.size(); ++i) EXPECT_EQ(about[i].face, on_surface[i].face) << "exact in larger leaves";
 }
 
 }  // namespace

@@ -67,6 +67,7 @@ TEST(FillFreeGroup, HasAPointInEveryStratumAndEveryRankOnce) {
     }
     EXPECT_GE(p.rank, std::uint64_t{1} << 2 * kLevel);
     EXPECT_LT(p.rank, std::uint64_t{1} << 2 * (kLevel + 1));
+    EXPECT_NE(p.face, kNone) << "on the surface itself";
     ranks.insert(p.rank);
   }
   EXPECT_EQ(ranks.size(), 3 * kGroupStrata);

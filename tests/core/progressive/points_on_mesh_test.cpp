@@ -46,7 +46,7 @@ void expect_on_mesh(const Preprocessed& done) {
       const absl::Status status = sample_ranked(curve, (*grower)->tree(), nullptr, density, 3000, workspace);
       ASSERT_TRUE(status.ok()) << status;
       if (workspace.selection.lacking.empty()) break;
-      ASSERT_TRUE((*grower)->grow(workspace.selection.lacking, 4'000'000).ok());
+      ASSERT_TRUE((*grower)->grow(workspace.selection.most_lacking(), 4'000'000).ok());
     }
     EXPECT_EQ(workspace.points.size(), 3000u) << distance;
     EXPECT_LE(farthest_from(tree, workspace.points), tolerance(curve)) << distance;

@@ -28,7 +28,7 @@ TEST(RankDelta, WhoAppliesDeltasHasTheSelection) {
     const auto n = static_cast<std::uint64_t>(1 + 6000 * random_unit(3, frame));
     selector.select(grower->tree(), nullptr, ViewFactor(*ball_curve(), view_from(eye)), n, later);
     if (frame % 3 == 0) {
-      ASSERT_TRUE(grower->grow(later.lacking, 4'000'000).ok());
+      ASSERT_TRUE(grower->grow(later.most_lacking(), 4'000'000).ok());
     }
     compare(earlier, {}, later, delta);
     for (const RankRef& ref : delta.removed) EXPECT_EQ(held.erase(earlier.chunk(ref).rank[ref.point]), 1u);
@@ -93,7 +93,7 @@ TEST(RankDelta, WhoAppliesListDeltasHasTheList) {
     list = all;
     held = selection;
     if (frame % 3 == 0) {
-      ASSERT_TRUE(grower->grow(selection.lacking, 4'000'000).ok());
+      ASSERT_TRUE(grower->grow(selection.most_lacking(), 4'000'000).ok());
     }
   }
 }

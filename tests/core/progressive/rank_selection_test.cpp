@@ -148,8 +148,8 @@ TEST(RankSelection, DoesNotDependOnWhatElseThereIsOnceNothingLacks) {
   for (const Terms& terms : kViews) {
     const auto grower = ball_grower(6);
     RankSelection selection = select(grower->tree(), terms, 800, &own);
-    for (int round = 0; round < 9 && !selection.lacking.empty(); ++round) {
-      ASSERT_TRUE(grower->grow(selection.lacking, 4'000'000).ok());
+    for (int round = 0; round < 4 * kMaxRankLevel && !selection.lacking.empty(); ++round) {
+      ASSERT_TRUE(grower->grow(selection.most_lacking(), 4'000'000).ok());
       selection = select(grower->tree(), terms, 800, &own);
     }
     ASSERT_TRUE(selection.lacking.empty());
@@ -158,6 +158,26 @@ TEST(RankSelection, DoesNotDependOnWhatElseThereIsOnceNothingLacks) {
     if (!of_more.lacking.empty()) continue;  // a view so near goes deeper still
     EXPECT_EQ(ranks_of(selection), ranks_of(of_more));
   }
+}
+
+TEST(RankSelection, WhatIsUrgentSpellsLessToMake) {
+  const Terms near{{ScreenTerm{}, FrustumTerm{}}, {{.eye = Vec3d(0, 0, 1.02), .target = Vec3d(0.01, 0, 1), .up = Vec3d(0, 1, 0)}}};
+  std::size_t made[2];
+  RankSelection selection[2];
+  for (const bool all : {false, true}) {
+    const auto grower = ball_grower(6);
+    RankSelection& here = selection[all];
+    for (here = select(grower->tree(), near, 800); !here.lacking.empty(); here = select(grower->tree(), near, 800)) {
+      ASSERT_GT(here.urgent, 0u);
+      ASSERT_LE(here.urgent, here.lacking.size());
+      ASSERT_TRUE(grower->grow(all ? std::span<const ChunkId>(here.lacking) : here.most_lacking(), 4'000'000).ok());
+    }
+    EXPECT_EQ(here.urgent, 0u);
+    EXPECT_EQ(here.count, 800u);
+    made[all] = grower->tree()->points();
+  }
+  EXPECT_EQ(ranks_of(selection[false]), ranks_of(selection[true]));
+  EXPECT_LT(made[false], made[true]);
 }
 
 /// As many points as need the scale or less.
