@@ -57,8 +57,8 @@ float largest_of(const float* values);
 
 /// Places candidates at equal steps along the curve, as many in each of some child strata of a group (ascending numbers of
 /// theirs); the seed moves those of each child by a part of a step. Writes their curve positions and where these lie, neither of
-/// which depends on the other children. In groups of free levels they lie there about only: see PointPlaces::kAbout. Precondition:
-/// as many of both, a power of two in each child.
+/// which depends on the other children. In groups of free levels they lie there about only: see PointPlaces::kAbout.
+/// Precondition: as many of both, a power of two in each child.
 void place_candidates(const CurveStrata& strata, const StratumGroup& group, std::uint64_t seed,
                       std::span<const std::uint32_t> children, std::span<std::uint64_t> curve_positions,
                       std::span<CurvePoint> points);

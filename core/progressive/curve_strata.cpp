@@ -40,8 +40,7 @@ CurvePoint CurveStrata::about_vertex(std::uint32_t l, const Vec3f& offset) const
   return point;
 }
 
-void CurveStrata::points_at(std::span<const double> t, double grain, std::span<CurvePoint> points,
-                            PointPlaces how) const {
+void CurveStrata::points_at(std::span<const double> t, double grain, std::span<CurvePoint> points, PointPlaces how) const {
   if (t.empty()) return;
   const std::uint32_t last = vertex_at(t.back());
   std::uint32_t l = vertex_at(t.front());
@@ -94,8 +93,7 @@ void CurveStrata::points_at(std::span<const double> t, double grain, std::span<C
   for (std::size_t k = 0; k < even.size(); ++k) points[even_at[k]] = {places[k], even[k].leaf};
 }
 
-std::vector<CurvePoint> CurveStrata::spread_over(int level, std::uint64_t stratum, std::size_t count,
-                                                 PointPlaces places) const {
+std::vector<CurvePoint> CurveStrata::spread_over(int level, std::uint64_t stratum, std::size_t count, PointPlaces places) const {
   const double step = 1 / static_cast<double>(count);
   std::vector<double> t(count);
   for (std::size_t i = 0; i < count; ++i) {

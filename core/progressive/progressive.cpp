@@ -144,7 +144,9 @@ class GroupMaker {
     if (open.empty()) return;
     static const Groups kWhole = {0};
     const bool is_whole = GroupOrder::count(level) == 1;
-    const auto near_parent = [&](std::uint64_t i) -> const Groups& { return is_whole ? kWhole : made_.near.at({level - 1, i / 4}); };
+    const auto near_parent = [&](std::uint64_t i) -> const Groups& {
+      return is_whole ? kWhole : made_.near.at({level - 1, i / 4});
+    };
     if (!is_whole) {
       Groups parents;
       for (const std::uint64_t i : open) parents.push_back(i / 4);

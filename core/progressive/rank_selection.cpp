@@ -22,9 +22,10 @@ constexpr float kSlack = 1.0001f;    // bounds are rounded, points too
 constexpr double kMostScale = 1e30;  // of a guess, which must stay finite
 constexpr std::size_t kWord = RankSelection::kWord;
 constexpr float kMore = 1.05f, kFewer = 0.93f, kFaster = 4;  // README.md says where these come from
-constexpr double kUrgent = 0.25;                             // of how many times too few ranks a chunk has, beside the one that has least
-constexpr std::size_t kAhead = 4;                            // chunks whose bounds the memory brings beforehand
-constexpr std::size_t kGrain = 16;                           // chunks that a thread takes at once
+// A chunk is urgent that lacks ranks at least this many times as much as the one that lacks them most: down to a level less.
+constexpr double kUrgent = 0.25;
+constexpr std::size_t kAhead = 4;   // chunks whose bounds the memory brings beforehand
+constexpr std::size_t kGrain = 16;  // chunks that a thread takes at once
 constexpr std::size_t kQuarterRuns = kChunkRuns / 4;
 
 static_assert(kLayerStrata % kWord == 0, "layers fill whole words");

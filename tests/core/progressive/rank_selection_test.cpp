@@ -161,7 +161,8 @@ TEST(RankSelection, DoesNotDependOnWhatElseThereIsOnceNothingLacks) {
 }
 
 TEST(RankSelection, WhatIsUrgentSpellsLessToMake) {
-  const Terms near{{ScreenTerm{}, FrustumTerm{}}, {{.eye = Vec3d(0, 0, 1.02), .target = Vec3d(0.01, 0, 1), .up = Vec3d(0, 1, 0)}}};
+  const Terms near{{ScreenTerm{}, FrustumTerm{}},
+                   {{.eye = Vec3d(0, 0, 1.02), .target = Vec3d(0.01, 0, 1), .up = Vec3d(0, 1, 0)}}};
   std::size_t made[2];
   RankSelection selection[2];
   for (const bool all : {false, true}) {
