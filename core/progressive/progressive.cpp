@@ -321,6 +321,10 @@ absl::StatusOr<std::vector<RankedPoint>> ProgressiveRanks::deepen(int level, std
 }
 
 void DeepGroups::shrink(std::size_t max_points) {
+  if (shapes.size() * sizeof(GroupShape) > max_points * sizeof(RankedPoint) / 2) {  // they are quickly found again
+    near.clear();
+    shapes.clear();
+  }
   if (points <= max_points) return;
   std::vector<std::pair<std::uint64_t, std::size_t>> ages;  // when used, and how many points
   ages.reserve(filled.size());
@@ -336,9 +340,6 @@ void DeepGroups::shrink(std::size_t max_points) {
   std::erase_if(filled, [&](const auto& entry) { return entry.second.used < oldest; });
   points = 0;
   for (const auto& [key, group] : filled) points += group.points.size();
-  // These are quickly found again.
-  near.clear();
-  shapes.clear();
 }
 
 std::size_t DeepGroups::byte_size() const {

@@ -51,7 +51,8 @@ struct DeepGroups {
   std::size_t points = 0;   // in `filled`
   std::uint64_t calls = 0;  // of deepen()
 
-  /// Forgets what was not used for longest, until at most about `max_points` are left.
+  /// Forgets what was not used for longest, until at most about `max_points` are left, and shapes that take more than half as
+  /// much memory as so many points.
   void shrink(std::size_t max_points);
   std::size_t byte_size() const;
 };

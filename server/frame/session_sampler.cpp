@@ -14,15 +14,19 @@ namespace {
 
 /// Says what a view lacks of whatever tree there is later.
 RankDemand demand_of(std::shared_ptr<const SurfaceCurve> curve, std::shared_ptr<const FixedDensity> fixed, const Density& density,
-                     std::uint64_t points) {
+                     std::uint64_t points, double expected_scale) {
   struct Selecting {
     RankSelector selector;
     RankSelection selection;
+    double expected_scale = 0;
   };
+  auto memory = std::make_shared<Selecting>();
+  memory->expected_scale = expected_scale;
   return [curve = std::move(curve), fixed = std::move(fixed), density, points,
-          memory = std::make_shared<Selecting>()](const std::shared_ptr<const RankTree>& tree) {
+          memory = std::move(memory)](const std::shared_ptr<const RankTree>& tree) {
     RankSelection& selection = memory->selection;
-    memory->selector.select(tree, fixed.get(), ViewFactor(*curve, density), points, selection);
+    memory->selector.select(tree, fixed.get(), ViewFactor(*curve, density), points, selection, memory->expected_scale);
+    memory->expected_scale = selection.similar_scale();
     selection.tree.reset();
     selection.parts.clear();
     const std::span<const ChunkId> next = selection.most_lacking();
@@ -107,7 +111,10 @@ absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points, std::uint64
   if (absl::Status status = check_cancel(); !status.ok()) return status;
   if (wait_ == Wait::kForAll && selection.count == 0) return nowhere_to_put_points();
   out.lacks_ranks = !selection.lacking.empty();
-  if (out.lacks_ranks) out.demand = demand_of(curve_, fixed_, density, whole);
+  if (out.lacks_ranks) {
+    const double of_whole = selection.similar_scale() * static_cast<double>(whole) / static_cast<double>(points);
+    out.demand = demand_of(curve_, fixed_, density, whole, of_whole);
+  }
   out.statistics.wanted_points = whole;
   out.statistics.limit = limit_of(selection, points, whole);
   out.need = lattice_need(*request_, *curve_, selection);
