@@ -40,10 +40,12 @@ class Unfolding {
       hierarchy_.restore_level();
       there += independent_[l].size();
       if (absl::Status status = insert(independent_[l]); !status.ok()) return status;
-      if (l > 0 && static_cast<double>(there) < options.growth * static_cast<double>(relaxed)) continue;
+      const bool is_last = l == 0 && sweeps(there, options) > 1;
+      if (!is_last && static_cast<double>(there) < options.growth * static_cast<double>(relaxed)) continue;
       relax(sweeps(there, options), options.good_enough);
       relaxed = there;
     }
+    if (relaxed < there) touch_up();
     return absl::OkStatus();
   }
 
@@ -105,7 +107,7 @@ class Unfolding {
       gather(v, stretch);
       if (const std::optional<Vec2d> place = stretch.place()) {
         uv_[v] = *place;
-        stretch.improve(uv_[v], slide(v));
+        fall_[v] = stretch.improve(uv_[v], slide(v));
       } else {
         failed = true;
       }
@@ -157,6 +159,18 @@ class Unfolding {
       }
       if (fall < good_enough * left) return;
       left -= fall;
+    }
+  }
+
+  /// One more sweep over the finest level, but only where the last step still lowered the energy by a good part of a vertex's
+  /// share of the least that there can be, which is about the surface's area squared: a tenth of the vertices, more or less.
+  void touch_up() {
+    constexpr double kGoodPart = 1e-3;
+    const double worth = kGoodPart * surface_ * surface_ / static_cast<double>(disc_.vertex_count());
+    for (std::size_t l = independent_.size(); l-- > 0;) {
+      for_independent(independent_[l], [&](std::uint32_t v, VertexStretch& own) {
+        if (fall_[v] > worth) improve(v, own);
+      });
     }
   }
 
