@@ -31,7 +31,9 @@ constexpr double kMaxElementError = 1e-9;
 double chart_area(const std::vector<Chart>& charts) {
   double sum = 0;
   for (const Chart& chart : charts) {
-    for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) sum += chart.area_ratio[t] * uv_area(chart.disc, chart.uv, t);
+    for (std::size_t t = 0; t < chart.disc.face_count(); ++t) {
+      sum += area_ratio(chart.disc, chart.uv, t) * uv_area(chart.disc, chart.uv, t);
+    }
   }
   return sum;
 }

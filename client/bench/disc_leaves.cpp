@@ -13,7 +13,7 @@ absl::StatusOr<std::vector<DiscLeaves>> disc_leaves(const FlattenedMesh& flatten
     DiscLeaves& disc = discs.emplace_back();
     disc.triangles = parameter_triangles(chart);
     std::vector<double> demand;
-    for (const double ratio : chart.area_ratio) demand.push_back(wanted * ratio);
+    for (const ParameterTriangle& triangle : disc.triangles) demand.push_back(wanted * triangle.area_ratio);
     absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(disc.triangles, demand, kMostLeaves, context);
     if (!leaves.ok()) return leaves.status();
     disc.leaves = *std::move(leaves);

@@ -16,7 +16,7 @@ Vec3d curved_middle(const Vec3d& a, const Vec3d& b, const Vec3d& normal_a, const
 }  // namespace
 
 TriangleMesh subdivide(const TriangleMesh& mesh) {
-  const std::vector<Vec3f> normals = differential_geometry(mesh).normals;
+  const std::vector<VertexGeometry> geometry = differential_geometry(mesh);
   TriangleMesh fine;
   fine.positions = mesh.positions;
   std::vector<std::uint32_t> middle(mesh.twins.size());  // vertex in the middle of each halfedge
@@ -28,8 +28,8 @@ TriangleMesh subdivide(const TriangleMesh& mesh) {
     }
     middle[h] = static_cast<std::uint32_t>(fine.positions.size());
     const std::uint32_t a = mesh.from(h), b = mesh.to(h);
-    fine.positions.push_back(
-        curved_middle(mesh.positions[a], mesh.positions[b], normals[a].cast<double>(), normals[b].cast<double>()));
+    fine.positions.push_back(curved_middle(mesh.positions[a], mesh.positions[b], geometry[a].normal.cast<double>(),
+                                           geometry[b].normal.cast<double>()));
   }
   fine.triangles.resize(4 * mesh.face_count());
   fine.twins.resize(12 * mesh.face_count());

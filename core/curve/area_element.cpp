@@ -42,7 +42,11 @@ CURVECAST_WIDE double write_elements(const ParameterTriangle* triangles, const Q
 }  // namespace
 
 double area_elements(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<float> area) {
-  const bool full = fill_square(triangles);
+  return area_elements(triangles, fill_square(triangles), leaves, area);
+}
+
+double area_elements(std::span<const ParameterTriangle> triangles, bool full, const QuadtreeLeaves& leaves,
+                     std::span<float> area) {
   const auto write = [&](const tbb::blocked_range<std::size_t>& range, double total) {
     return total + write_elements(triangles.data(), leaves, full, range.begin(), range.end(), area.data());
   };

@@ -20,6 +20,10 @@ enum class AreaElement : std::uint8_t {
 /// returns their sum before they are rounded to floats.
 double area_elements(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<float> area);
 
+/// The same where `triangles` are only those that the leaves have. `full`: the chart's fill_square().
+double area_elements(std::span<const ParameterTriangle> triangles, bool full, const QuadtreeLeaves& leaves,
+                     std::span<float> area);
+
 /// Scales area elements so that they add up to the surface's area in spite of their rounding.
 void normalise_areas(double total, std::span<float> area);
 

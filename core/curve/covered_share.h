@@ -9,7 +9,7 @@ namespace curvecast {
 /// Returns the share of the square [x, x + 1 / scale] x [y, y + 1 / scale] that a triangle covers, within rounding, by Green's
 /// theorem: the integral of x over y around the triangle, in coordinates in which the square is [0, 1]^2, with y cut off and x
 /// clamped there. All sides at once, without jumps: nobody can predict where a side passes a square.
-[[gnu::always_inline]] inline double covered_share(const ParameterTriangle& triangle, double x, double y, double scale) {
+[[gnu::always_inline]] inline double covered_share(const UvTriangle& triangle, double x, double y, double scale) {
   // Lanes are the three sides and one of no length. Relative to the square no digits are lost on small leaves.
   const Double4 xa = (Double4{triangle.u[0], triangle.u[1], triangle.u[2], triangle.u[0]} - x) * scale;
   const Double4 ya = (Double4{triangle.v[0], triangle.v[1], triangle.v[2], triangle.v[0]} - y) * scale;

@@ -1,8 +1,5 @@
 #include "core/curve/curvature_measure.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <bit>
 #include <vector>
 
@@ -26,37 +23,13 @@ double middle_of(std::size_t bin) {
   return std::bit_cast<float>(bits);
 }
 
-using Histograms = std::array<std::vector<double>, kCurvatureKinds>;
-
-Histograms measure(const SurfaceCurve& curve) {
-  const auto add = [&](const tbb::blocked_range<std::size_t>& range, Histograms area) {
-    for (std::size_t kind = 0; kind < kCurvatureKinds; ++kind) {
-      area[kind].resize(kBins, 0.0);
-      for (std::size_t l = range.begin(); l < range.end(); ++l) {
-        const float k = curvature_measure(static_cast<CurvatureKind>(kind), curve.curvature_min[l], curve.curvature_max[l]);
-        area[kind][bin_of(k)] += curve.area[l];
-      }
-    }
-    return area;
-  };
-  const auto sum = [](Histograms a, const Histograms& b) {
-    for (std::size_t kind = 0; kind < kCurvatureKinds; ++kind) {
-      a[kind].resize(kBins, 0.0);
-      for (std::size_t bin = 0; bin < b[kind].size(); ++bin) a[kind][bin] += b[kind][bin];
-    }
-    return a;
-  };
-  constexpr std::size_t kGrain = 262'144;  // an addition of histograms costs less than filling them
-  return tbb::parallel_deterministic_reduce(tbb::blocked_range<std::size_t>(0, curve.size(), kGrain), Histograms{}, add, sum);
-}
-
-float reference_curvature(const SurfaceCurve& curve, CurvatureKind kind, const std::vector<double>& area) {
-  const double diagonal = curve.box.diagonal();
+/// `area`: by bins.
+float strong_measure(CurvatureKind kind, const std::vector<double>& area, double diagonal, double total_area) {
   const double scale = kind == CurvatureKind::kGauss ? diagonal * diagonal : diagonal;
   double above = 0;
   for (std::size_t bin = area.size(); bin-- > 0;) {
     above += area[bin];
-    if (above < kStrongShare * curve.total_area) continue;
+    if (above < kStrongShare * total_area) continue;
     const double k = middle_of(bin);
     return bin > 0 && k * scale > kFlat ? static_cast<float>(k) : 0.0f;
   }
@@ -65,13 +38,33 @@ float reference_curvature(const SurfaceCurve& curve, CurvatureKind kind, const s
 
 }  // namespace
 
-std::array<float, kCurvatureKinds> reference_curvatures(const SurfaceCurve& curve) {
-  const Histograms area = measure(curve);
-  std::array<float, kCurvatureKinds> reference{};
+void CurvatureHistogram::add(float k1, float k2, double area) {
   for (std::size_t kind = 0; kind < kCurvatureKinds; ++kind) {
-    reference[kind] = reference_curvature(curve, static_cast<CurvatureKind>(kind), area[kind]);
+    if (area_[kind].empty()) area_[kind].resize(kBins, 0.0);
+    area_[kind][bin_of(curvature_measure(static_cast<CurvatureKind>(kind), k1, k2))] += area;
   }
-  return reference;
+}
+
+void CurvatureHistogram::add(const CurvatureHistogram& other) {
+  for (std::size_t kind = 0; kind < kCurvatureKinds; ++kind) {
+    if (area_[kind].empty()) area_[kind].resize(kBins, 0.0);
+    for (std::size_t bin = 0; bin < other.area_[kind].size(); ++bin) area_[kind][bin] += other.area_[kind][bin];
+  }
+}
+
+std::array<float, kCurvatureKinds> CurvatureHistogram::strong(double diagonal, double total_area) const {
+  std::array<float, kCurvatureKinds> measures{};
+  for (std::size_t kind = 0; kind < kCurvatureKinds; ++kind) {
+    measures[kind] = strong_measure(static_cast<CurvatureKind>(kind), area_[kind], diagonal, total_area);
+  }
+  return measures;
+}
+
+std::array<float, kCurvatureKinds> reference_curvatures(const SurfaceCurve& curve) {
+  const CurvatureHistogram histogram = curvature_histogram(curve.size(), [&](std::size_t l, CurvatureHistogram& into) {
+    into.add(curve.curvature_min[l], curve.curvature_max[l], curve.area[l]);
+  });
+  return histogram.strong(curve.box.diagonal(), curve.total_area);
 }
 
 }  // namespace curvecast

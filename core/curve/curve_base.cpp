@@ -1,17 +1,20 @@
 #include "core/curve/curve_base.h"
 
+#include <tbb/parallel_for.h>
+
 namespace curvecast {
 
 CurveBase::CurveBase(const SurfaceData& surface, const std::vector<Chart>& all_charts)
     : data(surface), charts(all_charts), triangle_of(surface.mesh.face_count()) {
-  triangles.reserve(charts.size());
   for (const Chart& chart : charts) {
-    triangles.push_back(parameter_triangles(chart));
     const std::vector<std::uint32_t>& faces = chart.disc.face_of;
     for (std::size_t t = faces.size(); t-- > 0;) triangle_of[faces[t]] = static_cast<std::uint32_t>(t);
   }
   mappers.reserve(charts.size());
-  for (std::size_t d = 0; d < charts.size(); ++d) mappers.emplace_back(data, charts[d], triangles[d]);
+  fills_square.resize(charts.size());
+  tbb::parallel_for(std::size_t{0}, charts.size(),
+                    [&](std::size_t d) { fills_square[d] = fill_square(ChartTriangles(charts[d])); });
+  for (const Chart& chart : charts) mappers.emplace_back(data, chart);
 }
 
 SurfaceCurve next_revision(const SurfaceCurve& curve) {

@@ -17,13 +17,13 @@ struct CurveBase {
   CurveBase(const SurfaceData& surface, const std::vector<Chart>& all_charts);
   CurveBase(const CurveBase&) = delete;
 
-  ParameterMesh mesh_of(std::size_t disc) const { return {triangles[disc], charts[disc].disc.twins}; }
+  ParameterMesh mesh_of(std::size_t disc) const { return ParameterMesh(charts[disc]); }
 
   SurfaceData data;
   const std::vector<Chart>& charts;
-  std::vector<Column<ParameterTriangle>> triangles;  // of each chart
-  std::vector<SurfaceMapper> mappers;                // of each chart
-  std::vector<std::uint32_t> triangle_of;            // of each face: the first triangle, of its disc, that is a part of it
+  std::vector<SurfaceMapper> mappers;      // of each chart
+  std::vector<std::uint8_t> fills_square;  // of each chart: see fill_square()
+  std::vector<std::uint32_t> triangle_of;  // of each face: the first triangle, of its disc, that is a part of it
 };
 
 /// Starts the curve that follows `curve` on the same surface: sets everything but its vertices.

@@ -10,9 +10,9 @@
 namespace curvecast {
 
 /// Finds the first candidate that holds the place, or else the one in which it lies deepest, so that rounding on a shared side
-/// does no harm. Precondition: there is a candidate.
-inline std::uint32_t deepest_triangle(std::span<const ParameterTriangle> triangles, std::span<const std::uint32_t> candidates,
-                                      double u, double v) {
+/// does no harm. Precondition: there is a candidate. `triangles`: anything that gives a UvTriangle for a candidate.
+template <typename Triangles>
+std::uint32_t deepest_triangle(const Triangles& triangles, std::span<const std::uint32_t> candidates, double u, double v) {
   std::uint32_t best = candidates[0];
   double deepest = -std::numeric_limits<double>::infinity();
   for (const std::uint32_t t : candidates) {

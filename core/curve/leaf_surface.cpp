@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -116,16 +117,19 @@ class LeafSurface::Finder {
   Finder(const LeafSurface& surface, std::size_t disc, double grain, std::span<const double> parts,
          std::span<SurfacePlace> places, Memory& memory)
       : mapper_(surface.base_->mappers[disc]),
-        triangles_(surface.base_->triangles[disc]),
+        triangles_(memory.triangles),
         origin_(surface.curve_->origin),
         grain_(grain),
         parts_(parts),
         places_(places),
         memory_(memory) {}
 
-  /// memory_.lists[0] has the triangles that touch the leaf. Finds all places.
+  /// memory_.numbers and triangles are those that touch the leaf. Finds all places.
   void find(const Piece& leaf) {
     leaf_ = leaf.quad;
+    std::vector<std::uint32_t>& all = memory_.lists[0];
+    all.resize(triangles_.size());
+    std::iota(all.begin(), all.end(), 0u);
     descend(leaf, 0, 0, parts_.size());
     finish();
   }
@@ -203,7 +207,7 @@ class LeafSurface::Finder {
     LeafBatch& batch = memory_.batch;
     batch.u[batch.count] = uv.x();
     batch.v[batch.count] = uv.y();
-    batch.under[batch.count] = near.size() == 1 ? near[0] : deepest_triangle(triangles_, near, uv.x(), uv.y());
+    batch.under[batch.count] = memory_.numbers[near.size() == 1 ? near[0] : deepest_triangle(triangles_, near, uv.x(), uv.y())];
     if (++batch.count == LeafBatch::kSize) finish();
   }
 
@@ -234,7 +238,10 @@ void LeafSurface::find(std::size_t l, std::span<const double> parts, double grai
   memory.batch.count = 0;
   const Piece leaf = whole_leaf(*curve_, l);
   TouchingTriangles& touching = memory.touching.try_emplace(disc, base_->mesh_of(disc)).first->second;
-  touching.find(leaf.quad, base_->triangle_of[curve_->triangle[l]], memory.lists[0]);
+  touching.find(leaf.quad, base_->triangle_of[curve_->triangle[l]], memory.numbers);
+  const ChartTriangles triangles(base_->charts[disc]);
+  memory.triangles.clear();
+  for (const std::uint32_t t : memory.numbers) memory.triangles.push_back(triangles.whole(t));
   Finder(*this, disc, grain, parts, places, memory).find(leaf);
 }
 

@@ -57,7 +57,9 @@ class LeafSurface {
   /// What a thread uses again.
   struct Memory {
     std::map<std::size_t, TouchingTriangles> touching;  // by disc
-    std::vector<std::vector<std::uint32_t>> lists;      // triangles of the pieces on the way down, by depth
+    std::vector<std::uint32_t> numbers;                 // of the triangles that touch a leaf
+    std::vector<ParameterTriangle> triangles;           // these
+    std::vector<std::vector<std::uint32_t>> lists;      // which of them touch the pieces on the way down, by depth
     LeafBatch batch;
   };
 

@@ -62,7 +62,7 @@ CURVECAST_WIDE void find_four_triangles(const ParameterMesh& mesh, const double*
   unsigned left = 0b1111;  // points not found yet
   std::uint32_t t = start;
   for (unsigned step = 0; step < kMaxSteps; ++step) {
-    const ParameterTriangle& triangle = mesh.triangles[t];
+    const UvTriangle triangle = mesh.triangles[t];
     Double4 w[3];
     triangle.weights(pu, pv, w);
     const Mask4 is_inside = (w[0] >= zero) & (w[1] >= zero) & (w[2] >= zero);
@@ -87,7 +87,7 @@ CURVECAST_WIDE void find_four_triangles(const ParameterMesh& mesh, const double*
   }
 }
 
-bool touches(const ParameterTriangle& p, const Quad& quad) {
+bool touches(const UvTriangle& p, const Quad& quad) {
   const double x = quad.corner.x(), y = quad.corner.y(), side = quad.side;
   const auto [min_u, max_u] = std::minmax({p.u[0], p.u[1], p.u[2]});
   const auto [min_v, max_v] = std::minmax({p.v[0], p.v[1], p.v[2]});

@@ -11,9 +11,11 @@
 
 namespace curvecast {
 
-/// The triangles of a chart in the square, and their neighbours.
+/// The triangles of a chart in the square, and their neighbours. The chart outlives it.
 struct ParameterMesh {
-  std::span<const ParameterTriangle> triangles;
+  explicit ParameterMesh(const Chart& chart) : triangles(chart), twins(chart.disc.twins) {}
+
+  ChartTriangles triangles;
   std::span<const std::uint32_t> twins;  // of its disc, see TriangleMesh
 };
 
@@ -40,6 +42,6 @@ class TouchingTriangles {
 };
 
 /// Tells whether a triangle and a quad share a point (separating axes).
-bool touches(const ParameterTriangle& triangle, const Quad& quad);
+bool touches(const UvTriangle& triangle, const Quad& quad);
 
 }  // namespace curvecast

@@ -10,24 +10,19 @@
 namespace curvecast {
 
 Column<ParameterTriangle> parameter_triangles(const Chart& chart) {
+  const ChartTriangles of_chart(chart);
   Column<ParameterTriangle> triangles;
-  triangles.resize(chart.disc.triangles.size());
+  triangles.resize(of_chart.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 4096), [&](const auto& range) {
-    for (std::size_t t = range.begin(); t < range.end(); ++t) {
-      ParameterTriangle& out = triangles[t];
-      for (int i = 0; i < 3; ++i) {
-        const Vec2d& corner = chart.uv[chart.disc.triangles[t][i]];
-        out.u[i] = corner.x();
-        out.v[i] = corner.y();
-      }
-      out.inverse_area2 = 1 / ((out.u[1] - out.u[0]) * (out.v[2] - out.v[0]) - (out.v[1] - out.v[0]) * (out.u[2] - out.u[0]));
-      out.area_ratio = chart.area_ratio[t];
-    }
+    for (std::size_t t = range.begin(); t < range.end(); ++t) triangles[t] = of_chart.whole(t);
   });
   return triangles;
 }
 
-bool fill_square(std::span<const ParameterTriangle> triangles) {
+namespace {
+
+template <typename Triangles>
+bool fill_square_here(const Triangles& triangles) {
   const double sum = tbb::parallel_deterministic_reduce(
       tbb::blocked_range<std::size_t>(0, triangles.size(), 4096), 0.0,
       [&](const tbb::blocked_range<std::size_t>& range, double total) {
@@ -37,5 +32,10 @@ bool fill_square(std::span<const ParameterTriangle> triangles) {
       std::plus<>());
   return std::abs(sum - 1) < 1e-9;
 }
+
+}  // namespace
+
+bool fill_square(std::span<const ParameterTriangle> triangles) { return fill_square_here(triangles); }
+bool fill_square(const ChartTriangles& triangles) { return fill_square_here(triangles); }
 
 }  // namespace curvecast

@@ -1,4 +1,5 @@
-// A chart's triangles as the stages of the curve want them: one cache line each, all that is asked of a triangle in the square.
+// A chart's triangles as the stages of the curve want them: all at once, one cache line each, for what visits all of them; or one
+// by one, made where they are asked for. A surface keeps none: they would take as much memory as all the rest of it.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +7,15 @@
 
 #include "core/base/column.h"
 #include "core/base/vec.h"
+#include "core/flatten/distortion.h"
 #include "core/flatten/flatten.h"
 
 namespace curvecast {
 
-struct alignas(64) ParameterTriangle {
+/// All that is asked of a triangle in the square.
+struct UvTriangle {
   double u[3], v[3];     // corners in [0, 1]^2, counter-clockwise
   double inverse_area2;  // 1 / (twice the uv area)
-  double area_ratio;     // surface area over uv area
 
   double uv_area() const { return 0.5 / inverse_area2; }
   /// Barycentric coordinates of a point, or of several in lanes; each positive inside.
@@ -32,10 +34,38 @@ struct alignas(64) ParameterTriangle {
   }
 };
 
-/// One for each triangle of the disc. Precondition: the chart is valid, no triangle is flipped or empty.
+struct alignas(64) ParameterTriangle : UvTriangle {
+  double area_ratio;  // surface area over uv area
+};
+
+/// The triangles of a chart, which outlives it. Precondition: the chart is valid, no triangle is flipped or empty.
+class ChartTriangles {
+ public:
+  explicit ChartTriangles(const Chart& chart) : chart_(&chart) {}
+
+  std::size_t size() const { return chart_->disc.triangles.size(); }
+  [[gnu::always_inline]] UvTriangle operator[](std::size_t t) const {
+    UvTriangle out;
+    for (int i = 0; i < 3; ++i) {
+      const Vec2d& corner = chart_->uv[chart_->disc.triangles[t][i]];
+      out.u[i] = corner.x();
+      out.v[i] = corner.y();
+    }
+    out.inverse_area2 = 1 / ((out.u[1] - out.u[0]) * (out.v[2] - out.v[0]) - (out.v[1] - out.v[0]) * (out.u[2] - out.u[0]));
+    return out;
+  }
+  double area_ratio(std::size_t t) const { return curvecast::area_ratio(chart_->disc, chart_->uv, t); }
+  ParameterTriangle whole(std::size_t t) const { return {(*this)[t], area_ratio(t)}; }
+
+ private:
+  const Chart* chart_;
+};
+
+/// One for each triangle of the disc. Precondition: as of ChartTriangles.
 Column<ParameterTriangle> parameter_triangles(const Chart& chart);
 
 /// Tells whether the triangles fill the square to its sides, as every chart with a square border does.
 bool fill_square(std::span<const ParameterTriangle> triangles);
+bool fill_square(const ChartTriangles& triangles);
 
 }  // namespace curvecast

@@ -11,6 +11,7 @@
 #include "core/base/simd.h"
 #include "core/curve/deepest_triangle.h"
 #include "core/curve/tangent_frame.h"
+#include "core/curve/vertex_record.h"
 
 namespace curvecast {
 namespace {
@@ -63,21 +64,20 @@ struct MappedBatch {
   std::uint32_t face[LeafBatch::kSize];
 };
 
-/// A triangle of a disc: all that is mixed there.
+/// A triangle of a disc: all that is mixed there, or the first `numbers` of each record.
+template <int numbers>
 struct Corners {
   std::uint32_t face;
   const Vec3d* place[3];
-  const VertexRecord* record[3];  // of the face's corners
+  VertexRecord record[3];  // of the face's corners
 
   Corners(const SurfaceData& data, const DiscMesh& disc, std::uint32_t t, bool has_crease) : face(disc.face_of[t]) {
+    const CreaseFace* const crease = has_crease ? data.crease_of(face) : nullptr;
     for (int i = 0; i < 3; ++i) {
       place[i] = &disc.positions[disc.triangles[t][i]];
-      record[i] = &data.records[data.mesh.triangles[face][i]];
-    }
-    if (!has_crease) return;
-    const CreaseFace& crease = *data.crease_of(face);
-    for (int i = 0; i < 3; ++i) {
-      if (crease.normals[i] != kNone) record[i] = &data.records[data.mesh.vertex_count() + crease.normals[i]];
+      const VertexGeometry& vertex = data.geometry[data.mesh.triangles[face][i]];
+      const bool has_own = crease != nullptr && crease->normals[i] != kNone;
+      record[i].set<numbers>(vertex, has_own ? data.creases.normals[crease->normals[i]].normal : vertex.normal);
     }
   }
 };
@@ -85,9 +85,9 @@ struct Corners {
 // Leaves of one triangle are done several at a time. What is written beyond the last of them, the next triangle's overwrite.
 
 /// Places and weights of the leaves [begin, end) of a triangle.
-[[gnu::always_inline]] inline void place_leaves(const ParameterTriangle& t, const Corners& corners, const LeafBatch& batch,
+[[gnu::always_inline]] inline void place_leaves(const UvTriangle& t, const Vec3d* const (&place)[3], const LeafBatch& batch,
                                                 std::size_t begin, std::size_t end, MappedBatch& out) {
-  const Vec3d &a = *corners.place[0], &b = *corners.place[1], &c = *corners.place[2];
+  const Vec3d &a = *place[0], &b = *place[1], &c = *place[2];
   const Double4 zero{};
   for (std::size_t i = begin; i < end; i += 4) {
     Double4 u, v;
@@ -108,8 +108,9 @@ struct Corners {
 
 /// What the weights make of the first numbers of the corners' records.
 template <int numbers>
-[[gnu::always_inline]] inline void mix_records(const Corners& corners, std::size_t begin, std::size_t end, MappedBatch& out) {
-  const float *a = corners.record[0]->values, *b = corners.record[1]->values, *c = corners.record[2]->values;
+[[gnu::always_inline]] inline void mix_records(const VertexRecord (&record)[3], std::size_t begin, std::size_t end,
+                                               MappedBatch& out) {
+  const float *a = record[0].values, *b = record[1].values, *c = record[2].values;
   for (std::size_t i = begin; i < end; i += 4) {
     Float4 w0, w1, w2;
     load_lanes(w0, out.weights[0] + i);
@@ -128,25 +129,25 @@ void weigh_in_face(const TriangleMesh& mesh, std::uint32_t face, std::size_t beg
 }
 
 template <int numbers>
-[[gnu::always_inline]] inline void map_records(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
+[[gnu::always_inline]] inline void map_records(const SurfaceData& data, const DiscMesh& disc, const ChartTriangles& triangles,
                                                const std::uint8_t* kinds, const LeafBatch& batch, MappedBatch& out) {
   for (std::size_t begin = 0, end; begin < batch.count; begin = end) {
     const std::uint32_t t = batch.under[begin];
-    const Corners corners(data, disc, t, (kinds[t] & kHasCrease) != 0);
+    const Corners<numbers> corners(data, disc, t, (kinds[t] & kHasCrease) != 0);
     for (end = begin; end < batch.count && batch.under[end] == t; ++end) out.face[end] = corners.face;
-    place_leaves(triangles[t], corners, batch, begin, end, out);
+    place_leaves(triangles[t], corners.place, batch, begin, end, out);
     if ((kinds[t] & kIsWhole) == 0) weigh_in_face(data.mesh, corners.face, begin, end, out);
-    mix_records<numbers>(corners, begin, end, out);
+    mix_records<numbers>(corners.record, begin, end, out);
   }
 }
 
-CURVECAST_WIDE void map_batch(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
+CURVECAST_WIDE void map_batch(const SurfaceData& data, const DiscMesh& disc, const ChartTriangles& triangles,
                               const std::uint8_t* kinds, const LeafBatch& batch, MappedBatch& out) {
   map_records<VertexRecord::kSize>(data, disc, triangles, kinds, batch, out);
 }
 
 /// Normals only.
-CURVECAST_WIDE void map_normals(const SurfaceData& data, const DiscMesh& disc, const ParameterTriangle* triangles,
+CURVECAST_WIDE void map_normals(const SurfaceData& data, const DiscMesh& disc, const ChartTriangles& triangles,
                                 const std::uint8_t* kinds, const LeafBatch& batch, MappedBatch& out) {
   map_records<3>(data, disc, triangles, kinds, batch, out);
 }
@@ -219,26 +220,22 @@ void locate_centres(std::span<const ParameterTriangle> triangles, const Quadtree
   });
 }
 
-SurfaceData::SurfaceData(const TriangleMesh& of_mesh, const DifferentialGeometry& geometry, const MeshAttributes& of_attributes,
-                         const SurfaceColour* of_colour)
-    : mesh(of_mesh), attributes(of_attributes), colour(of_colour) {
-  CreaseNormals creases = crease_normals(mesh);
-  records = vertex_records(geometry, creases);
-  crease_faces = std::move(creases.faces);
-}
+SurfaceData::SurfaceData(const TriangleMesh& of_mesh, std::span<const VertexGeometry> of_geometry,
+                         const MeshAttributes& of_attributes, const SurfaceColour* of_colour)
+    : mesh(of_mesh), geometry(of_geometry), attributes(of_attributes), colour(of_colour), creases(crease_normals(of_mesh)) {}
 
 const CreaseFace* SurfaceData::crease_of(std::uint32_t face) const {
   const auto is_before = [](const CreaseFace& crease, std::uint32_t f) { return crease.face < f; };
-  const auto found = std::lower_bound(crease_faces.begin(), crease_faces.end(), face, is_before);
-  return found != crease_faces.end() && found->face == face ? &*found : nullptr;
+  const auto found = std::lower_bound(creases.faces.begin(), creases.faces.end(), face, is_before);
+  return found != creases.faces.end() && found->face == face ? &*found : nullptr;
 }
 
-SurfaceMapper::SurfaceMapper(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles)
-    : data_(data), disc_(chart.disc), triangles_(triangles), kinds_(kinds_of(data, chart.disc)) {}
+SurfaceMapper::SurfaceMapper(const SurfaceData& data, const Chart& chart)
+    : data_(data), disc_(chart.disc), triangles_(chart), kinds_(kinds_of(data, chart.disc)) {}
 
 void SurfaceMapper::map(const LeafBatch& batch, std::size_t at, SurfaceCurve& curve) const {
   MappedBatch mapped;
-  map_batch(data_, disc_, triangles_.data(), kinds_.data(), batch, mapped);
+  map_batch(data_, disc_, triangles_, kinds_.data(), batch, mapped);
   pack(mapped, batch.count, curve.origin,
        {{&curve.x[at], &curve.y[at], &curve.z[at]},
         &curve.nx[at],
@@ -255,7 +252,7 @@ void SurfaceMapper::map(const LeafBatch& batch, std::size_t at, SurfaceCurve& cu
     const Vec3f w(mapped.weights[0][i], mapped.weights[1][i], mapped.weights[2][i]);
     if (data_.colour != nullptr) {
       const double side = side_of_level(curve.level[at + i]);
-      const double area = side * side * triangles_[batch.under[i]].area_ratio;
+      const double area = side * side * triangles_.area_ratio(batch.under[i]);
       curve.colour[at + i] = data_.colour->at(mapped.face[i], w, area);
     }
     const Triangle& v = data_.mesh.triangles[mapped.face[i]];
@@ -268,7 +265,7 @@ void SurfaceMapper::map(const LeafBatch& batch, std::size_t at, SurfaceCurve& cu
 
 void SurfaceMapper::place(const LeafBatch& batch, const Vec3d& origin, SurfacePlace* places) const {
   MappedBatch mapped;
-  map_normals(data_, disc_, triangles_.data(), kinds_.data(), batch, mapped);
+  map_normals(data_, disc_, triangles_, kinds_.data(), batch, mapped);
   UnitNormals normals;
   find_normals(mapped, batch.count, normals);
   for (std::size_t i = 0; i < batch.count; ++i) {
@@ -280,9 +277,9 @@ void SurfaceMapper::place(const LeafBatch& batch, const Vec3d& origin, SurfacePl
   }
 }
 
-void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles,
-                    const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve) {
-  const SurfaceMapper mapper(data, chart, triangles);
+void map_to_surface(const SurfaceData& data, const Chart& chart, const QuadtreeLeaves& leaves,
+                    std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve) {
+  const SurfaceMapper mapper(data, chart);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
     LeafBatch batch;
     for (std::size_t begin = range.begin(); begin < range.end(); begin += batch.count) {

@@ -10,8 +10,8 @@
 #include "core/curve/parameter_triangle.h"
 #include "core/curve/surface_colour.h"
 #include "core/curve/surface_curve.h"
-#include "core/curve/vertex_record.h"
 #include "core/flatten/flatten.h"
+#include "core/mesh/crease_normals.h"
 #include "core/mesh/curvature.h"
 #include "core/mesh/mesh_attributes.h"
 #include "core/mesh/triangle_mesh.h"
@@ -30,17 +30,17 @@ void locate_centres(std::span<const ParameterTriangle> triangles, const Quadtree
 
 /// What is known of the surface; all that it is made of must outlive it.
 struct SurfaceData {
-  SurfaceData(const TriangleMesh& of_mesh, const DifferentialGeometry& geometry, const MeshAttributes& of_attributes,
+  SurfaceData(const TriangleMesh& of_mesh, std::span<const VertexGeometry> of_geometry, const MeshAttributes& of_attributes,
               const SurfaceColour* of_colour = nullptr);
 
   /// Null where the face has none.
   const CreaseFace* crease_of(std::uint32_t face) const;
 
   const TriangleMesh& mesh;
-  const MeshAttributes& attributes;      // of the mesh
-  const SurfaceColour* colour;           // may be null
-  std::vector<CreaseFace> crease_faces;  // in order of face
-  Column<VertexRecord> records;
+  std::span<const VertexGeometry> geometry;  // of the mesh
+  const MeshAttributes& attributes;          // of the mesh
+  const SurfaceColour* colour;               // may be null
+  CreaseNormals creases;
 };
 
 /// Some leaves of one disc that follow one another on the curve, to be mapped in one go.
@@ -64,7 +64,7 @@ struct SurfacePlace {
 /// Maps leaves of one disc; all that it is made of must outlive it.
 class SurfaceMapper {
  public:
-  SurfaceMapper(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles);
+  SurfaceMapper(const SurfaceData& data, const Chart& chart);
 
   /// Writes entries [at, at + batch.count) of the curve: position, normal, curvatures and their direction, face and barycentric
   /// weights of every centre; where the data has any, the surface's colour, averaged over about the leaf's area; and the mesh's
@@ -77,13 +77,13 @@ class SurfaceMapper {
  private:
   const SurfaceData& data_;
   const DiscMesh& disc_;
-  std::span<const ParameterTriangle> triangles_;
+  ChartTriangles triangles_;
   std::vector<std::uint8_t> kinds_;  // of each triangle
 };
 
 /// Maps all leaves of a disc to entries [offset, offset + L) of the curve, with their keys and levels. `under`: the triangle
 /// under each centre.
-void map_to_surface(const SurfaceData& data, const Chart& chart, std::span<const ParameterTriangle> triangles,
-                    const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve);
+void map_to_surface(const SurfaceData& data, const Chart& chart, const QuadtreeLeaves& leaves,
+                    std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve);
 
 }  // namespace curvecast

@@ -41,7 +41,7 @@ std::vector<Weights> places_on_faces(std::size_t faces, std::size_t most_places)
 }
 
 /// A curve with a vertex at each of some places on each face: density terms need not know the difference.
-SurfaceCurve curve_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+SurfaceCurve curve_on_faces(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
                             std::span<const ScalarAttribute> scalars, std::span<const Weights> places) {
   SurfaceCurve curve;
   for (const ScalarAttribute& scalar : scalars) curve.scalars.push_back({scalar.name, {}});
@@ -54,14 +54,17 @@ SurfaceCurve curve_on_faces(const TriangleMesh& mesh, const DifferentialGeometry
     const auto area = static_cast<float>(triangle_area(mesh, f) / static_cast<double>(places.size()));
     for (const Weights& w : places) {
       const auto mean = [&](const auto& values) { return w[0] * values[t[0]] + w[1] * values[t[1]] + w[2] * values[t[2]]; };
+      const auto mean_of = [&](auto VertexGeometry::*value) {
+        return w[0] * geometry[t[0]].*value + w[1] * geometry[t[1]].*value + w[2] * geometry[t[2]].*value;
+      };
       const Vec3f place =
           ((w[0] * mesh.positions[t[0]] + w[1] * mesh.positions[t[1]] + w[2] * mesh.positions[t[2]]) - curve.origin)
               .cast<float>();
-      const Vec3f normal = Vec3f(mean(geometry.normals)).normalized();
+      const Vec3f normal = Vec3f(mean_of(&VertexGeometry::normal)).normalized();
       curve.x[l] = place.x(), curve.y[l] = place.y(), curve.z[l] = place.z();
       curve.nx[l] = normal.x(), curve.ny[l] = normal.y(), curve.nz[l] = normal.z();
-      curve.curvature_min[l] = mean(geometry.curvature_min);
-      curve.curvature_max[l] = mean(geometry.curvature_max);
+      curve.curvature_min[l] = mean_of(&VertexGeometry::curvature_min);
+      curve.curvature_max[l] = mean_of(&VertexGeometry::curvature_max);
       curve.area[l] = area;
       for (std::size_t s = 0; s < scalars.size(); ++s) curve.scalars[s].values[l] = mean(scalars[s].values);
       ++l;
@@ -72,13 +75,21 @@ SurfaceCurve curve_on_faces(const TriangleMesh& mesh, const DifferentialGeometry
 
 }  // namespace
 
-std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, const DifferentialGeometry& geometry) {
-  SurfaceCurve curve = curve_on_faces(mesh, geometry, {}, {&kCentroid, 1});
-  curve.total_area = surface_area(mesh);
-  return reference_curvatures(curve);
+std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry) {
+  // Numbers are rounded as a curve's are.
+  const auto mean = [&](const Triangle& t, float VertexGeometry::*value) {
+    const auto& [a, b, c] = kCentroid;
+    return Bfloat16(a * geometry[t[0]].*value + b * geometry[t[1]].*value + c * geometry[t[2]].*value);
+  };
+  const CurvatureHistogram histogram = curvature_histogram(mesh.face_count(), [&](std::size_t f, CurvatureHistogram& into) {
+    const Triangle& t = mesh.triangles[f];
+    into.add(mean(t, &VertexGeometry::curvature_min), mean(t, &VertexGeometry::curvature_max),
+             static_cast<float>(triangle_area(mesh, f)));
+  });
+  return histogram.strong(bounding_box(mesh).diagonal(), surface_area(mesh));
 }
 
-absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
                                                     std::span<const ScalarAttribute> scalars, const Density& density,
                                                     std::size_t most_places) {
   const std::vector<Weights> places = places_on_faces(mesh.face_count(), most_places);
@@ -95,7 +106,7 @@ absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, co
   return means;
 }
 
-absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
                                                 std::span<const ScalarAttribute> scalars, const Density& density, double vertices,
                                                 std::size_t most_places) {
   std::vector<double> demand(mesh.face_count(), 1.0);

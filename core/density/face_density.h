@@ -17,7 +17,7 @@ namespace curvecast {
 
 /// Returns the curvatures that count as strong on a mesh, one of each kind; see CurvatureTerm. They hold for all curves of the
 /// mesh, however fine.
-std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, const DifferentialGeometry& geometry);
+std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry);
 
 // The most places of the surface where the density is evaluated, unless there are more faces: the first for curves, the second to
 // measure point sets. Each takes 30 bytes meanwhile.
@@ -25,13 +25,13 @@ inline constexpr std::size_t kFewPlaces = 1'000'000, kManyPlaces = 8'000'000;
 
 /// Returns the mean of the density on every face (F entries, relative values). `scalars`: the mesh's named numbers, for the terms
 /// that use them. Errors as of evaluate_density().
-absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
                                                     std::span<const ScalarAttribute> scalars, const Density& density,
                                                     std::size_t most_places = kManyPlaces);
 
 /// Returns how many curve vertices each face wants per squared unit (F entries): `vertices` in all, spread as the density asks.
 /// Errors as of density_on_faces(); FailedPrecondition: the density is zero everywhere.
-absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, const DifferentialGeometry& geometry,
+absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
                                                 std::span<const ScalarAttribute> scalars, const Density& density, double vertices,
                                                 std::size_t most_places = kFewPlaces);
 

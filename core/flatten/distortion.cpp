@@ -1,16 +1,27 @@
 #include "core/flatten/distortion.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "core/flatten/flatten.h"
 #include "core/flatten/orientation.h"
 
 namespace curvecast {
+namespace {
+
+// Bins of ratios: so many for each factor of two, for so many of these above 1, and as many below.
+constexpr int kBinsPerOctave = 1024, kOctaves = 32;
+constexpr std::size_t kHalf = std::size_t{kBinsPerOctave} * kOctaves;
+
+std::size_t bin_of(double octaves) {
+  const double place = std::floor(octaves * kBinsPerOctave) + static_cast<double>(kHalf);
+  return static_cast<std::size_t>(std::clamp(place, 0.0, 2.0 * kHalf - 1));
+}
+
+}  // namespace
 
 std::uint64_t count_flipped(const DiscMesh& disc, const std::vector<Vec2d>& uv) {
   std::uint64_t flipped = 0;
@@ -25,14 +36,8 @@ double uv_area(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t
   return 0.5 * (p.x() * q.y() - p.y() * q.x());
 }
 
-std::vector<double> area_ratios(const DiscMesh& disc, const std::vector<Vec2d>& uv) {
-  std::vector<double> ratios(disc.triangles.size());
-  for (std::size_t t = 0; t < ratios.size(); ++t) {
-    const Triangle& v = disc.triangles[t];
-    const Vec3d &a = disc.positions[v[0]], &b = disc.positions[v[1]], &c = disc.positions[v[2]];
-    ratios[t] = 0.5 * (b - a).cross(c - a).norm() / uv_area(disc, uv, t);
-  }
-  return ratios;
+double area_ratio(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t) {
+  return triangle_area(disc, t) / uv_area(disc, uv, t);
 }
 
 Stretch measure_stretch(const DiscMesh& disc, const std::vector<Vec2d>& uv) {
@@ -63,52 +68,84 @@ Stretch measure_stretch(const DiscMesh& disc, const std::vector<Vec2d>& uv) {
   return stretch;
 }
 
-Distortion summarise_distortion(std::vector<AreaShare> shares) {
-  Distortion distortion;
-  double total = 0;
-  for (AreaShare& share : shares) {
-    const double levels = std::max(0.0, 0.5 * std::log2(share.ratio));
-    distortion.extra_levels_mean += share.area * levels;
-    distortion.extra_levels_max = std::max(distortion.extra_levels_max, levels);
-    total += share.area;
+void DistortionSummary::add(const AreaShare& share) {
+  if (bins_.empty()) bins_.resize(2 * kHalf);
+  const double octaves = std::log2(share.ratio);
+  const double levels = std::max(0.0, 0.5 * octaves);
+  extra_levels_ += share.area * levels;
+  most_extra_levels_ = std::max(most_extra_levels_, levels);
+  area_ += share.area;
+  largest_ = std::max({largest_, share.ratio, 1 / share.ratio});
+  Bin& bin = bins_[bin_of(octaves)];
+  bin.area += share.area;
+  bin.farthest = octaves < 0 ? std::min(bin.farthest, share.ratio) : std::max(bin.farthest, share.ratio);
+}
+
+void DistortionSummary::add(const DistortionSummary& other) {
+  if (bins_.empty()) bins_.resize(2 * kHalf);
+  for (std::size_t i = 0; i < other.bins_.size(); ++i) {
+    const Bin& from = other.bins_[i];
+    bins_[i].area += from.area;
+    bins_[i].farthest = i < kHalf ? std::min(bins_[i].farthest, from.farthest) : std::max(bins_[i].farthest, from.farthest);
   }
-  distortion.extra_levels_mean /= total;
-  const auto quantile = [&](double part) {
-    double sum = 0;
-    for (const AreaShare& share : shares) {
-      sum += share.area;
-      if (sum > part * total) return share.ratio;
-    }
-    return shares.back().ratio;
-  };
-  const auto sort = [&] {
-    tbb::parallel_sort(shares.begin(), shares.end(), [](const AreaShare& a, const AreaShare& b) {
-      return a.ratio < b.ratio || (a.ratio == b.ratio && a.area < b.area);
-    });
-  };
-  sort();
-  distortion.density_p999 = quantile(0.999);
-  for (AreaShare& share : shares) share.ratio = std::max(share.ratio, 1 / share.ratio);
-  sort();
-  distortion.p50 = quantile(0.5);
-  distortion.p99 = quantile(0.99);
-  distortion.p999 = quantile(0.999);
-  distortion.max = shares.back().ratio;
-  return distortion;
+  area_ += other.area_;
+  extra_levels_ += other.extra_levels_;
+  most_extra_levels_ = std::max(most_extra_levels_, other.most_extra_levels_);
+  largest_ = std::max(largest_, other.largest_);
+}
+
+/// Of the ratios themselves.
+double DistortionSummary::quantile(double part) const {
+  double sum = 0;
+  for (const Bin& bin : bins_) {
+    sum += bin.area;
+    if (sum > part * area_) return bin.farthest;
+  }
+  return largest_;
+}
+
+/// Of max(ratio, 1 / ratio): by bins in pairs, as far above 1 as below it.
+double DistortionSummary::folded_quantile(double part) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < kHalf; ++i) {
+    const Bin &below = bins_[kHalf - 1 - i], &above = bins_[kHalf + i];
+    sum += below.area + above.area;
+    if (sum > part * area_) return std::max(above.farthest, 1 / below.farthest);
+  }
+  return largest_;
+}
+
+Distortion DistortionSummary::distortion() const {
+  return {.p50 = folded_quantile(0.5),
+          .p99 = folded_quantile(0.99),
+          .p999 = folded_quantile(0.999),
+          .max = largest_,
+          .density_p999 = quantile(0.999),
+          .extra_levels_mean = extra_levels_ / area_,
+          .extra_levels_max = most_extra_levels_};
 }
 
 Distortion measure_distortion(std::span<const Chart> charts) {
-  std::vector<std::size_t> first = {0};
-  for (const Chart& chart : charts) first.push_back(first.back() + chart.area_ratio.size());
-  std::vector<AreaShare> shares(first.back());
-  tbb::parallel_for(std::size_t{0}, charts.size(), [&](std::size_t c) {
-    const Chart& chart = charts[c];
-    const double mean = surface_area(chart.disc);  // the square's area is 1
-    for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
-      shares[first[c] + t] = {uv_area(chart.disc, chart.uv, t) * chart.area_ratio[t], chart.area_ratio[t] / mean};
-    }
-  });
-  return summarise_distortion(std::move(shares));
+  // A sum of summaries takes as long as adding thousands of triangles: so there are few, whatever the number of charts and
+  // threads.
+  const std::size_t grain = charts.size() / 64 + 1;
+  return tbb::parallel_deterministic_reduce(
+             tbb::blocked_range<std::size_t>(0, charts.size(), grain), DistortionSummary{},
+             [&](const tbb::blocked_range<std::size_t>& range, DistortionSummary summary) {
+               for (std::size_t c = range.begin(); c < range.end(); ++c) {
+                 const auto& [disc, uv, parameterisation] = charts[c];
+                 const double mean = surface_area(disc);  // the square's area is 1
+                 for (std::size_t t = 0; t < disc.face_count(); ++t) {
+                   summary.add({triangle_area(disc, t), area_ratio(disc, uv, t) / mean});
+                 }
+               }
+               return summary;
+             },
+             [](DistortionSummary a, const DistortionSummary& b) {
+               a.add(b);
+               return a;
+             })
+      .distortion();
 }
 
 }  // namespace curvecast

@@ -18,8 +18,8 @@ std::uint64_t count_flipped(const DiscMesh& disc, const std::vector<Vec2d>& uv);
 /// Signed area of triangle t in the parameter square.
 double uv_area(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t);
 
-/// Surface area over uv area of every triangle. Precondition: no triangle is flipped.
-std::vector<double> area_ratios(const DiscMesh& disc, const std::vector<Vec2d>& uv);
+/// Surface area over uv area of triangle t; positive and finite if it is neither flipped nor empty.
+double area_ratio(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t);
 
 /// The L2 stretch of the map from uv to the surface (Sander and others, 2001): of the whole, and of the triangles around each
 /// vertex, both relative to the stretch of an isometric map. The uv fill an area of 1. Finite, if large, for triangles flipped by
@@ -45,7 +45,26 @@ struct Distortion {
   double extra_levels_mean = 0, extra_levels_max = 0;
 };
 
-Distortion summarise_distortion(std::vector<AreaShare> shares);
+/// Adds up what triangles have of it, in memory that does not depend on how many there are. Quantiles are within 0.1 %, exact
+/// where ratios are few; the rest is exact.
+class DistortionSummary {
+ public:
+  void add(const AreaShare& share);
+  void add(const DistortionSummary& other);
+  /// Precondition: something has been added.
+  Distortion distortion() const;
+
+ private:
+  struct Bin {
+    double area = 0, farthest = 1;  // of its ratios, from 1
+  };
+  double quantile(double part) const;
+  double folded_quantile(double part) const;
+
+  std::vector<Bin> bins_;  // by ratio, evenly in its logarithm; empty at first
+  double area_ = 0, extra_levels_ = 0, most_extra_levels_ = 0, largest_ = 1;
+};
+
 /// The distortion of a surface that is mapped in these charts.
 Distortion measure_distortion(std::span<const Chart> charts);
 

@@ -33,8 +33,12 @@ constexpr double kEvenStretch = 1.25;  // L2 stretch of a part up to which no cu
 
 bool is_valid(const Chart& chart, double max_area_ratio) {
   if (count_flipped(chart.disc, chart.uv) > 0) return false;
-  const double largest = *std::max_element(chart.area_ratio.begin(), chart.area_ratio.end());
-  return std::isfinite(largest) && largest <= max_area_ratio * surface_area(chart.disc);  // the square's area is 1
+  const double most = max_area_ratio * surface_area(chart.disc);  // the square's area is 1
+  for (std::size_t t = 0; t < chart.disc.face_count(); ++t) {
+    const double ratio = area_ratio(chart.disc, chart.uv, t);
+    if (!(std::isfinite(ratio) && ratio <= most)) return false;
+  }
+  return true;
 }
 
 /// Divides the faces into the half nearest to the first one, by steps between neighbours, and the connected rest.
@@ -89,7 +93,6 @@ std::optional<Chart> make_chart(DiscMesh disc, const FlattenOptions& options, co
     absl::StatusOr<std::vector<Vec2d>> uv = map_to_square(chart.disc, parameterisation, stretch, context);
     if (!uv.ok()) continue;
     chart.uv = *std::move(uv);
-    chart.area_ratio = area_ratios(chart.disc, chart.uv);
     chart.parameterisation = parameterisation;
     if (is_valid(chart, options.max_area_ratio)) return chart;
   }

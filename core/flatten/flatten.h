@@ -22,8 +22,7 @@ enum class Parameterisation {
 /// A disc with its place in the parameter square. No triangle is flipped or empty.
 struct Chart {
   DiscMesh disc;
-  std::vector<Vec2d> uv;           // per vertex, in [0, 1]^2
-  std::vector<double> area_ratio;  // per triangle: surface area over uv area
+  std::vector<Vec2d> uv;  // per vertex, in [0, 1]^2
   Parameterisation parameterisation = Parameterisation::kLeastStretch;
 };
 

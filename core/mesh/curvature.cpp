@@ -52,52 +52,50 @@ struct Sums {
 };
 
 /// Border vertices take the mean over their inner neighbours, or zero where they have none.
-void fill_borders(const TriangleMesh& mesh, const VertexFans& fans, std::vector<float>& values) {
+void fill_borders(const TriangleMesh& mesh, const VertexFans& fans, float VertexGeometry::*curvature,
+                  std::vector<VertexGeometry>& geometry) {
   // From the values of inner vertices only, so the order does not matter.
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), kGrain), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, geometry.size(), kGrain), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       if (!fans.on_border(v)) continue;
       double sum = 0;
       int count = 0;
       const auto add = [&](std::uint32_t w) {
         if (fans.on_border(w)) return;
-        sum += values[w];
+        sum += geometry[w].*curvature;
         ++count;
       };
       fans.visit(v, [&](std::uint32_t h) { add(mesh.to(h)); });
-      values[v] = count > 0 ? static_cast<float>(sum / count) : 0.0f;
+      geometry[v].*curvature = count > 0 ? static_cast<float>(sum / count) : 0.0f;
     }
   });
 }
 
 }  // namespace
 
-DifferentialGeometry differential_geometry(const TriangleMesh& mesh) {
+std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh) {
   const std::size_t n = mesh.vertex_count();
   const VertexFans fans(mesh);
-  DifferentialGeometry geometry;
-  geometry.normals.resize(n);
-  geometry.curvature_min.resize(n);
-  geometry.curvature_max.resize(n);
+  std::vector<VertexGeometry> geometry(n);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       Sums sums;
       fans.visit(v, [&](std::uint32_t h) { sums.add(mesh, h / 3, static_cast<int>(h % 3)); });
       const double length = sums.normal.norm();
       const Vec3d normal = length > 0 ? Vec3d(sums.normal / length) : Vec3d::UnitZ();
-      geometry.normals[v] = normal.cast<float>();
+      geometry[v].normal = normal.cast<float>();
       if (fans.on_border(v) || !(sums.mixed_area > 0)) continue;
       const double gauss = (2 * std::numbers::pi - sums.angle) / sums.mixed_area;
       // The Laplacian is twice the mean curvature normal; half its length, signed, is the mean curvature.
       const double mean = std::copysign(sums.laplacian.norm() / (4 * sums.mixed_area), sums.laplacian.dot(normal));
       const double spread = std::sqrt(std::max(mean * mean - gauss, 0.0));
-      geometry.curvature_min[v] = static_cast<float>(mean - spread);
-      geometry.curvature_max[v] = static_cast<float>(mean + spread);
+      geometry[v].curvature_min = static_cast<float>(mean - spread);
+      geometry[v].curvature_max = static_cast<float>(mean + spread);
     }
   });
-  fill_borders(mesh, fans, geometry.curvature_min);
-  fill_borders(mesh, fans, geometry.curvature_max);
-  geometry.directions_max = principal_directions(mesh, fans, geometry.normals);
+  fill_borders(mesh, fans, &VertexGeometry::curvature_min, geometry);
+  fill_borders(mesh, fans, &VertexGeometry::curvature_max, geometry);
+  principal_directions(mesh, fans, geometry);
   return geometry;
 }
 

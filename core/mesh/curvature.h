@@ -8,15 +8,16 @@
 
 namespace curvecast {
 
-struct DifferentialGeometry {
-  std::vector<Vec3f> normals;         // V, unit length, angle-weighted mean of the faces'
-  std::vector<float> curvature_min;   // V, smaller principal curvature, 1/unit; positive where the surface is convex
-  std::vector<float> curvature_max;   // V, larger principal curvature, 1/unit
-  std::vector<Vec3f> directions_max;  // V, see principal_directions
+/// At a vertex; half of a cache line, as the mapper asks for all of it at once.
+struct VertexGeometry {
+  Vec3f normal = Vec3f::UnitZ();               // unit length, angle-weighted mean of the faces'
+  float curvature_min = 0, curvature_max = 0;  // principal curvatures, 1/unit; positive where the surface is convex
+  Vec3f direction_max = Vec3f::UnitX();        // see principal_directions
 };
+static_assert(sizeof(VertexGeometry) == 32);
 
-/// Border vertices have no curvature of their own and take the mean of their inner neighbours'.
-DifferentialGeometry differential_geometry(const TriangleMesh& mesh);
+/// One for each vertex. Border vertices have no curvature of their own and take the mean of their inner neighbours'.
+std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh);
 
 /// Returns the unit normal of a face.
 Vec3f face_normal(const TriangleMesh& mesh, std::uint32_t f);

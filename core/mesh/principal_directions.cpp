@@ -15,7 +15,7 @@ constexpr std::size_t kGrain = 4096;  // vertices
 using Tensor = std::array<double, 6>;
 
 /// The symmetric part of the derivative of the normal over face f, times its area (and a constant).
-Tensor face_tensor(const TriangleMesh& mesh, std::span<const Vec3f> normals, const Triangle& t) {
+Tensor face_tensor(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry, const Triangle& t) {
   const Vec3d side[3] = {mesh.positions[t[2]] - mesh.positions[t[1]], mesh.positions[t[0]] - mesh.positions[t[2]],
                          mesh.positions[t[1]] - mesh.positions[t[0]]};
   const Vec3d cross = side[1].cross(side[2]);
@@ -24,7 +24,7 @@ Tensor face_tensor(const TriangleMesh& mesh, std::span<const Vec3f> normals, con
   for (int i = 0; i < 3; ++i) {
     // The gradient of corner i's weight, times twice the area.
     const Vec3d gradient = up.cross(side[i]);
-    const Vec3d n = normals[t[i]].cast<double>();
+    const Vec3d n = geometry[t[i]].normal.cast<double>();
     sum[0] += n.x() * gradient.x();
     sum[1] += n.y() * gradient.y();
     sum[2] += n.z() * gradient.z();
@@ -42,23 +42,21 @@ double apply(const Tensor& t, const Vec3d& u, const Vec3d& v) {
 
 }  // namespace
 
-std::vector<Vec3f> principal_directions(const TriangleMesh& mesh, const VertexFans& fans, std::span<const Vec3f> normals) {
-  std::vector<Vec3f> directions(mesh.vertex_count());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, directions.size(), kGrain), [&](const auto& range) {
+void principal_directions(const TriangleMesh& mesh, const VertexFans& fans, std::span<VertexGeometry> geometry) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, geometry.size(), kGrain), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       Tensor tensor{};
       fans.visit(v, [&](std::uint32_t h) {
-        const Tensor of_face = face_tensor(mesh, normals, mesh.triangles[h / 3]);
+        const Tensor of_face = face_tensor(mesh, geometry, mesh.triangles[h / 3]);
         for (std::size_t i = 0; i < tensor.size(); ++i) tensor[i] += of_face[i];
       });
-      const Vec3d normal = normals[v].cast<double>();
+      const Vec3d normal = geometry[v].normal.cast<double>();
       const Vec3d first = normal.unitOrthogonal(), second = normal.cross(first);
       const double difference = apply(tensor, first, first) - apply(tensor, second, second);
       const double angle = 0.5 * std::atan2(2 * apply(tensor, first, second), difference);
-      directions[v] = (std::cos(angle) * first + std::sin(angle) * second).cast<float>();
+      geometry[v].direction_max = (std::cos(angle) * first + std::sin(angle) * second).cast<float>();
     }
   });
-  return directions;
 }
 
 }  // namespace curvecast

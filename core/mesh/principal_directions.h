@@ -4,16 +4,16 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
+#include "core/mesh/curvature.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/mesh/vertex_fans.h"
 
 namespace curvecast {
 
-/// Returns for each vertex the unit tangent, in one of its two senses, along which the signed curvature is largest (positive
-/// where the surface is convex), of the area-weighted mean of its faces' tensors; any tangent where all are equal. `normals`:
-/// unit, one for each vertex.
-std::vector<Vec3f> principal_directions(const TriangleMesh& mesh, const VertexFans& fans, std::span<const Vec3f> normals);
+/// Writes for each vertex as direction_max the unit tangent, in one of its two senses, along which the signed curvature is
+/// largest (positive where the surface is convex), of the area-weighted mean of its faces' tensors; any tangent where all are
+/// equal. `geometry`: V entries; their normals are there.
+void principal_directions(const TriangleMesh& mesh, const VertexFans& fans, std::span<VertexGeometry> geometry);
 
 }  // namespace curvecast

@@ -114,18 +114,18 @@ absl::StatusOr<std::vector<double>> demand_of_faces(const FlattenedMesh& flatten
 /// Divides a chart's square until its triangles have the leaves that their faces want, and a few more at most.
 absl::StatusOr<QuadtreeLeaves> divide_chart(const Chart& chart, const Column<ParameterTriangle>& triangles,
                                             std::span<const double> demand_of_face, const ExecutionContext& context) {
-  std::vector<double> demand(chart.area_ratio.size());
+  std::vector<double> demand(chart.disc.face_count());
   double share = 0;
   for (std::size_t t = 0; t < demand.size(); ++t) {
-    demand[t] = demand_of_face[chart.disc.face_of[t]] * chart.area_ratio[t];
+    demand[t] = demand_of_face[chart.disc.face_of[t]] * triangles[t].area_ratio;
     share += triangles[t].uv_area() * demand[t];
   }
   const auto most = static_cast<std::size_t>(std::min(kLeavesPerVertex * share + 1e6, kMostLeaves));
   return build_quadtree(triangles, demand, most, context);
 }
 
-/// `demand_of_face` is that of demand_of_faces().
-absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions& options, std::span<const double> demand_of_face,
+/// `demand_of_face` is that of demand_of_faces(), and given back as soon as leaves have been divided.
+absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions& options, std::vector<double> demand_of_face,
                          const ExecutionContext& context, SurfaceCurve& curve, PreprocessReport& report) {
   Stopwatch watch;
   const LoadedMesh& loaded = flattened.loaded;
@@ -143,6 +143,7 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
     if (count >= kNone) return absl::ResourceExhaustedError("the curve would need more than 2^32 vertices: ask for fewer points");
     curve.disc_begin.push_back(static_cast<std::uint32_t>(count));
   }
+  demand_of_face = {};
   report.seconds.curve = watch.lap();
 
   context.progress("map", 0);
@@ -170,7 +171,7 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
     } else {
       locate_centres(triangles, leaves[d], under);
     }
-    map_to_surface(data, charts[d], triangles, leaves[d], under, curve.disc_begin[d], curve);
+    map_to_surface(data, charts[d], leaves[d], under, curve.disc_begin[d], curve);
     report.seconds.map += watch.lap();
     const auto of_disc = [&](Column<float>& column) { return std::span(column).subspan(curve.disc_begin[d], leaves[d].size()); };
     if (options.area_element == AreaElement::kVoronoi) {
@@ -266,7 +267,7 @@ absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh>
   curve->box = report.mesh.box;
   curve->origin = choose_origin(report.mesh.box);
   curve->max_points = options.points;
-  const absl::Status built = build_curve(*flattened, options, demand, context, *curve, report);
+  const absl::Status built = build_curve(*flattened, options, std::move(demand), context, *curve, report);
   if (!built.ok()) return built;
   report.curve_vertices = curve->size();
   report.curve_bytes = curve->byte_size();

@@ -84,8 +84,8 @@ struct LoadedMesh {
 struct FlattenedMesh {
   LoadedMesh loaded;
   std::vector<Chart> charts;
-  PreprocessReport report;        // of the stages so far
-  DifferentialGeometry geometry;  // of the loaded mesh
+  PreprocessReport report;               // of the stages so far
+  std::vector<VertexGeometry> geometry;  // of the loaded mesh
 };
 
 struct Preprocessed {

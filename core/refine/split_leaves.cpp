@@ -96,6 +96,17 @@ struct NewLeaves {
   std::vector<std::uint32_t> children;
 };
 
+/// Returns the triangles that the leaves have, ascending, and makes the leaves' own numbers places in this list.
+std::vector<std::uint32_t> renumber_triangles(QuadtreeLeaves& leaves) {
+  std::vector<std::uint32_t> numbers(leaves.triangles.begin(), leaves.triangles.end());
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  for (std::uint32_t& t : leaves.triangles) {
+    t = static_cast<std::uint32_t>(std::lower_bound(numbers.begin(), numbers.end(), t) - numbers.begin());
+  }
+  return numbers;
+}
+
 absl::StatusOr<NewLeaves> divide_disc(const CurveBase& base, const SurfaceCurve& curve, std::size_t disc,
                                       std::span<const std::uint8_t> levels, std::span<const std::uint32_t> divided,
                                       const ExecutionContext& context) {
@@ -237,13 +248,19 @@ absl::StatusOr<SurfaceCurve> split_leaves(const CurveBase& base, const SurfaceCu
   SurfaceCurve fresh = next_revision(curve);
   fresh.resize(fresh_begin.back(), base.data.colour != nullptr);
   for (std::size_t d = 0; d < discs.size(); ++d) {
-    const QuadtreeLeaves& leaves = discs[d].leaves;
+    QuadtreeLeaves& leaves = discs[d].leaves;
     if (leaves.size() == 0) continue;
     Column<std::uint32_t> under;
     under.resize(leaves.size());
-    locate_centres(base.triangles[d], leaves, under);
-    map_to_surface(base.data, base.charts[d], base.triangles[d], leaves, under, fresh_begin[d], fresh);
-    area_elements(base.triangles[d], leaves, {fresh.area.data() + fresh_begin[d], leaves.size()});
+    const std::vector<std::uint32_t> numbers = renumber_triangles(leaves);
+    const ChartTriangles of_chart(base.charts[d]);
+    std::vector<ParameterTriangle> triangles;
+    triangles.reserve(numbers.size());
+    for (const std::uint32_t t : numbers) triangles.push_back(of_chart.whole(t));
+    locate_centres(triangles, leaves, under);
+    area_elements(triangles, base.fills_square[d], leaves, {fresh.area.data() + fresh_begin[d], leaves.size()});
+    for (std::uint32_t& t : under) t = numbers[t];
+    map_to_surface(base.data, base.charts[d], leaves, under, fresh_begin[d], fresh);
     discs[d] = {};
     if (absl::Status status = context.check(); !status.ok()) return status;
   }

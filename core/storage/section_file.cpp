@@ -15,6 +15,7 @@
 #include <cassert>
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <set>
 #include <vector>
@@ -47,6 +48,26 @@ static_assert(sizeof(Header) == kAlignment);
 std::uint64_t aligned(std::uint64_t offset) { return (offset + kAlignment - 1) / kAlignment * kAlignment; }
 
 std::uint64_t hash(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+struct FreeHash {
+  void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+};
+
+/// As of all parts in one.
+std::uint64_t hash(std::span<const std::span<const std::byte>> parts) {
+  if (parts.size() == 1) return hash(parts.front());
+  const std::unique_ptr<XXH3_state_t, FreeHash> state(XXH3_createState());
+  if (state == nullptr) throw std::bad_alloc();
+  XXH3_64bits_reset(state.get());
+  for (const std::span<const std::byte> part : parts) XXH3_64bits_update(state.get(), part.data(), part.size());
+  return XXH3_64bits_digest(state.get());
+}
+
+std::uint64_t size_of(const Section& section) {
+  std::uint64_t size = 0;
+  for (const std::span<const std::byte> part : section.parts) size += part.size();
+  return size;
+}
 
 /// Of header and table, one after the other in memory; the header's own checksum counts as zero.
 std::uint64_t header_hash(std::span<const std::byte> bytes) {
@@ -89,14 +110,15 @@ absl::Status write_section_file(const std::string& path, const FileKind& kind, s
   // On one thread: the disk is the slower part, and the cores are for those who wait.
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const Section& section = sections[i];
-    assert(!section.name.empty() && section.name.size() <= kMaxName && section.bytes.size() % section.element_size == 0);
+    assert(!section.name.empty() && section.name.size() <= kMaxName && size_of(section) % section.element_size == 0);
     Entry entry;
     section.name.copy(entry.name, kMaxName);
-    entry.count = section.bytes.size() / section.element_size;
+    const std::uint64_t size = size_of(section);
+    entry.count = size / section.element_size;
     entry.offset = aligned(end);
-    entry.checksum = hash(section.bytes);
+    entry.checksum = hash(section.parts);
     entry.element_size = section.element_size;
-    end = entry.offset + section.bytes.size();
+    end = entry.offset + size;
     std::memcpy(head.data() + sizeof(Header) + i * sizeof entry, &entry, sizeof entry);
   }
   Header header = {};
@@ -117,8 +139,10 @@ absl::Status write_section_file(const std::string& path, const FileKind& kind, s
   std::uint64_t offset = head.size();
   for (const Section& section : sections) {
     offset = aligned(offset);
-    if (absl::Status status = file->write_at(offset, section.bytes); !status.ok()) return status;
-    offset += section.bytes.size();
+    for (const std::span<const std::byte> part : section.parts) {
+      if (absl::Status status = file->write_at(offset, part); !status.ok()) return status;
+      offset += part.size();
+    }
   }
   return file->commit();
 }

@@ -19,6 +19,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace curvecast {
 
@@ -34,14 +35,14 @@ struct FileKind {
 struct Section {
   std::string name;  // 1 to 31 bytes, unique in the file
   std::uint32_t element_size = 1;
-  std::span<const std::byte> bytes;
+  std::vector<std::span<const std::byte>> parts;  // one after the other in the file; each holds whole elements
 };
 
 template <typename Values>
 Section make_section(std::string name, const Values& values) {
   using T = std::remove_cvref_t<decltype(*values.data())>;
   static_assert(std::is_trivially_copyable_v<T>);
-  return {std::move(name), sizeof(T), std::as_bytes(std::span<const T>(values.data(), values.size()))};
+  return {std::move(name), sizeof(T), {std::as_bytes(std::span<const T>(values.data(), values.size()))}};
 }
 
 /// Writes by way of AtomicFile; errors are its errors.

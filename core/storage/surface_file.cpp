@@ -237,8 +237,7 @@ absl::Status check_chart(const Chart& chart, std::size_t mesh_faces) {
   const auto wrong = [](const char* problem) { return absl::InvalidArgumentError(absl::StrCat("a disc has ", problem)); };
   const DiscMesh& disc = chart.disc;
   if (absl::Status status = check_mesh(disc, "a disc"); !status.ok()) return status;
-  if (disc.face_of.size() != disc.face_count() || chart.uv.size() != disc.vertex_count() ||
-      chart.area_ratio.size() != disc.face_count()) {
+  if (disc.face_of.size() != disc.face_count() || chart.uv.size() != disc.vertex_count()) {
     return wrong("arrays of the wrong length");
   }
   for (const std::uint32_t face : disc.face_of) {
@@ -247,7 +246,8 @@ absl::Status check_chart(const Chart& chart, std::size_t mesh_faces) {
   for (const Vec2d& uv : chart.uv) {
     if (!((uv.array() >= 0).all() && (uv.array() <= 1).all())) return wrong("a vertex outside of the square");
   }
-  for (const double ratio : chart.area_ratio) {
+  for (std::size_t t = 0; t < disc.face_count(); ++t) {
+    const double ratio = area_ratio(disc, chart.uv, t);
     if (!(std::isfinite(ratio) && ratio > 0)) return wrong("a triangle that is flipped or empty");
   }
   std::vector<bool> seen(disc.vertex_count(), false);
@@ -291,22 +291,19 @@ absl::Status save_surface(const std::string& path, const FlattenedMesh& surface)
   for (std::size_t i = 0; i < textures.size(); ++i) {
     sections.push_back(make_section(texture_section(i), textures[i]->rgba));
   }
-  std::array<std::vector<std::byte>, kChartArrays> joined;
+  std::array<Section, kChartArrays> of_charts;
   for (const Chart& chart : surface.charts) {
     record.parameterisations.push_back(static_cast<std::uint8_t>(chart.parameterisation));
     std::size_t array = 0;
-    visit_chart(chart, [&](const char* /*name*/, const auto& values) {
-      const auto bytes = std::as_bytes(stored(values));
+    visit_chart(chart, [&]<typename T>(const char* name, const std::vector<T>& values) {
       record.chart_lengths.push_back(values.size());
-      joined[array].insert(joined[array].end(), bytes.begin(), bytes.end());
-      ++array;
+      Section& section = of_charts[array++];
+      section.name = name;
+      section.element_size = sizeof(T);
+      section.parts.push_back(std::as_bytes(stored(values)));
     });
   }
-  std::size_t array = 0;
-  const Chart names;
-  visit_chart(names, [&]<typename T>(const char* name, const std::vector<T>& /*values*/) {
-    sections.push_back({name, sizeof(T), joined[array++]});
-  });
+  for (Section& section : of_charts) sections.push_back(std::move(section));
   const std::string record_bytes = to_archive(record);
   sections.push_back(make_section("record", record_bytes));
   return write_section_file(path, kKind, sections);
@@ -339,12 +336,6 @@ absl::StatusOr<FlattenedMesh> load_surface(const std::string& path) {
   const auto senseless = [&](const absl::Status& problem) {
     return absl::DataLossError(absl::StrCat(path, ": its surface makes no sense: ", problem.message()));
   };
-  for (Chart& chart : surface.charts) {
-    // The ratios come from the triangles, so these are looked at first.
-    if (status = check_mesh(chart.disc, "a disc"); !status.ok()) return senseless(status);
-    if (chart.uv.size() != chart.disc.vertex_count()) return senseless(absl::InvalidArgumentError("a disc without all its uv"));
-    chart.area_ratio = area_ratios(chart.disc, chart.uv);
-  }
   if (status = check_surface(surface); !status.ok()) return senseless(status);
   surface.geometry = differential_geometry(surface.loaded.mesh);
   return surface;

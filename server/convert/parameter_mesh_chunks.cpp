@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/flatten/border_cuts.h"
+#include "core/flatten/distortion.h"
 #include "server/convert/convert.h"
 #include "server/convert/little_endian.h"
 
@@ -48,7 +49,9 @@ absl::Status make_chunks(const FlattenedMesh& flattened, const std::string& mesh
       const auto [triangle, triangles] = part(disc.triangles.size(), kChunkTriangles, i);
       out.set_triangles(little_endian(disc.triangles, triangle, triangles));
       out.set_faces(little_endian(disc.face_of, triangle, triangles));
-      out.set_area_ratios(little_endian(chart.area_ratio, triangle, triangles));
+      std::vector<double> area_ratios(triangles);
+      for (std::size_t t = 0; t < triangles; ++t) area_ratios[t] = area_ratio(disc, chart.uv, triangle + t);
+      out.set_area_ratios(little_endian(area_ratios, 0, triangles));
       const auto [border, borders] = part(disc.border.size(), kChunkBorder, i);
       out.set_border(little_endian(disc.border, border, borders));
       out.set_border_cuts(little_endian(cut_bytes, border, borders));

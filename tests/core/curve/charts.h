@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/curve/adaptive_quadtree.h"
+#include "core/flatten/distortion.h"
 #include "core/flatten/flatten.h"
 #include "tests/support/shapes.h"
 
@@ -21,14 +22,11 @@ inline std::vector<Chart> charts_of(const TriangleMesh& mesh) {
 
 /// Curve vertices per uv area that make `vertices` of them, evenly over the surface.
 inline std::vector<double> even_demand(const Chart& chart, double vertices) {
-  double surface = 0;
-  for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
-    const Triangle& v = chart.disc.triangles[t];
-    const Vec2d p = chart.uv[v[1]] - chart.uv[v[0]], q = chart.uv[v[2]] - chart.uv[v[0]];
-    surface += 0.5 * (p.x() * q.y() - p.y() * q.x()) * chart.area_ratio[t];
-  }
+  const double surface = surface_area(chart.disc);
   std::vector<double> demand;
-  for (const double ratio : chart.area_ratio) demand.push_back(vertices * ratio / surface);
+  for (std::size_t t = 0; t < chart.disc.face_count(); ++t) {
+    demand.push_back(vertices * area_ratio(chart.disc, chart.uv, t) / surface);
+  }
   return demand;
 }
 
@@ -53,9 +51,6 @@ inline Chart grid_chart(std::uint32_t n, const std::function<Vec3d(const Vec2d& 
   for (Vec3d& p : chart.disc.positions) {
     chart.uv.push_back(p.head<2>() / n);
     p = place(chart.uv.back());
-  }
-  for (std::size_t f = 0; f < chart.disc.face_count(); ++f) {
-    chart.area_ratio.push_back(triangle_area(chart.disc, f) * 2 * n * n);
   }
   return chart;
 }

@@ -24,7 +24,7 @@ std::vector<Chart> sample_charts() {
 TEST(LocateTriangle, ArrivesFromAnywhere) {
   for (const Chart& chart : sample_charts()) {
     const Column<ParameterTriangle> triangles = parameter_triangles(chart);
-    const ParameterMesh mesh{triangles, chart.disc.twins};
+    const ParameterMesh mesh(chart);
     const auto count = static_cast<double>(triangles.size());
     for (std::uint64_t i = 0; i < 2000; ++i) {
       const Vec2d p(random_unit(1, i), random_unit(2, i));
@@ -39,7 +39,7 @@ TEST(LocateTriangle, ArrivesFromAnywhere) {
 TEST(LocateTriangle, FourAtATimeArriveToo) {
   for (const Chart& chart : sample_charts()) {
     const Column<ParameterTriangle> triangles = parameter_triangles(chart);
-    const ParameterMesh mesh{triangles, chart.disc.twins};
+    const ParameterMesh mesh(chart);
     const auto count = static_cast<double>(triangles.size());
     for (std::uint64_t i = 0; i < 2000; ++i) {
       // All over the square, or close together as siblings are; now and then one of them on a corner of the mesh.
@@ -67,7 +67,7 @@ TEST(LocateTriangle, FourAtATimeArriveToo) {
 TEST(LocateTriangle, CornersSidesAndBordersGoToOneOfTheirTriangles) {
   for (const Chart& chart : sample_charts()) {
     const Column<ParameterTriangle> triangles = parameter_triangles(chart);
-    const ParameterMesh mesh{triangles, chart.disc.twins};
+    const ParameterMesh mesh(chart);
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
       const ParameterTriangle& p = triangles[t];
       for (int i = 0; i < 3; ++i) {
@@ -88,7 +88,7 @@ TEST(TouchingTriangles, AreThoseOfTheQuadtree) {
     for (const double vertices : {30.0, 3000.0}) {
       const absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(triangles, even_demand(chart, vertices), 1'000'000);
       ASSERT_TRUE(leaves.ok());
-      TouchingTriangles touching({triangles, chart.disc.twins});
+      TouchingTriangles touching{ParameterMesh(chart)};
       std::vector<std::uint32_t> found;
       for (std::size_t l = 0; l < leaves->size(); ++l) {
         touching.find(leaf_quad(leaves->key[l], leaves->level[l]), static_cast<std::uint32_t>(l % triangles.size()), found);

@@ -31,8 +31,8 @@ void map_again(Mapped& mapped, const MeshAttributes& attributes = {}, const Surf
   mapped.curve.scalars.clear();
   for (const ScalarAttribute& scalar : attributes.scalars) mapped.curve.scalars.push_back({scalar.name, {}});
   mapped.curve.resize(mapped.leaves.size(), colour != nullptr);
-  const DifferentialGeometry geometry = differential_geometry(mapped.mesh);
-  map_to_surface({mapped.mesh, geometry, attributes, colour}, mapped.chart, triangles, mapped.leaves, under, 0, mapped.curve);
+  const std::vector<VertexGeometry> geometry = differential_geometry(mapped.mesh);
+  map_to_surface({mapped.mesh, geometry, attributes, colour}, mapped.chart, mapped.leaves, under, 0, mapped.curve);
 }
 
 Mapped map_shape(const PolygonSoup& soup, double vertices, const Vec3d& origin = Vec3d::Zero()) {

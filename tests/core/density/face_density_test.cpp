@@ -12,7 +12,7 @@ namespace {
 
 TEST(FaceDensity, TakesAttributesFromTheCorners) {
   const TriangleMesh mesh = testing::make_mesh(testing::square(4));
-  const DifferentialGeometry geometry = differential_geometry(mesh);
+  const std::vector<VertexGeometry> geometry = differential_geometry(mesh);
   ScalarAttribute height{"height", {}};
   for (const Vec3d& p : mesh.positions) height.values.push_back(static_cast<float>(p.x()));
   const std::vector<ScalarAttribute> scalars = {height};

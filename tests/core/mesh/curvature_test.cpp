@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "tests/support/shapes.h"
@@ -15,16 +16,16 @@ using namespace curvecast::testing;
 
 constexpr double kPi = std::numbers::pi;
 
-void expect_unit(const DifferentialGeometry& geometry) {
-  for (const Vec3f& n : geometry.normals) EXPECT_NEAR(n.norm(), 1, 1e-6);
+void expect_unit(std::span<const VertexGeometry> geometry) {
+  for (const VertexGeometry& vertex : geometry) EXPECT_NEAR(vertex.normal.norm(), 1, 1e-6);
 }
 
 /// The integral of the Gaussian curvature, every vertex with a third of its faces' area.
-double total_gauss(const TriangleMesh& mesh, const DifferentialGeometry& geometry) {
+double total_gauss(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry) {
   double sum = 0;
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
     for (const std::uint32_t v : mesh.triangles[f]) {
-      sum += triangle_area(mesh, f) / 3 * geometry.curvature_min[v] * geometry.curvature_max[v];
+      sum += triangle_area(mesh, f) / 3 * geometry[v].curvature_min * geometry[v].curvature_max;
     }
   }
   return sum;
@@ -33,13 +34,13 @@ double total_gauss(const TriangleMesh& mesh, const DifferentialGeometry& geometr
 TEST(Curvature, OfSpheresIsOneOverTheRadius) {
   for (const double radius : {1e-3, 1.0, 250.0}) {
     const TriangleMesh mesh = make_mesh(icosphere(5, radius));
-    const DifferentialGeometry geometry = differential_geometry(mesh);
+    const std::vector<VertexGeometry> geometry = differential_geometry(mesh);
     expect_unit(geometry);
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-      EXPECT_NEAR(geometry.curvature_min[v] * radius, 1, 0.05) << "vertex " << v;
-      EXPECT_NEAR(geometry.curvature_max[v] * radius, 1, 0.05) << "vertex " << v;
-      EXPECT_LE(geometry.curvature_min[v], geometry.curvature_max[v]);
-      EXPECT_GT(geometry.normals[v].cast<double>().dot(mesh.positions[v] / radius), 0.999) << "vertex " << v;
+      EXPECT_NEAR(geometry[v].curvature_min * radius, 1, 0.05) << "vertex " << v;
+      EXPECT_NEAR(geometry[v].curvature_max * radius, 1, 0.05) << "vertex " << v;
+      EXPECT_LE(geometry[v].curvature_min, geometry[v].curvature_max);
+      EXPECT_GT(geometry[v].normal.cast<double>().dot(mesh.positions[v] / radius), 0.999) << "vertex " << v;
     }
   }
 }
@@ -47,51 +48,51 @@ TEST(Curvature, OfSpheresIsOneOverTheRadius) {
 TEST(Curvature, IsNegativeInsideASphere) {
   PolygonSoup soup = icosphere(3);
   for (std::size_t i = 0; i < soup.indices.size(); i += 3) std::swap(soup.indices[i], soup.indices[i + 1]);
-  const DifferentialGeometry geometry = differential_geometry(make_mesh(soup));
-  for (std::size_t v = 0; v < geometry.normals.size(); ++v) {
-    EXPECT_LT(geometry.curvature_max[v], -0.7f) << "vertex " << v;
-    EXPECT_GT(geometry.curvature_min[v], -1.3f) << "vertex " << v;
+  const std::vector<VertexGeometry> geometry = differential_geometry(make_mesh(soup));
+  for (std::size_t v = 0; v < geometry.size(); ++v) {
+    EXPECT_LT(geometry[v].curvature_max, -0.7f) << "vertex " << v;
+    EXPECT_GT(geometry[v].curvature_min, -1.3f) << "vertex " << v;
   }
 }
 
 TEST(Curvature, OfACylinder) {
   const TriangleMesh mesh = make_mesh(open_cylinder(20, 80));
-  const DifferentialGeometry geometry = differential_geometry(mesh);
+  const std::vector<VertexGeometry> geometry = differential_geometry(mesh);
   expect_unit(geometry);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {  // the border takes its neighbours' values
-    EXPECT_NEAR(geometry.curvature_max[v], 1, 0.01) << "vertex " << v;
-    EXPECT_NEAR(geometry.curvature_min[v], 0, 0.01) << "vertex " << v;
+    EXPECT_NEAR(geometry[v].curvature_max, 1, 0.01) << "vertex " << v;
+    EXPECT_NEAR(geometry[v].curvature_min, 0, 0.01) << "vertex " << v;
     const Vec3d& p = mesh.positions[v];
-    EXPECT_GT(geometry.normals[v].cast<double>().dot(Vec3d(p.x(), p.y(), 0)), 0.99) << "vertex " << v;
+    EXPECT_GT(geometry[v].normal.cast<double>().dot(Vec3d(p.x(), p.y(), 0)), 0.99) << "vertex " << v;
   }
 }
 
 TEST(Curvature, OfAPlaneIsZero) {
   const TriangleMesh mesh = make_mesh(translated(disc(12, 31), {3, -2, 5}));
-  const DifferentialGeometry geometry = differential_geometry(mesh);
+  const std::vector<VertexGeometry> geometry = differential_geometry(mesh);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    EXPECT_NEAR(geometry.curvature_min[v], 0, 1e-4) << "vertex " << v;
-    EXPECT_NEAR(geometry.curvature_max[v], 0, 1e-4) << "vertex " << v;
-    EXPECT_NEAR(geometry.normals[v].z(), 1, 1e-6) << "vertex " << v;
+    EXPECT_NEAR(geometry[v].curvature_min, 0, 1e-4) << "vertex " << v;
+    EXPECT_NEAR(geometry[v].curvature_max, 0, 1e-4) << "vertex " << v;
+    EXPECT_NEAR(geometry[v].normal.z(), 1, 1e-6) << "vertex " << v;
   }
 }
 
 TEST(Curvature, OfATorusChangesSign) {
   const double tube = 0.3;
   const TriangleMesh mesh = make_mesh(torus(160, 64, tube));
-  const DifferentialGeometry geometry = differential_geometry(mesh);
+  const std::vector<VertexGeometry> geometry = differential_geometry(mesh);
   expect_unit(geometry);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3d& p = mesh.positions[v];
     const double reach = std::hypot(p.x(), p.y());  // from the axis
     const double cosine = (reach - 1) / tube;
-    EXPECT_NEAR(geometry.curvature_max[v], 1 / tube, 0.05 / tube) << "vertex " << v;
-    EXPECT_NEAR(geometry.curvature_min[v], cosine / reach, 0.05 / tube) << "vertex " << v;
+    EXPECT_NEAR(geometry[v].curvature_max, 1 / tube, 0.05 / tube) << "vertex " << v;
+    EXPECT_NEAR(geometry[v].curvature_min, cosine / reach, 0.05 / tube) << "vertex " << v;
     if (std::abs(cosine) > 0.3) {
-      EXPECT_EQ(geometry.curvature_min[v] > 0, cosine > 0) << "vertex " << v;
+      EXPECT_EQ(geometry[v].curvature_min > 0, cosine > 0) << "vertex " << v;
     }
     const Vec3d outward = Vec3d(p.x() * (1 - 1 / reach), p.y() * (1 - 1 / reach), p.z()) / tube;
-    EXPECT_GT(geometry.normals[v].cast<double>().dot(outward), 0.99) << "vertex " << v;
+    EXPECT_GT(geometry[v].normal.cast<double>().dot(outward), 0.99) << "vertex " << v;
   }
 }
 
@@ -105,20 +106,20 @@ TEST(Curvature, AddsUpToTheEulerCharacteristic) {
 TEST(Curvature, StaysFiniteOnRoughAndTinyMeshes) {
   for (const PolygonSoup& soup : {single_triangle(), tetrahedron(), cube(), mobius_strip(3), jittered(sphere(20, 30), 0.2),
                                   jittered(torus(9, 40), 1e-3), scaled(icosphere(2), 1e-12), scaled(icosphere(2), 1e14)}) {
-    const DifferentialGeometry geometry = differential_geometry(make_mesh(soup));
+    const std::vector<VertexGeometry> geometry = differential_geometry(make_mesh(soup));
     expect_unit(geometry);
-    for (std::size_t v = 0; v < geometry.normals.size(); ++v) {
-      EXPECT_TRUE(std::isfinite(geometry.curvature_min[v]) && std::isfinite(geometry.curvature_max[v])) << "vertex " << v;
-      EXPECT_LE(geometry.curvature_min[v], geometry.curvature_max[v]);
+    for (std::size_t v = 0; v < geometry.size(); ++v) {
+      EXPECT_TRUE(std::isfinite(geometry[v].curvature_min) && std::isfinite(geometry[v].curvature_max)) << "vertex " << v;
+      EXPECT_LE(geometry[v].curvature_min, geometry[v].curvature_max);
     }
   }
 }
 
 TEST(Curvature, WithoutInnerVerticesIsZero) {
-  const DifferentialGeometry geometry = differential_geometry(make_mesh(single_triangle()));
+  const std::vector<VertexGeometry> geometry = differential_geometry(make_mesh(single_triangle()));
   for (std::size_t v = 0; v < 3; ++v) {
-    EXPECT_EQ(geometry.curvature_min[v], 0);
-    EXPECT_EQ(geometry.curvature_max[v], 0);
+    EXPECT_EQ(geometry[v].curvature_min, 0);
+    EXPECT_EQ(geometry[v].curvature_max, 0);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "core/mesh/curvature.h"
 #include "tests/support/analytic_directions.h"
@@ -14,12 +15,12 @@ using namespace curvecast::testing;
 
 void expect_directions(const PolygonSoup& soup, const AnalyticDirection& truth, double tolerance) {
   const TriangleMesh mesh = make_mesh(soup);
-  const DifferentialGeometry geometry = differential_geometry(mesh);
+  const std::vector<VertexGeometry> geometry = differential_geometry(mesh);
   std::size_t checked = 0;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    const Vec3f& direction = geometry.directions_max[v];
+    const Vec3f& direction = geometry[v].direction_max;
     EXPECT_NEAR(direction.norm(), 1, 1e-5);
-    EXPECT_NEAR(direction.dot(geometry.normals[v]), 0, 1e-5);
+    EXPECT_NEAR(direction.dot(geometry[v].normal), 0, 1e-5);
     const std::optional<Vec3d> wanted = truth(mesh.positions[v]);
     if (!wanted) continue;
     ++checked;

@@ -17,7 +17,7 @@ namespace {
 /// Demands all over the place: most of them small, some of them large, as a wild density would have it.
 std::vector<double> random_demand(const Chart& chart, std::uint64_t seed) {
   std::vector<double> demand;
-  for (std::size_t t = 0; t < chart.area_ratio.size(); ++t) {
+  for (std::size_t t = 0; t < chart.disc.face_count(); ++t) {
     const double wild = std::exp2(16 * std::pow(random_unit(seed, t), 6));
     demand.push_back(random_unit(seed + 1, t) < 0.1 ? 0 : 50 * wild);
   }
@@ -85,7 +85,7 @@ TEST(CurvePromises, HoldForRandomDemands) {
 
 TEST(CurvePromises, HoldAroundOneTriangleThatWantsMuchMore) {
   Chart chart = testing::grid_chart(40, [](const Vec2d& uv) { return Vec3d(uv.x(), uv.y(), 0); });
-  std::vector<double> demand(chart.area_ratio.size(), 1.0);
+  std::vector<double> demand(chart.disc.face_count(), 1.0);
   const Column<ParameterTriangle> triangles = parameter_triangles(chart);
   demand[777] = std::ldexp(1.0, 22);
   const absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(triangles, demand, 100'000'000);
@@ -113,9 +113,9 @@ TEST_P(RealCurve, HasEnoughVerticesForEveryTriangleAndTheSurfacesArea) {
     double sum = 0;
     for (std::size_t d = 0; d < flattened.charts.size(); ++d) {
       const Chart& chart = flattened.charts[d];
-      std::vector<double> demand(chart.area_ratio.size());
-      for (std::size_t t = 0; t < demand.size(); ++t) demand[t] = (*wanted)[chart.disc.face_of[t]] * chart.area_ratio[t];
+      std::vector<double> demand(chart.disc.face_count());
       const Column<ParameterTriangle> triangles = parameter_triangles(chart);
+      for (std::size_t t = 0; t < demand.size(); ++t) demand[t] = (*wanted)[chart.disc.face_of[t]] * triangles[t].area_ratio;
       const absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(triangles, demand, 100'000'000);
       ASSERT_TRUE(leaves.ok());
       // It is the curve that preprocessing made.

@@ -79,11 +79,6 @@ TEST(IdBuffer, IsExactAtDeepLevels) {
     uv = Vec2d(squeeze(uv.x()), squeeze(uv.y()));
     for (double& c : uv) c = std::abs(c) < 1e-3 ? 0 : std::abs(c - 1) < 1e-3 ? 1 : c;
   }
-  for (std::size_t f = 0; f < chart.disc.face_count(); ++f) {
-    const Triangle& t = chart.disc.triangles[f];
-    const Vec2d p = chart.uv[t[1]] - chart.uv[t[0]], q = chart.uv[t[2]] - chart.uv[t[0]];
-    chart.area_ratio[f] = triangle_area(chart.disc, f) / (0.5 * (p.x() * q.y() - p.y() * q.x()));
-  }
   absl::StatusOr<QuadtreeLeaves> leaves = build_quadtree(parameter_triangles(chart), even_demand(chart, 6'000), 10'000'000);
   ASSERT_TRUE(leaves.ok());
   ASSERT_GE(*std::max_element(leaves->level.begin(), leaves->level.end()), 20);
