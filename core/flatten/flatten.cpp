@@ -67,6 +67,14 @@ std::vector<Faces> bisect(const TriangleMesh& mesh, const Faces& faces) {
   return parts;
 }
 
+/// The faces of each component.
+std::vector<Faces> list_components(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> component_of_face;
+  std::vector<Faces> components(label_components(mesh.twins, component_of_face));
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) components[component_of_face[f]].push_back(f);
+  return components;
+}
+
 absl::StatusOr<std::vector<Vec2d>> map_to_square(const DiscMesh& disc, Parameterisation parameterisation,
                                                  const MinimiseStretchOptions& stretch, const ExecutionContext& context) {
   switch (parameterisation) {
@@ -80,6 +88,17 @@ absl::StatusOr<std::vector<Vec2d>> map_to_square(const DiscMesh& disc, Parameter
       break;
   }
   return parameterise(disc, {.weights = ParameterWeights::kUniform});
+}
+
+/// Splits of edges left room for twice as many in most arrays.
+void give_back_slack(Chart& chart) {
+  DiscMesh& disc = chart.disc;
+  disc.positions.shrink_to_fit();
+  disc.triangles.shrink_to_fit();
+  disc.twins.shrink_to_fit();
+  disc.face_of.shrink_to_fit();
+  disc.border.shrink_to_fit();
+  chart.uv.shrink_to_fit();
 }
 
 /// The chart of a disc by the first parameterisation that is valid; nullopt when none is.
@@ -216,6 +235,7 @@ class Flattener {
     if (!chart && !context_.cancelled()) try_with(find_extremities(piece, options_.extremities, context_));
     if (chart) {
       for (std::uint32_t& f : chart->disc.face_of) f = faces[f];
+      give_back_slack(*chart);
       report("parameterise", faces.size());
     }
     const MutexLock lock(mutex_);
@@ -243,9 +263,7 @@ class Flattener {
 absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const FlattenOptions& options,
                                            const ExecutionContext& context, FlattenTimes& times) {
   Stopwatch watch;
-  std::vector<std::uint32_t> component_of_face;
-  std::vector<Faces> components(label_components(mesh.twins, component_of_face));
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) components[component_of_face[f]].push_back(f);
+  std::vector<Faces> components = list_components(mesh);
   if (absl::Status status = context.check(); !status.ok()) return status;
   Flattener flattener(mesh, options, context);
   absl::StatusOr<std::vector<Chart>> charts = Flattener::join(

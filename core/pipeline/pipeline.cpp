@@ -106,14 +106,33 @@ Vec3d choose_origin(const Box3d& box) {
 double wanted_vertices(const PreprocessOptions& options) { return options.omega * static_cast<double>(options.points); }
 
 /// The vertices of the curve that each face wants, for each unit of its area.
-absl::StatusOr<std::vector<double>> demand_of_faces(const FlattenedMesh& flattened, const PreprocessOptions& options) {
-  const LoadedMesh& loaded = flattened.loaded;
-  return face_demand(loaded.mesh, flattened.geometry, loaded.attributes.scalars, options.density, wanted_vertices(options));
-}
+class Demand {
+ public:
+  static absl::StatusOr<Demand> of(const FlattenedMesh& flattened, const PreprocessOptions& options) {
+    const LoadedMesh& loaded = flattened.loaded;
+    Demand demand;
+    if (options.density.empty()) {
+      demand.even_ = wanted_vertices(options) / surface_area(loaded.mesh);
+      return demand;
+    }
+    absl::StatusOr<std::vector<double>> of_faces =
+        face_demand(loaded.mesh, flattened.geometry, loaded.attributes.scalars, options.density, wanted_vertices(options));
+    if (!of_faces.ok()) return of_faces.status();
+    demand.of_faces_ = *std::move(of_faces);
+    return demand;
+  }
+
+  double operator[](std::uint32_t face) const { return of_faces_.empty() ? even_ : of_faces_[face]; }
+  double highest() const { return of_faces_.empty() ? even_ : *std::max_element(of_faces_.begin(), of_faces_.end()); }
+
+ private:
+  double even_ = 0;
+  std::vector<double> of_faces_;  // empty: all faces want the same
+};
 
 /// Divides a chart's square until its triangles have the leaves that their faces want, and a few more at most.
 absl::StatusOr<QuadtreeLeaves> divide_chart(const Chart& chart, const Column<ParameterTriangle>& triangles,
-                                            std::span<const double> demand_of_face, const ExecutionContext& context) {
+                                            const Demand& demand_of_face, const ExecutionContext& context) {
   std::vector<double> demand(chart.disc.face_count());
   double share = 0;
   for (std::size_t t = 0; t < demand.size(); ++t) {
@@ -124,8 +143,7 @@ absl::StatusOr<QuadtreeLeaves> divide_chart(const Chart& chart, const Column<Par
   return build_quadtree(triangles, demand, most, context);
 }
 
-/// `demand_of_face` is that of demand_of_faces(), and given back as soon as leaves have been divided.
-absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions& options, std::vector<double> demand_of_face,
+absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions& options, const Demand& demand_of_face,
                          const ExecutionContext& context, SurfaceCurve& curve, PreprocessReport& report) {
   Stopwatch watch;
   const LoadedMesh& loaded = flattened.loaded;
@@ -143,7 +161,6 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
     if (count >= kNone) return absl::ResourceExhaustedError("the curve would need more than 2^32 vertices: ask for fewer points");
     curve.disc_begin.push_back(static_cast<std::uint32_t>(count));
   }
-  demand_of_face = {};
   report.seconds.curve = watch.lap();
 
   context.progress("map", 0);
@@ -195,15 +212,15 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
 }
 
 /// Keys hold kMaxLevel levels. Has discs divided where the map squeezes together what wants vertices until it would need more.
-void limit_levels(std::span<const double> demand, double area, FlattenOptions& options) {
-  const double highest = area * *std::max_element(demand.begin(), demand.end());  // per uv area, where the map is even
+void limit_levels(const Demand& demand, double area, FlattenOptions& options) {
+  const double highest = area * demand.highest();  // per uv area, where the map is even
   const double most = std::ldexp(1.0, 2 * kMaxLevel);
   options.max_area_ratio = std::clamp(most / highest, 2.0, options.max_area_ratio);
 }
 
-/// Leaves in `demand` what demand_of_faces() said, if it was asked: for a base density.
+/// Leaves in `demand` what was found, if it was asked: for a base density.
 absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds& seconds, const PreprocessOptions& options,
-                                           const ExecutionContext& context, std::vector<double>& demand) {
+                                           const ExecutionContext& context, std::optional<Demand>& demand) {
   Stopwatch watch;
   FlattenedMesh flattened{std::move(loaded)};
   const TriangleMesh& mesh = flattened.loaded.mesh;
@@ -214,10 +231,10 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   if (options.chart_faces > 0) flatten_options.most_whole_faces = flatten_options.chart_faces = options.chart_faces;
   if (!options.density.empty()) {
     beside.wait();
-    absl::StatusOr<std::vector<double>> found = demand_of_faces(flattened, options);
+    absl::StatusOr<Demand> found = Demand::of(flattened, options);
     if (!found.ok()) return found.status();
     demand = *std::move(found);
-    limit_levels(demand, flattened.loaded.info.area, flatten_options);
+    limit_levels(*demand, flattened.loaded.info.area, flatten_options);
   }
   FlattenTimes times;
   absl::StatusOr<std::vector<Chart>> charts = flatten(mesh, flatten_options, context, times);
@@ -245,19 +262,19 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
 }
 
 absl::StatusOr<FlattenedMesh> load_and_flatten(const MeshFile& file, const PreprocessOptions& options,
-                                               const ExecutionContext& context, std::vector<double>& demand) {
+                                               const ExecutionContext& context, std::optional<Demand>& demand) {
   StageSeconds seconds;
   absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds);
   if (!loaded.ok()) return loaded.status();
   return flatten_here(*std::move(loaded), seconds, options, context, demand);
 }
 
-/// `demand` is that of demand_of_faces(), or empty: then it is asked.
+/// `demand`: nullopt if it has not been asked yet.
 absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
-                                            const ExecutionContext& context, std::vector<double> demand = {}) {
+                                            const ExecutionContext& context, std::optional<Demand> demand = std::nullopt) {
   Stopwatch watch;
-  if (demand.empty()) {
-    absl::StatusOr<std::vector<double>> found = demand_of_faces(*flattened, options);
+  if (!demand) {
+    absl::StatusOr<Demand> found = Demand::of(*flattened, options);
     if (!found.ok()) return found.status();
     demand = *std::move(found);
   }
@@ -267,7 +284,7 @@ absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh>
   curve->box = report.mesh.box;
   curve->origin = choose_origin(report.mesh.box);
   curve->max_points = options.points;
-  const absl::Status built = build_curve(*flattened, options, std::move(demand), context, *curve, report);
+  const absl::Status built = build_curve(*flattened, options, *demand, context, *curve, report);
   if (!built.ok()) return built;
   report.curve_vertices = curve->size();
   report.curve_bytes = curve->byte_size();
@@ -298,13 +315,13 @@ absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionConte
 absl::StatusOr<FlattenedMesh> flatten_mesh(const MeshFile& file, const PreprocessOptions& options,
                                            const ExecutionContext& context) {
   if (absl::Status status = check(options); !status.ok()) return status;
-  std::vector<double> demand;
+  std::optional<Demand> demand;
   return with_threads(context, [&] { return load_and_flatten(file, options, context, demand); });
 }
 
 absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOptions& options, const ExecutionContext& context) {
   if (absl::Status status = check(options); !status.ok()) return status;
-  std::vector<double> demand;
+  std::optional<Demand> demand;
   return with_threads(context, [&] { return flatten_here(std::move(loaded), {}, options, context, demand); });
 }
 
@@ -317,7 +334,7 @@ absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flat
 absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options, const ExecutionContext& context) {
   if (absl::Status status = check(options); !status.ok()) return status;
   return with_threads(context, [&]() -> absl::StatusOr<Preprocessed> {
-    std::vector<double> demand;
+    std::optional<Demand> demand;
     absl::StatusOr<FlattenedMesh> flattened = load_and_flatten(file, options, context, demand);
     if (!flattened.ok()) return flattened.status();
     return lay_curve_here(std::make_shared<const FlattenedMesh>(*std::move(flattened)), options, context, std::move(demand));
