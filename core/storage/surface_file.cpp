@@ -291,16 +291,17 @@ absl::Status save_surface(const std::string& path, const FlattenedMesh& surface)
   for (std::size_t i = 0; i < textures.size(); ++i) {
     sections.push_back(make_section(texture_section(i), textures[i]->rgba));
   }
-  std::array<Section, kChartArrays> of_charts;
+  std::vector<Section> of_charts;
+  const Chart none;
+  visit_chart(none, [&]<typename T>(const char* name, const std::vector<T>& /*values*/) {
+    of_charts.push_back({name, sizeof(T), {}});
+  });
   for (const Chart& chart : surface.charts) {
     record.parameterisations.push_back(static_cast<std::uint8_t>(chart.parameterisation));
     std::size_t array = 0;
-    visit_chart(chart, [&]<typename T>(const char* name, const std::vector<T>& values) {
+    visit_chart(chart, [&](const char* /*name*/, const auto& values) {
       record.chart_lengths.push_back(values.size());
-      Section& section = of_charts[array++];
-      section.name = name;
-      section.element_size = sizeof(T);
-      section.parts.push_back(std::as_bytes(stored(values)));
+      of_charts[array++].parts.push_back(std::as_bytes(stored(values)));
     });
   }
   for (Section& section : of_charts) sections.push_back(std::move(section));
