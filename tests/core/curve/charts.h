@@ -49,7 +49,7 @@ inline Chart grid_chart(std::uint32_t n, const std::function<Vec3d(const Vec2d& 
   chart.disc.face_of.resize(chart.disc.face_count());
   std::iota(chart.disc.face_of.begin(), chart.disc.face_of.end(), 0u);
   for (Vec3d& p : chart.disc.positions) {
-    chart.uv.push_back(p.head<2>() / n);
+    chart.uv.emplace_back(p.head<2>() / n);
     p = place(chart.uv.back());
   }
   return chart;
