@@ -40,6 +40,12 @@ std::vector<Weights> places_on_faces(std::size_t faces, std::size_t most_places)
   return places;
 }
 
+/// The mean of what a triangle's corners have.
+template <typename Value>
+Value mean_of(Value VertexGeometry::*value, const Weights& w, std::span<const VertexGeometry> geometry, const Triangle& t) {
+  return w[0] * geometry[t[0]].*value + w[1] * geometry[t[1]].*value + w[2] * geometry[t[2]].*value;
+}
+
 /// A curve with a vertex at each of some places on each face: density terms need not know the difference.
 SurfaceCurve curve_on_faces(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
                             std::span<const ScalarAttribute> scalars, std::span<const Weights> places) {
@@ -54,17 +60,14 @@ SurfaceCurve curve_on_faces(const TriangleMesh& mesh, std::span<const VertexGeom
     const auto area = static_cast<float>(triangle_area(mesh, f) / static_cast<double>(places.size()));
     for (const Weights& w : places) {
       const auto mean = [&](const auto& values) { return w[0] * values[t[0]] + w[1] * values[t[1]] + w[2] * values[t[2]]; };
-      const auto mean_of = [&](auto VertexGeometry::*value) {
-        return w[0] * geometry[t[0]].*value + w[1] * geometry[t[1]].*value + w[2] * geometry[t[2]].*value;
-      };
       const Vec3f place =
           ((w[0] * mesh.positions[t[0]] + w[1] * mesh.positions[t[1]] + w[2] * mesh.positions[t[2]]) - curve.origin)
               .cast<float>();
-      const Vec3f normal = Vec3f(mean_of(&VertexGeometry::normal)).normalized();
+      const Vec3f normal = mean_of(&VertexGeometry::normal, w, geometry, t).normalized();
       curve.x[l] = place.x(), curve.y[l] = place.y(), curve.z[l] = place.z();
       curve.nx[l] = normal.x(), curve.ny[l] = normal.y(), curve.nz[l] = normal.z();
-      curve.curvature_min[l] = mean_of(&VertexGeometry::curvature_min);
-      curve.curvature_max[l] = mean_of(&VertexGeometry::curvature_max);
+      curve.curvature_min[l] = mean_of(&VertexGeometry::curvature_min, w, geometry, t);
+      curve.curvature_max[l] = mean_of(&VertexGeometry::curvature_max, w, geometry, t);
       curve.area[l] = area;
       for (std::size_t s = 0; s < scalars.size(); ++s) curve.scalars[s].values[l] = mean(scalars[s].values);
       ++l;
@@ -78,8 +81,7 @@ SurfaceCurve curve_on_faces(const TriangleMesh& mesh, std::span<const VertexGeom
 std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry) {
   // Numbers are rounded as a curve's are.
   const auto mean = [&](const Triangle& t, float VertexGeometry::*value) {
-    const auto& [a, b, c] = kCentroid;
-    return Bfloat16(a * geometry[t[0]].*value + b * geometry[t[1]].*value + c * geometry[t[2]].*value);
+    return Bfloat16(mean_of(value, kCentroid, geometry, t));
   };
   const CurvatureHistogram histogram = curvature_histogram(mesh.face_count(), [&](std::size_t f, CurvatureHistogram& into) {
     const Triangle& t = mesh.triangles[f];

@@ -112,7 +112,7 @@ class Demand {
     const LoadedMesh& loaded = flattened.loaded;
     Demand demand;
     if (options.density.empty()) {
-      demand.even_ = wanted_vertices(options) / surface_area(loaded.mesh);
+      demand.even_ = wanted_vertices(options) / loaded.info.area;
       return demand;
     }
     absl::StatusOr<std::vector<double>> of_faces =
