@@ -32,7 +32,7 @@ double chart_area(const std::vector<Chart>& charts) {
   double sum = 0;
   for (const Chart& chart : charts) {
     for (std::size_t t = 0; t < chart.disc.face_count(); ++t) {
-      sum += area_ratio(chart.disc, chart.uv, t) * uv_area(chart.disc, chart.uv, t);
+      sum += area_ratio({chart.disc, chart.uv}, t) * uv_area({chart.disc, chart.uv}, t);
     }
   }
   return sum;

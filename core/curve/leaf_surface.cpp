@@ -233,12 +233,16 @@ std::size_t LeafSurface::disc_of(std::size_t l) const {
 
 void LeafSurface::find(std::size_t l, std::span<const double> parts, double grain, std::span<SurfacePlace> places) const {
   const std::size_t disc = disc_of(l);
+  if (!base_->is_sound(disc)) {
+    std::fill(places.begin(), places.end(), SurfacePlace{});
+    return;
+  }
   Memory& memory = memory_.local();
   memory.lists.resize(kMaxDepth + 1);
   memory.batch.count = 0;
   const Piece leaf = whole_leaf(*curve_, l);
   TouchingTriangles& touching = memory.touching.try_emplace(disc, base_->mesh_of(disc)).first->second;
-  touching.find(leaf.quad, base_->triangle_of[curve_->triangle[l]], memory.numbers);
+  touching.find(leaf.quad, base_->triangle_in(disc, curve_->triangle[l]), memory.numbers);
   const ChartTriangles triangles(base_->charts[disc]);
   memory.triangles.clear();
   for (const std::uint32_t t : memory.numbers) memory.triangles.push_back(triangles.whole(t));
@@ -248,7 +252,7 @@ void LeafSurface::find(std::size_t l, std::span<const double> parts, double grai
 void LeafSurface::find_even(std::span<const LeafPart> at, std::span<SurfacePlace> places) const {
   LeafBatch& batch = memory_.local().batch;
   batch.count = 0;
-  std::size_t done = 0, disc = 0;
+  std::size_t done = 0, disc = SIZE_MAX;
   const auto finish = [&] {
     if (batch.count == 0) return;
     base_->mappers[disc].place(batch, curve_->origin, &places[done]);
@@ -258,13 +262,18 @@ void LeafSurface::find_even(std::span<const LeafPart> at, std::span<SurfacePlace
   for (std::size_t begin = 0, end; begin < at.size(); begin = end) {
     const std::uint32_t l = at[begin].leaf;
     for (end = begin + 1; end < at.size() && at[end].leaf == l;) ++end;
-    if (l < curve_->disc_begin[disc] || l >= curve_->disc_begin[disc + 1]) {
+    if (disc == SIZE_MAX || l < curve_->disc_begin[disc] || l >= curve_->disc_begin[disc + 1]) {
       finish();
       disc = disc_of(l);
     }
+    if (!base_->is_sound(disc)) {
+      finish();
+      for (; done < end; ++done) places[done] = {};
+      continue;
+    }
     const Piece leaf = whole_leaf(*curve_, l);
     const ParameterMesh mesh = base_->mesh_of(disc);
-    const std::uint32_t own = base_->triangle_of[curve_->triangle[l]];
+    const std::uint32_t own = base_->triangle_in(disc, curve_->triangle[l]);
     for (std::size_t i = begin; i < end; ++i) {
       const Vec2d uv = place_in_quad<kEvenTables>(leaf.quad, leaf.state, at[i].part);
       batch.u[batch.count] = uv.x();
@@ -277,6 +286,8 @@ void LeafSurface::find_even(std::span<const LeafPart> at, std::span<SurfacePlace
 }
 
 Rgba8 LeafSurface::colour(std::size_t l, std::uint32_t face, std::array<float, 2> weights, double share) const {
+  const std::size_t disc = disc_of(l);
+  if (!base_->is_sound(disc) || !base_->has_face(disc, face)) return {};
   const double area = std::min(static_cast<double>(curve_->area[l]), share * curve_->total_area);
   return base_->data.colour->at(face, {1 - weights[0] - weights[1], weights[0], weights[1]}, area);
 }

@@ -28,7 +28,7 @@ struct LeafPart {
 };
 
 /// A curve and what it lies on. What it says of a leaf depends on the leaf alone, not on what was asked before. Any number of
-/// threads may ask.
+/// threads may ask. Who has asked looks at status() before the answers are used.
 class LeafSurface {
  public:
   /// Precondition: the curve was made on the base.
@@ -45,6 +45,9 @@ class LeafSurface {
   /// Finds places in leaves whose area is taken to be even, as many as `at`: much faster, and as good where there are only a few
   /// places in each leaf. The order is free; quickest is that of the curve.
   void find_even(std::span<const LeafPart> at, std::span<SurfacePlace> places) const;
+
+  /// OK, or how the file is damaged in which a leaf lies that was asked for; what was found there means nothing.
+  absl::Status status() const { return base_->status(); }
 
   bool has_colour() const { return base_->data.colour != nullptr; }
   /// Returns the surface's colour at a place in leaf l, averaged over about a share of the whole surface, and over no more than

@@ -13,7 +13,7 @@ namespace curvecast {
 
 /// The triangles of a chart in the square, and their neighbours. The chart outlives it.
 struct ParameterMesh {
-  explicit ParameterMesh(const Chart& chart) : triangles(chart), twins(chart.disc.twins) {}
+  explicit ParameterMesh(const ChartView& chart) : triangles(chart), twins(chart.twins) {}
 
   ChartTriangles triangles;
   std::span<const std::uint32_t> twins;  // of its disc, see TriangleMesh

@@ -9,7 +9,7 @@
 
 namespace curvecast {
 
-Column<ParameterTriangle> parameter_triangles(const Chart& chart) {
+Column<ParameterTriangle> parameter_triangles(const ChartView& chart) {
   const ChartTriangles of_chart(chart);
   Column<ParameterTriangle> triangles;
   triangles.resize(of_chart.size());

@@ -7,8 +7,8 @@
 
 #include "core/base/column.h"
 #include "core/base/vec.h"
+#include "core/flatten/chart_view.h"
 #include "core/flatten/distortion.h"
-#include "core/flatten/flatten.h"
 
 namespace curvecast {
 
@@ -41,28 +41,28 @@ struct alignas(64) ParameterTriangle : UvTriangle {
 /// The triangles of a chart, which outlives it. Precondition: the chart is valid, no triangle is flipped or empty.
 class ChartTriangles {
  public:
-  explicit ChartTriangles(const Chart& chart) : chart_(&chart) {}
+  explicit ChartTriangles(const ChartView& chart) : chart_(chart) {}
 
-  std::size_t size() const { return chart_->disc.triangles.size(); }
+  std::size_t size() const { return chart_.triangles.size(); }
   [[gnu::always_inline]] UvTriangle operator[](std::size_t t) const {
     UvTriangle out;
     for (int i = 0; i < 3; ++i) {
-      const Vec2d& corner = chart_->uv[chart_->disc.triangles[t][i]];
+      const Vec2d& corner = chart_.uv[chart_.triangles[t][i]];
       out.u[i] = corner.x();
       out.v[i] = corner.y();
     }
     out.inverse_area2 = 1 / ((out.u[1] - out.u[0]) * (out.v[2] - out.v[0]) - (out.v[1] - out.v[0]) * (out.u[2] - out.u[0]));
     return out;
   }
-  double area_ratio(std::size_t t) const { return curvecast::area_ratio(chart_->disc, chart_->uv, t); }
+  double area_ratio(std::size_t t) const { return curvecast::area_ratio(chart_, t); }
   ParameterTriangle whole(std::size_t t) const { return {(*this)[t], area_ratio(t)}; }
 
  private:
-  const Chart* chart_;
+  ChartView chart_;
 };
 
 /// One for each triangle of the disc. Precondition: as of ChartTriangles.
-Column<ParameterTriangle> parameter_triangles(const Chart& chart);
+Column<ParameterTriangle> parameter_triangles(const ChartView& chart);
 
 /// Tells whether the triangles fill the square to its sides, as every chart with a square border does.
 bool fill_square(std::span<const ParameterTriangle> triangles);

@@ -86,7 +86,7 @@ bool is_usable(const Material& material) { return material.texture != nullptr &&
 
 }  // namespace
 
-bool has_colour(const MeshAttributes& attributes) {
+bool has_colour(const ColourView& attributes) {
   if (!attributes.colours.empty() || !attributes.face_colours.empty()) return true;
   if (attributes.material_of_face.empty()) return false;
   return std::any_of(attributes.materials.begin(), attributes.materials.end(), [&](const Material& material) {
@@ -94,7 +94,7 @@ bool has_colour(const MeshAttributes& attributes) {
   });
 }
 
-SurfaceColour::SurfaceColour(const TriangleMesh& mesh, const MeshAttributes& attributes) : mesh_(mesh), attributes_(attributes) {
+SurfaceColour::SurfaceColour(const MeshView& mesh, const ColourView& attributes) : mesh_(mesh), attributes_(attributes) {
   std::map<const Image*, std::size_t> index_of;
   std::vector<const Image*> images;
   constexpr std::size_t kNoTexture = SIZE_MAX;

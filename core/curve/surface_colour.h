@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/colour.h"
@@ -14,16 +15,35 @@
 
 namespace curvecast {
 
+/// What gives a surface its colour, where it lies: see MeshAttributes, which outlives it.
+struct ColourView {
+  ColourView() = default;
+  ColourView(const MeshAttributes& a)  // NOLINT: it is one
+      : colours(a.colours),
+        uv(a.uv),
+        face_colours(a.face_colours),
+        material_of_face(a.material_of_face),
+        materials(a.materials) {}
+
+  std::span<const Rgba8> colours;
+  std::span<const Vec2f> uv;
+  std::span<const Rgba8> face_colours;
+  std::span<const std::uint32_t> material_of_face;
+  std::span<const Material> materials;
+};
+
 /// Tells whether the attributes give the surface any colour: vertex or face colours, a texture with coordinates, or a material
 /// that is not plain white.
-bool has_colour(const MeshAttributes& attributes);
+bool has_colour(const ColourView& attributes);
 
 /// Thread-safe once made.
 class SurfaceColour {
  public:
   /// `attributes` are those of `mesh` (C = 3 F, P = F); both must outlive it. Textures are reduced here, once, level by level: a
   /// third of their memory more.
-  SurfaceColour(const TriangleMesh& mesh, const MeshAttributes& attributes);
+  SurfaceColour(const MeshView& mesh, const ColourView& attributes);
+
+  const ColourView& source() const { return attributes_; }
 
   /// Returns the texture of the face's material, else the vertex colours, else the face's colour, else white; times the
   /// material's colour. `weights`: barycentric, of the face's corners. Textures repeat, and are averaged over about `area` of the
@@ -36,8 +56,8 @@ class SurfaceColour {
 
   const Levels* texture_of(std::uint32_t face) const;
 
-  const TriangleMesh& mesh_;
-  const MeshAttributes& attributes_;
+  const MeshView mesh_;
+  const ColourView attributes_;
   std::vector<std::vector<Image>> reduced_;  // of every texture, all levels but the first
   std::vector<Levels> textures_;
   std::vector<std::size_t> texture_of_material_;  // textures_.size(): none

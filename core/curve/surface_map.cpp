@@ -25,7 +25,7 @@ Vec3d clamped(const Vec3d& weights) {
 }
 
 /// Weights of a point on face f.
-Vec3d weights_on_face(const TriangleMesh& mesh, std::uint32_t f, const Vec3d& p) {
+Vec3d weights_on_face(const MeshView& mesh, std::uint32_t f, const Vec3d& p) {
   const Triangle& t = mesh.triangles[f];
   const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
   const Vec3d normal = (b - a).cross(c - a);
@@ -38,21 +38,6 @@ Vec3d weights_on_face(const TriangleMesh& mesh, std::uint32_t f, const Vec3d& p)
 // What a triangle of a disc is:
 constexpr std::uint8_t kIsWhole = 1;    // its whole face, corner by corner, and not a part of it
 constexpr std::uint8_t kHasCrease = 2;  // its face is a CreaseFace
-
-std::vector<std::uint8_t> kinds_of(const SurfaceData& data, const DiscMesh& disc) {
-  std::vector<std::uint8_t> kinds(disc.triangles.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kinds.size(), kGrain), [&](const auto& range) {
-    for (std::size_t t = range.begin(); t < range.end(); ++t) {
-      const std::uint32_t face = disc.face_of[t];
-      const Triangle& v = disc.triangles[t];
-      const Triangle& corners = data.mesh.triangles[face];
-      const auto is_at = [&](int i) { return disc.positions[v[i]] == data.mesh.positions[corners[i]]; };
-      if (is_at(0) && is_at(1) && is_at(2)) kinds[t] |= kIsWhole;
-      if (data.crease_of(face) != nullptr) kinds[t] |= kHasCrease;
-    }
-  });
-  return kinds;
-}
 
 constexpr std::size_t kRoom = LeafBatch::kSize + LeafBatch::kSlack;
 
@@ -71,7 +56,7 @@ struct Corners {
   const Vec3d* place[3];
   VertexRecord record[3];  // of the face's corners
 
-  Corners(const SurfaceData& data, const DiscMesh& disc, std::uint32_t t, bool has_crease) : face(disc.face_of[t]) {
+  Corners(const SurfaceData& data, const ChartView& disc, std::uint32_t t, bool has_crease) : face(disc.face_of[t]) {
     const CreaseFace* const crease = has_crease ? data.crease_of(face) : nullptr;
     for (int i = 0; i < 3; ++i) {
       place[i] = &disc.positions[disc.triangles[t][i]];
@@ -121,7 +106,7 @@ template <int numbers>
 }
 
 /// Weights of the leaves [begin, end) in a face of which their triangle is a part.
-void weigh_in_face(const TriangleMesh& mesh, std::uint32_t face, std::size_t begin, std::size_t end, MappedBatch& out) {
+void weigh_in_face(const MeshView& mesh, std::uint32_t face, std::size_t begin, std::size_t end, MappedBatch& out) {
   for (std::size_t i = begin; i < end; ++i) {
     const Vec3d w = weights_on_face(mesh, face, {out.place[0][i], out.place[1][i], out.place[2][i]});
     for (int k = 0; k < 3; ++k) out.weights[k][i] = static_cast<float>(w[k]);
@@ -129,7 +114,7 @@ void weigh_in_face(const TriangleMesh& mesh, std::uint32_t face, std::size_t beg
 }
 
 template <int numbers>
-[[gnu::always_inline]] inline void map_records(const SurfaceData& data, const DiscMesh& disc, const ChartTriangles& triangles,
+[[gnu::always_inline]] inline void map_records(const SurfaceData& data, const ChartView& disc, const ChartTriangles& triangles,
                                                const std::uint8_t* kinds, const LeafBatch& batch, MappedBatch& out) {
   for (std::size_t begin = 0, end; begin < batch.count; begin = end) {
     const std::uint32_t t = batch.under[begin];
@@ -141,13 +126,13 @@ template <int numbers>
   }
 }
 
-CURVECAST_WIDE void map_batch(const SurfaceData& data, const DiscMesh& disc, const ChartTriangles& triangles,
+CURVECAST_WIDE void map_batch(const SurfaceData& data, const ChartView& disc, const ChartTriangles& triangles,
                               const std::uint8_t* kinds, const LeafBatch& batch, MappedBatch& out) {
   map_records<VertexRecord::kSize>(data, disc, triangles, kinds, batch, out);
 }
 
 /// Normals only.
-CURVECAST_WIDE void map_normals(const SurfaceData& data, const DiscMesh& disc, const ChartTriangles& triangles,
+CURVECAST_WIDE void map_normals(const SurfaceData& data, const ChartView& disc, const ChartTriangles& triangles,
                                 const std::uint8_t* kinds, const LeafBatch& batch, MappedBatch& out) {
   map_records<3>(data, disc, triangles, kinds, batch, out);
 }
@@ -222,7 +207,9 @@ void locate_centres(std::span<const ParameterTriangle> triangles, const Quadtree
 
 SurfaceData::SurfaceData(const TriangleMesh& of_mesh, std::span<const VertexGeometry> of_geometry,
                          const MeshAttributes& of_attributes, const SurfaceColour* of_colour)
-    : mesh(of_mesh), geometry(of_geometry), attributes(of_attributes), colour(of_colour), creases(crease_normals(of_mesh)) {}
+    : mesh(of_mesh), geometry(of_geometry), colour(of_colour), creases(crease_normals(of_mesh)) {
+  for (const ScalarAttribute& scalar : of_attributes.scalars) scalars.emplace_back(scalar.values);
+}
 
 const CreaseFace* SurfaceData::crease_of(std::uint32_t face) const {
   const auto is_before = [](const CreaseFace& crease, std::uint32_t f) { return crease.face < f; };
@@ -230,8 +217,21 @@ const CreaseFace* SurfaceData::crease_of(std::uint32_t face) const {
   return found != creases.faces.end() && found->face == face ? &*found : nullptr;
 }
 
-SurfaceMapper::SurfaceMapper(const SurfaceData& data, const Chart& chart)
-    : data_(data), disc_(chart.disc), triangles_(chart), kinds_(kinds_of(data, chart.disc)) {}
+Column<std::uint8_t> triangle_kinds(const SurfaceData& data, const ChartView& chart) {
+  Column<std::uint8_t> kinds;
+  kinds.resize(chart.triangles.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kinds.size(), kGrain), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      const std::uint32_t face = chart.face_of[t];
+      const Triangle& v = chart.triangles[t];
+      const Triangle& corners = data.mesh.triangles[face];
+      const auto is_at = [&](int i) { return chart.positions[v[i]] == data.mesh.positions[corners[i]]; };
+      const bool is_whole = is_at(0) && is_at(1) && is_at(2);
+      kinds[t] = static_cast<std::uint8_t>((is_whole ? kIsWhole : 0) | (data.crease_of(face) != nullptr ? kHasCrease : 0));
+    }
+  });
+  return kinds;
+}
 
 void SurfaceMapper::map(const LeafBatch& batch, std::size_t at, SurfaceCurve& curve) const {
   MappedBatch mapped;
@@ -257,7 +257,7 @@ void SurfaceMapper::map(const LeafBatch& batch, std::size_t at, SurfaceCurve& cu
     }
     const Triangle& v = data_.mesh.triangles[mapped.face[i]];
     for (std::size_t s = 0; s < curve.scalars.size(); ++s) {
-      const std::vector<float>& values = data_.attributes.scalars[s].values;
+      const std::span<const float> values = data_.scalars[s];
       curve.scalars[s].values[at + i] = w[0] * values[v[0]] + w[1] * values[v[1]] + w[2] * values[v[2]];
     }
   }
@@ -277,9 +277,8 @@ void SurfaceMapper::place(const LeafBatch& batch, const Vec3d& origin, SurfacePl
   }
 }
 
-void map_to_surface(const SurfaceData& data, const Chart& chart, const QuadtreeLeaves& leaves,
-                    std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve) {
-  const SurfaceMapper mapper(data, chart);
+void map_to_surface(const SurfaceMapper& mapper, const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under,
+                    std::size_t offset, SurfaceCurve& curve) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
     LeafBatch batch;
     for (std::size_t begin = range.begin(); begin < range.end(); begin += batch.count) {

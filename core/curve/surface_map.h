@@ -6,11 +6,12 @@
 #include <span>
 #include <vector>
 
+#include "core/base/column.h"
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/parameter_triangle.h"
 #include "core/curve/surface_colour.h"
 #include "core/curve/surface_curve.h"
-#include "core/flatten/flatten.h"
+#include "core/flatten/chart_view.h"
 #include "core/mesh/crease_normals.h"
 #include "core/mesh/curvature.h"
 #include "core/mesh/mesh_attributes.h"
@@ -28,20 +29,24 @@ enum class Mapper : std::uint8_t {
 /// triangles it is the one in which the centre lies deepest, so that rounding on a shared side does no harm.
 void locate_centres(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<std::uint32_t> under);
 
-/// What is known of the surface; all that it is made of must outlive it.
+/// What is known of the surface, where it lies; what is looked at must outlive it.
 struct SurfaceData {
+  SurfaceData() = default;
   SurfaceData(const TriangleMesh& of_mesh, std::span<const VertexGeometry> of_geometry, const MeshAttributes& of_attributes,
               const SurfaceColour* of_colour = nullptr);
 
   /// Null where the face has none.
   const CreaseFace* crease_of(std::uint32_t face) const;
 
-  const TriangleMesh& mesh;
-  std::span<const VertexGeometry> geometry;  // of the mesh
-  const MeshAttributes& attributes;          // of the mesh
-  const SurfaceColour* colour;               // may be null
+  MeshView mesh;
+  std::span<const VertexGeometry> geometry;     // of the mesh
+  std::vector<std::span<const float>> scalars;  // each of the mesh's vertices
+  const SurfaceColour* colour = nullptr;
   CreaseNormals creases;
 };
+
+/// What the mapper wants to know of each triangle of a chart: whether it is a whole face, and whether creases meet that.
+Column<std::uint8_t> triangle_kinds(const SurfaceData& data, const ChartView& chart);
 
 /// Some leaves of one disc that follow one another on the curve, to be mapped in one go.
 struct LeafBatch {
@@ -64,7 +69,9 @@ struct SurfacePlace {
 /// Maps leaves of one disc; all that it is made of must outlive it.
 class SurfaceMapper {
  public:
-  SurfaceMapper(const SurfaceData& data, const Chart& chart);
+  /// `kinds`: see triangle_kinds().
+  SurfaceMapper(const SurfaceData& data, const ChartView& chart, std::span<const std::uint8_t> kinds)
+      : data_(data), disc_(chart), triangles_(chart), kinds_(kinds) {}
 
   /// Writes entries [at, at + batch.count) of the curve: position, normal, curvatures and their direction, face and barycentric
   /// weights of every centre; where the data has any, the surface's colour, averaged over about the leaf's area; and the mesh's
@@ -76,14 +83,14 @@ class SurfaceMapper {
 
  private:
   const SurfaceData& data_;
-  const DiscMesh& disc_;
-  ChartTriangles triangles_;
-  std::vector<std::uint8_t> kinds_;  // of each triangle
+  const ChartView disc_;
+  const ChartTriangles triangles_;
+  const std::span<const std::uint8_t> kinds_;
 };
 
 /// Maps all leaves of a disc to entries [offset, offset + L) of the curve, with their keys and levels. `under`: the triangle
 /// under each centre.
-void map_to_surface(const SurfaceData& data, const Chart& chart, const QuadtreeLeaves& leaves,
-                    std::span<const std::uint32_t> under, std::size_t offset, SurfaceCurve& curve);
+void map_to_surface(const SurfaceMapper& mapper, const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under,
+                    std::size_t offset, SurfaceCurve& curve);
 
 }  // namespace curvecast

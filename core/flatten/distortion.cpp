@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/flatten/flatten.h"
 #include "core/flatten/orientation.h"
 
 namespace curvecast {
@@ -29,16 +28,14 @@ std::uint64_t count_flipped(const DiscMesh& disc, const std::vector<Vec2d>& uv) 
   return flipped;
 }
 
-double uv_area(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t) {
-  const Triangle& v = disc.triangles[t];
-  const Vec2d p = uv[v[1]] - uv[v[0]];
-  const Vec2d q = uv[v[2]] - uv[v[0]];
+double uv_area(const ChartView& chart, std::size_t t) {
+  const Triangle& v = chart.triangles[t];
+  const Vec2d p = chart.uv[v[1]] - chart.uv[v[0]];
+  const Vec2d q = chart.uv[v[2]] - chart.uv[v[0]];
   return 0.5 * (p.x() * q.y() - p.y() * q.x());
 }
 
-double area_ratio(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t) {
-  return triangle_area(disc, t) / uv_area(disc, uv, t);
-}
+double area_ratio(const ChartView& chart, std::size_t t) { return triangle_area(chart, t) / uv_area(chart, t); }
 
 Stretch measure_stretch(const DiscMesh& disc, const std::vector<Vec2d>& uv) {
   constexpr double kSmallestArea = 1e-60;  // in uv: stands for triangles that rounding has collapsed or folded
@@ -136,7 +133,7 @@ Distortion measure_distortion(std::span<const Chart> charts) {
                  const auto& [disc, uv, parameterisation] = charts[c];
                  const double mean = surface_area(disc);  // the square's area is 1
                  for (std::size_t t = 0; t < disc.face_count(); ++t) {
-                   summary.add({triangle_area(disc, t), area_ratio(disc, uv, t) / mean});
+                   summary.add({triangle_area(disc, t), area_ratio({disc, uv}, t) / mean});
                  }
                }
                return summary;

@@ -6,20 +6,18 @@
 #include <span>
 #include <vector>
 
-#include "core/flatten/disc_mesh.h"
+#include "core/flatten/chart_view.h"
 
 namespace curvecast {
-
-struct Chart;  // flatten.h
 
 /// Triangles whose uv area is not positive, by an exact test.
 std::uint64_t count_flipped(const DiscMesh& disc, const std::vector<Vec2d>& uv);
 
 /// Signed area of triangle t in the parameter square.
-double uv_area(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t);
+double uv_area(const ChartView& chart, std::size_t t);
 
 /// Surface area over uv area of triangle t; positive and finite if it is neither flipped nor empty.
-double area_ratio(const DiscMesh& disc, const std::vector<Vec2d>& uv, std::size_t t);
+double area_ratio(const ChartView& chart, std::size_t t);
 
 /// The L2 stretch of the map from uv to the surface (Sander and others, 2001): of the whole, and of the triangles around each
 /// vertex, both relative to the stretch of an isometric map. The uv fill an area of 1. Finite, if large, for triangles flipped by

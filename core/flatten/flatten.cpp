@@ -35,7 +35,7 @@ bool is_valid(const Chart& chart, double max_area_ratio) {
   if (count_flipped(chart.disc, chart.uv) > 0) return false;
   const double most = max_area_ratio * surface_area(chart.disc);  // the square's area is 1
   for (std::size_t t = 0; t < chart.disc.face_count(); ++t) {
-    const double ratio = area_ratio(chart.disc, chart.uv, t);
+    const double ratio = area_ratio({chart.disc, chart.uv}, t);
     if (!(std::isfinite(ratio) && ratio <= most)) return false;
   }
   return true;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/base/vec.h"
@@ -25,11 +26,20 @@ struct TriangleMesh {
   std::uint32_t to(std::uint32_t h) const { return triangles[h / 3][(h + 1) % 3]; }
 };
 
+/// A mesh's triangles where they lie, in memory or in a mapped file, which outlives it.
+struct MeshView {
+  MeshView() = default;
+  MeshView(const TriangleMesh& mesh) : positions(mesh.positions), triangles(mesh.triangles) {}  // NOLINT: it is one
+
+  std::span<const Vec3d> positions;
+  std::span<const Triangle> triangles;
+};
+
 constexpr std::uint32_t next_halfedge(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
 constexpr std::uint32_t previous_halfedge(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
 /// Area of triangle f, in squared units of the file.
-double triangle_area(const TriangleMesh& mesh, std::size_t f);
+double triangle_area(const MeshView& mesh, std::size_t f);
 /// Returns the sum of all triangle areas.
 double surface_area(const TriangleMesh& mesh);
 /// Returns the box of all positions.

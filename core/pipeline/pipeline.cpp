@@ -188,7 +188,8 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
     } else {
       locate_centres(triangles, leaves[d], under);
     }
-    map_to_surface(data, charts[d], leaves[d], under, curve.disc_begin[d], curve);
+    const Column<std::uint8_t> kinds = triangle_kinds(data, charts[d]);
+    map_to_surface(SurfaceMapper(data, charts[d], kinds), leaves[d], under, curve.disc_begin[d], curve);
     report.seconds.map += watch.lap();
     const auto of_disc = [&](Column<float>& column) { return std::span(column).subspan(curve.disc_begin[d], leaves[d].size()); };
     if (options.area_element == AreaElement::kVoronoi) {

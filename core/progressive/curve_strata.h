@@ -34,6 +34,9 @@ class CurveStrata {
   /// Preconditions: the curve has an area; no area element is negative or not finite.
   explicit CurveStrata(const LeafSurface& surface);
 
+  /// From now on, the same surface, with the same curve, is taken from there.
+  void move_to(const LeafSurface& surface) { surface_ = &surface; }
+
   const LeafSurface& surface() const { return *surface_; }
   const SurfaceCurve& curve() const { return surface_->curve(); }
   double total_area() const { return before_.back(); }  // sum of the area elements

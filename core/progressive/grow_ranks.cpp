@@ -42,6 +42,12 @@ absl::StatusOr<std::unique_ptr<RankGrower>> RankGrower::make(std::shared_ptr<con
   return grower;
 }
 
+void RankGrower::move_to(std::shared_ptr<const LeafSurface> surface) {
+  strata_.move_to(*surface);
+  ranks_->move_to(surface);
+  surface_ = std::move(surface);
+}
+
 absl::Status RankGrower::make_whole(int level, const ExecutionContext& context) {
   if (ranks_) {
     if (absl::Status status = ranks_->extend(level, context); !status.ok()) return status;
@@ -56,6 +62,7 @@ absl::Status RankGrower::make_whole(int level, const ExecutionContext& context) 
     chunks.resize(begin + chunks_of_level(l));
     for_all(context, chunks.size() - begin, [&](std::size_t i) { chunks[begin + i] = whole_chunk({l, i}); });
   }
+  if (absl::Status status = surface_->status(); !status.ok()) return status;
   tree_ = std::make_shared<const RankTree>(tree_ == nullptr ? RankTree(std::move(chunks))
                                                             : tree_->grown(chunks, std::numeric_limits<std::size_t>::max()));
   return absl::OkStatus();
@@ -114,6 +121,7 @@ absl::Status RankGrower::grow(std::span<const ChunkId> lacking, std::uint64_t ma
       begin += some.size();
     }
   }
+  if (absl::Status status = surface_->status(); !status.ok()) return status;
   tree_ = std::make_shared<const RankTree>(tree_->grown(made, max_points));
   return absl::OkStatus();
 }

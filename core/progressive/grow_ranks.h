@@ -32,9 +32,13 @@ class RankGrower {
   /// Returns the bytes of what grow() keeps for the next grow(), besides the tree.
   std::size_t byte_size() const { return ranks_->points().size_bytes() + made_.byte_size(); }
 
+  /// From now on, the same surface, with the same curve, is taken from there.
+  void move_to(std::shared_ptr<const LeafSurface> surface);
+
   /// Makes the chunks `lacking`, down to level kMaxRankLevel. A chunk whose parent the tree lacks is left out of the tree. Where
   /// the tree has more than `max_points` then, it lets go of chunks that were not used since it grew last (see
-  /// RankTree::grown()); made again they are the same. Cancelled: the tree is as before.
+  /// RankTree::grown()); made again they are the same. Cancelled, DataLoss (the surface is damaged): the tree is
+  /// as before.
   absl::Status grow(std::span<const ChunkId> lacking, std::uint64_t max_points, const ExecutionContext& context = {});
 
  private:
@@ -43,9 +47,9 @@ class RankGrower {
   RankTree::Chunk whole_chunk(const ChunkId& id) const;
   absl::Status make_chunks(std::span<const ChunkId> wanted, std::vector<RankTree::Chunk>& out, const ExecutionContext& context);
 
-  const std::shared_ptr<const LeafSurface> surface_;
+  std::shared_ptr<const LeafSurface> surface_;
   const std::uint64_t seed_;
-  const CurveStrata strata_;
+  CurveStrata strata_;
   const StratumBounds bounds_;
   std::optional<ProgressiveRanks> ranks_;
   DeepGroups made_;  // kept for the next grow()

@@ -231,6 +231,11 @@ absl::StatusOr<ProgressiveRanks> ProgressiveRanks::make(std::shared_ptr<const Le
   return ranks;
 }
 
+void ProgressiveRanks::move_to(std::shared_ptr<const LeafSurface> surface) {
+  strata_->move_to(*surface);
+  surface_ = std::move(surface);
+}
+
 absl::Status ProgressiveRanks::extend(int level, const ExecutionContext& context) {
   if (level <= options_.level || level > kMaxLevelAtOnce) {
     return absl::InvalidArgumentError(absl::StrFormat("ranks down to level %d asked for; there are %d, and at most %d", level,

@@ -59,7 +59,7 @@ struct DeepGroups {
 
 /// Ranked points of a whole curve down to a level, made at once, and of parts of it as deep as one likes. For every l the points
 /// of the 4^l lowest ranks have one in each stratum of level l. Any number of threads gives the same points. Immutable but for
-/// extend(): any number of threads may ask.
+/// extend() and move_to(): any number of threads may ask.
 class ProgressiveRanks {
  public:
   /// InvalidArgument: the level is out of range, the curve has no area. Cancelled.
@@ -69,6 +69,9 @@ class ProgressiveRanks {
   /// Makes all points down to a deeper level, at most kMaxLevelAtOnce; the points that there are stay. No other thread may ask
   /// meanwhile. InvalidArgument: the level is not deeper. Cancelled, and nothing has changed.
   absl::Status extend(int level, const ExecutionContext& context = {});
+
+  /// From now on, the same surface, with the same curve, is taken from there. No other thread may ask meanwhile.
+  void move_to(std::shared_ptr<const LeafSurface> surface);
 
   const SurfaceCurve& curve() const { return surface_->curve(); }
   int level() const { return options_.level; }
@@ -88,7 +91,7 @@ class ProgressiveRanks {
 
   std::shared_ptr<const LeafSurface> surface_;
   ProgressiveOptions options_;
-  std::unique_ptr<const CurveStrata> strata_;
+  std::unique_ptr<CurveStrata> strata_;
   std::unique_ptr<const GroupOrder> order_;
   std::vector<RankedPoint> points_;
 };

@@ -78,6 +78,7 @@ absl::StatusOr<RefinedCurve> refine_here(const CurveBase& base, const SurfaceCur
     if (!split.ok()) return split.status();
     return finish(*std::move(split));
   }
+  if (!base.is_all_sound()) return base.status();
   SurfaceCurve raised = subdivide_all(base, curve, common);
   if (absl::Status status = context.check(); !status.ok()) return status;
   const std::vector<std::uint8_t> left = levels_left(curve, raised, missing.levels);

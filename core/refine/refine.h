@@ -27,7 +27,8 @@ struct RefinedCurve {
 
 /// Makes the next revision of a curve, fine enough for all of the demands as far as that goes; never coarser anywhere. Where
 /// nearly all leaves want more levels, all are raised (subdivide_all()) first, then the others are split (split_leaves()). A
-/// density that varies within a leaf may find its parts too coarse again. Errors as of evaluate_density; Cancelled.
+/// density that varies within a leaf may find its parts too coarse again. Errors as of evaluate_density; DataLoss: the base is
+/// damaged; Cancelled.
 absl::StatusOr<RefinedCurve> refine(const CurveBase& base, const SurfaceCurve& curve, std::span<const CurveDemand> demands,
                                     const RefineOptions& options, const ExecutionContext& context = {});
 

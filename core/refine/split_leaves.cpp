@@ -30,7 +30,7 @@ struct Piece {
 class Splitter {
  public:
   Splitter(const CurveBase& base, std::size_t disc)
-      : base_(base), mesh_(base.mesh_of(disc)), touching_(mesh_), lists_(kMaxLevel + 1) {}
+      : base_(base), disc_(disc), mesh_(base.mesh_of(disc)), touching_(mesh_), lists_(kMaxLevel + 1) {}
 
   void split(const SurfaceCurve& curve, std::size_t l, int levels, Piece& piece) {
     const std::uint64_t key = curve.key[l];
@@ -38,7 +38,7 @@ class Splitter {
     const Quad quad = leaf_quad(key, static_cast<std::uint8_t>(level));
     HilbertState state = 0;
     for (int depth = 1; depth <= level; ++depth) state = hilbert_child_state(state, key >> 2 * (kMaxLevel - depth) & 3);
-    touching_.find(quad, base_.triangle_of[curve.triangle[l]], lists_[level]);
+    touching_.find(quad, base_.triangle_in(disc_, curve.triangle[l]), lists_[level]);
     const std::size_t before = piece.key.size();
     divide({quad, key, level, state}, level + levels, piece);
     piece.children.push_back(static_cast<std::uint32_t>(piece.key.size() - before));
@@ -85,6 +85,7 @@ class Splitter {
   }
 
   const CurveBase& base_;
+  const std::size_t disc_;
   const ParameterMesh mesh_;
   TouchingTriangles touching_;
   std::vector<std::vector<std::uint32_t>> lists_;  // by level
@@ -234,6 +235,7 @@ absl::StatusOr<SurfaceCurve> split_leaves(const CurveBase& base, const SurfaceCu
       if (levels[l] > 0) divided.push_back(l);
     }
     const std::span mine = std::span<const std::uint32_t>(divided).subspan(first);
+    if (!mine.empty() && !base.is_sound(d)) return base.status();
     absl::StatusOr<NewLeaves> made = mine.empty() ? NewLeaves{} : divide_disc(base, curve, d, levels, mine, context);
     if (!made.ok()) return made.status();
     fresh_begin.push_back(fresh_begin.back() + made->leaves.size());
@@ -258,9 +260,9 @@ absl::StatusOr<SurfaceCurve> split_leaves(const CurveBase& base, const SurfaceCu
     triangles.reserve(numbers.size());
     for (const std::uint32_t t : numbers) triangles.push_back(of_chart.whole(t));
     locate_centres(triangles, leaves, under);
-    area_elements(triangles, base.fills_square[d], leaves, {fresh.area.data() + fresh_begin[d], leaves.size()});
+    area_elements(triangles, base.charts[d].fills_square, leaves, {fresh.area.data() + fresh_begin[d], leaves.size()});
     for (std::uint32_t& t : under) t = numbers[t];
-    map_to_surface(base.data, base.charts[d], leaves, under, fresh_begin[d], fresh);
+    map_to_surface(base.mappers[d], leaves, under, fresh_begin[d], fresh);
     discs[d] = {};
     if (absl::Status status = context.check(); !status.ok()) return status;
   }

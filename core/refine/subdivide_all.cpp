@@ -105,7 +105,7 @@ CURVECAST_WIDE void divide(const CurveBase& base, const SurfaceMapper& mapper, c
       out.area[i] = area;
     };
     // Every parent starts from its own triangle, so that the ends of the blocks show nowhere.
-    std::uint32_t triangle = base.triangle_of[curve.triangle[l]];
+    std::uint32_t triangle = base.triangle_in(block.disc, curve.triangle[l]);
     const CurveCell parent = walk.to(curve.key[l], curve.level[l]);
     if (down == 0) {
       if (batch.count == LeafBatch::kSize) flush();

@@ -18,6 +18,7 @@
 #include <memory>
 #include <new>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "core/storage/atomic_file.h"
@@ -26,12 +27,13 @@ namespace curvecast {
 namespace {
 
 constexpr char kMagic[8] = {'\x89', 'C', 'V', 'C', '\r', '\n', '\x1a', '\n'};  // as PNG's: what damages line ends shows at once
-constexpr std::uint32_t kFormatVersion = 1;
+constexpr std::uint32_t kFormatVersion = 2;
 constexpr std::size_t kAlignment = 64;
 constexpr std::size_t kMaxName = 31;
 constexpr std::uint64_t kMaxSections = 4096;
 constexpr std::uint64_t kMaxFileSize = std::uint64_t{64} << 30;
 constexpr std::uint32_t kMaxElementSize = 4096;
+constexpr std::uint64_t kBlocksAtOnce = 16;  // by one thread
 
 struct Header {
   char magic[8];
@@ -40,7 +42,8 @@ struct Header {
   char kind[8];
   std::uint64_t file_size;
   std::uint64_t sections;
-  std::uint64_t reserved[2];
+  std::uint64_t blocks;
+  std::uint64_t reserved;
   std::uint64_t checksum;
 };
 static_assert(sizeof(Header) == kAlignment);
@@ -53,15 +56,38 @@ struct FreeHash {
   void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
 };
 
-/// As of all parts in one.
-std::uint64_t hash(std::span<const std::span<const std::byte>> parts) {
-  if (parts.size() == 1) return hash(parts.front());
-  const std::unique_ptr<XXH3_state_t, FreeHash> state(XXH3_createState());
-  if (state == nullptr) throw std::bad_alloc();
-  XXH3_64bits_reset(state.get());
-  for (const std::span<const std::byte> part : parts) XXH3_64bits_update(state.get(), part.data(), part.size());
-  return XXH3_64bits_digest(state.get());
-}
+/// The checksums of the blocks of what is added.
+class BlockSums {
+ public:
+  BlockSums() : state_(XXH3_createState()) {
+    if (state_ == nullptr) throw std::bad_alloc();
+    XXH3_64bits_reset(state_.get());
+  }
+  void add(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const std::size_t some = std::min<std::size_t>(bytes.size(), kSectionFileBlock - filled_);
+      XXH3_64bits_update(state_.get(), bytes.data(), some);
+      bytes = bytes.subspan(some);
+      filled_ += some;
+      if (filled_ == kSectionFileBlock) finish_block();
+    }
+  }
+  std::vector<std::uint64_t> finish() {
+    if (filled_ > 0) finish_block();
+    return std::move(sums_);
+  }
+
+ private:
+  void finish_block() {
+    sums_.push_back(XXH3_64bits_digest(state_.get()));
+    XXH3_64bits_reset(state_.get());
+    filled_ = 0;
+  }
+
+  std::unique_ptr<XXH3_state_t, FreeHash> state_;
+  std::uint64_t filled_ = 0;
+  std::vector<std::uint64_t> sums_;
+};
 
 std::uint64_t size_of(const Section& section) {
   std::uint64_t size = 0;
@@ -69,7 +95,7 @@ std::uint64_t size_of(const Section& section) {
   return size;
 }
 
-/// Of header and table, one after the other in memory; the header's own checksum counts as zero.
+/// Of header, table and checksums, one after the other in memory; the header's own checksum counts as zero.
 std::uint64_t header_hash(std::span<const std::byte> bytes) {
   Header header;
   std::memcpy(&header, bytes.data(), sizeof header);
@@ -92,35 +118,43 @@ struct SectionFile::Entry {
   char name[kMaxName + 1];  // padded with zeros
   std::uint64_t count;
   std::uint64_t offset;
-  std::uint64_t checksum;
+  std::uint64_t reserved;
   std::uint32_t element_size;
-  std::uint32_t reserved;
+  std::uint32_t reserved_too;
 };
 
 absl::Status write_section_file(const std::string& path, const FileKind& kind, std::span<const Section> sections) {
   struct Entry {
     char name[kMaxName + 1] = {};
-    std::uint64_t count = 0, offset = 0, checksum = 0;
-    std::uint32_t element_size = 0, reserved = 0;
+    std::uint64_t count = 0, offset = 0, reserved = 0;
+    std::uint32_t element_size = 0, reserved_too = 0;
   };
   static_assert(sizeof(Entry) == kAlignment);
   assert(sections.size() <= kMaxSections);
-  std::vector<std::byte> head(sizeof(Header) + sections.size() * sizeof(Entry));
-  std::uint64_t end = head.size();
+  constexpr std::byte kZeros[kAlignment] = {};
+  std::uint64_t size = 0;  // of all sections
+  BlockSums sums;
   // On one thread: the disk is the slower part, and the cores are for those who wait.
-  for (std::size_t i = 0; i < sections.size(); ++i) {
-    const Section& section = sections[i];
+  for (const Section& section : sections) {
     assert(!section.name.empty() && section.name.size() <= kMaxName && size_of(section) % section.element_size == 0);
+    sums.add({kZeros, aligned(size) - size});
+    for (const std::span<const std::byte> part : section.parts) sums.add(part);
+    size = aligned(size) + size_of(section);
+  }
+  const std::vector<std::uint64_t> block_sums = sums.finish();
+  const std::uint64_t table_end = sizeof(Header) + sections.size() * sizeof(Entry);
+  std::vector<std::byte> head(aligned(table_end + block_sums.size() * sizeof(std::uint64_t)));
+  std::uint64_t end = head.size();
+  for (std::size_t i = 0; i < sections.size(); ++i) {
     Entry entry;
-    section.name.copy(entry.name, kMaxName);
-    const std::uint64_t size = size_of(section);
-    entry.count = size / section.element_size;
+    sections[i].name.copy(entry.name, kMaxName);
+    entry.count = size_of(sections[i]) / sections[i].element_size;
     entry.offset = aligned(end);
-    entry.checksum = hash(section.parts);
-    entry.element_size = section.element_size;
-    end = entry.offset + size;
+    entry.element_size = sections[i].element_size;
+    end = entry.offset + size_of(sections[i]);
     std::memcpy(head.data() + sizeof(Header) + i * sizeof entry, &entry, sizeof entry);
   }
+  std::copy_n(std::as_bytes(std::span(block_sums)).data(), block_sums.size() * sizeof(std::uint64_t), head.data() + table_end);
   Header header = {};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   header.format_version = kFormatVersion;
@@ -128,6 +162,7 @@ absl::Status write_section_file(const std::string& path, const FileKind& kind, s
   std::memcpy(header.kind, kind.name, sizeof kind.name);
   header.file_size = end;
   header.sections = sections.size();
+  header.blocks = block_sums.size();
   std::memcpy(head.data(), &header, sizeof header);
   header.checksum = header_hash(head);
   std::memcpy(head.data(), &header, sizeof header);
@@ -174,7 +209,7 @@ absl::Status SectionFile::read(int descriptor, const FileKind& kind, FileAccess 
   const auto size = static_cast<std::uint64_t>(status.st_size);
   if (size < sizeof(Header)) return damaged(absl::StrCat("it has only ", size, " bytes"));
   if (size > kMaxFileSize) return damaged(absl::StrCat("it has ", size, " bytes, more than any such file"));
-  if (access == FileAccess::kMap) {
+  if (access != FileAccess::kCopy) {
     void* data = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor, 0);
     if (data == MAP_FAILED) return absl::ErrnoToStatus(errno, absl::StrCat(path_, ": cannot map"));
     data_ = static_cast<std::byte*>(data);
@@ -192,10 +227,11 @@ absl::Status SectionFile::read(int descriptor, const FileKind& kind, FileAccess 
     }
   }
   if (absl::Status checked = check_header(kind); !checked.ok()) return checked;
+  if (absl::Status checked = check_table(); !checked.ok()) return checked;
+  if (access == FileAccess::kMapLazily) return absl::OkStatus();
   // Reading ahead is worth it only once the file is known for one of ours.
   if (mapped_) ::madvise(data_, size_, MADV_POPULATE_READ);
-  if (absl::Status checked = check_table(); !checked.ok()) return checked;
-  return check_sections();
+  return check_all();
 }
 
 absl::Status SectionFile::damaged(const std::string& what) const {
@@ -207,7 +243,13 @@ std::span<const SectionFile::Entry> SectionFile::table() const {
   return {reinterpret_cast<const Entry*>(data_ + sizeof(Header)), header->sections};
 }
 
-absl::Status SectionFile::check_header(const FileKind& kind) const {
+std::span<const std::uint64_t> SectionFile::sums() const {
+  const std::span<const Entry> entries = table();
+  return {reinterpret_cast<const std::uint64_t*>(entries.data() + entries.size()),
+          reinterpret_cast<const Header*>(data_)->blocks};
+}
+
+absl::Status SectionFile::check_header(const FileKind& kind) {
   Header header;
   std::memcpy(&header, data_, sizeof header);
   if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) return damaged("it is no file of this program");
@@ -225,15 +267,22 @@ absl::Status SectionFile::check_header(const FileKind& kind) const {
   if (header.sections > kMaxSections || sizeof(Header) + header.sections * sizeof(Entry) > size_) {
     return damaged(absl::StrCat("it claims to have ", header.sections, " sections"));
   }
-  if (header_hash({data_, sizeof(Header) + header.sections * sizeof(Entry)}) != header.checksum) {
-    return damaged("its header has a wrong checksum");
+  const std::uint64_t room = size_ - sizeof(Header) - header.sections * sizeof(Entry);
+  const std::uint64_t begin =
+      header.blocks > room / sizeof(std::uint64_t)
+          ? size_ + 1
+          : aligned(sizeof(Header) + header.sections * sizeof(Entry) + header.blocks * sizeof(std::uint64_t));
+  if (begin > size_ || (size_ - begin + kBlock - 1) / kBlock != header.blocks) {
+    return damaged(absl::StrCat("it claims to have ", header.blocks, " blocks"));
   }
+  if (header_hash({data_, begin}) != header.checksum) return damaged("its header has a wrong checksum");
+  blocks_begin_ = begin;
+  is_good_ = std::make_unique<std::atomic<bool>[]>(header.blocks);
   return absl::OkStatus();
 }
 
 absl::Status SectionFile::check_table() const {
-  const auto is_zero = [](std::byte byte) { return byte == std::byte{0}; };
-  std::uint64_t end = sizeof(Header) + table().size_bytes();
+  std::uint64_t end = blocks_begin_;
   std::set<std::string_view> names;
   for (const Entry& entry : table()) {
     const std::size_t length = strnlen(entry.name, sizeof entry.name);
@@ -244,28 +293,44 @@ absl::Status SectionFile::check_table() const {
       return damaged(absl::StrCat("section ", word(entry.name, sizeof entry.name), " ", what));
     };
     if (entry.element_size < 1 || entry.element_size > kMaxElementSize) return about("has elements of an absurd size");
+    if (entry.reserved != 0 || entry.reserved_too != 0) return about("has something else than zeros in reserve");
     if (entry.offset != aligned(end) || entry.offset > size_) return about("does not begin where the one before it ends");
     if (entry.count > (size_ - entry.offset) / entry.element_size) return about("reaches beyond the end of the file");
-    if (!std::all_of(data_ + end, data_ + entry.offset, is_zero)) return about("has something else than zeros before it");
     end = entry.offset + entry.count * entry.element_size;
   }
   return end == size_ ? absl::OkStatus() : damaged("it goes on after its last section");
 }
 
-absl::Status SectionFile::check_sections() const {
-  const std::span<const Entry> entries = table();
-  std::atomic<std::size_t> wrong = entries.size();
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, entries.size(), 1),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          const Entry& entry = entries[i];
-          if (hash({data_ + entry.offset, entry.count * entry.element_size}) != entry.checksum) wrong = i;
-        }
-      },
-      tbb::simple_partitioner());
-  if (wrong == entries.size()) return absl::OkStatus();
-  return damaged(absl::StrCat("section ", word(entries[wrong].name, kMaxName), " has a wrong checksum"));
+bool SectionFile::check_block(std::uint64_t i) const {
+  if (is_good_[i].load(std::memory_order_acquire)) return true;
+  const std::uint64_t at = blocks_begin_ + i * kBlock;
+  if (hash({data_ + at, std::min(kBlock, size_ - at)}) != sums()[i]) return false;
+  is_good_[i].store(true, std::memory_order_release);
+  return true;
+}
+
+absl::Status SectionFile::wrong_block(std::uint64_t i) const {
+  return damaged(absl::StrCat("bytes ", blocks_begin_ + i * kBlock, " and following have a wrong checksum"));
+}
+
+absl::Status SectionFile::check_all() const {
+  const std::uint64_t blocks = sums().size();
+  std::atomic<std::uint64_t> wrong = blocks;
+  tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, blocks, kBlocksAtOnce), [&](const auto& range) {
+    for (std::uint64_t i = range.begin(); i != range.end(); ++i) {
+      if (!check_block(i)) wrong = i;
+    }
+  });
+  return wrong == blocks ? absl::OkStatus() : wrong_block(wrong);
+}
+
+// On the calling thread: callers hold locks, for which threads that help would wait.
+absl::Status SectionFile::check_bytes(std::span<const std::byte> bytes) const {
+  const std::uint64_t begin = static_cast<std::uint64_t>(bytes.data() - data_) - blocks_begin_;
+  for (std::uint64_t i = begin / kBlock; i <= (begin + bytes.size() - 1) / kBlock; ++i) {
+    if (!check_block(i)) return wrong_block(i);
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::span<const std::byte>> SectionFile::find(std::string_view name, std::size_t element_size) const {

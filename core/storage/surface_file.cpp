@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <map>
-#include <tuple>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "core/flatten/distortion.h"
 #include "core/storage/archive.h"
-#include "core/storage/pipeline_archive.h"
 #include "core/storage/section_file.h"
 
 namespace curvecast {
@@ -31,13 +28,11 @@ struct TextureRecord {
 
 /// What is no array.
 struct SurfaceRecord {
-  MeshInfo info;
-  PreprocessReport report;
-  std::vector<std::string> scalars;
+  std::uint64_t scalars = 0;
   std::vector<MaterialRecord> materials;
   std::vector<TextureRecord> textures;
-  std::vector<std::uint8_t> parameterisations;  // one for each chart
-  std::vector<std::uint64_t> chart_lengths;     // for each chart the length of each of its arrays
+  std::vector<std::uint8_t> fills_square;    // for each chart
+  std::vector<std::uint64_t> chart_lengths;  // for each chart the length of each of its arrays
 };
 
 template <typename Archive, ConstOr<MaterialRecord> T>
@@ -50,8 +45,8 @@ void archive(Archive& fields, T& record) {
 }
 template <typename Archive, ConstOr<SurfaceRecord> T>
 void archive(Archive& fields, T& record) {
-  auto& [info, report, scalars, materials, textures, parameterisations, chart_lengths] = record;
-  fields(info, report, scalars, materials, textures, parameterisations, chart_lengths);
+  auto& [scalars, materials, textures, fills_square, chart_lengths] = record;
+  fields(scalars, materials, textures, fills_square, chart_lengths);
 }
 
 namespace {
@@ -68,51 +63,76 @@ template <typename Number, int n>
 struct Stored<Eigen::Matrix<Number, n, 1>> {
   using Type = std::array<Number, n>;
 };
+template <>
+struct Stored<VertexGeometry> {
+  using Type = std::array<float, sizeof(VertexGeometry) / sizeof(float)>;
+};
+template <>
+struct Stored<CreaseNormal> {
+  using Type = std::array<std::uint32_t, 4>;
+};
 template <typename T>
 using StoredAs = typename Stored<T>::Type;
 
 template <typename T>
-std::span<const StoredAs<T>> stored(const std::vector<T>& values) {
+std::span<const StoredAs<T>> stored(std::span<const T> values) {
   static_assert(sizeof(StoredAs<T>) == sizeof(T));
   return {reinterpret_cast<const StoredAs<T>*>(values.data()), values.size()};
 }
-
 template <typename T>
-void restore(std::span<const StoredAs<T>> from, std::vector<T>& to) {
-  to.resize(from.size());
-  if (!from.empty()) std::memcpy(static_cast<void*>(to.data()), from.data(), from.size_bytes());
+std::span<const T> restored(std::span<const StoredAs<T>> values) {
+  static_assert(sizeof(StoredAs<T>) == sizeof(T) && alignof(T) <= 64);
+  return {reinterpret_cast<const T*>(values.data()), values.size()};
 }
 
-/// The one list of the arrays of a mesh and its attributes, scalars and pictures apart.
-template <typename Mesh, typename Visit>
-void visit_mesh(Mesh& loaded, Visit&& visit) {
-  visit("positions", loaded.mesh.positions);
-  visit("triangles", loaded.mesh.triangles);
-  visit("twins", loaded.mesh.twins);
-  visit("colours", loaded.attributes.colours);
-  visit("normals", loaded.attributes.normals);
-  visit("corner uv", loaded.attributes.uv);
-  visit("face colours", loaded.attributes.face_colours);
-  visit("face materials", loaded.attributes.material_of_face);
+/// The arrays of a surface but for its charts and pictures, as they lie.
+struct Arrays {
+  MeshView mesh;
+  std::span<const VertexGeometry> geometry;
+  std::span<const std::uint32_t> triangle_of;
+  std::span<const CreaseNormal> crease_normals;
+  std::span<const CreaseFace> crease_faces;
+  ColourView colour;
+  std::vector<std::span<const float>> scalars;
+};
+
+/// The one list of them.
+template <typename Visit>
+void visit_arrays(Arrays& arrays, Visit&& visit) {
+  visit("positions", arrays.mesh.positions);
+  visit("triangles", arrays.mesh.triangles);
+  visit("geometry", arrays.geometry);
+  visit("triangles of faces", arrays.triangle_of);
+  visit("crease normals", arrays.crease_normals);
+  visit("crease faces", arrays.crease_faces);
+  visit("colours", arrays.colour.colours);
+  visit("corner uv", arrays.colour.uv);
+  visit("face colours", arrays.colour.face_colours);
+  visit("face materials", arrays.colour.material_of_face);
+  for (std::size_t i = 0; i < arrays.scalars.size(); ++i) visit(absl::StrCat("scalar ", i), arrays.scalars[i]);
 }
 
-/// The one list of the arrays of a chart. In files, those of all charts follow each other.
+/// A chart's arrays.
+struct ChartArrays : ChartView {
+  std::span<const std::uint8_t> kinds;
+};
+
+/// The one list of them. In files, those of all charts follow each other.
 constexpr std::size_t kChartArrays = 6;
-template <typename AnyChart, typename Visit>
-void visit_chart(AnyChart& chart, Visit&& visit) {
-  visit("disc positions", chart.disc.positions);
-  visit("disc triangles", chart.disc.triangles);
-  visit("disc twins", chart.disc.twins);
-  visit("disc faces", chart.disc.face_of);
-  visit("disc borders", chart.disc.border);
+template <typename Visit>
+void visit_chart(ChartArrays& chart, Visit&& visit) {
+  visit("disc positions", chart.positions);
+  visit("disc triangles", chart.triangles);
+  visit("disc twins", chart.twins);
+  visit("disc faces", chart.face_of);
   visit("disc uv", chart.uv);
+  visit("disc kinds", chart.kinds);
 }
 
-std::string scalar_section(std::size_t i) { return absl::StrCat("scalar ", i); }
 std::string texture_section(std::size_t i) { return absl::StrCat("texture ", i); }
 
 /// The pictures in the order of their first use; materials share them.
-std::vector<const Image*> number_textures(const std::vector<Material>& materials, SurfaceRecord& record) {
+std::vector<const Image*> number_textures(std::span<const Material> materials, SurfaceRecord& record) {
   std::map<const Image*, std::uint32_t> numbers;
   std::vector<const Image*> textures;
   for (const Material& material : materials) {
@@ -130,176 +150,269 @@ std::vector<const Image*> number_textures(const std::vector<Material>& materials
   return textures;
 }
 
-absl::Status load_attributes(const SectionFile& file, SurfaceRecord& record, MeshAttributes& attributes) {
-  for (std::size_t i = 0; i < record.scalars.size(); ++i) {
-    const auto values = file.section<float>(scalar_section(i));
-    if (!values.ok()) return values.status();
-    restore(*values, attributes.scalars.emplace_back(ScalarAttribute{std::move(record.scalars[i]), {}}).values);
+/// A surface in a mapped file.
+class MappedSurface {
+ public:
+  explicit MappedSurface(std::function<void(const absl::Status&)> on_damage) : on_damage_(std::move(on_damage)) {}
+  MappedSurface(const MappedSurface&) = delete;
+
+  absl::Status open(const std::string& path);
+  const CurveBase& base() const { return *base_; }
+
+ private:
+  absl::Status senseless(const char* what) const {
+    return absl::DataLossError(absl::StrCat(file_->path(), ": its surface makes no sense: ", what));
   }
-  std::vector<std::shared_ptr<const Image>> textures;
-  for (const auto& [width, height] : record.textures) {
-    auto image = std::make_shared<Image>(Image{width, height, {}});
-    const auto pixels = file.section<std::uint8_t>(texture_section(textures.size()));
-    if (!pixels.ok()) return pixels.status();
-    restore(*pixels, image->rgba);
-    textures.push_back(std::move(image));
+  absl::Status read_record(SurfaceRecord& record) const;
+  absl::Status view_arrays(const SurfaceRecord& record);
+  absl::Status view_charts(const SurfaceRecord& record);
+  absl::Status load_materials(const SurfaceRecord& record);
+  absl::Status check_lengths() const;
+  absl::Status check_creases() const;
+  absl::Status check_disc(std::size_t disc) const;
+  absl::Status check_chart(const ChartArrays& chart) const;
+  absl::Status check_faces(const ChartArrays& chart) const;
+
+  /// Whether the file is sound where they lie.
+  template <typename T>
+  absl::Status check(std::span<const T> values) const {
+    return file_->check(stored(values));
   }
-  for (MaterialRecord& material : record.materials) {
-    const auto [r, g, b, a] = material.colour;
-    if (material.texture != kNone && material.texture >= textures.size()) {
-      return absl::DataLossError(absl::StrCat(file.path(), ": a material has a picture that is not there"));
-    }
-    attributes.materials.push_back(
-        {std::move(material.name), {r, g, b, a}, material.texture != kNone ? textures[material.texture] : nullptr});
+  /// The same of some of what a face or a vertex may have.
+  template <typename T>
+  bool is_sound(std::span<const T> values, std::size_t first, std::size_t count) const {
+    return values.empty() || check(values.subspan(first, count)).ok();
   }
+
+  const std::function<void(const absl::Status&)> on_damage_;
+  std::shared_ptr<const SectionFile> file_;
+  Arrays arrays_;
+  std::vector<ChartArrays> charts_;
+  std::vector<Material> materials_;
+  std::optional<SurfaceColour> colour_;
+  std::optional<CurveBase> base_;
+};
+
+absl::Status MappedSurface::open(const std::string& path) {
+  absl::StatusOr<std::shared_ptr<const SectionFile>> file = SectionFile::open(path, kKind, FileAccess::kMapLazily);
+  if (!file.ok()) return file.status();
+  file_ = *std::move(file);
+  SurfaceRecord record;
+  if (absl::Status status = read_record(record); !status.ok()) return status;
+  if (absl::Status status = view_arrays(record); !status.ok()) return status;
+  if (absl::Status status = load_materials(record); !status.ok()) return status;
+  if (absl::Status status = view_charts(record); !status.ok()) return status;
+  if (absl::Status status = check_lengths(); !status.ok()) return status;
+  if (absl::Status status = check_creases(); !status.ok()) return status;
+  if (has_colour(arrays_.colour)) colour_.emplace(arrays_.mesh, arrays_.colour);
+  SurfaceData data;
+  data.mesh = arrays_.mesh;
+  data.geometry = arrays_.geometry;
+  data.scalars = arrays_.scalars;
+  data.colour = colour_ ? &*colour_ : nullptr;
+  data.creases.normals.assign(arrays_.crease_normals.begin(), arrays_.crease_normals.end());
+  data.creases.faces.assign(arrays_.crease_faces.begin(), arrays_.crease_faces.end());
+  std::vector<BaseChart> charts;
+  for (std::size_t d = 0; d < charts_.size(); ++d) {
+    charts.push_back({charts_[d], Column<std::uint8_t>::view(charts_[d].kinds, file_), record.fills_square[d] != 0});
+  }
+  base_.emplace(std::move(data), std::move(charts), Column<std::uint32_t>::view(arrays_.triangle_of, file_),
+                [this](std::size_t disc) {
+                  absl::Status status = check_disc(disc);
+                  if (!status.ok() && on_damage_) on_damage_(status);
+                  return status;
+                });
   return absl::OkStatus();
 }
 
-absl::Status load_charts(const SectionFile& file, const SurfaceRecord& record, std::vector<Chart>& charts) {
-  const std::size_t count = record.parameterisations.size();
-  const auto senseless = [&file] { return absl::DataLossError(absl::StrCat(file.path(), ": its charts make no sense")); };
-  if (record.chart_lengths.size() != count * kChartArrays) return senseless();
-  charts.resize(count);
-  for (std::size_t c = 0; c < count; ++c) {
-    if (record.parameterisations[c] > static_cast<std::uint8_t>(Parameterisation::kUniform)) return senseless();
-    charts[c].parameterisation = static_cast<Parameterisation>(record.parameterisations[c]);
+absl::Status MappedSurface::read_record(SurfaceRecord& record) const {
+  const auto bytes = file_->section<char>("record");
+  if (!bytes.ok()) return bytes.status();
+  if (absl::Status status = check(*bytes); !status.ok()) return status;
+  const bool is_read = from_archive({bytes->data(), bytes->size()}, record);
+  return is_read && record.scalars < kNone ? absl::OkStatus() : senseless("its record");
+}
+
+absl::Status MappedSurface::view_arrays(const SurfaceRecord& record) {
+  absl::Status status;
+  for (std::uint64_t i = 0; i < record.scalars && status.ok(); ++i) {
+    status = file_->section<float>(absl::StrCat("scalar ", i)).status();  // before there is room for absurdly many
+    arrays_.scalars.emplace_back();
   }
+  if (!status.ok()) return status;
+  visit_arrays(arrays_, [&]<typename T>(const std::string& name, std::span<const T>& values) {
+    const auto section = file_->section<StoredAs<T>>(name);
+    if (section.ok()) {
+      values = restored<T>(*section);
+    } else {
+      status = section.status();
+    }
+  });
+  return status;
+}
+
+absl::Status MappedSurface::load_materials(const SurfaceRecord& record) {
+  std::vector<std::shared_ptr<const Image>> textures;
+  for (const auto& [width, height] : record.textures) {
+    const auto pixels = file_->section<std::uint8_t>(texture_section(textures.size()));
+    if (!pixels.ok()) return pixels.status();
+    if (absl::Status status = check(*pixels); !status.ok()) return status;
+    const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
+    if (width < 1 || height < 1 || w > kMaxSide || h > kMaxSide || pixels->size() != 4 * w * h)
+      return senseless("a broken picture");
+    textures.push_back(std::make_shared<Image>(Image{width, height, {pixels->begin(), pixels->end()}}));
+  }
+  for (const MaterialRecord& material : record.materials) {
+    const auto [r, g, b, a] = material.colour;
+    if (material.texture != kNone && material.texture >= textures.size()) {
+      return senseless("a material has a picture that is not there");
+    }
+    materials_.push_back({material.name, {r, g, b, a}, material.texture != kNone ? textures[material.texture] : nullptr});
+  }
+  arrays_.colour.materials = materials_;
+  return absl::OkStatus();
+}
+
+absl::Status MappedSurface::view_charts(const SurfaceRecord& record) {
+  const std::size_t count = record.fills_square.size();
+  if (count == 0 || record.chart_lengths.size() != count * kChartArrays) return senseless("its charts");
+  charts_.resize(count);
   absl::Status status;
   std::array<std::uint64_t, kChartArrays> begin = {};
-  for (std::size_t c = 0; c < count; ++c) {
+  for (std::size_t c = 0; c < count && status.ok(); ++c) {
     std::size_t array = 0;
-    visit_chart(charts[c], [&]<typename T>(const char* name, std::vector<T>& values) {
-      const auto all = file.section<StoredAs<T>>(name);
+    visit_chart(charts_[c], [&]<typename T>(const char* name, std::span<const T>& values) {
+      const auto all = file_->section<StoredAs<T>>(name);
       const std::uint64_t length = record.chart_lengths[c * kChartArrays + array];
       std::uint64_t& at = begin[array++];
       if (!all.ok()) {
         status = all.status();
       } else if (length > all->size() - at) {
-        status = senseless();
+        status = senseless("its charts");
       } else {
-        restore(all->subspan(at, length), values);
+        values = restored<T>(all->subspan(at, length));
         at += length;
       }
     });
-    if (!status.ok()) return status;
   }
   return status;
 }
 
-absl::Status check_mesh(const TriangleMesh& mesh, const char* what) {
-  const auto wrong = [what](const char* problem) { return absl::InvalidArgumentError(absl::StrCat(what, problem)); };
-  const std::size_t vertices = mesh.vertex_count();
-  const std::size_t faces = mesh.face_count();
-  if (vertices == 0 || faces == 0 || vertices >= kNone || faces >= kNone / 3) return wrong(" has no face, or too many");
-  for (const Vec3d& p : mesh.positions) {
-    if (!p.allFinite()) return wrong(" has a vertex that is nowhere");
-  }
-  for (const Triangle& t : mesh.triangles) {
-    if (t[0] >= vertices || t[1] >= vertices || t[2] >= vertices) return wrong(" has a face with a vertex that is not there");
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return wrong(" has a face with one vertex twice");
-  }
-  if (mesh.twins.size() != 3 * faces) return wrong(" has not three halfedges for each face");
-  for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
-    const std::uint32_t twin = mesh.twins[h];
-    if (twin == kNone) continue;
-    if (twin >= mesh.twins.size() || mesh.twins[twin] != h || mesh.from(twin) != mesh.to(h) || mesh.to(twin) != mesh.from(h)) {
-      return wrong(" has an edge whose two sides disagree");
-    }
-  }
-  return absl::OkStatus();
-}
-
-absl::Status check_attributes(const MeshAttributes& attributes, const TriangleMesh& mesh) {
-  const auto wrong = [](const char* problem) { return absl::InvalidArgumentError(absl::StrCat("the mesh has ", problem)); };
+absl::Status MappedSurface::check_lengths() const {
   const auto is_none_or = [](const auto& values, std::size_t size) { return values.empty() || values.size() == size; };
-  const std::size_t vertices = mesh.vertex_count();
-  const std::size_t faces = mesh.face_count();
-  bool good = is_none_or(attributes.colours, vertices) && is_none_or(attributes.normals, vertices) &&
-              is_none_or(attributes.uv, 3 * faces) && is_none_or(attributes.face_colours, faces) &&
-              is_none_or(attributes.material_of_face, faces);
-  for (const ScalarAttribute& scalar : attributes.scalars) good = good && scalar.values.size() == vertices;
-  if (!good) return wrong("attributes of the wrong length");
-  for (const std::uint32_t material : attributes.material_of_face) {
-    if (material >= attributes.materials.size() && material != MeshAttributes::kNoMaterial) {
-      return wrong("a face of a material that is not there");
-    }
+  const std::size_t vertices = arrays_.mesh.positions.size(), faces = arrays_.mesh.triangles.size();
+  if (vertices == 0 || faces == 0 || vertices >= kNone || faces >= kNone / 3) return senseless("no face, or too many");
+  const ColourView& colour = arrays_.colour;
+  bool good = arrays_.geometry.size() == vertices && arrays_.triangle_of.size() == faces &&
+              is_none_or(colour.colours, vertices) && is_none_or(colour.uv, 3 * faces) &&
+              is_none_or(colour.face_colours, faces) && is_none_or(colour.material_of_face, faces);
+  for (const std::span<const float> scalar : arrays_.scalars) good = good && scalar.size() == vertices;
+  for (const ChartArrays& chart : charts_) {
+    const std::size_t v = chart.positions.size(), f = chart.triangles.size();
+    good = good && v > 0 && f > 0 && v < kNone && f < kNone / 3 && chart.twins.size() == 3 * f && chart.face_of.size() == f &&
+           chart.kinds.size() == f && chart.uv.size() == v;
   }
-  for (const Material& material : attributes.materials) {
-    if (material.texture == nullptr) continue;
-    const auto [width, height, rgba] = std::tie(material.texture->width, material.texture->height, material.texture->rgba);
-    const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
-    if (width < 1 || height < 1 || w > kMaxSide || h > kMaxSide || rgba.size() != 4 * w * h) return wrong("a broken picture");
+  return good ? absl::OkStatus() : senseless("arrays of the wrong length");
+}
+
+absl::Status MappedSurface::check_creases() const {
+  if (absl::Status status = check(arrays_.crease_normals); !status.ok()) return status;
+  if (absl::Status status = check(arrays_.crease_faces); !status.ok()) return status;
+  const auto is_normal = [&](std::uint32_t n) { return n == kNone || n < arrays_.crease_normals.size(); };
+  std::uint64_t next = 0;
+  for (const CreaseFace& crease : arrays_.crease_faces) {
+    const bool good = crease.face >= next && std::all_of(crease.normals.begin(), crease.normals.end(), is_normal);
+    if (!good) return senseless("its creases");
+    next = std::uint64_t{crease.face} + 1;
   }
   return absl::OkStatus();
 }
 
-absl::Status check_chart(const Chart& chart, std::size_t mesh_faces) {
-  const auto wrong = [](const char* problem) { return absl::InvalidArgumentError(absl::StrCat("a disc has ", problem)); };
-  const DiscMesh& disc = chart.disc;
-  if (absl::Status status = check_mesh(disc, "a disc"); !status.ok()) return status;
-  if (disc.face_of.size() != disc.face_count() || chart.uv.size() != disc.vertex_count()) {
-    return wrong("arrays of the wrong length");
+absl::Status MappedSurface::check_disc(std::size_t disc) const {
+  ChartArrays chart = charts_[disc];
+  absl::Status status;
+  visit_chart(chart, [&](const char* /*name*/, const auto& values) { status.Update(check(values)); });
+  if (!status.ok()) return status;
+  if (status = check_chart(chart); !status.ok()) return status;
+  return check_faces(chart);
+}
+
+absl::Status MappedSurface::check_chart(const ChartArrays& chart) const {
+  const std::size_t vertices = chart.positions.size();
+  for (const Vec3d& p : chart.positions) {
+    if (!p.allFinite()) return senseless("a disc has a vertex that is nowhere");
   }
-  for (const std::uint32_t face : disc.face_of) {
-    if (face >= mesh_faces) return wrong("a part of a face that is not there");
+  for (const Triangle& t : chart.triangles) {
+    if (t[0] >= vertices || t[1] >= vertices || t[2] >= vertices) return senseless("a disc has a vertex that is not there");
+  }
+  const auto from = [&](std::uint32_t h) { return chart.triangles[h / 3][h % 3]; };
+  for (std::uint32_t h = 0; h < chart.twins.size(); ++h) {
+    const std::uint32_t twin = chart.twins[h];
+    if (twin == kNone) continue;
+    if (twin >= chart.twins.size() || chart.twins[twin] != h || from(twin) != from(next_halfedge(h)) ||
+        from(next_halfedge(twin)) != from(h)) {
+      return senseless("a disc has an edge whose two sides disagree");
+    }
   }
   for (const Vec2d& uv : chart.uv) {
-    if (!((uv.array() >= 0).all() && (uv.array() <= 1).all())) return wrong("a vertex outside of the square");
+    if (!((uv.array() >= 0).all() && (uv.array() <= 1).all())) return senseless("a disc has a vertex outside of the square");
   }
-  for (std::size_t t = 0; t < disc.face_count(); ++t) {
-    const double ratio = area_ratio(disc, chart.uv, t);
-    if (!(std::isfinite(ratio) && ratio > 0)) return wrong("a triangle that is flipped or empty");
+  for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
+    const double ratio = area_ratio(chart, t);
+    if (!(std::isfinite(ratio) && ratio > 0)) return senseless("a disc has a triangle that is flipped or empty");
   }
-  std::vector<bool> seen(disc.vertex_count(), false);
-  for (const std::uint32_t v : disc.border) {
-    if (v >= seen.size() || seen[v]) return wrong("a border that is no loop");
-    seen[v] = true;
+  return absl::OkStatus();
+}
+
+/// What the mesh has for a chart's faces and their vertices.
+absl::Status MappedSurface::check_faces(const ChartArrays& chart) const {
+  const MeshView& mesh = arrays_.mesh;
+  const ColourView& colour = arrays_.colour;
+  bool good = true;
+  for (std::size_t t = 0; t < chart.face_of.size() && good; ++t) {
+    const std::uint32_t f = chart.face_of[t];
+    if (f >= mesh.triangles.size()) return senseless("a disc has a part of a face that is not there");
+    good = is_sound(mesh.triangles, f, 1) && is_sound(arrays_.triangle_of, f, 1) && is_sound(colour.face_colours, f, 1) &&
+           is_sound(colour.material_of_face, f, 1) && is_sound(colour.uv, 3 * std::size_t{f}, 3);
+    if (!good) break;
+    if (arrays_.triangle_of[f] >= chart.face_of.size()) return senseless("a face is in another disc");
+    for (const std::uint32_t v : mesh.triangles[f]) {
+      if (v >= mesh.positions.size()) return senseless("a face has a vertex that is not there");
+      good = good && is_sound(mesh.positions, v, 1) && is_sound(arrays_.geometry, v, 1) && is_sound(colour.colours, v, 1);
+      for (const std::span<const float> scalar : arrays_.scalars) good = good && is_sound(scalar, v, 1);
+      if (good && !mesh.positions[v].allFinite()) return senseless("the mesh has a vertex that is nowhere");
+    }
   }
-  return disc.border.size() >= 4 ? absl::OkStatus() : wrong("a border of fewer than four vertices");
+  return good ? absl::OkStatus() : file_->damaged("what it has for a disc's faces has a wrong checksum");
 }
 
 }  // namespace
 
-absl::Status check_surface(const FlattenedMesh& surface) {
-  const TriangleMesh& mesh = surface.loaded.mesh;
-  if (absl::Status status = check_mesh(mesh, "the mesh"); !status.ok()) return status;
-  if (absl::Status status = check_attributes(surface.loaded.attributes, mesh); !status.ok()) return status;
-  if (surface.charts.empty()) return absl::InvalidArgumentError("the surface has no disc");
-  for (const Chart& chart : surface.charts) {
-    if (absl::Status status = check_chart(chart, mesh.face_count()); !status.ok()) return status;
-  }
-  const MeshInfo& info = surface.report.mesh;
-  if (!(std::isfinite(info.area) && info.area > 0 && info.box.min.allFinite() && info.box.max.allFinite())) {
-    return absl::InvalidArgumentError("the surface's area or box is out of range");
-  }
-  return absl::OkStatus();
-}
-
-absl::Status save_surface(const std::string& path, const FlattenedMesh& surface) {
+absl::Status save_surface(const std::string& path, const CurveBase& surface) {
+  if (!surface.is_all_sound()) return surface.status();
+  const SurfaceData& data = surface.data;
+  Arrays arrays{data.mesh, data.geometry, surface.triangle_of, data.creases.normals, data.creases.faces, {}, data.scalars};
+  if (data.colour != nullptr) arrays.colour = data.colour->source();
   SurfaceRecord record;
-  record.info = surface.loaded.info;
-  record.report = surface.report;
-  const MeshAttributes& attributes = surface.loaded.attributes;
-  const std::vector<const Image*> textures = number_textures(attributes.materials, record);
+  record.scalars = arrays.scalars.size();
+  const std::vector<const Image*> textures = number_textures(arrays.colour.materials, record);
   std::vector<Section> sections;
-  visit_mesh(surface.loaded,
-             [&](const char* name, const auto& values) { sections.push_back(make_section(name, stored(values))); });
-  for (const ScalarAttribute& scalar : attributes.scalars) {
-    sections.push_back(make_section(scalar_section(record.scalars.size()), scalar.values));
-    record.scalars.push_back(scalar.name);
-  }
+  visit_arrays(arrays, [&]<typename T>(const std::string& name, std::span<const T> values) {
+    sections.push_back(make_section(name, stored(values)));
+  });
   for (std::size_t i = 0; i < textures.size(); ++i) {
     sections.push_back(make_section(texture_section(i), textures[i]->rgba));
   }
   std::vector<Section> of_charts;
-  const Chart none;
-  visit_chart(none, [&]<typename T>(const char* name, const std::vector<T>& /*values*/) {
+  ChartArrays none;
+  visit_chart(none, [&]<typename T>(const char* name, std::span<const T> /*values*/) {
     of_charts.push_back({name, sizeof(T), {}});
   });
-  for (const Chart& chart : surface.charts) {
-    record.parameterisations.push_back(static_cast<std::uint8_t>(chart.parameterisation));
+  for (const BaseChart& chart : surface.charts) {
+    record.fills_square.push_back(chart.fills_square ? 1 : 0);
+    ChartArrays of_chart{chart, chart.kinds};
     std::size_t array = 0;
-    visit_chart(chart, [&](const char* /*name*/, const auto& values) {
+    visit_chart(of_chart, [&]<typename T>(const char* /*name*/, std::span<const T> values) {
       record.chart_lengths.push_back(values.size());
       of_charts[array++].parts.push_back(std::as_bytes(stored(values)));
     });
@@ -310,36 +423,11 @@ absl::Status save_surface(const std::string& path, const FlattenedMesh& surface)
   return write_section_file(path, kKind, sections);
 }
 
-absl::StatusOr<FlattenedMesh> load_surface(const std::string& path) {
-  const absl::StatusOr<std::shared_ptr<const SectionFile>> file = SectionFile::open(path, kKind);
-  if (!file.ok()) return file.status();
-  const auto record_bytes = (*file)->section<char>("record");
-  if (!record_bytes.ok()) return record_bytes.status();
-  SurfaceRecord record;
-  if (!from_archive({record_bytes->data(), record_bytes->size()}, record)) {
-    return absl::DataLossError(absl::StrCat(path, ": its record makes no sense"));
-  }
-  FlattenedMesh surface;
-  surface.loaded.info = std::move(record.info);
-  surface.report = std::move(record.report);
-  absl::Status status;
-  visit_mesh(surface.loaded, [&]<typename T>(const char* name, std::vector<T>& values) {
-    const auto section = (*file)->section<StoredAs<T>>(name);
-    if (section.ok()) {
-      restore(*section, values);
-    } else {
-      status = section.status();
-    }
-  });
-  if (!status.ok()) return status;
-  if (status = load_attributes(**file, record, surface.loaded.attributes); !status.ok()) return status;
-  if (status = load_charts(**file, record, surface.charts); !status.ok()) return status;
-  const auto senseless = [&](const absl::Status& problem) {
-    return absl::DataLossError(absl::StrCat(path, ": its surface makes no sense: ", problem.message()));
-  };
-  if (status = check_surface(surface); !status.ok()) return senseless(status);
-  surface.geometry = differential_geometry(surface.loaded.mesh);
-  return surface;
+absl::StatusOr<std::shared_ptr<const CurveBase>> open_surface(const std::string& path,
+                                                              std::function<void(const absl::Status&)> on_damage) {
+  const auto surface = std::make_shared<MappedSurface>(std::move(on_damage));
+  if (absl::Status status = surface->open(path); !status.ok()) return status;
+  return std::shared_ptr<const CurveBase>(surface, &surface->base());
 }
 
 }  // namespace curvecast

@@ -1,26 +1,28 @@
-// The flattened mesh as a file: what refining a curve starts from, read only when a curve is to be refined.
+// What a curve lies on as a file, used where it lies: refinement and places within leaves read only the charts that they need.
 #pragma once
 
 #include <absl/status/statusor.h>
 
+#include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
 
-#include "core/pipeline/pipeline.h"
+#include "core/curve/curve_base.h"
 
 namespace curvecast {
 
 /// Grows when what the files hold changes.
-inline constexpr std::uint32_t kSurfaceFileVersion = 1;
+inline constexpr std::uint32_t kSurfaceFileVersion = 2;
 
-/// Mesh, attributes with their textures, charts, reports. What follows from the rest (area ratios, curvatures) is left out.
-/// Errors as of write_section_file.
-absl::Status save_surface(const std::string& path, const FlattenedMesh& surface);
+/// Mesh, geometry, creases, what gives colour with its textures, charts. Errors as of write_section_file.
+absl::Status save_surface(const std::string& path, const CurveBase& surface);
 
-/// Errors as of SectionFile::open, and DataLoss where the content makes no sense: every index, length and number that later
-/// stages rely on is checked. Takes memory of the order of the file's size.
-absl::StatusOr<FlattenedMesh> load_surface(const std::string& path);
-
-/// Checks that later stages can take the surface. InvalidArgument says what is wrong.
-absl::Status check_surface(const FlattenedMesh& surface);
+/// Opens a surface, in a time that depends on its textures and creases alone: the rest is mapped, and what a chart needs is
+/// checked when the chart is first asked for, every byte, and every index, length and number that later stages rely on. What is
+/// returned keeps the file. Errors as of SectionFile::open, and DataLoss where the content makes no sense; those of charts come
+/// from CurveBase::status(), and on_damage is told, by the thread that asked.
+absl::StatusOr<std::shared_ptr<const CurveBase>> open_surface(const std::string& path,
+                                                              std::function<void(const absl::Status&)> on_damage = {});
 
 }  // namespace curvecast

@@ -50,7 +50,7 @@ absl::Status make_chunks(const FlattenedMesh& flattened, const std::string& mesh
       out.set_triangles(little_endian(disc.triangles, triangle, triangles));
       out.set_faces(little_endian(disc.face_of, triangle, triangles));
       std::vector<double> area_ratios(triangles);
-      for (std::size_t t = 0; t < triangles; ++t) area_ratios[t] = area_ratio(disc, chart.uv, triangle + t);
+      for (std::size_t t = 0; t < triangles; ++t) area_ratios[t] = area_ratio({disc, chart.uv}, triangle + t);
       out.set_area_ratios(little_endian(area_ratios, 0, triangles));
       const auto [border, borders] = part(disc.border.size(), kChunkBorder, i);
       out.set_border(little_endian(disc.border, border, borders));

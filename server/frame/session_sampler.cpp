@@ -86,6 +86,7 @@ absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
     const absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = session_->leaf_surface(curve_);
     if (!leaves.ok()) return leaves.status();
     spread_in_leaves(**leaves, placed);
+    if (absl::Status damaged = (*leaves)->status(); !damaged.ok()) return damaged;
   }
   out.need = lattice_need(*request_, *curve_, placed);
   out.lattice = out.need.best;

@@ -50,6 +50,14 @@ absl::StatusOr<RankedCurve> RankedCandidates::grow(std::span<const ChunkId> lack
   return newest_;
 }
 
+absl::Status RankedCandidates::move_to(const Surface& surface) {
+  const MutexLock growing(growing_);
+  if (grower_ == nullptr) return absl::OkStatus();
+  absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = surface();
+  if (leaves.ok()) grower_->move_to(*std::move(leaves));
+  return leaves.status();
+}
+
 std::uint64_t RankedCandidates::byte_size() {
   const MutexLock lock(mutex_);
   return newest_.tree != nullptr ? newest_.tree->byte_size() + grower_bytes_ : 0;

@@ -38,6 +38,9 @@ class RankedCandidates {
   absl::StatusOr<RankedCurve> grow(std::span<const ChunkId> lacking, const ExecutionContext& context)
       ABSL_LOCKS_EXCLUDED(growing_, mutex_);
 
+  /// From now on, the same surface is taken from there, if candidates have been made. Errors of `surface`.
+  absl::Status move_to(const Surface& surface) ABSL_LOCKS_EXCLUDED(growing_, mutex_);
+
   /// Bytes of the candidates, and of what growing keeps.
   std::uint64_t byte_size() ABSL_LOCKS_EXCLUDED(mutex_);
 

@@ -19,23 +19,10 @@ std::string session_id(const MeshFiles& files, const PreprocessOptions& options)
   return hasher.hex();
 }
 
-namespace {
-
-/// Loads a session's surface.
-SessionSurface::Load loader(const Session& session) {
-  return [&session]() -> absl::StatusOr<std::shared_ptr<const FlattenedMesh>> {
-    if (session.preprocessed.flattened != nullptr) return session.preprocessed.flattened;
-    if (!session.load_flattened) return absl::UnavailableError("its surface is not at hand");
-    return session.load_flattened();
-  };
-}
-
-}  // namespace
-
-absl::StatusOr<std::shared_ptr<const CurveBase>> Session::curve_base() const { return surface->base(loader(*this)); }
+absl::StatusOr<std::shared_ptr<const CurveBase>> Session::curve_base() const { return surface->base(); }
 
 absl::StatusOr<std::shared_ptr<const LeafSurface>> Session::leaf_surface(const std::shared_ptr<const SurfaceCurve>& curve) const {
-  return surface->leaves(curve, loader(*this));
+  return surface->leaves(curve);
 }
 
 absl::StatusOr<RankedCurve> Session::ranks(const ExecutionContext& context) const {
@@ -44,7 +31,7 @@ absl::StatusOr<RankedCurve> Session::ranks(const ExecutionContext& context) cons
 
 std::uint64_t Session::memory_bytes() const {
   const std::shared_ptr<const SurfaceCurve> first = revisions->first(), newest = curve();
-  return newest->byte_size() + (first != newest ? first->byte_size() : 0) + candidates->byte_size();
+  return newest->byte_size() + (first != newest ? first->byte_size() : 0) + candidates->byte_size() + surface->byte_size();
 }
 
 std::uint64_t peak_memory_bytes() {

@@ -4,7 +4,6 @@
 #include <absl/status/statusor.h>
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,25 +25,23 @@ struct Session {
   std::string mesh_name;
   std::map<std::string, std::string> companions;  // names in the mesh, and the mesh_ids of these files
   PreprocessOptions options;
-  Preprocessed preprocessed;  // its curve has gone to `revisions`; without `flattened` when it comes from the cache
+  Preprocessed preprocessed;  // its curve has gone to `revisions`, its mesh to `surface`
   std::shared_ptr<CurveRevisions> revisions = std::make_shared<CurveRevisions>();
   std::shared_ptr<RankedCandidates> candidates = std::make_shared<RankedCandidates>();  // made when they are first asked for
   std::shared_ptr<Refinement> refinement = std::make_shared<Refinement>();
   std::shared_ptr<SessionSurface> surface = std::make_shared<SessionSurface>();
-  /// Loads the surface on which the curve lies, where preprocessed.flattened is null. May be empty.
-  std::function<absl::StatusOr<std::shared_ptr<const FlattenedMesh>>()> load_flattened;
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
 
   /// The newest revision of the curve. Each answer takes it once, so that all of it is of one revision.
   std::shared_ptr<const SurfaceCurve> curve() const { return revisions->newest(); }
-  /// The surface in the form that refinement wants. Unavailable where it is not at hand; errors of load_flattened.
+  /// The surface in the form that refinement wants. Errors as of SessionSurface::base().
   absl::StatusOr<std::shared_ptr<const CurveBase>> curve_base() const;
   /// The surface below the leaves of a revision. Errors as of curve_base().
   absl::StatusOr<std::shared_ptr<const LeafSurface>> leaf_surface(const std::shared_ptr<const SurfaceCurve>& curve) const;
   /// The ranked candidates that there are by now, on the first revision of the curve; at least those of the lowest ranks. Errors
   /// as of curve_base() and RankGrower::make().
   absl::StatusOr<RankedCurve> ranks(const ExecutionContext& context) const;
-  /// Bytes of the curve's revisions and the ranked candidates.
+  /// Bytes of the curve's revisions, the ranked candidates, and the surface where it is in memory.
   std::uint64_t memory_bytes() const;
 };
 

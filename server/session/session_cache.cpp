@@ -4,6 +4,7 @@
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 #include <fcntl.h>
+#include <malloc.h>
 #include <spdlog/logger.h>
 #include <sys/stat.h>
 
@@ -226,7 +227,9 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::str
     if (!file.ok()) return file.status();
     absl::StatusOr<std::shared_ptr<Session>> loaded = to_session(*std::move(file), id, path);
     if (!loaded.ok()) return loaded.status();
-    (*loaded)->load_flattened = [this, id] { return load_surface(id); };
+    (*loaded)->surface = std::make_shared<SessionSurface>([this, id] { return open_surface(id); });
+    // Now, when the session can still be made anew: it is only mapped.
+    if (absl::Status status = (*loaded)->curve_base().status(); !status.ok()) return status;
     load_refined(**loaded);
     return *std::move(loaded);
   });
@@ -252,20 +255,22 @@ void SessionCache::load_refined(const Session& session) {
   }
 }
 
-absl::StatusOr<std::shared_ptr<const FlattenedMesh>> SessionCache::load_surface(const std::string& id) {
+void SessionCache::discard_surface(const std::string& id, const absl::Status& reason) const {
+  discard(surface_path(id), reason);
+  if (!is_file(surface_path(id))) remove_files(id);  // without it the curve is of no use
+}
+
+absl::StatusOr<std::shared_ptr<const CurveBase>> SessionCache::open_surface(const std::string& id) {
   if (!is_session_id(id)) return absl::NotFoundError("it is not in the cache");
-  const std::string path = surface_path(id);
-  auto surface = status_from_exceptions([&]() -> absl::StatusOr<std::shared_ptr<const FlattenedMesh>> {
-    absl::StatusOr<FlattenedMesh> loaded = curvecast::load_surface(path);
-    if (!loaded.ok()) return loaded.status();
-    return std::make_shared<const FlattenedMesh>(*std::move(loaded));
+  auto surface = status_from_exceptions([&] {
+    return curvecast::open_surface(surface_path(id), [this, id](const absl::Status& status) { discard_surface(id, status); });
   });
-  if (!surface.ok()) discard(path, surface.status());
+  if (!surface.ok()) discard_surface(id, surface.status());
   return surface;
 }
 
 void SessionCache::save(const Session& session) {
-  Snapshot snapshot = {session.revisions->first(), session.curve(), session.preprocessed.flattened,
+  Snapshot snapshot = {session.revisions->first(), session.curve(), session.surface, session.candidates,
                        to_archive(record_of(session))};
   const std::string& id = session.id;
   absl::Status status;
@@ -296,6 +301,7 @@ void SessionCache::save_next(const std::string& id) {
   Stopwatch watch;
   const absl::Status status = status_from_exceptions([&] { return write(id, snapshot); });
   const double seconds = watch.lap();
+  if (status.ok()) move_to_file(id, snapshot);
   {
     const MutexLock lock(mutex_);
     saving_.clear();
@@ -311,11 +317,27 @@ void SessionCache::save_next(const std::string& id) {
   make_room();
 }
 
+/// The surface in memory makes way for the file: the same, to the bit.
+void SessionCache::move_to_file(const std::string& id, const Snapshot& snapshot) {
+  if (snapshot.surface->byte_size() == 0) return;
+  absl::Status status = status_from_exceptions([&] {
+    absl::StatusOr<std::shared_ptr<const CurveBase>> base = open_surface(id);
+    if (!base.ok()) return base.status();
+    snapshot.surface->move_to(*std::move(base));
+    return snapshot.candidates->move_to([&] { return snapshot.surface->leaves(snapshot.first); });
+  });
+  // The surface lay in many pieces, each too small for the allocator to hand it back at once.
+  if (status.ok()) ::malloc_trim(0);
+  if (!status.ok()) log_->warn("cache: session {} stays in memory: {}", id, std::string(status.message()));
+}
+
 absl::Status SessionCache::write(const std::string& id, const Snapshot& snapshot) const {
   // The first curve's file comes after the surface's: where it is, the other one is too. A revision has a new curve on the old
   // surface; the first one stays, since ranked points lie on it.
-  if (snapshot.flattened != nullptr && !is_file(surface_path(id))) {
-    if (absl::Status status = save_surface(surface_path(id), *snapshot.flattened); !status.ok()) return status;
+  if (!is_file(surface_path(id))) {
+    const absl::StatusOr<std::shared_ptr<const CurveBase>> base = snapshot.surface->base();
+    if (!base.ok()) return base.status();
+    if (absl::Status status = save_surface(surface_path(id), **base); !status.ok()) return status;
   }
   if (!is_file(curve_path(id))) {
     if (absl::Status status = save_curve(curve_path(id), *snapshot.first, snapshot.record); !status.ok()) {

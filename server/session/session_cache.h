@@ -30,7 +30,8 @@ class SessionCache {
                                                             std::shared_ptr<spdlog::logger> log);
   ~SessionCache();  // stop()
 
-  /// Saves the session as it is now in the background, replacing what was saved of it before. When it cannot, because the disk is
+  /// Saves the session as it is now in the background, replacing what was saved of it before; then its surface is taken from the
+  /// file, and what it took in memory is free. When it cannot, because the disk is
   /// full or too many saves wait, the log says so (once until it works again), and the session is just not cached.
   void save(const Session& session);
   /// Whether there is a file from which a session can be loaded, unless it turns out to be damaged. Takes microseconds.
@@ -38,8 +39,9 @@ class SessionCache {
   /// Loads a session. NotFound when there is none; DataLoss, FailedPrecondition and so on for files that cannot be used. The log
   /// says why, and they are removed.
   absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id);
-  /// Loads what refining a session's curve starts from, for sessions whose Preprocessed::flattened is null. Errors as of load().
-  absl::StatusOr<std::shared_ptr<const FlattenedMesh>> load_surface(const std::string& id);
+  /// Opens the surface on which a session's curve lies, see open_surface(). Errors as of load(). Where a chart turns out to be
+  /// damaged later, the session's files are removed.
+  absl::StatusOr<std::shared_ptr<const CurveBase>> open_surface(const std::string& id);
   /// Removes a session's files, also those still to be saved. False when there were none.
   bool remove(const std::string& id);
   /// Bytes of all files of sessions in the folder, whichever process wrote them. Looks at each.
@@ -54,8 +56,9 @@ class SessionCache {
   /// What is saved of a session: shares its arrays, but does not keep it from being evicted.
   struct Snapshot {
     std::shared_ptr<const SurfaceCurve> first, newest;  // revisions of the curve; may be the same
-    std::shared_ptr<const FlattenedMesh> flattened;     // null: not known, as its file is there
-    std::string record;                                 // what the session is besides
+    std::shared_ptr<SessionSurface> surface;
+    std::shared_ptr<RankedCandidates> candidates;
+    std::string record;  // what the session is besides
   };
 
   SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log);
@@ -68,6 +71,8 @@ class SessionCache {
   /// Takes up the newest revision of a session's curve, if it is there.
   void load_refined(const Session& session);
   void discard(const std::string& path, const absl::Status& reason) const;
+  void discard_surface(const std::string& id, const absl::Status& reason) const;
+  void move_to_file(const std::string& id, const Snapshot& snapshot);
   void save_next(const std::string& id);
   absl::Status write(const std::string& id, const Snapshot& snapshot) const;
   void make_room() const;

@@ -20,6 +20,7 @@ std::shared_ptr<const Session> make_session(const SessionJob& job, Preprocessed 
   session->mesh_name = job.files.mesh->name;
   for (const auto& [name, file] : job.files.companions) session->companions[name] = file->id;
   session->options = job.options;
+  session->surface = std::make_shared<SessionSurface>(std::exchange(preprocessed.flattened, nullptr));
   session->preprocessed = std::move(preprocessed);
   session->revisions->publish(std::move(session->preprocessed.curve));
   session->peak_bytes = peak_memory_bytes();

@@ -4,26 +4,42 @@
 
 namespace curvecast::server {
 
-absl::Status SessionSurface::load_base(const Load& load) {
+SessionSurface::SessionSurface(std::shared_ptr<const FlattenedMesh> flattened)
+    : load_([flattened = std::move(flattened)] { return curve_base(flattened); }) {}
+
+void SessionSurface::set_base(std::shared_ptr<const CurveBase> base) {
+  bytes_ = base->is_in_memory() ? base->byte_size() : 0;
+  base_ = std::move(base);
+  leaves_ = nullptr;
+  load_ = nullptr;
+}
+
+absl::Status SessionSurface::load_base() {
   if (base_ != nullptr) return absl::OkStatus();
-  absl::StatusOr<std::shared_ptr<const FlattenedMesh>> flattened = load();
-  if (!flattened.ok()) return flattened.status();
-  base_ = curve_base(*std::move(flattened));
+  if (!load_) return absl::UnavailableError("its surface is not at hand");
+  absl::StatusOr<std::shared_ptr<const CurveBase>> base = load_();
+  if (!base.ok()) return base.status();
+  set_base(*std::move(base));
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::shared_ptr<const CurveBase>> SessionSurface::base(const Load& load) {
+absl::StatusOr<std::shared_ptr<const CurveBase>> SessionSurface::base() {
   const MutexLock lock(mutex_);
-  if (absl::Status status = load_base(load); !status.ok()) return status;
+  if (absl::Status status = load_base(); !status.ok()) return status;
   return base_;
 }
 
-absl::StatusOr<std::shared_ptr<const LeafSurface>> SessionSurface::leaves(const std::shared_ptr<const SurfaceCurve>& curve,
-                                                                          const Load& load) {
+absl::StatusOr<std::shared_ptr<const LeafSurface>> SessionSurface::leaves(const std::shared_ptr<const SurfaceCurve>& curve) {
   const MutexLock lock(mutex_);
-  if (absl::Status status = load_base(load); !status.ok()) return status;
+  if (absl::Status status = load_base(); !status.ok()) return status;
+  if (base_->charts.size() + 1 != curve->disc_begin.size()) return absl::DataLossError("its surface is another curve's");
   if (leaves_ == nullptr || leaves_->shared_curve() != curve) leaves_ = std::make_shared<const LeafSurface>(base_, curve);
   return leaves_;
+}
+
+void SessionSurface::move_to(std::shared_ptr<const CurveBase> base) {
+  const MutexLock lock(mutex_);
+  set_base(std::move(base));
 }
 
 }  // namespace curvecast::server

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <string>
 
+#include "core/pipeline/curve_surface.h"
 #include "core/pipeline/pipeline.h"
 #include "core/storage/curve_file.h"
 #include "core/storage/surface_file.h"
@@ -56,7 +57,7 @@ void save(benchmark::State& state) {
 }
 
 void load_refinement(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(load_surface(surface_path).ok());
+  for (auto _ : state) benchmark::DoNotOptimize(open_surface(surface_path).ok());
   count_bytes(state, surface_path);
 }
 
@@ -81,7 +82,7 @@ int main(int argc, char** argv) {
   path = std::string(argv[2]) + "/curve_file_bench.curve";
   surface_path = std::string(argv[2]) + "/curve_file_bench.surface";
   const absl::Status saved = save_curve(path, *made.curve);
-  if (!saved.ok() || !save_surface(surface_path, *made.flattened).ok()) {
+  if (!saved.ok() || !save_surface(surface_path, *curve_base(made.flattened)).ok()) {
     return std::fprintf(stderr, "%s\n", saved.ToString().c_str()), 3;
   }
   std::printf("%zu curve vertices, %zu bytes of columns, files of %ju and %ju bytes\n", made.curve->size(),

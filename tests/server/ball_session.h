@@ -48,6 +48,7 @@ inline std::shared_ptr<Session> make_session(std::uint64_t points) {
   session->id = "ball";
   session->options.points = points;
   session->preprocessed = *std::move(done);
+  session->surface = std::make_shared<SessionSurface>(session->preprocessed.flattened);
   session->revisions->publish(std::move(session->preprocessed.curve));
   return session;
 }

@@ -60,7 +60,7 @@ TEST(AreaElement, MatchesPointCounts) {
           };
           if (left(chart.uv[v[0]], chart.uv[v[1]]) && left(chart.uv[v[1]], chart.uv[v[2]]) &&
               left(chart.uv[v[2]], chart.uv[v[0]])) {
-            const double ratio = area_ratio(chart.disc, chart.uv, t);
+            const double ratio = area_ratio({chart.disc, chart.uv}, t);
             sum += ratio;
             largest = std::max(largest, ratio);
             break;

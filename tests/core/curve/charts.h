@@ -25,7 +25,7 @@ inline std::vector<double> even_demand(const Chart& chart, double vertices) {
   const double surface = surface_area(chart.disc);
   std::vector<double> demand;
   for (std::size_t t = 0; t < chart.disc.face_count(); ++t) {
-    demand.push_back(vertices * area_ratio(chart.disc, chart.uv, t) / surface);
+    demand.push_back(vertices * area_ratio({chart.disc, chart.uv}, t) / surface);
   }
   return demand;
 }

@@ -32,7 +32,9 @@ void map_again(Mapped& mapped, const MeshAttributes& attributes = {}, const Surf
   for (const ScalarAttribute& scalar : attributes.scalars) mapped.curve.scalars.push_back({scalar.name, {}});
   mapped.curve.resize(mapped.leaves.size(), colour != nullptr);
   const std::vector<VertexGeometry> geometry = differential_geometry(mapped.mesh);
-  map_to_surface({mapped.mesh, geometry, attributes, colour}, mapped.chart, mapped.leaves, under, 0, mapped.curve);
+  const SurfaceData data{mapped.mesh, geometry, attributes, colour};
+  const Column<std::uint8_t> kinds = triangle_kinds(data, mapped.chart);
+  map_to_surface(SurfaceMapper(data, mapped.chart, kinds), mapped.leaves, under, 0, mapped.curve);
 }
 
 Mapped map_shape(const PolygonSoup& soup, double vertices, const Vec3d& origin = Vec3d::Zero()) {

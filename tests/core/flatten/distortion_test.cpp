@@ -31,8 +31,8 @@ TEST(Distortion, CountsFlippedAndEmptyTriangles) {
 
 TEST(Distortion, AreaRatioIsSurfaceOverParameterArea) {
   const std::vector<Vec2d> uv = {{0, 0}, {1, 0}, {1, 1}, {0, 0.5}};
-  EXPECT_DOUBLE_EQ(area_ratio(two_triangles(), uv, 0), 4);
-  EXPECT_DOUBLE_EQ(area_ratio(two_triangles(), uv, 1), 8);
+  EXPECT_DOUBLE_EQ(area_ratio({two_triangles(), uv}, 0), 4);
+  EXPECT_DOUBLE_EQ(area_ratio({two_triangles(), uv}, 1), 8);
 }
 
 Distortion summarise(const std::vector<AreaShare>& shares) {

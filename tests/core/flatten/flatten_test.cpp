@@ -27,7 +27,7 @@ void expect_complete(const TriangleMesh& mesh, const std::vector<Chart>& charts)
       chart_of[f] = c;
       const Triangle& v = charts[c].disc.triangles[t];
       const Vec2d p = charts[c].uv[v[1]] - charts[c].uv[v[0]], q = charts[c].uv[v[2]] - charts[c].uv[v[0]];
-      covered[f] += 0.5 * (p.x() * q.y() - p.y() * q.x()) * area_ratio(charts[c].disc, charts[c].uv, t);
+      covered[f] += 0.5 * (p.x() * q.y() - p.y() * q.x()) * area_ratio({charts[c].disc, charts[c].uv}, t);
     }
   }
   for (std::size_t f = 0; f < covered.size(); ++f) EXPECT_NEAR(covered[f], triangle_area(mesh, f), 1e-9 * covered[f]);

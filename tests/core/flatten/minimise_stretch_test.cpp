@@ -31,7 +31,7 @@ TEST(MinimiseStretch, CoversTheSquareOnceWithoutAFlip) {
     ASSERT_TRUE(uv.ok()) << uv.status().message();
     EXPECT_EQ(count_flipped(disc, *uv), 0u);
     double area = 0;
-    for (std::size_t t = 0; t < disc.face_count(); ++t) area += uv_area(disc, *uv, t);
+    for (std::size_t t = 0; t < disc.face_count(); ++t) area += uv_area({disc, *uv}, t);
     EXPECT_NEAR(area, 1, 1e-12);
     std::set<std::pair<double, double>> corners;
     double length = 0;

@@ -18,7 +18,7 @@ DiscMesh disc_of(const PolygonSoup& soup) { return testing::charts_of(testing::m
 
 double covered(const DiscMesh& disc, const std::vector<Vec2d>& uv) {
   double area = 0;
-  for (std::size_t t = 0; t < disc.triangles.size(); ++t) area += uv_area(disc, uv, t);
+  for (std::size_t t = 0; t < disc.triangles.size(); ++t) area += uv_area({disc, uv}, t);
   return area;
 }
 

@@ -118,7 +118,7 @@ TEST(Parameterise, ReweightingLowersTheDistortion) {
     const auto uv = parameterise(disc, {.reweightings = reweightings, .good_stretch = 1});
     EXPECT_TRUE(uv.ok());
     std::vector<double> ratios;
-    for (std::size_t t = 0; t < disc.face_count(); ++t) ratios.push_back(area_ratio(disc, *uv, t));
+    for (std::size_t t = 0; t < disc.face_count(); ++t) ratios.push_back(area_ratio({disc, *uv}, t));
     return *std::max_element(ratios.begin(), ratios.end()) / *std::min_element(ratios.begin(), ratios.end());
   };
   EXPECT_LT(worst(2), worst(0));

@@ -24,6 +24,7 @@ using testing::write_file;
 using Code = absl::StatusCode;
 
 constexpr FileKind kKind = {"TEST", 3};
+constexpr std::size_t kHead = 64 + 3 * 64 + 64;  // bytes before the sections: header, table, one checksum
 
 class SectionFileTest : public ::testing::TestWithParam<FileAccess> {
  protected:
@@ -35,8 +36,14 @@ class SectionFileTest : public ::testing::TestWithParam<FileAccess> {
     bytes_ = bytes_of(path_);
   }
 
+  /// Lazily opened files are checked here as a whole.
   absl::StatusOr<std::shared_ptr<const SectionFile>> open(const std::string& path) {
-    return SectionFile::open(path, kKind, GetParam());
+    auto file = SectionFile::open(path, kKind, GetParam());
+    if (!file.ok() || GetParam() != FileAccess::kMapLazily) return file;
+    const auto numbers = (*file)->section<std::uint32_t>("numbers");
+    if (!numbers.ok()) return file;
+    const absl::Status checked = (*file)->check(*numbers);
+    return checked.ok() ? file : checked;
   }
   /// What opening a file of these bytes says.
   absl::Status open_bytes(const std::string& bytes) {
@@ -48,7 +55,7 @@ class SectionFileTest : public ::testing::TestWithParam<FileAccess> {
     std::string bytes = bytes_;
     std::memcpy(bytes.data() + offset, &value, sizeof value);
     std::memset(bytes.data() + 56, 0, 8);
-    const std::uint64_t checksum = XXH3_64bits_withSeed(bytes.data() + 64, 3 * 64, XXH3_64bits(bytes.data(), 64));
+    const std::uint64_t checksum = XXH3_64bits_withSeed(bytes.data() + 64, kHead - 64, XXH3_64bits(bytes.data(), 64));
     std::memcpy(bytes.data() + 56, &checksum, sizeof checksum);
     return bytes;
   }
@@ -60,7 +67,7 @@ class SectionFileTest : public ::testing::TestWithParam<FileAccess> {
   std::string text_ = "some text";
   std::string bytes_;
 };
-INSTANTIATE_TEST_SUITE_P(Access, SectionFileTest, ::testing::Values(FileAccess::kMap, FileAccess::kCopy));
+INSTANTIATE_TEST_SUITE_P(Access, SectionFileTest, ::testing::Values(FileAccess::kMap, FileAccess::kMapLazily, FileAccess::kCopy));
 
 TEST_P(SectionFileTest, BringsSectionsBackAligned) {
   const auto file = open(path_);
@@ -105,23 +112,47 @@ TEST_P(SectionFileTest, NoticesEveryLength) {
 
 TEST_P(SectionFileTest, RefusesForgedTables) {
   ASSERT_TRUE(open_bytes(forged(48, 0)).ok()) << "the forger works";
-  const std::size_t entry = 64;  // the first: name 32, count 8, offset 8, checksum 8, element size 4
+  const std::size_t entry = 64;  // the first: name 32, count 8, offset 8, reserved 8, element size 4, reserved 4
   for (const std::uint64_t absurd : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{1} << 31, std::uint64_t{1} << 62,
                                      ~std::uint64_t{0}, ~std::uint64_t{0} / 4 + 1}) {
     for (const std::size_t field : {32, 40, 48, 56}) {
+      if (field == 48 && absurd == 0) continue;  // as it is
       EXPECT_EQ(open_bytes(forged(entry + field, absurd)).code(), Code::kDataLoss) << field << " " << absurd;
     }
     EXPECT_EQ(open_bytes(forged(32, absurd)).code(), Code::kDataLoss) << "sections " << absurd;
+    if (absurd == 1) continue;  // as it is
+    EXPECT_EQ(open_bytes(forged(40, absurd)).code(), Code::kDataLoss) << "blocks " << absurd;
   }
   EXPECT_EQ(open_bytes(forged(entry, 0)).code(), Code::kDataLoss) << "no name";
   EXPECT_EQ(open_bytes(forged(entry + 64, 0x73'7265'626d'756e)).code(), Code::kDataLoss) << "one name twice";
 }
 
 TEST_P(SectionFileTest, RefusesWhatLiesBetweenSections) {
-  const std::size_t end = 64 + 3 * 64 + 37 * 4;
   std::string bytes = bytes_;
-  bytes[end] = 1;
-  EXPECT_THAT(std::string(open_bytes(bytes).message()), HasSubstr("zeros"));
+  bytes[kHead + 37 * 4] = 1;
+  EXPECT_THAT(std::string(open_bytes(bytes).message()), HasSubstr("wrong checksum"));
+}
+
+TEST_P(SectionFileTest, ChecksLazilyWhatIsAskedFor) {
+  const std::vector<std::uint64_t> much(100'000, 7), more(50'000, 8);
+  ASSERT_TRUE(
+      write_section_file(path_, kKind, std::vector<Section>{make_section("much", much), make_section("more", more)}).ok());
+  std::string bytes = bytes_of(path_);
+  bytes[bytes.size() - 100'000] ^= 1;
+  write_file(path_, bytes);
+  const auto file = SectionFile::open(path_, kKind, GetParam());
+  if (GetParam() != FileAccess::kMapLazily) {
+    EXPECT_EQ(file.status().code(), Code::kDataLoss);
+    return;
+  }
+  ASSERT_TRUE(file.ok()) << file.status();
+  const auto first = (*file)->section<std::uint64_t>("much"), second = (*file)->section<std::uint64_t>("more");
+  ASSERT_TRUE(first.ok() && second.ok());
+  EXPECT_TRUE((*file)->check(*first).ok());
+  EXPECT_TRUE((*file)->check(second->first(10)).ok());
+  EXPECT_TRUE((*file)->check(second->last(10)).ok());
+  EXPECT_TRUE((*file)->check(second->first(0)).ok());
+  for (int i = 0; i < 2; ++i) EXPECT_EQ((*file)->check(*second).code(), Code::kDataLoss) << "each time";
 }
 
 TEST_P(SectionFileTest, RefusesForeignFiles) {

@@ -26,6 +26,7 @@ const Session& ball() {
     Session made;
     made.options.points = 50'000;
     made.preprocessed = *std::move(done);
+    made.surface = std::make_shared<SessionSurface>(made.preprocessed.flattened);
     made.revisions->publish(std::move(made.preprocessed.curve));
     return made;
   }();

@@ -52,10 +52,10 @@ TEST(Refiner, TakesTheSurfaceFromTheHookWhereItIsNotAtHand) {
   const auto session = make_session(300);
   Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
   int loads = 0;
-  session->load_flattened = [&loads, flattened = std::exchange(session->preprocessed.flattened, nullptr)]() {
+  session->surface = std::make_shared<SessionSurface>([&loads, flattened = session->preprocessed.flattened] {
     ++loads;
-    return absl::StatusOr<std::shared_ptr<const FlattenedMesh>>(flattened);
-  };
+    return curve_base(flattened);
+  });
   ASSERT_TRUE(ask(refiner, session, 5'000));
   ASSERT_TRUE(ends.wait_for(1));
   EXPECT_EQ(session->curve()->revision, 2u);
@@ -68,7 +68,7 @@ TEST(Refiner, TakesTheSurfaceFromTheHookWhereItIsNotAtHand) {
 TEST(Refiner, GivesUpWithoutASurface) {
   Ends ends;
   const auto session = make_session(300);
-  session->preprocessed.flattened = nullptr;
+  session->surface = std::make_shared<SessionSurface>();
   Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
   ASSERT_TRUE(ask(refiner, session, 5'000));
   ASSERT_TRUE(ends.wait_for(1));

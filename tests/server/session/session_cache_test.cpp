@@ -31,24 +31,26 @@ using Code = absl::StatusCode;
 
 std::string id_of(char digit) { return std::string(32, digit); }
 
+Preprocessed curve_of(const std::string& off) {
+  auto result = preprocess({"sphere.off", off}, {.points = 200});
+  EXPECT_TRUE(result.ok()) << result.status();
+  return *std::move(result);
+}
+
 const Preprocessed& some_curve() {
-  static const Preprocessed made = [] {
-    const std::string off = sphere_off(3);
-    auto result = preprocess({"sphere.off", off}, {.points = 200});
-    EXPECT_TRUE(result.ok()) << result.status();
-    return *std::move(result);
-  }();
+  static const Preprocessed made = curve_of(sphere_off(3));
   return made;
 }
 
-Session some_session(const std::string& id) {
+Session some_session(const std::string& id, const Preprocessed& curve = some_curve()) {
   Session session;
   session.id = id;
   session.mesh_id = "mesh";
   session.mesh_name = "sphere.off";
   session.companions = {{"a.mtl", "1"}, {"b.png", "2"}};
   session.options = {.points = 200, .density = {CurvatureTerm{}}};
-  session.preprocessed = some_curve();
+  session.preprocessed = curve;
+  session.surface = std::make_shared<SessionSurface>(session.preprocessed.flattened);
   session.revisions->publish(session.preprocessed.curve);
   return session;
 }
@@ -93,9 +95,9 @@ TEST_F(SessionCacheTest, BringsSessionsBack) {
   EXPECT_EQ((*after)->options.density.size(), 1u);
   EXPECT_EQ((*after)->curve()->x, before.curve()->x);
   EXPECT_EQ((*after)->preprocessed.report.seconds.total, before.preprocessed.report.seconds.total);
-  const auto surface = cache->load_surface(before.id);
-  ASSERT_TRUE(surface.ok()) << surface.status();
-  EXPECT_EQ((*surface)->charts[0].uv, before.preprocessed.flattened->charts[0].uv);
+  const auto surface = cache->open_surface(before.id), saved = before.curve_base();
+  ASSERT_TRUE(surface.ok() && saved.ok()) << surface.status() << saved.status();
+  EXPECT_TRUE(std::ranges::equal((*surface)->charts[0].uv, (*saved)->charts[0].uv));
 }
 
 TEST_F(SessionCacheTest, WhatIsNoIdIsNoFile) {
@@ -105,7 +107,7 @@ TEST_F(SessionCacheTest, WhatIsNoIdIsNoFile) {
                                 std::string(32, '/'), std::string(32, '\0'), id_of('b')}) {
     EXPECT_FALSE(cache->holds(id));
     EXPECT_EQ(cache->load(id).status().code(), Code::kNotFound);
-    EXPECT_EQ(cache->load_surface(id).status().code(), Code::kNotFound);
+    EXPECT_EQ(cache->open_surface(id).status().code(), Code::kNotFound);
     EXPECT_FALSE(cache->remove(id));
   }
 }
@@ -127,7 +129,7 @@ TEST_F(SessionCacheTest, ARevisionStandsBesideTheFirstCurve) {
   auto revised = std::make_shared<SurfaceCurve>(*session.curve());
   revised->revision = 2;
   session.revisions->publish(revised);
-  session.preprocessed.flattened = nullptr;  // as after a load
+  session.surface = std::make_shared<SessionSurface>();  // as after a load
   save(session);
   const auto loaded = open()->load(id_of('a')).value();
   EXPECT_EQ(loaded->curve()->revision, 2u);
@@ -156,9 +158,60 @@ TEST_F(SessionCacheTest, DamagedFilesAreRemovedWithTheReason) {
   std::string newer = good;
   newer[8] = 9;
   refused(newer, "version 9");
-  write_file(surface_path('a'), "nonsense");
-  EXPECT_FALSE(cache->load_surface(id_of('a')).ok());
-  EXPECT_FALSE(std::filesystem::exists(surface_path('a')));
+}
+
+TEST_F(SessionCacheTest, ACurveWithoutItsSurfaceIsRemoved) {
+  const auto cache = open();
+  const std::vector<std::function<void()>> losses = {[&] { write_file(surface_path('a'), "nonsense"); },
+                                                     [&] { std::filesystem::remove(surface_path('a')); }};
+  for (const auto& lose : losses) {
+    save(some_session(id_of('a')));
+    lose();
+    EXPECT_TRUE(cache->holds(id_of('a')));
+    EXPECT_FALSE(cache->load(id_of('a')).ok());
+    EXPECT_FALSE(cache->holds(id_of('a')));
+    EXPECT_THAT(folder_.names(), IsEmpty());
+  }
+}
+
+TEST_F(SessionCacheTest, ADamagedChartIsFoundWhenItIsAskedFor) {
+  // So large that what is damaged shares no checksum with what is read at once.
+  const Session before = some_session(id_of('a'), curve_of(sphere_off(5)));
+  save(before);
+  const auto& positions = before.preprocessed.flattened->loaded.mesh.positions;
+  std::string bytes = bytes_of(surface_path('a'));
+  const std::size_t at = bytes.find(std::string(reinterpret_cast<const char*>(&positions[positions.size() / 2]), sizeof(Vec3d)));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] = static_cast<char>(bytes[at] ^ 1);
+  write_file(surface_path('a'), bytes);
+  const auto cache = open();
+  const auto session = cache->load(before.id);
+  ASSERT_TRUE(session.ok()) << session.status();
+  EXPECT_EQ((*session)->ranks({}).status().code(), Code::kDataLoss);
+  EXPECT_THAT(folder_.names(), IsEmpty()) << "it is made anew next time";
+  EXPECT_THAT(lines_.str(), HasSubstr("checksum"));
+}
+
+TEST_F(SessionCacheTest, ASavedSessionTakesItsSurfaceFromTheFile) {
+  const Session session = some_session(id_of('a'));
+  const auto before = session.ranks({});
+  ASSERT_TRUE(before.ok()) << before.status();
+  const std::uint64_t bytes = session.surface->byte_size();
+  EXPECT_GT(bytes, 0u);
+  const std::uint64_t all = session.memory_bytes();
+  std::weak_ptr<const CurveBase> in_memory = *session.curve_base();
+  save(session);
+  EXPECT_TRUE(in_memory.expired()) << "nobody holds it any more";
+  EXPECT_EQ(session.surface->byte_size(), 0u);
+  EXPECT_EQ(session.memory_bytes(), all - bytes);
+  EXPECT_FALSE((*session.curve_base())->is_in_memory());
+  // More ranks are the same as on the surface in memory.
+  const Session other = some_session(id_of('b'));
+  ASSERT_TRUE(other.ranks({}).ok());
+  const std::vector<ChunkId> deeper = {{kChunkLevels + 1, 0}, {kChunkLevels + 1, 3}};
+  const auto here = session.candidates->grow(deeper, {}), there = other.candidates->grow(deeper, {});
+  ASSERT_TRUE(here.ok() && there.ok()) << here.status() << there.status();
+  EXPECT_EQ(here->tree->points(), there->tree->points());
 }
 
 TEST_F(SessionCacheTest, RefusesFilesThatBelongElsewhere) {
