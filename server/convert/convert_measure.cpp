@@ -50,10 +50,10 @@ absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureR
   FieldValidator check;
   std::uint64_t all = 0;
   for (std::size_t s = 0; s < files.size(); ++s) {
-    const std::uint64_t points = files[s]->size / sizeof(Floats);
-    if (files[s]->size % sizeof(Floats) != 0) {
+    const std::uint64_t points = files[s]->size() / sizeof(Floats);
+    if (files[s]->size() % sizeof(Floats) != 0) {
       check.fail(absl::StrCat("sets[", s, "].points_id"),
-                 absl::StrCat("names ", files[s]->size, " bytes; points have ", sizeof(Floats), " each"));
+                 absl::StrCat("names ", files[s]->size(), " bytes; points have ", sizeof(Floats), " each"));
     }
     all += points;
     if (points <= kMaxPoints && all <= kMaxMeasuredPoints) continue;
@@ -63,8 +63,8 @@ absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureR
   std::vector<std::vector<Vec3d>> sets(files.size());
   for (std::size_t s = 0; check.ok() && s < files.size(); ++s) {
     const Vec3d origin = check.vector(absl::StrCat("sets[", s, "].origin"), request.sets(static_cast<int>(s)).origin());
-    sets[s].reserve(files[s]->size / sizeof(Floats));
-    for (std::size_t at = 0; at < files[s]->size; at += sizeof(Floats)) {
+    sets[s].reserve(files[s]->size() / sizeof(Floats));
+    for (std::size_t at = 0; at < files[s]->size(); at += sizeof(Floats)) {
       Floats p;
       std::memcpy(&p, files[s]->bytes().data() + at, sizeof p);
       sets[s].emplace_back(origin + Vec3d(p[0], p[1], p[2]));

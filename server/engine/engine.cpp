@@ -39,7 +39,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       streams(std::make_shared<Admission>("streams of views", options.max_streams, options.max_streams_of_client)),
       uploads(std::make_shared<Admission>("uploads", options.max_uploads, options.max_uploads_of_client)),
       mesh_folder(options.mesh_folder),
-      meshes(options.max_mesh_bytes, options.max_upload_bytes),
+      meshes(options.max_mesh_bytes, options.max_upload_bytes, cache != nullptr ? cache->folder() : std::string()),
       sessions(preprocessing, preprocess, {options.max_sessions, options.max_session_bytes}, options.threads, log, cache.get()),
       refiner(
           options.max_curve_vertices,

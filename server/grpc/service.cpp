@@ -88,7 +88,7 @@ grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context,
     if (!mesh.ok()) return mesh.status();
     response->set_mesh_id((*mesh)->id);
     response->set_name((*mesh)->name);
-    response->set_size((*mesh)->size);
+    response->set_size((*mesh)->size());
     return absl::OkStatus();
   });
 }
@@ -108,7 +108,7 @@ grpc::ServerUnaryReactor* Service::ImportMesh(grpc::CallbackServerContext* conte
       const auto mesh = import_mesh(engine_.meshes, engine_.mesh_folder, path, job);
       if (!mesh.ok()) return mesh.status();
       response->set_mesh_id((*mesh)->id);
-      response->set_size((*mesh)->size);
+      response->set_size((*mesh)->size());
       return absl::OkStatus();
     };
   });

@@ -73,9 +73,9 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
     if (!begun_) return absl::InvalidArgumentError("the upload has no header");
     const auto mesh = upload_.finish();
     if (!mesh.ok()) return mesh.status();
-    engine_.log->info("mesh {} \"{}\" received, {} bytes", (*mesh)->id, printable((*mesh)->name), (*mesh)->size);
+    engine_.log->info("mesh {} \"{}\" received, {} bytes", (*mesh)->id, printable((*mesh)->name), (*mesh)->size());
     response_->set_mesh_id((*mesh)->id);
-    response_->set_size((*mesh)->size);
+    response_->set_size((*mesh)->size());
     return absl::OkStatus();
   }
 

@@ -25,6 +25,11 @@ MeshFile MeshFiles::file() const {
           }};
 }
 
+void MeshFiles::release_pages() const {
+  mesh->data.release_pages();
+  for (const auto& [name, file] : companions) file->data.release_pages();
+}
+
 absl::StatusOr<MeshFiles> find_files(MeshStore& store, const std::string& mesh_id,
                                      const google::protobuf::Map<std::string, std::string>& companions) {
   if (companions.size() > kMaxCompanions) {

@@ -20,6 +20,8 @@ struct MeshFiles {
 
   /// The files as core takes them; valid as long as this.
   MeshFile file() const;
+  /// Once they have been read: see MeshBytes::release_pages().
+  void release_pages() const;
 };
 
 /// Looks all files up. Names are only compared with those in the mesh, never with any file system. NotFound names the file that

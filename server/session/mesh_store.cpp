@@ -3,7 +3,6 @@
 #include <absl/strings/str_cat.h>
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "server/base/log.h"
@@ -19,8 +18,8 @@ constexpr std::size_t kMostParked = 16;
 
 }  // namespace
 
-MeshStore::MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes)
-    : max_bytes_(max_bytes), max_file_bytes_(max_file_bytes) {}
+MeshStore::MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes, std::string folder)
+    : max_bytes_(max_bytes), max_file_bytes_(max_file_bytes), folder_(std::move(folder)) {}
 
 absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find(const std::string& id) {
   const MutexLock lock(mutex_);
@@ -35,7 +34,7 @@ absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find(const std::string& i
 std::uint64_t MeshStore::received(const std::string& id) {
   const MutexLock lock(mutex_);
   const auto found = std::ranges::find(parked_, id, &MeshPart::expected_id);
-  return found == parked_.end() ? 0 : found->mesh.size;
+  return found == parked_.end() ? 0 : found->data.size();
 }
 
 MeshStore::Usage MeshStore::usage() const {
@@ -58,7 +57,7 @@ void MeshStore::park(MeshPart part) {
 absl::StatusOr<MeshPart> MeshStore::resume(const std::string& id, std::uint64_t size, std::uint64_t offset) {
   const MutexLock lock(mutex_);
   const auto found = std::ranges::find(parked_, id, &MeshPart::expected_id);
-  const std::uint64_t there = found == parked_.end() ? 0 : found->mesh.size;
+  const std::uint64_t there = found == parked_.end() ? 0 : found->data.size();
   if (there != offset) {
     return absl::FailedPreconditionError(
         absl::StrCat("header.offset is ", offset, ", but of this file ", there, " bytes are here; ask GetUpload"));
@@ -82,7 +81,7 @@ absl::Status MeshStore::reserve(std::uint64_t bytes) {
   for (auto it = recency_.end(); used_ + bytes > max_bytes_ && it != recency_.begin();) {
     --it;
     if (it->use_count() > 1) continue;
-    used_ -= (*it)->size + kCharge;
+    used_ -= (*it)->size() + kCharge;
     by_id_.erase((*it)->id);
     it = recency_.erase(it);
   }
@@ -104,7 +103,7 @@ std::shared_ptr<const Mesh> MeshStore::keep(std::shared_ptr<const Mesh> mesh, st
   used_ -= reserved;
   const auto [found, is_new] = by_id_.try_emplace(mesh->id);
   if (is_new) {
-    used_ += mesh->size + kCharge;
+    used_ += mesh->size() + kCharge;
     recency_.push_front(std::move(mesh));
     found->second = recency_.begin();
   } else {
@@ -114,7 +113,7 @@ std::shared_ptr<const Mesh> MeshStore::keep(std::shared_ptr<const Mesh> mesh, st
 }
 
 MeshUpload::~MeshUpload() {
-  if (is_sound_ && !part_.expected_id.empty() && part_.mesh.size > 0 && part_.reserved > 0) {
+  if (is_sound_ && !part_.expected_id.empty() && part_.data.size() > 0 && part_.reserved > 0) {
     store_.park(std::move(part_));
   } else {
     store_.release(part_.reserved);
@@ -140,51 +139,56 @@ absl::Status MeshUpload::begin(std::string_view name, std::uint64_t size, std::s
     return absl::OkStatus();
   }
   if (absl::Status status = store_.reserve(kCharge); !status.ok()) return status;
-  part_.mesh.name = name;
+  part_.reserved = kCharge;
+  if (!store_.folder_.empty()) {
+    if (absl::Status status = part_.data.open_in(store_.folder_); !status.ok()) return status;
+  }
+  part_.name = name;
   part_.expected_id = expected_id;
   part_.claimed = size;
-  part_.reserved = kCharge;
   return absl::OkStatus();
 }
 
 absl::Status MeshUpload::append(std::string_view chunk) {
-  Mesh& mesh = part_.mesh;
-  if (chunk.size() > part_.claimed - mesh.size) {
+  GrowingBytes& data = part_.data;
+  if (chunk.size() > part_.claimed - data.size()) {
     is_sound_ = false;
     return absl::InvalidArgumentError(absl::StrCat("more than the ", part_.claimed, " bytes that header.size announced"));
   }
-  const std::size_t needed = mesh.size + chunk.size();
-  if (needed > part_.capacity) {
-    const auto capacity = static_cast<std::size_t>(
-        std::min<std::uint64_t>(part_.claimed, std::max({needed, part_.capacity + part_.capacity / 2, kFirstCapacity})));
-    if (absl::Status status = store_.reserve(capacity - part_.capacity); !status.ok()) return status;
-    part_.reserved += capacity - part_.capacity;
-    // realloc, because for large blocks it moves pages instead of bytes and never holds both copies.
-    char* grown = static_cast<char*>(std::realloc(mesh.data.get(), capacity));
-    if (grown == nullptr) return absl::ResourceExhaustedError("the server ran out of memory; try again later");
-    (void)mesh.data.release();
-    mesh.data.reset(grown);
-    part_.capacity = capacity;
+  const std::size_t needed = data.size() + chunk.size();
+  if (needed > data.capacity()) {
+    const std::uint64_t ahead = std::max({needed, data.capacity() + data.capacity() / 2, kFirstCapacity});
+    const std::size_t capacity = data.is_file() ? needed : static_cast<std::size_t>(std::min(part_.claimed, ahead));
+    const std::size_t more = capacity - data.capacity();
+    if (absl::Status status = store_.reserve(more); !status.ok()) return status;
+    part_.reserved += more;
+    if (!data.is_file()) {
+      if (absl::Status status = data.reserve(capacity); !status.ok()) return status;
+    }
   }
-  if (!chunk.empty()) std::memcpy(mesh.data.get() + mesh.size, chunk.data(), chunk.size());
-  mesh.size = needed;
+  if (absl::Status status = data.append(chunk); !status.ok()) {
+    is_sound_ = false;
+    return status;
+  }
   part_.hasher.update(chunk);
   return absl::OkStatus();
 }
 
 absl::StatusOr<std::shared_ptr<const Mesh>> MeshUpload::finish() {
-  if (part_.mesh.size != part_.claimed) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the upload ended after ", part_.mesh.size, " of the ", part_.claimed, " bytes that header.size announced"));
+  if (part_.data.size() != part_.claimed) {
+    return absl::InvalidArgumentError(absl::StrCat("the upload ended after ", part_.data.size(), " of the ", part_.claimed,
+                                                   " bytes that header.size announced"));
   }
-  part_.mesh.id = part_.hasher.hex();
-  if (!part_.expected_id.empty() && part_.expected_id != part_.mesh.id) {
+  const std::string id = part_.hasher.hex();
+  if (!part_.expected_id.empty() && part_.expected_id != id) {
     is_sound_ = false;
-    return absl::InvalidArgumentError(absl::StrCat("the bytes received hash to ", part_.mesh.id, ", not to header.mesh_id \"",
+    return absl::InvalidArgumentError(absl::StrCat("the bytes received hash to ", id, ", not to header.mesh_id \"",
                                                    printable(part_.expected_id), "\"; send the file again"));
   }
+  absl::StatusOr<MeshBytes> data = part_.data.finish();
+  if (!data.ok()) return data.status();
   MeshPart done = std::exchange(part_, MeshPart());
-  return store_.keep(std::make_shared<const Mesh>(std::move(done.mesh)), done.reserved);
+  return store_.keep(std::make_shared<const Mesh>(Mesh{id, std::move(done.name), *std::move(data)}), done.reserved);
 }
 
 }  // namespace curvecast::server

@@ -4,7 +4,6 @@
 #include <absl/status/statusor.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <list>
 #include <memory>
 #include <span>
@@ -14,38 +13,37 @@
 
 #include "core/base/mutex.h"
 #include "server/base/hash.h"
+#include "server/session/mesh_bytes.h"
 
 namespace curvecast::server {
 
 /// A mesh file, or another file that meshes refer to. Immutable once stored.
 struct Mesh {
-  struct Free {
-    void operator()(char* bytes) const { std::free(bytes); }
-  };
   std::string id;    // hash of the bytes
   std::string name;  // as first uploaded
-  std::unique_ptr<char[], Free> data;
-  std::size_t size = 0;  // bytes
+  MeshBytes data;
 
-  std::span<const char> bytes() const { return {data.get(), size}; }
+  std::span<const char> bytes() const { return data.all(); }
+  std::size_t size() const { return data.size(); }
 };
 
 /// The beginning of a file whose upload is under way or broke off.
 struct MeshPart {
-  Mesh mesh;  // mesh.size bytes have come
+  std::string name;
+  GrowingBytes data;
   Hasher hasher;
   std::string expected_id;     // empty: not known beforehand
   std::uint64_t claimed = 0;   // bytes of the whole
-  std::uint64_t reserved = 0;  // bytes of the store's budget: the buffer's capacity and a fixed charge
-  std::size_t capacity = 0;
+  std::uint64_t reserved = 0;  // bytes of the store's budget: the data's capacity and a fixed charge
 };
 
 /// Thread-safe. Holds whole files, uploads under way, and the beginnings of uploads that broke off, within one budget: for room,
 /// beginnings go first, then the least recently used files to which there are no references.
 class MeshStore {
  public:
-  /// Holds at most `max_bytes` of all files together, and takes files of at most `max_file_bytes`.
-  MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes);
+  /// Holds at most `max_bytes` of all files together, and takes files of at most `max_file_bytes`. They are kept in `folder`,
+  /// without names; where that is empty, in memory.
+  MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes, std::string folder = {});
 
   /// Finds a file by its hash. NotFound says what to do.
   absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id);
@@ -74,6 +72,7 @@ class MeshStore {
 
   const std::uint64_t max_bytes_;
   const std::uint64_t max_file_bytes_;
+  const std::string folder_;
   mutable Mutex mutex_;
   std::uint64_t used_ ABSL_GUARDED_BY(mutex_) = 0;  // bytes of `recency_` and of all uploads
   Recency recency_ ABSL_GUARDED_BY(mutex_);

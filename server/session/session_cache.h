@@ -47,6 +47,7 @@ class SessionCache {
   /// Bytes of all files of sessions in the folder, whichever process wrote them. Looks at each.
   std::uint64_t used_bytes() const;
 
+  const std::string& folder() const { return folder_; }
   /// The queue on which those load who must not wait. Apart from the one that saves, which waits for the disk.
   JobQueue& loading() { return loading_; }
   /// Finishes the loads and saves that have been accepted, and refuses later ones.

@@ -89,7 +89,10 @@ void SessionJobs::preprocess(const std::shared_ptr<SessionJob>& job) {
     job->has_begun = true;
     report(*job, "queued", 1);
     ExecutionContext context;
-    context.on_progress = [&](std::string_view stage, double fraction) { report(*job, stage, fraction); };
+    context.on_progress = [&](std::string_view stage, double fraction) {
+      if (stage == "read" && fraction >= 1) job->files.release_pages();
+      report(*job, stage, fraction);
+    };
     context.cancel = &job->cancel;
     context.threads = threads_;
     absl::StatusOr<Preprocessed> made =

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+
+#include "tests/support/temporary_folder.h"
 
 namespace curvecast::server {
 namespace {
@@ -168,6 +171,45 @@ TEST(MeshStore, BrokenUploadsMakeRoom) {
   MeshStore large(1 << 26, 1 << 25);
   for (int i = 0; i < 100; ++i) upload_part(large, pattern(1000, i), id_of(pattern(1000, i)), 0, 10);
   EXPECT_LE(large.usage().bytes, 16u * 5096u);
+}
+
+class MeshFolder : public ::testing::Test {
+ protected:
+  curvecast::testing::TemporaryFolder folder_;
+  MeshStore store_{1 << 26, 1 << 25, folder_.path()};
+};
+
+TEST_F(MeshFolder, KeepsFilesWithoutNames) {
+  const std::string bytes = pattern(3'000'000, 1);
+  const auto mesh = upload(store_, bytes);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  const auto same = [&] { return std::ranges::equal((*mesh)->bytes(), bytes); };
+  EXPECT_TRUE(same());
+  EXPECT_THAT(folder_.names(), ::testing::IsEmpty()) << "nothing stays behind, whatever happens to the process";
+  (*mesh)->data.release_pages();
+  EXPECT_TRUE(same()) << "and read again";
+  EXPECT_EQ((*mesh)->id, id_of(bytes)) << "as in memory";
+  EXPECT_EQ(store_.usage().bytes, 3'000'000u + 4096) << "nothing is reserved ahead";
+}
+
+TEST_F(MeshFolder, GoesOnWhereAnUploadBrokeOff) {
+  const std::string bytes = pattern(3'000'000, 2);
+  const std::string id = id_of(bytes);
+  upload_part(store_, bytes, id, 0, 1'000'000);
+  EXPECT_EQ(store_.received(id), 1'000'000u);
+  MeshUpload rest(store_);
+  ASSERT_TRUE(rest.begin("a mesh", bytes.size(), id, 1'000'000).ok());
+  ASSERT_TRUE(rest.append(std::string_view(bytes).substr(1'000'000)).ok());
+  const auto mesh = rest.finish();
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_TRUE(std::ranges::equal((*mesh)->bytes(), bytes));
+}
+
+TEST_F(MeshFolder, SaysThatItCannotBeWrittenTo) {
+  MeshStore nowhere(1 << 26, 1 << 25, folder_ / "nowhere");
+  const absl::Status status = upload(nowhere, "some bytes").status();
+  EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("nowhere"));
+  EXPECT_EQ(nowhere.usage().bytes, 0u);
 }
 
 }  // namespace
