@@ -140,9 +140,8 @@ absl::Status MeshUpload::begin(std::string_view name, std::uint64_t size, std::s
   }
   if (absl::Status status = store_.reserve(kCharge); !status.ok()) return status;
   part_.reserved = kCharge;
-  if (!store_.folder_.empty()) {
-    if (absl::Status status = part_.data.open_in(store_.folder_); !status.ok()) return status;
-  }
+  // Where the folder is gone or its disk full, there may be memory.
+  if (!store_.folder_.empty()) part_.data.open_in(store_.folder_).IgnoreError();
   part_.name = name;
   part_.expected_id = expected_id;
   part_.claimed = size;

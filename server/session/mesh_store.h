@@ -42,7 +42,7 @@ struct MeshPart {
 class MeshStore {
  public:
   /// Holds at most `max_bytes` of all files together, and takes files of at most `max_file_bytes`. They are kept in `folder`,
-  /// without names; where that is empty, in memory.
+  /// without names; where that is empty or cannot be used, in memory.
   MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes, std::string folder = {});
 
   /// Finds a file by its hash. NotFound says what to do.

@@ -177,7 +177,7 @@ TEST_P(SectionFileTest, RefusesOtherKindsAndVersions) {
     EXPECT_EQ(file.status().code(), Code::kFailedPrecondition);
     EXPECT_THAT(std::string(file.status().message()), HasSubstr("TEST version 3"));
   }
-  EXPECT_EQ(open_bytes(forged(8, std::uint64_t{3} << 32 | 2)).code(), Code::kFailedPrecondition) << "the container's version";
+  EXPECT_EQ(open_bytes(forged(8, std::uint64_t{3} << 32 | 1)).code(), Code::kFailedPrecondition) << "the container's version";
 }
 
 TEST_P(SectionFileTest, AFailedWriteLeavesWhatWasThere) {

@@ -230,30 +230,34 @@ TEST(SurfaceFile, NoticesDamage) {
 /// A surface of which parts can be spoilt before it is saved: all that it looks at is here.
 struct Spoilable {
   explicit Spoilable(FlattenedMesh mesh) : surface(std::move(mesh)), colour(surface.loaded.mesh, surface.loaded.attributes) {
+    creases = crease_normals(surface.loaded.mesh);
     const CurveBase good(data(), surface.charts);
     for (const BaseChart& chart : good.charts) kinds.emplace_back(chart.kinds.begin(), chart.kinds.end());
     triangle_of.assign(good.triangle_of.begin(), good.triangle_of.end());
-    creases = good.data.creases;
   }
 
+  /// Without computing anything of it: it may be spoilt.
   SurfaceData data() const {
-    return {surface.loaded.mesh, surface.geometry, surface.loaded.attributes, is_coloured ? &colour : nullptr};
+    SurfaceData out;
+    out.mesh = surface.loaded.mesh;
+    out.geometry = surface.geometry;
+    for (const ScalarAttribute& scalar : surface.loaded.attributes.scalars) out.scalars.emplace_back(scalar.values);
+    out.colour = &colour;
+    out.creases = creases;
+    return out;
   }
   absl::Status save(const std::string& path) const {
     std::vector<BaseChart> charts;
     for (std::size_t c = 0; c < surface.charts.size(); ++c) {
       charts.push_back({ChartView(surface.charts[c]), Column<std::uint8_t>(std::span<const std::uint8_t>(kinds[c])), true});
     }
-    SurfaceData spoilt = data();
-    spoilt.creases = creases;
     return save_surface(path,
-                        CurveBase(spoilt, std::move(charts), Column<std::uint32_t>(std::span<const std::uint32_t>(triangle_of)),
+                        CurveBase(data(), std::move(charts), Column<std::uint32_t>(std::span<const std::uint32_t>(triangle_of)),
                                   [](std::size_t /*disc*/) { return absl::OkStatus(); }));
   }
 
   FlattenedMesh surface;
   SurfaceColour colour;
-  bool is_coloured = true;
   std::vector<std::vector<std::uint8_t>> kinds;
   std::vector<std::uint32_t> triangle_of;
   CreaseNormals creases;
