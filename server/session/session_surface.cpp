@@ -4,8 +4,9 @@
 
 namespace curvecast::server {
 
-SessionSurface::SessionSurface(std::shared_ptr<const FlattenedMesh> flattened)
-    : load_([flattened = std::move(flattened)] { return curve_base(flattened); }) {}
+SessionSurface::SessionSurface(std::shared_ptr<const FlattenedMesh> flattened) {
+  if (flattened != nullptr) load_ = [flattened = std::move(flattened)] { return curve_base(flattened); };
+}
 
 void SessionSurface::set_base(std::shared_ptr<const CurveBase> base) {
   bytes_ = base->is_in_memory() ? base->byte_size() : 0;

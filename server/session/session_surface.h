@@ -21,7 +21,7 @@ class SessionSurface {
   /// There is none: base() is Unavailable.
   SessionSurface() = default;
   explicit SessionSurface(Load load) : load_(std::move(load)) {}
-  /// The surface is in memory.
+  /// The surface is in memory; null: there is none.
   explicit SessionSurface(std::shared_ptr<const FlattenedMesh> flattened);
 
   /// Returns what refinement starts from. The first call that succeeds loads it, others wait. Errors are those of `load`.
