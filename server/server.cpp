@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "core/base/mutex.h"
+#include "core/base/spill.h"
 #include "server/base/address.h"
 #include "server/base/build_info.h"
+#include "server/base/scratch_folder.h"
 #include "server/base/status_from_exceptions.h"
 #include "server/engine/engine.h"
 #include "server/grpc/service.h"
@@ -193,6 +195,12 @@ class GrpcServer final : public Server {
   std::once_flag shutdown_;
 };
 
+absl::Status bound_memory(const ServerOptions& options) {
+  constexpr double kShare = 0.7;  // the rest is for others
+  const auto share = static_cast<std::uint64_t>(kShare * static_cast<double>(machine_memory_bytes()));
+  return keep_memory_within(options.memory_bytes > 0 ? options.memory_bytes : share, scratch_folder(options));
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& options) {
@@ -223,6 +231,10 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
       absl::StatusOr<std::unique_ptr<SessionCache>> opened = SessionCache::open(options.cache, options.cache_bytes, log);
       if (!opened.ok()) return opened.status();
       cache = *std::move(opened);
+    }
+    if (absl::Status status = bound_memory(options); !status.ok()) {
+      if (options.memory_bytes > 0) return status;
+      log->warn("memory is not bounded: {}", std::string(status.message()));
     }
     auto server = std::make_unique<GrpcServer>(options, std::move(log), std::move(cache), std::move(tokens), own_token);
     absl::Status status = server->listen(options.listen, make_credentials(*tls));

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <system_error>
 #include <utility>
 
 #include "client/bench/areas.h"
@@ -25,6 +26,7 @@
 #include "client/bench/zoom_bench.h"
 #include "client/cli/progress_bar.h"
 #include "client/lib/file_bytes.h"
+#include "core/base/spill.h"
 
 namespace curvecast::cli::bench {
 namespace {
@@ -307,6 +309,11 @@ absl::Status run(bool list, const Run& chosen, const CommonOptions& common, cons
   ExecutionContext context;
   context.cancel = &cancel;
   context.threads = common.threads;
+  if (common.memory > 0) {
+    std::error_code error;
+    const absl::Status status = keep_memory_within(common.memory, std::filesystem::temp_directory_path(error).string());
+    if (!status.ok()) return status;
+  }
   return chosen(common, context);
 }
 

@@ -143,6 +143,7 @@ absl::Status run(CLI::App& app, const Flags& flags, const CommonOptions& options
   if (flags.print_config) return print_text(to_configuration(app));
   server::ServerOptions server_options = flags.server;
   server_options.threads = options.threads;
+  server_options.memory_bytes = options.memory;
   server_options.log = !options.quiet;
   server_options.verbose = options.verbose;
   server_options.log_format = flags.log_format == "json" ? server::LogFormat::kJson : server::LogFormat::kText;
@@ -159,16 +160,7 @@ absl::Status run(CLI::App& app, const Flags& flags, const CommonOptions& options
 void add_limit_flags(CLI::App* app, server::ServerOptions* server) {
   const std::string group = "Limits";
   const auto bytes = [&](const char* name, std::uint64_t* value, const char* help) {
-    app->add_option(name, *value, help)
-        ->transform(CLI::AsSizeValue(false))
-        ->transform(validator(  // goes first; CLI11 takes -1 for a very large number
-            [](const std::string& text) {
-              return text.starts_with('-') ? absl::InvalidArgumentError("bytes are not negative") : absl::OkStatus();
-            },
-            ""))
-        ->type_name("BYTES")
-        ->capture_default_str()
-        ->group(group);
+    add_bytes(*app, name, *value, help)->group(group);
   };
   bytes("--cache-size", &server->cache_bytes,
         "that the cache may take (10GB, 500MB; powers of 1024); the least recently used sessions go first");

@@ -69,6 +69,10 @@ CLI::App* add_command(CLI::App& root, CommonOptions& options, const std::string&
       ->check(CLI::Range(0, kMaxThreads))
       ->capture_default_str()
       ->group(group);
+  add_bytes(*command, "--memory", options.memory,
+            "for this process to take at most (3GB): what is more lies in a file in the cache's folder, slower but never killed; "
+            "0: 70 % of what the machine or its container has; never changes the result")
+      ->group(group);
   command->add_flag("--json", options.json, "one JSON object on standard output instead of text")->group(group);
   CLI::Option* quiet = command->add_flag("--quiet", options.quiet, "no progress and no notes, only results and errors");
   quiet->group(group);
@@ -76,6 +80,18 @@ CLI::App* add_command(CLI::App& root, CommonOptions& options, const std::string&
   command->footer(absl::StrCat("Examples:\n  ", absl::StrJoin(examples, "\n  "),
                                "\n\nExit status: 0 done; 2 wrong usage; 3 bad input; 4 server or network; 130 interrupted."));
   return command;
+}
+
+CLI::Option* add_bytes(CLI::App& command, const std::string& name, std::uint64_t& bytes, const std::string& help) {
+  return command.add_option(name, bytes, help)
+      ->transform(CLI::AsSizeValue(false))
+      ->transform(validator(  // goes first; CLI11 takes -1 for a very large number
+          [](const std::string& text) {
+            return text.starts_with('-') ? absl::InvalidArgumentError("bytes are not negative") : absl::OkStatus();
+          },
+          ""))
+      ->type_name("BYTES")
+      ->capture_default_str();
 }
 
 void add_cache_flags(CLI::App* command, CommonOptions& options) {
@@ -121,6 +137,7 @@ absl::StatusOr<std::unique_ptr<Host>> Host::open(const CommonOptions& options, S
   if (!options.tls.is_empty()) return absl::InvalidArgumentError("--tls-ca, --tls-cert and --tls-key apply to a --server only");
   server::ServerOptions server_options;
   server_options.threads = options.threads;
+  server_options.memory_bytes = options.memory;
   server_options.log = options.verbose;
   if (caching == SessionCaching::kKeep && !options.no_cache) {
     server_options.cache = options.cache.empty() ? default_cache() : options.cache;

@@ -15,6 +15,7 @@
 
 namespace CLI {  // its header has globals that every source would compile anew
 class App;
+class Option;
 class Validator;
 }  // namespace CLI
 
@@ -34,8 +35,9 @@ struct CommonOptions {
   client::TlsFiles tls;    // what this side shows and believes; all empty: no encryption
   std::string token_file;  // of what the server knows this client by; empty: $CURVECAST_TOKEN, or nothing
   std::uint64_t seed = 0;
-  int threads = 0;    // of the server within this process; 0 = one per core
-  std::string cache;  // folder of the server within this process; empty = the user's own, see add_cache_flags
+  int threads = 0;           // of the server within this process; 0 = one per core
+  std::uint64_t memory = 0;  // bytes, of this process; 0 = 70 % of what there is
+  std::string cache;         // folder of the server within this process; empty = the user's own, see add_cache_flags
   bool no_cache = false;
   bool json = false, quiet = false, verbose = false;
 };
@@ -49,6 +51,9 @@ struct Command {
 /// Adds a subcommand with the common options; `examples` are lines of its help.
 CLI::App* add_command(CLI::App& root, CommonOptions& options, const std::string& name, const std::string& description,
                       const std::vector<std::string>& examples);
+
+/// Adds an option for a number of bytes: 10GB, 500MB, powers of 1024.
+CLI::Option* add_bytes(CLI::App& command, const std::string& name, std::uint64_t& bytes, const std::string& help);
 
 /// Adds --cache and --no-cache, for commands that make sessions (Host with SessionCaching::kKeep).
 void add_cache_flags(CLI::App* command, CommonOptions& options);

@@ -32,6 +32,9 @@ struct ServerOptions {
   /// Limit of refinement, which follows views that ask for more than a session was made for: curve vertices of one session. Also
   /// kept within half of the machine's free memory. 0: no refinement.
   std::uint64_t max_curve_vertices = 20'000'000;
+  /// Of this process: beyond, large blocks of memory lie in a file in the cache's folder or, where there is none, the folder for
+  /// temporary files, slower but never killed. 0: 70 % of what the machine or its container has.
+  std::uint64_t memory_bytes = 0;
   std::string cache = {};                               // folder where sessions survive a restart; made if missing; empty = none
   std::uint64_t cache_bytes = std::uint64_t{10} << 30;  // of all files there; the least recently used sessions go first
   bool log = true;                                      // one line per state change and error, to standard error

@@ -7,6 +7,8 @@
 #include <new>
 #include <string>
 
+#include "core/base/spill.h"
+
 namespace curvecast::server {
 
 /// Calls `work`, which returns an absl::Status or absl::StatusOr, and returns its result: ResourceExhausted when memory ran out,
@@ -15,6 +17,8 @@ template <class Work>
 auto status_from_exceptions(Work&& work) -> decltype(work()) {
   try {
     return work();
+  } catch (const SpillError& error) {
+    return absl::ResourceExhaustedError(error.what());
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError("the server ran out of memory; ask for fewer points or a lower omega");
   } catch (const std::exception& error) {

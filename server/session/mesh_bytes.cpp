@@ -1,6 +1,5 @@
 #include "server/session/mesh_bytes.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -8,6 +7,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <utility>
+
+#include "core/base/unnamed_file.h"
 
 namespace curvecast::server {
 
@@ -28,10 +29,8 @@ GrowingBytes::~GrowingBytes() {
 }
 
 absl::Status GrowingBytes::open_in(const std::string& folder) {
-  std::string path = folder + "/upload.XXXXXX";
-  file_ = ::mkostemp(path.data(), O_CLOEXEC);
+  file_ = open_unnamed_file(folder);
   if (file_ < 0) return absl::ErrnoToStatus(errno, "no room for the file: " + folder);
-  ::unlink(path.c_str());
   return absl::OkStatus();
 }
 
