@@ -16,6 +16,7 @@
 #include "core/curve/surface_colour.h"
 #include "core/curve/surface_map.h"
 #include "core/density/face_density.h"
+#include "core/mesh/cluster_vertices.h"
 #include "core/mesh/curvature.h"
 #include "core/mesh/topology.h"
 #include "core/mesh_io/mesh_io.h"
@@ -59,26 +60,18 @@ std::vector<std::string> names_of(const MeshAttributes& attributes) {
   return names;
 }
 
-absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& context, StageSeconds& seconds) {
-  Stopwatch watch;
-  context.progress("read", 0);
-  absl::StatusOr<PolygonSoup> soup = read_mesh(file, context);
-  if (!soup.ok()) return soup.status();
-  const absl::StatusOr<MeshFormat> format = detect_mesh_format(file.name, file.bytes);
-  if (!format.ok()) return format.status();
-  context.progress("read", 1);
-  seconds.read = watch.lap();
-  const std::size_t file_vertices = soup->positions.size(), file_polygons = soup->polygon_count();
-  std::vector<std::string> warnings = std::move(soup->warnings);
-  absl::StatusOr<RepairedMesh> repaired = repair(*std::move(soup), context);
-  if (!repaired.ok()) return about(file.name, repaired.status());
+/// What a soup becomes by repair. Its `info` lacks what repair knows nothing of.
+absl::StatusOr<LoadedMesh> repair_and_inspect(PolygonSoup soup, const ExecutionContext& context) {
+  const std::size_t file_vertices = soup.positions.size(), file_polygons = soup.polygon_count();
+  std::vector<std::string> warnings = std::move(soup.warnings);
+  absl::StatusOr<RepairedMesh> repaired = repair(std::move(soup), context);
+  if (!repaired.ok()) return repaired.status();
   LoadedMesh loaded;
   loaded.mesh = std::move(repaired->mesh);
   loaded.attributes = std::move(repaired->attributes);
   if (absl::Status status = context.check(); !status.ok()) return status;
   const Topology topology = analyse_topology(loaded.mesh);
-  constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl", "gltf"};
-  loaded.info = {.format = kFormatNames[static_cast<int>(*format)],
+  loaded.info = {.format = {},
                  .file_vertices = file_vertices,
                  .file_polygons = file_polygons,
                  .vertices = loaded.mesh.vertex_count(),
@@ -91,6 +84,25 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
                  .repairs = repaired->report,
                  .attributes = names_of(loaded.attributes),
                  .warnings = std::move(warnings)};
+  return loaded;
+}
+
+/// `on_read`, if not empty, sees what the file holds.
+absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& context, StageSeconds& seconds,
+                                const std::function<void(const PolygonSoup& soup)>& on_read = {}) {
+  Stopwatch watch;
+  context.progress("read", 0);
+  absl::StatusOr<PolygonSoup> soup = read_mesh(file, context);
+  if (!soup.ok()) return soup.status();
+  const absl::StatusOr<MeshFormat> format = detect_mesh_format(file.name, file.bytes);
+  if (!format.ok()) return format.status();
+  context.progress("read", 1);
+  seconds.read = watch.lap();
+  if (on_read) on_read(*soup);
+  absl::StatusOr<LoadedMesh> loaded = repair_and_inspect(*std::move(soup), context);
+  if (!loaded.ok()) return absl::IsCancelled(loaded.status()) ? loaded.status() : about(file.name, loaded.status());
+  constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl", "gltf"};
+  loaded->info.format = kFormatNames[static_cast<int>(*format)];
   seconds.repair = watch.lap();
   return loaded;
 }
@@ -263,9 +275,10 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
 }
 
 absl::StatusOr<FlattenedMesh> load_and_flatten(const MeshFile& file, const PreprocessOptions& options,
-                                               const ExecutionContext& context, std::optional<Demand>& demand) {
+                                               const ExecutionContext& context, std::optional<Demand>& demand,
+                                               const std::function<void(const PolygonSoup& soup)>& on_read = {}) {
   StageSeconds seconds;
-  absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds);
+  absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds, on_read);
   if (!loaded.ok()) return loaded.status();
   return flatten_here(*std::move(loaded), seconds, options, context, demand);
 }
@@ -291,6 +304,18 @@ absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh>
   report.curve_bytes = curve->byte_size();
   report.seconds.total += watch.lap();
   return Preprocessed{std::move(curve), report, std::move(flattened)};
+}
+
+/// All stages for a coarse stand-in.
+absl::StatusOr<Preprocessed> make_preview(const PolygonSoup& soup, const PreprocessOptions& options,
+                                          const ExecutionContext& context) {
+  constexpr std::size_t kVertices = 30'000;
+  absl::StatusOr<LoadedMesh> loaded = repair_and_inspect(cluster_vertices(soup, kVertices), context);
+  if (!loaded.ok()) return loaded.status();
+  std::optional<Demand> demand;
+  absl::StatusOr<FlattenedMesh> flattened = flatten_here(*std::move(loaded), {}, options, context, demand);
+  if (!flattened.ok()) return flattened.status();
+  return lay_curve_here(std::make_shared<const FlattenedMesh>(*std::move(flattened)), options, context, std::move(demand));
 }
 
 /// Runs the stages on as many threads as the context allows.
@@ -332,11 +357,17 @@ absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flat
   return with_threads(context, [&] { return lay_curve_here(std::move(flattened), options, context); });
 }
 
-absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options, const ExecutionContext& context) {
+absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options, const ExecutionContext& context,
+                                        const OnPreview& on_preview) {
   if (absl::Status status = check(options); !status.ok()) return status;
   return with_threads(context, [&]() -> absl::StatusOr<Preprocessed> {
     std::optional<Demand> demand;
-    absl::StatusOr<FlattenedMesh> flattened = load_and_flatten(file, options, context, demand);
+    const auto preview = [&](const PolygonSoup& soup) {
+      if (!on_preview || soup.polygon_count() <= kMostWithoutPreview) return;
+      const ExecutionContext quiet{.on_progress = {}, .cancel = context.cancel};
+      if (absl::StatusOr<Preprocessed> made = make_preview(soup, options, quiet); made.ok()) on_preview(*std::move(made));
+    };
+    absl::StatusOr<FlattenedMesh> flattened = load_and_flatten(file, options, context, demand, preview);
     if (!flattened.ok()) return flattened.status();
     return lay_curve_here(std::make_shared<const FlattenedMesh>(*std::move(flattened)), options, context, std::move(demand));
   });

@@ -6,6 +6,7 @@
 #include <absl/status/statusor.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -108,8 +109,14 @@ absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOp
 absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flattened, const PreprocessOptions& options,
                                        const ExecutionContext& context = {});
 
+/// A mesh of more polygons than this has a preview.
+inline constexpr std::size_t kMostWithoutPreview = 1'000'000;
+/// Is given a coarse stand-in of a great mesh once it has been read, long before the rest is done: see cluster_vertices().
+using OnPreview = std::function<void(Preprocessed preview)>;
+
 /// Makes the curve of a mesh file. InvalidArgument for a bad file (see read_mesh, repair) or options out of range; Cancelled.
+/// `on_preview`, if not empty, is called once at most: not where the mesh is small, or its stand-in fails.
 absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options,
-                                        const ExecutionContext& context = {});
+                                        const ExecutionContext& context = {}, const OnPreview& on_preview = {});
 
 }  // namespace curvecast

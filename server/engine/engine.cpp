@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/base/options.h"
+#include "server/base/scratch_folder.h"
 
 namespace curvecast::server {
 namespace {
@@ -39,8 +40,13 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       streams(std::make_shared<Admission>("streams of views", options.max_streams, options.max_streams_of_client)),
       uploads(std::make_shared<Admission>("uploads", options.max_uploads, options.max_uploads_of_client)),
       mesh_folder(options.mesh_folder),
-      meshes(options.max_mesh_bytes, options.max_upload_bytes, cache != nullptr ? cache->folder() : std::string()),
-      sessions(preprocessing, preprocess, {options.max_sessions, options.max_session_bytes}, options.threads, log, cache.get()),
+      meshes(options.max_mesh_bytes, options.max_upload_bytes, scratch_folder(options)),
+      sessions(preprocessing, preprocess, {options.max_sessions, options.max_session_bytes}, options.threads, log, cache.get(),
+               [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
+                 for (const auto& weak : all_streams()) {
+                   if (const auto stream = weak.lock()) stream->replace(preview, real);
+                 }
+               }),
       refiner(
           options.max_curve_vertices,
           [this](const Session& session, bool is_finer) {
@@ -75,7 +81,7 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
   auto stream = std::make_shared<ClientStream>(
       transport,
       ClientStream::Hooks{
-          .find = [this](const std::string& id) { return sessions.find(id); },
+          .find = [this](const std::string& id) { return sessions.find_for_views(id); },
           .answer =
               [this, source = new_source()](const std::shared_ptr<const Session>& session, const FrameRequest& request) {
                 const FrameCache::Key key{.curve = session->curve(),

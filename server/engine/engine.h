@@ -34,6 +34,13 @@ struct ServerOptions;
 /// which they need each other: each part is made after those that it uses, and destroyed, which ends its threads, before them. So
 /// settings and counters come first, then workers and stores, then what improves sessions, and the housekeeper at the end.
 class Engine {
+  // First: jobs notify streams to their end.
+  std::atomic<std::uint64_t> sources_ = 0;
+  Mutex mutex_;
+  std::vector<std::weak_ptr<ClientStream>> streams_ ABSL_GUARDED_BY(mutex_);
+  std::size_t sweep_at_ ABSL_GUARDED_BY(mutex_) = 64;  // number of streams at which those that have gone are forgotten
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
+
  public:
   /// `session_cache` and `known` may be null: without a cache; everybody may call.
   Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
@@ -84,11 +91,6 @@ class Engine {
   void notify_streams(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
   void run_housekeeping(const std::stop_token& stop) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  std::atomic<std::uint64_t> sources_ = 0;
-  Mutex mutex_;
-  std::vector<std::weak_ptr<ClientStream>> streams_ ABSL_GUARDED_BY(mutex_);
-  std::size_t sweep_at_ ABSL_GUARDED_BY(mutex_) = 64;  // number of streams at which those that have gone are forgotten
-  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   std::jthread housekeeper_;  // last: it uses the others
 };
 

@@ -75,6 +75,21 @@ void ClientStream::refined(const Session& session) {
   dispatch();
 }
 
+void ClientStream::replace(const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
+  const MutexLock lock(mutex_);
+  if (session_ == nullptr || session_->revisions != preview.revisions) return;
+  if (real.ok()) {
+    session_ = *real;
+    reference_.reset();
+    claim_.reset();
+    wants_key_ = true;
+    if (view_) answer_anew(*std::exchange(view_, std::nullopt));
+  } else {
+    fail(real.status());
+  }
+  dispatch();
+}
+
 void ClientStream::retry() {
   const MutexLock lock(mutex_);
   dispatch();
@@ -177,13 +192,13 @@ void ClientStream::run_worker() {
   if (is_due()) {
     View view = begin_answer();
     absl::StatusOr<Answer> made = absl::UnknownError("");
+    const auto session = session_;
     if (!view.request.ok()) {
       made = view.request.status();
     } else {
       if (view.request->automatic) view.request->options.points = pace_.points(*view.request->automatic);
       if (wants_key_) claim_.reset();
       // No frame is queued before this one, unless with an error.
-      const auto session = session_;
       const auto claim = claim_;
       auto reference = wants_key_ ? nullptr : reference_;
       const std::uint64_t first_bytes = accepts_deltas_ ? view.first_bytes : 0;
@@ -201,10 +216,22 @@ void ClientStream::run_worker() {
       });
       lock.lock();
     }
-    finish_answer(std::move(view), std::move(made));
+    if (session_ == session || is_over()) {
+      finish_answer(std::move(view), std::move(made));
+    } else {
+      answer_anew(std::move(view));  // another session has come meanwhile
+    }
   }
   has_worker_ = false;
   dispatch();
+}
+
+void ClientStream::answer_anew(View view) {
+  if (view_state_ == ViewState::kWaiting && view_) return;  // a newer one waits
+  view.shown.reset();
+  view.improvements = view.in_vain = 0;
+  view_ = std::move(view);
+  view_state_ = next(view_state_, ViewEvent::kArrived);
 }
 
 ClientStream::View ClientStream::begin_answer() {
@@ -223,6 +250,9 @@ void ClientStream::finish_answer(View view, absl::StatusOr<Answer> answer) {
   if (answer.ok()) {
     progress = {answer->frame.curve_revision(), answer->frame.held_points(), answer->frame.digest()};
     follow_up = answer->follow_up;
+  }
+  if (answer.ok() && follow_up == FollowUp::kNone && session_->is_preview) {
+    answer->follow_up = follow_up = FollowUp::kAfterImprovement;  // the real session follows
   }
   const bool has_progress = !view.shown || view.shown->is_surpassed_by(progress);
   if (!has_progress && !view.is_in_parts) ++view.in_vain;

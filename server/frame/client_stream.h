@@ -61,6 +61,9 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   /// newest view waits for that, the view is answered again, with the same number; the frame is sent if it has more points than
   /// the one before or a newer curve, or is the view's last one.
   void refined(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// A preview gives way to the real session: if it is this stream's, the newest view is answered anew, from a key frame on; or
+  /// the stream ends with the reason why there is none.
+  void replace(const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Asks for a worker again where the server was too busy to make a better frame; else does nothing. To be called now and then,
   /// for a client that has all its frames says nothing more.
   void retry() ABSL_LOCKS_EXCLUDED(mutex_);
@@ -114,6 +117,8 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
 
   /// Makes a frame of the view that is due, on a worker.
   void run_worker() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Has a view answered from the start, unless it was overtaken.
+  void answer_anew(View view) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   View begin_answer() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void finish_answer(View view, absl::StatusOr<Answer> answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void refuse_waiting_view(const absl::Status& reason) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -39,6 +39,12 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
     push(std::move(response));
   }
 
+  void on_preview(std::shared_ptr<const Session> preview) override {
+    v1::CreateSessionResponse response;
+    *response.mutable_preview() = to_proto(*preview);
+    push(std::move(response));
+  }
+
   void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) override {
     if (session.ok()) {
       v1::CreateSessionResponse response;

@@ -30,6 +30,7 @@ struct Session {
   std::shared_ptr<RankedCandidates> candidates = std::make_shared<RankedCandidates>();  // made when they are first asked for
   std::shared_ptr<Refinement> refinement = std::make_shared<Refinement>();
   std::shared_ptr<SessionSurface> surface = std::make_shared<SessionSurface>();
+  bool is_preview = false;       // a coarse stand-in, until the session is ready
   std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
 
   /// The newest revision of the curve. Each answer takes it once, so that all of it is of one revision.

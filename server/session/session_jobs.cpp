@@ -13,7 +13,7 @@ void report(SessionJob& job, std::string_view stage, double fraction) {
   job.waiters.deliver();
 }
 
-std::shared_ptr<const Session> make_session(const SessionJob& job, Preprocessed preprocessed) {
+std::shared_ptr<Session> make_session(const SessionJob& job, Preprocessed preprocessed) {
   auto session = std::make_shared<Session>();
   session->id = job.id;
   session->mesh_id = job.files.mesh->id;
@@ -29,8 +29,14 @@ std::shared_ptr<const Session> make_session(const SessionJob& job, Preprocessed 
 
 }  // namespace
 
-SessionJobs::SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, OnOver on_over)
-    : queue_(queue), preprocess_(std::move(preprocess)), threads_(threads), cache_(cache), on_over_(std::move(on_over)) {}
+SessionJobs::SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, OnStandIn on_stand_in,
+                         OnOver on_over)
+    : queue_(queue),
+      preprocess_(std::move(preprocess)),
+      threads_(threads),
+      cache_(cache),
+      on_stand_in_(std::move(on_stand_in)),
+      on_over_(std::move(on_over)) {}
 
 SessionJobs::~SessionJobs() {
   const MutexLock lock(mutex_);
@@ -95,8 +101,13 @@ void SessionJobs::preprocess(const std::shared_ptr<SessionJob>& job) {
     };
     context.cancel = &job->cancel;
     context.threads = threads_;
+    const OnPreview on_preview = [&](Preprocessed coarse) {
+      const std::shared_ptr<Session> preview = make_session(*job, std::move(coarse));
+      preview->is_preview = true;
+      on_stand_in_(job, preview);
+    };
     absl::StatusOr<Preprocessed> made =
-        status_from_exceptions([&] { return preprocess_(job->files.file(), job->options, context); });
+        status_from_exceptions([&] { return preprocess_(job->files.file(), job->options, context, on_preview); });
     if (made.ok()) {
       const std::shared_ptr<const Session> session = make_session(*job, *std::move(made));
       // Now, with all threads, not when the first view waits for them. Where that fails the view will be told why.

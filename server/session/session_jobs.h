@@ -37,15 +37,17 @@ struct SessionJob {
 class SessionJobs {
  public:
   /// The signature of curvecast::preprocess.
-  using Preprocess =
-      std::function<absl::StatusOr<Preprocessed>(const MeshFile&, const PreprocessOptions&, const ExecutionContext&)>;
+  using Preprocess = std::function<absl::StatusOr<Preprocessed>(const MeshFile&, const PreprocessOptions&,
+                                                                const ExecutionContext&, const OnPreview&)>;
+  /// Called without locks by the thread of a job that has a stand-in.
+  using OnStandIn = std::function<void(const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview)>;
   /// Called without locks by the thread of a job that is over and was not cancelled before that.
   using OnOver =
       std::function<void(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> session)>;
 
   /// Preprocesses on `queue`, with `threads` threads (0 = one per core), and loads on the cache's thread. Both queue and cache
   /// must outlive this; `cache` may be null.
-  SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, OnOver on_over);
+  SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, OnStandIn on_stand_in, OnOver on_over);
   /// Waits until the jobs are over. Precondition: all have been cancelled.
   ~SessionJobs();
 
@@ -74,6 +76,7 @@ class SessionJobs {
   const Preprocess preprocess_;
   const int threads_;
   SessionCache* const cache_;  // may be null
+  const OnStandIn on_stand_in_;
   const OnOver on_over_;
   Mutex mutex_;
   CondVar idle_;

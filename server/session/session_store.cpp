@@ -25,14 +25,19 @@ absl::Status not_yours(const std::string& id) {
 }  // namespace
 
 SessionStore::SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
-                           std::shared_ptr<spdlog::logger> log, SessionCache* cache)
+                           std::shared_ptr<spdlog::logger> log, SessionCache* cache, OnReplaced on_replaced)
     : log_(std::move(log)),
       cache_(cache),
+      on_replaced_(std::move(on_replaced)),
       table_(limits),
-      jobs_(queue, std::move(preprocess), threads, cache,
-            [this](const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> made) {
-              take_in(job, std::move(made));
-            }) {}
+      jobs_(
+          queue, std::move(preprocess), threads, cache,
+          [this](const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview) {
+            take_in_preview(job, std::move(preview));
+          },
+          [this](const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> made) {
+            take_in(job, std::move(made));
+          }) {}
 
 SessionStore::~SessionStore() {
   const MutexLock lock(mutex_);
@@ -85,7 +90,26 @@ absl::StatusOr<std::shared_ptr<SessionJob>> SessionStore::start_job(const std::s
   return job;
 }
 
+void SessionStore::take_in_preview(const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview) {
+  {
+    const MutexLock lock(mutex_);
+    if (job->cancel) return;  // it is not in the table any more
+    log_->info("session {} has a preview after {:.3f} s: {} faces", job->id, seconds_since(job->created),
+               preview->preprocessed.report.mesh.faces);
+    table_.find(job->id)->preview = preview;
+    job->waiters.preview(std::move(preview));
+  }
+  job->waiters.deliver();
+}
+
+void SessionStore::replace(const std::shared_ptr<const Session>& preview,
+                           const absl::StatusOr<std::shared_ptr<const Session>>& real) const {
+  if (preview != nullptr && on_replaced_) on_replaced_(*preview, real);
+}
+
 void SessionStore::take_in(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> made) {
+  std::shared_ptr<const Session> preview;
+  const absl::StatusOr<std::shared_ptr<const Session>> real = made;  // until the streams have it
   {
     const MutexLock lock(mutex_);
     if (job->cancel) return;  // it is not in the table any more
@@ -100,11 +124,13 @@ void SessionStore::take_in(const std::shared_ptr<SessionJob>& job, absl::StatusO
       SessionTable::Entry& entry = *table_.use(job->id);
       entry.info.session = std::move(session);
       entry.job = nullptr;
+      preview = std::exchange(entry.preview, nullptr);
     } else {
       log_->error("session {} failed after {:.3f} s: {}", job->id, seconds_since(job->created), made.status().ToString());
-      table_.take(job->id);
+      preview = table_.take(job->id).preview;
     }
   }
+  replace(preview, real);
   job->waiters.deliver();
 }
 
@@ -117,19 +143,31 @@ bool SessionStore::leave(const std::string& id, SessionWaiter* waiter) {
     job = entry->job;
   }
   if (!job->waiters.remove(waiter)) return false;
-  const MutexLock lock(mutex_);
-  const SessionTable::Entry* entry = table_.find(id);
-  // Meanwhile the job may have ended, or somebody else may have joined it.
-  if (entry != nullptr && entry->job == job && job->waiters.empty()) {
-    log_->info("session {} cancelled: nobody waits for it any more", id);
-    jobs_.cancel(*job);
-    table_.take(id);
+  std::shared_ptr<const Session> preview;
+  {
+    const MutexLock lock(mutex_);
+    const SessionTable::Entry* entry = table_.find(id);
+    // Meanwhile the job may have ended, or somebody else may have joined it.
+    if (entry != nullptr && entry->job == job && job->waiters.empty()) {
+      log_->info("session {} cancelled: nobody waits for it any more", id);
+      jobs_.cancel(*job);
+      preview = table_.take(id).preview;
+    }
   }
+  replace(preview, absl::CancelledError(absl::StrCat("session ", id, " was given up: nobody waits for it any more")));
   return true;
 }
 
 absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find(const std::string& id) {
   return must_load(id) ? load(id) : find_here(id);
+}
+
+absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_for_views(const std::string& id) {
+  {
+    const MutexLock lock(mutex_);
+    if (const SessionTable::Entry* entry = table_.find(id); entry != nullptr && entry->preview != nullptr) return entry->preview;
+  }
+  return find(id);
 }
 
 absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_here(const std::string& id) {
@@ -227,6 +265,7 @@ void SessionStore::save(const Session& session) {
 }
 
 absl::Status SessionStore::close(const std::string& id, const std::string& who) {
+  const absl::Status was_closed = absl::AbortedError(absl::StrCat("session ", id, " was closed before it was ready"));
   SessionTable::Entry closed;  // outlives the lock
   {
     const MutexLock lock(mutex_);
@@ -237,11 +276,12 @@ absl::Status SessionStore::close(const std::string& id, const std::string& who) 
     if (entry != nullptr) closed = table_.take(id);
     log_->info("session {} closed", id);
     if (closed.job != nullptr) {
-      closed.job->waiters.finish(absl::AbortedError(absl::StrCat("session ", id, " was closed before it was ready")));
+      closed.job->waiters.finish(was_closed);
       jobs_.cancel(*closed.job);
     }
   }
   if (closed.job != nullptr) closed.job->waiters.deliver();
+  replace(closed.preview, was_closed);
   return absl::OkStatus();
 }
 

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -32,10 +33,13 @@ class SessionStore {
  public:
   using Preprocess = SessionJobs::Preprocess;
 
+  /// Called without locks when a preview gives way to the real session, or to the reason why there is none.
+  using OnReplaced = std::function<void(const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real)>;
+
   /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core). With a cache, which must
   /// outlive the store too, sessions are saved when they become ready, and loaded instead of made.
   SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
-               std::shared_ptr<spdlog::logger> log, SessionCache* cache = nullptr);
+               std::shared_ptr<spdlog::logger> log, SessionCache* cache = nullptr, OnReplaced on_replaced = {});
   ~SessionStore();  // cancels all preprocessing and waits until it has stopped. Waiters that are left are not called any more
 
   /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called,
@@ -51,6 +55,8 @@ class SessionStore {
   /// Finds a ready session, or loads it if it is only in the cache: see must_load(). NotFound, or FailedPrecondition while it is
   /// being made; ResourceExhausted as of join().
   absl::StatusOr<std::shared_ptr<const Session>> find(const std::string& id);
+  /// As find(), but finds the preview, if there is one, of a session that is being made.
+  absl::StatusOr<std::shared_ptr<const Session>> find_for_views(const std::string& id);
   /// Whether find() would read a file, which may take its time: for callers who must not wait.
   bool must_load(const std::string& id);
   /// Tells about a session in memory. NotFound, also where it is in the cache.
@@ -80,12 +86,18 @@ class SessionStore {
                                                         SessionTable::Sessions& evicted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void take_in(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> made)
       ABSL_LOCKS_EXCLUDED(mutex_);
+  void take_in_preview(const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Tells of a preview that is over, if there was one.
+  void replace(const std::shared_ptr<const Session>& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
   absl::StatusOr<std::shared_ptr<const Session>> find_here(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id) ABSL_LOCKS_EXCLUDED(load_mutex_, mutex_);
   void log_evicted(const SessionTable::Sessions& evicted) const;
 
   const std::shared_ptr<spdlog::logger> log_;
   SessionCache* const cache_;                      // may be null
+  const OnReplaced on_replaced_;                   // may be empty
   Mutex load_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);  // find() loads one at a time, so that nothing is loaded twice
   Mutex mutex_;
   SessionTable table_ ABSL_GUARDED_BY(mutex_);

@@ -28,10 +28,11 @@ class SessionTable {
   using Sessions = std::vector<std::shared_ptr<const Session>>;
 
   struct Entry {
-    SessionInfo info;                 // its state is as of info_of()
-    std::shared_ptr<SessionJob> job;  // what makes the session; null when it is ready
-    std::string owner;                // who had it made; empty: nobody in particular
-    std::uint64_t last_used = 0;      // greater: later
+    SessionInfo info;                        // its state is as of info_of()
+    std::shared_ptr<SessionJob> job;         // what makes the session; null when it is ready
+    std::shared_ptr<const Session> preview;  // a stand-in, for as long as there is a job
+    std::string owner;                       // who had it made; empty: nobody in particular
+    std::uint64_t last_used = 0;             // greater: later
     Clock::time_point used_at = {};
 
     bool may_change(const std::string& who) const { return owner.empty() || owner == who; }

@@ -14,6 +14,7 @@ void SessionWaiters::add(SessionWaiter* waiter) {
   const MutexLock lock(mutex_);
   auto recipient = std::make_shared<Recipient>(Recipient{.waiter = waiter});
   recipient->calls.push_back({.stage = stage_, .fraction = fraction_});
+  if (preview_ != nullptr) recipient->calls.push_back({.preview = preview_});
   recipients_.push_back(std::move(recipient));
 }
 
@@ -43,11 +44,19 @@ void SessionWaiters::progress(std::string_view stage, double fraction) {
   }
 }
 
+void SessionWaiters::preview(std::shared_ptr<const Session> preview) {
+  const MutexLock lock(mutex_);
+  if (is_finished_) return;
+  preview_ = std::move(preview);
+  for (const auto& recipient : recipients_) recipient->calls.push_back({.preview = preview_});
+}
+
 void SessionWaiters::finish(const Result& result) {
   const MutexLock lock(mutex_);
   if (is_finished_) return;
   if (result.ok() && fraction_ < 1) broadcast(std::string(stage_), 1);
   is_finished_ = true;
+  preview_ = nullptr;
   for (const auto& recipient : recipients_) recipient->calls.push_back({.result = result});
 }
 
@@ -73,6 +82,8 @@ void SessionWaiters::deliver() {
     if (call.result) {
       // Moved, for a session that somebody else refers to is not idle. The waiter may be gone when this returns.
       recipient->waiter->on_done(*std::move(call.result));
+    } else if (call.preview != nullptr) {
+      recipient->waiter->on_preview(std::move(call.preview));
     } else {
       recipient->waiter->on_progress(call.stage, call.fraction);
     }

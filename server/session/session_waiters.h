@@ -23,6 +23,8 @@ class SessionWaiter {
   virtual ~SessionWaiter() = default;
   /// The start and the end of every stage and, about 20 times a second, what lies between. `fraction` is in [0, 1].
   virtual void on_progress(std::string_view stage, double fraction) = 0;
+  /// Once at most: there is a stand-in to look at.
+  virtual void on_preview(std::shared_ptr<const Session> /*preview*/) {}
   /// The last call: the session is ready, or why it never will be.
   virtual void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) = 0;
 };
@@ -31,7 +33,7 @@ class SessionWaiter {
 /// deliver(), which makes the calls, without. Waiters must live until remove() or their on_done.
 class SessionWaiters {
  public:
-  /// The waiter is told the newest progress, and from then on everything.
+  /// The waiter is told the newest progress and of the preview, if there is one, and from then on everything.
   void add(SessionWaiter* waiter);
   /// The waiter is not called any more when this returns, which waits for a call to it under way. False where its on_done has
   /// been called, or it was never added.
@@ -40,6 +42,8 @@ class SessionWaiters {
   /// A stage that a new one follows counts as finished. Calls come as of SessionWaiter::on_progress, however often this is
   /// called.
   void progress(std::string_view stage, double fraction);
+  /// Tells of a stand-in.
+  void preview(std::shared_ptr<const Session> preview);
   /// Ends it for all who wait; later progress is ignored.
   void finish(const absl::StatusOr<std::shared_ptr<const Session>>& result);
   /// Makes the calls that are queued, but for those to waiters that another thread is calling: it makes these.
@@ -51,7 +55,8 @@ class SessionWaiters {
   struct Call {
     std::string stage;
     double fraction = 0;
-    std::optional<Result> result = {};  // set: on_done
+    std::shared_ptr<const Session> preview = nullptr;  // set: on_preview
+    std::optional<Result> result = {};                 // set: on_done
   };
   struct Recipient {
     SessionWaiter* waiter;
@@ -65,6 +70,7 @@ class SessionWaiters {
   CondVar call_over_;
   std::vector<std::shared_ptr<Recipient>> recipients_ ABSL_GUARDED_BY(mutex_);  // those whose on_done has not been called
   bool is_finished_ ABSL_GUARDED_BY(mutex_) = false;
+  std::shared_ptr<const Session> preview_ ABSL_GUARDED_BY(mutex_);
   // Told last.
   std::string stage_ ABSL_GUARDED_BY(mutex_) = "queued";
   double fraction_ ABSL_GUARDED_BY(mutex_) = 0;

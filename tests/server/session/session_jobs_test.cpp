@@ -43,9 +43,12 @@ class SessionJobsTest : public ::testing::Test {
   std::optional<SessionJobs> jobs_{
       std::in_place,
       queue_,
-      [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context) { return preprocess(context); },
+      [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview&) {
+        return preprocess(context);
+      },
       1,
       nullptr,
+      [](const std::shared_ptr<SessionJob>&, const std::shared_ptr<const Session>&) {},
       [this](const std::shared_ptr<SessionJob>&, absl::StatusOr<std::shared_ptr<const Session>> session) {
         ++ends_;
         if (session.ok()) made_.set_value(*session);

@@ -81,7 +81,10 @@ TEST_F(SessionStoreEvictionTest, TimeToLiveCountsFromTheLastUse) {
 TEST_F(SessionStoreEvictionTest, EvictsWhatIsTooMuchTogether) {
   set_open(true);
   SessionStore store(
-      queue_, [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context) { return preprocess(context); },
+      queue_,
+      [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview&) {
+        return preprocess(context);
+      },
       {.sessions = 10, .bytes = 100'000}, 1, make_logger(false, false));
   std::vector<std::string> ids;
   for (const char* name : {"a", "b", "c"}) {

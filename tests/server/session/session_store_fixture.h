@@ -31,6 +31,12 @@ class Waiter final : public SessionWaiter {
     progress_.emplace_back(stage, fraction);
     changed_.notify_all();
   }
+  void on_preview(std::shared_ptr<const Session> preview) override {
+    const std::lock_guard lock(mutex_);
+    EXPECT_EQ(preview_, nullptr) << "a second preview";
+    EXPECT_FALSE(done_) << "a preview after the end";
+    preview_ = std::move(preview);
+  }
   void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) override {
     const std::lock_guard lock(mutex_);
     EXPECT_FALSE(done_) << "ended twice";
@@ -51,6 +57,10 @@ class Waiter final : public SessionWaiter {
     const std::lock_guard lock(mutex_);
     return progress_;
   }
+  std::shared_ptr<const Session> preview() {
+    const std::lock_guard lock(mutex_);
+    return preview_;
+  }
   bool done() {
     const std::lock_guard lock(mutex_);
     return done_.has_value();
@@ -60,6 +70,7 @@ class Waiter final : public SessionWaiter {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::pair<std::string, double>> progress_;
+  std::shared_ptr<const Session> preview_;
   std::optional<absl::StatusOr<std::shared_ptr<const Session>>> done_;
 };
 
@@ -131,13 +142,13 @@ class SessionStoreFixture : public ::testing::Test {
   absl::Status failure_;
   int runs_ = 0, cancelled_ = 0;
   JobQueue queue_{{.max_waiting = 16}};
-  std::optional<SessionStore> store_{
-      std::in_place,
-      queue_,
-      [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context) { return preprocess(context); },
-      SessionLimits{.sessions = 3},
-      1,
-      make_logger(false, false)};
+  std::optional<SessionStore> store_{std::in_place,
+                                     queue_,
+                                     [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context,
+                                            const OnPreview&) { return preprocess(context); },
+                                     SessionLimits{.sessions = 3},
+                                     1,
+                                     make_logger(false, false)};
 };
 
 }  // namespace curvecast::server

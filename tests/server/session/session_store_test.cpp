@@ -85,7 +85,7 @@ TEST_F(SessionStoreTest, TellsStartAndEndOfEveryStage) {
   const auto start = std::chrono::steady_clock::now();
   SessionStore store(
       queue_,
-      [](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context) {
+      [](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview&) {
         for (const char* stage : {"read", "cut", "map"}) {
           // "cut" never says that it is over.
           for (int i = 0; i <= 1000; ++i) context.progress(stage, i / (stage == std::string("cut") ? 1001.0 : 1000.0));

@@ -74,6 +74,7 @@ export class Application {
       forget: (chosen) => void this.forget(chosen),
     });
     this.uploads = new Uploads(page, this.client, {
+      onPreview: (preview) => this.previewed(preview),
       onReady: (ready, missing) => this.uploaded(ready, missing),
       onFailure: (what, error) => this.messages.failure(what, error),
     });
@@ -237,8 +238,18 @@ export class Application {
     this.viewport.pointsChanged();
   }
 
+  private previewed(preview: Session): void {
+    this.choice.showNow(preview);
+    this.messages.notice("A coarse preview; the rest follows by itself");
+  }
+
   private uploaded(session: Session, missing: readonly string[]): void {
     if (missing.length > 0) this.messages.notice(`Not among the files, and done without: ${missing.join(", ")}`);
+    if (this.session?.sessionId === session.sessionId) {
+      this.session = session; // its preview is shown, and its stream goes on by itself
+      this.choice.refresh();
+      return;
+    }
     this.choice.choose(session.sessionId);
   }
 

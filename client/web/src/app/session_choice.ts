@@ -56,6 +56,11 @@ export class SessionChoice {
     this.want(sessionId, null);
   }
 
+  /// Shows a session that the caller has, now.
+  showNow(session: Session): void {
+    this.show(session, null);
+  }
+
   /// Asks for the list now.
   refresh(): void {
     if (!this.isRefused) void this.listing.start();

@@ -7,6 +7,8 @@ import { bytes } from "./format";
 
 /// The outcomes of an upload.
 export interface UploadEvents {
+  /// There is a coarse stand-in, long before the session is ready.
+  onPreview(session: Session): void;
   onReady(session: Session, missing: readonly string[]): void;
   onFailure(what: string, error: CurvecastError): void;
 }
@@ -99,6 +101,7 @@ export class Uploads {
         meshId: uploaded.meshId,
         companions: uploaded.companions,
         signal: stop.signal,
+        onPreview: (preview) => this.events.onPreview(preview),
         onProgress: ({ stage, fraction }) => {
           show(sendingShare + (1 - sendingShare) * preparedShare(stage, fraction), stageWords[stage] ?? stage);
         },

@@ -32,6 +32,8 @@ export interface SessionRequest {
   companions?: Record<string, string>;
   options?: MessageInitShape<typeof SessionOptionsSchema>;
   onProgress?(progress: Progress): void;
+  /// There is a coarse stand-in to look at, under the id of the session: a view of it may be opened. Its stream goes on with the session.
+  onPreview?(preview: Session): void;
   signal?: AbortSignal;
 }
 
@@ -81,6 +83,7 @@ export class Client {
       for await (const { update } of this.connection.socket().serverStream(methods.createSession, request, signal)) {
         resetFailures();
         if (update.case === "progress") wanted.onProgress?.(update.value);
+        if (update.case === "preview") wanted.onPreview?.(update.value);
         if (update.case === "session") session = update.value;
       }
       return present(session);
