@@ -138,6 +138,7 @@ absl::StatusOr<std::unique_ptr<Host>> Host::open(const CommonOptions& options, S
   server::ServerOptions server_options;
   server_options.threads = options.threads;
   server_options.memory_bytes = options.memory;
+  server_options.max_upload_bytes = server_options.max_mesh_bytes = std::uint64_t{1} << 62;  // they are the user's own
   server_options.log = options.verbose;
   if (caching == SessionCaching::kKeep && !options.no_cache) {
     server_options.cache = options.cache.empty() ? default_cache() : options.cache;

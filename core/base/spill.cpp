@@ -64,7 +64,7 @@ class Spill {
     // Now, not when the disk turns out to be full as a page is written: that would end the process.
     if (const int error = ::posix_fallocate(file_, static_cast<off_t>(at), static_cast<off_t>(bytes)); error != 0) {
       give_back(at);
-      throw SpillError("the disk of the cache folder has no room for what --memory leaves no room for");
+      throw SpillError("the disk is full: the cache folder, or that for temporary files, holds what --memory leaves no room for");
     }
     void* const block = ::mmap(begin_ + at, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, file_, static_cast<off_t>(at));
     if (block == MAP_FAILED) {

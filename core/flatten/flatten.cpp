@@ -1,5 +1,6 @@
 #include "core/flatten/flatten.h"
 
+#include <absl/strings/str_format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -68,9 +69,15 @@ std::vector<Faces> bisect(const TriangleMesh& mesh, const Faces& faces) {
 }
 
 /// The faces of each component.
-std::vector<Faces> list_components(const TriangleMesh& mesh) {
+absl::StatusOr<std::vector<Faces>> list_components(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> component_of_face;
-  std::vector<Faces> components(label_components(mesh.twins, component_of_face));
+  const std::size_t count = label_components(mesh.twins, component_of_face);
+  if (count > kMostComponents) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "the mesh falls into %d pieces that share no edge; at most %d are taken: join them, or leave out small ones", count,
+        kMostComponents));
+  }
+  std::vector<Faces> components(count);
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) components[component_of_face[f]].push_back(f);
   return components;
 }
@@ -152,6 +159,7 @@ class Flattener {
     if (component.size() <= options_.most_whole_faces) {
       parts.push_back({std::move(component), {}, {}});
     } else {
+      report("cut", 0);
       parts = partition_faces(mesh_, component, (component.size() + options_.chart_faces - 1) / options_.chart_faces, context_);
       if (absl::Status status = context_.check(); !status.ok()) return status;
       component = {};
@@ -263,11 +271,12 @@ class Flattener {
 absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const FlattenOptions& options,
                                            const ExecutionContext& context, FlattenTimes& times) {
   Stopwatch watch;
-  std::vector<Faces> components = list_components(mesh);
+  absl::StatusOr<std::vector<Faces>> components = list_components(mesh);
+  if (!components.ok()) return components.status();
   if (absl::Status status = context.check(); !status.ok()) return status;
   Flattener flattener(mesh, options, context);
-  absl::StatusOr<std::vector<Chart>> charts = Flattener::join(
-      Flattener::for_each_alone(components, [&](Faces& component) { return flattener.flatten_component(std::move(component)); }));
+  absl::StatusOr<std::vector<Chart>> charts = Flattener::join(Flattener::for_each_alone(
+      *components, [&](Faces& component) { return flattener.flatten_component(std::move(component)); }));
   if (!charts.ok()) return charts.status();
   // What each stage took of the time that has passed.
   const FlattenTimes all = flattener.times();

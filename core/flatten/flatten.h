@@ -3,6 +3,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <cstddef>
 #include <vector>
 
 #include "core/base/execution_context.h"
@@ -41,6 +42,9 @@ struct FlattenOptions {
   std::size_t most_whole_faces = 1'000'000, chart_faces = 100'000;
 };
 
+/// What flatten() takes of components: each is a chart at least, with memory of its own.
+inline constexpr std::size_t kMostComponents = 1'000'000;
+
 struct FlattenTimes {  // seconds
   double cut = 0, parameterise = 0;
 };
@@ -49,7 +53,8 @@ struct FlattenTimes {  // seconds
 /// halves until it doesn't: down to single triangles, which always succeed. Every face of the mesh lies in exactly one chart,
 /// whole. Charts come in the order of their components, and in one component each, as a rule, is a neighbour of the one before,
 /// with the square's corner (0, 0) beside that one's corner (1, 0): the Hilbert curve goes on where it ended. Charts are made
-/// side by side on all threads. Cancelled when the context says so (CGAL's solver ends first).
+/// side by side on all threads. InvalidArgument where there are more than kMostComponents; Cancelled when the context says so
+/// (CGAL's solver ends first).
 absl::StatusOr<std::vector<Chart>> flatten(const TriangleMesh& mesh, const FlattenOptions& options,
                                            const ExecutionContext& context, FlattenTimes& times);
 

@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <tuple>
+#include <utility>
 
 #include "core/mesh/triangle_mesh.h"
 
@@ -80,37 +82,54 @@ class Grid {
   Eigen::Matrix<std::size_t, 3, 1> counts_;
 };
 
-/// A triangle that is kept, by its clusters, the least one first.
+/// A triangle whose corners lie in three clusters.
 struct Kept {
-  std::array<std::uint32_t, 3> clusters;
-  std::array<std::uint32_t, 3> corners;  // of the soup
+  std::array<std::uint32_t, 3> clusters;  // ascending
+  bool is_turned;                         // it runs the other way around
+  std::array<std::uint32_t, 3> corners;   // of the soup, in the order of the clusters
   std::uint32_t polygon;
 
   bool operator<(const Kept& other) const {
-    return clusters != other.clusters ? clusters < other.clusters : corners < other.corners;
+    return std::tie(clusters, is_turned, corners) < std::tie(other.clusters, other.is_turned, other.corners);
   }
 };
+
+/// Has the first of those triangles between the same three clusters of which there are more than of those that run the other way
+/// around; none where they are as many: so folds vanish, and what had no border has none. `all` is sorted.
+void cancel_folds(std::vector<Kept>& all) {
+  auto out = all.begin();
+  for (auto begin = all.begin(); begin != all.end();) {
+    const auto end = std::find_if(begin, all.end(), [&](const Kept& other) { return other.clusters != begin->clusters; });
+    const auto turned = std::find_if(begin, end, [](const Kept& kept) { return kept.is_turned; });
+    const auto ahead = (turned - begin) - (end - turned);
+    if (ahead != 0) *out++ = ahead > 0 ? *begin : *turned;
+    begin = end;
+  }
+  all.erase(out, all.end());
+}
 
 std::vector<Kept> kept_triangles(const PolygonSoup& soup, const std::vector<std::uint32_t>& cluster_of) {
   tbb::enumerable_thread_specific<std::vector<Kept>> of_threads;
   tbb::parallel_for(Range(0, soup.polygon_count(), kGrain), [&](const Range& polygons) {
     std::vector<Kept>& kept = of_threads.local();
     for_triangles(soup, polygons, [&](std::size_t p, std::uint32_t first, std::uint32_t c) {
-      Kept triangle{{}, {first, c, c + 1}, static_cast<std::uint32_t>(p)};
+      Kept triangle{{}, false, {first, c, c + 1}, static_cast<std::uint32_t>(p)};
       for (int i = 0; i < 3; ++i) triangle.clusters[i] = cluster_of[soup.indices[triangle.corners[i]]];
-      const auto [a, b, d] = triangle.clusters;
-      if (a == b || b == d || d == a) return;
-      const auto least = std::min_element(triangle.clusters.begin(), triangle.clusters.end()) - triangle.clusters.begin();
-      std::rotate(triangle.clusters.begin(), triangle.clusters.begin() + least, triangle.clusters.end());
-      std::rotate(triangle.corners.begin(), triangle.corners.begin() + least, triangle.corners.end());
+      const auto sort_two = [&](int i, int k) {
+        if (triangle.clusters[i] <= triangle.clusters[k]) return;
+        std::swap(triangle.clusters[i], triangle.clusters[k]);
+        std::swap(triangle.corners[i], triangle.corners[k]);
+        triangle.is_turned = !triangle.is_turned;
+      };
+      sort_two(0, 1), sort_two(1, 2), sort_two(0, 1);
+      if (triangle.clusters[0] == triangle.clusters[1] || triangle.clusters[1] == triangle.clusters[2]) return;
       kept.push_back(triangle);
     });
   });
   std::vector<Kept> all;
   for (const std::vector<Kept>& kept : of_threads) all.insert(all.end(), kept.begin(), kept.end());
   tbb::parallel_sort(all);  // whatever thread found them
-  all.erase(std::unique(all.begin(), all.end(), [](const Kept& a, const Kept& b) { return a.clusters == b.clusters; }),
-            all.end());
+  cancel_folds(all);
   return all;
 }
 
@@ -174,7 +193,11 @@ PolygonSoup cluster_vertices(const PolygonSoup& soup, std::size_t vertices) {
   }
   to.materials = from.materials;
   coarse.polygon_begin.push_back(0);
-  for (const Kept& triangle : kept_triangles(soup, cluster_of)) {
+  for (Kept triangle : kept_triangles(soup, cluster_of)) {
+    if (triangle.is_turned) {
+      std::swap(triangle.clusters[1], triangle.clusters[2]);
+      std::swap(triangle.corners[1], triangle.corners[2]);
+    }
     coarse.indices.insert(coarse.indices.end(), triangle.clusters.begin(), triangle.clusters.end());
     coarse.polygon_begin.push_back(static_cast<std::uint32_t>(coarse.indices.size()));
     if (!from.face_colours.empty()) to.face_colours.push_back(from.face_colours[triangle.polygon]);

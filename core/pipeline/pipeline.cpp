@@ -307,9 +307,10 @@ absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh>
 }
 
 /// All stages for a coarse stand-in.
-absl::StatusOr<Preprocessed> make_preview(const PolygonSoup& soup, const PreprocessOptions& options,
-                                          const ExecutionContext& context) {
+absl::StatusOr<Preprocessed> make_preview(const PolygonSoup& soup, PreprocessOptions options, const ExecutionContext& context) {
   constexpr std::size_t kVertices = 30'000;
+  constexpr std::uint64_t kPoints = 16'384;  // more are made if views want them
+  options.points = std::min(options.points, kPoints);
   absl::StatusOr<LoadedMesh> loaded = repair_and_inspect(cluster_vertices(soup, kVertices), context);
   if (!loaded.ok()) return loaded.status();
   std::optional<Demand> demand;

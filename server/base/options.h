@@ -15,8 +15,8 @@ namespace curvecast::server {
 struct ServerOptions {
   std::string listen = {};                                   // "host:port"; port 0 = any free one; empty = this process only
   int threads = 0;                                           // for preprocessing and views; 0 = one per core
-  std::uint64_t max_upload_bytes = std::uint64_t{2} << 30;   // of one mesh file
-  std::uint64_t max_mesh_bytes = std::uint64_t{4} << 30;     // of all mesh files held; the least recently used go first
+  std::uint64_t max_upload_bytes = std::uint64_t{8} << 30;   // of one mesh file
+  std::uint64_t max_mesh_bytes = std::uint64_t{16} << 30;    // of all mesh files held; the least recently used go first
   std::uint64_t max_sessions = 64;                           // held at once
   std::uint64_t max_session_bytes = std::uint64_t{8} << 30;  // of all of them; the least recently used go first, to the cache
   std::string tokens = {};                                   // file of those who may call, see Tokens; empty = everybody

@@ -6,6 +6,7 @@
 #include "server/grpc/reactors.h"
 #include "server/grpc/write_queue.h"
 #include "server/session/mesh_files.h"
+#include "server/session/overall_progress.h"
 
 namespace curvecast::server {
 namespace {
@@ -36,6 +37,7 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
     v1::CreateSessionResponse response;
     response.mutable_progress()->set_stage(std::string(stage));
     response.mutable_progress()->set_fraction(fraction);
+    response.mutable_progress()->set_overall(overall_progress(stage, fraction));
     push(std::move(response));
   }
 

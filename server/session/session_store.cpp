@@ -109,7 +109,7 @@ void SessionStore::replace(const std::shared_ptr<const Session>& preview,
 
 void SessionStore::take_in(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> made) {
   std::shared_ptr<const Session> preview;
-  const absl::StatusOr<std::shared_ptr<const Session>> real = made;  // until the streams have it
+  absl::StatusOr<std::shared_ptr<const Session>> real = absl::CancelledError();
   {
     const MutexLock lock(mutex_);
     if (job->cancel) return;  // it is not in the table any more
@@ -125,12 +125,15 @@ void SessionStore::take_in(const std::shared_ptr<SessionJob>& job, absl::StatusO
       entry.info.session = std::move(session);
       entry.job = nullptr;
       preview = std::exchange(entry.preview, nullptr);
+      if (preview != nullptr) real = entry.info.session;
     } else {
       log_->error("session {} failed after {:.3f} s: {}", job->id, seconds_since(job->created), made.status().ToString());
       preview = table_.take(job->id).preview;
+      real = made.status();
     }
   }
   replace(preview, real);
+  real = absl::CancelledError();  // a session that somebody refers to is not idle
   job->waiters.deliver();
 }
 

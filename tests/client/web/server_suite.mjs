@@ -39,6 +39,28 @@ async function choose(page, ...files) {
 }
 
 describe("uploads", () => {
+  it("show a great mesh coarsely at first, and go on with the real one in the same picture", () =>
+    withServer([], async ({ url }) => {
+      const columns = 1024,
+        rows = 500;
+      const path = join(temporaryFolder(), "great.off");
+      writeFileSync(path, bumpyTorus(columns, rows));
+      const page = await WatchedPage.open(`${url}#points=${points}`);
+      await page.page.getByText("Drop a mesh here").waitFor();
+      await page.page.evaluate(() => {
+        window.notices = "";
+        new MutationObserver((changes) => {
+          for (const { addedNodes } of changes) addedNodes.forEach((node) => (window.notices += node.textContent));
+        }).observe(document.body, { subtree: true, childList: true });
+      });
+      await choose(page, path);
+      await page.until((c, faces) => Number(c.session?.report.mesh.faces) === faces, 2 * columns * rows);
+      await page.settled();
+      assert.match(await page.page.evaluate(() => window.notices), /A coarse preview/);
+      assert.equal(await page.evaluate((c) => c.store.count), points);
+      await page.close();
+    }));
+
   it("begin with an invitation, show their progress, and end with the surface", () =>
     withServer([], async ({ url }) => {
       const page = await WatchedPage.open(`${url}#points=${points}`, { prepare });

@@ -96,7 +96,7 @@ TEST_F(Spill, SaysThatTheDiskIsFull) {
     message = error.what();
   }
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
-  EXPECT_EQ(message, "the disk of the cache folder has no room for what --memory leaves no room for");
+  EXPECT_EQ(message, "the disk is full: the cache folder, or that for temporary files, holds what --memory leaves no room for");
   EXPECT_GT(blocks.size(), 4u);
   blocks.clear();
   EXPECT_EQ(spill_usage().bytes, 0u);

@@ -181,6 +181,23 @@ TEST(Flatten, NeedlesAndSpikesStayValid) {
   }
 }
 
+TEST(Flatten, RefusesMorePiecesThanItHasRoomFor) {
+  TriangleMesh mesh;
+  const auto count = static_cast<std::uint32_t>(kMostComponents + 1);
+  for (std::uint32_t f = 0; f < count; ++f) {
+    const double x = 2.0 * f;
+    for (const Vec3d& p : {Vec3d(x, 0, 0), Vec3d(x + 1, 0, 0), Vec3d(x, 1, 0)}) mesh.positions.push_back(p);
+    mesh.triangles.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+  }
+  mesh.twins.assign(3 * std::size_t{count}, kNone);
+  FlattenTimes times;
+  const absl::Status status = flatten(mesh, {}, {}, times).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(
+      status.message(),
+      "the mesh falls into 1000001 pieces that share no edge; at most 1000000 are taken: join them, or leave out small ones");
+}
+
 TEST(Flatten, StopsWhenCancelled) {
   const std::atomic<bool> cancel = true;
   FlattenTimes times;

@@ -13,7 +13,6 @@ export interface UploadEvents {
   onFailure(what: string, error: CurvecastError): void;
 }
 
-const stages = ["read", "repair", "cut", "parameterise", "curve", "map", "area", "ranks"];
 const stageWords: Record<string, string> = {
   queued: "waiting for its turn",
   load: "taken from the cache",
@@ -28,12 +27,6 @@ const stageWords: Record<string, string> = {
 };
 const sendingShare = 0.3; // of the bar, for sending the files; the rest is for preparing the session
 const dropLinger = 700; // ms; browsers send dragover every 350 ms at least while files are over the page
-
-/// Returns the share of the preparation that is done, which grows from stage to stage; 0 for the stages before the first one.
-function preparedShare(stage: string, fraction: number): number {
-  const index = stages.indexOf(stage);
-  return index < 0 ? 0 : (index + fraction) / stages.length;
-}
 
 /// Takes files from anywhere on the page. Several uploads may run at once. Each has a bar, and can be cancelled.
 export class Uploads {
@@ -102,8 +95,8 @@ export class Uploads {
         companions: uploaded.companions,
         signal: stop.signal,
         onPreview: (preview) => this.events.onPreview(preview),
-        onProgress: ({ stage, fraction }) => {
-          show(sendingShare + (1 - sendingShare) * preparedShare(stage, fraction), stageWords[stage] ?? stage);
+        onProgress: ({ stage, overall }) => {
+          show(sendingShare + (1 - sendingShare) * overall, stageWords[stage] ?? stage);
         },
       });
       this.events.onReady(session, uploaded.missing);
