@@ -31,8 +31,8 @@ constexpr double kAhead = 8;    // times what the process has grown by since it 
 constexpr auto kWatch = std::chrono::milliseconds(1), kWatchIdle = std::chrono::milliseconds(20);
 
 std::size_t page_size() {
-  static const auto size = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  return size;
+  static const auto kSize = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  return kSize;
 }
 
 std::size_t round_up(std::size_t n, std::size_t to) { return (n + to - 1) / to * to; }
@@ -105,7 +105,7 @@ class Spill {
     std::size_t begin = at, end = block->second;
     blocks_.erase(block);
     lock.unlock();  // to give back gigabytes takes its time
-    ::mmap(begin_ + begin, end - begin, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0);
+    (void)::mmap(begin_ + begin, end - begin, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0);
     ::fallocate(file_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(begin), static_cast<off_t>(end - begin));
     bytes_ -= end - begin;
     lock.lock();

@@ -41,7 +41,7 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
     push(std::move(response));
   }
 
-  void on_preview(std::shared_ptr<const Session> preview) override {
+  void on_preview(const std::shared_ptr<const Session>& preview) override {
     v1::CreateSessionResponse response;
     *response.mutable_preview() = to_proto(*preview);
     push(std::move(response));

@@ -83,7 +83,7 @@ void SessionWaiters::deliver() {
       // Moved, for a session that somebody else refers to is not idle. The waiter may be gone when this returns.
       recipient->waiter->on_done(*std::move(call.result));
     } else if (call.preview != nullptr) {
-      recipient->waiter->on_preview(std::move(call.preview));
+      recipient->waiter->on_preview(call.preview);
     } else {
       recipient->waiter->on_progress(call.stage, call.fraction);
     }

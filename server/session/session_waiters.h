@@ -24,7 +24,7 @@ class SessionWaiter {
   /// The start and the end of every stage and, about 20 times a second, what lies between. `fraction` is in [0, 1].
   virtual void on_progress(std::string_view stage, double fraction) = 0;
   /// Once at most: there is a stand-in to look at.
-  virtual void on_preview(std::shared_ptr<const Session> /*preview*/) {}
+  virtual void on_preview(const std::shared_ptr<const Session>& /*preview*/) {}
   /// The last call: the session is ready, or why it never will be.
   virtual void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) = 0;
 };

@@ -31,11 +31,11 @@ class Waiter final : public SessionWaiter {
     progress_.emplace_back(stage, fraction);
     changed_.notify_all();
   }
-  void on_preview(std::shared_ptr<const Session> preview) override {
+  void on_preview(const std::shared_ptr<const Session>& preview) override {
     const std::lock_guard lock(mutex_);
     EXPECT_EQ(preview_, nullptr) << "a second preview";
     EXPECT_FALSE(done_) << "a preview after the end";
-    preview_ = std::move(preview);
+    preview_ = preview;
   }
   void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) override {
     const std::lock_guard lock(mutex_);
