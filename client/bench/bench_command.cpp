@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <system_error>
 #include <utility>
 
 #include "client/bench/areas.h"
@@ -27,6 +26,7 @@
 #include "client/cli/progress_bar.h"
 #include "client/lib/file_bytes.h"
 #include "core/base/spill.h"
+#include "server/base/scratch_folder.h"
 
 namespace curvecast::cli::bench {
 namespace {
@@ -310,8 +310,7 @@ absl::Status run(bool list, const Run& chosen, const CommonOptions& common, cons
   context.cancel = &cancel;
   context.threads = common.threads;
   if (common.memory > 0) {
-    std::error_code error;
-    const absl::Status status = keep_memory_within(common.memory, std::filesystem::temp_directory_path(error).string());
+    const absl::Status status = keep_memory_within(common.memory, server::scratch_folder({}));
     if (!status.ok()) return status;
   }
   return chosen(common, context);

@@ -105,7 +105,8 @@ void SessionJobs::preprocess(const std::shared_ptr<SessionJob>& job) {
       const std::shared_ptr<Session> preview = make_session(*job, std::move(coarse));
       preview->is_preview = true;
       // Now, as below: views would share the cores with all that follows.
-      (void)status_from_exceptions([&] { return preview->ranks({.on_progress = {}, .cancel = &job->cancel}); });
+      (void)status_from_exceptions(
+          [&] { return preview->ranks({.on_progress = {}, .cancel = &job->cancel, .threads = threads_}); });
       on_stand_in_(job, preview);
     };
     absl::StatusOr<Preprocessed> made =
