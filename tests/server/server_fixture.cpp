@@ -3,6 +3,7 @@
 #include <absl/strings/str_cat.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -56,7 +57,12 @@ std::shared_ptr<grpc::Channel> ServerFixture::connect() const {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // else channels to one address share a connection
   arguments.SetMaxReceiveMessageSize(-1);
-  return grpc::CreateCustomChannel(address(), grpc::InsecureChannelCredentials(), arguments);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 50);
+  auto channel = grpc::CreateCustomChannel(address(), grpc::InsecureChannelCredentials(), arguments);
+  // gRPC 1.51 looks at errno of connect() only after allocating memory, which may change it: once in a while it gives
+  // up a connection that is under way (with whatever error is there), and makes it with its next try.
+  channel->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(30));
+  return channel;
 }
 
 void set_patience(grpc::ClientContext& context) {
