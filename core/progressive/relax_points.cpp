@@ -21,6 +21,10 @@ constexpr float kPoorRelativeRadius = 0.62f;
 constexpr float kMostAside = 0.7f;       // part of a child's radius: for evenness no point goes farther from its middle
 constexpr float kNeighbourRange = 0.8f;  // lattice distances: points that may come nearer to each other are neighbours
 constexpr int kCentralSweeps = 2, kPairSweeps = 3, kEvenSweeps = 2;
+// Points of a group have some 30 neighbours on average. Where a surface is crumpled up they have thousands, nothing comes apart,
+// and work would grow with the square of their number, for pairs with the cube: with more than these there are no pairs, no
+// moves.
+constexpr std::size_t kPairCrowd = 72, kCrowd = 192;
 
 /// Points in columns, to be searched from end to end.
 struct PointColumns {
@@ -58,6 +62,7 @@ class Relaxation {
   }
 
   void run() {
+    if (is_crowded(kCrowd)) return;
     ByRank by_rank;
     for (std::size_t c = 0; c < points_.size(); ++c) {
       if (points_[c].rank >= n_) by_rank.emplace_back(points_[c].rank, c);
@@ -91,7 +96,7 @@ class Relaxation {
     for (auto at = by_rank.rbegin(); at != by_rank.rend(); ++at) {
       if (spacing_of(at->second) < relative_radius) move(at->second, farthest_candidate(at->second, kNobody).index);
     }
-    for (int sweep = 0; sweep < kPairSweeps; ++sweep) {
+    for (int sweep = 0; sweep < kPairSweeps && !is_crowded(kPairCrowd); ++sweep) {
       for (const auto& [rank, c] : by_rank) {
         if (spacing_of(c) < kPoorRelativeRadius) move_with_neighbour(c);
       }
@@ -143,6 +148,7 @@ class Relaxation {
     return std::min(kTargetRelativeRadius * kTargetRelativeRadius * unit(), kAcceptedShare * best.value);
   }
 
+  bool is_crowded(std::size_t most) const { return neighbours_.size() > most * points_.size(); }
   const RankedPoint& point(std::size_t i) const { return i < points_.size() ? points_[i] : near_[i - points_.size()]; }
   float unit() const { return unit_ * unit_; }
 

@@ -16,6 +16,9 @@ constexpr float kGapRange = 1.1f;             // lattice distances: a point fart
 constexpr float kKeptRelativeRadius = 0.58f;  // no move brings a point nearer to another
 constexpr float kExpectedRange = 3;           // fine lattice distances: points to come in strata nearer than this are expected
 constexpr float kOneGap = 0.5f;               // fine lattice distances: wide places nearer to each other are one gap
+// The children of a group have some 50 points around on average. With more than this the surface is crumpled up there: gaps are
+// left, for the work would grow with a high power of their number.
+constexpr std::size_t kCrowd = 192;
 
 using Row = std::array<float, kCandidates>;
 
@@ -66,6 +69,7 @@ class GapShrinker {
   }
 
   void run() {
+    if (is_crowded_) return;
     std::vector<std::pair<float, std::size_t>> widest;
     for (std::size_t c = 0; c < around_.size(); ++c) {
       const float gap = widest_gap_in(c).value;
@@ -120,6 +124,7 @@ class GapShrinker {
     for (auto& list : around_) list.reserve(kUsual);
     for (std::size_t i = 0; i < felt_.size(); ++i) felt_[i].reserve(moves(i) ? kUsual : 0);
     std::vector<std::int32_t> is_near(points_.size());
+    std::size_t count = 0;
     for (const auto& [rank, i] : by_rank) {
       Vec3f at = position_of(point(i));
       float reach = kGapRange * unit_ / std::sqrt(static_cast<float>(std::max<std::uint64_t>(rank, n_)));
@@ -128,9 +133,12 @@ class GapShrinker {
       candidates_.mark_near(at.data(), reach, is_near.data());
       const bool is_mover = moves(i);
       for_each_marked(is_near, [&, i = i](std::size_t c) {
+        ++count;
         around_[c].push_back(i);
         if (is_mover) felt_[i].push_back(static_cast<std::uint32_t>(c));
       });
+      is_crowded_ = count > kCrowd * points_.size();
+      if (is_crowded_) return;
     }
   }
 
@@ -222,6 +230,7 @@ class GapShrinker {
   std::size_t real_;                                // number of points that are not only expected; they come first
   std::vector<std::vector<std::uint32_t>> around_;  // for each child the points near it, by rank
   std::vector<std::vector<std::uint32_t>> felt_;    // for each point that moves the children near it
+  bool is_crowded_ = false;                         // around_ and felt_ do not hold all
 };
 
 }  // namespace

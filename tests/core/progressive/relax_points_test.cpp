@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "core/base/random.h"
@@ -84,6 +86,22 @@ TEST(RelaxPoints, HeedsPointsOfOtherGroups) {
   const float alone = distance();
   relax_points(candidates, {&other, 1}, points);
   EXPECT_GT(distance(), alone);
+}
+
+TEST(RelaxPoints, PointsInACrowdStay) {
+  const auto curve = flat_curve(7);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
+  GroupCandidates candidates(strata, kFlatGroup, 0);
+  const std::vector<RankedPoint> before = points_in(candidates);
+  const std::vector<RankedPoint> crowd(10'000, before[100]);  // of a level before: it stays itself
+  const auto is_moved_beside = [&](std::span<const RankedPoint> near) {
+    std::vector<RankedPoint> points = before;
+    relax_points(candidates, near, points);
+    return std::memcmp(points.data(), before.data(), points.size() * sizeof(RankedPoint)) != 0;
+  };
+  EXPECT_TRUE(is_moved_beside(std::span(crowd).first(10)));
+  EXPECT_FALSE(is_moved_beside(crowd));
 }
 
 }  // namespace

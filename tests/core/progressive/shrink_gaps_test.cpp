@@ -118,6 +118,22 @@ TEST(ShrinkGaps, KeepsItsPromisesWhereverThePointsAre) {
   EXPECT_GT(moved, 0u);
 }
 
+TEST(ShrinkGaps, LeavesTheGapsOfACrowd) {
+  const auto curve = flat_curve(7);
+  const auto surface = flat_surface(curve);
+  const CurveStrata strata(*surface);
+  const GroupCandidates candidates(strata, kFlatGroup, 0);
+  const std::vector<RankedPoint> before = points_about_a_gap(candidates);
+  // Copies of points that are there leave every gap as wide as it is.
+  std::vector<RankedPoint> copies;
+  for (int i = 0; i < 200; ++i) {
+    for (std::size_t c = 0; c < before.size(); c += 4) copies.push_back(before[c]);
+  }
+  std::vector<RankedPoint> points = before;
+  shrink_gaps(strata, candidates, copies, {}, points);
+  EXPECT_EQ(std::memcmp(points.data(), before.data(), points.size() * sizeof(RankedPoint)), 0);
+}
+
 TEST(ShrinkGaps, PointsStayWhereThereAreNone) {
   const auto curve = flat_curve(7);
   const auto surface = flat_surface(curve);
