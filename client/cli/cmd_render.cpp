@@ -49,6 +49,8 @@ absl::Status save_png(const Image& image, const std::string& path) {
 }
 
 absl::Status run_uv(const RenderFlags& flags, const CommonOptions& options, const Size& size, std::stop_token stop) {
+  const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, flags.sample.points);
+  if (!session_options.ok()) return session_options.status();
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
@@ -57,7 +59,7 @@ absl::Status run_uv(const RenderFlags& flags, const CommonOptions& options, cons
       flags.input, [&](std::string_view stage, double fraction) { bar.update(stage, fraction); }, stop);
   if (!uploaded.ok()) return uploaded.status();
   bar.update("flatten", 0);
-  const absl::StatusOr<client::ParameterMesh> mesh = client.get_parameter_mesh(*uploaded, v1::PARAMETERISER_UNSPECIFIED, stop);
+  const absl::StatusOr<client::ParameterMesh> mesh = client.get_parameter_mesh(*uploaded, *session_options, stop);
   if (!mesh.ok()) return mesh.status();
   const absl::StatusOr<UvPicture> picture = draw_uv(*mesh, size.width, size.height);
   if (!picture.ok()) return picture.status();
@@ -91,7 +93,7 @@ absl::Status run_curve(const RenderFlags& flags, const CommonOptions& options, c
   if (!curve.ok()) return curve.status();
   std::optional<client::ParameterMesh> mesh;
   if (flags.with_mesh) {
-    absl::StatusOr<client::ParameterMesh> received = client.get_parameter_mesh(opened->mesh, v1::PARAMETERISER_UNSPECIFIED, stop);
+    absl::StatusOr<client::ParameterMesh> received = client.get_parameter_mesh(opened->mesh, *session_options, stop);
     if (!received.ok()) return received.status();
     mesh = *std::move(received);
   }

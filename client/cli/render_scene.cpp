@@ -109,8 +109,7 @@ struct Maker {
   }
 
   absl::Status add_mesh_lines(const OpenedMesh& opened, const Box3d& box, Scene& scene) const {
-    const absl::StatusOr<client::ParameterMesh> mesh =
-        client.get_parameter_mesh(opened.mesh, v1::PARAMETERISER_UNSPECIFIED, stop);
+    const absl::StatusOr<client::ParameterMesh> mesh = client.get_parameter_mesh(opened.mesh, opened.session.options(), stop);
     if (!mesh.ok()) return mesh.status();
     if (flags.what == "cut") {
       add_lines(trace_cuts(*mesh, line_view(scene, box)), std::max(2.0f, diameter(size, kCutsAcross)), false, scene);

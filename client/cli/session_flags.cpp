@@ -38,6 +38,12 @@ CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags) {
   CLI::Option* const omega = command->add_option("--omega", flags->omega, "curve vertices per point, 1 to 1,000; default: 10")
                                  ->check(CLI::Range(1.0, 1000.0))
                                  ->type_name("W");
+  command
+      ->add_option("--chart-faces", flags->chart_faces,
+                   "divide the mesh into charts of about so many faces, from 1,000 on; default: only components of more than "
+                   "1,000,000, into charts of 100,000")
+      ->check(CLI::Range(std::uint64_t{1000}, std::uint64_t{1} << 32))
+      ->type_name("F");
   const auto add_choice = [&](const char* name, const char* what, std::string* value, std::span<const std::string_view> values,
                               const char* description) {
     command->add_option(name, *value, description)
@@ -59,6 +65,7 @@ absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flag
   options.set_max_points(points);
   options.set_seed(seed);
   options.set_omega(flags.omega);
+  options.set_chart_faces(flags.chart_faces);
   options.set_parameteriser(flags.parameteriser == "cgal" ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
   options.set_mapper(flags.mapper == "id-buffer" ? v1::MAPPER_ID_BUFFER : v1::MAPPER_EXACT);
   options.set_area_element(flags.area == "voronoi" ? v1::AREA_ELEMENT_VORONOI : v1::AREA_ELEMENT_EXACT);

@@ -19,10 +19,12 @@ namespace curvecast::cli {
 struct SessionFlags {
   std::string parameteriser = "own", mapper = "exact", area = "exact";
   std::vector<std::string> base_density;
-  double omega = 0;  // 0: the API's default
+  double omega = 0;               // 0: the API's default
+  std::uint64_t chart_faces = 0;  // as omega
 };
 
-/// Adds --base-density, --omega, --parameteriser, --mapper and --area; values are checked while parsing. Returns --omega.
+/// Adds --base-density, --omega, --chart-faces, --parameteriser, --mapper and --area; values are checked while parsing. Returns
+/// --omega.
 CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags);
 
 /// `points`: N for which the curve is made. `seed`: of the progressive sampler. The flags have been checked.

@@ -175,12 +175,13 @@ absl::StatusOr<v1::RenderResponse> Client::render(const v1::RenderRequest& reque
   return connection_->render(request, stop);
 }
 
-absl::StatusOr<ParameterMesh> Client::get_parameter_mesh(const UploadedMesh& mesh, v1::Parameteriser parameteriser,
+absl::StatusOr<ParameterMesh> Client::get_parameter_mesh(const UploadedMesh& mesh, const v1::SessionOptions& options,
                                                          std::stop_token stop) {
   v1::GetParameterMeshRequest request;
   request.set_mesh_id(mesh.mesh_id);
   request.mutable_companions()->insert(mesh.companions.begin(), mesh.companions.end());
-  request.set_parameteriser(parameteriser);
+  request.set_parameteriser(options.parameteriser());
+  request.set_chart_faces(options.chart_faces());
   absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> responses = connection_->get_parameter_mesh(request, std::move(stop));
   if (!responses.ok()) return responses.status();
   return decode_parameter_mesh(*responses);

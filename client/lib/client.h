@@ -76,8 +76,9 @@ class Client {
                                                       std::stop_token stop = {});
   absl::StatusOr<v1::MeshInfo> inspect(const UploadedMesh& mesh, std::stop_token stop = {});
 
-  /// The parameter mesh, checked: see decode_parameter_mesh. Computed anew by the server for every call.
-  absl::StatusOr<ParameterMesh> get_parameter_mesh(const UploadedMesh& mesh, v1::Parameteriser parameteriser,
+  /// The parameter mesh of sessions with these options, of which the parameteriser and the size of charts count. Checked: see
+  /// decode_parameter_mesh. Computed anew by the server for every call.
+  absl::StatusOr<ParameterMesh> get_parameter_mesh(const UploadedMesh& mesh, const v1::SessionOptions& options,
                                                    std::stop_token stop = {});
 
   /// Waits until the session is ready. Requesting stop ends the preprocessing unless other clients wait for it too.

@@ -19,6 +19,7 @@ namespace curvecast::server {
 namespace {
 
 constexpr double kMaxOmega = 1000;
+constexpr std::uint64_t kMinChartFaces = 1000, kMaxChartFaces = std::uint64_t{1} << 32;
 // More than 5 GB of curve: what the two options may ask for together.
 constexpr double kMaxCurveVertices = 1e8;
 constexpr double kMaxPixelError = 10'000;
@@ -100,6 +101,7 @@ v1::SessionOptions to_proto(const PreprocessOptions& options) {
   out.set_area_element(options.area_element == AreaElement::kVoronoi ? v1::AREA_ELEMENT_VORONOI : v1::AREA_ELEMENT_EXACT);
   for (const DensityTerm& term : options.density) *out.add_density() = server::to_proto(term);
   out.set_seed(options.seed);
+  out.set_chart_faces(options.chart_faces);
   return out;
 }
 
@@ -217,12 +219,17 @@ absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions
   out.area_element = to_core(check, options.area_element());
   out.density = to_density(check, "options.density", options.density(), {}, "depends on a camera; a base density cannot").terms;
   out.seed = options.seed();
+  out.chart_faces = to_chart_faces(check, "options.chart_faces", options.chart_faces());
   if (const double vertices = static_cast<double>(out.points) * out.omega; vertices > kMaxCurveVertices) {
     check.fail("options.max_points",
                absl::StrFormat("times omega makes %.0f curve vertices; at most %.0f are made", vertices, kMaxCurveVertices));
   }
   if (!check.ok()) return check.status();
   return out;
+}
+
+std::uint64_t to_chart_faces(FieldValidator& check, const std::string& field, std::uint64_t faces) {
+  return faces == 0 ? 0 : check.in_range(field, faces, kMinChartFaces, kMaxChartFaces);
 }
 
 absl::StatusOr<Parameteriser> to_parameteriser(const std::string& field, v1::Parameteriser parameteriser) {

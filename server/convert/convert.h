@@ -6,6 +6,7 @@
 
 #include "core/pipeline/pipeline.h"
 #include "curvecast/v1/curvecast.pb.h"
+#include "server/convert/field_validator.h"
 #include "server/convert/point_set_request.h"
 #include "server/session/session.h"
 
@@ -15,6 +16,8 @@ namespace curvecast::server {
 absl::StatusOr<PointSetRequest> to_point_set_request(const v1::SampleRequest& request);
 absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions& options);
 absl::StatusOr<Parameteriser> to_parameteriser(const std::string& field, v1::Parameteriser parameteriser);
+/// Errors go to `check`.
+std::uint64_t to_chart_faces(FieldValidator& check, const std::string& field, std::uint64_t faces);
 
 v1::Vec3 to_proto(const Vec3d& v);
 v1::MeshInfo to_proto(const MeshInfo& info, const std::string& name);

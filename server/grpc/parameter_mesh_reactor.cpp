@@ -27,7 +27,10 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
     if (!files.ok()) return files.status();
     const auto parameteriser = to_parameteriser("parameteriser", request.parameteriser());
     if (!parameteriser.ok()) return parameteriser.status();
-    const PreprocessOptions options{.parameteriser = *parameteriser};
+    FieldValidator check;
+    const PreprocessOptions options{.parameteriser = *parameteriser,
+                                    .chart_faces = to_chart_faces(check, "chart_faces", request.chart_faces())};
+    if (!check.ok()) return check.status();
     return engine.preprocessing
         .submit(
             [this, files = *std::move(files), options, threads = engine.threads] {

@@ -241,6 +241,14 @@ TEST_F(CliTest, PreprocessTakesCgalsParameteriser) {
   EXPECT_EQ(cgal["flipped_triangles"], 0);
 }
 
+TEST_F(CliTest, MeshesAreDividedIntoCharts) {
+  const std::string ball = write_sphere("ball.off", 36);  // 5,040 faces
+  EXPECT_EQ(run_json({"preprocess", ball, "-n", "500"})["discs"], 1);
+  EXPECT_EQ(run_json({"preprocess", ball, "-n", "500", "--chart-faces", "1260"})["discs"], 4);
+  EXPECT_EQ(run_json({"render", ball, "--what", "uv", "--chart-faces", "1260", "-o", temporary("uv.png")})["discs"], 4);
+  expect_failure({"preprocess", ball, "--chart-faces", "999"}, 2, "chart-faces");
+}
+
 TEST_F(CliTest, BenchMeasuresWithoutAServer) {
   EXPECT_THAT(run({"bench", "--list"}).out, HasSubstr("corpus"));
   const json growth = run_json({"bench", "growth", sphere_, "--levels", "1", "-n", "500"});

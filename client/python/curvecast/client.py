@@ -111,12 +111,15 @@ class Client:
         info.warnings.extend(f"{reason}." for reason in mesh.refused)
         return info
 
-    def parameter_mesh(self, mesh: Mesh | str, parameteriser: str = "own") -> ParameterMesh:
+    def parameter_mesh(self, mesh: Mesh | str, parameteriser: str = "own", *, chart_faces: int = 0) -> ParameterMesh:
         """Fetches the discs that a mesh is cut into, with their positions in the parameter square. The server computes them anew
-        for every call."""
+        for every call. chart_faces: as of open()."""
         mesh = as_mesh(mesh)
         request = v1.GetParameterMeshRequest(
-            mesh_id=mesh.id, companions=mesh.companions, parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser)
+            mesh_id=mesh.id,
+            companions=mesh.companions,
+            parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
+            chart_faces=chart_faces,
         )
         return self._connection.read_stream("GetParameterMesh", request, None, decode_parameter_mesh)
 
@@ -131,13 +134,15 @@ class Client:
         mapper: str = "exact",
         area: str = "exact",
         seed: int = 0,
+        chart_faces: int = 0,
         on_progress: OnProgress | None = None,
     ) -> Session:
         """Prepares a mesh, or joins the session that exists for the same mesh and options, and waits until it is ready.
 
         points: N for which the curve is made fine enough, up to 4,000,000. omega: curve vertices per point; 0 = 10. density: for
         which the curve is made, without terms of a camera. parameteriser: own or cgal; mapper: exact or id_buffer; area: exact or
-        voronoi. seed: of the progressive sampler's points. An exception in on_progress stops preprocessing on the server too,
+        voronoi. seed: of the progressive sampler's points. chart_faces: divides larger components into charts of about so many
+        faces; 0 = only those of more than 1,000,000, into charts of 100,000. An exception in on_progress stops preprocessing on the server too,
         unless other clients wait for the same session.
         """
         mesh = as_mesh(mesh)
@@ -149,6 +154,7 @@ class Client:
             parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
             area_element=enum_name(v1.AreaElement, "AREA_ELEMENT", area),
             seed=seed,
+            chart_faces=chart_faces,
         )
         request = v1.CreateSessionRequest(mesh_id=mesh.id, options=options, companions=mesh.companions)
         return Session(self._connection, self._connection.call_with_progress("CreateSession", request, "session", on_progress))

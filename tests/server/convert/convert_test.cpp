@@ -137,6 +137,16 @@ TEST(ToPreprocessOptions, ChecksAndFillsIn) {
     EXPECT_EQ(convert(0, omega).status().code(), Code::kInvalidArgument) << omega;
     EXPECT_THAT(convert(0, omega).status().message(), HasSubstr("options.omega")) << omega;
   }
+  const auto divided = [](std::uint64_t chart_faces) {
+    v1::SessionOptions options;
+    options.set_chart_faces(chart_faces);
+    return to_preprocess_options(options);
+  };
+  EXPECT_EQ(defaults->chart_faces, 0u);
+  EXPECT_EQ(divided(5000)->chart_faces, 5000u);
+  for (const std::uint64_t few_or_many : {std::uint64_t{1}, std::uint64_t{999}, ~std::uint64_t{0}}) {
+    EXPECT_THAT(divided(few_or_many).status().message(), HasSubstr("options.chart_faces is ")) << few_or_many;
+  }
   EXPECT_THAT(convert(4'000'001, 0).status().message(), HasSubstr("options.max_points is 4000001"));
   EXPECT_EQ(convert(~std::uint64_t{0}, 0).status().code(), Code::kInvalidArgument);
   EXPECT_THAT(convert(4'000'000, 1000).status().message(), HasSubstr("curve vertices"));
