@@ -30,6 +30,7 @@ using Faces = std::vector<std::uint32_t>;
 
 // README.md says where these come from.
 constexpr double kPartWork = 0.25;     // sweeps beyond the first, over the finest level of a part of a large component
+constexpr double kCornerPlay = 0.1;    // of a part's border: how far the square's corners go for where it turns
 constexpr double kEvenStretch = 1.25;  // L2 stretch of a part up to which no cut is looked for
 
 bool is_valid(const Chart& chart, double max_area_ratio) {
@@ -236,6 +237,7 @@ class Flattener {
     };
     if (is_part) {
       // As a rule parts of a large surface are flat enough without any cut: looking for one would take as long as the map.
+      stretch.corner_play = kCornerPlay;
       stretch.work = kPartWork * static_cast<double>(piece.vertex_count());
       try_with({});
       if (chart && measure_stretch(chart->disc, chart->uv).total > kEvenStretch) chart.reset();

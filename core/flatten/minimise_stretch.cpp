@@ -186,7 +186,7 @@ class Unfolding {
 
 absl::StatusOr<std::vector<Vec2d>> minimise_stretch(const DiscMesh& disc, const MinimiseStretchOptions& options,
                                                     const ExecutionContext& context) {
-  Unfolding unfolding(disc, square_border(disc));
+  Unfolding unfolding(disc, square_border(disc, options.corner_play));
   if (absl::Status status = unfolding.solve(options, context); !status.ok()) return status;
   return unfolding.take();
 }

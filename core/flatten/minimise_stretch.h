@@ -18,11 +18,12 @@ struct MinimiseStretchOptions {
   double good_enough = 0.005;  // relaxing a level ends when a sweep lowers the stretch energy by less than this part
   int most_sweeps = 100;       // count, on the coarsest levels; fewer and fewer on finer ones
   double work = 5e5;           // vertices in the sweeps of a level beyond the first, at most
+  double corner_play = 0;      // of the border's length: how far corners go for where it turns, see square_border()
 };
 
-/// uv in [0, 1]^2 of every vertex. The border goes once around the square with four of its vertices on the corners, chosen by arc
-/// length; the others slide along their side. Time is linear in the number of vertices. The same result on any number of threads.
-/// Internal where some vertex finds no valid place, which takes a region too narrow for doubles; Cancelled.
+/// uv in [0, 1]^2 of every vertex. The border goes once around the square with four of its vertices on the corners, chosen by
+/// square_border(); the others slide along their side. Time is linear in the number of vertices. The same result on any number of
+/// threads. Internal where some vertex finds no valid place, which takes a region too narrow for doubles; Cancelled.
 absl::StatusOr<std::vector<Vec2d>> minimise_stretch(const DiscMesh& disc, const MinimiseStretchOptions& options = {},
                                                     const ExecutionContext& context = {});
 

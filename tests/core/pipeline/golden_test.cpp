@@ -46,7 +46,7 @@ const Golden kGolden[] = {
      {"c8b0f8b52b755868", "f398e897b65ef713", "021d9c403b8ea414", "e1ad6127c69232c8"}},
     {"a bumpy ball in charts",
      [] { return testing::jittered(testing::icosphere(5), 0.02); },
-     {"a2de71371ba45512", "ed66c845d801aee3", "4d5ed3716e848728", "06cc2a9e94f67556"},
+     {"ee18a97314f2a120", "4d0c3d6f794b750e", "ba653c697e811526", "89515b7125608ec6"},
      4000},
 };
 
