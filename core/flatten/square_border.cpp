@@ -28,23 +28,23 @@ class Around {
 
   Index size() const { return size_; }
   double length() const { return along_.back(); }
-  std::uint32_t vertex(Index i) const { return disc_.border[static_cast<std::size_t>(i - size_ * turns(i))]; }
+  std::uint32_t vertex(Index i) const { return disc_.border[static_cast<std::size_t>(i - size_ * laps(i))]; }
   const Vec3d& position(Index i) const { return disc_.positions[vertex(i)]; }
   /// The length of the border from vertex 0 on.
   double along(Index i) const {
-    return along_[static_cast<std::size_t>(i - size_ * turns(i))] + static_cast<double>(turns(i)) * length();
+    return along_[static_cast<std::size_t>(i - size_ * laps(i))] + static_cast<double>(laps(i)) * length();
   }
   /// The vertex nearest to a place, given as along().
   Index nearest(double place) const {
-    const double turns = std::floor(place / length()), rest = place - turns * length();
+    const double laps = std::floor(place / length()), rest = place - laps * length();
     auto above = std::lower_bound(along_.begin(), along_.end() - 1, rest);
     if (above != along_.begin() && rest - above[-1] < *above - rest) --above;
     const Index i = above - along_.begin();
-    return i + static_cast<Index>(turns) * size_;
+    return i + static_cast<Index>(laps) * size_;
   }
 
  private:
-  Index turns(Index i) const { return i >= 0 ? i / size_ : -1 - (-1 - i) / size_; }
+  Index laps(Index i) const { return i >= 0 ? i / size_ : -1 - (-1 - i) / size_; }
   double edge(Index i) const { return (position(i + 1) - position(i)).norm(); }
 
   const DiscMesh& disc_;
