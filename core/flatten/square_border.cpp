@@ -36,7 +36,7 @@ class Around {
   }
   /// The vertex nearest to a place, given as along().
   Index nearest(double place) const {
-    const double laps = std::floor(place / length()), rest = place - laps * length();
+    const double laps = length() > 0 ? std::floor(place / length()) : 0, rest = place - laps * length();
     auto above = std::lower_bound(along_.begin(), along_.end() - 1, rest);
     if (above != along_.begin() && rest - above[-1] < *above - rest) --above;
     const Index i = above - along_.begin();
