@@ -13,6 +13,14 @@ namespace curvecast::testing {
 
 inline constexpr StratumGroup kFlatGroup{3, 0};
 
+/// kFlatGroup's candidates on a flat curve, and what they lie on.
+struct FlatCandidates {
+  decltype(flat_curve(7)) curve = flat_curve(7);
+  decltype(flat_surface(curve)) surface = flat_surface(curve);
+  CurveStrata strata{*surface};
+  GroupCandidates candidates{strata, kFlatGroup, 0};
+};
+
 /// One point in each child, at place_of(child); every fourth is of a level before.
 template <typename PlaceOf>
 std::vector<RankedPoint> points_at(const GroupCandidates& candidates, const PlaceOf& place_of) {

@@ -16,10 +16,8 @@ using namespace curvecast::testing;
 
 class GroupEnergyTest : public ::testing::Test {
  protected:
-  const decltype(flat_curve(7)) curve_ = flat_curve(7);
-  const decltype(flat_surface(curve_)) surface_ = flat_surface(curve_);
-  const CurveStrata strata_{*surface_};
-  const GroupCandidates candidates_{strata_, kFlatGroup, 0};
+  const FlatCandidates flat_;
+  const GroupCandidates& candidates_ = flat_.candidates;
   const std::vector<std::uint8_t> all_ = std::vector<std::uint8_t>(candidates_.size(), 1);
 
   /// The energy of a candidate, less that of an even distribution, point by point and place by place.

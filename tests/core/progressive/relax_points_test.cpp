@@ -34,13 +34,10 @@ double least_distance(const std::vector<RankedPoint>& points) {
 }
 
 TEST(RelaxPoints, PointsKeepFartherApartAndStayInTheirStrata) {
-  const auto curve = flat_curve(7);
-  const auto surface = flat_surface(curve);
-  const CurveStrata strata(*surface);
-  GroupCandidates candidates(strata, kFlatGroup, 0);
-  const std::vector<RankedPoint> before = points_in(candidates);
+  FlatCandidates group;
+  const std::vector<RankedPoint> before = points_in(group.candidates);
   std::vector<RankedPoint> points = before;
-  relax_points(candidates, {}, points);
+  relax_points(group.candidates, {}, points);
   EXPECT_GT(least_distance(points), 2 * least_distance(before));
   expect_in_their_strata(points, before);
 }
@@ -61,43 +58,34 @@ double discrepancy(const std::vector<RankedPoint>& points) {
 }
 
 TEST(RelaxPoints, PointsAreMoreEven) {
-  const auto curve = flat_curve(7);
-  const auto surface = flat_surface(curve);
-  const CurveStrata strata(*surface);
-  GroupCandidates candidates(strata, kFlatGroup, 0);
-  const std::vector<RankedPoint> before = points_in(candidates);
+  FlatCandidates group;
+  const std::vector<RankedPoint> before = points_in(group.candidates);
   std::vector<RankedPoint> points = before;
-  relax_points(candidates, {}, points);
+  relax_points(group.candidates, {}, points);
   EXPECT_LT(discrepancy(points), 0.82 * discrepancy(before));
 }
 
 TEST(RelaxPoints, HeedsPointsOfOtherGroups) {
-  const auto curve = flat_curve(7);
-  const auto surface = flat_surface(curve);
-  const CurveStrata strata(*surface);
-  GroupCandidates candidates(strata, kFlatGroup, 0);
-  std::vector<RankedPoint> points = points_in(candidates);
-  const Vec3f& centre = candidates.child(101).centre;
+  FlatCandidates group;
+  std::vector<RankedPoint> points = points_in(group.candidates);
+  const Vec3f& centre = group.candidates.child(101).centre;
   const RankedPoint other{{{{centre.x(), centre.y(), 0}, {0, 0, 1}, 0, 0, 0}, 0}, 0, 5};
   const auto distance = [&] {
     return std::hypot(points[101].position[0] - other.position[0], points[101].position[1] - other.position[1]);
   };
-  relax_points(candidates, {}, points);
+  relax_points(group.candidates, {}, points);
   const float alone = distance();
-  relax_points(candidates, {&other, 1}, points);
+  relax_points(group.candidates, {&other, 1}, points);
   EXPECT_GT(distance(), alone);
 }
 
 TEST(RelaxPoints, PointsInACrowdStay) {
-  const auto curve = flat_curve(7);
-  const auto surface = flat_surface(curve);
-  const CurveStrata strata(*surface);
-  GroupCandidates candidates(strata, kFlatGroup, 0);
-  const std::vector<RankedPoint> before = points_in(candidates);
+  FlatCandidates group;
+  const std::vector<RankedPoint> before = points_in(group.candidates);
   const std::vector<RankedPoint> crowd(10'000, before[100]);  // of a level before: it stays itself
   const auto is_moved_beside = [&](std::span<const RankedPoint> near) {
     std::vector<RankedPoint> points = before;
-    relax_points(candidates, near, points);
+    relax_points(group.candidates, near, points);
     return std::memcmp(points.data(), before.data(), points.size() * sizeof(RankedPoint)) != 0;
   };
   EXPECT_TRUE(is_moved_beside(std::span(crowd).first(10)));

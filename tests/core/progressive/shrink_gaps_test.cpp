@@ -65,13 +65,10 @@ std::vector<RankedPoint> points_about_a_gap(const GroupCandidates& candidates) {
 
 /// points_about_a_gap(), and what closing it makes of them.
 std::pair<std::vector<RankedPoint>, std::vector<RankedPoint>> shrunk_gap() {
-  const auto curve = flat_curve(7);
-  const auto surface = flat_surface(curve);
-  const CurveStrata strata(*surface);
-  const GroupCandidates candidates(strata, kFlatGroup, 0);
-  const std::vector<RankedPoint> before = points_about_a_gap(candidates);
+  const FlatCandidates group;
+  const std::vector<RankedPoint> before = points_about_a_gap(group.candidates);
   std::vector<RankedPoint> points = before;
-  shrink_gaps(strata, candidates, {}, {}, points);
+  shrink_gaps(group.strata, group.candidates, {}, {}, points);
   return {before, points};
 }
 
@@ -100,17 +97,14 @@ TEST(ShrinkGaps, PointsThatMoveKeepHalfTheLatticeDistance) {
 }
 
 TEST(ShrinkGaps, KeepsItsPromisesWhereverThePointsAre) {
-  const auto curve = flat_curve(7);
-  const auto surface = flat_surface(curve);
-  const CurveStrata strata(*surface);
-  const GroupCandidates candidates(strata, kFlatGroup, 0);
+  const FlatCandidates group;
   std::size_t moved = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
-    const std::vector<RankedPoint> before = points_at(candidates, [&](std::size_t c) {
+    const std::vector<RankedPoint> before = points_at(group.candidates, [&](std::size_t c) {
       return static_cast<std::size_t>(random_unit(seed, c) * static_cast<double>(kCandidates));
     });
     std::vector<RankedPoint> points = before;
-    shrink_gaps(strata, candidates, {}, {}, points);
+    shrink_gaps(group.strata, group.candidates, {}, {}, points);
     expect_in_their_strata(points, before);
     expect_moved_points_apart(points, before);
     for (std::size_t c = 0; c < points.size(); ++c) moved += points[c].curve_position != before[c].curve_position ? 1 : 0;
@@ -119,31 +113,25 @@ TEST(ShrinkGaps, KeepsItsPromisesWhereverThePointsAre) {
 }
 
 TEST(ShrinkGaps, LeavesTheGapsOfACrowd) {
-  const auto curve = flat_curve(7);
-  const auto surface = flat_surface(curve);
-  const CurveStrata strata(*surface);
-  const GroupCandidates candidates(strata, kFlatGroup, 0);
-  const std::vector<RankedPoint> before = points_about_a_gap(candidates);
+  const FlatCandidates group;
+  const std::vector<RankedPoint> before = points_about_a_gap(group.candidates);
   // Copies of points that are there leave every gap as wide as it is.
   std::vector<RankedPoint> copies;
   for (int i = 0; i < 200; ++i) {
     for (std::size_t c = 0; c < before.size(); c += 4) copies.push_back(before[c]);
   }
   std::vector<RankedPoint> points = before;
-  shrink_gaps(strata, candidates, copies, {}, points);
+  shrink_gaps(group.strata, group.candidates, copies, {}, points);
   EXPECT_EQ(std::memcmp(points.data(), before.data(), points.size() * sizeof(RankedPoint)), 0);
 }
 
 TEST(ShrinkGaps, PointsStayWhereThereAreNone) {
-  const auto curve = flat_curve(7);
-  const auto surface = flat_surface(curve);
-  const CurveStrata strata(*surface);
-  const GroupCandidates candidates(strata, kFlatGroup, 0);
+  const FlatCandidates group;
   // All of them from the beginning, as far as anyone can tell: nothing comes late, nothing may move.
-  std::vector<RankedPoint> points = points_in(candidates);
+  std::vector<RankedPoint> points = points_in(group.candidates);
   for (RankedPoint& p : points) p.rank = p.rank % 64;
   const std::vector<RankedPoint> before = points;
-  shrink_gaps(strata, candidates, {}, {}, points);
+  shrink_gaps(group.strata, group.candidates, {}, {}, points);
   EXPECT_EQ(std::memcmp(points.data(), before.data(), points.size() * sizeof(RankedPoint)), 0);
 }
 
