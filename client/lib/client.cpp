@@ -193,6 +193,7 @@ absl::StatusOr<v1::Session> Client::create_session(const UploadedMesh& mesh, con
   request.set_mesh_id(mesh.mesh_id);
   *request.mutable_companions() = to_proto(mesh.companions);
   *request.mutable_options() = options;
+  request.set_without_preview(true);  // nobody could see it
   absl::StatusOr<v1::Session> session = connection_->create_session(request, forward(on_progress), stop);
   if (session.ok()) add_refused(mesh, session->mutable_report()->mutable_mesh());
   return session;

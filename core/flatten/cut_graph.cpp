@@ -21,29 +21,41 @@ class CutGraph {
 
   std::vector<bool> build(std::span<const std::uint32_t> extremities) {
     const Topology topology = analyse_topology(mesh_);
-    if (topology.genus == 0 && topology.boundary_loops == 1 && extremities.empty()) return std::move(cut_);  // a disc
-    std::vector<std::uint32_t> roots = border_vertices();
-    if (roots.empty() && topology.genus == 0 && !extremities.empty()) {
-      roots = {extremities.front()};
-    } else if (roots.empty()) {
-      // A closed surface is opened from one of its extremities.
-      roots = {paths_.farthest_from(0)};
-      paths_.clear();
+    if (topology.genus > 0 || topology.boundary_loops > 1) {
+      open_handles(topology);
+    } else if (topology.boundary_loops == 0) {
+      open_sphere(extremities);
     }
-    paths_.add_sources(roots);
-    std::vector<bool> tree = tree_edges();
-    if (topology.boundary_loops > 1) join_loops(tree);
-    if (topology.genus > 0) {
-      cut_handles(tree);
-      if (topology.boundary_loops == 0) prune();
-    }
-    if (topology.boundary_loops == 0 && topology.genus == 0)
-      cut_path(extremities.size() > 1 ? extremities[1] : paths_.farthest());
     reach(extremities);
     return std::move(cut_);
   }
 
  private:
+  /// Cuts a surface with handles, or several borders, into one with one border.
+  void open_handles(const Topology& topology) {
+    std::vector<std::uint32_t> roots = border_vertices();
+    // A closed surface is opened from one of its extremities.
+    if (roots.empty()) roots = {paths_.farthest_from(0)};
+    paths_.clear();
+    paths_.add_sources(roots);
+    std::vector<bool> tree = tree_edges();
+    if (topology.boundary_loops > 1) join_loops(tree);
+    if (topology.genus == 0) return;
+    cut_handles(tree);
+    if (topology.boundary_loops == 0) prune();
+  }
+
+  /// Cuts a closed surface without handles from one vertex to another: the first extremities, or two that are far apart.
+  void open_sphere(std::span<const std::uint32_t> extremities) {
+    const std::uint32_t first = extremities.empty() ? paths_.farthest_from(0) : extremities[0];
+    if (extremities.size() > 1) {
+      paths_.add_sources({&first, 1}, extremities.subspan(1, 1));
+      cut_path(extremities[1]);
+    } else {
+      cut_path(paths_.farthest_from(first));
+    }
+  }
+
   std::vector<std::uint32_t> border_vertices() const {
     std::vector<std::uint32_t> vertices;
     for (std::uint32_t h = 0; h < mesh_.twins.size(); ++h) {
@@ -149,12 +161,12 @@ class CutGraph {
       if (cut_[h]) sources.push_back(mesh_.from(h));
     }
     paths_.clear();
-    paths_.add_sources(sources);
+    paths_.add_sources(sources, extremities);
     for (const std::uint32_t tip : extremities) {
       sources.clear();
       for (std::uint32_t v = tip; paths_.parent_edge(v) != kNone; v = paths_.parent(v)) sources.push_back(v);
       cut_path(tip);
-      paths_.add_sources(sources);
+      paths_.add_sources(sources, extremities);
     }
   }
 

@@ -1,5 +1,6 @@
 #include "core/flatten/edge_paths.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -28,25 +29,53 @@ void EdgePaths::clear() {
 }
 
 void EdgePaths::add_sources(std::span<const std::uint32_t> vertices) {
-  using Entry = std::pair<double, std::uint32_t>;
+  grow(
+      vertices, [](std::uint32_t) { return 0.0; }, [](double) { return false; });
+}
+
+void EdgePaths::add_sources(std::span<const std::uint32_t> vertices, std::span<const std::uint32_t> targets) {
+  const auto left = [&](std::uint32_t v) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t t : targets) least = std::min(least, (mesh_.positions[t] - mesh_.positions[v]).squaredNorm());
+    // Rounding must not make the line longer than the path.
+    return (1 - 1e-12) * std::sqrt(least);
+  };
+  const auto is_over = [&](double shortest) {
+    return std::ranges::all_of(targets, [&](std::uint32_t t) { return distance_[t] <= shortest; });
+  };
+  grow(vertices, left, is_over);
+}
+
+/// Grows from new sources, those vertices first where the path so far and `left(v)`, the least that is to come, are shortest;
+/// until no path can be shortened, or `is_over(shortest)` of that sum.
+template <typename Left, typename IsOver>
+void EdgePaths::grow(std::span<const std::uint32_t> sources, const Left& left, const IsOver& is_over) {
+  struct Entry {
+    double sum;
+    double distance;
+    std::uint32_t vertex;
+    bool operator>(const Entry& other) const { return sum != other.sum ? sum > other.sum : vertex > other.vertex; }
+  };
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  for (const std::uint32_t v : vertices) {
+  for (const std::uint32_t v : sources) {
     distance_[v] = 0;
     parent_[v] = kNone;
-    queue.emplace(0.0, v);
+    queue.push({left(v), 0, v});
   }
   while (!queue.empty()) {
-    const auto [d, v] = queue.top();
+    const Entry next = queue.top();
+    if (is_over(next.sum)) return;
     queue.pop();
-    if (d > distance_[v]) continue;
+    const std::uint32_t v = next.vertex;
+    if (next.distance > distance_[v]) continue;
     for (std::uint32_t i = begin_[v]; i < begin_[v + 1]; ++i) {
       const std::uint32_t h = halfedges_[i];
       const std::uint32_t w = mesh_.from(h) == v ? mesh_.to(h) : mesh_.from(h);
-      const double through = d + (mesh_.positions[w] - mesh_.positions[v]).norm();
+      const double through = next.distance + (mesh_.positions[w] - mesh_.positions[v]).norm();
       if (through < distance_[w]) {
         distance_[w] = through;
         parent_[w] = h;
-        queue.emplace(through, w);
+        queue.push({through + left(w), through, w});
       }
     }
   }

@@ -17,6 +17,9 @@ class EdgePaths {
 
   /// Makes the vertices sources (distance 0, no parent) and lowers the distances around them.
   void add_sources(std::span<const std::uint32_t> vertices);
+  /// As above, but only as far as it takes to know the paths of the targets, the only vertices that may be asked for from now on
+  /// until clear(). Source: A* search of Hart, Nilsson, Raphael (1968), straight lines being no longer than paths.
+  void add_sources(std::span<const std::uint32_t> vertices, std::span<const std::uint32_t> targets);
   /// Forgets all sources.
   void clear();
 
@@ -34,6 +37,9 @@ class EdgePaths {
   std::uint32_t farthest_from(std::uint32_t v);
 
  private:
+  template <typename Left, typename IsOver>
+  void grow(std::span<const std::uint32_t> sources, const Left& left, const IsOver& is_over);
+
   const TriangleMesh& mesh_;
   std::vector<std::uint32_t> begin_;      // V + 1 offsets into halfedges_
   std::vector<std::uint32_t> halfedges_;  // one halfedge of every edge at the vertex

@@ -1,14 +1,16 @@
 #include "core/flatten/extremities.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/flatten/cut_to_disc.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/edge_paths.h"
 #include "core/flatten/minimise_stretch.h"
-#include "core/flatten/vertex_hierarchy.h"
 #include "core/mesh/topology.h"
 
 namespace curvecast {
@@ -35,21 +37,13 @@ class Search {
   Search(const TriangleMesh& mesh, const ExtremityOptions& options)
       : mesh_(mesh), options_(options), reach_(options.least_reach * std::sqrt(surface_area(mesh))) {}
 
-  std::vector<std::uint32_t> run(const ExecutionContext& context) {
+  Trial run(const ExecutionContext& context) {
     Trial best = attempt(opening());
     Trial last = best;
     int in_vain = 0;
     while (in_vain < options_.patience && static_cast<int>(last.extremities.size()) < options_.most &&
            best.stretch > options_.good_stretch && !context.cancelled()) {
-      Trial next;
-      std::uint32_t tried = kNone;
-      for (const std::uint32_t v : {last.most_stretched, last.farthest}) {
-        if (v == kNone || v == tried) continue;
-        tried = v;
-        std::vector<std::uint32_t> longer = last.extremities;
-        longer.push_back(v);
-        if (Trial trial = attempt(std::move(longer)); trial.stretch < next.stretch) next = std::move(trial);
-      }
+      Trial next = attempt_both(last);
       if (next.extremities.empty()) break;
       last = std::move(next);
       const auto cuts = static_cast<double>(last.extremities.size() - best.extremities.size());
@@ -60,7 +54,7 @@ class Search {
         ++in_vain;
       }
     }
-    return std::move(best.extremities);
+    return best;
   }
 
  private:
@@ -71,6 +65,23 @@ class Search {
     EdgePaths paths(mesh_);
     const std::uint32_t first = paths.farthest_from(0);
     return {first, paths.farthest_from(first)};
+  }
+
+  /// The better of the two ways to go on; without extremities where there is none.
+  Trial attempt_both(const Trial& last) const {
+    const auto go_on = [&](std::uint32_t v) {
+      if (v == kNone) return Trial{};
+      std::vector<std::uint32_t> longer = last.extremities;
+      longer.push_back(v);
+      return attempt(std::move(longer));
+    };
+    Trial first, second;
+    tbb::parallel_invoke([&] { first = go_on(last.most_stretched); },
+                         [&] {
+                           if (last.farthest != last.most_stretched) second = go_on(last.farthest);
+                         });
+    Trial& better = second.stretch < first.stretch ? second : first;
+    return std::isfinite(better.stretch) ? std::move(better) : Trial{};
   }
 
   Trial attempt(std::vector<std::uint32_t> extremities) const {
@@ -112,16 +123,17 @@ class Search {
 
 }  // namespace
 
-std::vector<std::uint32_t> find_extremities(const TriangleMesh& piece, const ExtremityOptions& options,
-                                            const ExecutionContext& context) {
+Extremities find_extremities(const TriangleMesh& piece, const ExtremityOptions& options, const ExecutionContext& context) {
   if (piece.face_count() < kSmallest || options.most == 0) return {};
   VertexHierarchy hierarchy(piece, {});
   hierarchy.coarsen(std::clamp(piece.vertex_count() / kProxyShare, kSmallestProxy, options.proxy_vertices), context);
   if (context.cancelled()) return {};
   const TriangleMesh proxy = hierarchy.base_mesh();
-  std::vector<std::uint32_t> extremities = Search(proxy, options).run(context);
-  for (std::uint32_t& v : extremities) v = hierarchy.base()[v];
-  return extremities;
+  Trial best = Search(proxy, options).run(context);
+  Extremities found{.vertices = std::move(best.extremities), .stretch = best.stretch};
+  for (std::uint32_t& v : found.vertices) v = hierarchy.base()[v];
+  found.levels = std::move(hierarchy).take_levels();
+  return found;
 }
 
 }  // namespace curvecast

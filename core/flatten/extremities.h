@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/execution_context.h"
+#include "core/flatten/vertex_hierarchy.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
@@ -19,10 +20,16 @@ struct ExtremityOptions {
   double least_reach = 0.1;          // a point nearer to the cut than this, in square roots of the area, gets none
 };
 
+struct Extremities {
+  std::vector<std::uint32_t> vertices;
+  double stretch = 1;                          // L2 stretch that the map of the piece will have, about
+  std::vector<VertexHierarchy::Level> levels;  // of the search's coarse mesh, for the map of the piece that has been cut
+};
+
 /// Vertices of the connected piece to cut to, in this order. On a closed surface of genus 0 the first two are the ends of the cut
 /// that opens it. Every one of them lowers the stretch of the map of a coarse mesh to the square, measured by mapping it. Empty
 /// for pieces too small to gain anything.
-std::vector<std::uint32_t> find_extremities(const TriangleMesh& piece, const ExtremityOptions& options = {},
-                                            const ExecutionContext& context = {});
+Extremities find_extremities(const TriangleMesh& piece, const ExtremityOptions& options = {},
+                             const ExecutionContext& context = {});
 
 }  // namespace curvecast

@@ -29,9 +29,11 @@ namespace {
 using Faces = std::vector<std::uint32_t>;
 
 // README.md says where these come from.
-constexpr double kPartWork = 0.25;     // sweeps beyond the first, over the finest level of a part of a large component
+constexpr double kPartWork = 4e4;      // vertices in the sweeps of a level beyond the first, of a part of a large component
 constexpr double kCornerPlay = 0.1;    // of a part's border: how far the square's corners go for where it turns
 constexpr double kEvenStretch = 1.25;  // L2 stretch of a part up to which no cut is looked for
+constexpr double kMostStretch = 2.5;   // from which on a component is divided into parts of at least kLeastPart faces
+constexpr std::size_t kLeastPart = 1000;
 
 bool is_valid(const Chart& chart, double max_area_ratio) {
   if (count_flipped(chart.disc, chart.uv) > 0) return false;
@@ -156,16 +158,10 @@ class Flattener {
 
   /// The charts of one component; InternalError when a single triangle defeats all parameterisations.
   absl::StatusOr<std::vector<Chart>> flatten_component(Faces component) {
-    std::vector<FacePart> parts;
-    if (component.size() <= options_.most_whole_faces) {
-      parts.push_back({std::move(component), {}, {}});
-    } else {
-      report("cut", 0);
-      parts = partition_faces(mesh_, component, (component.size() + options_.chart_faces - 1) / options_.chart_faces, context_);
-      if (absl::Status status = context_.check(); !status.ok()) return status;
-      component = {};
-    }
-    return join(for_each_alone(parts, [&](FacePart& part) { return flatten_part(std::move(part)); }));
+    if (component.size() <= options_.most_whole_faces) return flatten_part({std::move(component), {}, {}}, false);
+    report("cut", 0);
+    const std::size_t parts = (component.size() + options_.chart_faces - 1) / options_.chart_faces;
+    return divide(std::move(component), parts);
   }
 
   /// Calls flatten(item) for all items, several at a time.
@@ -196,19 +192,25 @@ class Flattener {
   }
 
  private:
-  /// The charts of a part: one, or several where that fails.
-  absl::StatusOr<std::vector<Chart>> flatten_part(FacePart part) {
+  /// The charts of a part: one, or several where that fails or would stretch too much.
+  /// `is_part`: of a component, not all of it.
+  absl::StatusOr<std::vector<Chart>> flatten_part(FacePart part, bool is_part) {
     std::vector<Chart> charts;
     std::vector<Faces> pieces;  // taken from the back
     pieces.push_back(std::move(part.faces));
     while (!pieces.empty()) {
       if (absl::Status status = context_.check(); !status.ok()) return status;
-      const Faces faces = std::move(pieces.back());
+      Faces faces = std::move(pieces.back());
       pieces.pop_back();
-      std::optional<Chart> chart = flatten_piece(faces, part);
+      std::size_t parts = 1;
+      std::optional<Chart> chart = flatten_piece(faces, part, is_part ? nullptr : &parts);
       if (absl::Status status = context_.check(); !status.ok()) return status;
       if (chart) {
         charts.push_back(*std::move(chart));
+      } else if (parts > 1) {
+        absl::StatusOr<std::vector<Chart>> some = divide(std::move(faces), parts);
+        if (!some.ok()) return some.status();
+        charts.insert(charts.end(), std::make_move_iterator(some->begin()), std::make_move_iterator(some->end()));
       } else if (faces.size() == 1) {
         return absl::InternalError("a single triangle could not be parameterised");
       } else {
@@ -219,10 +221,20 @@ class Flattener {
     return charts;
   }
 
-  std::optional<Chart> flatten_piece(const Faces& faces, const FacePart& part) {
+  /// The charts of so many parts.
+  absl::StatusOr<std::vector<Chart>> divide(Faces faces, std::size_t count) {
+    std::vector<FacePart> parts = partition_faces(mesh_, faces, count, context_);
+    if (absl::Status status = context_.check(); !status.ok()) return status;
+    faces = {};
+    return join(for_each_alone(parts, [&](FacePart& part) { return flatten_part(std::move(part), true); }));
+  }
+
+  /// The chart of a piece; nullopt where that fails, or where it would be stretched so much that it is better divided into
+  /// `parts`: null where it is a part already.
+  std::optional<Chart> flatten_piece(const Faces& faces, const FacePart& part, std::size_t* parts) {
     Stopwatch watch;
     const TriangleMesh piece = extract_piece(mesh_, faces);
-    const bool is_part = part.entry || part.exit;
+    const bool is_part = parts == nullptr;
     MinimiseStretchOptions stretch;
     FlattenTimes seconds;
     std::optional<Chart> chart;
@@ -238,11 +250,20 @@ class Flattener {
     if (is_part) {
       // As a rule parts of a large surface are flat enough without any cut: looking for one would take as long as the map.
       stretch.corner_play = kCornerPlay;
-      stretch.work = kPartWork * static_cast<double>(piece.vertex_count());
+      stretch.work = kPartWork;
       try_with({});
       if (chart && measure_stretch(chart->disc, chart->uv).total > kEvenStretch) chart.reset();
     }
-    if (!chart && !context_.cancelled()) try_with(find_extremities(piece, options_.extremities, context_));
+    if (!chart && !context_.cancelled()) {
+      const Extremities extremities = find_extremities(piece, options_.extremities, context_);
+      if (!is_part && extremities.stretch > kMostStretch) {
+        const double wanted = std::min(extremities.stretch * extremities.stretch / 2, 1e9);
+        *parts = std::min(static_cast<std::size_t>(wanted), faces.size() / kLeastPart);
+        if (*parts > 1) return std::nullopt;
+      }
+      stretch.levels = extremities.levels;
+      try_with(extremities.vertices);
+    }
     if (chart) {
       for (std::uint32_t& f : chart->disc.face_of) f = faces[f];
       give_back_slack(*chart);

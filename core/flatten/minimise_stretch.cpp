@@ -1,21 +1,24 @@
 #include "core/flatten/minimise_stretch.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <span>
 
 #include "core/flatten/parameterise.h"
 #include "core/flatten/square_border.h"
-#include "core/flatten/vertex_hierarchy.h"
 #include "core/flatten/vertex_stretch.h"
 
 namespace curvecast {
 namespace {
 
 bool is_end(double x) { return x == 0 || x == 1; }
+
+using Improvement = VertexStretch::Improvement;
 
 class Unfolding {
  public:
@@ -27,6 +30,7 @@ class Unfolding {
         fall_(disc.vertex_count(), 0.0) {}
 
   absl::Status solve(const MinimiseStretchOptions& options, const ExecutionContext& context) {
+    hierarchy_.coarsen_like(options.levels, context);
     hierarchy_.coarsen(options.coarsest, context);
     if (absl::Status status = context.check(); !status.ok()) return status;
     if (absl::Status status = solve_base(); !status.ok()) return status;
@@ -107,7 +111,7 @@ class Unfolding {
       gather(v, stretch);
       if (const std::optional<Vec2d> place = stretch.place()) {
         uv_[v] = *place;
-        fall_[v] = stretch.improve(uv_[v], slide(v));
+        fall_[v] = stretch.improve(uv_[v], slide(v)).fall;
       } else {
         failed = true;
       }
@@ -122,43 +126,35 @@ class Unfolding {
     return is_end(uv_[v].y()) ? Vec2d::UnitX() : Vec2d::UnitY();
   }
 
-  void improve(std::uint32_t v, VertexStretch& stretch) {
+  Improvement improve(std::uint32_t v, VertexStretch& stretch) {
     fall_[v] = 0;
     const bool border = hierarchy_.on_border(v);
-    if (border && is_end(uv_[v].x()) && is_end(uv_[v].y())) return;
+    if (border && is_end(uv_[v].x()) && is_end(uv_[v].y())) return {};
     gather(v, stretch);
-    fall_[v] = stretch.improve(uv_[v], slide(v));
+    const Improvement improvement = stretch.improve(uv_[v], slide(v));
+    fall_[v] = improvement.fall;
+    return improvement;
   }
 
-  double energy() {
-    double sum = 0;
-    VertexStretch stretch(surface_);
-    // Every triangle counts three times.
-    const auto add = [&](std::uint32_t v) {
-      gather(v, stretch);
-      sum += stretch.energy(uv_[v]) / 3;
-    };
-    for (const std::uint32_t v : hierarchy_.base()) add(v);
-    for (const std::vector<std::uint32_t>& level : independent_) std::for_each(level.begin(), level.end(), add);
-    return sum;
+  Improvement improve_independent(std::span<const std::uint32_t> vertices) {
+    return tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<std::size_t>(0, vertices.size(), kGrain), Improvement{},
+        [&](const auto& range, Improvement sum) {
+          VertexStretch stretch(surface_);
+          for (std::size_t i = range.begin(); i < range.end(); ++i) sum = sum + improve(vertices[i], stretch);
+          return sum;
+        },
+        std::plus<>());
   }
 
   void relax(int most_sweeps, double good_enough) {
-    double left = most_sweeps > 1 ? energy() : 0;
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+      Improvement sum;
       VertexStretch stretch(surface_);
-      for (const std::uint32_t v : hierarchy_.base()) improve(v, stretch);
-      for (std::size_t l = independent_.size(); l-- > 0;) {
-        for_independent(independent_[l], [&](std::uint32_t v, VertexStretch& own) { improve(v, own); });
-      }
-      if (sweep + 1 == most_sweeps) return;
-      double fall = 0;
-      for (const std::uint32_t v : hierarchy_.base()) fall += fall_[v];
-      for (const std::vector<std::uint32_t>& level : independent_) {
-        for (const std::uint32_t v : level) fall += fall_[v];
-      }
-      if (fall < good_enough * left) return;
-      left -= fall;
+      for (const std::uint32_t v : hierarchy_.base()) sum = sum + improve(v, stretch);
+      for (std::size_t l = independent_.size(); l-- > 0;) sum = sum + improve_independent(independent_[l]);
+      // Every triangle counts at three vertices.
+      if (sum.fall < good_enough * sum.energy / 3) return;
     }
   }
 

@@ -5,10 +5,12 @@
 
 #include <absl/status/statusor.h>
 
+#include <span>
 #include <vector>
 
 #include "core/base/execution_context.h"
 #include "core/flatten/disc_mesh.h"
+#include "core/flatten/vertex_hierarchy.h"
 
 namespace curvecast {
 
@@ -19,6 +21,7 @@ struct MinimiseStretchOptions {
   int most_sweeps = 100;       // count, on the coarsest levels; fewer and fewer on finer ones
   double work = 5e5;           // vertices in the sweeps of a level beyond the first, at most
   double corner_play = 0;      // of the border's length: how far corners go for where it turns, see square_border()
+  std::span<const VertexHierarchy::Level> levels;  // of the mesh that the disc was cut from, see coarsen_like(); or empty
 };
 
 /// uv in [0, 1]^2 of every vertex. The border goes once around the square with four of its vertices on the corners, chosen by

@@ -1,7 +1,11 @@
 #include "core/flatten/vertex_hierarchy.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <limits>
 
 namespace curvecast {
@@ -16,6 +20,9 @@ constexpr std::size_t kProbes = 1000;
 constexpr double kTangential = 0.02;
 // Levels that take less than one vertex in so many are not worth their while.
 constexpr std::size_t kLeastShare = 200;
+// Blocks that work side by side, a power of two, and the vertices of one: with fewer, too many are near a seam.
+constexpr std::uint32_t kMostBlocks = 16;
+constexpr std::size_t kLeastBlock = 16384;
 
 }  // namespace
 
@@ -27,7 +34,8 @@ VertexHierarchy::VertexHierarchy(const TriangleMesh& mesh, std::span<const std::
       border_(mesh.vertex_count(), 0),
       degree_(mesh.vertex_count(), 0),
       pinned_(mesh.vertex_count(), false),
-      locked_(mesh.vertex_count(), 0) {
+      locked_(mesh.vertex_count(), 0),
+      gone_(mesh.vertex_count(), false) {
   for (std::uint32_t h = 0; h < twins_.size(); ++h) {
     std::uint32_t& out = outgoing_[from(h)];
     if (out == kNone || twins_[h] == kNone) out = h;
@@ -37,6 +45,9 @@ VertexHierarchy::VertexHierarchy(const TriangleMesh& mesh, std::span<const std::
     ++degree_[to(h)];
   }
   for (const std::uint32_t v : pinned) pinned_[v] = true;
+  for (std::uint32_t v = 0; v < outgoing_.size(); ++v) {
+    if (outgoing_[v] != kNone) base_.push_back(v);
+  }
 }
 
 /// Whether moving from(h) onto to(h) leaves a manifold of the same topology, with no inner edge between border vertices.
@@ -215,9 +226,13 @@ void VertexHierarchy::restore(std::uint32_t h) {
 /// The cost below which kShare of the vertices lie, going by some of them.
 float VertexHierarchy::typical_cost() const {
   const std::size_t step = std::max<std::size_t>(1, base_.size() / kProbes);
+  std::vector<Candidate> probes((base_.size() + step - 1 - step / 2) / step);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, probes.size(), 64), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) probes[i] = best_candidate(base_[step / 2 + i * step]);
+  });
   std::vector<float> costs;
-  for (std::size_t i = step / 2; i < base_.size(); i += step) {
-    if (const Candidate c = best_candidate(base_[i]); c.halfedge != kNone) costs.push_back(c.cost);
+  for (const Candidate& c : probes) {
+    if (c.halfedge != kNone) costs.push_back(c.cost);
   }
   if (costs.empty()) return kNever;
   const auto limit = costs.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(costs.size() - 1));
@@ -225,52 +240,174 @@ float VertexHierarchy::typical_cost() const {
   return *limit;
 }
 
-bool VertexHierarchy::remove_level() {
-  const float highest = typical_cost();
+/// Whether the face of h is gone: with it went one of its corners.
+bool VertexHierarchy::is_gone(std::uint32_t h) const {
+  return std::ranges::any_of(triangles_[h / 3], [&](std::uint32_t v) { return gone_[v]; });
+}
+
+/// Collapses h. The neighbours stay, in this level.
+void VertexHierarchy::remove(std::uint32_t h, std::vector<std::uint32_t>& removed) {
   const auto mark = static_cast<std::uint32_t>(levels_.size() + 1);
-  std::vector<std::uint32_t> level;
-  for (const std::uint32_t v : base_) {
-    if (locked_[v] == mark) continue;
-    const Candidate c = best_candidate(v);
-    if (c.halfedge == kNone || c.cost > highest) continue;
-    for_each_neighbour(v, [&](std::uint32_t x) { locked_[x] = mark; });
-    collapse(c.halfedge);
-    level.push_back(c.halfedge);
+  for_each_neighbour(from(h), [&](std::uint32_t x) { locked_[x] = mark; });
+  collapse(h);
+  removed.push_back(h);
+}
+
+void VertexHierarchy::remove_cheap(std::span<const std::uint32_t> vertices, float highest, std::vector<std::uint32_t>& removed) {
+  for (const std::uint32_t v : vertices) {
+    if (locked_[v] == levels_.size() + 1) continue;
+    if (const Candidate c = best_candidate(v); c.halfedge != kNone && c.cost <= highest) remove(c.halfedge, removed);
   }
-  if (level.empty()) return false;
+}
+
+/// Makes blocks, of about as many vertices each, by halving along the longest side again and again.
+void VertexHierarchy::divide(std::uint32_t blocks) {
+  block_.assign(outgoing_.size(), 0);
+  seam_.assign(outgoing_.size(), kAway);
+  std::vector<std::uint32_t> order = base_;
+  const auto halve = [&](const auto& self, std::span<std::uint32_t> part, std::uint32_t first, std::uint32_t count) -> void {
+    if (count == 1) {
+      for (const std::uint32_t v : part) block_[v] = static_cast<std::uint8_t>(first);
+      return;
+    }
+    Box3d box;
+    for (const std::uint32_t v : part) box.extend(positions_[v]);
+    int axis = 0;
+    (box.max - box.min).maxCoeff(&axis);
+    const std::size_t half = part.size() / 2;
+    std::nth_element(
+        part.begin(), part.begin() + static_cast<std::ptrdiff_t>(half), part.end(),
+        [&](std::uint32_t v, std::uint32_t w) { return std::pair(positions_[v][axis], v) < std::pair(positions_[w][axis], w); });
+    tbb::parallel_invoke([&] { self(self, part.subspan(0, half), first, count / 2); },
+                         [&] { self(self, part.subspan(half), first + count / 2, count / 2); });
+  };
+  halve(halve, order, 0, blocks);
+  blocks_ = blocks;
+  find_seams();
+}
+
+/// Joins blocks until there are so many.
+void VertexHierarchy::join(std::uint32_t blocks) {
+  const auto joined = static_cast<std::uint8_t>(blocks_ / blocks);
+  for (const std::uint32_t v : base_) block_[v] /= joined;
+  blocks_ = blocks;
+  if (blocks > 1) find_seams();
+}
+
+void VertexHierarchy::find_seams() {
+  tbb::parallel_for(std::size_t{0}, base_.size(), [&](std::size_t i) {
+    const std::uint32_t v = base_[i];
+    seam_[v] = kAway;
+    for_each_neighbour(v, [&](std::uint32_t x) {
+      if (block_[x] != block_[v]) seam_[v] = kOn;
+    });
+  });
+  for (const std::uint32_t v : base_) {
+    if (seam_[v] == kOn) spread_seams(v);
+  }
+}
+
+/// Brings what is known of seams up to date around u, which has new neighbours.
+void VertexHierarchy::spread_seams(std::uint32_t u) {
+  const auto make_near = [&](std::uint32_t v) { seam_[v] = std::max(seam_[v], kNear); };
+  for_each_neighbour(u, [&](std::uint32_t x) {
+    if (block_[x] != block_[u]) seam_[u] = kOn;
+    if (block_[x] != block_[u] && seam_[x] != kOn) {
+      seam_[x] = kOn;
+      for_each_neighbour(x, make_near);
+    }
+    if (seam_[x] == kOn) make_near(u);
+  });
+  if (seam_[u] == kOn) for_each_neighbour(u, make_near);
+}
+
+/// A collapse changes and asks for nothing beyond the neighbours' neighbours: what is away from the seams goes block by block.
+void VertexHierarchy::remove_in_blocks(Level& level) {
+  struct Block {
+    std::vector<std::uint32_t> vertices, removed;
+  };
+  std::vector<Block> blocks(blocks_);
+  std::vector<std::uint32_t> near;
+  for (const std::uint32_t v : base_) (seam_[v] == kAway ? blocks[block_[v]].vertices : near).push_back(v);
+  tbb::parallel_for(std::size_t{0}, blocks.size(),
+                    [&](std::size_t i) { remove_cheap(blocks[i].vertices, level.highest, blocks[i].removed); });
+  for (const Block& block : blocks) level.halfedges.insert(level.halfedges.end(), block.removed.begin(), block.removed.end());
+  for (const std::uint32_t v : near) {
+    const std::size_t count = level.halfedges.size();
+    remove_cheap({&v, 1}, level.highest, level.halfedges);
+    if (level.halfedges.size() > count) spread_seams(to(level.halfedges.back()));
+  }
+}
+
+/// Ends a level. False where nothing went.
+bool VertexHierarchy::finish(Level level) {
+  if (level.halfedges.empty()) return false;
+  for (const std::uint32_t h : level.halfedges) gone_[from(h)] = true;
+  std::erase_if(base_, [&](std::uint32_t v) { return gone_[v]; });
   levels_.push_back(std::move(level));
   return true;
 }
 
 void VertexHierarchy::coarsen(std::size_t target, const ExecutionContext& context) {
-  base_.clear();
-  for (std::uint32_t v = 0; v < outgoing_.size(); ++v) {
-    if (outgoing_[v] != kNone) base_.push_back(v);
+  while (base_.size() > target && !context.cancelled()) {
+    Level level{.highest = typical_cost()};
+    const auto blocks =
+        std::bit_floor(static_cast<std::uint32_t>(std::clamp<std::size_t>(base_.size() / kLeastBlock, 1, kMostBlocks)));
+    if (blocks > 1 && block_.empty()) divide(blocks);
+    if (blocks < blocks_) join(blocks);
+    if (blocks > 1) {
+      remove_in_blocks(level);
+    } else {
+      remove_cheap(base_, level.highest, level.halfedges);
+    }
+    if (!finish(std::move(level)) || levels_.back().halfedges.size() < base_.size() / kLeastShare) break;
   }
-  std::vector<bool> gone(outgoing_.size(), false);
-  while (base_.size() > target && !context.cancelled() && remove_level()) {
-    for (const std::uint32_t h : levels_.back()) gone[from(h)] = true;
-    std::erase_if(base_, [&](std::uint32_t v) { return gone[v]; });
-    if (levels_.back().size() < base_.size() / kLeastShare) break;
+}
+
+void VertexHierarchy::coarsen_like(std::span<const Level> levels, const ExecutionContext& context) {
+  std::vector<std::uint32_t> strays;  // beside a cut, or left behind
+  std::vector<bool> strays_now(border_.begin(), border_.end());
+  for (const std::uint32_t v : base_) {
+    if (strays_now[v]) strays.push_back(v);
+  }
+  for (const Level& other : levels) {
+    if (context.cancelled()) return;
+    Level level{.highest = other.highest};
+    remove_cheap(strays, level.highest, level.halfedges);
+    for (const std::uint32_t h : level.halfedges) gone_[from(h)] = true;
+    for (const std::uint32_t h : other.halfedges) {
+      if (is_gone(h)) continue;
+      const std::uint32_t v = from(h);
+      if (locked_[v] != levels_.size() + 1 && !pinned_[v] && may_collapse(h)) {
+        remove(h, level.halfedges);
+        gone_[v] = true;
+      } else if (!strays_now[v]) {
+        strays_now[v] = true;
+        strays.push_back(v);
+      }
+    }
+    std::erase_if(strays, [&](std::uint32_t v) { return gone_[v]; });
+    finish(std::move(level));
   }
 }
 
 std::vector<std::uint32_t> VertexHierarchy::level(std::size_t l) const {
   std::vector<std::uint32_t> vertices;
-  vertices.reserve(levels_[l].size());
-  for (const std::uint32_t h : levels_[l]) vertices.push_back(from(h));
+  vertices.reserve(levels_[l].halfedges.size());
+  for (const std::uint32_t h : levels_[l].halfedges) vertices.push_back(from(h));
   return vertices;
 }
 
 void VertexHierarchy::restore_level() {
-  for (auto h = levels_.back().rbegin(); h != levels_.back().rend(); ++h) restore(*h);
+  const std::vector<std::uint32_t>& halfedges = levels_.back().halfedges;
+  for (auto h = halfedges.rbegin(); h != halfedges.rend(); ++h) restore(*h);
   levels_.pop_back();
 }
 
 TriangleMesh VertexHierarchy::base_mesh() const {
   std::vector<std::uint32_t> face(triangles_.size(), 0);
-  for (const std::vector<std::uint32_t>& level : levels_) {
-    for (const std::uint32_t h : level) {
+  for (const Level& level : levels_) {
+    for (const std::uint32_t h : level.halfedges) {
       face[h / 3] = kNone;
       if (twins_[h] != kNone) face[twins_[h] / 3] = kNone;
     }

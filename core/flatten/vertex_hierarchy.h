@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/execution_context.h"
@@ -22,11 +23,21 @@ class VertexHierarchy {
   VertexHierarchy(const TriangleMesh& mesh, std::span<const std::uint32_t> pinned);
   VertexHierarchy(TriangleMesh&&, std::span<const std::uint32_t>) = delete;
 
+  struct Level {
+    float highest;                         // cost of what may go
+    std::vector<std::uint32_t> halfedges;  // along which vertices moved, from where they were
+  };
+
   /// Makes levels until at most `target` vertices are left or no more can go. Cheap vertices (flat, in coarse enough triangles)
-  /// go first. May be called once. Where the context is cancelled there are fewer levels.
+  /// go first. Where the context is cancelled there are fewer levels.
   void coarsen(std::size_t target, const ExecutionContext& context = {});
+  /// Makes the levels of another hierarchy, for much less than coarsen() does, whose mesh differs from this one by cuts and what
+  /// lies beside them: where vertices cannot go as they did there, the cheapest go as ever. Precondition: there are no levels.
+  void coarsen_like(std::span<const Level> levels, const ExecutionContext& context = {});
 
   std::size_t level_count() const { return levels_.size(); }
+  /// The levels, of which nothing is left here.
+  std::vector<Level> take_levels() && { return std::move(levels_); }
   /// Returns the vertices that went with level l, in the order in which they went.
   std::vector<std::uint32_t> level(std::size_t l) const;
   /// Returns the vertices that were left, ascending.
@@ -67,7 +78,15 @@ class VertexHierarchy {
   void restore(std::uint32_t h);
   void relabel(std::uint32_t h, std::uint32_t v);
   float typical_cost() const;
-  bool remove_level();
+  void divide(std::uint32_t blocks);
+  void join(std::uint32_t blocks);
+  void find_seams();
+  void spread_seams(std::uint32_t u);
+  bool is_gone(std::uint32_t h) const;
+  void remove(std::uint32_t h, std::vector<std::uint32_t>& removed);
+  void remove_cheap(std::span<const std::uint32_t> vertices, float highest, std::vector<std::uint32_t>& removed);
+  void remove_in_blocks(Level& level);
+  bool finish(Level level);
 
   const std::vector<Vec3d>& positions_;
   std::vector<Triangle> triangles_;  // those that are gone keep the vertices that they had
@@ -76,9 +95,15 @@ class VertexHierarchy {
   std::vector<std::uint8_t> border_;     // per vertex
   std::vector<std::uint32_t> degree_;    // per vertex: neighbours, while levels are made
   std::vector<bool> pinned_;
-  std::vector<std::uint32_t> locked_;               // per vertex: 1 + the last level that may not take it
-  std::vector<std::vector<std::uint32_t>> levels_;  // halfedges along which vertices moved, from where they were
+  std::vector<std::uint32_t> locked_;  // per vertex: 1 + the last level that may not take it
+  std::vector<bool> gone_;             // per vertex, while levels are made
+  std::vector<Level> levels_;
   std::vector<std::uint32_t> base_;
+  // Blocks of vertices lose theirs side by side, but for those near a seam between blocks.
+  enum Seam : std::uint8_t { kAway, kNear, kOn };  // kNear: beside one that is kOn; kOn: beside one of another block
+  std::vector<std::uint8_t> block_;                // per vertex
+  std::vector<Seam> seam_;                         // per vertex
+  std::uint32_t blocks_ = 1;
 };
 
 }  // namespace curvecast

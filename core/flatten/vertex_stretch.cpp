@@ -85,7 +85,7 @@ double VertexStretch::energy(const Vec2d& uv) const {
   return sum;
 }
 
-double VertexStretch::improve(Vec2d& uv, const std::optional<Vec2d>& direction) const {
+VertexStretch::Improvement VertexStretch::improve(Vec2d& uv, const std::optional<Vec2d>& direction) const {
   double before = 0;
   Vec2d gradient = Vec2d::Zero();
   double xx = 0, xy = 0, yy = 0;  // the Hessian
@@ -143,9 +143,9 @@ double VertexStretch::improve(Vec2d& uv, const std::optional<Vec2d>& direction) 
       after = farther;
     }
     uv += length * step;
-    return before - after;
+    return {before, before - after};
   }
-  return 0;
+  return {before, 0};
 }
 
 std::optional<Vec2d> VertexStretch::place() const { return closed_ ? place_inside() : place_on_border(); }

@@ -33,9 +33,14 @@ class VertexStretch {
   /// Tells whether all triangles turn counter-clockwise beyond doubt.
   bool valid(const Vec2d& uv) const { return !(energy(uv) == kInvalid); }
 
+  struct Improvement {
+    double energy = 0;  // before
+    double fall = 0;    // of it; 0: nothing has moved
+    Improvement operator+(const Improvement& other) const { return {energy + other.energy, fall + other.fall}; }
+  };
   /// One over-relaxed Newton step from the valid place `uv`, shortened until it lowers the energy; along `direction` only where
-  /// that is given (the side that a border vertex slides on; a unit vector). Returns by how much the energy fell; 0: uv stays.
-  double improve(Vec2d& uv, const std::optional<Vec2d>& direction) const;
+  /// that is given (the side that a border vertex slides on; a unit vector).
+  Improvement improve(Vec2d& uv, const std::optional<Vec2d>& direction) const;
 
   /// Returns a place for a vertex that has none yet: its mean value combination of the neighbours if that is valid, else the
   /// middle of the region where it is. For a border vertex, on the segment between its last and its first neighbour. nullopt:

@@ -366,7 +366,7 @@ absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOp
     const auto preview = [&](const PolygonSoup& soup) {
       if (!on_preview || soup.polygon_count() <= kMostWithoutPreview) return;
       const ExecutionContext quiet{.on_progress = {}, .cancel = context.cancel};
-      if (absl::StatusOr<Preprocessed> made = make_preview(soup, options, quiet); made.ok()) on_preview(*std::move(made));
+      on_preview([&] { return make_preview(soup, options, quiet); });
     };
     absl::StatusOr<FlattenedMesh> flattened = load_and_flatten(file, options, context, demand, preview);
     if (!flattened.ok()) return flattened.status();

@@ -28,7 +28,7 @@ namespace curvecast {
 
 /// Grows whenever preprocessing or sampling gives other bytes than before for the same files and options: sessions of other
 /// versions are others. tests/core/pipeline/golden_test.cpp guards it.
-inline constexpr int kAlgorithmVersion = 8;
+inline constexpr int kAlgorithmVersion = 9;
 
 struct PreprocessOptions {
   std::uint64_t points = 65'536;  // N for which the curve is made fine enough, 1 .. kMaxPoints
@@ -111,11 +111,13 @@ absl::StatusOr<Preprocessed> lay_curve(std::shared_ptr<const FlattenedMesh> flat
 
 /// A mesh of more polygons than this has a preview.
 inline constexpr std::size_t kMostWithoutPreview = 1'000'000;
-/// Is given a coarse stand-in of a great mesh once it has been read, long before the rest is done: see cluster_vertices().
-using OnPreview = std::function<void(Preprocessed preview)>;
+/// Is called once a great mesh has been read, long before the rest is done. Where somebody wants to see something already,
+/// `make` makes a coarse stand-in, which takes a while: see cluster_vertices(). It must not be called later.
+using MakePreview = std::function<absl::StatusOr<Preprocessed>()>;
+using OnPreview = std::function<void(const MakePreview& make)>;
 
 /// Makes the curve of a mesh file. InvalidArgument for a bad file (see read_mesh, repair) or options out of range; Cancelled.
-/// `on_preview`, if not empty, is called once at most: not where the mesh is small, or its stand-in fails.
+/// `on_preview`, if not empty, is called once at most: not where the mesh is small.
 absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOptions& options,
                                         const ExecutionContext& context = {}, const OnPreview& on_preview = {});
 

@@ -15,7 +15,9 @@ namespace {
 class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>, public SessionWaiter {
  public:
   CreateSessionReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request)
-      : WriteQueue(RequestLog(engine, "CreateSession", context), engine.queued), engine_(engine) {
+      : WriteQueue(RequestLog(engine, "CreateSession", context), engine.queued),
+        engine_(engine),
+        wants_preview_(!request.without_preview()) {
     // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
     const absl::Status begun = status_from_exceptions([&] { return begin(context, request); });
     if (!begun.ok()) finish(to_grpc(begun));
@@ -41,7 +43,10 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
     push(std::move(response));
   }
 
+  bool wants_preview() const override { return wants_preview_; }
+
   void on_preview(const std::shared_ptr<const Session>& preview) override {
+    if (!wants_preview_) return;
     v1::CreateSessionResponse response;
     *response.mutable_preview() = to_proto(*preview);
     push(std::move(response));
@@ -69,6 +74,7 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
   }
 
   Engine& engine_;
+  const bool wants_preview_;
   std::string id_;
 };
 

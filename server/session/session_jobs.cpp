@@ -101,8 +101,11 @@ void SessionJobs::preprocess(const std::shared_ptr<SessionJob>& job) {
     };
     context.cancel = &job->cancel;
     context.threads = threads_;
-    const OnPreview on_preview = [&](Preprocessed coarse) {
-      const std::shared_ptr<Session> preview = make_session(*job, std::move(coarse));
+    const OnPreview on_preview = [&](const MakePreview& make) {
+      if (!job->waiters.want_preview()) return;
+      absl::StatusOr<Preprocessed> coarse = make();
+      if (!coarse.ok()) return;
+      const std::shared_ptr<Session> preview = make_session(*job, *std::move(coarse));
       preview->is_preview = true;
       // Now, as below: views would share the cores with all that follows.
       (void)status_from_exceptions(

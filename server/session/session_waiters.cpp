@@ -33,6 +33,11 @@ bool SessionWaiters::empty() const {
   return recipients_.empty();
 }
 
+bool SessionWaiters::want_preview() const {
+  const MutexLock lock(mutex_);
+  return std::ranges::any_of(recipients_, [](const auto& recipient) { return recipient->waiter->wants_preview(); });
+}
+
 void SessionWaiters::progress(std::string_view stage, double fraction) {
   const MutexLock lock(mutex_);
   if (is_finished_) return;

@@ -23,7 +23,9 @@ class SessionWaiter {
   virtual ~SessionWaiter() = default;
   /// The start and the end of every stage and, about 20 times a second, what lies between. `fraction` is in [0, 1].
   virtual void on_progress(std::string_view stage, double fraction) = 0;
-  /// Once at most: there is a stand-in to look at.
+  /// Whether a stand-in is of use. The same all the time; called with locks.
+  virtual bool wants_preview() const { return false; }
+  /// Once at most: there is a stand-in to look at. Also called where another waiter wanted it.
   virtual void on_preview(const std::shared_ptr<const Session>& /*preview*/) {}
   /// The last call: the session is ready, or why it never will be.
   virtual void on_done(absl::StatusOr<std::shared_ptr<const Session>> session) = 0;
@@ -39,6 +41,8 @@ class SessionWaiters {
   /// been called, or it was never added.
   bool remove(SessionWaiter* waiter) ABSL_LOCKS_EXCLUDED(mutex_);
   bool empty() const;
+  /// Whether any of those who wait wants a stand-in.
+  bool want_preview() const;
   /// A stage that a new one follows counts as finished. Calls come as of SessionWaiter::on_progress, however often this is
   /// called.
   void progress(std::string_view stage, double fraction);

@@ -42,25 +42,48 @@ std::string waves_ply(std::uint32_t n) {
   return bytes;
 }
 
-class ServerPreview : public ServerFixture {};
+class ServerPreview : public ServerFixture {
+ protected:
+  static constexpr std::uint32_t kSide = 720;
+  static_assert(std::size_t{2} * kSide * kSide > kMostWithoutPreview);
+
+  /// Uploads a mesh that is large enough; the request for a session of it.
+  v1::CreateSessionRequest great_mesh(v1::CurvecastService::StubInterface& stub) {
+    v1::UploadHeader header;
+    header.set_name("waves.ply");
+    const std::string file = waves_ply(kSide);
+    header.set_size(file.size());
+    const Uploaded uploaded = upload(stub, header, file, std::size_t{1} << 20);
+    EXPECT_TRUE(uploaded.status.ok()) << uploaded.status.error_message();
+    v1::CreateSessionRequest request;
+    request.set_mesh_id(uploaded.response.mesh_id());
+    request.mutable_options()->set_max_points(1000);
+    return request;
+  }
+};
+
+TEST_F(ServerPreview, IsNotMadeForClientsThatDoNotWantIt) {
+  const auto stub = client();
+  v1::CreateSessionRequest request = great_mesh(*stub);
+  request.set_without_preview(true);
+  grpc::ClientContext context;
+  set_patience(context);
+  const auto creating = stub->CreateSession(&context, request);
+  bool is_ready = false;
+  for (v1::CreateSessionResponse response; creating->Read(&response);) {
+    EXPECT_FALSE(response.has_preview());
+    is_ready = response.has_session();
+  }
+  EXPECT_TRUE(creating->Finish().ok());
+  EXPECT_TRUE(is_ready);
+}
 
 TEST_F(ServerPreview, IsShownEarlyAndGivesWayInTheSameStream) {
-  constexpr std::uint32_t kSide = 720;
-  static_assert(std::size_t{2} * kSide * kSide > kMostWithoutPreview);
   const auto stub = client();
-  v1::UploadHeader header;
-  header.set_name("waves.ply");
-  const std::string file = waves_ply(kSide);
-  header.set_size(file.size());
-  const Uploaded uploaded = upload(*stub, header, file, std::size_t{1} << 20);
-  ASSERT_TRUE(uploaded.status.ok()) << uploaded.status.error_message();
-
+  const v1::CreateSessionRequest request = great_mesh(*stub);
   grpc::ClientContext create_context, views_context;
   set_patience(create_context);
   set_patience(views_context);
-  v1::CreateSessionRequest request;
-  request.set_mesh_id(uploaded.response.mesh_id());
-  request.mutable_options()->set_max_points(1000);
   const auto creating = stub->CreateSession(&create_context, request);
   std::unique_ptr<grpc::ClientReaderWriterInterface<v1::StreamViewsRequest, v1::StreamViewsResponse>> views;
   v1::Session preview, session;

@@ -55,6 +55,34 @@ TEST(EdgePaths, PathsAddUpToTheirDistance) {
   }
 }
 
+TEST(EdgePaths, PathsOfTargetsAreThoseOfAllAsSourcesAreAdded) {
+  const std::vector<std::uint32_t> targets = {150, 30, 9};
+  for (const PolygonSoup& soup :
+       {testing::jittered(testing::disc(8, 20), 0.02), testing::jittered(testing::torus(20, 10), 0.05)}) {
+    const TriangleMesh mesh = testing::make_mesh(soup);
+    EdgePaths all(mesh), some(mesh);
+    for (const std::uint32_t source : {3u, 77u, 120u, 31u}) {
+      all.add_sources({&source, 1});
+      some.add_sources({&source, 1}, targets);
+      for (std::uint32_t v : targets) {
+        EXPECT_NEAR(some.distance(v), all.distance(v), 1e-12);
+        EXPECT_EQ(some.source(v), all.source(v));
+        for (; all.parent_edge(v) != kNone; v = all.parent(v)) EXPECT_EQ(some.parent_edge(v), all.parent_edge(v));
+      }
+    }
+  }
+}
+
+TEST(EdgePaths, PathsOfTargetsLookAtLessOfTheMesh) {
+  const TriangleMesh mesh = testing::make_mesh(testing::disc(40, 80));
+  EdgePaths paths(mesh);
+  const std::uint32_t source = 100, target = 260;  // two rings on
+  paths.add_sources({&source, 1}, {&target, 1});
+  std::size_t reached = 0;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) reached += std::isfinite(paths.distance(v));
+  EXPECT_LT(reached, mesh.vertex_count() / 10);
+}
+
 TEST(EdgePaths, FarthestIsOppositeOnASphere) {
   const TriangleMesh mesh = testing::make_mesh(testing::sphere(20, 30));
   EdgePaths paths(mesh);

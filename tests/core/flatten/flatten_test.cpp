@@ -8,7 +8,9 @@
 #include <cmath>
 #include <string_view>
 
+#include "core/flatten/cut_to_disc.h"
 #include "core/flatten/distortion.h"
+#include "core/flatten/minimise_stretch.h"
 #include "core/mesh/topology.h"
 #include "tests/support/shapes.h"
 
@@ -50,6 +52,22 @@ TEST(Flatten, OneChartPerComponent) {
   expect_complete(mesh, charts);
 }
 
+TEST(Flatten, DividesWhatWouldStretchTooMuch) {
+  // 144 tunnels, which one disc has to open all.
+  const TriangleMesh mesh = testing::make_mesh(testing::perforated_slab(25, 25));
+  const std::vector<Chart> charts = flattened(mesh);
+  EXPECT_GT(charts.size(), 1u);
+  EXPECT_LE(charts.size(), mesh.face_count() / 1000);
+  expect_complete(mesh, charts);
+  const DiscMesh whole = *cut_to_disc(mesh);
+  const double undivided = measure_stretch(whole, *minimise_stretch(whole)).total;
+  double sum = 0;  // of squares, weighted by area
+  for (const Chart& chart : charts) {
+    sum += surface_area(chart.disc) * std::pow(measure_stretch(chart.disc, chart.uv).total, 2);
+  }
+  EXPECT_LT(std::sqrt(sum / surface_area(mesh)), undivided / 2);
+}
+
 TEST(Flatten, CgalMakesValidChartsToo) {
   using namespace testing;
   for (const PolygonSoup& soup : {merged(sphere(12, 16), translated(torus(16, 8), {4, 0, 0})), cube(), single_triangle()}) {
@@ -58,7 +76,7 @@ TEST(Flatten, CgalMakesValidChartsToo) {
   }
 }
 
-TEST(Flatten, HandlesAndHolesByTheHundredNeedNoDivision) {
+TEST(Flatten, HandlesAndHolesByTheHundredAreMappedWithTheLeastStretch) {
   // Closed, of genus 81; and a ball with more than 200 holes.
   const PolygonSoup slab = testing::perforated_slab(19, 19);
   const TriangleMesh handles = testing::make_mesh(slab);
@@ -68,8 +86,8 @@ TEST(Flatten, HandlesAndHolesByTheHundredNeedNoDivision) {
   ASSERT_GE(analyse_topology(holes).boundary_loops, 200u);
   for (const TriangleMesh* mesh : {&handles, &holes}) {
     const std::vector<Chart> charts = flattened(*mesh);
-    ASSERT_EQ(charts.size(), 1u);
-    EXPECT_EQ(charts[0].parameterisation, Parameterisation::kLeastStretch);
+    EXPECT_LE(charts.size(), mesh->face_count() / 1000);
+    for (const Chart& chart : charts) EXPECT_EQ(chart.parameterisation, Parameterisation::kLeastStretch);
     expect_complete(*mesh, charts);
   }
 }

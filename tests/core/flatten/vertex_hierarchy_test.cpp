@@ -1,10 +1,12 @@
 #include "core/flatten/vertex_hierarchy.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <set>
+#include <utility>
 
 #include "core/flatten/cut_to_disc.h"
 #include "core/mesh/topology.h"
@@ -39,29 +41,85 @@ std::vector<std::uint32_t> canonical(std::vector<std::uint32_t> ring, bool borde
   return ring;
 }
 
+std::vector<std::vector<std::uint32_t>> rings(const TriangleMesh& mesh, const VertexHierarchy& hierarchy) {
+  std::vector<std::vector<std::uint32_t>> all;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    all.push_back(canonical(neighbours(hierarchy, v), hierarchy.on_border(v)));
+  }
+  return all;
+}
+
+/// Takes all levels back: they are independent, and in the end all is as it was.
+void expect_to_come_back(const TriangleMesh& mesh, VertexHierarchy& hierarchy,
+                         const std::vector<std::vector<std::uint32_t>>& before) {
+  std::size_t there = hierarchy.base().size();
+  while (hierarchy.level_count() > 0) {
+    const std::vector<std::uint32_t> level = hierarchy.level(hierarchy.level_count() - 1);
+    hierarchy.restore_level();
+    there += level.size();
+    const std::set<std::uint32_t> members(level.begin(), level.end());
+    EXPECT_EQ(members.size(), level.size());
+    for (const std::uint32_t v : level) {
+      for (const std::uint32_t x : neighbours(hierarchy, v)) EXPECT_FALSE(members.contains(x));
+    }
+  }
+  EXPECT_EQ(there, mesh.vertex_count());
+  EXPECT_EQ(rings(mesh, hierarchy), before);
+}
+
 TEST(VertexHierarchy, LevelsAreIndependentAndComeBackAsTheyWere) {
   for (const TriangleMesh& mesh : meshes()) {
     VertexHierarchy hierarchy(mesh, {});
-    std::vector<std::vector<std::uint32_t>> before;
-    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
-      before.push_back(canonical(neighbours(hierarchy, v), hierarchy.on_border(v)));
-    }
+    const std::vector<std::vector<std::uint32_t>> before = rings(mesh, hierarchy);
     hierarchy.coarsen(4);
-    std::size_t there = hierarchy.base().size();
-    while (hierarchy.level_count() > 0) {
-      const std::vector<std::uint32_t> level = hierarchy.level(hierarchy.level_count() - 1);
-      hierarchy.restore_level();
-      there += level.size();
-      const std::set<std::uint32_t> members(level.begin(), level.end());
-      EXPECT_EQ(members.size(), level.size());
-      for (const std::uint32_t v : level) {
-        for (const std::uint32_t x : neighbours(hierarchy, v)) EXPECT_FALSE(members.contains(x));
-      }
+    expect_to_come_back(mesh, hierarchy, before);
+  }
+}
+
+TEST(VertexHierarchy, BlocksOfLargeMeshesDoNotDependOnThreads) {
+  const TriangleMesh mesh = make_mesh(testing::jittered(testing::torus(500, 300), 0.001));
+  ASSERT_GE(mesh.vertex_count(), 8u * 16384u);
+  std::vector<std::vector<VertexHierarchy::Level>> levels;
+  for (const int threads : {1, 2, 4}) {
+    tbb::task_arena arena(threads);
+    VertexHierarchy hierarchy(mesh, {});
+    const std::vector<std::vector<std::uint32_t>> before = rings(mesh, hierarchy);
+    arena.execute([&] { hierarchy.coarsen(500); });
+    EXPECT_LE(hierarchy.base().size(), 500u);
+    EXPECT_EQ(analyse_topology(hierarchy.base_mesh()).genus, 1u);
+    if (threads > 1) {
+      levels.push_back(std::move(hierarchy).take_levels());
+      continue;
     }
-    EXPECT_EQ(there, mesh.vertex_count());
-    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
-      EXPECT_EQ(canonical(neighbours(hierarchy, v), hierarchy.on_border(v)), before[v]);
-    }
+    VertexHierarchy again = hierarchy;
+    levels.push_back(std::move(again).take_levels());
+    expect_to_come_back(mesh, hierarchy, before);
+  }
+  for (const std::vector<VertexHierarchy::Level>& other : levels) {
+    ASSERT_EQ(other.size(), levels[0].size());
+    for (std::size_t l = 0; l < other.size(); ++l) EXPECT_EQ(other[l].halfedges, levels[0][l].halfedges);
+  }
+}
+
+TEST(VertexHierarchy, LevelsOfWholeMeshesServeWhatIsCutFromThem) {
+  for (const TriangleMesh& mesh : {make_mesh(testing::icosphere(5)), make_mesh(testing::jittered(testing::torus(80, 40), 0.01)),
+                                   make_mesh(testing::disc(30, 40)), make_mesh(testing::perforated_slab(9, 9))}) {
+    VertexHierarchy whole(mesh, {});
+    whole.coarsen(100);
+    const std::vector<VertexHierarchy::Level> levels = std::move(whole).take_levels();
+    const DiscMesh disc = *cut_to_disc(mesh);
+    const std::vector<std::uint32_t> pinned = {disc.border[0], disc.border[disc.border.size() / 2]};
+    VertexHierarchy hierarchy(disc, pinned);
+    const std::vector<std::vector<std::uint32_t>> before = rings(disc, hierarchy);
+    hierarchy.coarsen_like(levels);
+    EXPECT_LT(hierarchy.base().size(), 100 + disc.border.size());
+    hierarchy.coarsen(40);
+    for (const std::uint32_t v : pinned) EXPECT_TRUE(std::ranges::binary_search(hierarchy.base(), v));
+    const Topology coarse = analyse_topology(hierarchy.base_mesh());
+    EXPECT_EQ(coarse.components, 1u);
+    EXPECT_EQ(coarse.genus, 0u);
+    EXPECT_EQ(coarse.boundary_loops, 1u);
+    expect_to_come_back(disc, hierarchy, before);
   }
 }
 

@@ -76,7 +76,7 @@ TEST(VertexStretch, StepsNeverRaiseTheEnergyAndEndAtAStationaryPoint) {
     ASSERT_TRUE(stretch.valid(uv));
     double before = stretch.energy(uv);
     for (int step = 0; step < 60; ++step) {
-      const double fall = stretch.improve(uv, std::nullopt);
+      const double fall = stretch.improve(uv, std::nullopt).fall;
       ASSERT_TRUE(stretch.valid(uv));
       ASSERT_NEAR(before - fall, stretch.energy(uv), 1e-9 * before);
       ASSERT_GE(fall, 0);

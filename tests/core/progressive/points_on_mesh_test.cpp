@@ -12,6 +12,7 @@
 #include "core/sample/spread_in_leaves.h"
 #include "tests/support/real_mesh.h"
 #include "tests/support/shapes.h"
+#include "tests/support/views.h"
 
 namespace curvecast {
 namespace {
@@ -40,7 +41,9 @@ void expect_on_mesh(const Preprocessed& done) {
   auto grower = RankGrower::make(surface, {.level = 6});
   ASSERT_TRUE(grower.ok()) << grower.status();
   for (const double distance : {1.0, 0.05, 0.002}) {
-    const Density density{{ScreenTerm{}, FrustumTerm{}}, {{.eye = at + distance * size * normal, .target = at, .fov = 0.7}}};
+    Camera camera = camera_at(at + distance * size * normal, at);
+    camera.fov = 0.7;
+    const Density density{{ScreenTerm{}, FrustumTerm{}}, {camera}};
     RankedWorkspace workspace;
     for (;;) {
       const absl::Status status = sample_ranked(curve, (*grower)->tree(), nullptr, density, 3000, workspace);

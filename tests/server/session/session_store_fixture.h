@@ -25,12 +25,14 @@ inline constexpr auto kPatience = std::chrono::seconds(60);  // only a broken st
 /// Notes what it is told, and waits for it.
 class Waiter final : public SessionWaiter {
  public:
+  explicit Waiter(bool wants_preview = true) : wants_preview_(wants_preview) {}
   void on_progress(std::string_view stage, double fraction) override {
     const std::lock_guard lock(mutex_);
     EXPECT_FALSE(done_) << "progress after the end";
     progress_.emplace_back(stage, fraction);
     changed_.notify_all();
   }
+  bool wants_preview() const override { return wants_preview_; }
   void on_preview(const std::shared_ptr<const Session>& preview) override {
     const std::lock_guard lock(mutex_);
     EXPECT_EQ(preview_, nullptr) << "a second preview";
@@ -67,6 +69,7 @@ class Waiter final : public SessionWaiter {
   }
 
  private:
+  const bool wants_preview_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::pair<std::string, double>> progress_;

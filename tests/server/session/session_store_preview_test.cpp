@@ -32,7 +32,7 @@ class SessionStorePreview : public SessionStoreFixture {
     store_.emplace(
         queue_,
         [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview& on_preview) {
-          on_preview(tiny());
+          on_preview([] { return tiny(); });
           return preprocess(context);
         },
         SessionLimits{.sessions = 3}, 1, make_logger(false, false), nullptr,
@@ -66,6 +66,15 @@ TEST_F(SessionStorePreview, IsForViewsAloneUntilTheSessionIsReady) {
   ASSERT_EQ(replaced_.size(), 1u);
   EXPECT_EQ(replaced_[0].preview, preview->revisions);
   EXPECT_EQ(*replaced_[0].real, *real);
+}
+
+TEST_F(SessionStorePreview, IsNotMadeForThoseWhoDoNotWantIt) {
+  Waiter waiter(false);
+  EXPECT_EQ(join(waiter), nullptr);
+  EXPECT_EQ(store_->find_for_views(id_).status().code(), absl::StatusCode::kFailedPrecondition);
+  set_open(true);
+  EXPECT_TRUE(waiter.wait().ok());
+  EXPECT_EQ(waiter.preview(), nullptr);
 }
 
 TEST_F(SessionStorePreview, GoesWithTheJobThatFails) {
