@@ -1,7 +1,10 @@
 #include "core/flatten/cut_graph.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/flatten/edge_paths.h"
 #include "core/flatten/union_find.h"
@@ -19,8 +22,7 @@ class CutGraph {
  public:
   explicit CutGraph(const TriangleMesh& mesh) : mesh_(mesh), paths_(mesh), cut_(mesh.twins.size(), false) {}
 
-  std::vector<bool> build(std::span<const std::uint32_t> extremities) {
-    const Topology topology = analyse_topology(mesh_);
+  std::vector<bool> build(const Topology& topology, std::span<const std::uint32_t> extremities) {
     if (topology.genus > 0 || topology.boundary_loops > 1) {
       open_handles(topology);
     } else if (topology.boundary_loops == 0) {
@@ -177,8 +179,12 @@ class CutGraph {
 
 }  // namespace
 
-std::vector<bool> cut_graph(const TriangleMesh& mesh, std::span<const std::uint32_t> extremities) {
-  return CutGraph(mesh).build(extremities);
+absl::StatusOr<std::vector<bool>> cut_graph(const TriangleMesh& mesh, std::span<const std::uint32_t> extremities) {
+  Topology topology;
+  std::optional<CutGraph> graph;
+  tbb::parallel_invoke([&] { topology = analyse_topology(mesh); }, [&] { graph.emplace(mesh); });
+  if (topology.components != 1) return absl::InvalidArgumentError("the faces to cut are not connected");
+  return graph->build(topology, extremities);
 }
 
 }  // namespace curvecast

@@ -115,9 +115,9 @@ class DiscBuilder {
 
 absl::StatusOr<DiscMesh> cut_to_disc(const TriangleMesh& piece, std::span<const std::uint32_t> extremities) {
   if (piece.triangles.empty()) return absl::InvalidArgumentError("there are no faces to cut");
-  std::vector<std::uint32_t> labels;
-  if (label_components(piece.twins, labels) != 1) return absl::InvalidArgumentError("the faces to cut are not connected");
-  return DiscBuilder(piece, cut_graph(piece, extremities)).build();
+  const absl::StatusOr<std::vector<bool>> cut = cut_graph(piece, extremities);
+  if (!cut.ok()) return cut.status();
+  return DiscBuilder(piece, *cut).build();
 }
 
 }  // namespace curvecast

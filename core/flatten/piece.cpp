@@ -6,6 +6,7 @@
 namespace curvecast {
 
 TriangleMesh extract_piece(const TriangleMesh& mesh, std::span<const std::uint32_t> faces) {
+  if (faces.size() == mesh.face_count()) return mesh;  // that is how repair() left it
   const FaceSet set(faces, mesh);
   TriangleMesh piece;
   piece.twins.resize(3 * faces.size());
