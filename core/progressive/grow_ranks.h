@@ -27,6 +27,7 @@ class RankGrower {
                                                           const ExecutionContext& context = {});
 
   const SurfaceCurve& curve() const { return surface_->curve(); }
+  std::shared_ptr<const SurfaceCurve> shared_curve() const { return surface_->shared_curve(); }
   /// Returns the points that were made and not been let go of.
   std::shared_ptr<const RankTree> tree() const { return tree_; }
   /// Returns the bytes of what grow() keeps for the next grow(), besides the tree.

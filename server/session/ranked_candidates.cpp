@@ -7,16 +7,30 @@
 namespace curvecast::server {
 namespace {
 
-// What a view needs beyond is made for it. 65,536 candidates take two cores half a second.
-constexpr int kMostLevelsAtFirst = 8;
-
-/// Returns the level with at least as many points.
+/// Returns the level with at least as many points. What a view needs beyond is made for it: 65,536 candidates take two cores half
+/// a second.
 int first_level(std::uint64_t max_points) {
   const int level = (std::bit_width(std::max<std::uint64_t>(max_points, 1) - 1) + 1) / 2;
-  return std::clamp(level, kChunkLevels, kMostLevelsAtFirst);
+  return std::clamp(level, kChunkLevels, RankedCandidates::kMostLevelsAtFirst);
 }
 
 }  // namespace
+
+void RankedCandidates::restore(RankedCurve made, int level, std::uint64_t seed, Surface surface) {
+  const MutexLock growing(growing_);
+  restored_ = {level, seed, std::move(surface)};
+  const MutexLock lock(mutex_);
+  newest_ = std::move(made);
+}
+
+absl::Status RankedCandidates::make_grower(const Surface& surface, const ProgressiveOptions& options,
+                                           const ExecutionContext& context) {
+  absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = surface();
+  if (!leaves.ok()) return leaves.status();
+  absl::StatusOr<std::unique_ptr<RankGrower>> grower = RankGrower::make(*std::move(leaves), options, context);
+  if (grower.ok()) grower_ = *std::move(grower);
+  return grower.status();
+}
 
 absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::uint64_t max_points, std::uint64_t seed,
                                                    const ExecutionContext& context) {
@@ -26,15 +40,10 @@ absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::
   }
   const MutexLock growing(growing_);
   if (grower_ == nullptr) {
-    absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = surface();
-    if (!leaves.ok()) return leaves.status();
-    const std::shared_ptr<const SurfaceCurve> curve = (*leaves)->shared_curve();
-    absl::StatusOr<std::unique_ptr<RankGrower>> grower =
-        RankGrower::make(*std::move(leaves), {.level = first_level(max_points), .seed = seed}, context);
-    if (!grower.ok()) return grower.status();
-    grower_ = *std::move(grower);
+    absl::Status made = make_grower(surface, {.level = first_level(max_points), .seed = seed}, context);
+    if (!made.ok()) return made;
     const MutexLock lock(mutex_);
-    newest_ = {curve, grower_->tree()};
+    newest_ = {grower_->shared_curve(), grower_->tree()};
   }
   const MutexLock lock(mutex_);
   return newest_;
@@ -42,6 +51,11 @@ absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::
 
 absl::StatusOr<RankedCurve> RankedCandidates::grow(std::span<const ChunkId> lacking, const ExecutionContext& context) {
   const MutexLock growing(growing_);
+  if (restored_) {
+    absl::Status made = make_grower(restored_->surface, {.level = restored_->level, .seed = restored_->seed}, context);
+    if (!made.ok()) return made;
+    restored_.reset();
+  }
   absl::Status status = grower_->grow(lacking, kMaxPoints, context);
   const MutexLock lock(mutex_);
   newest_.tree = grower_->tree();
@@ -56,6 +70,11 @@ absl::Status RankedCandidates::move_to(const Surface& surface) {
   absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = surface();
   if (leaves.ok()) grower_->move_to(*std::move(leaves));
   return leaves.status();
+}
+
+RankedCurve RankedCandidates::made() {
+  const MutexLock lock(mutex_);
+  return newest_;
 }
 
 std::uint64_t RankedCandidates::byte_size() {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "core/base/execution_context.h"
@@ -27,6 +28,13 @@ class RankedCandidates {
 
   using Surface = std::function<absl::StatusOr<std::shared_ptr<const LeafSurface>>()>;
 
+  /// The level of the candidates that take() makes at first, at most.
+  static constexpr int kMostLevelsAtFirst = 8;
+
+  /// Takes candidates that were made before, on `surface`, all down to a level, with these places: take() returns them, and the
+  /// surface is asked for only when they grow. Precondition: take() has not been called.
+  void restore(RankedCurve made, int level, std::uint64_t seed, Surface surface) ABSL_LOCKS_EXCLUDED(growing_, mutex_);
+
   /// Returns the candidates that there are by now. The first call makes those of the lowest ranks, on `surface`, about as many as
   /// views of `max_points` points take, with places by `seed`; others wait for it. Errors of `surface`, and as of
   /// RankGrower::make().
@@ -41,11 +49,25 @@ class RankedCandidates {
   /// From now on, the same surface is taken from there, if candidates have been made. Errors of `surface`.
   absl::Status move_to(const Surface& surface) ABSL_LOCKS_EXCLUDED(growing_, mutex_);
 
+  /// Returns the candidates that there are by now; null where there are none yet.
+  RankedCurve made() ABSL_LOCKS_EXCLUDED(mutex_);
+
   /// Bytes of the candidates, and of what growing keeps.
   std::uint64_t byte_size() ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
+  absl::Status make_grower(const Surface& surface, const ProgressiveOptions& options, const ExecutionContext& context)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(growing_);
+
+  /// What a grower is made of when candidates that were restored grow.
+  struct Restored {
+    int level;
+    std::uint64_t seed;
+    Surface surface;
+  };
+
   Mutex growing_ ABSL_ACQUIRED_BEFORE(mutex_);
+  std::optional<Restored> restored_ ABSL_GUARDED_BY(growing_);  // until then
   std::unique_ptr<RankGrower> grower_ ABSL_GUARDED_BY(growing_);
   Mutex mutex_;
   RankedCurve newest_ ABSL_GUARDED_BY(mutex_);

@@ -19,6 +19,7 @@
 #include "core/storage/atomic_file.h"
 #include "core/storage/curve_file.h"
 #include "core/storage/pipeline_archive.h"
+#include "core/storage/rank_file.h"
 #include "core/storage/surface_file.h"
 #include "server/base/log.h"
 #include "server/base/status_from_exceptions.h"
@@ -57,8 +58,8 @@ std::map<std::string, Stored> scan(const std::string& folder) {
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     const std::string id = name.substr(0, kIdDigits);
-    const bool is_ours = is_session_id(id) &&
-                         (absl::EndsWith(name, ".curve") || absl::EndsWith(name, ".refined") || absl::EndsWith(name, ".surface"));
+    const bool is_ours = is_session_id(id) && (absl::EndsWith(name, ".curve") || absl::EndsWith(name, ".refined") ||
+                                               absl::EndsWith(name, ".ranks") || absl::EndsWith(name, ".surface"));
     struct stat status = {};
     if (!is_ours || ::lstat(it->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
     Stored& stored = sessions[id];
@@ -150,7 +151,8 @@ absl::StatusOr<std::unique_ptr<SessionCache>> SessionCache::open(const std::stri
   for (const auto& [id, stored] : scan(*path)) {
     for (const std::string& file : stored.paths) {
       sessions += file == cache->curve_path(id);
-      foreign += file != cache->curve_path(id) && file != cache->refined_path(id) && file != cache->surface_path(id);
+      foreign += file != cache->curve_path(id) && file != cache->refined_path(id) && file != cache->ranks_path(id) &&
+                 file != cache->surface_path(id);
     }
     bytes += stored.bytes;
   }
@@ -181,6 +183,10 @@ std::string SessionCache::refined_path(const std::string& id) const {
   return absl::StrCat(folder_, "/", id, ".v", kCurveFileVersion, ".refined");
 }
 
+std::string SessionCache::ranks_path(const std::string& id) const {
+  return absl::StrCat(folder_, "/", id, ".v", kRankFileVersion, ".ranks");
+}
+
 std::string SessionCache::surface_path(const std::string& id) const {
   return absl::StrCat(folder_, "/", id, ".v", kSurfaceFileVersion, ".surface");
 }
@@ -197,6 +203,7 @@ bool SessionCache::remove_files(const std::string& id) const {
   std::error_code ignored;
   const bool removed = fs::remove(curve_path(id), ignored);
   fs::remove(refined_path(id), ignored);
+  fs::remove(ranks_path(id), ignored);
   fs::remove(surface_path(id), ignored);
   return removed;
 }
@@ -230,6 +237,7 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::str
     (*loaded)->surface = std::make_shared<SessionSurface>([this, id] { return open_surface(id); });
     // Now, when the session can still be made anew: it is only mapped.
     if (absl::Status status = (*loaded)->curve_base().status(); !status.ok()) return status;
+    load_ranks(**loaded);
     load_refined(**loaded);
     return *std::move(loaded);
   });
@@ -253,6 +261,16 @@ void SessionCache::load_refined(const Session& session) {
   } else {
     discard(path, status);
   }
+}
+
+void SessionCache::load_ranks(const Session& session) {
+  const std::string path = ranks_path(session.id);
+  if (!is_file(path)) return;
+  const std::shared_ptr<const SurfaceCurve> curve = session.revisions->first();
+  absl::StatusOr<RankFile> file = curvecast::load_ranks(path, *curve, session.preprocessed.report.mesh.faces, session.id);
+  if (!file.ok()) return discard(path, file.status());
+  session.candidates->restore({curve, std::move(file->tree)}, file->level, session.options.seed,
+                              [surface = session.surface, curve] { return surface->leaves(curve); });
 }
 
 void SessionCache::discard_surface(const std::string& id, const absl::Status& reason) const {
@@ -344,6 +362,11 @@ absl::Status SessionCache::write(const std::string& id, const Snapshot& snapshot
       remove_files(id);
       return status;
     }
+  }
+  // Those of the lowest ranks, which first views show: the surface's file is read only when views come nearer.
+  if (const auto ranks = snapshot.candidates->made(); ranks.tree != nullptr && !is_file(ranks_path(id))) {
+    absl::Status status = save_ranks(ranks_path(id), *ranks.tree, RankedCandidates::kMostLevelsAtFirst, id);
+    if (!status.ok()) return status;
   }
   if (snapshot.newest == snapshot.first) return absl::OkStatus();
   return save_curve(refined_path(id), *snapshot.newest, id);

@@ -1,5 +1,6 @@
 // The folder in which sessions survive the server: for each a file with the first revision of its curve and what the session is,
-// one with what refining the curve starts from, and where it was refined, one with the newest revision.
+// one with what refining the curve starts from, one with the points that first views show, and where the curve was refined, one
+// with the newest revision.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -31,8 +32,8 @@ class SessionCache {
   ~SessionCache();  // stop()
 
   /// Saves the session as it is now in the background, replacing what was saved of it before; then its surface is taken from the
-  /// file, and what it took in memory is free. When it cannot, because the disk is
-  /// full or too many saves wait, the log says so (once until it works again), and the session is just not cached.
+  /// file, and what it took in memory is free. When it cannot, because the disk is full or too many saves wait, the log says so
+  /// (once until it works again), and the session is just not cached.
   void save(const Session& session);
   /// Whether there is a file from which a session can be loaded, unless it turns out to be damaged. Takes microseconds.
   bool holds(const std::string& id) const;
@@ -66,9 +67,12 @@ class SessionCache {
   std::string curve_path(const std::string& id) const;
   std::string refined_path(const std::string& id) const;
   std::string surface_path(const std::string& id) const;
+  std::string ranks_path(const std::string& id) const;
   /// Whether a session's files are being written, and are to be removed then.
   bool is_going(const std::string& id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool remove_files(const std::string& id) const;
+  /// Takes up the points that first views show, if they are there.
+  void load_ranks(const Session& session);
   /// Takes up the newest revision of a session's curve, if it is there.
   void load_refined(const Session& session);
   void discard(const std::string& path, const absl::Status& reason) const;

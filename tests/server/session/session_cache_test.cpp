@@ -12,6 +12,7 @@
 
 #include "core/storage/atomic_file.h"
 #include "core/storage/curve_file.h"
+#include "core/storage/rank_file.h"
 #include "core/storage/section_file.h"
 #include "core/storage/surface_file.h"
 #include "server/base/log.h"
@@ -73,6 +74,8 @@ class SessionCacheTest : public ::testing::Test {
   std::string surface_path(char digit) const {
     return folder_ / absl::StrCat(id_of(digit), ".v", kSurfaceFileVersion, ".surface");
   }
+
+  std::string ranks_path(char digit) const { return folder_ / absl::StrCat(id_of(digit), ".v", kRankFileVersion, ".ranks"); }
 
   TemporaryFolder folder_;
   std::ostringstream lines_;
@@ -212,6 +215,44 @@ TEST_F(SessionCacheTest, ASavedSessionTakesItsSurfaceFromTheFile) {
   const auto here = session.candidates->grow(deeper, {}), there = other.candidates->grow(deeper, {});
   ASSERT_TRUE(here.ok() && there.ok()) << here.status() << there.status();
   EXPECT_EQ(here->tree->points(), there->tree->points());
+}
+
+TEST_F(SessionCacheTest, FirstViewsNeedNoSurface) {
+  const Session before = some_session(id_of('a'));
+  const auto made = before.ranks({});
+  ASSERT_TRUE(made.ok()) << made.status();
+  save(before);
+  ASSERT_TRUE(std::filesystem::exists(ranks_path('a')));
+  const auto cache = open();
+  const auto after = cache->load(before.id);
+  ASSERT_TRUE(after.ok()) << after.status();
+  const auto again = (*after)->ranks({});
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->curve, (*after)->revisions->first());
+  ASSERT_EQ(again->tree->chunks().size(), made->tree->chunks().size());
+  EXPECT_EQ(again->tree->chunks()[0]->x, made->tree->chunks()[0]->x);
+
+  // Nearer views go on where the others stopped.
+  const std::vector<ChunkId> deeper = {{made->tree->chunks().back()->id.level + 1, 0}};
+  const auto grown = before.candidates->grow(deeper, {}), grown_again = (*after)->candidates->grow(deeper, {});
+  ASSERT_TRUE(grown.ok() && grown_again.ok()) << grown.status() << grown_again.status();
+  ASSERT_EQ(grown_again->tree->chunks().size(), made->tree->chunks().size() + 1);
+  EXPECT_EQ(grown_again->tree->chunks().back()->x, grown->tree->chunks().back()->x);
+}
+
+TEST_F(SessionCacheTest, DamagedRanksAreMadeAnew) {
+  const Session before = some_session(id_of('a'));
+  ASSERT_TRUE(before.ranks({}).ok());
+  save(before);
+  std::string bytes = bytes_of(ranks_path('a'));
+  bytes[bytes.size() / 2] ^= 1;
+  write_file(ranks_path('a'), bytes);
+  const auto cache = open();
+  const auto after = cache->load(before.id);
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_FALSE(std::filesystem::exists(ranks_path('a')));
+  EXPECT_THAT(lines_.str(), HasSubstr("damaged"));
+  EXPECT_TRUE((*after)->ranks({}).ok());
 }
 
 TEST_F(SessionCacheTest, RefusesFilesThatBelongElsewhere) {

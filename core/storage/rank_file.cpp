@@ -1,0 +1,151 @@
+#include "core/storage/rank_file.h"
+
+#include <absl/strings/str_cat.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "core/storage/section_file.h"
+
+namespace curvecast {
+namespace {
+
+constexpr FileKind kKind = {"RANKS", kRankFileVersion};
+constexpr int kDeepest = 11;  // kMaxLevelAtOnce: no level beyond it is made for all of a surface
+
+/// Calls visit(name, column, whether it may be empty) for the columns of a chunk.
+template <typename Chunk, typename Visit>
+void visit_columns(Chunk& chunk, const Visit& visit) {
+  visit("x", chunk.x, false), visit("y", chunk.y, false), visit("z", chunk.z, false);
+  visit("nx", chunk.nx, false), visit("ny", chunk.ny, false), visit("nz", chunk.nz, false);
+  visit("rank", chunk.rank, false);
+  visit("curve position", chunk.curve_position, false);
+  visit("vertex", chunk.vertex, false);
+  visit("face", chunk.face, false);
+  visit("weight 1", chunk.weight_1, false), visit("weight 2", chunk.weight_2, false);
+  visit("colour", chunk.colour, true);
+}
+
+/// What a chunk has besides its columns.
+struct Runs {
+  RunBounds bounds;
+  std::array<std::uint32_t, kChunkRuns> first_vertex, last_vertex;
+};
+
+std::uint64_t chunks_of_level(int level) { return std::uint64_t{1} << 2 * (level - kChunkLevels); }
+std::size_t points_of_level(int level) { return level == kChunkLevels ? kChunkStrata : kChunkStrata - kLayerStrata; }
+
+/// Whether the numbers of a chunk are such as make_chunk() gives.
+bool makes_sense(const RankChunk& chunk, const SurfaceCurve& curve, std::uint64_t faces) {
+  const auto is_finite = [](float value) { return std::isfinite(value); };
+  for (const std::vector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) {
+    if (!std::ranges::all_of(*column, is_finite)) return false;
+  }
+  const RunBounds& b = chunk.bounds;
+  for (std::size_t r = 0; r < kChunkRuns; ++r) {
+    for (const float value : {b.x[r], b.y[r], b.z[r], b.radius[r], b.nx[r], b.ny[r], b.nz[r], b.spread[r]}) {
+      if (!is_finite(value)) return false;
+    }
+    if (chunk.first_vertex[r] > chunk.last_vertex[r] || chunk.last_vertex[r] >= curve.size()) return false;
+  }
+  for (std::size_t i = 0; i < chunk.size(); ++i) {
+    const std::uint64_t first = chunk.id.first_rank(i / kLayerStrata), position = chunk.curve_position[i];
+    if (chunk.vertex[i] >= curve.size() || chunk.face[i] >= faces) return false;
+    if (chunk.rank[i] < first || chunk.rank[i] >= first + chunk.id.layer_ranks()) return false;
+    if (position < chunk.id.first_position() || position > chunk.id.last_position()) return false;
+    if (chunk.id.stratum_in_layer(position) != i % kLayerStrata) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+absl::Status save_ranks(const std::string& path, const RankTree& tree, int deepest, std::string_view note) {
+  const std::span<const RankTree::Chunk> all = tree.chunks();  // by level
+  std::uint32_t level = kChunkLevels - 1;
+  std::size_t count = 0;
+  for (int next = kChunkLevels; next <= std::min(deepest, kDeepest); ++next) {
+    const std::size_t end = count + chunks_of_level(next);
+    if (end > all.size() || all[end - 1]->id != ChunkId{next, chunks_of_level(next) - 1}) break;
+    level = static_cast<std::uint32_t>(next);
+    count = end;
+  }
+  const std::span<const RankTree::Chunk> chunks = all.first(count);
+  std::vector<Runs> runs;
+  for (const RankTree::Chunk& chunk : chunks) runs.push_back({chunk->bounds, chunk->first_vertex, chunk->last_vertex});
+  std::vector<Section> sections = {make_section("note", note), make_section("level", std::span(&level, 1)),
+                                   make_section("runs", runs)};
+  const std::size_t first_column = sections.size();
+  for (const RankTree::Chunk& chunk : chunks) {
+    std::size_t i = first_column;
+    visit_columns(*chunk, [&](const char* name, const auto& column, bool) {
+      Section section = make_section(name, column);
+      if (i == sections.size()) {
+        sections.push_back(std::move(section));
+      } else {
+        sections[i].parts.push_back(section.parts.front());
+      }
+      ++i;
+    });
+  }
+  return write_section_file(path, kKind, sections);
+}
+
+absl::StatusOr<RankFile> load_ranks(const std::string& path, const SurfaceCurve& curve, std::uint64_t faces,
+                                    std::string_view note) {
+  const absl::StatusOr<std::shared_ptr<const SectionFile>> file = SectionFile::open(path, kKind, FileAccess::kMap);
+  if (!file.ok()) return file.status();
+  const auto saved_note = (*file)->section<char>("note");
+  const auto level = (*file)->section<std::uint32_t>("level");
+  const auto runs = (*file)->section<Runs>("runs");
+  for (const absl::Status& status : {saved_note.status(), level.status(), runs.status()}) {
+    if (!status.ok()) return status;
+  }
+  if (std::string_view(saved_note->data(), saved_note->size()) != note) return (*file)->damaged("its ranks are of another curve");
+  if (level->size() != 1 || level->front() < kChunkLevels || level->front() > kDeepest) {
+    return (*file)->damaged("its level is out of range");
+  }
+  std::vector<std::shared_ptr<RankChunk>> chunks;
+  for (int l = kChunkLevels; l <= static_cast<int>(level->front()); ++l) {
+    for (std::uint64_t i = 0; i < chunks_of_level(l); ++i) {
+      chunks.push_back(std::make_shared<RankChunk>());
+      chunks.back()->id = {l, i};
+    }
+  }
+  if (runs->size() != chunks.size()) return (*file)->damaged("its chunks are not as many as its level has");
+  absl::Status status;
+  visit_columns(*chunks.front(), [&]<typename T>(const char* name, std::vector<T>&, bool may_be_empty) {
+    const absl::StatusOr<std::span<const T>> values = (*file)->section<T>(name);
+    if (!values.ok()) status.Update(values.status());
+    if (!values.ok() || (may_be_empty && values->empty())) return;
+    std::size_t begin = 0;
+    for (const std::shared_ptr<RankChunk>& chunk : chunks) {
+      const std::size_t size = points_of_level(chunk->id.level);
+      if (values->size() - begin < size) return status.Update((*file)->damaged(absl::StrCat(name, " ends early")));
+      visit_columns(*chunk, [&]<typename Other>(const char* other, std::vector<Other>& column, bool) {
+        if constexpr (std::is_same_v<T, Other>) {
+          if (std::string_view(other) == name) column.assign(values->begin() + begin, values->begin() + begin + size);
+        }
+      });
+      begin += size;
+    }
+  });
+  if (!status.ok()) return status;
+  if (chunks.front()->colour.empty() != curve.colour.empty()) return (*file)->damaged("its colours are not the curve's");
+  for (std::size_t c = 0; c < chunks.size(); ++c) {
+    RankChunk& chunk = *chunks[c];
+    chunk.bounds = (*runs)[c].bounds;
+    chunk.first_vertex = (*runs)[c].first_vertex;
+    chunk.last_vertex = (*runs)[c].last_vertex;
+    if (!makes_sense(chunk, curve, faces)) return (*file)->damaged("its ranks make no sense for the curve");
+  }
+  return RankFile{std::make_shared<const RankTree>(std::vector<RankTree::Chunk>(chunks.begin(), chunks.end())),
+                  static_cast<int>(level->front())};
+}
+
+}  // namespace curvecast
