@@ -40,8 +40,8 @@ CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags) {
                                  ->type_name("W");
   command
       ->add_option("--chart-faces", flags->chart_faces,
-                   "divide the mesh into charts of about so many faces, from 1,000 on; default: only components of more than "
-                   "1,000,000, into charts of 100,000")
+                   "divide the mesh into charts of about so many faces, from 1,000 on; default: components of more than "
+                   "1,000,000, into charts of 100,000; those with many tunnels or holes may be divided further")
       ->check(CLI::Range(std::uint64_t{1000}, std::uint64_t{1} << 32))
       ->type_name("F");
   const auto add_choice = [&](const char* name, const char* what, std::string* value, std::span<const std::string_view> values,

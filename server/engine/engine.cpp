@@ -20,6 +20,10 @@ int worker_count(int threads) {
   return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+/// Whether there may be views of other clients, which go before preprocessing. A command that works for itself alone is not to
+/// stand back behind the other programs of the machine.
+bool has_other_clients(const ServerOptions& options) { return !options.listen.empty() || !options.http.empty(); }
+
 }  // namespace
 
 Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
@@ -33,7 +37,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
              .max_waiting_of_one = kMaxWaitingOfOne,
              .max_running_of_one = worker_count(options.threads),
              .low_priority = true}),
-      preprocessing({.max_waiting = kMaxWaiting, .low_priority = true}),
+      preprocessing({.max_waiting = kMaxWaiting, .low_priority = has_other_clients(options)}),
       cache(std::move(session_cache)),
       tokens(std::move(known)),
       max_view_rate(options.max_view_rate),

@@ -142,7 +142,7 @@ class Client:
         points: N for which the curve is made fine enough, up to 4,000,000. omega: curve vertices per point; 0 = 10. density: for
         which the curve is made, without terms of a camera. parameteriser: own or cgal; mapper: exact or id_buffer; area: exact or
         voronoi. seed: of the progressive sampler's points. chart_faces: divides larger components into charts of about so many
-        faces; 0 = only those of more than 1,000,000, into charts of 100,000. An exception in on_progress stops preprocessing on
+        faces; 0 = those of more than 1,000,000, into charts of 100,000. An exception in on_progress stops preprocessing on
         the server too, unless other clients wait for the same session.
         """
         mesh = as_mesh(mesh)
