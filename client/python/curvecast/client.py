@@ -156,9 +156,7 @@ class Client:
             seed=seed,
             chart_faces=chart_faces,
         )
-        request = v1.CreateSessionRequest(
-            mesh_id=mesh.id, options=options, companions=mesh.companions, without_preview=True
-        )
+        request = v1.CreateSessionRequest(mesh_id=mesh.id, options=options, companions=mesh.companions, without_preview=True)
         return Session(self._connection, self._connection.call_with_progress("CreateSession", request, "session", on_progress))
 
     def session(self, session_id: str) -> Session:
