@@ -37,8 +37,10 @@ class CutGraph {
   void open_handles(const Topology& topology) {
     std::vector<std::uint32_t> roots = border_vertices();
     // A closed surface is opened from one of its extremities.
-    if (roots.empty()) roots = {paths_.farthest_from(0)};
-    paths_.clear();
+    if (roots.empty()) {
+      roots = {paths_.farthest_from(0)};
+      paths_.clear();
+    }
     paths_.add_sources(roots);
     std::vector<bool> tree = tree_edges();
     if (topology.boundary_loops > 1) join_loops(tree);

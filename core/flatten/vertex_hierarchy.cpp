@@ -35,7 +35,7 @@ VertexHierarchy::VertexHierarchy(const TriangleMesh& mesh, std::span<const std::
       degree_(mesh.vertex_count(), 0),
       pinned_(mesh.vertex_count(), false),
       locked_(mesh.vertex_count(), 0),
-      gone_(mesh.vertex_count(), false) {
+      gone_(mesh.vertex_count(), 0) {
   for (std::uint32_t h = 0; h < twins_.size(); ++h) {
     std::uint32_t& out = outgoing_[from(h)];
     if (out == kNone || twins_[h] == kNone) out = h;
@@ -242,7 +242,7 @@ float VertexHierarchy::typical_cost() const {
 
 /// Whether the face of h is gone: with it went one of its corners.
 bool VertexHierarchy::is_gone(std::uint32_t h) const {
-  return std::ranges::any_of(triangles_[h / 3], [&](std::uint32_t v) { return gone_[v]; });
+  return std::ranges::any_of(triangles_[h / 3], [&](std::uint32_t v) { return gone_[v] != 0; });
 }
 
 /// Collapses h. The neighbours stay, in this level.
@@ -250,6 +250,7 @@ void VertexHierarchy::remove(std::uint32_t h, std::vector<std::uint32_t>& remove
   const auto mark = static_cast<std::uint32_t>(levels_.size() + 1);
   for_each_neighbour(from(h), [&](std::uint32_t x) { locked_[x] = mark; });
   collapse(h);
+  gone_[from(h)] = 1;
   removed.push_back(h);
 }
 
@@ -342,8 +343,7 @@ void VertexHierarchy::remove_in_blocks(Level& level) {
 /// Ends a level. False where nothing went.
 bool VertexHierarchy::finish(Level level) {
   if (level.halfedges.empty()) return false;
-  for (const std::uint32_t h : level.halfedges) gone_[from(h)] = true;
-  std::erase_if(base_, [&](std::uint32_t v) { return gone_[v]; });
+  std::erase_if(base_, [&](std::uint32_t v) { return gone_[v] != 0; });
   levels_.push_back(std::move(level));
   return true;
 }
@@ -365,6 +365,7 @@ void VertexHierarchy::coarsen(std::size_t target, const ExecutionContext& contex
 }
 
 void VertexHierarchy::coarsen_like(std::span<const Level> levels, const ExecutionContext& context) {
+  if (levels.empty()) return;
   std::vector<std::uint32_t> strays;  // beside a cut, or left behind
   std::vector<bool> strays_now(border_.begin(), border_.end());
   for (const std::uint32_t v : base_) {
@@ -374,19 +375,17 @@ void VertexHierarchy::coarsen_like(std::span<const Level> levels, const Executio
     if (context.cancelled()) return;
     Level level{.highest = other.highest};
     remove_cheap(strays, level.highest, level.halfedges);
-    for (const std::uint32_t h : level.halfedges) gone_[from(h)] = true;
     for (const std::uint32_t h : other.halfedges) {
       if (is_gone(h)) continue;
       const std::uint32_t v = from(h);
       if (locked_[v] != levels_.size() + 1 && !pinned_[v] && may_collapse(h)) {
         remove(h, level.halfedges);
-        gone_[v] = true;
       } else if (!strays_now[v]) {
         strays_now[v] = true;
         strays.push_back(v);
       }
     }
-    std::erase_if(strays, [&](std::uint32_t v) { return gone_[v]; });
+    std::erase_if(strays, [&](std::uint32_t v) { return gone_[v] != 0; });
     finish(std::move(level));
   }
 }

@@ -96,7 +96,7 @@ class VertexHierarchy {
   std::vector<std::uint32_t> degree_;    // per vertex: neighbours, while levels are made
   std::vector<bool> pinned_;
   std::vector<std::uint32_t> locked_;  // per vertex: 1 + the last level that may not take it
-  std::vector<bool> gone_;             // per vertex, while levels are made
+  std::vector<std::uint8_t> gone_;     // per vertex, while levels are made; no bits, which threads could not write apart
   std::vector<Level> levels_;
   std::vector<std::uint32_t> base_;
   // Blocks of vertices lose theirs side by side, but for those near a seam between blocks.

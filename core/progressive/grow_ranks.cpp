@@ -15,8 +15,6 @@ namespace {
 constexpr std::size_t kMaxChunksAtOnce = 1024;   // one deepen() makes no more
 constexpr std::size_t kMaxKeptPoints = 750'000;  // in groups that are kept for the next grow()
 
-std::uint64_t chunks_of_level(int level) { return std::uint64_t{1} << 2 * (level - kChunkLevels); }
-
 /// Says whether the whole of a level is made where so many of its chunks are lacking: less work for each, and groups that wait
 /// for others take most of the level with them anyway.
 bool is_made_whole(int level, std::uint64_t lacking) {

@@ -56,6 +56,9 @@ struct ChunkId {
   auto operator<=>(const ChunkId&) const = default;
 };
 
+/// Returns how many chunks a level from kChunkLevels on has on the whole surface.
+constexpr std::uint64_t chunks_of_level(int level) { return std::uint64_t{1} << 2 * (level - kChunkLevels); }
+
 /// When a chunk was last looked at, in growths of its tree. Selections write it while others read.
 class LastUse {
  public:

@@ -6,17 +6,16 @@
 #include <array>
 #include <cmath>
 #include <span>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "core/progressive/progressive.h"
 #include "core/storage/section_file.h"
 
 namespace curvecast {
 namespace {
 
 constexpr FileKind kKind = {"RANKS", kRankFileVersion};
-constexpr int kDeepest = 11;  // kMaxLevelAtOnce: no level beyond it is made for all of a surface
 
 /// Calls visit(name, column, whether it may be empty) for the columns of a chunk.
 template <typename Chunk, typename Visit>
@@ -37,7 +36,6 @@ struct Runs {
   std::array<std::uint32_t, kChunkRuns> first_vertex, last_vertex;
 };
 
-std::uint64_t chunks_of_level(int level) { return std::uint64_t{1} << 2 * (level - kChunkLevels); }
 std::size_t points_of_level(int level) { return level == kChunkLevels ? kChunkStrata : kChunkStrata - kLayerStrata; }
 
 /// Whether the numbers of a chunk are such as make_chunk() gives.
@@ -69,7 +67,7 @@ absl::Status save_ranks(const std::string& path, const RankTree& tree, int deepe
   const std::span<const RankTree::Chunk> all = tree.chunks();  // by level
   std::uint32_t level = kChunkLevels - 1;
   std::size_t count = 0;
-  for (int next = kChunkLevels; next <= std::min(deepest, kDeepest); ++next) {
+  for (int next = kChunkLevels; next <= std::min(deepest, kMaxLevelAtOnce); ++next) {
     const std::size_t end = count + chunks_of_level(next);
     if (end > all.size() || all[end - 1]->id != ChunkId{next, chunks_of_level(next) - 1}) break;
     level = static_cast<std::uint32_t>(next);
@@ -107,7 +105,7 @@ absl::StatusOr<RankFile> load_ranks(const std::string& path, const SurfaceCurve&
     if (!status.ok()) return status;
   }
   if (std::string_view(saved_note->data(), saved_note->size()) != note) return (*file)->damaged("its ranks are of another curve");
-  if (level->size() != 1 || level->front() < kChunkLevels || level->front() > kDeepest) {
+  if (level->size() != 1 || level->front() < kChunkLevels || level->front() > kMaxLevelAtOnce) {
     return (*file)->damaged("its level is out of range");
   }
   std::vector<std::shared_ptr<RankChunk>> chunks;
@@ -119,23 +117,19 @@ absl::StatusOr<RankFile> load_ranks(const std::string& path, const SurfaceCurve&
   }
   if (runs->size() != chunks.size()) return (*file)->damaged("its chunks are not as many as its level has");
   absl::Status status;
-  visit_columns(*chunks.front(), [&]<typename T>(const char* name, std::vector<T>&, bool may_be_empty) {
-    const absl::StatusOr<std::span<const T>> values = (*file)->section<T>(name);
-    if (!values.ok()) status.Update(values.status());
-    if (!values.ok() || (may_be_empty && values->empty())) return;
-    std::size_t begin = 0;
-    for (const std::shared_ptr<RankChunk>& chunk : chunks) {
-      const std::size_t size = points_of_level(chunk->id.level);
-      if (values->size() - begin < size) return status.Update((*file)->damaged(absl::StrCat(name, " ends early")));
-      visit_columns(*chunk, [&]<typename Other>(const char* other, std::vector<Other>& column, bool) {
-        if constexpr (std::is_same_v<T, Other>) {
-          if (std::string_view(other) == name) column.assign(values->begin() + begin, values->begin() + begin + size);
-        }
-      });
-      begin += size;
-    }
-  });
-  if (!status.ok()) return status;
+  std::size_t begin = 0;  // of a chunk in each column
+  for (const std::shared_ptr<RankChunk>& chunk : chunks) {
+    const std::size_t end = begin + points_of_level(chunk->id.level);
+    visit_columns(*chunk, [&]<typename T>(const char* name, std::vector<T>& column, bool may_be_empty) {
+      const absl::StatusOr<std::span<const T>> values = (*file)->section<T>(name);
+      if (!values.ok()) return status.Update(values.status());
+      if (may_be_empty && values->empty()) return;
+      if (values->size() < end) return status.Update((*file)->damaged(absl::StrCat(name, " ends early")));
+      column.assign(values->data() + begin, values->data() + end);
+    });
+    if (!status.ok()) return status;
+    begin = end;
+  }
   if (chunks.front()->colour.empty() != curve.colour.empty()) return (*file)->damaged("its colours are not the curve's");
   for (std::size_t c = 0; c < chunks.size(); ++c) {
     RankChunk& chunk = *chunks[c];

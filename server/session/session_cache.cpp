@@ -149,10 +149,10 @@ absl::StatusOr<std::unique_ptr<SessionCache>> SessionCache::open(const std::stri
   std::size_t sessions = 0, foreign = 0;
   std::uint64_t bytes = 0;
   for (const auto& [id, stored] : scan(*path)) {
+    const auto ours = cache->paths(id);
     for (const std::string& file : stored.paths) {
       sessions += file == cache->curve_path(id);
-      foreign += file != cache->curve_path(id) && file != cache->refined_path(id) && file != cache->ranks_path(id) &&
-                 file != cache->surface_path(id);
+      foreign += std::ranges::find(ours, file) == ours.end();
     }
     bytes += stored.bytes;
   }
@@ -191,6 +191,10 @@ std::string SessionCache::surface_path(const std::string& id) const {
   return absl::StrCat(folder_, "/", id, ".v", kSurfaceFileVersion, ".surface");
 }
 
+std::array<std::string, 4> SessionCache::paths(const std::string& id) const {
+  return {curve_path(id), refined_path(id), ranks_path(id), surface_path(id)};
+}
+
 bool SessionCache::holds(const std::string& id) const {
   if (!is_session_id(id)) return false;
   const MutexLock lock(mutex_);
@@ -202,9 +206,7 @@ bool SessionCache::is_going(const std::string& id) const { return saving_ == id 
 bool SessionCache::remove_files(const std::string& id) const {
   std::error_code ignored;
   const bool removed = fs::remove(curve_path(id), ignored);
-  fs::remove(refined_path(id), ignored);
-  fs::remove(ranks_path(id), ignored);
-  fs::remove(surface_path(id), ignored);
+  for (const std::string& path : paths(id)) fs::remove(path, ignored);
   return removed;
 }
 

@@ -5,6 +5,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -68,6 +69,8 @@ class SessionCache {
   std::string refined_path(const std::string& id) const;
   std::string surface_path(const std::string& id) const;
   std::string ranks_path(const std::string& id) const;
+  /// All of these.
+  std::array<std::string, 4> paths(const std::string& id) const;
   /// Whether a session's files are being written, and are to be removed then.
   bool is_going(const std::string& id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool remove_files(const std::string& id) const;
