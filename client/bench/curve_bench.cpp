@@ -50,7 +50,7 @@ void add_stages(const std::string& name, const StageSeconds& seconds, double bou
 
 /// Seconds to divide every leaf of a curve once, the median of several runs.
 double seconds_to_raise(const Preprocessed& done, int repeats) {
-  const std::shared_ptr<const CurveBase> base = curve_base(done.flattened);
+  const std::shared_ptr<const CurveBase> base = *curve_base(done.flattened);
   std::vector<double> seconds;
   for (int i = 0; i < repeats; ++i) {
     Stopwatch watch;

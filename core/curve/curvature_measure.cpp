@@ -61,7 +61,7 @@ std::array<float, kCurvatureKinds> CurvatureHistogram::strong(double diagonal, d
 }
 
 std::array<float, kCurvatureKinds> reference_curvatures(const SurfaceCurve& curve) {
-  const CurvatureHistogram histogram = curvature_histogram(curve.size(), [&](std::size_t l, CurvatureHistogram& into) {
+  const CurvatureHistogram histogram = curvature_histogram(curve.size(), {}, [&](std::size_t l, CurvatureHistogram& into) {
     into.add(curve.curvature_min[l], curve.curvature_max[l], curve.area[l]);
   });
   return histogram.strong(curve.box.diagonal(), curve.total_area);

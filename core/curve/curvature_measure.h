@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/execution_context.h"
+
 namespace curvecast {
 
 struct SurfaceCurve;
@@ -45,12 +47,14 @@ class CurvatureHistogram {
 };
 
 /// The histogram to which add(i, histogram) adds each of n parts of a surface, on all threads; the same however many there are.
+/// Some are missing once the context is cancelled.
 template <typename Add>
-CurvatureHistogram curvature_histogram(std::size_t n, const Add& add) {
+CurvatureHistogram curvature_histogram(std::size_t n, const ExecutionContext& context, const Add& add) {
   constexpr std::size_t kGrain = 262'144;  // an addition of histograms costs less than filling them
   return tbb::parallel_deterministic_reduce(
       tbb::blocked_range<std::size_t>(0, n, kGrain), CurvatureHistogram{},
       [&](const tbb::blocked_range<std::size_t>& range, CurvatureHistogram histogram) {
+        if (context.cancelled()) return histogram;
         for (std::size_t i = range.begin(); i < range.end(); ++i) add(i, histogram);
         return histogram;
       },

@@ -4,34 +4,36 @@
 
 #include <utility>
 
+#include "core/base/for_all.h"
+
 namespace curvecast {
 namespace {
 
-std::vector<BaseChart> base_charts(const SurfaceData& data, std::span<const Chart> charts) {
+std::vector<BaseChart> base_charts(const SurfaceData& data, std::span<const Chart> charts, const ExecutionContext& context) {
   std::vector<BaseChart> out(charts.size());
-  tbb::parallel_for(std::size_t{0}, charts.size(), [&](std::size_t d) {
+  for_blocks(context, charts.size(), 1, [&](std::size_t d, std::size_t /*end*/) {
     const ChartView chart(charts[d]);
     out[d] = {chart, triangle_kinds(data, chart), fill_square(ChartTriangles(chart))};
   });
   return out;
 }
 
-Column<std::uint32_t> first_triangles(std::span<const Chart> charts, std::size_t faces) {
+Column<std::uint32_t> first_triangles(std::span<const Chart> charts, std::size_t faces, const ExecutionContext& context) {
   Column<std::uint32_t> triangle_of;
   triangle_of.resize(faces);
-  for (const Chart& chart : charts) {
-    const std::vector<std::uint32_t>& face_of = chart.disc.face_of;
+  for_blocks(context, charts.size(), 1, [&](std::size_t d, std::size_t /*end*/) {  // a face lies in one chart
+    const std::vector<std::uint32_t>& face_of = charts[d].disc.face_of;
     for (std::size_t t = face_of.size(); t-- > 0;) triangle_of[face_of[t]] = static_cast<std::uint32_t>(t);
-  }
+  });
   return triangle_of;
 }
 
 }  // namespace
 
-CurveBase::CurveBase(SurfaceData surface, std::span<const Chart> all_charts)
+CurveBase::CurveBase(SurfaceData surface, std::span<const Chart> all_charts, const ExecutionContext& context)
     : data(std::move(surface)),
-      charts(base_charts(data, all_charts)),
-      triangle_of(first_triangles(all_charts, data.mesh.triangles.size())) {
+      charts(base_charts(data, all_charts, context)),
+      triangle_of(first_triangles(all_charts, data.mesh.triangles.size(), context)) {
   mappers.reserve(charts.size());
   for (const BaseChart& chart : charts) mappers.emplace_back(data, chart, chart.kinds);
 }

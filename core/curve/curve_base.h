@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/column.h"
+#include "core/base/execution_context.h"
 #include "core/base/mutex.h"
 #include "core/curve/locate_triangle.h"
 #include "core/curve/parameter_triangle.h"
@@ -34,8 +35,8 @@ class CurveBase {
   /// Says what is wrong with a disc's chart or its faces, which have not been looked at so far.
   using Check = std::function<absl::Status(std::size_t disc)>;
 
-  /// Everything is at hand and known to be sound.
-  CurveBase(SurfaceData surface, std::span<const Chart> all_charts);
+  /// Everything is at hand and known to be sound. To be dropped once the context is cancelled.
+  CurveBase(SurfaceData surface, std::span<const Chart> all_charts, const ExecutionContext& context = {});
   /// `face_triangles`: see triangle_of. `check` is called once at most for each disc, by any thread.
   CurveBase(SurfaceData surface, std::vector<BaseChart> all_charts, Column<std::uint32_t> face_triangles, Check check);
   CurveBase(const CurveBase&) = delete;

@@ -1,13 +1,11 @@
 #include "core/curve/surface_map.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "core/base/for_all.h"
 #include "core/base/simd.h"
 #include "core/curve/deepest_triangle.h"
 #include "core/curve/tangent_frame.h"
@@ -192,9 +190,10 @@ CURVECAST_WIDE void pack(const MappedBatch& batch, std::size_t count, const Vec3
 
 }  // namespace
 
-void locate_centres(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<std::uint32_t> under) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
-    for (std::size_t l = range.begin(); l < range.end(); ++l) {
+void locate_centres(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<std::uint32_t> under,
+                    const ExecutionContext& context) {
+  for_blocks(context, leaves.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    for (std::size_t l = first; l < last; ++l) {
       const std::span candidates = leaves.triangles_of(l);
       under[l] = candidates[0];
       if (candidates.size() == 1) continue;
@@ -205,9 +204,9 @@ void locate_centres(std::span<const ParameterTriangle> triangles, const Quadtree
   });
 }
 
-SurfaceData::SurfaceData(const TriangleMesh& of_mesh, std::span<const VertexGeometry> of_geometry,
+SurfaceData::SurfaceData(const TriangleMesh& of_mesh, std::span<const VertexGeometry> of_geometry, const CreaseView& of_creases,
                          const MeshAttributes& of_attributes, const SurfaceColour* of_colour)
-    : mesh(of_mesh), geometry(of_geometry), colour(of_colour), creases(crease_normals(of_mesh)) {
+    : mesh(of_mesh), geometry(of_geometry), colour(of_colour), creases(of_creases) {
   for (const ScalarAttribute& scalar : of_attributes.scalars) scalars.emplace_back(scalar.values);
 }
 
@@ -220,8 +219,8 @@ const CreaseFace* SurfaceData::crease_of(std::uint32_t face) const {
 Column<std::uint8_t> triangle_kinds(const SurfaceData& data, const ChartView& chart) {
   Column<std::uint8_t> kinds;
   kinds.resize(chart.triangles.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, kinds.size(), kGrain), [&](const auto& range) {
-    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+  for_blocks({}, kinds.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
       const std::uint32_t face = chart.face_of[t];
       const Triangle& v = chart.triangles[t];
       const Triangle& corners = data.mesh.triangles[face];
@@ -278,11 +277,11 @@ void SurfaceMapper::place(const LeafBatch& batch, const Vec3d& origin, SurfacePl
 }
 
 void map_to_surface(const SurfaceMapper& mapper, const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under,
-                    std::size_t offset, SurfaceCurve& curve) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain), [&](const auto& range) {
+                    std::size_t offset, SurfaceCurve& curve, const ExecutionContext& context) {
+  for_blocks(context, leaves.size(), kGrain, [&](std::size_t first, std::size_t last) {
     LeafBatch batch;
-    for (std::size_t begin = range.begin(); begin < range.end(); begin += batch.count) {
-      batch.count = std::min(LeafBatch::kSize, range.end() - begin);
+    for (std::size_t begin = first; begin < last; begin += batch.count) {
+      batch.count = std::min(LeafBatch::kSize, last - begin);
       for (std::size_t i = 0; i < batch.count; ++i) {
         const std::size_t l = begin + i;
         const double half = 0.5 * side_of_level(leaves.level[l]);

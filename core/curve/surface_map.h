@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/column.h"
+#include "core/base/execution_context.h"
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/parameter_triangle.h"
 #include "core/curve/surface_colour.h"
@@ -27,13 +28,15 @@ enum class Mapper : std::uint8_t {
 
 /// The exact mapper: writes to `under` (L entries) the triangle of the disc that holds each leaf's centre. Of the leaf's own
 /// triangles it is the one in which the centre lies deepest, so that rounding on a shared side does no harm.
-void locate_centres(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<std::uint32_t> under);
+/// None is found for some once the context is cancelled.
+void locate_centres(std::span<const ParameterTriangle> triangles, const QuadtreeLeaves& leaves, std::span<std::uint32_t> under,
+                    const ExecutionContext& context = {});
 
 /// What is known of the surface, where it lies; what is looked at must outlive it.
 struct SurfaceData {
   SurfaceData() = default;
-  SurfaceData(const TriangleMesh& of_mesh, std::span<const VertexGeometry> of_geometry, const MeshAttributes& of_attributes,
-              const SurfaceColour* of_colour = nullptr);
+  SurfaceData(const TriangleMesh& of_mesh, std::span<const VertexGeometry> of_geometry, const CreaseView& of_creases,
+              const MeshAttributes& of_attributes, const SurfaceColour* of_colour = nullptr);
 
   /// Null where the face has none.
   const CreaseFace* crease_of(std::uint32_t face) const;
@@ -42,7 +45,7 @@ struct SurfaceData {
   std::span<const VertexGeometry> geometry;     // of the mesh
   std::vector<std::span<const float>> scalars;  // each of the mesh's vertices
   const SurfaceColour* colour = nullptr;
-  CreaseNormals creases;
+  CreaseView creases;
 };
 
 /// What the mapper wants to know of each triangle of a chart: whether it is a whole face, and whether creases meet that.
@@ -89,8 +92,8 @@ class SurfaceMapper {
 };
 
 /// Maps all leaves of a disc to entries [offset, offset + L) of the curve, with their keys and levels. `under`: the triangle
-/// under each centre.
+/// under each centre. Some are missing once the context is cancelled.
 void map_to_surface(const SurfaceMapper& mapper, const QuadtreeLeaves& leaves, std::span<const std::uint32_t> under,
-                    std::size_t offset, SurfaceCurve& curve);
+                    std::size_t offset, SurfaceCurve& curve, const ExecutionContext& context = {});
 
 }  // namespace curvecast

@@ -78,17 +78,19 @@ SurfaceCurve curve_on_faces(const TriangleMesh& mesh, std::span<const VertexGeom
 
 }  // namespace
 
-std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry) {
+std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
+                                                        double area, double diagonal, const ExecutionContext& context) {
   // Numbers are rounded as a curve's are.
   const auto mean = [&](const Triangle& t, float VertexGeometry::*value) {
     return Bfloat16(mean_of(value, kCentroid, geometry, t));
   };
-  const CurvatureHistogram histogram = curvature_histogram(mesh.face_count(), [&](std::size_t f, CurvatureHistogram& into) {
-    const Triangle& t = mesh.triangles[f];
-    into.add(mean(t, &VertexGeometry::curvature_min), mean(t, &VertexGeometry::curvature_max),
-             static_cast<float>(triangle_area(mesh, f)));
-  });
-  return histogram.strong(bounding_box(mesh).diagonal(), surface_area(mesh));
+  const CurvatureHistogram histogram =
+      curvature_histogram(mesh.face_count(), context, [&](std::size_t f, CurvatureHistogram& into) {
+        const Triangle& t = mesh.triangles[f];
+        into.add(mean(t, &VertexGeometry::curvature_min), mean(t, &VertexGeometry::curvature_max),
+                 static_cast<float>(triangle_area(mesh, f)));
+      });
+  return histogram.strong(diagonal, area);
 }
 
 absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
@@ -96,7 +98,7 @@ absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, st
                                                     std::size_t most_places) {
   const std::vector<Weights> places = places_on_faces(mesh.face_count(), most_places);
   SurfaceCurve curve = curve_on_faces(mesh, geometry, scalars, places);
-  curve.reference_curvature = reference_curvatures(mesh, geometry);
+  curve.reference_curvature = reference_curvatures(mesh, geometry, surface_area(mesh), bounding_box(mesh).diagonal());
   std::vector<float> values(curve.size());
   if (absl::Status status = evaluate_density(curve, density, values); !status.ok()) return status;
   std::vector<float> means(mesh.face_count());

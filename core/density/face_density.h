@@ -16,8 +16,9 @@
 namespace curvecast {
 
 /// Returns the curvatures that count as strong on a mesh, one of each kind; see CurvatureTerm. They hold for all curves of the
-/// mesh, however fine.
-std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry);
+/// mesh, however fine. `area`, `diagonal`: of the mesh and its box. To be dropped once the context is cancelled.
+std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
+                                                        double area, double diagonal, const ExecutionContext& context = {});
 
 // The most places of the surface where the density is evaluated, unless there are more faces: the first for curves, the second to
 // measure point sets. Each takes 30 bytes meanwhile.

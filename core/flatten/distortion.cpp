@@ -122,14 +122,14 @@ Distortion DistortionSummary::distortion() const {
           .extra_levels_max = most_extra_levels_};
 }
 
-Distortion measure_distortion(std::span<const Chart> charts) {
+Distortion measure_distortion(std::span<const Chart> charts, const ExecutionContext& context) {
   // A sum of summaries takes as long as adding thousands of triangles: so there are few, whatever the number of charts and
   // threads.
   const std::size_t grain = charts.size() / 64 + 1;
   return tbb::parallel_deterministic_reduce(
              tbb::blocked_range<std::size_t>(0, charts.size(), grain), DistortionSummary{},
              [&](const tbb::blocked_range<std::size_t>& range, DistortionSummary summary) {
-               for (std::size_t c = range.begin(); c < range.end(); ++c) {
+               for (std::size_t c = range.begin(); c < range.end() && !context.cancelled(); ++c) {
                  const auto& [disc, uv, parameterisation] = charts[c];
                  const double mean = surface_area(disc);  // the square's area is 1
                  for (std::size_t t = 0; t < disc.face_count(); ++t) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/flatten/chart_view.h"
 
 namespace curvecast {
@@ -64,6 +65,6 @@ class DistortionSummary {
 };
 
 /// The distortion of a surface that is mapped in these charts.
-Distortion measure_distortion(std::span<const Chart> charts);
+Distortion measure_distortion(std::span<const Chart> charts, const ExecutionContext& context = {});
 
 }  // namespace curvecast

@@ -1,19 +1,17 @@
 #include "core/mesh/crease_normals.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
 
-#include "core/mesh/vertex_fans.h"
+#include "core/base/for_all.h"
 
 namespace curvecast {
 namespace {
 
-constexpr std::size_t kGrain = 4096;  // faces
+constexpr std::size_t kGrain = 4096;      // faces
+constexpr std::size_t kInTurn = 1 << 18;  // halfedges or vertices between two looks whether the work was cancelled
 
 /// The normal of a face, as long as twice its area.
 Vec3d area_vector(const TriangleMesh& mesh, std::size_t f) {
@@ -22,10 +20,10 @@ Vec3d area_vector(const TriangleMesh& mesh, std::size_t f) {
 }
 
 /// For each halfedge whether its edge is a crease.
-std::vector<std::uint8_t> find_creases(const TriangleMesh& mesh) {
+std::vector<std::uint8_t> find_creases(const TriangleMesh& mesh, const ExecutionContext& context) {
   std::vector<std::uint8_t> creases(mesh.twins.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.face_count(), kGrain), [&](const auto& range) {
-    for (std::size_t f = range.begin(); f < range.end(); ++f) {
+  for_blocks(context, mesh.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
       const Vec3d here = area_vector(mesh, f);
       for (std::size_t h = 3 * f; h < 3 * f + 3; ++h) {
         const std::uint32_t twin = mesh.twins[h];
@@ -88,19 +86,23 @@ class Collector {
 
 }  // namespace
 
-CreaseNormals crease_normals(const TriangleMesh& mesh) {
-  const std::vector<std::uint8_t> creases = find_creases(mesh);
+CreaseNormals crease_normals(const TriangleMesh& mesh) { return crease_normals(mesh, VertexFans(mesh), {}); }
+
+CreaseNormals crease_normals(const TriangleMesh& mesh, const VertexFans& fans, const ExecutionContext& context) {
+  const std::vector<std::uint8_t> creases = find_creases(mesh, context);
   std::vector<std::uint8_t> has_crease(mesh.vertex_count());
-  for (std::uint32_t h = 0; h < creases.size(); ++h) {
-    if (creases[h] != 0) has_crease[mesh.from(h)] = 1;
-  }
-  const VertexFans fans(mesh);
+  for_blocks_in_turn(context, creases.size(), kInTurn, [&](std::size_t begin, std::size_t end) {
+    for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+      if (creases[h] != 0) has_crease[mesh.from(h)] = 1;
+    }
+  });
   // Counter-clockwise from the face of h, the next one lies beyond its last edge.
   const auto ends_part = [&](std::uint32_t h) { return creases[previous_halfedge(h)] != 0; };
   Collector collector(mesh);
   std::vector<std::uint32_t> fan;
   for (std::uint32_t v = 0; v < has_crease.size(); ++v) {
     if (has_crease[v] == 0) continue;
+    if (context.cancelled()) break;
     fan.clear();
     fans.visit(v, [&](std::uint32_t h) { fan.push_back(h); });
     if (!fans.on_border(v)) {  // a ring: it is cut where a part ends

@@ -4,9 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/mesh/vertex_fans.h"
 
 namespace curvecast {
 
@@ -31,8 +34,20 @@ struct CreaseNormals {
   std::vector<CreaseFace> faces;      // in order of face
 };
 
+/// The same where it lies, in memory or in a mapped file, which outlives it.
+struct CreaseView {
+  CreaseView() = default;
+  CreaseView(const CreaseNormals& creases) : normals(creases.normals), faces(creases.faces) {}  // NOLINT: it is one
+  CreaseView(std::span<const CreaseNormal> of_vertices, std::span<const CreaseFace> of_faces)
+      : normals(of_vertices), faces(of_faces) {}
+
+  std::span<const CreaseNormal> normals;
+  std::span<const CreaseFace> faces;
+};
+
 /// The normals of all vertices at which creases divide the faces around them into two parts or more. A crease that ends at a
-/// vertex inside the surface divides nothing there.
+/// vertex inside the surface divides nothing there. Some are missing once the context is cancelled.
 CreaseNormals crease_normals(const TriangleMesh& mesh);
+CreaseNormals crease_normals(const TriangleMesh& mesh, const VertexFans& fans, const ExecutionContext& context);
 
 }  // namespace curvecast

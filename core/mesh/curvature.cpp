@@ -1,15 +1,12 @@
 #include "core/mesh/curvature.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "core/base/for_all.h"
 #include "core/mesh/principal_directions.h"
-#include "core/mesh/vertex_fans.h"
 
 namespace curvecast {
 namespace {
@@ -53,10 +50,10 @@ struct Sums {
 
 /// Border vertices take the mean over their inner neighbours, or zero where they have none.
 void fill_borders(const TriangleMesh& mesh, const VertexFans& fans, float VertexGeometry::*curvature,
-                  std::vector<VertexGeometry>& geometry) {
+                  const ExecutionContext& context, std::vector<VertexGeometry>& geometry) {
   // From the values of inner vertices only, so the order does not matter.
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, geometry.size(), kGrain), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+  for_blocks(context, geometry.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
       if (!fans.on_border(v)) continue;
       double sum = 0;
       int count = 0;
@@ -74,11 +71,15 @@ void fill_borders(const TriangleMesh& mesh, const VertexFans& fans, float Vertex
 }  // namespace
 
 std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh) {
+  return differential_geometry(mesh, VertexFans(mesh), {});
+}
+
+std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh, const VertexFans& fans,
+                                                  const ExecutionContext& context) {
   const std::size_t n = mesh.vertex_count();
-  const VertexFans fans(mesh);
   std::vector<VertexGeometry> geometry(n);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+  for_blocks(context, n, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
       Sums sums;
       fans.visit(v, [&](std::uint32_t h) { sums.add(mesh, h / 3, static_cast<int>(h % 3)); });
       const double length = sums.normal.norm();
@@ -93,9 +94,9 @@ std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh) {
       geometry[v].curvature_max = static_cast<float>(mean + spread);
     }
   });
-  fill_borders(mesh, fans, &VertexGeometry::curvature_min, geometry);
-  fill_borders(mesh, fans, &VertexGeometry::curvature_max, geometry);
-  principal_directions(mesh, fans, geometry);
+  fill_borders(mesh, fans, &VertexGeometry::curvature_min, context, geometry);
+  fill_borders(mesh, fans, &VertexGeometry::curvature_max, context, geometry);
+  principal_directions(mesh, fans, context, geometry);
   return geometry;
 }
 

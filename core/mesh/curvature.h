@@ -4,7 +4,9 @@
 
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/mesh/vertex_fans.h"
 
 namespace curvecast {
 
@@ -16,8 +18,11 @@ struct VertexGeometry {
 };
 static_assert(sizeof(VertexGeometry) == 32);
 
-/// One for each vertex. Border vertices have no curvature of their own and take the mean of their inner neighbours'.
+/// One for each vertex. Border vertices have no curvature of their own and take the mean of their inner neighbours'. Some are not
+/// found once the context is cancelled.
 std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh);
+std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh, const VertexFans& fans,
+                                                  const ExecutionContext& context);
 
 /// Returns the unit normal of a face.
 Vec3f face_normal(const TriangleMesh& mesh, std::uint32_t f);

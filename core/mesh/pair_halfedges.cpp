@@ -1,19 +1,20 @@
 #include "core/mesh/pair_halfedges.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <span>
 #include <utility>
 
+#include "core/base/for_all.h"
+#include "core/base/hash_buckets.h"
+#include "core/base/random.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
 namespace {
 
-constexpr std::size_t kBlock = 1 << 15;  // vertices that a thread takes at once
+constexpr std::size_t kBlock = 1 << 15;  // vertices or faces that a thread takes at once
 
 /// What is found at the edges of some vertices.
 struct Found {
@@ -25,17 +26,18 @@ struct Found {
 
 class Pairing {
  public:
-  Pairing(const std::vector<Triangle>& triangles, std::size_t vertex_count)
-      : triangles_(triangles), first_(vertex_count + 1, 0), halfedges_(3 * triangles.size()) {}
+  Pairing(const std::vector<Triangle>& triangles, std::size_t vertex_count, const ExecutionContext& context)
+      : triangles_(triangles), context_(context), first_(vertex_count + 1, 0), halfedges_(3 * triangles.size()) {}
 
   HalfedgePairs run() {
-    sort_by_vertex();
     HalfedgePairs pairs;
+    sort_by_vertex();
+    if (context_.cancelled()) return pairs;
     pairs.twins.assign(halfedges_.size(), kNone);
-    const std::size_t vertices = first_.size() - 1, blocks = (vertices + kBlock - 1) / kBlock;
-    std::vector<Found> found(blocks);
-    tbb::parallel_for(std::size_t{0}, blocks,
-                      [&](std::size_t b) { pair(b * kBlock, std::min((b + 1) * kBlock, vertices), pairs.twins, found[b]); });
+    const std::size_t vertices = first_.size() - 1;
+    std::vector<Found> found((vertices + kBlock - 1) / kBlock);
+    for_blocks(context_, vertices, kBlock,
+               [&](std::size_t begin, std::size_t end) { pair(begin, end, pairs.twins, found[begin / kBlock]); });
     for (const Found& some : found) {
       pairs.border.insert(pairs.border.end(), some.border.begin(), some.border.end());
       pairs.nonmanifold_edges += some.nonmanifold_edges;
@@ -58,8 +60,8 @@ class Pairing {
 
   template <typename Visit>
   void for_each_halfedge(const Visit& visit) const {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles_.size(), kBlock), [&](const auto& range) {
-      for (std::size_t f = range.begin(); f < range.end(); ++f) {
+    for_blocks(context_, triangles_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) {
         for (std::size_t i = 0; i < 3; ++i) visit(static_cast<std::uint32_t>(3 * f + i));
       }
     });
@@ -100,36 +102,40 @@ class Pairing {
   }
 
   const std::vector<Triangle>& triangles_;
+  const ExecutionContext& context_;
   std::vector<std::uint32_t> first_;  // of each vertex; until all are sorted the end of those that have not come yet
   std::vector<std::uint32_t> halfedges_;
 };
 
 }  // namespace
 
-HalfedgePairs pair_halfedges(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
-  return Pairing(triangles, vertex_count).run();
+HalfedgePairs pair_halfedges(const std::vector<Triangle>& triangles, std::size_t vertex_count, const ExecutionContext& context) {
+  return Pairing(triangles, vertex_count, context).run();
 }
 
-std::uint64_t drop_duplicates(FaceList& faces) {
-  std::vector<std::pair<Triangle, std::uint32_t>> sorted(faces.triangles.size());
-  for (std::uint32_t f = 0; f < sorted.size(); ++f) {
+std::uint64_t drop_duplicates(FaceList& faces, const ExecutionContext& context) {
+  const auto key_of = [&](std::size_t f) {
     Triangle key = faces.triangles[f];
     std::sort(key.begin(), key.end());
-    sorted[f] = {key, f};
-  }
-  std::sort(sorted.begin(), sorted.end());
-  std::vector<bool> drop(sorted.size(), false);
-  std::uint64_t dropped = 0;
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    if (sorted[i].first == sorted[i - 1].first) {
-      drop[sorted[i].second] = true;
-      ++dropped;
-    }
-  }
+    return key;
+  };
+  const auto hash_of = [&](std::size_t f) {
+    const Triangle key = key_of(f);
+    return mix_bits(mix_bits(std::uint64_t{key[0]} << 32 | key[1]) + key[2]);
+  };
+  std::vector<std::uint8_t> drop(faces.triangles.size(), 0);
+  for_each_bucket(context, drop.size(), hash_of, [&](std::span<const std::uint32_t> bucket) {
+    std::vector<std::pair<Triangle, std::uint32_t>> sorted;
+    sorted.reserve(bucket.size());
+    for (const std::uint32_t f : bucket) sorted.emplace_back(key_of(f), f);
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t i = 1; i < sorted.size(); ++i) drop[sorted[i].second] = sorted[i].first == sorted[i - 1].first;
+  });
+  const auto dropped = static_cast<std::uint64_t>(std::count(drop.begin(), drop.end(), std::uint8_t{1}));
   if (dropped == 0) return 0;
   std::size_t kept = 0;
   for (std::size_t f = 0; f < drop.size(); ++f) {
-    if (!drop[f]) faces.move(f, kept++);
+    if (drop[f] == 0) faces.move(f, kept++);
   }
   faces.resize(kept);
   return dropped;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/mesh/face_list.h"
 
 namespace curvecast {
@@ -19,10 +20,12 @@ struct HalfedgePairs {
 
 /// Gives the halfedges (3 f + i, see TriangleMesh) of edges of exactly two faces to each other. Twins of faces whose orientations
 /// disagree run the same way. Precondition: no triangle has the same vertex twice, all are below `vertex_count`. Any number of
-/// threads gives the same.
-HalfedgePairs pair_halfedges(const std::vector<Triangle>& triangles, std::size_t vertex_count);
+/// threads gives the same. Once the context is cancelled some are missing.
+HalfedgePairs pair_halfedges(const std::vector<Triangle>& triangles, std::size_t vertex_count,
+                             const ExecutionContext& context = {});
 
-/// Drops faces with the same three vertices as an earlier one; returns how many there were.
-std::uint64_t drop_duplicates(FaceList& faces);
+/// Drops faces with the same three vertices as an earlier one; returns how many there were. Once the context is cancelled some
+/// are kept.
+std::uint64_t drop_duplicates(FaceList& faces, const ExecutionContext& context = {});
 
 }  // namespace curvecast

@@ -1,10 +1,9 @@
 #include "core/mesh/principal_directions.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <array>
 #include <cmath>
+
+#include "core/base/for_all.h"
 
 namespace curvecast {
 namespace {
@@ -42,9 +41,10 @@ double apply(const Tensor& t, const Vec3d& u, const Vec3d& v) {
 
 }  // namespace
 
-void principal_directions(const TriangleMesh& mesh, const VertexFans& fans, std::span<VertexGeometry> geometry) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, geometry.size(), kGrain), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+void principal_directions(const TriangleMesh& mesh, const VertexFans& fans, const ExecutionContext& context,
+                          std::span<VertexGeometry> geometry) {
+  for_blocks(context, geometry.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
       Tensor tensor{};
       fans.visit(v, [&](std::uint32_t h) {
         const Tensor of_face = face_tensor(mesh, geometry, mesh.triangles[h / 3]);

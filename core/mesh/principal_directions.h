@@ -14,6 +14,7 @@ namespace curvecast {
 /// Writes for each vertex as direction_max the unit tangent, in one of its two senses, along which the signed curvature is
 /// largest (positive where the surface is convex), of the area-weighted mean of its faces' tensors; any tangent where all are
 /// equal. `geometry`: V entries; their normals are there.
-void principal_directions(const TriangleMesh& mesh, const VertexFans& fans, std::span<VertexGeometry> geometry);
+void principal_directions(const TriangleMesh& mesh, const VertexFans& fans, const ExecutionContext& context,
+                          std::span<VertexGeometry> geometry);
 
 }  // namespace curvecast

@@ -1,13 +1,13 @@
 #include "core/mesh/repair.h"
 
 #include <absl/strings/str_format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <numeric>
 #include <span>
 #include <utility>
 
+#include "core/base/for_all.h"
 #include "core/mesh/carry_attributes.h"
 #include "core/mesh/face_list.h"
 #include "core/mesh/pair_halfedges.h"
@@ -23,7 +23,8 @@ constexpr double kSmallestDiagonal = 1e-12;
 constexpr double kLargestDiagonal = 1e15;
 // A triangle lower than this fraction of its longest side has no area to speak of.
 constexpr double kDegenerateHeight = 1e-12;
-constexpr std::size_t kBlock = 1 << 15;  // faces that a thread takes at once
+constexpr std::size_t kBlock = 1 << 15;   // faces that a thread takes at once
+constexpr std::size_t kInTurn = 1 << 18;  // faces or corners between two looks whether the work was cancelled
 
 bool is_degenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
@@ -89,12 +90,12 @@ Triangulated triangulate(const PolygonSoup& soup, const std::vector<std::uint32_
   return out;
 }
 
-FaceList triangulate_all(const PolygonSoup& soup, const std::vector<std::uint32_t>& weld_map, RepairReport& report) {
+FaceList triangulate_all(const PolygonSoup& soup, const std::vector<std::uint32_t>& weld_map, const ExecutionContext& context,
+                         RepairReport& report) {
   const std::size_t polygons = soup.polygon_count();
   std::vector<Triangulated> blocks((polygons + kBlock - 1) / kBlock);
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-    blocks[b] = triangulate(soup, weld_map, b * kBlock, std::min((b + 1) * kBlock, polygons));
-  });
+  for_blocks(context, polygons, kBlock,
+             [&](std::size_t begin, std::size_t end) { blocks[begin / kBlock] = triangulate(soup, weld_map, begin, end); });
   std::size_t count = 0;
   for (const Triangulated& block : blocks) {
     count += block.faces.triangles.size();
@@ -103,17 +104,17 @@ FaceList triangulate_all(const PolygonSoup& soup, const std::vector<std::uint32_
   }
   FaceList faces;
   faces.triangles.reserve(count);
-  for (Triangulated& block : blocks) {
-    faces.append(block.faces);
-    block = {};
-  }
+  for_blocks_in_turn(context, blocks.size(), 1, [&](std::size_t b, std::size_t /*end*/) {
+    faces.append(blocks[b].faces);
+    blocks[b] = {};
+  });
   return faces;
 }
 
 /// Joins surfaces that touch along borders but have vertices of their own there, as files do that cut along texture seams or
 /// share no vertices at all. What is closed already is left alone, whatever it touches. Empty where nothing is joined.
 std::vector<std::uint32_t> weld_borders(const std::vector<Vec3d>& positions, std::span<const std::uint32_t> border,
-                                        FaceList& faces, RepairReport& report) {
+                                        const ExecutionContext& context, FaceList& faces, RepairReport& report) {
   if (border.empty()) return {};
   std::vector<bool> on_border(positions.size(), false);
   for (const std::uint32_t h : border) {
@@ -123,17 +124,20 @@ std::vector<std::uint32_t> weld_borders(const std::vector<Vec3d>& positions, std
   for (std::uint32_t v = 0; v < on_border.size(); ++v) {
     if (on_border[v]) vertices.push_back(v);
   }
-  Weld welding = weld(positions, vertices);
+  Weld welding = weld(positions, vertices, context);
   if (welding.welded == 0) return {};
   report.welded_vertices = welding.welded;
-  for (Triangle& face : faces.triangles) {
-    for (std::uint32_t& v : face) v = welding.map[v];
-  }
+  for_blocks(context, faces.triangles.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      for (std::uint32_t& v : faces.triangles[f]) v = welding.map[v];
+    }
+  });
   return std::move(welding.map);
 }
 
 /// Decides which faces to turn so that neighbours agree; opens the edges of surfaces that have one side only.
-std::vector<char> find_flips(const std::vector<Triangle>& triangles, std::vector<std::uint32_t>& twins, RepairReport& report) {
+std::vector<char> find_flips(const std::vector<Triangle>& triangles, std::vector<std::uint32_t>& twins,
+                             const ExecutionContext& context, RepairReport& report) {
   constexpr char kUnseen = 2;
   std::vector<char> flip(triangles.size(), kUnseen);
   std::vector<std::uint32_t> component;
@@ -144,6 +148,7 @@ std::vector<char> find_flips(const std::vector<Triangle>& triangles, std::vector
     flip[seed] = 0;
     std::size_t turned = 0;
     for (std::size_t i = 0; i < component.size(); ++i) {
+      if (i % kInTurn == 0 && context.cancelled()) return flip;
       const std::uint32_t f = component[i];
       for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
         const std::uint32_t t = twins[h];
@@ -170,36 +175,49 @@ std::vector<char> find_flips(const std::vector<Triangle>& triangles, std::vector
   return flip;
 }
 
-void apply_flips(const std::vector<char>& flip, FaceList& faces, std::vector<std::uint32_t>& twins) {
+void apply_flips(const std::vector<char>& flip, const ExecutionContext& context, FaceList& faces,
+                 std::vector<std::uint32_t>& twins) {
   // Turning (a, b, c) into (a, c, b) makes halfedge 0 the new 2 and the other way round.
   const auto renamed = [&](std::uint32_t h) { return flip[h / 3] ? 3 * (h / 3) + 2 - h % 3 : h; };
   std::vector<std::uint32_t> moved(twins.size());
-  for (std::uint32_t h = 0; h < twins.size(); ++h) moved[renamed(h)] = twins[h] == kNone ? kNone : renamed(twins[h]);
+  for_blocks(context, flip.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (auto h = static_cast<std::uint32_t>(3 * begin); h < 3 * end; ++h) {
+      moved[renamed(h)] = twins[h] == kNone ? kNone : renamed(twins[h]);
+    }
+    for (std::size_t f = begin; f < end; ++f) {
+      if (flip[f]) faces.flip(f);
+    }
+  });
   twins = std::move(moved);
-  for (std::size_t f = 0; f < flip.size(); ++f) {
-    if (flip[f]) faces.flip(f);
-  }
 }
 
 /// Gives every fan of faces around a vertex a vertex of its own, numbered by first use; `source` tells whose it was.
-TriangleMesh split_into_fans(const std::vector<Vec3d>& positions, std::vector<Triangle> triangles,
-                             std::vector<std::uint32_t> twins, std::vector<std::uint32_t>& source, RepairReport& report) {
+absl::StatusOr<TriangleMesh> split_into_fans(const std::vector<Vec3d>& positions, std::vector<Triangle> triangles,
+                                             std::vector<std::uint32_t> twins, const ExecutionContext& context,
+                                             std::vector<std::uint32_t>& source, RepairReport& report) {
   std::vector<std::uint32_t> fan_of_corner;
-  const std::uint32_t fans = label_fans(twins, fan_of_corner);
+  const std::uint32_t fans = label_fans(twins, fan_of_corner, context);
+  if (absl::Status status = context.check(); !status.ok()) return status;
   source.resize(fans);
   std::vector<bool> used(positions.size(), false);
-  for (std::uint32_t h = 0; h < fan_of_corner.size(); ++h) {
-    std::uint32_t& v = triangles[h / 3][h % 3];
-    used[v] = true;
-    source[fan_of_corner[h]] = v;
-    v = fan_of_corner[h];
-  }
+  for_blocks_in_turn(context, fan_of_corner.size(), kInTurn, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t h = begin; h < end; ++h) {
+      std::uint32_t& v = triangles[h / 3][h % 3];
+      used[v] = true;
+      source[fan_of_corner[h]] = v;
+      v = fan_of_corner[h];
+    }
+  });
+  if (absl::Status status = context.check(); !status.ok()) return status;
   const auto used_count = static_cast<std::uint64_t>(std::count(used.begin(), used.end(), true));
   report.unused_vertices = positions.size() - used_count;
   report.split_vertices = fans - used_count;
   TriangleMesh mesh{{}, std::move(triangles), std::move(twins)};
-  mesh.positions.reserve(fans);
-  for (const std::uint32_t v : source) mesh.positions.push_back(positions[v]);
+  mesh.positions.resize(fans);
+  for_blocks(context, fans, kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t fan = begin; fan < end; ++fan) mesh.positions[fan] = positions[source[fan]];
+  });
+  if (absl::Status status = context.check(); !status.ok()) return status;
   return mesh;
 }
 
@@ -213,37 +231,41 @@ absl::StatusOr<RepairedMesh> repair(PolygonSoup soup, const ExecutionContext& co
   if (!soup.shares_vertices) {
     std::vector<std::uint32_t> all(soup.positions.size());
     std::iota(all.begin(), all.end(), 0u);
-    Weld welding = weld(soup.positions, all);
+    Weld welding = weld(soup.positions, all, context);
     report.welded_vertices = welding.welded;
     weld_map = std::move(welding.map);
   }
-  FaceList faces = triangulate_all(soup, weld_map, report);
+  if (absl::Status status = context.check(); !status.ok()) return status;
+  FaceList faces = triangulate_all(soup, weld_map, context, report);
+  if (absl::Status status = context.check(); !status.ok()) return status;
   if (faces.triangles.empty()) {
     return absl::InvalidArgumentError(
         absl::StrFormat("the mesh has no face with an area (all %d are degenerate)", soup.polygon_count()));
   }
   if (soup.attributes.colours.empty()) soup.indices = {}, soup.polygon_begin = {};  // nobody asks for them any more
-  if (absl::Status status = context.check(); !status.ok()) return status;
   context.progress("repair", 0.3);
-  const auto pair = [&] { return pair_halfedges(faces.triangles, soup.positions.size()); };
+  const auto pair = [&] { return pair_halfedges(faces.triangles, soup.positions.size(), context); };
   HalfedgePairs pairs = pair();
   if (soup.shares_vertices) {
-    weld_map = weld_borders(soup.positions, pairs.border, faces, report);
+    weld_map = weld_borders(soup.positions, pairs.border, context, faces, report);
     if (!weld_map.empty()) pairs = pair();
   }
-  if (pairs.may_have_duplicates) report.duplicate_faces = drop_duplicates(faces);
+  if (pairs.may_have_duplicates) report.duplicate_faces = drop_duplicates(faces, context);
   if (report.duplicate_faces > 0) pairs = pair();
   report.nonmanifold_edges = pairs.nonmanifold_edges;
   if (absl::Status status = context.check(); !status.ok()) return status;
   context.progress("repair", 0.6);
   if (!pairs.is_oriented) {
-    const std::vector<char> flip = find_flips(faces.triangles, pairs.twins, report);
-    if (report.flipped_faces > 0) apply_flips(flip, faces, pairs.twins);
+    const std::vector<char> flip = find_flips(faces.triangles, pairs.twins, context, report);
+    if (report.flipped_faces > 0) apply_flips(flip, context, faces, pairs.twins);
   }
   if (absl::Status status = context.check(); !status.ok()) return status;
   context.progress("repair", 0.8);
   std::vector<std::uint32_t> source;
-  result.mesh = split_into_fans(soup.positions, std::move(faces.triangles), std::move(pairs.twins), source, report);
+  absl::StatusOr<TriangleMesh> split =
+      split_into_fans(soup.positions, std::move(faces.triangles), std::move(pairs.twins), context, source, report);
+  if (!split.ok()) return split.status();
+  result.mesh = *std::move(split);
   soup.positions = {};
   report.unused_vertices -= report.welded_vertices;
   const double diagonal = bounding_box(result.mesh).diagonal();

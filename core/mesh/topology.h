@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
@@ -15,14 +16,18 @@ struct Topology {
   std::vector<std::uint32_t> component_of_face;  // F, numbered by first face
 };
 
-Topology analyse_topology(const TriangleMesh& mesh);
+/// All of these may be wrong once the context is cancelled, and must not be used then.
+
+Topology analyse_topology(const TriangleMesh& mesh, const ExecutionContext& context = {});
 
 /// Labels faces joined by twins with the same number, numbered by first face; returns how many there are.
-std::uint32_t label_components(const std::vector<std::uint32_t>& twins, std::vector<std::uint32_t>& component_of_face);
+std::uint32_t label_components(const std::vector<std::uint32_t>& twins, std::vector<std::uint32_t>& component_of_face,
+                               const ExecutionContext& context = {});
 
 /// Labels corners (3 F, corner i of face f at 3 f + i) around the same fan of faces with the same number, numbered by first
 /// corner; returns how many fans there are. A fan is what a vertex of a manifold mesh is.
-std::uint32_t label_fans(const std::vector<std::uint32_t>& twins, std::vector<std::uint32_t>& fan_of_corner);
+std::uint32_t label_fans(const std::vector<std::uint32_t>& twins, std::vector<std::uint32_t>& fan_of_corner,
+                         const ExecutionContext& context = {});
 
 /// Returns the border halfedge that follows border halfedge h with the surface on its left.
 std::uint32_t next_on_border(const std::vector<std::uint32_t>& twins, std::uint32_t h);

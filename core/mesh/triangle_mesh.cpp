@@ -1,5 +1,7 @@
 #include "core/mesh/triangle_mesh.h"
 
+#include "core/base/for_all.h"
+
 namespace curvecast {
 
 double triangle_area(const MeshView& mesh, std::size_t f) {
@@ -8,9 +10,12 @@ double triangle_area(const MeshView& mesh, std::size_t f) {
   return 0.5 * (mesh.positions[t[1]] - a).cross(mesh.positions[t[2]] - a).norm();
 }
 
-double surface_area(const TriangleMesh& mesh) {
+double surface_area(const TriangleMesh& mesh, const ExecutionContext& context) {
+  constexpr std::size_t kBlock = 1 << 18;
   double sum = 0;
-  for (std::size_t f = 0; f < mesh.face_count(); ++f) sum += triangle_area(mesh, f);
+  for_blocks_in_turn(context, mesh.face_count(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) sum += triangle_area(mesh, f);
+  });
   return sum;
 }
 

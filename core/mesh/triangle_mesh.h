@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/base/vec.h"
 
 namespace curvecast {
@@ -40,8 +41,8 @@ constexpr std::uint32_t previous_halfedge(std::uint32_t h) { return h % 3 == 0 ?
 
 /// Area of triangle f, in squared units of the file.
 double triangle_area(const MeshView& mesh, std::size_t f);
-/// Returns the sum of all triangle areas.
-double surface_area(const TriangleMesh& mesh);
+/// Returns the sum of all triangle areas, or of some of them once the context is cancelled.
+double surface_area(const TriangleMesh& mesh, const ExecutionContext& context = {});
 /// Returns the box of all positions.
 Box3d bounding_box(const TriangleMesh& mesh);
 

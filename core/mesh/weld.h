@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/base/vec.h"
 
 namespace curvecast {
@@ -14,7 +15,7 @@ struct Weld {
   std::uint64_t welded = 0;        // vertices that are mapped to another
 };
 
-/// `candidates`: indices of vertices, ascending. O(n log n) whatever the places.
-Weld weld(const std::vector<Vec3d>& positions, std::span<const std::uint32_t> candidates);
+/// `candidates`: indices of vertices, ascending. O(n log n) whatever the places. Once the context is cancelled some are missing.
+Weld weld(const std::vector<Vec3d>& positions, std::span<const std::uint32_t> candidates, const ExecutionContext& context = {});
 
 }  // namespace curvecast

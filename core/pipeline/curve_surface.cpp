@@ -9,11 +9,12 @@ namespace curvecast {
 namespace {
 
 struct OwnedBase {
-  explicit OwnedBase(std::shared_ptr<const FlattenedMesh> mesh) : flattened(std::move(mesh)) {
+  OwnedBase(std::shared_ptr<const FlattenedMesh> mesh, const ExecutionContext& context) : flattened(std::move(mesh)) {
     const LoadedMesh& loaded = flattened->loaded;
     if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
-    base.emplace(SurfaceData{loaded.mesh, flattened->geometry, loaded.attributes, colour ? &*colour : nullptr},
-                 flattened->charts);
+    base.emplace(
+        SurfaceData{loaded.mesh, flattened->geometry, flattened->creases, loaded.attributes, colour ? &*colour : nullptr},
+        flattened->charts, context);
   }
   OwnedBase(const OwnedBase&) = delete;
 
@@ -24,13 +25,15 @@ struct OwnedBase {
 
 }  // namespace
 
-std::shared_ptr<const CurveBase> curve_base(std::shared_ptr<const FlattenedMesh> flattened) {
-  const auto owned = std::make_shared<const OwnedBase>(std::move(flattened));
-  return {owned, &*owned->base};
+absl::StatusOr<std::shared_ptr<const CurveBase>> curve_base(std::shared_ptr<const FlattenedMesh> flattened,
+                                                            const ExecutionContext& context) {
+  const auto owned = std::make_shared<const OwnedBase>(std::move(flattened), context);
+  if (absl::Status status = context.check(); !status.ok()) return status;
+  return std::shared_ptr<const CurveBase>(owned, &*owned->base);
 }
 
 std::shared_ptr<const LeafSurface> leaf_surface(const Preprocessed& preprocessed) {
-  return std::make_shared<const LeafSurface>(curve_base(preprocessed.flattened), preprocessed.curve);
+  return std::make_shared<const LeafSurface>(*curve_base(preprocessed.flattened), preprocessed.curve);
 }
 
 }  // namespace curvecast

@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
@@ -70,7 +71,11 @@ absl::StatusOr<LoadedMesh> repair_and_inspect(PolygonSoup soup, const ExecutionC
   loaded.mesh = std::move(repaired->mesh);
   loaded.attributes = std::move(repaired->attributes);
   if (absl::Status status = context.check(); !status.ok()) return status;
-  const Topology topology = analyse_topology(loaded.mesh);
+  Topology topology;
+  double area = 0;
+  tbb::parallel_invoke([&] { topology = analyse_topology(loaded.mesh, context); },
+                       [&] { area = surface_area(loaded.mesh, context); });
+  if (absl::Status status = context.check(); !status.ok()) return status;
   loaded.info = {.format = {},
                  .file_vertices = file_vertices,
                  .file_polygons = file_polygons,
@@ -79,7 +84,7 @@ absl::StatusOr<LoadedMesh> repair_and_inspect(PolygonSoup soup, const ExecutionC
                  .components = topology.components,
                  .genus = topology.genus,
                  .boundary_loops = topology.boundary_loops,
-                 .area = surface_area(loaded.mesh),
+                 .area = area,
                  .box = bounding_box(loaded.mesh),
                  .repairs = repaired->report,
                  .attributes = names_of(loaded.attributes),
@@ -180,7 +185,7 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
   if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
   for (const ScalarAttribute& scalar : loaded.attributes.scalars) curve.scalars.push_back({scalar.name, {}});
   curve.resize(count, colour.has_value());
-  const SurfaceData data{loaded.mesh, flattened.geometry, loaded.attributes, colour ? &*colour : nullptr};
+  const SurfaceData data{loaded.mesh, flattened.geometry, flattened.creases, loaded.attributes, colour ? &*colour : nullptr};
   std::unique_ptr<IdBuffer> id_buffer;
   if (options.mapper == Mapper::kIdBuffer) {
     absl::StatusOr<std::unique_ptr<IdBuffer>> made = IdBuffer::create();
@@ -198,10 +203,11 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
       absl::Status status = id_buffer->locate(charts[d], triangles, leaves[d], under, context);
       if (!status.ok()) return status;
     } else {
-      locate_centres(triangles, leaves[d], under);
+      locate_centres(triangles, leaves[d], under, context);
     }
     const Column<std::uint8_t> kinds = triangle_kinds(data, charts[d]);
-    map_to_surface(SurfaceMapper(data, charts[d], kinds), leaves[d], under, curve.disc_begin[d], curve);
+    map_to_surface(SurfaceMapper(data, charts[d], kinds), leaves[d], under, curve.disc_begin[d], curve, context);
+    if (absl::Status status = context.check(); !status.ok()) return status;
     report.seconds.map += watch.lap();
     const auto of_disc = [&](Column<float>& column) { return std::span(column).subspan(curve.disc_begin[d], leaves[d].size()); };
     if (options.area_element == AreaElement::kVoronoi) {
@@ -217,7 +223,10 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
   context.progress("area", 0);
   report.area_error = std::abs(sum / curve.total_area - 1);
   normalise_areas(curve.total_area, curve.area);
-  curve.reference_curvature = reference_curvatures(loaded.mesh, flattened.geometry);
+  if (absl::Status status = context.check(); !status.ok()) return status;
+  curve.reference_curvature =
+      reference_curvatures(loaded.mesh, flattened.geometry, loaded.info.area, loaded.info.box.diagonal(), context);
+  if (absl::Status status = context.check(); !status.ok()) return status;
   curve.finish();
   context.progress("area", 1);
   report.seconds.area += watch.lap();
@@ -239,11 +248,16 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   const TriangleMesh& mesh = flattened.loaded.mesh;
   // Beside cutting, which keeps only one thread busy for most of its time.
   tbb::task_group beside;
-  beside.run([&] { flattened.geometry = differential_geometry(mesh); });
+  beside.run([&] {
+    const VertexFans fans(mesh, context);
+    flattened.geometry = differential_geometry(mesh, fans, context);
+    flattened.creases = crease_normals(mesh, fans, context);
+  });
   FlattenOptions flatten_options{.parameteriser = options.parameteriser};
   if (options.chart_faces > 0) flatten_options.most_whole_faces = flatten_options.chart_faces = options.chart_faces;
   if (!options.density.empty()) {
     beside.wait();
+    if (absl::Status status = context.check(); !status.ok()) return status;
     absl::StatusOr<Demand> found = Demand::of(flattened, options);
     if (!found.ok()) return found.status();
     demand = *std::move(found);
@@ -254,6 +268,7 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   if (!charts.ok()) beside.cancel();
   beside.wait();
   if (!charts.ok()) return charts.status();
+  if (absl::Status status = context.check(); !status.ok()) return status;
   flattened.charts = *std::move(charts);
   PreprocessReport& report = flattened.report;
   report.mesh = flattened.loaded.info;
@@ -266,7 +281,8 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
     report.fallback_discs +=
         chart.parameterisation != Parameterisation::kLeastStretch && chart.parameterisation != Parameterisation::kCgal;
   }
-  report.distortion = measure_distortion(flattened.charts);
+  report.distortion = measure_distortion(flattened.charts, context);
+  if (absl::Status status = context.check(); !status.ok()) return status;
   report.seconds = seconds;
   report.seconds.cut = times.cut;
   report.seconds.parameterise = times.parameterise;

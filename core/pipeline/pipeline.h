@@ -19,6 +19,7 @@
 #include "core/density/density.h"
 #include "core/flatten/distortion.h"
 #include "core/flatten/flatten.h"
+#include "core/mesh/crease_normals.h"
 #include "core/mesh/curvature.h"
 #include "core/mesh/repair.h"
 #include "core/mesh_io/mesh_file.h"
@@ -87,6 +88,7 @@ struct FlattenedMesh {
   std::vector<Chart> charts;
   PreprocessReport report;               // of the stages so far
   std::vector<VertexGeometry> geometry;  // of the loaded mesh
+  CreaseNormals creases;                 // of the loaded mesh
 };
 
 struct Preprocessed {

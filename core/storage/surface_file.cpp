@@ -210,8 +210,7 @@ absl::Status MappedSurface::open(const std::string& path) {
   data.geometry = arrays_.geometry;
   data.scalars = arrays_.scalars;
   data.colour = colour_ ? &*colour_ : nullptr;
-  data.creases.normals.assign(arrays_.crease_normals.begin(), arrays_.crease_normals.end());
-  data.creases.faces.assign(arrays_.crease_faces.begin(), arrays_.crease_faces.end());
+  data.creases = {arrays_.crease_normals, arrays_.crease_faces};
   std::vector<BaseChart> charts;
   for (std::size_t d = 0; d < charts_.size(); ++d) {
     charts.push_back({charts_[d], Column<std::uint8_t>::view(charts_[d].kinds, file_), record.fills_square[d] != 0});

@@ -21,12 +21,14 @@ std::string session_id(const MeshFiles& files, const PreprocessOptions& options)
 
 absl::StatusOr<std::shared_ptr<const CurveBase>> Session::curve_base() const { return surface->base(); }
 
-absl::StatusOr<std::shared_ptr<const LeafSurface>> Session::leaf_surface(const std::shared_ptr<const SurfaceCurve>& curve) const {
-  return surface->leaves(curve);
+absl::StatusOr<std::shared_ptr<const LeafSurface>> Session::leaf_surface(const std::shared_ptr<const SurfaceCurve>& curve,
+                                                                         const ExecutionContext& context) const {
+  return surface->leaves(curve, context);
 }
 
 absl::StatusOr<RankedCurve> Session::ranks(const ExecutionContext& context) const {
-  return candidates->take([this] { return leaf_surface(revisions->first()); }, options.points, options.seed, context);
+  return candidates->take([this, &context] { return leaf_surface(revisions->first(), context); }, options.points, options.seed,
+                          context);
 }
 
 std::uint64_t Session::memory_bytes() const {

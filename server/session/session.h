@@ -38,7 +38,8 @@ struct Session {
   /// The surface in the form that refinement wants. Errors as of SessionSurface::base().
   absl::StatusOr<std::shared_ptr<const CurveBase>> curve_base() const;
   /// The surface below the leaves of a revision. Errors as of curve_base().
-  absl::StatusOr<std::shared_ptr<const LeafSurface>> leaf_surface(const std::shared_ptr<const SurfaceCurve>& curve) const;
+  absl::StatusOr<std::shared_ptr<const LeafSurface>> leaf_surface(const std::shared_ptr<const SurfaceCurve>& curve,
+                                                                  const ExecutionContext& context = {}) const;
   /// The ranked candidates that there are by now, on the first revision of the curve; at least those of the lowest ranks. Errors
   /// as of curve_base() and RankGrower::make().
   absl::StatusOr<RankedCurve> ranks(const ExecutionContext& context) const;

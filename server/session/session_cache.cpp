@@ -236,7 +236,7 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::str
     if (!file.ok()) return file.status();
     absl::StatusOr<std::shared_ptr<Session>> loaded = to_session(*std::move(file), id, path);
     if (!loaded.ok()) return loaded.status();
-    (*loaded)->surface = std::make_shared<SessionSurface>([this, id] { return open_surface(id); });
+    (*loaded)->surface = std::make_shared<SessionSurface>([this, id](const ExecutionContext&) { return open_surface(id); });
     // Now, when the session can still be made anew: it is only mapped.
     if (absl::Status status = (*loaded)->curve_base().status(); !status.ok()) return status;
     load_ranks(**loaded);

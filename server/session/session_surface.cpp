@@ -5,7 +5,8 @@
 namespace curvecast::server {
 
 SessionSurface::SessionSurface(std::shared_ptr<const FlattenedMesh> flattened) {
-  if (flattened != nullptr) load_ = [flattened = std::move(flattened)] { return curve_base(flattened); };
+  if (flattened != nullptr)
+    load_ = [flattened = std::move(flattened)](const ExecutionContext& context) { return curve_base(flattened, context); };
 }
 
 void SessionSurface::set_base(std::shared_ptr<const CurveBase> base) {
@@ -15,24 +16,25 @@ void SessionSurface::set_base(std::shared_ptr<const CurveBase> base) {
   load_ = nullptr;
 }
 
-absl::Status SessionSurface::load_base() {
+absl::Status SessionSurface::load_base(const ExecutionContext& context) {
   if (base_ != nullptr) return absl::OkStatus();
   if (!load_) return absl::UnavailableError("its surface is not at hand");
-  absl::StatusOr<std::shared_ptr<const CurveBase>> base = load_();
+  absl::StatusOr<std::shared_ptr<const CurveBase>> base = load_(context);
   if (!base.ok()) return base.status();
   set_base(*std::move(base));
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::shared_ptr<const CurveBase>> SessionSurface::base() {
+absl::StatusOr<std::shared_ptr<const CurveBase>> SessionSurface::base(const ExecutionContext& context) {
   const MutexLock lock(mutex_);
-  if (absl::Status status = load_base(); !status.ok()) return status;
+  if (absl::Status status = load_base(context); !status.ok()) return status;
   return base_;
 }
 
-absl::StatusOr<std::shared_ptr<const LeafSurface>> SessionSurface::leaves(const std::shared_ptr<const SurfaceCurve>& curve) {
+absl::StatusOr<std::shared_ptr<const LeafSurface>> SessionSurface::leaves(const std::shared_ptr<const SurfaceCurve>& curve,
+                                                                          const ExecutionContext& context) {
   const MutexLock lock(mutex_);
-  if (absl::Status status = load_base(); !status.ok()) return status;
+  if (absl::Status status = load_base(context); !status.ok()) return status;
   if (base_->charts.size() + 1 != curve->disc_begin.size()) return absl::DataLossError("its surface is another curve's");
   if (leaves_ == nullptr || leaves_->shared_curve() != curve) leaves_ = std::make_shared<const LeafSurface>(base_, curve);
   return leaves_;

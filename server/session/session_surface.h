@@ -16,7 +16,7 @@ namespace curvecast::server {
 /// Thread-safe.
 class SessionSurface {
  public:
-  using Load = std::function<absl::StatusOr<std::shared_ptr<const CurveBase>>()>;
+  using Load = std::function<absl::StatusOr<std::shared_ptr<const CurveBase>>(const ExecutionContext& context)>;
 
   /// There is none: base() is Unavailable.
   SessionSurface() = default;
@@ -25,18 +25,18 @@ class SessionSurface {
   explicit SessionSurface(std::shared_ptr<const FlattenedMesh> flattened);
 
   /// Returns what refinement starts from. The first call that succeeds loads it, others wait. Errors are those of `load`.
-  absl::StatusOr<std::shared_ptr<const CurveBase>> base() ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<std::shared_ptr<const CurveBase>> base(const ExecutionContext& context = {}) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Returns the surface below the leaves of a curve that lies on it: one of the session's revisions. Errors as of base();
   /// DataLoss where the curve has other discs.
-  absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves(const std::shared_ptr<const SurfaceCurve>& curve)
-      ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves(const std::shared_ptr<const SurfaceCurve>& curve,
+                                                            const ExecutionContext& context = {}) ABSL_LOCKS_EXCLUDED(mutex_);
   /// From now on, the same surface is taken from there.
   void move_to(std::shared_ptr<const CurveBase> base) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Returns the bytes of memory that the surface takes; in a mapped file it takes none that the system could not have back.
   std::uint64_t byte_size() const { return bytes_; }
 
  private:
-  absl::Status load_base() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status load_base(const ExecutionContext& context) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void set_base(std::shared_ptr<const CurveBase> base) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   Mutex mutex_;

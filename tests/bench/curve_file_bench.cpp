@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   path = std::string(argv[2]) + "/curve_file_bench.curve";
   surface_path = std::string(argv[2]) + "/curve_file_bench.surface";
   const absl::Status saved = save_curve(path, *made.curve);
-  if (!saved.ok() || !save_surface(surface_path, *curve_base(made.flattened)).ok()) {
+  if (!saved.ok() || !save_surface(surface_path, **curve_base(made.flattened)).ok()) {
     return std::fprintf(stderr, "%s\n", saved.ToString().c_str()), 3;
   }
   std::printf("%zu curve vertices, %zu bytes of columns, files of %ju and %ju bytes\n", made.curve->size(),

@@ -52,7 +52,7 @@ inline std::shared_ptr<const LeafSurface> flat_surface(std::shared_ptr<const Sur
   chart.disc.border = {0, 1, 2, 3};
   for (const Vec3d& p : chart.disc.positions) chart.uv.emplace_back(p.head<2>());
   square->charts.push_back(std::move(chart));
-  return std::make_shared<const LeafSurface>(curve_base(std::move(square)), std::move(curve));
+  return std::make_shared<const LeafSurface>(*curve_base(std::move(square)), std::move(curve));
 }
 
 }  // namespace curvecast::testing

@@ -32,7 +32,8 @@ void map_again(Mapped& mapped, const MeshAttributes& attributes = {}, const Surf
   for (const ScalarAttribute& scalar : attributes.scalars) mapped.curve.scalars.push_back({scalar.name, {}});
   mapped.curve.resize(mapped.leaves.size(), colour != nullptr);
   const std::vector<VertexGeometry> geometry = differential_geometry(mapped.mesh);
-  const SurfaceData data{mapped.mesh, geometry, attributes, colour};
+  const CreaseNormals creases = crease_normals(mapped.mesh);
+  const SurfaceData data{mapped.mesh, geometry, creases, attributes, colour};
   const Column<std::uint8_t> kinds = triangle_kinds(data, mapped.chart);
   map_to_surface(SurfaceMapper(data, mapped.chart, kinds), mapped.leaves, under, 0, mapped.curve);
 }

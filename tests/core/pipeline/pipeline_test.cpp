@@ -105,7 +105,7 @@ TEST(Pipeline, ReportsStagesInOrder) {
 
 TEST(Pipeline, StopsAtEveryStageWhenCancelled) {
   const std::string off = curvecast::testing::to_off(curvecast::testing::torus(40, 20));
-  for (const std::string_view last : {"read", "repair", "cut", "curve", "map"}) {
+  for (const std::string_view last : {"read", "repair", "cut", "parameterise", "curve", "map", "area"}) {
     std::atomic<bool> cancel = false;
     ExecutionContext context;
     context.cancel = &cancel;

@@ -17,7 +17,7 @@ namespace curvecast::testing {
 
 /// A mesh with its curve and what refinement starts from.
 struct Refinable {
-  explicit Refinable(Preprocessed preprocessed) : done(std::move(preprocessed)), base(curve_base(done.flattened)) {}
+  explicit Refinable(Preprocessed preprocessed) : done(std::move(preprocessed)), base(*curve_base(done.flattened)) {}
   Refinable(const Refinable&) = delete;
 
   const SurfaceCurve& curve() const { return *done.curve; }

@@ -53,7 +53,7 @@ FlattenedMesh adorned() {
 
 /// The surface as a file has it.
 std::shared_ptr<const CurveBase> based(FlattenedMesh surface) {
-  return curve_base(std::make_shared<const FlattenedMesh>(std::move(surface)));
+  return *curve_base(std::make_shared<const FlattenedMesh>(std::move(surface)));
 }
 
 /// What is wrong with a file, whenever that shows.
@@ -140,7 +140,7 @@ TEST(SurfaceFile, PlacesAndFinerCurvesOnItAreTheSame) {
        {disc(6, 20), torus(16, 10), perforated_slab(5, 3), open_cylinder(6, 12), mobius_strip(20), single_triangle(), cube()}) {
     const auto made = lay_curve(std::make_shared<const FlattenedMesh>(flattened(soup)), {.points = 300});
     ASSERT_TRUE(made.ok()) << made.status();
-    const auto in_memory = curve_base(made->flattened);
+    const auto in_memory = *curve_base(made->flattened);
     ASSERT_TRUE(save_surface(folder / "surface", *in_memory).ok());
     const auto mapped = open_surface(folder / "surface");
     ASSERT_TRUE(mapped.ok()) << mapped.status();
@@ -173,7 +173,7 @@ TEST(SurfaceFile, ReadsOnlyTheChartsThatAreAskedFor) {
   const auto made = lay_curve(std::make_shared<const FlattenedMesh>(flattened(balls)), {.points = 300});
   ASSERT_TRUE(made.ok()) << made.status();
   ASSERT_EQ(made->report.discs, 2u);
-  ASSERT_TRUE(save_surface(path, *curve_base(made->flattened)).ok());
+  ASSERT_TRUE(save_surface(path, **curve_base(made->flattened)).ok());
   // A byte of the second disc's places in the square, which the first has nothing to do with.
   std::string bytes = bytes_of(path);
   const auto& uv = made->flattened->charts[1].uv;
@@ -230,7 +230,7 @@ TEST(SurfaceFile, NoticesDamage) {
 /// A surface of which parts can be spoilt before it is saved: all that it looks at is here.
 struct Spoilable {
   explicit Spoilable(FlattenedMesh mesh) : surface(std::move(mesh)), colour(surface.loaded.mesh, surface.loaded.attributes) {
-    creases = crease_normals(surface.loaded.mesh);
+    creases = surface.creases;
     const CurveBase good(data(), surface.charts);
     for (const BaseChart& chart : good.charts) kinds.emplace_back(chart.kinds.begin(), chart.kinds.end());
     triangle_of.assign(good.triangle_of.begin(), good.triangle_of.end());

@@ -52,10 +52,11 @@ TEST(Refiner, TakesTheSurfaceFromTheHookWhereItIsNotAtHand) {
   const auto session = make_session(300);
   Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
   int loads = 0;
-  session->surface = std::make_shared<SessionSurface>([&loads, flattened = session->preprocessed.flattened] {
-    ++loads;
-    return curve_base(flattened);
-  });
+  session->surface =
+      std::make_shared<SessionSurface>([&loads, flattened = session->preprocessed.flattened](const ExecutionContext& context) {
+        ++loads;
+        return curve_base(flattened, context);
+      });
   ASSERT_TRUE(ask(refiner, session, 5'000));
   ASSERT_TRUE(ends.wait_for(1));
   EXPECT_EQ(session->curve()->revision, 2u);
