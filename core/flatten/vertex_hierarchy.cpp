@@ -1,11 +1,9 @@
 #include "core/flatten/vertex_hierarchy.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <limits>
 
 namespace curvecast {
@@ -20,9 +18,6 @@ constexpr std::size_t kProbes = 1000;
 constexpr double kTangential = 0.02;
 // Levels that take less than one vertex in so many are not worth their while.
 constexpr std::size_t kLeastShare = 200;
-// Blocks that work side by side, a power of two, and the vertices of one: with fewer, too many are near a seam.
-constexpr std::uint32_t kMostBlocks = 16;
-constexpr std::size_t kLeastBlock = 16384;
 
 }  // namespace
 
@@ -261,82 +256,21 @@ void VertexHierarchy::remove_cheap(std::span<const std::uint32_t> vertices, floa
   }
 }
 
-/// Makes blocks, of about as many vertices each, by halving along the longest side again and again.
-void VertexHierarchy::divide(std::uint32_t blocks) {
-  block_.assign(outgoing_.size(), 0);
-  seam_.assign(outgoing_.size(), kAway);
-  std::vector<std::uint32_t> order = base_;
-  const auto halve = [&](const auto& self, std::span<std::uint32_t> part, std::uint32_t first, std::uint32_t count) -> void {
-    if (count == 1) {
-      for (const std::uint32_t v : part) block_[v] = static_cast<std::uint8_t>(first);
-      return;
-    }
-    Box3d box;
-    for (const std::uint32_t v : part) box.extend(positions_[v]);
-    int axis = 0;
-    (box.max - box.min).maxCoeff(&axis);
-    const std::size_t half = part.size() / 2;
-    std::nth_element(
-        part.begin(), part.begin() + static_cast<std::ptrdiff_t>(half), part.end(),
-        [&](std::uint32_t v, std::uint32_t w) { return std::pair(positions_[v][axis], v) < std::pair(positions_[w][axis], w); });
-    tbb::parallel_invoke([&] { self(self, part.subspan(0, half), first, count / 2); },
-                         [&] { self(self, part.subspan(half), first + count / 2, count / 2); });
-  };
-  halve(halve, order, 0, blocks);
-  blocks_ = blocks;
-  find_seams();
-}
-
-/// Joins blocks until there are so many.
-void VertexHierarchy::join(std::uint32_t blocks) {
-  const auto joined = static_cast<std::uint8_t>(blocks_ / blocks);
-  for (const std::uint32_t v : base_) block_[v] /= joined;
-  blocks_ = blocks;
-  if (blocks > 1) find_seams();
-}
-
-void VertexHierarchy::find_seams() {
-  tbb::parallel_for(std::size_t{0}, base_.size(), [&](std::size_t i) {
-    const std::uint32_t v = base_[i];
-    seam_[v] = kAway;
-    for_each_neighbour(v, [&](std::uint32_t x) {
-      if (block_[x] != block_[v]) seam_[v] = kOn;
-    });
-  });
-  for (const std::uint32_t v : base_) {
-    if (seam_[v] == kOn) spread_seams(v);
-  }
-}
-
-/// Brings what is known of seams up to date around u, which has new neighbours.
-void VertexHierarchy::spread_seams(std::uint32_t u) {
-  const auto make_near = [&](std::uint32_t v) { seam_[v] = std::max(seam_[v], kNear); };
-  for_each_neighbour(u, [&](std::uint32_t x) {
-    if (block_[x] != block_[u]) seam_[u] = kOn;
-    if (block_[x] != block_[u] && seam_[x] != kOn) {
-      seam_[x] = kOn;
-      for_each_neighbour(x, make_near);
-    }
-    if (seam_[x] == kOn) make_near(u);
-  });
-  if (seam_[u] == kOn) for_each_neighbour(u, make_near);
-}
-
-/// A collapse changes and asks for nothing beyond the neighbours' neighbours: what is away from the seams goes block by block.
+/// Block by block what is away from their seams, and the rest after it.
 void VertexHierarchy::remove_in_blocks(Level& level) {
   struct Block {
     std::vector<std::uint32_t> vertices, removed;
   };
-  std::vector<Block> blocks(blocks_);
+  std::vector<Block> blocks(blocks_.count());
   std::vector<std::uint32_t> near;
-  for (const std::uint32_t v : base_) (seam_[v] == kAway ? blocks[block_[v]].vertices : near).push_back(v);
+  for (const std::uint32_t v : base_) (blocks_.is_away(v) ? blocks[blocks_.block(v)].vertices : near).push_back(v);
   tbb::parallel_for(std::size_t{0}, blocks.size(),
                     [&](std::size_t i) { remove_cheap(blocks[i].vertices, level.highest, blocks[i].removed); });
   for (const Block& block : blocks) level.halfedges.insert(level.halfedges.end(), block.removed.begin(), block.removed.end());
   for (const std::uint32_t v : near) {
     const std::size_t count = level.halfedges.size();
     remove_cheap({&v, 1}, level.highest, level.halfedges);
-    if (level.halfedges.size() > count) spread_seams(to(level.halfedges.back()));
+    if (level.halfedges.size() > count) blocks_.spread_seams(to(level.halfedges.back()), *this);
   }
 }
 
@@ -351,11 +285,8 @@ bool VertexHierarchy::finish(Level level) {
 void VertexHierarchy::coarsen(std::size_t target, const ExecutionContext& context) {
   while (base_.size() > target && !context.cancelled()) {
     Level level{.highest = typical_cost()};
-    const auto blocks =
-        std::bit_floor(static_cast<std::uint32_t>(std::clamp<std::size_t>(base_.size() / kLeastBlock, 1, kMostBlocks)));
-    if (blocks > 1 && block_.empty()) divide(blocks);
-    if (blocks < blocks_) join(blocks);
-    if (blocks > 1) {
+    blocks_.set_count(VertexBlocks::wanted(base_.size()), *this, positions_);
+    if (blocks_.count() > 1) {
       remove_in_blocks(level);
     } else {
       remove_cheap(base_, level.highest, level.halfedges);

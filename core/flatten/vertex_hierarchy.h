@@ -5,10 +5,10 @@
 
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "core/base/execution_context.h"
+#include "core/flatten/vertex_blocks.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
@@ -78,10 +78,6 @@ class VertexHierarchy {
   void restore(std::uint32_t h);
   void relabel(std::uint32_t h, std::uint32_t v);
   float typical_cost() const;
-  void divide(std::uint32_t blocks);
-  void join(std::uint32_t blocks);
-  void find_seams();
-  void spread_seams(std::uint32_t u);
   bool is_gone(std::uint32_t h) const;
   void remove(std::uint32_t h, std::vector<std::uint32_t>& removed);
   void remove_cheap(std::span<const std::uint32_t> vertices, float highest, std::vector<std::uint32_t>& removed);
@@ -99,11 +95,7 @@ class VertexHierarchy {
   std::vector<std::uint8_t> gone_;     // per vertex, while levels are made; no bits, which threads could not write apart
   std::vector<Level> levels_;
   std::vector<std::uint32_t> base_;
-  // Blocks of vertices lose theirs side by side, but for those near a seam between blocks.
-  enum Seam : std::uint8_t { kAway, kNear, kOn };  // kNear: beside one that is kOn; kOn: beside one of another block
-  std::vector<std::uint8_t> block_;                // per vertex
-  std::vector<Seam> seam_;                         // per vertex
-  std::uint32_t blocks_ = 1;
+  VertexBlocks blocks_;
 };
 
 }  // namespace curvecast
