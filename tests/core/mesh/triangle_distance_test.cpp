@@ -33,6 +33,9 @@ TEST(TriangleDistance, IsTheLeastOverManyPointsOfTheTriangle) {
   for (int i = 0; i < 50; ++i) {
     const Vec3d p = vector(), a = vector(), b = vector(), c = vector();
     const double distance = triangle_distance(p, a, b, c);
+    const Vec3d nearest = nearest_on_triangle(p, a, b, c);
+    EXPECT_NEAR((p - nearest).norm(), distance, 1e-12);
+    EXPECT_NEAR(triangle_distance(nearest, a, b, c), 0, 1e-12);
     double least = 1e9;
     constexpr int kSteps = 60;
     for (int u = 0; u <= kSteps; ++u) {
