@@ -28,6 +28,9 @@ class VertexFans {
 
   bool on_border(std::size_t v) const { return first_[v] == kNone || mesh_.twins[first_[v]] == kNone; }
 
+  /// A halfedge that leaves v, along the border where it is there; kNone: no face has v.
+  std::uint32_t outgoing(std::uint32_t v) const { return first_[v]; }
+
   /// Calls `visit` with the halfedges that leave v, counter-clockwise: one for each face of its fan.
   template <typename Visit>
   void visit(std::size_t v, Visit&& visit) const {

@@ -1,0 +1,171 @@
+#include "core/remesh/remesh.h"
+
+#include <absl/strings/str_format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+
+#include "core/mesh/topology.h"
+#include "core/remesh/border_points.h"
+#include "core/remesh/halfedge_mesh.h"
+#include "core/remesh/insert_points.h"
+#include "core/remesh/relax.h"
+#include "core/remesh/remove_vertices.h"
+#include "core/remesh/surface_walk.h"
+
+namespace curvecast {
+namespace {
+
+absl::Status check(const TriangleMesh& surface, std::span<const FacePlace> points, const RemeshOptions& options) {
+  if (options.relaxations < 0 || options.relaxations > kMaxRelaxations) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("relaxations = %d; it must lie in 0 .. %d", options.relaxations, kMaxRelaxations));
+  }
+  if (points.size() < 3) return absl::InvalidArgumentError(absl::StrFormat("a mesh cannot be made of %d points", points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& [face, u, v] = points[i];
+    if (face < surface.face_count() && u >= 0 && v >= 0 && u + v <= 1.001f) continue;
+    return absl::InvalidArgumentError(
+        absl::StrFormat("point %d lies at weights %g, %g of face %d; there are %d faces", i, u, v, face, surface.face_count()));
+  }
+  return absl::OkStatus();
+}
+
+/// What has to stay.
+std::string in_words(const Topology& topology) {
+  return absl::StrFormat("%d component%s, genus %d, %d border%s", topology.components, topology.components == 1 ? "" : "s",
+                         topology.genus, topology.boundary_loops, topology.boundary_loops == 1 ? "" : "s");
+}
+
+absl::Status too_few(std::size_t points, std::size_t lacking, const Topology& topology) {
+  return absl::InvalidArgumentError(absl::StrFormat("%d vertices are too few for a surface of %s: it takes about %d", points,
+                                                    in_words(topology), points + lacking));
+}
+
+class Remesher {
+ public:
+  Remesher(const TriangleMesh& surface, std::span<const FacePlace> points, const RemeshOptions& options,
+           const ExecutionContext& context)
+      : surface_(surface),
+        points_(points),
+        options_(options),
+        context_(context),
+        walk_(surface),
+        topology_(analyse_topology(surface, context)),
+        mesh_(surface, points.size()) {}
+
+  absl::StatusOr<Remeshed> run() {
+    if (absl::Status status = insert(); !status.ok()) return status;
+    if (absl::Status status = triangulate(); !status.ok()) return status;
+    relax(mesh_, walk_, places_, options_.relaxations, context_);
+    if (absl::Status status = context_.check(); !status.ok()) return status;
+    return finish();
+  }
+
+ private:
+  absl::Status insert() {
+    std::vector<Vec3d> positions;
+    positions.reserve(points_.size());
+    for (const FacePlace& p : points_) positions.push_back(place(p).position);
+    const BorderPoints border = place_on_borders(surface_, positions, context_);
+    if (absl::Status status = context_.check(); !status.ok()) return status;
+    if (border.stand_ins.size() < border.places.size()) {
+      return too_few(points_.size(), border.places.size() - border.stand_ins.size(), topology_);
+    }
+    std::vector<FacePlace> inner;
+    inner.reserve(points_.size());
+    places_.resize(surface_.vertex_count());
+    auto stand_in = border.stand_ins.begin();
+    for (std::uint32_t i = 0; i < points_.size(); ++i) {
+      if (stand_in != border.stand_ins.end() && *stand_in == i) {
+        ++stand_in;
+        continue;
+      }
+      inner.push_back(points_[i]);
+      places_.push_back(place(points_[i]));
+    }
+    for (const BorderPlace& p : border.places) places_.push_back(place_on_border(p));
+    insert_points(mesh_, inner);
+    insert_border_points(mesh_, border.places);
+    return absl::OkStatus();
+  }
+
+  /// Takes the surface's own vertices out. Small components may lack points to stand on: there some of their own stay, and as
+  /// many points go elsewhere.
+  absl::Status triangulate() {
+    const auto own = static_cast<std::uint32_t>(surface_.vertex_count()), all = static_cast<std::uint32_t>(mesh_.vertex_count());
+    VertexRemover remover(mesh_);
+    std::vector<std::uint32_t> vertices(own);
+    std::iota(vertices.begin(), vertices.end(), 0u);
+    std::erase_if(vertices, [&](std::uint32_t v) { return !mesh_.has_vertex(v); });
+    const std::vector<std::uint32_t> left = remover.remove(vertices, context_);
+    if (absl::Status status = context_.check(); !status.ok()) return status;
+    if (left.empty()) return absl::OkStatus();
+    for (const std::uint32_t v : left) places_[v] = place_of_vertex(v);
+    // Spread over all of them, more than have to go: some of them cannot.
+    std::vector<std::uint32_t> spare;
+    const std::size_t step = std::max<std::size_t>(1, (all - own) / (4 * left.size()));
+    for (std::size_t v = own; v < all; v += step) spare.push_back(static_cast<std::uint32_t>(v));
+    const std::size_t kept = spare.size();
+    if (4 * left.size() > points_.size() || kept - remover.remove(spare, context_, left.size()).size() < left.size()) {
+      return too_few(points_.size(), left.size(), topology_);
+    }
+    return context_.check();
+  }
+
+  WalkPlace place_of_vertex(std::uint32_t v) const {
+    const std::uint32_t h = walk_.fans().outgoing(v);
+    return walk_.place(h / 3, h % 3 == 1 ? 1 : 0, h % 3 == 2 ? 1 : 0);
+  }
+
+  WalkPlace place(const FacePlace& p) const {
+    return walk_.place(p.face, static_cast<double>(p.weight_1), static_cast<double>(p.weight_2));
+  }
+  WalkPlace place_on_border(const BorderPlace& p) const {
+    const std::uint32_t h = walk_.fans().outgoing(p.vertex);
+    double weights[3] = {};
+    weights[h % 3] = 1 - p.part;
+    weights[(h + 1) % 3] = p.part;
+    return walk_.place(h / 3, weights[1], weights[2]);
+  }
+
+  absl::StatusOr<Remeshed> finish() const {
+    Remeshed out;
+    std::vector<std::uint32_t> kept;
+    out.mesh = mesh_.compact(kept);
+    for (const std::uint32_t v : kept) {
+      const WalkPlace& p = places_[v];
+      out.places.push_back({p.face, static_cast<float>(p.weight_1), static_cast<float>(p.weight_2)});
+    }
+    const Topology found = analyse_topology(out.mesh, context_);
+    if (absl::Status status = context_.check(); !status.ok()) return status;
+    if (found.components != topology_.components || found.genus != topology_.genus ||
+        found.boundary_loops != topology_.boundary_loops || out.mesh.vertex_count() != points_.size()) {
+      return absl::InternalError(absl::StrFormat("the mesh of %d points has %d vertices, %s; the surface has %s", points_.size(),
+                                                 out.mesh.vertex_count(), in_words(found), in_words(topology_)));
+    }
+    return out;
+  }
+
+  const TriangleMesh& surface_;
+  const std::span<const FacePlace> points_;
+  const RemeshOptions& options_;
+  const ExecutionContext& context_;
+  const SurfaceWalk walk_;
+  const Topology topology_;
+  HalfedgeMesh mesh_;              // the surface's, then the points'
+  std::vector<WalkPlace> places_;  // of its vertices; of the surface's own there are none
+};
+
+}  // namespace
+
+absl::StatusOr<Remeshed> remesh(const TriangleMesh& surface, std::span<const FacePlace> points, const RemeshOptions& options,
+                                const ExecutionContext& context) {
+  if (absl::Status status = check(surface, points, options); !status.ok()) return status;
+  context.progress("triangulate", 0);
+  return Remesher(surface, points, options, context).run();
+}
+
+}  // namespace curvecast

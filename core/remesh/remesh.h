@@ -1,0 +1,36 @@
+// Makes a triangle mesh of points on a surface (paper, section 4.4): the points become vertices of the surface's own mesh, whose
+// vertices then go, one by one. See README.md for why.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <span>
+#include <vector>
+
+#include "core/base/execution_context.h"
+#include "core/mesh/triangle_mesh.h"
+#include "core/sample/point_set.h"
+
+namespace curvecast {
+
+inline constexpr int kMaxRelaxations = 100;
+
+struct RemeshOptions {
+  int relaxations = 5;  // rounds in which vertices move along the surface: 0 .. kMaxRelaxations
+};
+
+struct Remeshed {
+  TriangleMesh mesh;              // N vertices: the surface's own that stay, those of points in their order, those on borders
+  std::vector<FacePlace> places;  // N: where on the surface each vertex lies
+};
+
+/// Makes a mesh of exactly as many vertices as there are points: manifold, oriented, of the surface's components, genus and
+/// borders. A few of the surface's own vertices stay where a component has too few points to stand on, and as many points go. On
+/// borders vertices are placed as densely as the points beside them, instead of those nearest to the border.
+/// `surface`: as repair() leaves it. Points may lie anywhere on it, in any order; at the same place, they are moved apart. The
+/// same for any number of threads. InvalidArgument: relaxations out of range; a point on no face or with weights that are none;
+/// too few points to bear the topology: the message says about how many it takes. Cancelled.
+absl::StatusOr<Remeshed> remesh(const TriangleMesh& surface, std::span<const FacePlace> points, const RemeshOptions& options = {},
+                                const ExecutionContext& context = {});
+
+}  // namespace curvecast

@@ -1,0 +1,56 @@
+#include "core/remesh/border_points.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/core/remesh/remesh_cases.h"
+
+namespace curvecast {
+namespace {
+
+using namespace curvecast::testing;
+
+std::vector<Vec3d> positions_of(const TriangleMesh& mesh, std::size_t n) { return random_surface_points(mesh, n, 3).positions; }
+
+TEST(BorderPoints, AreAsFarApartAsThePointsBesideThem) {
+  const TriangleMesh disc = make_mesh(testing::disc(20, 60));
+  for (const std::size_t n : {300u, 3'000u, 30'000u}) {
+    const BorderPoints found = place_on_borders(disc, positions_of(disc, n));
+    const double spacing = std::sqrt(2 / std::numbers::sqrt3 * surface_area(disc) / static_cast<double>(n));
+    double length = 0;
+    for (std::uint32_t h = 0; h < disc.twins.size(); ++h) {
+      if (disc.twins[h] == kNone) length += (disc.positions[disc.to(h)] - disc.positions[disc.from(h)]).norm();
+    }
+    EXPECT_NEAR(static_cast<double>(found.places.size()), length / spacing, 0.15 * length / spacing);
+    EXPECT_EQ(found.stand_ins.size(), found.places.size());
+    const std::set<std::uint32_t> different(found.stand_ins.begin(), found.stand_ins.end());
+    EXPECT_EQ(different.size(), found.stand_ins.size());
+    EXPECT_LT(*different.rbegin(), n);
+  }
+}
+
+TEST(BorderPoints, AreDenserWherePointsAre) {
+  const TriangleMesh strip = make_mesh(square(10));
+  // Sixteen times as many in the right half.
+  std::vector<Vec3d> positions;
+  for (const Vec3d& p : positions_of(strip, 2'000)) positions.emplace_back(0.5 * p.x(), p.y(), 0);
+  for (const Vec3d& p : positions_of(strip, 32'000)) positions.emplace_back(0.5 + 0.5 * p.x(), p.y(), 0);
+  const BorderPoints found = place_on_borders(strip, positions);
+  double left = 0, right = 0;
+  for (const BorderPlace& place : found.places) (strip.positions[place.vertex].x() < 0.5 ? left : right) += 1;
+  EXPECT_NEAR(right / left, 4, 1);
+}
+
+TEST(BorderPoints, AreThreeAtLeast) {
+  const TriangleMesh cylinder = make_mesh(open_cylinder(10, 20));
+  const BorderPoints found = place_on_borders(cylinder, positions_of(cylinder, 10));
+  EXPECT_GE(found.places.size(), 6u);
+  const BorderPoints few = place_on_borders(cylinder, positions_of(cylinder, 4));
+  EXPECT_GE(few.places.size(), 6u);
+  EXPECT_EQ(few.stand_ins.size(), 4u) << "more there are not";
+  EXPECT_TRUE(place_on_borders(make_mesh(icosphere(2)), {}).places.empty());
+}
+
+}  // namespace
+}  // namespace curvecast
