@@ -26,6 +26,8 @@ struct Flags {
   std::vector<std::string> points;
   SampleFlags sample;  // density and camera only
   std::uint32_t ring_seeds = 256, ball_centres = 1024;
+  std::string other;  // mesh; empty: none
+  std::uint64_t distance_samples = 1'000'000;
 };
 
 Json discrepancy_json(const v1::Discrepancy& discrepancy) {
@@ -46,12 +48,29 @@ Json set_json(const std::string& path, const v1::PointMeasures& set) {
             {"coverage", set.spacing().coverage()}}}};
 }
 
+Json distance_json(const std::string& path, const v1::MeshDistance& distance) {
+  const auto one_way = [](const v1::OneWayDistance& side) {
+    const v1::Vec3& p = side.farthest();
+    return Json{{"max", side.max()},
+                {"mean", side.mean()},
+                {"rms", side.rms()},
+                {"farthest", {p.x(), p.y(), p.z()}},
+                {"normal_mean", side.normal_mean()},
+                {"normal_rms", side.normal_rms()}};
+  };
+  return {{"file", path},
+          {"max", distance.max()},
+          {"diagonal", distance.diagonal()},
+          {"from_mesh", one_way(distance.from_mesh())},
+          {"from_other", one_way(distance.from_other())}};
+}
+
 /// One set is the object itself; several are its `sets`.
 Json report_json(const Flags& flags, const CommonOptions& options, const v1::Measures& measures, double seconds) {
   Json json;
   if (measures.sets_size() == 1) {
     json = set_json(flags.points[0], measures.sets(0));
-  } else {
+  } else if (measures.sets_size() > 1) {
     json["sets"] = Json::array();
     for (int s = 0; s < measures.sets_size(); ++s) json["sets"].push_back(set_json(flags.points[s], measures.sets(s)));
   }
@@ -62,12 +81,29 @@ Json report_json(const Flags& flags, const CommonOptions& options, const v1::Mea
                         {"ball_max", gradient.ball_max()},
                         {"ball_rms", gradient.ball_rms()}};
   }
+  if (measures.has_distance()) json["distance"] = distance_json(flags.other, measures.distance());
   json["seed"] = options.seed;
   json["seconds"] = seconds;
   return json;
 }
 
+std::string distance_text(const Flags& flags, const v1::MeshDistance& distance) {
+  const auto name_of = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
+  std::string text = absl::StrFormat("distance of %s and %s, %% of the diagonal %.6g\n", name_of(flags.mesh),
+                                     name_of(flags.other), distance.diagonal());
+  absl::StrAppendFormat(&text, "             max     mean      rms   normals, degrees: mean      rms\n");
+  const auto add = [&](const char* what, const v1::OneWayDistance& side) {
+    absl::StrAppendFormat(&text, "%-8s %8.4f %8.5f %8.5f                     %7.3f  %7.3f\n", what, side.max(), side.mean(),
+                          side.rms(), side.normal_mean(), side.normal_rms());
+  };
+  add("from", distance.from_mesh());
+  add("back", distance.from_other());
+  absl::StrAppendFormat(&text, "both     %8.4f\n", distance.max());
+  return text;
+}
+
 std::string report_text(const Flags& flags, const v1::Measures& measures) {
+  if (measures.sets_size() == 0) return distance_text(flags, measures.distance());
   std::size_t width = 8;
   std::vector<std::string> names;
   for (const std::string& path : flags.points) {
@@ -93,6 +129,7 @@ std::string report_text(const Flags& flags, const v1::Measures& measures) {
     absl::StrAppendFormat(&text, "%-*s                           %8.3f %8.3f            %8.3f %8.3f\n", columns, "gradient",
                           gradient.ring_max(), gradient.ring_rms(), gradient.ball_max(), gradient.ball_rms());
   }
+  if (measures.has_distance()) absl::StrAppend(&text, distance_text(flags, measures.distance()));
   return text;
 }
 
@@ -140,6 +177,9 @@ void tell_far_sets(const Flags& flags, const v1::Measures& measures) {
 }
 
 absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_token stop) {
+  if (flags.points.empty() && flags.other.empty()) {
+    return absl::InvalidArgumentError("nothing to measure: name files of points, or another mesh with --mesh");
+  }
   const auto start = std::chrono::steady_clock::now();
   const absl::StatusOr<std::vector<client::Points>> sets = load_sets(flags.points, stop);
   if (!sets.ok()) return sets.status();
@@ -152,6 +192,13 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   if (!mesh.ok()) return mesh.status();
   absl::StatusOr<v1::MeasureRequest> request = make_measure_request(flags, options, client, *mesh, stop);
   if (!request.ok()) return request.status();
+  if (!flags.other.empty()) {
+    const absl::StatusOr<client::UploadedMesh> other = client.upload_with_companions(flags.other, on_progress, stop);
+    if (!other.ok()) return other.status();
+    request->set_other_mesh_id(other->mesh_id);
+    request->mutable_other_companions()->insert(other->companions.begin(), other->companions.end());
+    request->set_distance_samples(flags.distance_samples);
+  }
   const absl::StatusOr<v1::Measures> measures = client.measure(*mesh, *sets, *std::move(request), on_progress, stop);
   if (!measures.ok()) return measures.status();
   bar.finish();
@@ -172,14 +219,15 @@ Command add_measure(CLI::App& root, CommonOptions& options) {
       "rho of the "
       "two nearest points, mean of all nearest neighbours; coverage: the largest hole's radius, 1.155 in that lattice. With "
       "several "
-      "sets: gradient, the power of N by which the discrepancies fall; random points have -0.5, and -0.75 is best.",
+      "sets: gradient, the power of N by which the discrepancies fall; random points have -0.5, and -0.75 is best. With --mesh, "
+      "how "
+      "far another mesh lies from this one and the other way round: the Hausdorff distance, means, angles between normals.",
       {"curvecast measure bunny.obj bunny.ply", "curvecast measure igea.ply a4k.ply a64k.ply a256k.ply --json | jq .gradient",
-       "curvecast measure igea.ply curved.drc --density curvature"});
+       "curvecast measure igea.ply curved.drc --density curvature", "curvecast measure igea.ply --mesh simplified.obj"});
   const auto flags = std::make_shared<Flags>();
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
-  app->add_option("POINTS", flags->points, "up to 64 files of points: .ply, .xyz, .pcd or .drc")
-      ->required()
-      ->expected(1, static_cast<int>(kMaxSets))
+  app->add_option("POINTS", flags->points, "up to 64 files of points: .ply, .xyz, .pcd or .drc; may be left out beside --mesh")
+      ->expected(0, static_cast<int>(kMaxSets))
       ->check(validator(check_points_ending, ""))
       ->type_name("FILE");
   add_density_flag(app, &flags->sample,
@@ -189,6 +237,12 @@ Command add_measure(CLI::App& root, CommonOptions& options) {
     app->add_option(name, *count, help)->check(CLI::Range(1u, 100'000u))->type_name("COUNT")->capture_default_str();
   };
   add_count("--ring-seeds", &flags->ring_seeds, "random triangles that rings are grown around");
+  app->add_option("--mesh", flags->other, "another mesh, whose distance is measured: its simplification or remeshing, say")
+      ->type_name("FILE");
+  app->add_option("--distance-samples", flags->distance_samples, "places of each mesh that its means are taken over")
+      ->check(CLI::Range(std::uint64_t{1'000}, std::uint64_t{100'000'000}))
+      ->type_name("COUNT")
+      ->capture_default_str();
   add_count("--ball-centres", &flags->ball_centres, "random points of the surface with four balls about each");
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
 }

@@ -11,6 +11,7 @@ Command add_preprocess(CLI::App& root, CommonOptions& options);
 Command add_sample(CLI::App& root, CommonOptions& options);
 Command add_stream(CLI::App& root, CommonOptions& options);
 Command add_measure(CLI::App& root, CommonOptions& options);
+Command add_remesh(CLI::App& root, CommonOptions& options);
 Command add_render(CLI::App& root, CommonOptions& options);
 Command add_sessions(CLI::App& root, CommonOptions& options);
 Command add_bench(CLI::App& root, CommonOptions& options);

@@ -286,6 +286,17 @@ absl::StatusOr<DecodedSample> Client::resample_refined(const v1::ResampleRequest
   return sample;
 }
 
+absl::StatusOr<Mesh> Client::remesh(const v1::RemeshRequest& request, const StageProgress& on_progress, std::stop_token stop) {
+  const absl::StatusOr<std::vector<v1::RemeshResponse>> responses = connection_->remesh(request, forward(on_progress), stop);
+  if (!responses.ok()) return responses.status();
+  absl::StatusOr<Mesh> mesh = decode_mesh(*responses);
+  if (mesh.ok() && request.sample().has_points() && mesh->vertices.size() > request.sample().points()) {
+    return absl::DataLossError(absl::StrCat("asked for a mesh of ", request.sample().points(), " vertices, but the server sent ",
+                                            mesh->vertices.size()));
+  }
+  return mesh;
+}
+
 absl::StatusOr<v1::Measures> Client::measure(const UploadedMesh& mesh, std::span<const Points> sets, v1::MeasureRequest request,
                                              const StageProgress& on_progress, std::stop_token stop) {
   static_assert(std::endian::native == std::endian::little);

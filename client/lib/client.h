@@ -18,6 +18,7 @@
 #include "connection.h"
 #include "curve.h"
 #include "curvecast/v1/curvecast.pb.h"
+#include "mesh.h"
 #include "parameter_mesh.h"
 #include "points.h"
 
@@ -98,6 +99,9 @@ class Client {
   absl::StatusOr<DecodedSample> resample_refined(const v1::ResampleRequest& request, std::chrono::milliseconds patience,
                                                  std::stop_token stop = {});
   absl::StatusOr<EncodedSample> resample_encoded(const v1::ResampleRequest& request, std::stop_token stop = {});
+
+  /// A triangle mesh of the points that the request asks for, checked: see decode_mesh.
+  absl::StatusOr<Mesh> remesh(const v1::RemeshRequest& request, const StageProgress& on_progress = {}, std::stop_token stop = {});
 
   /// A picture that the server draws.
   absl::StatusOr<v1::RenderResponse> render(const v1::RenderRequest& request, std::stop_token stop = {});

@@ -108,13 +108,20 @@ class GrpcViewCall : public ViewCall {
   bool finished_ = false;
 };
 
-/// All messages of an answer. A server that sends on and on must not fill this machine's memory.
+/// All messages of an answer but those that tell of progress. A server that sends on and on must not fill this machine's memory.
 template <typename Response>
-absl::StatusOr<std::vector<Response>> read_all(grpc::ClientReader<Response>& reader, Call& call, const char* what) {
+absl::StatusOr<std::vector<Response>> read_all(grpc::ClientReader<Response>& reader, Call& call, const char* what,
+                                               const OnProgress& on_progress = {}) {
   std::vector<Response> responses;
   Response response;
   std::uint64_t bytes = 0;
   while (reader.Read(&response)) {
+    if constexpr (requires { response.has_progress(); }) {
+      if (response.has_progress()) {
+        if (on_progress) on_progress(response.progress());
+        continue;
+      }
+    }
     bytes += response.ByteSizeLong() + sizeof response;
     if (bytes > kMaxAnswerBytes) {
       call.context()->TryCancel();
@@ -248,6 +255,14 @@ class GrpcConnection : public Connection {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetCurveResponse>> {
       Call call(options_, stop, options_.long_timeout);
       return read_all<v1::GetCurveResponse>(*stub_->GetCurve(call.context(), request), call, "a curve");
+    });
+  }
+
+  absl::StatusOr<std::vector<v1::RemeshResponse>> remesh(const v1::RemeshRequest& request, const OnProgress& on_progress,
+                                                         std::stop_token stop) override {
+    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::RemeshResponse>> {
+      Call call(options_, stop, options_.long_timeout);
+      return read_all<v1::RemeshResponse>(*stub_->Remesh(call.context(), request), call, "a mesh", on_progress);
     });
   }
 

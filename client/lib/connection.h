@@ -80,6 +80,9 @@ class Connection {
   /// All messages of the answer, in order.
   virtual absl::StatusOr<std::vector<v1::GetCurveResponse>> get_curve(const v1::GetCurveRequest& request,
                                                                       std::stop_token stop) = 0;
+  /// All messages of the answer but those of progress, in order.
+  virtual absl::StatusOr<std::vector<v1::RemeshResponse>> remesh(const v1::RemeshRequest& request, const OnProgress& on_progress,
+                                                                 std::stop_token stop) = 0;
   virtual absl::StatusOr<v1::Measures> measure(const v1::MeasureRequest& request, const OnProgress& on_progress,
                                                std::stop_token stop) = 0;
   virtual std::unique_ptr<ViewCall> stream_views(std::stop_token stop) = 0;

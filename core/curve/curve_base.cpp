@@ -76,8 +76,9 @@ absl::Status CurveBase::status() const {
 
 std::uint64_t CurveBase::byte_size() const {
   const auto bytes = [](const auto&... values) { return (std::uint64_t{0} + ... + std::span(values).size_bytes()); };
-  std::uint64_t sum = bytes(data.mesh.positions, data.mesh.triangles, data.geometry, data.creases.normals, data.creases.faces) +
-                      triangle_of.size() * sizeof(std::uint32_t);
+  std::uint64_t sum =
+      bytes(data.mesh.positions, data.mesh.triangles, data.geometry, data.creases.normals, data.creases.faces, data.borders) +
+      triangle_of.size() * sizeof(std::uint32_t);
   for (const std::span<const float> scalar : data.scalars) sum += scalar.size_bytes();
   if (data.colour != nullptr) {
     const ColourView& colour = data.colour->source();

@@ -46,6 +46,7 @@ struct SurfaceData {
   std::vector<std::span<const float>> scalars;  // each of the mesh's vertices
   const SurfaceColour* colour = nullptr;
   CreaseView creases;
+  std::span<const std::uint32_t> borders;  // halfedges of the mesh without a twin, ascending
 };
 
 /// What the mapper wants to know of each triangle of a chart: whether it is a whole face, and whether creases meet that.

@@ -12,9 +12,9 @@ struct OwnedBase {
   OwnedBase(std::shared_ptr<const FlattenedMesh> mesh, const ExecutionContext& context) : flattened(std::move(mesh)) {
     const LoadedMesh& loaded = flattened->loaded;
     if (has_colour(loaded.attributes)) colour.emplace(loaded.mesh, loaded.attributes);
-    base.emplace(
-        SurfaceData{loaded.mesh, flattened->geometry, flattened->creases, loaded.attributes, colour ? &*colour : nullptr},
-        flattened->charts, context);
+    SurfaceData data(loaded.mesh, flattened->geometry, flattened->creases, loaded.attributes, colour ? &*colour : nullptr);
+    data.borders = flattened->borders;
+    base.emplace(std::move(data), flattened->charts, context);
   }
   OwnedBase(const OwnedBase&) = delete;
 

@@ -252,6 +252,9 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
     const VertexFans fans(mesh, context);
     flattened.geometry = differential_geometry(mesh, fans, context);
     flattened.creases = crease_normals(mesh, fans, context);
+    for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
+      if (mesh.twins[h] == kNone) flattened.borders.push_back(h);
+    }
   });
   FlattenOptions flatten_options{.parameteriser = options.parameteriser};
   if (options.chart_faces > 0) flatten_options.most_whole_faces = flatten_options.chart_faces = options.chart_faces;

@@ -89,6 +89,7 @@ struct FlattenedMesh {
   PreprocessReport report;               // of the stages so far
   std::vector<VertexGeometry> geometry;  // of the loaded mesh
   CreaseNormals creases;                 // of the loaded mesh
+  std::vector<std::uint32_t> borders;    // its halfedges without a twin, ascending
 };
 
 struct Preprocessed {

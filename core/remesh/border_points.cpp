@@ -10,10 +10,12 @@
 namespace curvecast {
 namespace {
 
-constexpr std::size_t kLeastOnBorder = 3;  // of one loop
-constexpr std::size_t kNear = 8;           // points that tell how dense they are
-constexpr std::size_t kStandIns = 32;      // nearest points of which one is taken
-constexpr double kMostPieces = 1000;       // of an edge
+constexpr std::size_t kLeastOnBorder = 3;              // of one loop
+constexpr std::size_t kNear = 8;                       // points that tell how dense they are
+constexpr std::size_t kStandIns = 32;                  // nearest points of which one is taken
+constexpr double kMostPieces = 1000;                   // of an edge
+constexpr double kCornerCosine = 0.70710678118654752;  // of 45 degrees
+constexpr double kReach = 0.75;  // of the distance to the next point: how far a corner sees along its border
 constexpr double kGolden = 0.61803398874989485;
 
 class BorderPlacer {
@@ -23,25 +25,20 @@ class BorderPlacer {
 
   /// `start`: a halfedge on a border.
   void place_on(std::uint32_t start, BorderPoints& out) {
-    pieces_.clear();
-    double sum = 0;
-    std::uint32_t h = start;
-    do {
-      add_pieces(h, sum);
-      h = next_on_border(mesh_.twins, h);
-    } while (h != start);
-    const std::size_t wanted = std::max(kLeastOnBorder, static_cast<std::size_t>(std::llround(sum)));
-    const double step = sum / static_cast<double>(wanted);
-    std::size_t piece = 0;
-    for (std::size_t i = 0; i < wanted; ++i) {
-      const double at = (static_cast<double>(i) + phase_) * step;
-      while (piece + 1 < pieces_.size() && pieces_[piece].end <= at) ++piece;
-      const Piece& on = pieces_[piece];
-      const double length = on.end - on.begin, within = length > 0 ? std::clamp((at - on.begin) / length, 0.0, 1.0) : 0.5;
-      // Clear of the edge's ends, where vertices are that will go.
-      const double part = std::clamp(on.first + within * (on.last - on.first), 1e-6, 1 - 1e-6);
-      out.places.push_back({mesh_.from(on.halfedge), part});
-      take_nearest(point_on(on.halfedge, part), out);
+    list_loop(start);
+    const std::vector<std::size_t> corners = find_corners();
+    for (const std::size_t corner : corners) {
+      out.corners.push_back(mesh_.from(loop_[corner]));
+      take_nearest(point_on(loop_[corner], 0), out);
+    }
+    if (corners.empty()) {
+      place_between(0, loop_.size(), kLeastOnBorder, false, out);
+    } else {
+      const std::size_t least = corners.size() < kLeastOnBorder ? kLeastOnBorder - 1 : 0;
+      for (std::size_t c = 0; c < corners.size(); ++c) {
+        const std::size_t next = c + 1 < corners.size() ? corners[c + 1] : corners[0] + loop_.size();
+        place_between(corners[c], next, least, true, out);
+      }
     }
     // Borders may lie on one another, where repair has opened an edge of many faces: their points must not.
     phase_ += kGolden - (phase_ + kGolden >= 1 ? 1 : 0);
@@ -66,6 +63,76 @@ class BorderPlacer {
     const double r = cloud_.distance(near_.back());
     const double area = 0.5 * std::numbers::pi * r * r / (static_cast<double>(near_.size()) - 0.5);
     return std::sqrt(2 / std::numbers::sqrt3 * area);
+  }
+
+  void list_loop(std::uint32_t start) {
+    loop_.clear();
+    along_.assign(1, 0.0);
+    std::uint32_t h = start;
+    do {
+      loop_.push_back(h);
+      along_.push_back(along_.back() + (point_on(h, 1) - point_on(h, 0)).norm());
+      h = next_on_border(mesh_.twins, h);
+    } while (h != start);
+  }
+
+  /// The place on the loop so far along it, which may be below zero or beyond the loop's length.
+  Vec3d point_along(double at) const {
+    at -= std::floor(at / along_.back()) * along_.back();
+    const auto edge = static_cast<std::size_t>(std::upper_bound(along_.begin() + 1, along_.end() - 1, at) - along_.begin() - 1);
+    const double length = along_[edge + 1] - along_[edge];
+    return point_on(loop_[edge], length > 0 ? std::clamp((at - along_[edge]) / length, 0.0, 1.0) : 0);
+  }
+
+  /// The vertices of the loop at which it turns enough, and the most as far as they see.
+  std::vector<std::size_t> find_corners() {
+    const std::size_t n = loop_.size();
+    std::vector<double> cosine(n), reach(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3d at = point_on(loop_[i], 0);
+      reach[i] = std::min(kReach * spacing(at), along_.back() / 4);
+      const Vec3d before = at - point_along(along_[i] - reach[i]), after = point_along(along_[i] + reach[i]) - at;
+      const double lengths = before.norm() * after.norm();
+      cosine[i] = lengths > 0 ? before.dot(after) / lengths : 1;
+    }
+    const auto is_sharpest = [&](std::size_t i, std::size_t step) {  // one way round
+      double way = 0;
+      for (std::size_t k = i, count = 1; count < n; ++count) {
+        const std::size_t next = (k + step) % n, edge = step == 1 ? k : next;
+        way += along_[edge + 1] - along_[edge];
+        if (way > reach[i]) break;
+        if (cosine[next] < cosine[i] || (cosine[next] == cosine[i] && next < i)) return false;
+        k = next;
+      }
+      return true;
+    };
+    std::vector<std::size_t> corners;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (cosine[i] < kCornerCosine && is_sharpest(i, 1) && is_sharpest(i, n - 1)) corners.push_back(i);
+    }
+    return corners;
+  }
+
+  /// Places points on edges [first, last) of the loop, counted on beyond its end, so many at least. `between_ends`: both ends are
+  /// points themselves.
+  void place_between(std::size_t first, std::size_t last, std::size_t least, bool between_ends, BorderPoints& out) {
+    pieces_.clear();
+    double sum = 0;
+    for (std::size_t i = first; i < last; ++i) add_pieces(loop_[i % loop_.size()], sum);
+    const auto steps = static_cast<std::size_t>(std::llround(sum));
+    const std::size_t wanted = std::max(least, between_ends && steps > 0 ? steps - 1 : steps);
+    const double step = sum / static_cast<double>(between_ends ? wanted + 1 : wanted);
+    std::size_t piece = 0;
+    for (std::size_t i = 0; i < wanted; ++i) {
+      const double at = (static_cast<double>(i) + (between_ends ? 1 : phase_)) * step;
+      while (piece + 1 < pieces_.size() && pieces_[piece].end <= at) ++piece;
+      const Piece& on = pieces_[piece];
+      const double length = on.end - on.begin, within = length > 0 ? std::clamp((at - on.begin) / length, 0.0, 1.0) : 0.5;
+      // Clear of the edge's ends, where vertices are that will go.
+      const double part = std::clamp(on.first + within * (on.last - on.first), 1e-6, 1 - 1e-6);
+      out.places.push_back({mesh_.from(on.halfedge), part});
+      take_nearest(point_on(on.halfedge, part), out);
+    }
   }
 
   void add_pieces(std::uint32_t h, double& sum) {
@@ -103,6 +170,9 @@ class BorderPlacer {
   std::vector<bool> taken_;
   std::size_t next_ = 0;  // that may not be taken yet
   double phase_ = 0.5;    // of a step, where the first point of a border lies
+  // Of the border that is looked at:
+  std::vector<std::uint32_t> loop_;  // its halfedges
+  std::vector<double> along_;        // its length up to each of them, and in all
   std::vector<Piece> pieces_;
 };
 

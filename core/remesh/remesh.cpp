@@ -71,12 +71,15 @@ class Remesher {
     for (const FacePlace& p : points_) positions.push_back(place(p).position);
     const BorderPoints border = place_on_borders(surface_, positions, context_);
     if (absl::Status status = context_.check(); !status.ok()) return status;
-    if (border.stand_ins.size() < border.places.size()) {
-      return too_few(points_.size(), border.places.size() - border.stand_ins.size(), topology_);
+    const std::size_t on_borders = border.corners.size() + border.places.size();
+    if (border.stand_ins.size() < on_borders) {
+      return too_few(points_.size(), on_borders - border.stand_ins.size(), topology_);
     }
     std::vector<FacePlace> inner;
     inner.reserve(points_.size());
     places_.resize(surface_.vertex_count());
+    corners_ = border.corners;
+    for (const std::uint32_t v : corners_) places_[v] = place_of_vertex(v);
     auto stand_in = border.stand_ins.begin();
     for (std::uint32_t i = 0; i < points_.size(); ++i) {
       if (stand_in != border.stand_ins.end() && *stand_in == i) {
@@ -99,7 +102,9 @@ class Remesher {
     VertexRemover remover(mesh_);
     std::vector<std::uint32_t> vertices(own);
     std::iota(vertices.begin(), vertices.end(), 0u);
-    std::erase_if(vertices, [&](std::uint32_t v) { return !mesh_.has_vertex(v); });
+    std::vector<bool> stays(own, false);
+    for (const std::uint32_t v : corners_) stays[v] = true;
+    std::erase_if(vertices, [&](std::uint32_t v) { return stays[v] || !mesh_.has_vertex(v); });
     const std::vector<std::uint32_t> left = remover.remove(vertices, context_);
     if (absl::Status status = context_.check(); !status.ok()) return status;
     if (left.empty()) return absl::OkStatus();
@@ -155,8 +160,9 @@ class Remesher {
   const ExecutionContext& context_;
   const SurfaceWalk walk_;
   const Topology topology_;
-  HalfedgeMesh mesh_;              // the surface's, then the points'
-  std::vector<WalkPlace> places_;  // of its vertices; of the surface's own there are none
+  HalfedgeMesh mesh_;                   // the surface's, then the points'
+  std::vector<WalkPlace> places_;       // of its vertices; of the surface's own only for those that stay
+  std::vector<std::uint32_t> corners_;  // of borders: vertices of the surface that stay
 };
 
 }  // namespace

@@ -92,6 +92,7 @@ struct Arrays {
   std::span<const std::uint32_t> triangle_of;
   std::span<const CreaseNormal> crease_normals;
   std::span<const CreaseFace> crease_faces;
+  std::span<const std::uint32_t> borders;
   ColourView colour;
   std::vector<std::span<const float>> scalars;
 };
@@ -105,6 +106,7 @@ void visit_arrays(Arrays& arrays, Visit&& visit) {
   visit("triangles of faces", arrays.triangle_of);
   visit("crease normals", arrays.crease_normals);
   visit("crease faces", arrays.crease_faces);
+  visit("borders", arrays.borders);
   visit("colours", arrays.colour.colours);
   visit("corner uv", arrays.colour.uv);
   visit("face colours", arrays.colour.face_colours);
@@ -169,6 +171,7 @@ class MappedSurface {
   absl::Status load_materials(const SurfaceRecord& record);
   absl::Status check_lengths() const;
   absl::Status check_creases() const;
+  absl::Status check_borders() const;
   absl::Status check_disc(std::size_t disc) const;
   absl::Status check_chart(const ChartArrays& chart) const;
   absl::Status check_faces(const ChartArrays& chart) const;
@@ -204,6 +207,7 @@ absl::Status MappedSurface::open(const std::string& path) {
   if (absl::Status status = view_charts(record); !status.ok()) return status;
   if (absl::Status status = check_lengths(); !status.ok()) return status;
   if (absl::Status status = check_creases(); !status.ok()) return status;
+  if (absl::Status status = check_borders(); !status.ok()) return status;
   if (has_colour(arrays_.colour)) colour_.emplace(arrays_.mesh, arrays_.colour);
   SurfaceData data;
   data.mesh = arrays_.mesh;
@@ -211,6 +215,7 @@ absl::Status MappedSurface::open(const std::string& path) {
   data.scalars = arrays_.scalars;
   data.colour = colour_ ? &*colour_ : nullptr;
   data.creases = {arrays_.crease_normals, arrays_.crease_faces};
+  data.borders = arrays_.borders;
   std::vector<BaseChart> charts;
   for (std::size_t d = 0; d < charts_.size(); ++d) {
     charts.push_back({charts_[d], Column<std::uint8_t>::view(charts_[d].kinds, file_), record.fills_square[d] != 0});
@@ -327,6 +332,16 @@ absl::Status MappedSurface::check_creases() const {
   return absl::OkStatus();
 }
 
+absl::Status MappedSurface::check_borders() const {
+  if (absl::Status status = check(arrays_.borders); !status.ok()) return status;
+  std::uint64_t next = 0;
+  for (const std::uint32_t h : arrays_.borders) {
+    if (h < next || h >= 3 * arrays_.mesh.triangles.size()) return senseless("its borders");
+    next = std::uint64_t{h} + 1;
+  }
+  return absl::OkStatus();
+}
+
 absl::Status MappedSurface::check_disc(std::size_t disc) const {
   ChartArrays chart = charts_[disc];
   absl::Status status;
@@ -390,7 +405,8 @@ absl::Status MappedSurface::check_faces(const ChartArrays& chart) const {
 absl::Status save_surface(const std::string& path, const CurveBase& surface) {
   if (!surface.is_all_sound()) return surface.status();
   const SurfaceData& data = surface.data;
-  Arrays arrays{data.mesh, data.geometry, surface.triangle_of, data.creases.normals, data.creases.faces, {}, data.scalars};
+  Arrays arrays{data.mesh, data.geometry, surface.triangle_of, data.creases.normals, data.creases.faces, data.borders,
+                {},        data.scalars};
   if (data.colour != nullptr) arrays.colour = data.colour->source();
   SurfaceRecord record;
   record.scalars = arrays.scalars.size();

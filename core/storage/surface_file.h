@@ -13,7 +13,7 @@
 namespace curvecast {
 
 /// Grows when what the files hold changes.
-inline constexpr std::uint32_t kSurfaceFileVersion = 2;
+inline constexpr std::uint32_t kSurfaceFileVersion = 3;
 
 /// Mesh, geometry, creases, what gives colour with its textures, charts. Errors as of write_section_file.
 absl::Status save_surface(const std::string& path, const CurveBase& surface);

@@ -17,6 +17,8 @@ namespace {
 
 using Floats = std::array<float, 3>;
 
+constexpr std::uint64_t kLeastDistanceSamples = 1'000, kMostDistanceSamples = 100'000'000;
+
 v1::Discrepancy to_proto(const Discrepancy& in) {
   v1::Discrepancy out;
   out.set_max(in.max);
@@ -40,6 +42,16 @@ absl::StatusOr<MeasureOptions> to_measure_options(const v1::MeasureRequest& requ
   options.density =
       to_density(check, "density", request.density(), to_cameras(check, "cameras", request.cameras(), request.viewport()),
                  "needs a camera, which the request does not have");
+  if (!check.ok()) return check.status();
+  return options;
+}
+
+absl::StatusOr<HausdorffOptions> to_hausdorff_options(const v1::MeasureRequest& request) {
+  FieldValidator check;
+  HausdorffOptions options;
+  if (const std::uint64_t samples = request.distance_samples(); samples != 0) {
+    options.samples = check.in_range("distance_samples", samples, kLeastDistanceSamples, kMostDistanceSamples);
+  }
   if (!check.ok()) return check.status();
   return options;
 }
@@ -72,6 +84,23 @@ absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureR
   }
   if (!check.ok()) return check.status();
   return sets;
+}
+
+v1::MeshDistance to_proto(const HausdorffDistance& distance, double diagonal) {
+  const auto one_way = [diagonal](const SurfaceDistance& in, v1::OneWayDistance& out) {
+    out.set_max(100 * in.max / diagonal);
+    out.set_mean(100 * in.mean / diagonal);
+    out.set_rms(100 * in.rms / diagonal);
+    *out.mutable_farthest() = to_proto(in.farthest);
+    out.set_normal_mean(in.normal_mean);
+    out.set_normal_rms(in.normal_rms);
+  };
+  v1::MeshDistance out;
+  one_way(distance.forward, *out.mutable_from_mesh());
+  one_way(distance.backward, *out.mutable_from_other());
+  out.set_max(100 * distance.max() / diagonal);
+  out.set_diagonal(diagonal);
+  return out;
 }
 
 v1::Measures to_proto(const MeasureReport& report, double diagonal) {

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "core/measure/hausdorff.h"
 #include "core/measure/measure_points.h"
 #include "curvecast/v1/curvecast.pb.h"
 #include "server/session/mesh_store.h"
@@ -14,6 +15,9 @@ namespace curvecast::server {
 /// Converts all but mesh and points, and fills in defaults. InvalidArgument names the field at fault and its value.
 absl::StatusOr<MeasureOptions> to_measure_options(const v1::MeasureRequest& request);
 
+/// Converts what it says of the other mesh. InvalidArgument names the field at fault and its value.
+absl::StatusOr<HausdorffOptions> to_hausdorff_options(const v1::MeasureRequest& request);
+
 /// Reads the points of all sets in absolute coordinates; files[s] holds those of set s. InvalidArgument and OutOfRange name the
 /// set at fault.
 absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureRequest& request,
@@ -21,5 +25,6 @@ absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureR
 
 /// Converts a report; distances become percentages of `diagonal`, that of the mesh's box.
 v1::Measures to_proto(const MeasureReport& report, double diagonal);
+v1::MeshDistance to_proto(const HausdorffDistance& distance, double diagonal);
 
 }  // namespace curvecast::server

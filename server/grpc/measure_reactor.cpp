@@ -1,5 +1,7 @@
-// Measure: measures uploaded points on a mesh, and tells how far it is.
+// Measure: measures uploaded points on a mesh, and another mesh, and tells how far it is.
 #include <absl/strings/str_cat.h>
+
+#include <optional>
 
 #include "core/pipeline/pipeline.h"
 #include "server/base/grpc_status.h"
@@ -16,8 +18,10 @@ namespace {
 
 struct Work {
   MeshFiles mesh;
+  std::optional<MeshFiles> other;
   std::vector<std::shared_ptr<const Mesh>> points;
   MeasureOptions options;
+  HausdorffOptions distance;
   v1::MeasureRequest request;
 };
 
@@ -35,13 +39,21 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
   absl::Status begin(Engine& engine, const v1::MeasureRequest& request, const std::string& connection) {
     auto mesh = find_files(engine.meshes, request.mesh_id(), request.companions());
     if (!mesh.ok()) return mesh.status();
-    if (request.sets_size() < 1 || request.sets_size() > kMaxMeasuredSets) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("sets has ", request.sets_size(), " entries; it must have 1 to ", kMaxMeasuredSets));
+    const bool has_other = !request.other_mesh_id().empty();
+    if (request.sets_size() < (has_other ? 0 : 1) || request.sets_size() > kMaxMeasuredSets) {
+      return absl::InvalidArgumentError(absl::StrCat("sets has ", request.sets_size(), " entries; it must have 1 to ",
+                                                     kMaxMeasuredSets, ", or none where there is another mesh"));
     }
     const auto options = to_measure_options(request);
     if (!options.ok()) return options.status();
-    Work work{*std::move(mesh), {}, *options, request};
+    const auto distance = to_hausdorff_options(request);
+    if (!distance.ok()) return distance.status();
+    Work work{*std::move(mesh), std::nullopt, {}, *options, *distance, request};
+    if (has_other) {
+      auto other = find_files(engine.meshes, request.other_mesh_id(), request.other_companions());
+      if (!other.ok()) return other.status();
+      work.other = *std::move(other);
+    }
     for (const v1::UploadedPoints& set : request.sets()) {
       auto file = engine.meshes.find(set.points_id());
       if (!file.ok()) return file.status();
@@ -64,12 +76,22 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
     if (!sets.ok()) return sets.status();
     const auto mesh = load_mesh(work.mesh.file(), context);
     if (!mesh.ok()) return mesh.status();
-    MeasureOptions options = work.options;
-    options.scalars = mesh->attributes.scalars;
-    const auto report = measure_points(mesh->mesh, *sets, options, context);
-    if (!report.ok()) return report.status();
     v1::MeasureResponse response;
-    *response.mutable_measures() = to_proto(*report, mesh->info.box.diagonal());
+    const double diagonal = mesh->info.box.diagonal();
+    if (!sets->empty()) {
+      MeasureOptions options = work.options;
+      options.scalars = mesh->attributes.scalars;
+      const auto report = measure_points(mesh->mesh, *sets, options, context);
+      if (!report.ok()) return report.status();
+      *response.mutable_measures() = to_proto(*report, diagonal);
+    }
+    if (work.other) {
+      const auto other = load_mesh(work.other->file(), context);
+      if (!other.ok()) return other.status();
+      const HausdorffDistance distance = hausdorff_distance(mesh->mesh, other->mesh, work.distance, context);
+      if (absl::Status status = context.check(); !status.ok()) return status;
+      *response.mutable_measures()->mutable_distance() = to_proto(distance, diagonal);
+    }
     push(std::move(response));
     return absl::OkStatus();
   }

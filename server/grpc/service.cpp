@@ -216,6 +216,11 @@ grpc::ServerWriteReactor<v1::MeasureResponse>* Service::Measure(grpc::CallbackSe
   return check_caller(engine_, "Measure", *context, [&] { return measure(engine_, *context, *request); });
 }
 
+grpc::ServerWriteReactor<v1::RemeshResponse>* Service::Remesh(grpc::CallbackServerContext* context,
+                                                              const v1::RemeshRequest* request) {
+  return check_caller(engine_, "Remesh", *context, [&] { return remesh(engine_, *context, *request); });
+}
+
 grpc::ServerWriteReactor<v1::GetCurveResponse>* Service::GetCurve(grpc::CallbackServerContext* context,
                                                                   const v1::GetCurveRequest* request) {
   return check_caller(engine_, "GetCurve", *context, [&] { return get_curve(engine_, *context, *request); });

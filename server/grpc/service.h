@@ -39,6 +39,8 @@ class Service final : public v1::CurvecastService::CallbackService {
                                    v1::RenderResponse* response) override;
   grpc::ServerWriteReactor<v1::MeasureResponse>* Measure(grpc::CallbackServerContext* context,
                                                          const v1::MeasureRequest* request) override;
+  grpc::ServerWriteReactor<v1::RemeshResponse>* Remesh(grpc::CallbackServerContext* context,
+                                                       const v1::RemeshRequest* request) override;
   grpc::ServerWriteReactor<v1::GetCurveResponse>* GetCurve(grpc::CallbackServerContext* context,
                                                            const v1::GetCurveRequest* request) override;
   grpc::ServerWriteReactor<v1::ResampleResponse>* Resample(grpc::CallbackServerContext* context,

@@ -37,6 +37,25 @@ TEST_F(CliTest, MeasureTellsAllOfASet) {
   EXPECT_LT(report["spacing"]["coverage"], 4);
 }
 
+TEST_F(CliTest, MeasureTellsHowFarAnotherMeshLies) {
+  const std::string other = temporary("measured_mesh.obj");
+  ASSERT_EQ(run({"remesh", sphere_, "-n", "800", "-o", other}).status, 0);
+  const json report = run_json({"measure", sphere_, "--mesh", other, "--distance-samples", "20000"});
+  expect_keys(report, {"distance", "seed", "seconds"});
+  const json& distance = report["distance"];
+  expect_keys(distance, {"file", "max", "diagonal", "from_mesh", "from_other"});
+  expect_keys(distance["from_mesh"], {"max", "mean", "rms", "farthest", "normal_mean", "normal_rms"});
+  EXPECT_GT(distance["from_mesh"]["mean"], 0.01);
+  EXPECT_LT(distance["max"], 2);
+  const json both = run_json({"measure", sphere_, sampled(sphere_, "500"), "--mesh", other, "--distance-samples", "20000"});
+  EXPECT_EQ(both["distance"], distance);
+  EXPECT_EQ(both["points"], 500);
+  EXPECT_THAT(run({"measure", sphere_, "--mesh", other}).out, HasSubstr("measured_mesh.obj, % of the diagonal"));
+  const Finished nothing = run({"measure", sphere_});
+  EXPECT_NE(nothing.status, 0);
+  EXPECT_THAT(nothing.err, HasSubstr("nothing to measure"));
+}
+
 TEST_F(CliTest, MeasureOfSeveralSetsTellsTheirGradient) {
   const std::vector<std::string> sets = {sampled(sphere_, "1000"), sampled(sphere_, "4000", ".xyz"),
                                          sampled(sphere_, "16000", ".drc")};

@@ -31,6 +31,8 @@ class FakeConnection : public Connection {
               (override));
   MOCK_METHOD(absl::StatusOr<std::vector<v1::GetCurveResponse>>, get_curve, (const v1::GetCurveRequest&, std::stop_token),
               (override));
+  MOCK_METHOD(absl::StatusOr<std::vector<v1::RemeshResponse>>, remesh,
+              (const v1::RemeshRequest&, const OnProgress&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<v1::Measures>, measure, (const v1::MeasureRequest&, const OnProgress&, std::stop_token), (override));
   MOCK_METHOD(std::unique_ptr<ViewCall>, stream_views, (std::stop_token), (override));
 };

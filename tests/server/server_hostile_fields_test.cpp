@@ -168,6 +168,8 @@ TEST_F(ServerHostileFields, Sessions) {
   measure.set_ball_centres(10);
   measure.add_sets()->set_points_id(upload(*stub_, std::string(1200, '\0')));
   *measure.add_density() = rich_sample().density(7);
+  measure.set_other_mesh_id(mesh_);
+  measure.set_distance_samples(1'000);
   for_all_changes(measure, [&](auto& context, const auto& request) {
     return first_of<v1::MeasureResponse>(context, stub_->Measure(&context, request));
   });
@@ -183,6 +185,17 @@ TEST_F(ServerHostileFields, Samples) {
   });
   EXPECT_GT(codes_seen_[grpc::INVALID_ARGUMENT], 100);
   EXPECT_GT(codes_seen_[grpc::OK], 20);
+}
+
+TEST_F(ServerHostileFields, Meshes) {
+  v1::RemeshRequest request;
+  request.set_session_id(session_);
+  *request.mutable_sample() = rich_sample();
+  codes_seen_.clear();
+  for_all_changes(request, [&](auto& context, const auto& changed) {
+    return first_of<v1::RemeshResponse>(context, stub_->Remesh(&context, changed));
+  });
+  EXPECT_GT(codes_seen_[grpc::INVALID_ARGUMENT], 100);
 }
 
 TEST_F(ServerHostileFields, Pictures) {

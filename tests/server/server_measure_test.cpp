@@ -56,6 +56,37 @@ class ServerMeasure : public ServerFixture {
   }
 };
 
+TEST_F(ServerMeasure, MeasuresTheDistanceOfAnotherMesh) {
+  const auto stub = client();
+  v1::MeasureRequest request = request_for(*stub, {});
+  request.set_other_mesh_id(upload(*stub, sphere_off(3)));
+  request.set_distance_samples(50'000);
+  const Answer answer = measure(*stub, request);
+  ASSERT_TRUE(answer.status.ok()) << answer.status.error_message();
+  EXPECT_EQ(answer.measures.sets_size(), 0);
+  ASSERT_TRUE(answer.measures.has_distance());
+  const v1::MeshDistance& distance = answer.measures.distance();
+  EXPECT_NEAR(distance.diagonal(), 2 * std::sqrt(3), 0.1);
+  EXPECT_EQ(distance.max(), std::max(distance.from_mesh().max(), distance.from_other().max()));
+  for (const v1::OneWayDistance& side : {distance.from_mesh(), distance.from_other()}) {
+    EXPECT_GT(side.mean(), 0.01);
+    EXPECT_GT(side.rms(), side.mean());
+    EXPECT_GT(side.max(), side.rms());
+    EXPECT_LT(side.max(), 2);
+    EXPECT_GT(side.normal_mean(), 0.5);
+    EXPECT_GE(side.normal_rms(), side.normal_mean());
+  }
+  request.add_sets()->set_points_id(upload(*stub, random_points(500)));
+  const Answer both = measure(*stub, request);
+  EXPECT_EQ(both.measures.sets_size(), 1);
+  EXPECT_EQ(both.measures.distance().SerializeAsString(), distance.SerializeAsString());
+  request.set_distance_samples(7);
+  EXPECT_THAT(measure(*stub, request).status.error_message(), HasSubstr("distance_samples is 7"));
+  request.set_distance_samples(0);
+  request.set_other_mesh_id("nothing");
+  EXPECT_EQ(measure(*stub, request).status.error_code(), grpc::NOT_FOUND);
+}
+
 TEST_F(ServerMeasure, MeasuresSetsAndTellsHowFarItIs) {
   const auto stub = client();
   v1::MeasureRequest request = request_for(*stub, {random_points(500), random_points(8000)});

@@ -17,6 +17,7 @@ from curvecast.mesh import Mesh
 from curvecast.parameter_mesh import ParameterDisc, ParameterMesh
 from curvecast.points import HAS_DRACO, Points
 from curvecast.session import Session
+from curvecast.triangle_mesh import TriangleMesh
 from curvecast.view import Camera, View
 from curvecast.view_stream import Frame, HeldFrame, ViewStream
 
@@ -34,6 +35,7 @@ __all__ = [
     "ParameterMesh",
     "Points",
     "Session",
+    "TriangleMesh",
     "View",
     "ViewStream",
     "connect",

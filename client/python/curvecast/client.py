@@ -179,10 +179,12 @@ class Client:
     def measure(
         self,
         mesh: Mesh | str,
-        points: Points | npt.ArrayLike | Sequence[Points | npt.ArrayLike],
+        points: Points | npt.ArrayLike | Sequence[Points | npt.ArrayLike] = (),
         *,
+        other: Mesh | str | None = None,
         density: Sequence[v1.DensityTerm] = (),
         camera: Camera | Sequence[Camera] = (),
+        distance_samples: int = 0,
         ring_seeds: int = 0,
         ball_centres: int = 0,
         seed: int = 0,
@@ -193,7 +195,8 @@ class Client:
         points: Points or an (N, 3) array of positions in the frame of the mesh file, made by any program; or a list of such sets.
         The measures of set i are in .sets[i]. density: that the points are to have. camera: of terms of a camera, with a square
         picture. ring_seeds, ball_centres: triangles with rings about them, points with balls about them; 0 = 256 and 1,024. seed:
-        of their choice.
+        of their choice. other: another mesh, whose distance (Hausdorff, means, normals) is in .distance; its means are taken over
+        distance_samples places of each, 0 = 1,000,000.
         """
         mesh = as_mesh(mesh)
         sets = points if isinstance(points, (list, tuple)) else [points]
@@ -207,6 +210,11 @@ class Client:
             ball_centres=ball_centres,
             seed=seed,
         )
+        if other is not None:
+            other = as_mesh(other)
+            request.other_mesh_id = other.id
+            request.other_companions.update(other.companions)
+            request.distance_samples = distance_samples
         for one in map(as_points, sets):
             data = one.positions.astype("<f4", copy=False).tobytes()
             points_id = self.upload_bytes("points", data, on_progress).id

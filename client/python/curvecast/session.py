@@ -12,6 +12,7 @@ from curvecast.curve import Curve, decode_curve
 from curvecast.errors import bad_answer
 from curvecast.points import Points, decode_blocks
 from curvecast.protocol import MAX_POINTS
+from curvecast.triangle_mesh import TriangleMesh, decode_mesh
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import View
 from curvecast.view_stream import HeldFrame, ViewStream
@@ -72,6 +73,20 @@ class Session:
         held() of a stream of this session that broke off, to go on from its points.
         """
         return ViewStream(self._connection, self.id, deltas, first_bytes, held)
+
+    def remesh(self, view: View | int | None = None, *, relaxations: int = 5, **options: Any) -> TriangleMesh:
+        """Makes a triangle mesh of the points of a view, with exactly as many vertices: remesh(10_000, density=[...]). It is
+        manifold, with the components, tunnels and borders of the surface.
+
+        relaxations: rounds in which vertices move along the surface, to more regular triangles. Error INVALID_ARGUMENT: too few
+        points to bear the surface's topology.
+        """
+        if not isinstance(view, View):
+            view = View(points=view, **options)
+        elif options:
+            view = dataclasses.replace(view, **options)
+        request = v1.RemeshRequest(session_id=self.id, sample=view.to_proto(), relaxations=relaxations)
+        return self._connection.read_stream("Remesh", request, self._connection.long_timeout, decode_mesh)
 
     def curve(self) -> Curve:
         """Fetches the curve itself: all of its vertices, in order."""

@@ -127,6 +127,12 @@ class ClientTest(ServerTest):
         self.assertEqual(alone[0].points, 4096)
         self.assert_refused("INVALID_ARGUMENT", "", self.client.measure, mesh, np.zeros((1, 3)))
         self.assert_refused("INVALID_ARGUMENT", "", self.client.measure, mesh, [])
+        coarse = self.client.upload(self.write("coarse.obj", sphere_obj(12)))
+        distance = self.client.measure(mesh, other=coarse, distance_samples=10_000).distance
+        self.assertAlmostEqual(distance.diagonal, 2 * np.sqrt(3), delta=0.05)
+        self.assertEqual(distance.max, max(distance.from_mesh.max, distance.from_other.max))
+        self.assertTrue(0.1 < distance.from_mesh.mean < distance.from_mesh.rms < distance.max < 1.5, distance)
+        self.assertLess(self.client.measure(mesh, other=mesh).distance.max, 1e-5)
 
     def test_a_client_that_hangs_up(self) -> None:
         with curvecast.connect(self.server.address) as client:

@@ -74,6 +74,21 @@ class SessionTest(ServerTest):
         self.assertGreater((np.pi * present(points.radii).astype(float) ** 2).sum(), 4 * np.pi * RADIUS**2)
         np.testing.assert_allclose(away.mean(axis=0), 0, atol=0.02 * RADIUS)
 
+    def test_remesh_closes_the_sphere(self) -> None:
+        mesh = self.session.remesh(1000, density=density.expression("1 + 3 * (y > 0)"), sampler="progressive")
+        self.assertEqual(len(mesh.vertices), 1000)
+        self.assertEqual(len(mesh), 1996)
+        self.assertEqual((mesh.info.components, mesh.info.genus, mesh.info.boundary_loops), (1, 0, 0))
+        sides = np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]])
+        self.assertEqual({tuple(side) for side in sides.tolist()}, {tuple(side) for side in sides[:, ::-1].tolist()})
+        corners = mesh.vertices.world_positions()[mesh.triangles]
+        volume = np.linalg.det(corners).sum() / 6
+        self.assertAlmostEqual(volume, 4 / 3 * np.pi, delta=0.2)
+        self.assertEqual(len(present(mesh.vertices.faces)), 1000)
+        self.assertEqual(len(self.session.remesh(View(points=500), relaxations=0)), 996)
+        with self.assertRaises(curvecast.Error):
+            self.session.remesh(3)
+
     def test_density_moves_points(self) -> None:
         north = density.expression("1 + 3 * (y > 0)")
         points = self.session.sample(4000, density=north)

@@ -23,6 +23,7 @@ TEST(BorderPoints, AreAsFarApartAsThePointsBesideThem) {
       if (disc.twins[h] == kNone) length += (disc.positions[disc.to(h)] - disc.positions[disc.from(h)]).norm();
     }
     EXPECT_NEAR(static_cast<double>(found.places.size()), length / spacing, 0.15 * length / spacing);
+    EXPECT_TRUE(found.corners.empty()) << "a circle has none";
     EXPECT_EQ(found.stand_ins.size(), found.places.size());
     const std::set<std::uint32_t> different(found.stand_ins.begin(), found.stand_ins.end());
     EXPECT_EQ(different.size(), found.stand_ins.size());
@@ -40,6 +41,37 @@ TEST(BorderPoints, AreDenserWherePointsAre) {
   double left = 0, right = 0;
   for (const BorderPlace& place : found.places) (strip.positions[place.vertex].x() < 0.5 ? left : right) += 1;
   EXPECT_NEAR(right / left, 4, 1);
+}
+
+TEST(BorderPoints, CornersStay) {
+  for (const int cells : {1, 12}) {
+    const TriangleMesh mesh = make_mesh(square(cells));
+    for (const std::size_t n : {20u, 500u, 20'000u}) {
+      const BorderPoints found = place_on_borders(mesh, positions_of(mesh, n));
+      ASSERT_EQ(found.corners.size(), 4u);
+      for (const std::uint32_t v : found.corners) {
+        const Vec3d& p = mesh.positions[v];
+        EXPECT_TRUE((p.x() == 0 || p.x() == 1) && (p.y() == 0 || p.y() == 1));
+      }
+      EXPECT_EQ(found.stand_ins.size(), found.places.size() + 4);
+      const double spacing = std::sqrt(2 / std::numbers::sqrt3 / static_cast<double>(n));
+      EXPECT_NEAR(static_cast<double>(found.places.size() + 4), 4 / spacing, std::max(3.0, 0.15 * 4 / spacing));
+    }
+  }
+}
+
+TEST(BorderPoints, JaggedBordersHaveNoMoreCornersThanPoints) {
+  // Teeth far smaller than the distance of points.
+  std::vector<Vec3d> positions = {{0, 0, 0}};
+  std::vector<std::vector<std::uint32_t>> triangles;
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 400, radius = i % 2 == 0 ? 1 : 0.98;
+    positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+    triangles.push_back({0, i + 1, (i + 1) % 400 + 1});
+  }
+  const TriangleMesh saw = make_mesh(soup_of(positions, triangles));
+  const BorderPoints found = place_on_borders(saw, positions_of(saw, 200));
+  EXPECT_LT(found.corners.size() + found.places.size(), 80u);
 }
 
 TEST(BorderPoints, AreThreeAtLeast) {

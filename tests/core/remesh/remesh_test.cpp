@@ -59,6 +59,18 @@ TEST(Remesh, TrianglesAreRegular) {
   EXPECT_GT(angles[angles.size() / 100], 30);
 }
 
+TEST(Remesh, FlatPiecesKeepTheirOutline) {
+  const TriangleMesh shape = make_mesh(square(9));
+  for (const std::size_t n : {20u, 400u}) {
+    const auto made = remesh(shape, random_places(shape, n));
+    ASSERT_TRUE(made.ok()) << made.status();
+    EXPECT_EQ(made->mesh.vertex_count(), n);
+    EXPECT_NEAR(surface_area(made->mesh), 1, 1e-9);
+    const std::vector<double> angles = least_angles(made->mesh);
+    EXPECT_GT(angles.front(), 5);
+  }
+}
+
 TEST(Remesh, SmallComponentsKeepWhatTheyStandOn) {
   // One ball has nearly all of the area: the other one gets a point or none.
   const TriangleMesh shape = make_mesh(merged(icosphere(4), translated(icosphere(2, 0.01), {2, 0, 0})));

@@ -88,6 +88,8 @@ TEST(SurfaceFile, BringsEverythingBack) {
   }
   ASSERT_EQ(x.creases.faces.size(), y.creases.faces.size());
   ASSERT_EQ(x.creases.normals.size(), y.creases.normals.size());
+  EXPECT_THAT(x.borders, HasSame(y.borders));
+  EXPECT_FALSE(y.borders.empty());
   ASSERT_EQ(x.scalars.size(), 2u);
   EXPECT_THAT(x.scalars[1], HasSame(y.scalars[1]));
   ASSERT_NE(x.colour, nullptr);
@@ -244,6 +246,7 @@ struct Spoilable {
     for (const ScalarAttribute& scalar : surface.loaded.attributes.scalars) out.scalars.emplace_back(scalar.values);
     out.colour = &colour;
     out.creases = creases;
+    out.borders = surface.borders;
     return out;
   }
   absl::Status save(const std::string& path) const {
@@ -279,6 +282,11 @@ TEST(SurfaceFile, RefusesAbsurdContentWithGoodChecksums) {
       {"crease of no face",
        [](auto& s) {
          s.creases.faces = {{5, {kNone, kNone, kNone}}, {4, {kNone, kNone, kNone}}};
+       }},
+      {"border of no face", [](auto& s) { s.surface.borders = {4'000'000'000u}; }},
+      {"borders in any order",
+       [](auto& s) {
+         s.surface.borders = {5, 4};
        }},
       {"crease without a normal",
        [](auto& s) {

@@ -1,0 +1,25 @@
+// Mesh files: .ply, .obj, .off, .stl and .glb, by the ending of the name.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <string>
+
+#include "mesh.h"
+
+namespace curvecast::client {
+
+/// OK for an ending that write_mesh_file() knows.
+absl::Status check_mesh_ending(const std::string& path);
+
+/// Replaces the file, all or nothing. Coordinates are absolute (origin + position).
+///   .ply  binary little endian: x y z (doubles when the origin is not zero), nx ny nz, red green blue where there are colours
+///   .obj  text: positions, colours behind them where there are any, normals
+///   .off  text: positions and triangles alone
+///   .stl  binary: triangles with their own normals, as floats: coarser than the vertices far from the origin
+///   .glb  glTF 2.0: positions relative to a node at the origin, normals, COLOR_0 (linear) where there are colours
+/// InvalidArgument: another ending. FailedPrecondition: cannot be written. Messages start with the
+/// path.
+absl::Status write_mesh_file(const std::string& path, const Mesh& mesh);
+
+}  // namespace curvecast::client

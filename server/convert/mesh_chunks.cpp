@@ -1,0 +1,41 @@
+#include "server/convert/mesh_chunks.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "server/convert/convert_points.h"
+#include "server/convert/little_endian.h"
+
+namespace curvecast::server {
+
+absl::Status make_mesh_chunks(const PointSet& vertices, const std::vector<Triangle>& triangles, const Topology& topology,
+                              const SurfaceCurve& curve, const std::function<bool(v1::RemeshResponse)>& emit) {
+  absl::Status gone = absl::CancelledError("the client has gone");
+  v1::RemeshResponse first;
+  v1::RemeshInfo& info = *first.mutable_info();
+  info.set_vertices(vertices.size());
+  info.set_triangles(triangles.size());
+  info.set_components(topology.components);
+  info.set_genus(topology.genus);
+  info.set_boundary_loops(topology.boundary_loops);
+  if (!emit(std::move(first))) return gone;
+  for (std::size_t begin = 0; begin < vertices.size(); begin += kChunkMeshVertices) {
+    const std::size_t count = std::min(kChunkMeshVertices, vertices.size() - begin);
+    absl::StatusOr<v1::PointBlock> block = to_proto(vertices, begin, count, curve, std::nullopt);
+    if (!block.ok()) return block.status();
+    *block->mutable_attributes() = to_proto(vertices, begin, count, curve, PointAttributes{.surface = true});
+    v1::RemeshResponse response;
+    *response.mutable_chunk()->mutable_vertices() = *std::move(block);
+    if (!emit(std::move(response))) return gone;
+  }
+  for (std::size_t begin = 0; begin < triangles.size(); begin += kChunkMeshTriangles) {
+    v1::RemeshResponse response;
+    response.mutable_chunk()->set_triangles(
+        little_endian(triangles, begin, std::min(kChunkMeshTriangles, triangles.size() - begin)));
+    if (!emit(std::move(response))) return gone;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace curvecast::server

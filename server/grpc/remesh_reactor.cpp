@@ -1,0 +1,86 @@
+// Remesh: makes a triangle mesh of a session's points, and sends it chunk by chunk.
+#include "server/base/grpc_status.h"
+#include "server/base/status_from_exceptions.h"
+#include "server/convert/convert.h"
+#include "server/convert/field_validator.h"
+#include "server/convert/mesh_chunks.h"
+#include "server/engine/caller.h"
+#include "server/frame/session_mesh.h"
+#include "server/grpc/reactors.h"
+#include "server/grpc/write_queue.h"
+
+namespace curvecast::server {
+namespace {
+
+// The job is the only one that finishes, so the reactor outlives it. It queues with the preprocessing jobs: it may take seconds.
+class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
+ public:
+  RemeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::RemeshRequest& request)
+      : WriteQueue(RequestLog(engine, "Remesh", context), engine.queued) {
+    const absl::Status begun = status_from_exceptions([&] { return begin(engine, request, peer_of(context)); });
+    if (!begun.ok()) finish(to_grpc(begun));
+  }
+
+ private:
+  absl::Status begin(Engine& engine, const v1::RemeshRequest& request, const std::string& connection) {
+    const std::string& id = request.session_id();
+    // What is in memory is held from now on, whoever closes it; what has to be loaded is left to the job.
+    std::shared_ptr<const Session> held;
+    if (!engine.sessions.must_load(id)) {
+      auto session = engine.sessions.find(id);
+      if (!session.ok()) return session.status();
+      held = *std::move(session);
+    }
+    auto points = to_point_set_request(request.sample());
+    if (!points.ok()) return points.status();
+    if (points->automatic || points->max_bytes > 0) {
+      return absl::InvalidArgumentError("sample has a budget that meshes cannot keep; ask for points or an error in pixels");
+    }
+    FieldValidator check;
+    RemeshOptions options;
+    if (request.has_relaxations()) {
+      options.relaxations = static_cast<int>(
+          check.in_range("relaxations", request.relaxations(), std::uint32_t{0}, std::uint32_t{kMaxRelaxations}));
+    }
+    if (!check.ok()) return check.status();
+    return engine.preprocessing
+        .submit(
+            [this, &engine, id, held = std::move(held), points = *std::move(points), options]() mutable {
+              finish(to_grpc(status_from_exceptions([&]() -> absl::Status {
+                absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
+                if (*session == nullptr) session = engine.sessions.find(id);
+                if (!session.ok()) return session.status();
+                return answer(engine, **session, points, options);
+              })));
+            },
+            connection)
+        .status();
+  }
+
+  absl::Status answer(Engine& engine, const Session& session, const PointSetRequest& points, const RemeshOptions& options) {
+    if (cancelled()) return absl::CancelledError("the client has gone");
+    ExecutionContext context;
+    context.cancel = &cancel_flag();
+    context.threads = engine.threads;
+    context.on_progress = [this](std::string_view stage, double fraction) {
+      v1::RemeshResponse response;
+      response.mutable_progress()->set_stage(std::string(stage));
+      response.mutable_progress()->set_fraction(fraction);
+      push(std::move(response));
+    };
+    const absl::StatusOr<SessionMesh> mesh = make_session_mesh(session, points, options, engine.view_cache, context);
+    if (!mesh.ok()) return mesh.status();
+    return push_all([&](const auto& push_chunk) {
+      return make_mesh_chunks(mesh->vertices, mesh->triangles, mesh->topology, *session.curve(), push_chunk);
+    });
+  }
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::RemeshResponse>* remesh(Engine& engine, grpc::CallbackServerContext& context,
+                                                     const v1::RemeshRequest& request) {
+  return new RemeshReactor(engine, context, request);
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,76 @@
+// curvecast remesh, and the files that it writes, as the command itself reads them.
+#include <cmath>
+#include <fstream>
+
+#include "tests/client/cli_fixture.h"
+
+namespace curvecast::cli {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST_F(CliTest, RemeshWritesFilesOfEveryKind) {
+  for (const std::string ending : {".ply", ".obj", ".off", ".stl", ".glb"}) {
+    const std::string path = temporary("remeshed" + ending);
+    const json report = run_json({"remesh", sphere_, "-n", "1500", "-o", path});
+    expect_keys(report, {"vertices", "triangles", "components", "genus", "boundary_loops", "least_angles", "seconds", "sampler",
+                         "relaxations", "seed", "session_id", "output"});
+    EXPECT_EQ(report["vertices"], 1500);
+    EXPECT_EQ(report["triangles"], 2996);
+    EXPECT_GT(report["least_angles"]["median"], 45);
+    const json info = run_json({"info", path});
+    EXPECT_EQ(info["vertices"], 1500) << ending;
+    EXPECT_EQ(info["faces"], 2996) << ending;
+    EXPECT_EQ(info["components"], 1) << ending;
+    EXPECT_EQ(info["genus"], 0) << ending;
+    EXPECT_EQ(info["boundary_loops"], 0) << ending;
+    EXPECT_NEAR(info["area"].get<double>(), run_json({"info", sphere_})["area"].get<double>(), 0.1) << ending;
+  }
+}
+
+TEST_F(CliTest, RemeshKeepsColoursAndPlacesFarOut) {
+  // Two coloured triangles far from the origin.
+  const std::string mesh = temporary("far.ply");
+  std::ofstream(mesh) << "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+                         "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 2\n"
+                         "property list uchar int vertex_indices\nend_header\n"
+                         "5000000 7000000 0 255 0 0\n5000001 7000000 0 255 0 0\n5000001 7000001 0 255 0 0\n"
+                         "5000000 7000001 0 255 0 0\n3 0 1 2\n3 0 2 3\n";
+  for (const std::string ending : {".ply", ".obj", ".off", ".glb"}) {
+    const std::string path = temporary("far_out" + ending);
+    ASSERT_EQ(run({"remesh", mesh, "-n", "300", "--density", "uniform", "-o", path}).status, 0);
+    const json info = run_json({"info", path});
+    EXPECT_EQ(info["vertices"], 300) << ending;
+    EXPECT_EQ(info["boundary_loops"], 1) << ending;
+    // Corners go where no vertex lies on them; not much of the square does.
+    EXPECT_NEAR(info["area"].get<double>(), 1, 0.02) << ending;
+    EXPECT_NEAR(info["box"]["min"][1].get<double>(), 7'000'000, 1e-3) << ending;
+    const bool has_colours = ending != ".off";
+    EXPECT_EQ(info["attributes"].dump().find("colours") != std::string::npos, has_colours) << ending << info["attributes"];
+  }
+}
+
+TEST_F(CliTest, RemeshFollowsItsOptions) {
+  const json dense = run_json({"remesh", sphere_, "-n", "900", "--relax", "0", "--density", "expression:1 + 20 * (z > 0)"});
+  EXPECT_EQ(dense["relaxations"], 0);
+  EXPECT_LT(dense["least_angles"]["percentile_1"], run_json({"remesh", sphere_, "-n", "900"})["least_angles"]["percentile_1"]);
+  EXPECT_EQ(run_json({"remesh", sphere_, "-n", "900", "--sampler", "equalised"})["vertices"], 900);
+  const Finished text = run({"remesh", sphere_, "-n", "900"});
+  EXPECT_THAT(text.out, HasSubstr("900 vertices, 1796 triangles: 1 component, genus 0, 0 borders"));
+}
+
+TEST_F(CliTest, RemeshSaysWhatIsWrong) {
+  const auto expect_error = [&](std::vector<std::string> arguments, int status, const std::string& why) {
+    arguments.insert(arguments.begin(), "remesh");
+    const Finished finished = run(arguments);
+    EXPECT_EQ(finished.status, status) << why;
+    EXPECT_THAT(finished.err, HasSubstr(why));
+  };
+  expect_error({sphere_, "-o", "mesh.xyz"}, 2, ".ply, .obj, .off, .stl or .glb");
+  expect_error({sphere_, "--relax", "101"}, 2, "--relax");
+  expect_error({sphere_, "-n", "3"}, 3, "3 vertices are too few");
+  expect_error({sphere_, "-o", "/nowhere/mesh.ply"}, 3, "/nowhere/mesh.ply");
+}
+
+}  // namespace
+}  // namespace curvecast::cli
