@@ -16,7 +16,7 @@
 
 #include "client/bench/abusers.h"
 #include "client/bench/server_stage.h"
-#include "client/cli/quantile.h"
+#include "client/cli/report.h"
 
 namespace curvecast::cli::bench {
 namespace {

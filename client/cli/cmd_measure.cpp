@@ -177,9 +177,6 @@ void tell_far_sets(const Flags& flags, const v1::Measures& measures) {
 }
 
 absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_token stop) {
-  if (flags.points.empty() && flags.other.empty()) {
-    return absl::InvalidArgumentError("nothing to measure: name files of points, or another mesh with --mesh");
-  }
   const auto start = std::chrono::steady_clock::now();
   const absl::StatusOr<std::vector<client::Points>> sets = load_sets(flags.points, stop);
   if (!sets.ok()) return sets.status();
@@ -236,6 +233,9 @@ Command add_measure(CLI::App& root, CommonOptions& options) {
   const auto add_count = [&](const char* name, std::uint32_t* count, const char* help) {
     app->add_option(name, *count, help)->check(CLI::Range(1u, 100'000u))->type_name("COUNT")->capture_default_str();
   };
+  app->parse_complete_callback([flags] {
+    if (flags->points.empty() && flags->other.empty()) throw CLI::RequiredError("POINTS, or another mesh with --mesh,");
+  });
   add_count("--ring-seeds", &flags->ring_seeds, "random triangles that rings are grown around");
   app->add_option("--mesh", flags->other, "another mesh, whose distance is measured: its simplification or remeshing, say")
       ->type_name("FILE");

@@ -1,11 +1,13 @@
 #include <absl/strings/str_format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <vector>
 
 #include "client/cli/commands.h"
 #include "client/cli/progress_bar.h"
@@ -31,20 +33,15 @@ struct Flags {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// The smallest angles of the triangles.
-struct Angles {
-  double median, percent_1, least;  // degrees
-  double below_20;                  // share of the triangles
-};
-
-Angles angles_of(const client::Mesh& mesh) {
+/// The smallest angle of each triangle, in degrees.
+std::vector<double> least_angles(const client::Mesh& mesh) {
   std::vector<double> angles;
   angles.reserve(mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
     double least = 180;
-    for (int i = 0; i < 3; ++i) {
-      const auto corner = [&](int k) {
-        const auto& p = mesh.vertices.positions[t[static_cast<std::size_t>((i + k) % 3)]];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto corner = [&](std::size_t k) {
+        const auto& p = mesh.vertices.positions[t[(i + k) % 3]];
         return Vec3d(p[0], p[1], p[2]);
       };
       const Vec3d p = corner(1) - corner(0), q = corner(2) - corner(0);
@@ -52,9 +49,18 @@ Angles angles_of(const client::Mesh& mesh) {
     }
     angles.push_back(least);
   }
-  std::sort(angles.begin(), angles.end());
-  const auto below = std::lower_bound(angles.begin(), angles.end(), 20.0) - angles.begin();
-  return {angles[angles.size() / 2], angles[angles.size() / 100], angles.front(),
+  return angles;
+}
+
+struct Angles {
+  double median, percent_1, least;  // degrees
+  double below_20;                  // share of the triangles
+};
+
+Angles angles_of(const client::Mesh& mesh) {
+  const std::vector<double> angles = least_angles(mesh);
+  const auto below = std::count_if(angles.begin(), angles.end(), [](double angle) { return angle < 20; });
+  return {quantile(angles, 0.5), quantile(angles, 0.01), quantile(angles, 0),
           static_cast<double>(below) / static_cast<double>(angles.size())};
 }
 

@@ -16,7 +16,6 @@
 #include "client/cli/density_term.h"
 #include "client/cli/points_io.h"
 #include "client/cli/progress_bar.h"
-#include "client/cli/quantile.h"
 #include "client/cli/report.h"
 #include "client/cli/sample_flags.h"
 #include "client/cli/session_flags.h"

@@ -4,7 +4,9 @@
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_join.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <utility>
@@ -177,5 +179,13 @@ const char* point_limit_name(v1::PointLimit limit) {
 void print_note(const std::string& text) { std::fprintf(stderr, "note: %s\n", text.c_str()); }
 
 Box3d box_of(const v1::MeshInfo& mesh) { return {to_vec(mesh.box_min()), to_vec(mesh.box_max())}; }
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0;
+  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(values.size())));
+  const std::size_t index = std::min(std::max<std::size_t>(rank, 1), values.size()) - 1;
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(index), values.end());
+  return values[index];
+}
 
 }  // namespace curvecast::cli

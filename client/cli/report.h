@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "client/cli/common.h"
 #include "core/base/vec.h"
@@ -26,5 +27,8 @@ const char* point_limit_name(v1::PointLimit limit);
 void print_note(const std::string& text);
 
 Box3d box_of(const v1::MeshInfo& mesh);
+
+/// A quantile of measurements, by the nearest rank; 0 of none.
+double quantile(std::vector<double> values, double q);
 
 }  // namespace curvecast::cli

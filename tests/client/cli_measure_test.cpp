@@ -52,8 +52,8 @@ TEST_F(CliTest, MeasureTellsHowFarAnotherMeshLies) {
   EXPECT_EQ(both["points"], 500);
   EXPECT_THAT(run({"measure", sphere_, "--mesh", other}).out, HasSubstr("measured_mesh.obj, % of the diagonal"));
   const Finished nothing = run({"measure", sphere_});
-  EXPECT_NE(nothing.status, 0);
-  EXPECT_THAT(nothing.err, HasSubstr("nothing to measure"));
+  EXPECT_EQ(nothing.status, 2);
+  EXPECT_THAT(nothing.err, HasSubstr("POINTS, or another mesh with --mesh, is required"));
 }
 
 TEST_F(CliTest, MeasureOfSeveralSetsTellsTheirGradient) {

@@ -19,11 +19,7 @@ TEST_F(CliTest, RemeshWritesFilesOfEveryKind) {
     EXPECT_EQ(report["triangles"], 2996);
     EXPECT_GT(report["least_angles"]["median"], 45);
     const json info = run_json({"info", path});
-    EXPECT_EQ(info["vertices"], 1500) << ending;
-    EXPECT_EQ(info["faces"], 2996) << ending;
-    EXPECT_EQ(info["components"], 1) << ending;
-    EXPECT_EQ(info["genus"], 0) << ending;
-    EXPECT_EQ(info["boundary_loops"], 0) << ending;
+    EXPECT_EQ(info["mesh"].dump(), R"({"boundary_loops":0,"components":1,"faces":2996,"genus":0,"vertices":1500})") << ending;
     EXPECT_NEAR(info["area"].get<double>(), run_json({"info", sphere_})["area"].get<double>(), 0.1) << ending;
   }
 }
@@ -40,10 +36,9 @@ TEST_F(CliTest, RemeshKeepsColoursAndPlacesFarOut) {
     const std::string path = temporary("far_out" + ending);
     ASSERT_EQ(run({"remesh", mesh, "-n", "300", "--density", "uniform", "-o", path}).status, 0);
     const json info = run_json({"info", path});
-    EXPECT_EQ(info["vertices"], 300) << ending;
-    EXPECT_EQ(info["boundary_loops"], 1) << ending;
-    // Corners go where no vertex lies on them; not much of the square does.
-    EXPECT_NEAR(info["area"].get<double>(), 1, 0.02) << ending;
+    EXPECT_EQ(info["mesh"]["vertices"], 300) << ending;
+    EXPECT_EQ(info["mesh"]["boundary_loops"], 1) << ending;
+    EXPECT_NEAR(info["area"].get<double>(), 1, 1e-3) << ending;
     EXPECT_NEAR(info["box"]["min"][1].get<double>(), 7'000'000, 1e-3) << ending;
     const bool has_colours = ending != ".off";
     EXPECT_EQ(info["attributes"].dump().find("colours") != std::string::npos, has_colours) << ending << info["attributes"];
