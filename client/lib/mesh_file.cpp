@@ -191,15 +191,15 @@ std::string make_glb(const Mesh& mesh) {
                       x, y, z, attributes, indices, binary.size(), views, accessors);
   json.resize((json.size() + 3) / 4 * 4, ' ');
   std::string out = "glTF";
-  const auto chunk = [&out](const char* type, const std::string& bytes) {
+  const auto chunk = [&out](const std::array<char, 4>& type, const std::string& bytes) {
     put(out, static_cast<std::uint32_t>(bytes.size()));
-    out.append(type, 4);
+    put(out, type);
     out += bytes;
   };
   put(out, std::uint32_t{2});
   put(out, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + binary.size()));
-  chunk("JSON", json);
-  chunk("BIN\0", binary);
+  chunk({'J', 'S', 'O', 'N'}, json);
+  chunk({'B', 'I', 'N', '\0'}, binary);
   return out;
 }
 

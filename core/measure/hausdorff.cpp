@@ -111,7 +111,8 @@ class OneWay {
       for (int j = 0; j < k; ++j) {
         for (int i = 0; i < 2 * (k - j) - 1; ++i) {  // upright and upside down in turns
           const double part = i % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
-          positions.push_back(a + (i / 2 + part) * along + (j + part) * up);
+          const int column = i / 2;
+          positions.emplace_back(a + (column + part) * along + (j + part) * up);
           some.push_back({f, face_area / (static_cast<double>(k) * k)});
         }
       }

@@ -137,9 +137,9 @@ class BorderPlacer {
 
   void add_pieces(std::uint32_t h, double& sum) {
     const double length = (point_on(h, 1) - point_on(h, 0)).norm();
-    const double count = std::clamp(std::ceil(length / spacing(point_on(h, 0.5))), 1.0, kMostPieces);
-    for (double i = 0; i < count; ++i) {
-      const double first = i / count, last = (i + 1) / count;
+    const auto count = static_cast<int>(std::clamp(std::ceil(length / spacing(point_on(h, 0.5))), 1.0, kMostPieces));
+    for (int i = 0; i < count; ++i) {
+      const double first = static_cast<double>(i) / count, last = static_cast<double>(i + 1) / count;
       const double steps = length / count / spacing(point_on(h, 0.5 * (first + last)));
       pieces_.push_back({h, first, last, sum, sum + steps});
       sum += steps;

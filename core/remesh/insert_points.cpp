@@ -103,7 +103,7 @@ class FaceFiller {
 
   void split(const Part& part) {
     choose(part);
-    const auto [a, b, c] = part.corners;
+    const Local a = part.corners[0], b = part.corners[1], c = part.corners[2];
     const Local p = part.points[0].at;
     const auto second = static_cast<std::uint32_t>(mesh_.face_count());
     mesh_.split_face(part.face, part.points[0].vertex);  // (a, b, p), (b, c, p), (c, a, p)

@@ -33,7 +33,7 @@ std::uint32_t VertexRemover::best_target(std::uint32_t v, double least) {
   ring_.clear();
   halfedges_.clear();
   mesh_.for_each_outgoing(v, [&](std::uint32_t h) { halfedges_.push_back(h); });
-  mesh_.for_each_neighbour(v, [&](std::uint32_t x) { ring_.push_back(mesh_.positions[x] - mesh_.positions[v]); });
+  mesh_.for_each_neighbour(v, [&](std::uint32_t x) { ring_.emplace_back(mesh_.positions[x] - mesh_.positions[v]); });
   const bool border = mesh_.on_border(v);
   const std::size_t size = ring_.size(), triangles = border ? size - 1 : size;
   Vec3d normal = Vec3d::Zero();

@@ -49,7 +49,7 @@ void describe(const CurveBase& base, const Vec3d& origin, const TriangleMesh& me
     Vec3f normal = Vec3f::Zero();
     for (int i = 0; i < 3; ++i) normal += weights[i] * base.data.geometry[corners[i]].normal;
     const float length = normal.norm();
-    out.positions.push_back((mesh.positions[v] - origin).cast<float>());
+    out.positions.emplace_back((mesh.positions[v] - origin).cast<float>());
     out.normals.push_back(length > 0 ? Vec3f(normal / length) : Vec3f::UnitZ());
     if (base.data.colour == nullptr) continue;
     const auto radius = static_cast<double>(out.radii[v]);
