@@ -5,11 +5,15 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/random.h"
+
 namespace curvecast {
 namespace {
 
 // The least weight of a corner: points nearer to an edge are put that far from it.
 constexpr float kLeastWeight = 1e-5f;
+// By which points are moved off the lines that they share with others: less than kLeastWeight.
+constexpr float kBeside = 8e-6f;
 // Of a part's area: the least third that is worth looking for.
 constexpr double kThin = 1e-4;
 
@@ -39,6 +43,14 @@ struct Point {
   std::uint32_t vertex;
 };
 
+/// Returns a place next to a point's: points of regular samplings lie on many lines with others and with corners, and triangles
+/// between them would have no area.
+Local beside(const Point& point) {
+  const std::uint64_t bits = mix_bits(point.vertex);
+  const auto step = [](std::uint64_t some) { return kBeside * (static_cast<float>(some & 0xffff) / 0xffff - 0.5f); };
+  return {point.at.u + step(bits), point.at.v + step(bits >> 16)};
+}
+
 /// Puts points into one face.
 class FaceFiller {
  public:
@@ -46,6 +58,7 @@ class FaceFiller {
 
   void fill(std::uint32_t face, std::span<Point> points) {
     move_apart(points);
+    for (Point& p : points) p.at = beside(p);
     const Triangle& t = mesh_.triangles[face];
     const Vec3d origin = mesh_.positions[t[0]], along = mesh_.positions[t[1]] - origin, up = mesh_.positions[t[2]] - origin;
     for (const Point& p : points) {

@@ -71,6 +71,27 @@ TEST(Remesh, FlatPiecesKeepTheirOutline) {
   }
 }
 
+TEST(Remesh, PointsOnCommonLinesMakeNoFlatTriangles) {
+  // A regular grid on the few faces of a cube: most points lie on lines with corners and with each other.
+  const TriangleMesh shape = make_mesh(cube());
+  std::vector<FacePlace> points;
+  for (std::uint32_t f = 0; f < shape.face_count(); ++f) {
+    for (int i = 0; i < 32; ++i) {
+      for (int j = 0; i + j < 32; ++j) points.push_back({f, static_cast<float>(i) / 32, static_cast<float>(j) / 32});
+    }
+  }
+  for (const int relaxations : {0, 5}) {
+    const auto made = remesh(shape, points, {.relaxations = relaxations});
+    ASSERT_TRUE(made.ok()) << made.status();
+    EXPECT_EQ(made->mesh.vertex_count(), points.size());
+    const std::vector<double> angles = least_angles(made->mesh);
+    EXPECT_GT(angles[angles.size() / 100], relaxations == 0 ? 0.0 : 15.0);
+    if (relaxations > 0) {
+      EXPECT_GT(angles.front(), 0.1);
+    }
+  }
+}
+
 TEST(Remesh, SmallComponentsKeepWhatTheyStandOn) {
   // One ball has nearly all of the area: the other one gets a point or none.
   const TriangleMesh shape = make_mesh(merged(icosphere(4), translated(icosphere(2, 0.01), {2, 0, 0})));
