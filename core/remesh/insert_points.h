@@ -15,9 +15,9 @@ struct BorderPlace {
   double part;
 };
 
-/// Adds one vertex for each point, numbered in their order from the first free number on, in faces of their own around it. Points
-/// on edges or at corners of faces, and those at the same place as another, lie a little beside these. Precondition: the faces
-/// are those that the mesh came with.
+/// Adds one vertex for each point, numbered in their order from the first free number on, in faces of their own around it. Each
+/// is moved by up to 1e-5 of its face, off the edges and off lines that it shares with others; those at the same place as
+/// another, farther. Precondition: the faces are those that the mesh came with.
 void insert_points(HalfedgeMesh& mesh, std::span<const FacePlace> points);
 
 /// The same for points on borders. Those of one edge follow each other by `part`.
