@@ -176,7 +176,6 @@ class OneWay {
     // Batches come from the end of what is left: deep first, so that there is never much of it, and in an order of their own, so
     // that threads don't matter.
     std::vector<Part> left, batch;
-    std::vector<NearestFace> middles;
     for (std::uint32_t next = 0; (next < from_.face_count() || !left.empty()) && !context_.cancelled();) {
       const std::size_t taken = std::min(kBatch, left.size());
       batch.assign(left.end() - static_cast<std::ptrdiff_t>(taken), left.end());
@@ -207,18 +206,15 @@ class OneWay {
     tree_.nearest(centre, middle);
     for (std::size_t i = 0; i < batch.size(); ++i) see(centre[i], middle[i].distance);
     std::vector<std::array<Part, 2>> halves(batch.size());
-    std::vector<double> found(batch.size());
     for_blocks(context_, batch.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         open[i] = bound_by_middle(batch[i], middle[i], centre[i]) > enough();
-        if (open[i] == 0) continue;
-        halves[i] = halve(batch[i]);
-        found[i] = halves[i][0][1].distance;
+        if (open[i] != 0) halves[i] = halve(batch[i]);
       }
     });
     for (std::size_t i = 0; i < batch.size(); ++i) {
       if (open[i] == 0) continue;
-      see(halves[i][0][1].position, found[i]);
+      see(halves[i][0][1].position, halves[i][0][1].distance);
       left.insert(left.end(), halves[i].begin(), halves[i].end());
     }
   }

@@ -82,16 +82,6 @@ std::vector<Rgb8> to_rgb(const std::vector<Rgba8>& colours) {
   return rgb;
 }
 
-absl::StatusOr<Sampled> sample_points(const Session& session, const PointSetRequest& point_set, ViewCache& cache,
-                                      const ExecutionContext& context) {
-  absl::StatusOr<SessionSampler> sampler =
-      SessionSampler::open(session, point_set, cache, SessionSampler::Wait::kForAll, context.cancel);
-  if (!sampler.ok()) return sampler.status();
-  const absl::StatusOr<std::uint64_t> points = sampler->points();
-  if (!points.ok()) return points.status();
-  return sampler->sample(*points);
-}
-
 absl::StatusOr<Image> draw(const PointSet& points, const PointSet* dots, const RenderCamera& camera,
                            const RenderOptions& options) {
   const std::vector<Rgb8> colours = to_rgb(points.colours);

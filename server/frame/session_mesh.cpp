@@ -15,18 +15,13 @@ constexpr float kOverlap = 0.6f;  // of the longest edge at a vertex: discs of t
 
 absl::StatusOr<std::vector<FacePlace>> sample_places(const Session& session, const PointSetRequest& request, ViewCache& cache,
                                                      const ExecutionContext& context) {
-  absl::StatusOr<SessionSampler> sampler =
-      SessionSampler::open(session, request, cache, SessionSampler::Wait::kForAll, context.cancel);
-  if (!sampler.ok()) return sampler.status();
-  const absl::StatusOr<std::uint64_t> wanted = sampler->points();
-  if (!wanted.ok()) return wanted.status();
-  absl::StatusOr<Sampled> sampled = sampler->sample(*wanted);
+  absl::StatusOr<Sampled> sampled = sample_points(session, request, cache, context);
   if (!sampled.ok()) return sampled.status();
   PointSet& points = sampled->points();
   if (points.places.empty()) find_places(*sampled->curve, points);
-  if (points.size() < *wanted) {
+  if (const std::uint64_t wanted = sampled->statistics.wanted_points; points.size() < wanted) {
     return absl::FailedPreconditionError(
-        absl::StrCat("the density has places for ", points.size(), " vertices; ", *wanted, " were asked for"));
+        absl::StrCat("the density has places for ", points.size(), " vertices; ", wanted, " were asked for"));
   }
   return std::move(points.places);
 }

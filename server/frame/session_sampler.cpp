@@ -138,4 +138,14 @@ void SessionSampler::list(Sampled& selected, const PointAttributes& attributes) 
   selected.statistics.equalise_seconds += watch.lap();
 }
 
+absl::StatusOr<Sampled> sample_points(const Session& session, const PointSetRequest& request, ViewCache& cache,
+                                      const ExecutionContext& context) {
+  absl::StatusOr<SessionSampler> sampler =
+      SessionSampler::open(session, request, cache, SessionSampler::Wait::kForAll, context.cancel);
+  if (!sampler.ok()) return sampler.status();
+  const absl::StatusOr<std::uint64_t> points = sampler->points();
+  if (!points.ok()) return points.status();
+  return sampler->sample(*points);
+}
+
 }  // namespace curvecast::server

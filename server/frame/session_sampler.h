@@ -96,4 +96,8 @@ class SessionSampler {
   double fixed_seconds_ = 0;
 };
 
+/// Samples all points that the request's budget allows; waits for ranked candidates to be made. Not for budgets in bytes.
+absl::StatusOr<Sampled> sample_points(const Session& session, const PointSetRequest& request, ViewCache& cache,
+                                      const ExecutionContext& context);
+
 }  // namespace curvecast::server

@@ -6,6 +6,7 @@
 #include "server/convert/mesh_chunks.h"
 #include "server/engine/caller.h"
 #include "server/frame/session_mesh.h"
+#include "server/grpc/held_session.h"
 #include "server/grpc/reactors.h"
 #include "server/grpc/write_queue.h"
 
@@ -23,14 +24,8 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
 
  private:
   absl::Status begin(Engine& engine, const v1::RemeshRequest& request, const std::string& connection) {
-    const std::string& id = request.session_id();
-    // What is in memory is held from now on, whoever closes it; what has to be loaded is left to the job.
-    std::shared_ptr<const Session> held;
-    if (!engine.sessions.must_load(id)) {
-      auto session = engine.sessions.find(id);
-      if (!session.ok()) return session.status();
-      held = *std::move(session);
-    }
+    auto held = HeldSession::hold(engine, request.session_id());
+    if (!held.ok()) return held.status();
     auto points = to_point_set_request(request.sample());
     if (!points.ok()) return points.status();
     if (points->automatic || points->max_bytes > 0) {
@@ -45,10 +40,9 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
     if (!check.ok()) return check.status();
     return engine.preprocessing
         .submit(
-            [this, &engine, id, held = std::move(held), points = *std::move(points), options]() mutable {
+            [this, &engine, held = *std::move(held), points = *std::move(points), options]() mutable {
               finish(to_grpc(status_from_exceptions([&]() -> absl::Status {
-                absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
-                if (*session == nullptr) session = engine.sessions.find(id);
+                const absl::StatusOr<std::shared_ptr<const Session>> session = held.take(engine);
                 if (!session.ok()) return session.status();
                 return answer(engine, **session, points, options);
               })));

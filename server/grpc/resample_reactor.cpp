@@ -4,6 +4,7 @@
 #include "server/convert/convert.h"
 #include "server/engine/caller.h"
 #include "server/frame/point_blocks.h"
+#include "server/grpc/held_session.h"
 #include "server/grpc/reactors.h"
 #include "server/grpc/write_queue.h"
 
@@ -21,25 +22,18 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
 
  private:
   absl::Status begin(Engine& engine, const v1::ResampleRequest& request, const std::string& connection) {
-    const std::string& id = request.session_id();
-    // What is in memory is held from now on, whoever closes it; what has to be loaded is left to the job.
-    std::shared_ptr<const Session> held;
-    if (!engine.sessions.must_load(id)) {
-      auto session = engine.sessions.find(id);
-      if (!session.ok()) return session.status();
-      held = *std::move(session);
-    }
+    auto held = HeldSession::hold(engine, request.session_id());
+    if (!held.ok()) return held.status();
     auto point_set = to_point_set_request(request.sample());
     if (!point_set.ok()) return point_set.status();
     if (point_set->automatic)
       return absl::InvalidArgumentError("sample.automatic is for streams; ask for points, bytes or an error in pixels");
     return engine.calls
         .submit(
-            [this, &engine, id, held = std::move(held), point_set = *std::move(point_set)]() mutable {
+            [this, &engine, held = *std::move(held), point_set = *std::move(point_set)]() mutable {
               finish(to_grpc(status_from_exceptions([&]() -> absl::Status {
                 // Lets go of the session before the client hears that it is done.
-                absl::StatusOr<std::shared_ptr<const Session>> session = std::move(held);
-                if (*session == nullptr) session = engine.sessions.find(id);
+                const absl::StatusOr<std::shared_ptr<const Session>> session = held.take(engine);
                 if (!session.ok()) return session.status();
                 return answer(engine, **session, point_set,
                               engine.improvement_requests(*session, point_set, engine.new_source()));

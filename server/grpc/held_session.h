@@ -1,0 +1,41 @@
+// A session that a call uses later, on a worker.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "server/engine/engine.h"
+
+namespace curvecast::server {
+
+/// What is in memory is held from now on, whoever closes it; what has to be loaded is left to the worker.
+class HeldSession {
+ public:
+  /// Errors as of SessionStore::find() for what is in memory.
+  static absl::StatusOr<HeldSession> hold(Engine& engine, const std::string& id) {
+    HeldSession held(id);
+    if (engine.sessions.must_load(id)) return held;
+    absl::StatusOr<std::shared_ptr<const Session>> session = engine.sessions.find(id);
+    if (!session.ok()) return session.status();
+    held.session_ = *std::move(session);
+    return held;
+  }
+
+  /// Gives the session away, after loading it where that is still to be done: may wait for the disk. Whoever takes it lets go of
+  /// it before the client hears that the call is done.
+  absl::StatusOr<std::shared_ptr<const Session>> take(Engine& engine) {
+    if (session_ == nullptr) return engine.sessions.find(id_);
+    return std::move(session_);
+  }
+
+ private:
+  explicit HeldSession(std::string id) : id_(std::move(id)) {}
+
+  std::string id_;
+  std::shared_ptr<const Session> session_;  // null: it has to be loaded
+};
+
+}  // namespace curvecast::server
