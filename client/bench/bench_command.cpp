@@ -20,6 +20,7 @@
 #include "client/bench/local_mesh.h"
 #include "client/bench/mappers.h"
 #include "client/bench/preprocess_bench.h"
+#include "client/bench/remesh_bench.h"
 #include "client/bench/sample_bench.h"
 #include "client/bench/stream_bench.h"
 #include "client/bench/zoom_bench.h"
@@ -198,6 +199,17 @@ Run add_discrepancy(CLI::App& app) {
   return on_mesh(app, options, bench_discrepancy);
 }
 
+Run add_remesh_benchmark(CLI::App& app) {
+  const auto options = std::make_shared<RemeshBenchOptions>();
+  app.add_option("-n,--vertices", options->vertices, "vertices of the new meshes; 0 = 75, 50 and 25 % of the mesh's own")
+      ->check(CLI::Range(std::uint64_t{0}, kMaxPoints))
+      ->type_name("N")
+      ->capture_default_str();
+  add_count(app, "--repeat", &options->repeats, 1000, "runs of ours, of which the fastest counts");
+  app.add_flag("--peers,!--no-peers", options->peers, "CGAL and meshoptimizer beside ours")->capture_default_str();
+  return on_mesh(app, options, bench_remesh);
+}
+
 Run add_stream_benchmark(CLI::App& app) {
   const auto options = std::make_shared<StreamBenchOptions>();
   add_points(app, &options->points, "points of a client alone, and N for which the curve is made");
@@ -278,6 +290,11 @@ constexpr Benchmark kBenchmarks[] = {
      "farthest-point order, for powers of four and numbers between; and the power of N by which the discrepancy over rings "
      "falls.",
      add_discrepancy},
+    {"remesh", "MESH", "meshes made of points beside those of CGAL and meshoptimizer",
+     "Seconds, distance from the surface (as Metro measures it), angles and topology of meshes made of points, with every usual "
+     "density, relaxed and fitted, beside CGAL's isotropic remeshing and edge collapses and meshoptimizer's, at equal numbers of "
+     "vertices.",
+     add_remesh_benchmark},
     {"stream", "MESH", "latency, bytes and processor time of views, of one client and of many",
      "Milliseconds from sending a view until its points are decoded, over TCP on the loopback: of one client with key frames and "
      "with deltas, and of crowds of 1, 8, 64 ... clients that send views at a fixed rate; bytes of their frames, and processor "

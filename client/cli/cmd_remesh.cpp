@@ -1,12 +1,9 @@
 #include <absl/strings/str_format.h>
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <memory>
-#include <numbers>
 #include <vector>
 
 #include "client/cli/commands.h"
@@ -28,52 +25,23 @@ struct Flags {
   SampleFlags sample;
   SessionFlags session;
   std::uint32_t relaxations = 5;
+  bool fit = false;
+  double feature_degrees = 0;
 };
 
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// The smallest angle of each triangle, in degrees.
-std::vector<double> least_angles(const client::Mesh& mesh) {
-  std::vector<double> angles;
-  angles.reserve(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) {
-    double least = 180;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto corner = [&](std::size_t k) {
-        const auto& p = mesh.vertices.positions[t[(i + k) % 3]];
-        return Vec3d(p[0], p[1], p[2]);
-      };
-      const Vec3d p = corner(1) - corner(0), q = corner(2) - corner(0);
-      least = std::min(least, std::atan2(p.cross(q).norm(), p.dot(q)) * 180 / std::numbers::pi);
-    }
-    angles.push_back(least);
-  }
-  return angles;
-}
-
-struct Angles {
-  double median, percent_1, least;  // degrees
-  double below_20;                  // share of the triangles
-};
-
-Angles angles_of(const client::Mesh& mesh) {
-  const std::vector<double> angles = least_angles(mesh);
-  const auto below = std::count_if(angles.begin(), angles.end(), [](double angle) { return angle < 20; });
-  return {quantile(angles, 0.5), quantile(angles, 0.01), quantile(angles, 0),
-          static_cast<double>(below) / static_cast<double>(angles.size())};
-}
-
 absl::Status report(const Flags& flags, const CommonOptions& options, const OpenedMesh& opened, const client::Mesh& mesh,
                     double remesh_seconds, double total) {
   const v1::RemeshInfo& info = mesh.info;
-  const Angles angles = angles_of(mesh);
+  const v1::LeastAngles& angles = info.angles();
   if (!options.json) {
     std::string text = absl::StrFormat("%d vertices, %d triangles: %d component%s, genus %d, %d border%s\n", info.vertices(),
                                        info.triangles(), info.components(), info.components() == 1 ? "" : "s", info.genus(),
                                        info.boundary_loops(), info.boundary_loops() == 1 ? "" : "s");
     absl::StrAppendFormat(&text, "least angles   median %.1f, 1st percentile %.1f, least %.1f degrees; %.2f %% below 20\n",
-                          angles.median, angles.percent_1, angles.least, 100 * angles.below_20);
+                          angles.median(), angles.percentile_1(), angles.least(), 100 * angles.below_20());
     absl::StrAppendFormat(&text, "seconds        preprocess %.3f, remesh %.3f, total %.3f\n", opened.seconds, remesh_seconds,
                           total);
     if (!flags.output.empty()) absl::StrAppendFormat(&text, "written        %s\n", flags.output);
@@ -85,13 +53,15 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Open
                {"genus", info.genus()},
                {"boundary_loops", info.boundary_loops()},
                {"least_angles",
-                {{"median", angles.median},
-                 {"percentile_1", angles.percent_1},
-                 {"least", angles.least},
-                 {"below_20_share", angles.below_20}}},
+                {{"median", angles.median()},
+                 {"percentile_1", angles.percentile_1()},
+                 {"least", angles.least()},
+                 {"below_20_share", angles.below_20()}}},
                {"seconds", {{"preprocess", opened.seconds}, {"remesh", remesh_seconds}, {"total", total}}},
                {"sampler", sampler_of(flags.sample)},
                {"relaxations", flags.relaxations},
+               {"fit", flags.fit},
+               {"feature_degrees", flags.feature_degrees},
                {"seed", options.seed},
                {"session_id", opened.session.session_id()}};
   if (!flags.output.empty()) json["output"] = flags.output;
@@ -122,6 +92,8 @@ absl::Status run(Flags flags, const CommonOptions& options, std::stop_token stop
   *request.mutable_sample()->mutable_cameras() = {cameras->all.begin(), cameras->all.end()};
   *request.mutable_sample()->mutable_viewport() = cameras->viewport();
   request.set_relaxations(flags.relaxations);
+  request.set_fit(flags.fit);
+  request.set_feature_degrees(flags.feature_degrees);
   const Clock::time_point remesh_start = Clock::now();
   ProgressBar bar(progress_style(options.quiet), std::filesystem::path(flags.mesh).filename().string());
   const absl::StatusOr<client::Mesh> mesh = client.remesh(
@@ -144,7 +116,7 @@ Command add_remesh(CLI::App& root, CommonOptions& options) {
       "Makes a new triangle mesh of a surface, of exactly N well-shaped vertices, dense where the density is: manifold, with the "
       "components, tunnels and borders that the surface has. By default denser where it bends more.",
       {"curvecast remesh bunny.obj -n 10000 -o bunny10k.ply", "curvecast remesh igea.ply -n 50000 --density uniform -o igea.glb",
-       "curvecast remesh part.stl -n 20000 --relax 20 -o part.obj",
+       "curvecast remesh igea.ply -n 20000 --fit -o igea.obj", "curvecast remesh part.stl -n 20000 --features 40 -o part.obj",
        "curvecast remesh igea.ply -n 20000 --density brush:0,0,1,0.2,4 -o painted.off"});
   add_cache_flags(app, options);
   const auto flags = std::make_shared<Flags>();
@@ -157,6 +129,12 @@ Command add_remesh(CLI::App& root, CommonOptions& options) {
   app->add_option("--relax", flags->relaxations, "rounds in which vertices move along the surface, to more regular triangles")
       ->check(CLI::Range(0u, 100u))
       ->type_name("ROUNDS")
+      ->capture_default_str();
+  app->add_flag("--fit", flags->fit,
+                "move vertices off the surface, to where triangles come nearest to it: half the distance or less");
+  app->add_option("--features", flags->feature_degrees, "edges sharper than this stay edges; 0 = none")
+      ->check(CLI::Range(0.0, 180.0))
+      ->type_name("DEGREES")
       ->capture_default_str();
   app->add_option("-o,--output", flags->output, "the mesh's file: .ply, .obj, .off, .stl or .glb; without it, only statistics")
       ->check(validator(client::check_mesh_ending, ""))

@@ -22,6 +22,12 @@ class HalfedgeMesh : public TriangleMesh {
   std::uint32_t outgoing(std::uint32_t v) const { return outgoing_[v]; }
   bool on_border(std::uint32_t v) const { return twins[outgoing_[v]] == kNone; }
 
+  /// Makes the edge of h a feature: it is never turned, and its vertices go along features only.
+  void mark_feature(std::uint32_t h);
+  bool is_feature(std::uint32_t h) const { return !features_.empty() && features_[h]; }
+  /// Says whether v lies on a border or a feature.
+  bool on_line(std::uint32_t v) const { return on_border(v) || count_features(v) > 0; }
+
   /// Calls visit(h) for the halfedges that leave v, counter-clockwise; on the border first with the border's own. The halfedge of
   /// the last face that comes back to v along the border is not among them.
   template <typename Visit>
@@ -54,18 +60,19 @@ class HalfedgeMesh : public TriangleMesh {
   /// Puts v, which is new, on an edge: h goes on to v, and halfedge (returned) from there.
   std::uint32_t split_edge(std::uint32_t h, std::uint32_t v);
 
-  /// Says whether the edge of h can be turned: it is inside, and no edge joins the corners across it. Both triangles differ.
+  /// Says whether the edge of h can be turned: it is inside and no feature, and no edge joins the corners across it. Both
+  /// triangles differ.
   bool may_flip(std::uint32_t h) const;
   /// Turns the edge of h within its two triangles: it runs between their other corners then, from that across to that of h.
   void flip(std::uint32_t h);
 
-  /// Says whether from(h) can be moved onto to(h) without changing the topology: the link condition.
+  /// Says whether from(h) can be moved onto to(h) without changing the topology, of features too: the link condition.
   bool may_collapse(std::uint32_t h) const;
   /// Moves from(h) onto to(h): one vertex, two faces fewer (one at the border).
   void collapse(std::uint32_t h);
 
-  /// Returns what is left, vertices and faces in their order; `kept`: which vertices these were.
-  TriangleMesh compact(std::vector<std::uint32_t>& kept) const;
+  /// Numbers what is left anew, vertices and faces in their order; returns which vertices these were.
+  std::vector<std::uint32_t> compact();
 
  private:
   void join(std::uint32_t a, std::uint32_t b) {
@@ -73,8 +80,14 @@ class HalfedgeMesh : public TriangleMesh {
     if (b != kNone) twins[b] = a;
   }
   std::uint32_t add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+  std::uint32_t count_features(std::uint32_t v) const;
+  bool keeps_features(std::uint32_t h) const;
+  void set_feature(std::uint32_t h, bool is_one) {
+    if (!features_.empty() && h != kNone) features_[h] = is_one;
+  }
 
   std::vector<std::uint32_t> outgoing_;  // per vertex; kNone: it is gone, or no face has it yet
+  std::vector<bool> features_;           // per halfedge; empty: there are none
 };
 
 }  // namespace curvecast

@@ -157,12 +157,15 @@ void insert_points(HalfedgeMesh& mesh, std::span<const FacePlace> points) {
   }
 }
 
-void insert_border_points(HalfedgeMesh& mesh, std::span<const BorderPlace> points) {
+void insert_line_points(HalfedgeMesh& mesh, const TriangleMesh& surface, std::span<const LinePlace> points) {
   for (std::size_t i = 0; i < points.size();) {
-    const std::uint32_t vertex = points[i].vertex;
-    std::uint32_t h = mesh.outgoing(vertex);  // the border's
-    const Vec3d a = mesh.positions[vertex], along = mesh.positions[mesh.to(h)] - a;
-    for (; i < points.size() && points[i].vertex == vertex; ++i) {
+    const std::uint32_t edge = points[i].halfedge, from = surface.from(edge), to = surface.to(edge);
+    std::uint32_t h = kNone;  // that runs there now
+    mesh.for_each_outgoing(from, [&](std::uint32_t out) {
+      if (mesh.to(out) == to && (mesh.twins[out] == kNone || mesh.is_feature(out))) h = out;
+    });
+    const Vec3d a = mesh.positions[from], along = mesh.positions[to] - a;
+    for (; i < points.size() && points[i].halfedge == edge; ++i) {
       const std::uint32_t v = mesh.add_vertex(a + points[i].part * along);
       h = mesh.split_edge(h, v);
     }

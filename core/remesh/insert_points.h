@@ -9,9 +9,9 @@
 
 namespace curvecast {
 
-/// A place on the border of a mesh: on the edge that leaves `vertex` along the border, at `part` of its length, within (0, 1).
-struct BorderPlace {
-  std::uint32_t vertex;
+/// A place on an edge of a surface: at `part` of the halfedge's length, within (0, 1).
+struct LinePlace {
+  std::uint32_t halfedge;
   double part;
 };
 
@@ -20,7 +20,8 @@ struct BorderPlace {
 /// another, farther. Precondition: the faces are those that the mesh came with.
 void insert_points(HalfedgeMesh& mesh, std::span<const FacePlace> points);
 
-/// The same for points on borders. Those of one edge follow each other by `part`.
-void insert_border_points(HalfedgeMesh& mesh, std::span<const BorderPlace> points);
+/// The same for points on edges that are on the border, or marked as features. Those of one edge follow each other by `part`.
+/// `surface`: the mesh as it came.
+void insert_line_points(HalfedgeMesh& mesh, const TriangleMesh& surface, std::span<const LinePlace> points);
 
 }  // namespace curvecast

@@ -1,11 +1,12 @@
 #include "core/remesh/relax.h"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/base/for_all.h"
 #include "core/remesh/angle_flips.h"
+#include "core/remesh/unfold.h"
 #include "core/remesh/valence_flips.h"
 
 namespace curvecast {
@@ -28,9 +29,13 @@ class Relaxer {
     for_each_vertex([&](std::size_t i) { weight_[vertices_[i]] = weight_of(vertices_[i]); });
     for_each_vertex([&](std::size_t i) { next_[i] = next_place(vertices_[i]); });
     if (context_.cancelled()) return;
-    for (std::size_t i = 0; i < vertices_.size(); ++i) std::swap(places_[vertices_[i]], next_[i]);
-    put_back_folds();
-    for (const std::uint32_t v : vertices_) mesh_.positions[v] = places_[v].position;
+    std::vector<Vec3d> after = mesh_.positions;
+    for (std::size_t i = 0; i < vertices_.size(); ++i) after[vertices_[i]] = next_[i].position;
+    const std::vector<bool> back = unfold(mesh_.triangles, mesh_.positions, after);
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      if (!back[vertices_[i]]) places_[vertices_[i]] = next_[i];
+    }
+    mesh_.positions = std::move(after);
   }
 
  private:
@@ -53,7 +58,7 @@ class Relaxer {
   }
 
   WalkPlace next_place(std::uint32_t v) const {
-    if (mesh_.on_border(v)) return places_[v];
+    if (mesh_.on_line(v)) return places_[v];
     Vec3d normal = Vec3d::Zero(), sum = Vec3d::Zero();
     double weights = 0;
     const Vec3d& p = mesh_.positions[v];
@@ -69,40 +74,13 @@ class Relaxer {
     return surface_.nearest(places_[v].face, p + (step - step.dot(normal) / square * normal));
   }
 
-  /// The corners of triangles that the moves would turn over, or make flat, go back to where they were, and so on.
-  void put_back_folds() {
-    std::vector<std::uint8_t> back(mesh_.vertex_count());
-    for (bool is_done = false; !is_done;) {
-      is_done = true;
-      for (const Triangle& t : mesh_.triangles) {
-        if (t[0] == kNone) continue;
-        const auto normal = [&](const auto& position) {
-          return Vec3d((position(t[1]) - position(t[0])).cross(position(t[2]) - position(t[0])));
-        };
-        const Vec3d before = normal([&](std::uint32_t v) { return mesh_.positions[v]; });
-        const Vec3d after = normal([&](std::uint32_t v) { return places_[v].position; });
-        if (before.dot(after) > 0.25 * before.squaredNorm() * std::min(1.0, after.norm() / before.norm())) continue;
-        for (const std::uint32_t v : t) {
-          if (back[v] != 0) continue;
-          back[v] = 1;
-          is_done = false;
-        }
-      }
-      for (std::size_t i = 0; i < vertices_.size(); ++i) {
-        if (back[vertices_[i]] != 1) continue;
-        places_[vertices_[i]] = next_[i];
-        back[vertices_[i]] = 2;
-      }
-    }
-  }
-
   HalfedgeMesh& mesh_;
   const SurfaceWalk& surface_;
   const std::span<WalkPlace> places_;
   const ExecutionContext& context_;
   std::vector<std::uint32_t> vertices_;
   std::vector<double> weight_;   // of each vertex
-  std::vector<WalkPlace> next_;  // of each of vertices_; once moved, those before
+  std::vector<WalkPlace> next_;  // of each of vertices_
 };
 
 }  // namespace

@@ -6,13 +6,16 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 
 #include "core/mesh/topology.h"
-#include "core/remesh/border_points.h"
+#include "core/remesh/fit.h"
 #include "core/remesh/halfedge_mesh.h"
 #include "core/remesh/insert_points.h"
+#include "core/remesh/line_points.h"
 #include "core/remesh/relax.h"
 #include "core/remesh/remove_vertices.h"
+#include "core/remesh/surface_lines.h"
 #include "core/remesh/surface_walk.h"
 
 namespace curvecast {
@@ -22,6 +25,10 @@ absl::Status check(const TriangleMesh& surface, std::span<const FacePlace> point
   if (options.relaxations < 0 || options.relaxations > kMaxRelaxations) {
     return absl::InvalidArgumentError(
         absl::StrFormat("relaxations = %d; it must lie in 0 .. %d", options.relaxations, kMaxRelaxations));
+  }
+  if (!(options.feature_degrees >= 0 && options.feature_degrees <= 180)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("feature_degrees = %g; it must lie in 0 .. 180 degrees", options.feature_degrees));
   }
   if (points.size() < 3) return absl::InvalidArgumentError(absl::StrFormat("a mesh cannot be made of %d points", points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -59,7 +66,9 @@ class Remesher {
   absl::StatusOr<Remeshed> run() {
     if (absl::Status status = insert(); !status.ok()) return status;
     if (absl::Status status = triangulate(); !status.ok()) return status;
+    compact();
     relax(mesh_, walk_, places_, options_.relaxations, context_);
+    if (options_.fit) fit(mesh_, walk_, places_, context_);
     if (absl::Status status = context_.check(); !status.ok()) return status;
     return finish();
   }
@@ -69,29 +78,32 @@ class Remesher {
     std::vector<Vec3d> positions;
     positions.reserve(points_.size());
     for (const FacePlace& p : points_) positions.push_back(place(p).position);
-    const BorderPoints border = place_on_borders(surface_, positions, context_);
+    const std::vector<SurfaceLine> lines = surface_lines(surface_, options_.feature_degrees, context_);
+    const LinePoints on_lines = place_on_lines(surface_, lines, positions, context_);
     if (absl::Status status = context_.check(); !status.ok()) return status;
-    const std::size_t on_borders = border.corners.size() + border.places.size();
-    if (border.stand_ins.size() < on_borders) {
-      return too_few(points_.size(), on_borders - border.stand_ins.size(), topology_);
+    const std::size_t wanted = on_lines.corners.size() + on_lines.places.size();
+    if (on_lines.stand_ins.size() < wanted) return too_few(points_.size(), wanted - on_lines.stand_ins.size(), topology_);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      if (lines[i].is_border || !on_lines.used[i]) continue;
+      for (const std::uint32_t h : lines[i].halfedges) mesh_.mark_feature(h);
     }
     std::vector<FacePlace> inner;
     inner.reserve(points_.size());
     places_.resize(surface_.vertex_count());
-    corners_ = border.corners;
+    corners_ = on_lines.corners;
     for (const std::uint32_t v : corners_) places_[v] = place_of_vertex(v);
-    auto stand_in = border.stand_ins.begin();
+    auto stand_in = on_lines.stand_ins.begin();
     for (std::uint32_t i = 0; i < points_.size(); ++i) {
-      if (stand_in != border.stand_ins.end() && *stand_in == i) {
+      if (stand_in != on_lines.stand_ins.end() && *stand_in == i) {
         ++stand_in;
         continue;
       }
       inner.push_back(points_[i]);
       places_.push_back(place(points_[i]));
     }
-    for (const BorderPlace& p : border.places) places_.push_back(place_on_border(p));
+    for (const LinePlace& p : on_lines.places) places_.push_back(place_on_line(p));
     insert_points(mesh_, inner);
-    insert_border_points(mesh_, border.places);
+    insert_line_points(mesh_, surface_, on_lines.places);
     return absl::OkStatus();
   }
 
@@ -128,22 +140,27 @@ class Remesher {
   WalkPlace place(const FacePlace& p) const {
     return walk_.place(p.face, static_cast<double>(p.weight_1), static_cast<double>(p.weight_2));
   }
-  WalkPlace place_on_border(const BorderPlace& p) const {
-    const std::uint32_t h = walk_.fans().outgoing(p.vertex);
+  WalkPlace place_on_line(const LinePlace& p) const {
+    const std::uint32_t corner = p.halfedge % 3;
     double weights[3] = {};
-    weights[h % 3] = 1 - p.part;
-    weights[(h + 1) % 3] = p.part;
-    return walk_.place(h / 3, weights[1], weights[2]);
+    weights[corner] = 1 - p.part;
+    weights[(corner + 1) % 3] = p.part;
+    return walk_.place(p.halfedge / 3, weights[1], weights[2]);
   }
 
-  absl::StatusOr<Remeshed> finish() const {
+  /// Leaves out what has gone.
+  void compact() {
+    const std::vector<std::uint32_t> kept = mesh_.compact();
+    for (std::size_t i = 0; i < kept.size(); ++i) places_[i] = places_[kept[i]];
+    places_.resize(kept.size());
+  }
+
+  absl::StatusOr<Remeshed> finish() {
     Remeshed out;
-    std::vector<std::uint32_t> kept;
-    out.mesh = mesh_.compact(kept);
-    for (const std::uint32_t v : kept) {
-      const WalkPlace& p = places_[v];
+    for (const WalkPlace& p : places_) {
       out.places.push_back({p.face, static_cast<float>(p.weight_1), static_cast<float>(p.weight_2)});
     }
+    out.mesh = std::move(mesh_);
     const Topology found = analyse_topology(out.mesh, context_);
     if (absl::Status status = context_.check(); !status.ok()) return status;
     if (found.components != topology_.components || found.genus != topology_.genus ||
@@ -162,7 +179,7 @@ class Remesher {
   const Topology topology_;
   HalfedgeMesh mesh_;                   // the surface's, then the points'
   std::vector<WalkPlace> places_;       // of its vertices; of the surface's own only for those that stay
-  std::vector<std::uint32_t> corners_;  // of borders: vertices of the surface that stay
+  std::vector<std::uint32_t> corners_;  // of lines: vertices of the surface that stay
 };
 
 }  // namespace

@@ -44,6 +44,14 @@ WalkPlace SurfaceWalk::place(std::uint32_t face, double weight_1, double weight_
   return {face, weight_1, weight_2, position};
 }
 
+Vec3d SurfaceWalk::normal(std::uint32_t face) const {
+  const Triangle& t = mesh_.triangles[face];
+  const Vec3d& a = mesh_.positions[t[0]];
+  const Vec3d normal = (mesh_.positions[t[1]] - a).cross(mesh_.positions[t[2]] - a);
+  const double length = normal.norm();
+  return length > 0 ? Vec3d(normal / length) : Vec3d(Vec3d::Zero());
+}
+
 WalkPlace SurfaceWalk::nearest(std::uint32_t face, const Vec3d& point) const {
   constexpr int kMostSteps = 1000;  // far beyond what a step of relaxation takes
   const auto look = [&](std::uint32_t f) {

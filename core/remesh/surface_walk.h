@@ -21,6 +21,9 @@ class SurfaceWalk {
   explicit SurfaceWalk(const TriangleMesh& mesh) : mesh_(mesh), fans_(mesh) {}
 
   const VertexFans& fans() const { return fans_; }
+  std::size_t face_count() const { return mesh_.face_count(); }
+  /// Unit normal of a face; zero where it has no area.
+  Vec3d normal(std::uint32_t face) const;
 
   WalkPlace place(std::uint32_t face, double weight_1, double weight_2) const;
 

@@ -10,7 +10,8 @@
 namespace curvecast::server {
 
 absl::Status make_mesh_chunks(const PointSet& vertices, const std::vector<Triangle>& triangles, const Topology& topology,
-                              const SurfaceCurve& curve, const std::function<bool(v1::RemeshResponse)>& emit) {
+                              const LeastAngles& angles, const SurfaceCurve& curve,
+                              const std::function<bool(v1::RemeshResponse)>& emit) {
   absl::Status gone = absl::CancelledError("the client has gone");
   v1::RemeshResponse first;
   v1::RemeshInfo& info = *first.mutable_info();
@@ -19,6 +20,11 @@ absl::Status make_mesh_chunks(const PointSet& vertices, const std::vector<Triang
   info.set_components(topology.components);
   info.set_genus(topology.genus);
   info.set_boundary_loops(topology.boundary_loops);
+  v1::LeastAngles& least = *info.mutable_angles();
+  least.set_median(angles.median);
+  least.set_percentile_1(angles.percentile_1);
+  least.set_least(angles.least);
+  least.set_below_20(angles.below_20);
   if (!emit(std::move(first))) return gone;
   for (std::size_t begin = 0; begin < vertices.size(); begin += kChunkMeshVertices) {
     const std::size_t count = std::min(kChunkMeshVertices, vertices.size() - begin);

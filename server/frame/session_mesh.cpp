@@ -69,6 +69,7 @@ absl::StatusOr<SessionMesh> make_session_mesh(const Session& session, PointSetRe
   SessionMesh out;
   out.topology = analyse_topology(made->mesh, context);
   out.topology.component_of_face = {};
+  out.angles = least_angles(made->mesh);
   out.vertices.places = std::move(made->places);
   describe(**base, session.curve()->origin, made->mesh, out.vertices);
   out.triangles = std::move(made->mesh.triangles);

@@ -37,6 +37,8 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
       options.relaxations = static_cast<int>(
           check.in_range("relaxations", request.relaxations(), std::uint32_t{0}, std::uint32_t{kMaxRelaxations}));
     }
+    options.fit = request.fit();
+    options.feature_degrees = check.in_range("feature_degrees", request.feature_degrees(), 0.0, 180.0);
     if (!check.ok()) return check.status();
     return engine.preprocessing
         .submit(
@@ -65,7 +67,7 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
     const absl::StatusOr<SessionMesh> mesh = make_session_mesh(session, points, options, engine.view_cache, context);
     if (!mesh.ok()) return mesh.status();
     return push_all([&](const auto& push_chunk) {
-      return make_mesh_chunks(mesh->vertices, mesh->triangles, mesh->topology, *session.curve(), push_chunk);
+      return make_mesh_chunks(mesh->vertices, mesh->triangles, mesh->topology, mesh->angles, *session.curve(), push_chunk);
     });
   }
 };

@@ -1,11 +1,14 @@
 // Remesh, over TCP.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <set>
 
 #include "core/mesh/pair_halfedges.h"
 #include "server_fixture.h"
+#include "tests/support/shapes.h"
 
 namespace curvecast::server {
 namespace {
@@ -108,6 +111,46 @@ TEST_F(ServerRemesh, GivesTheSameBytesEveryTimeForBothSamplers) {
   }
 }
 
+TEST_F(ServerRemesh, FitsAndKeepsFeatures) {
+  const auto stub = client();
+  const Created ball = create(*stub, upload(*stub, sphere_off(4)), 10'000);
+  ASSERT_TRUE(ball.status.ok()) << ball.status.error_message();
+  v1::RemeshRequest wanted = request(ball.session.session_id(), 500);
+  const Answer on_surface = ask(*stub, wanted);
+  wanted.set_fit(true);
+  const Answer fitted = ask(*stub, wanted);
+  ASSERT_TRUE(fitted.status.ok()) << fitted.status.error_message();
+  EXPECT_TRUE(fitted.stages.contains("fit"));
+  EXPECT_EQ(fitted.triangles, on_surface.triangles);
+  EXPECT_NE(fitted.positions, on_surface.positions);
+  EXPECT_GT(fitted.info.angles().median(), 45);
+  EXPECT_GE(fitted.info.angles().least(), 20);
+  EXPECT_EQ(fitted.info.angles().below_20(), 0);
+  EXPECT_GT(on_surface.info.angles().percentile_1(), 30);
+  // The eight corners of a cube are vertices where its edges stay.
+  const Created cube = create(*stub, upload(*stub, curvecast::testing::to_off(curvecast::testing::cube())), 10'000);
+  ASSERT_TRUE(cube.status.ok()) << cube.status.error_message();
+  wanted = request(cube.session.session_id(), 500);
+  const auto corners_of = [](const Answer& answer) {
+    std::vector<std::array<float, 3>> positions(answer.info.vertices());
+    std::memcpy(positions.data(), answer.positions.data(), answer.positions.size());
+    std::array<float, 3> low = positions[0], high = low;
+    for (const auto& p : positions) {
+      for (std::size_t i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+    }
+    return std::count_if(positions.begin(), positions.end(), [&](const auto& p) {
+      const auto at_end = [&](std::size_t i) { return std::min(p[i] - low[i], high[i] - p[i]) < 1e-5f * (high[i] - low[i]); };
+      return at_end(0) && at_end(1) && at_end(2);
+    });
+  };
+  wanted.set_feature_degrees(45);
+  const Answer sharp = ask(*stub, wanted);
+  ASSERT_TRUE(sharp.status.ok()) << sharp.status.error_message();
+  EXPECT_EQ(corners_of(sharp), 8);
+  wanted.set_feature_degrees(0);
+  EXPECT_LT(corners_of(ask(*stub, wanted)), 8);
+}
+
 TEST_F(ServerRemesh, SaysWhatItCannotDo) {
   const auto stub = client();
   const Created created = create(*stub, upload(*stub, sphere_off(3)), 10'000);
@@ -122,6 +165,9 @@ TEST_F(ServerRemesh, SaysWhatItCannotDo) {
   v1::RemeshRequest bad = request(id, 100);
   bad.set_relaxations(101);
   expect_refused(bad, "relaxations is 101");
+  bad = request(id, 100);
+  bad.set_feature_degrees(-1);
+  expect_refused(bad, "feature_degrees is -1");
   expect_refused(request(id, 3), "3 vertices are too few for a surface of 1 component, genus 0, 0 borders: it takes about 4");
   bad = request(id, 100);
   bad.mutable_sample()->set_max_bytes(100'000);

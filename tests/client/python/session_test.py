@@ -86,6 +86,9 @@ class SessionTest(ServerTest):
         self.assertAlmostEqual(volume, 4 / 3 * np.pi, delta=0.2)
         self.assertEqual(len(present(mesh.vertices.faces)), 1000)
         self.assertEqual(len(self.session.remesh(View(points=500), relaxations=0)), 996)
+        self.assertGreater(mesh.info.angles.median, 45)
+        fitted = self.session.remesh(1000, fit=True, feature_degrees=60)
+        self.assertGreaterEqual(fitted.info.angles.least, 20)
         with self.assertRaises(curvecast.Error):
             self.session.remesh(3)
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "core/remesh/insert_points.h"
 #include "tests/core/remesh/remesh_cases.h"
 
 namespace curvecast {
@@ -87,8 +88,8 @@ TEST(HalfedgeMesh, AnyChangesLeaveItSoundAndTheTopologyAsItWas) {
     }
     for (const int count : done) EXPECT_GT(count, 50);
     expect_sound(mesh);
-    std::vector<std::uint32_t> kept;
-    const TriangleMesh left = mesh.compact(kept);
+    HalfedgeMesh left = mesh;
+    const std::vector<std::uint32_t> kept = left.compact();
     ASSERT_EQ(kept.size(), left.vertex_count());
     for (std::size_t v = 0; v < kept.size(); ++v) EXPECT_EQ(left.positions[v], mesh.positions[kept[v]]);
     expect_same_topology(left, shape);
@@ -112,8 +113,7 @@ TEST(HalfedgeMesh, CollapsesAsFarAsTheTopologyGoes) {
       }
     }
     expect_sound(mesh);
-    std::vector<std::uint32_t> kept;
-    const TriangleMesh left = mesh.compact(kept);
+    const TriangleMesh left = compacted(mesh);
     expect_same_topology(left, shape);
     EXPECT_GE(left.vertex_count(), least);
     EXPECT_LE(left.vertex_count(), least + 4);
@@ -132,6 +132,48 @@ TEST(HalfedgeMesh, RefusesWhatWouldJoinTwoSheets) {
     EXPECT_FALSE(one.may_collapse(h));
     EXPECT_FALSE(one.may_flip(h));
   }
+}
+
+TEST(HalfedgeMesh, FeaturesStayLines) {
+  // The edges of a box, through whatever else is done to it.
+  const TriangleMesh box = make_mesh(perforated_slab(1, 6));
+  HalfedgeMesh mesh(box, 500);
+  const auto is_sharp = [](const TriangleMesh& of, std::uint32_t h) {
+    const auto normal = [&](std::uint32_t f) {
+      const Triangle& t = of.triangles[f];
+      const Vec3d& a = of.positions[t[0]];
+      return Vec3d((of.positions[t[1]] - a).cross(of.positions[t[2]] - a).normalized());
+    };
+    return normal(h / 3).dot(normal(of.twins[h] / 3)) < 0.5;
+  };
+  for (std::uint32_t h = 0; h < box.twins.size(); ++h) {
+    if (is_sharp(box, h)) mesh.mark_feature(h);
+  }
+  insert_points(mesh, random_places(box, 500));
+  std::uint64_t random = 1;
+  for (int i = 0; i < 20'000; ++i) {
+    const auto h = static_cast<std::uint32_t>(mix_bits(random++) % mesh.twins.size());
+    if (!mesh.has_face(h / 3)) continue;
+    if (i % 2 == 0 && mesh.may_flip(h)) {
+      EXPECT_FALSE(mesh.is_feature(h));
+      mesh.flip(h);
+    }
+    // Eight corners stay, as a remesher has them stay.
+    if (i % 2 == 1 && mesh.from(h) < box.vertex_count() && mesh.may_collapse(h)) mesh.collapse(h);
+  }
+  mesh.compact();
+  expect_same_topology(mesh, box);
+  double length = 0;
+  std::vector<int> ends(mesh.vertex_count(), 0);
+  for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
+    EXPECT_EQ(mesh.is_feature(h), mesh.is_feature(mesh.twins[h]));
+    if (!mesh.is_feature(h)) continue;
+    ++ends[mesh.from(h)];
+    length += 0.5 * (mesh.positions[mesh.to(h)] - mesh.positions[mesh.from(h)]).norm();
+  }
+  EXPECT_NEAR(length, 4 * (1 + 6 + 1), 1e-9) << "all twelve edges, straight";
+  EXPECT_EQ(std::count(ends.begin(), ends.end(), 3), 8);
+  EXPECT_EQ(std::count_if(ends.begin(), ends.end(), [](int count) { return count != 0 && count != 2 && count != 3; }), 0);
 }
 
 }  // namespace

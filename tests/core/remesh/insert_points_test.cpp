@@ -26,8 +26,7 @@ TEST(InsertPoints, LieWhereTheyShallAndDivideTheirFaces) {
           a + double{points[i].weight_1} * (shape.positions[t[1]] - a) + double{points[i].weight_2} * (shape.positions[t[2]] - a);
       ASSERT_LE((mesh.positions[shape.vertex_count() + i] - at).norm(), 1e-4 * diagonal);
     }
-    std::vector<std::uint32_t> kept;
-    expect_same_topology(mesh.compact(kept), shape);
+    expect_same_topology(compacted(mesh), shape);
   }
 }
 
@@ -43,8 +42,7 @@ TEST(InsertPoints, OnCornersEdgesAndEachOther) {
   }
   HalfedgeMesh mesh(shape, points.size());
   insert_points(mesh, points);
-  std::vector<std::uint32_t> kept;
-  expect_same_topology(mesh.compact(kept), shape);
+  expect_same_topology(compacted(mesh), shape);
   std::vector<Vec3d> positions = mesh.positions;
   const auto is_before = [](const Vec3d& a, const Vec3d& b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
@@ -71,7 +69,8 @@ TEST(InsertPoints, OnBorders) {
   while (!plain.on_border(corner)) ++corner;
   const Vec3d from = shape.positions[corner], to = shape.positions[plain.to(plain.outgoing(corner))];
   HalfedgeMesh mesh(shape, 3);
-  insert_border_points(mesh, std::vector<BorderPlace>{{corner, 0.25}, {corner, 0.5}, {corner, 0.875}});
+  const std::uint32_t edge = plain.outgoing(corner);
+  insert_line_points(mesh, shape, std::vector<LinePlace>{{edge, 0.25}, {edge, 0.5}, {edge, 0.875}});
   ASSERT_EQ(mesh.vertex_count(), 7u);
   for (int i = 0; i < 3; ++i) {
     EXPECT_TRUE(mesh.on_border(4 + i));
@@ -79,8 +78,26 @@ TEST(InsertPoints, OnBorders) {
   }
   EXPECT_EQ(mesh.to(mesh.outgoing(corner)), 4u);
   EXPECT_EQ(mesh.to(mesh.outgoing(4)), 5u);
-  std::vector<std::uint32_t> kept;
-  expect_same_topology(mesh.compact(kept), shape);
+  expect_same_topology(compacted(mesh), shape);
+}
+
+TEST(InsertPoints, OnFeatures) {
+  const TriangleMesh shape = make_mesh(icosphere(2));
+  const std::uint32_t edge = 100;
+  HalfedgeMesh mesh(shape, 52);
+  mesh.mark_feature(edge);
+  insert_points(mesh, random_places(shape, 50));
+  insert_line_points(mesh, shape, std::vector<LinePlace>{{edge, 0.5}, {edge, 0.75}});
+  expect_same_topology(compacted(mesh), shape);
+  // The line runs through both of them.
+  std::vector<std::uint32_t> line = {shape.from(edge)};
+  for (std::size_t before = 0; before < line.size() && line.size() < 10; ++before) {
+    mesh.for_each_outgoing(line[before], [&](std::uint32_t h) {
+      if (mesh.is_feature(h) && (before == 0 || mesh.to(h) != line[before - 1])) line.push_back(mesh.to(h));
+    });
+  }
+  const auto first = static_cast<std::uint32_t>(shape.vertex_count() + 50);
+  EXPECT_EQ(line, (std::vector<std::uint32_t>{shape.from(edge), first, first + 1, shape.to(edge)}));
 }
 
 }  // namespace

@@ -14,10 +14,17 @@
 #include "core/measure/random_surface_points.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_mesh.h"
+#include "core/remesh/halfedge_mesh.h"
 #include "core/sample/point_set.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast::testing {
+
+/// What is left of a mesh.
+inline TriangleMesh compacted(HalfedgeMesh mesh) {
+  mesh.compact();
+  return mesh;
+}
 
 /// Random places, uniform in area.
 inline std::vector<FacePlace> random_places(const TriangleMesh& mesh, std::size_t n, std::uint64_t seed = 7) {

@@ -71,6 +71,40 @@ TEST(Remesh, FlatPiecesKeepTheirOutline) {
   }
 }
 
+TEST(Remesh, FeaturesStay) {
+  const TriangleMesh box = make_mesh(perforated_slab(3, 3));  // with a tunnel: 24 edges
+  for (const std::size_t n : {200u, 5'000u}) {
+    for (const bool fit : {false, true}) {
+      const auto made = remesh(box, random_places(box, n), {.fit = fit, .feature_degrees = 45});
+      ASSERT_TRUE(made.ok()) << made.status();
+      EXPECT_EQ(made->mesh.vertex_count(), n);
+      expect_same_topology(made->mesh, box);
+      const HausdorffDistance distance = hausdorff_distance(box, made->mesh, {.samples = 100'000});
+      EXPECT_LT(distance.max(), 1e-6);
+      EXPECT_NEAR(surface_area(made->mesh), surface_area(box), 1e-6);
+      EXPECT_GT(least_angles(made->mesh).front(), 5);
+      const auto without = remesh(box, random_places(box, n), {.fit = fit});
+      EXPECT_GT(hausdorff_distance(box, without->mesh, {.samples = 100'000}).max(), 1e-3);
+    }
+  }
+}
+
+TEST(Remesh, FeaturesMeetBordersAndEndInside) {
+  // A sheet with a fold that ends in its middle, and one from border to border.
+  PolygonSoup sheet = square(40);
+  for (Vec3d& p : sheet.positions) {
+    if (p.y() <= 0.5) p.z() += std::max(0.0, p.x() - 0.25) * (0.5 - p.y());
+    p.z() += std::max(0.0, p.x() - 0.75);
+  }
+  const TriangleMesh surface = make_mesh(sheet);
+  const auto made = remesh(surface, random_places(surface, 2'000), {.feature_degrees = 20});
+  ASSERT_TRUE(made.ok()) << made.status();
+  expect_same_topology(made->mesh, surface);
+  const auto without = remesh(surface, random_places(surface, 2'000));
+  const double with = hausdorff_distance(surface, made->mesh).forward.rms;
+  EXPECT_LT(with, 0.5 * hausdorff_distance(surface, without->mesh).forward.rms);
+}
+
 TEST(Remesh, PointsOnCommonLinesMakeNoFlatTriangles) {
   // A regular grid on the few faces of a cube: most points lie on lines with corners and with each other.
   const TriangleMesh shape = make_mesh(cube());
@@ -118,6 +152,9 @@ TEST(Remesh, RefusesPointsThatLieNowhere) {
   EXPECT_EQ(remesh(ball, {}).status().code(), Code::kInvalidArgument);
   EXPECT_EQ(remesh(ball, points, {.relaxations = -1}).status().code(), Code::kInvalidArgument);
   EXPECT_EQ(remesh(ball, points, {.relaxations = 101}).status().code(), Code::kInvalidArgument);
+  for (const double degrees : {-1.0, 181.0, std::nan("")}) {
+    EXPECT_EQ(remesh(ball, points, {.feature_degrees = degrees}).status().code(), Code::kInvalidArgument);
+  }
   for (const FacePlace& bad : {FacePlace{320, 0, 0}, {0, -0.1f, 0}, {0, 0.7f, 0.7f}, {0, NAN, 0}, {0, 0, INFINITY}}) {
     points[7] = bad;
     const absl::Status status = remesh(ball, points).status();

@@ -26,8 +26,8 @@ TEST(RemoveVertices, LeavesAllOthersInPlace) {
   const std::vector<Vec3d> before = mesh.positions;
   VertexRemover remover(mesh);
   EXPECT_TRUE(remover.remove(first_vertices(shape.vertex_count())).empty());
-  std::vector<std::uint32_t> kept;
-  const TriangleMesh left = mesh.compact(kept);
+  HalfedgeMesh left = mesh;
+  const std::vector<std::uint32_t> kept = left.compact();
   ASSERT_EQ(left.vertex_count(), 500u);
   for (std::size_t v = 0; v < kept.size(); ++v) EXPECT_EQ(left.positions[v], before[shape.vertex_count() + v]);
   expect_same_topology(left, shape);
@@ -46,8 +46,7 @@ TEST(RemoveVertices, TellsWhatIsLeft) {
   const std::vector<std::uint32_t> left = remover.remove(first_vertices(shape.vertex_count()));
   EXPECT_GE(left.size(), 4u) << "a torus takes seven";
   for (const std::uint32_t v : left) EXPECT_TRUE(mesh.has_vertex(v));
-  std::vector<std::uint32_t> kept;
-  const TriangleMesh seven = mesh.compact(kept);
+  const TriangleMesh seven = compacted(mesh);
   EXPECT_EQ(seven.vertex_count(), 3 + left.size());
   expect_same_topology(seven, shape);
 }

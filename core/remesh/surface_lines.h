@@ -1,0 +1,23 @@
+// The lines of a surface that meshes of it keep: its borders, and its features, edges so sharp that they are meant.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/execution_context.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace curvecast {
+
+struct SurfaceLine {
+  std::vector<std::uint32_t> halfedges;  // of the mesh, each from where the one before ends
+  bool is_border = false;                // of a feature either halfedge stands for the edge
+  bool is_closed = false;                // the last one ends where the first begins, at a vertex like any other of the line
+  bool has_loose_end = false;            // one end lies on no other line
+};
+
+/// Lists the borders, then the features: edges between faces whose normals differ by more than `feature_degrees`; 0: there are
+/// none. A feature ends where other than two of its kind meet, and on borders.
+std::vector<SurfaceLine> surface_lines(const TriangleMesh& mesh, double feature_degrees, const ExecutionContext& context = {});
+
+}  // namespace curvecast
