@@ -18,6 +18,7 @@ import { uploadMesh, type NamedFile, type UploadedMesh, type UploadOptions } fro
 import { StreamedPoints } from "./point_store";
 import { repeat } from "./repeat";
 import { socketUrl, type Endpoint } from "./socket";
+import { readMesh, type TriangleMesh } from "./triangle_mesh";
 
 const methods = CurvecastService.method;
 
@@ -37,20 +38,29 @@ export interface SessionRequest {
   signal?: AbortSignal;
 }
 
-/// Calls the service. All calls but uploads share a socket, which is opened when a call needs it, and again after it was lost. Calls
-/// reject with a CurvecastError.
+/// How to make a mesh, how to follow that, and how to stop it.
+export interface RemeshOptions {
+  relaxations?: number; // rounds in which triangles become more regular, 0 to 100; default 5
+  onProgress?(progress: Progress): void;
+  signal?: AbortSignal;
+}
+
+/// Calls the service. All calls but uploads and meshes share a socket, which is opened when a call needs it, and again after it was
+/// lost. Calls reject with a CurvecastError.
 export class Client {
   private readonly endpoint: Endpoint;
   private readonly decoder: Decoder;
   private readonly connection: ReconnectingSocket;
+  private readonly meshConnection: ReconnectingSocket; // meshes are large: frames would wait behind them
   private readonly closing = new Set<{ close(): void }>(); // ends with the client
 
   constructor({ url, token, webSocket, decoder }: ClientOptions = {}) {
     this.endpoint = { url: url ?? socketUrl("."), token, ...(webSocket !== undefined && { webSocket }) };
     this.connection = new ReconnectingSocket(this.endpoint);
+    this.meshConnection = new ReconnectingSocket(this.endpoint);
     if (decoder === undefined) this.closing.add((decoder = new WorkerDecoder()));
     this.decoder = decoder;
-    this.closing.add(this.connection);
+    this.closing.add(this.connection).add(this.meshConnection);
   }
 
   /// Lists the sessions that the server has in memory, by id.
@@ -129,6 +139,21 @@ export class Client {
     const points = new StreamedPoints();
     points.replace(await this.decoder.decode(blocks));
     return { points, statistics };
+  }
+
+  /// Makes a triangle mesh of the points of a sample, whose budget is in points: as many vertices as points. Begins again where the
+  /// connection is lost meanwhile, as createSession() does.
+  async remesh(
+    sessionId: string,
+    sample: MessageInitShape<typeof SampleRequestSchema>,
+    options: RemeshOptions = {},
+  ): Promise<TriangleMesh> {
+    const { relaxations, signal } = options;
+    const request = { sessionId, sample, ...(relaxations !== undefined && { relaxations }) };
+    return repeat((resetFailures) => {
+      const responses = this.meshConnection.socket().serverStream(methods.remesh, request, signal);
+      return readMesh(responses, this.decoder, (progress) => (resetFailures(), options.onProgress?.(progress)));
+    }, signal);
   }
 
   /// Opens a stream of views of a session: see LiveView.

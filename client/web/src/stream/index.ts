@@ -1,7 +1,7 @@
 // The streaming client: sessions, uploads, and points that follow a camera. It needs neither three.js nor a page.
 
 export type { PointChanges } from "./changed_slots";
-export { Client, type ClientOptions, type SessionRequest } from "./client";
+export { Client, type ClientOptions, type RemeshOptions, type SessionRequest } from "./client";
 export type { DecodedPoints } from "./decoded_points";
 export { WorkerDecoder, type Decoder } from "./decoder";
 export { asCurvecastError, CurvecastError, type ErrorCode } from "./errors";
@@ -10,6 +10,7 @@ export { meshAmong, type NamedFile, type UploadedMesh, type UploadOptions } from
 export { StreamedPoints, type PointDifference, type PointStore } from "./point_store";
 export { Socket, socketUrl, type Endpoint } from "./socket";
 export type { FrameReport, StatisticsSummary } from "./statistics";
+export type { TriangleMesh } from "./triangle_mesh";
 export {
   CurvatureKind,
   PointAttribute,

@@ -79,7 +79,8 @@ describe("a client that was closed", () => {
 
     const refused = { code: "CANCELLED", message: "the client was closed" };
     const later = [client.listSessions(), client.getSession("a"), client.createSession({ meshId: "a" }), client.upload(file)];
-    for (const call of [...later, client.resample("a", points(1))]) await expect(call).rejects.toMatchObject(refused);
+    for (const call of [...later, client.resample("a", points(1)), client.remesh("a", points(1))])
+      await expect(call).rejects.toMatchObject(refused);
     expect(() => client.view("session")).toThrow(refused.message);
     expect(FakeWebSocket.made.length).toBe(2);
     expect(vi.getTimerCount()).toBe(0);
