@@ -49,11 +49,19 @@ describe("a long visit", () => {
       await torus.page.keyboard.press("v");
       await torus.until((c) => c.uniformStore === null);
     };
+    const toggleWireframe = async () => {
+      await torus.page.keyboard.press("t");
+      await torus.until((c) => c.mesh !== null && c.isMeshCurrent);
+      await torus.page.keyboard.press("t");
+      await torus.until((c) => c.mesh === null);
+    };
     await toggleSplit();
+    await toggleWireframe();
     await torus.evaluate(orbit, 60);
     const before = await inventory(torus, session);
     await torus.evaluate(orbit, updates);
     for (let i = 0; i < 5; ++i) await toggleSplit();
+    for (let i = 0; i < 5; ++i) await toggleWireframe();
     const after = await inventory(torus, session);
     assert.deepEqual(after.drawing, before.drawing);
     assert.ok(after.listeners < before.listeners + fewListeners, `${after.listeners} listeners, ${before.listeners} before`);

@@ -163,7 +163,7 @@ describe("the tools", () => {
     await torus.page.keyboard.press("m");
     await torus.page.mouse.click(ax, ay);
     await torus.page.mouse.click(bx, by);
-    const row = torus.page.locator(".hud dd.asked");
+    const row = torus.page.locator(".hud dd.distance");
     await row.waitFor({ state: "visible" });
     const distance = Number.parseFloat(await row.textContent());
     const wanted = Math.hypot(...a.map((value, k) => value - b[k]));

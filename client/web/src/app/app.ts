@@ -3,13 +3,14 @@
 import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
 import { Viewport, type CameraState } from "../view";
 import { Brush } from "./brush";
-import { download, plyOf } from "./export_ply";
+import { download, meshPlyOf, plyOf } from "./export_ply";
 import type { FirstAnswers } from "./first_answers";
 import { Hud } from "./hud";
 import { keyTable } from "./key_table";
+import { MeshFollower } from "./mesh_follower";
 import { Messages } from "./messages";
 import { Panel } from "./panel";
-import { sampleRequest } from "./sample_request";
+import { meshRequest, sampleRequest } from "./sample_request";
 import { SessionChoice } from "./session_choice";
 import { nameOf, SessionList } from "./session_list";
 import { defaultSettings, type Settings } from "./settings";
@@ -34,6 +35,7 @@ export class Application {
   readonly viewport: Viewport;
   streams: Streams | null = null;
   session: Session | null = null;
+  mesh: MeshFollower | null = null; // of the session
 
   private readonly defaults: Settings;
   private readonly panel: Panel;
@@ -44,6 +46,8 @@ export class Application {
   private readonly choice: SessionChoice;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
   private shown: unknown[] = []; // the stores that the viewport draws
+  private preview: Session | null = null; // a stand-in, of which there are points but no meshes
+  private isPainting = false; // a stroke of the brush is under way
   private readonly pacer = new ViewPacer(
     () => this.look(),
     () => this.viewport.isDrawing,
@@ -85,6 +89,7 @@ export class Application {
       clearStrokes: () => this.change(() => this.brush.clear()),
       screenshot: () => void this.saveScreenshot(),
       exportPly: () => this.savePly(),
+      exportMesh: () => this.saveMesh(),
     };
     const toggles = { togglePanel: () => this.panel.toggle(), toggleFigures: () => this.hud.toggle() };
     const shortcuts = new Shortcuts(page, keyTable({ ...actions, change: (how) => this.change(how), ...toggles }));
@@ -123,7 +128,8 @@ export class Application {
     this.viewport.onCamera = () => this.pacer.request();
     this.viewport.onDrawn = () => this.pacer.drawn();
     this.viewport.onBrush = (centre, done) => {
-      if (this.brush.paint(centre, this.brushRadius(), done)) this.changed();
+      this.isPainting = !done;
+      if (this.brush.paint(centre, this.brushRadius(), done) || done) this.changed();
     };
     this.viewport.onMeasure = (distance) => (this.hud.distance = distance);
     this.viewport.onLost = (isLost) => {
@@ -144,6 +150,7 @@ export class Application {
     viewport.style = { mode, colouring, background, edl, dotSize, splatScale };
     viewport.navigation = settings.navigation;
     viewport.setMeasuring(settings.measuring && !settings.brush);
+    this.isPainting &&= settings.brush; // a stroke also ends with the brush
     viewport.setBrush(settings.brush && this.session !== null ? this.brushRadius() : null);
     if (settings.frozen !== (this.frozen !== null)) {
       this.frozen = settings.frozen ? { camera: viewport.camera, size: viewport.size } : null;
@@ -171,6 +178,8 @@ export class Application {
     const camera = this.frozen?.camera ?? viewport.camera;
     const size = this.frozen?.size ?? viewport.size;
     if (streams.look(sampleRequest(settings, camera, size), sampleRequest(settings, camera, size, true))) viewport.expectPoints();
+    const hasMesh = settings.wireframe && this.session !== this.preview;
+    this.mesh?.follow(hasMesh ? meshRequest(settings, camera, size) : null, this.isPainting);
     this.saveSoon();
   }
 
@@ -216,6 +225,7 @@ export class Application {
     for (const which of ["main", "uniform"] as const) this.messages.hideBanner(which);
     this.messages.hideCard();
     this.streams?.close();
+    this.mesh?.follow(null, false);
     this.streams = null; // the new session is not asked for views of the camera before
     if (this.session !== null && this.session.sessionId !== session.sessionId) this.brush.clear();
     this.session = session;
@@ -226,6 +236,10 @@ export class Application {
     this.streams = new Streams(this.client, session.sessionId, {
       onFrame: (frame) => this.frameCame(frame),
       onState: (which, state, error, delay) => this.stateChanged(which, state, error, delay),
+    });
+    this.mesh = new MeshFollower((sample, options) => this.client.remesh(session.sessionId, sample, options), {
+      onMesh: (mesh) => this.viewport.setWireframe(mesh),
+      onFailure: (error) => this.messages.notice(`The mesh cannot be made: ${error.message}`),
     });
     const { boxMin, boxMax } = session.report?.mesh ?? {};
     if (boxMin !== undefined && boxMax !== undefined) {
@@ -239,6 +253,7 @@ export class Application {
   }
 
   private previewed(preview: Session): void {
+    this.preview = preview;
     this.choice.showNow(preview);
     this.messages.notice("A coarse preview; the rest follows by itself");
   }
@@ -247,6 +262,7 @@ export class Application {
     if (missing.length > 0) this.messages.notice(`Not among the files, and done without: ${missing.join(", ")}`);
     if (this.session?.sessionId === session.sessionId) {
       this.session = session; // its preview is shown, and its stream goes on by itself
+      this.pacer.request(); // there may be a mesh now
       this.choice.refresh();
       return;
     }
@@ -290,6 +306,7 @@ export class Application {
   private showFigures(): void {
     this.hud.visible = this.streams !== null;
     if (this.streams !== null) this.hud.show(this.streams, this.viewport.framesPerSecond, this.uploadMilliseconds);
+    this.hud.showMesh(this.settings.wireframe ? this.mesh : null);
   }
 
   private async saveScreenshot(): Promise<void> {
@@ -306,5 +323,11 @@ export class Application {
     if (this.session === null || this.streams === null) return;
     const { store } = this.streams.main;
     download(plyOf(store), `${stemOf(this.session)}-${store.count}.ply`);
+  }
+
+  private saveMesh(): void {
+    const mesh = this.mesh?.mesh;
+    if (this.session === null || mesh == null) return;
+    download(meshPlyOf(mesh), `${stemOf(this.session)}-mesh-${mesh.vertices.count}.ply`);
   }
 }

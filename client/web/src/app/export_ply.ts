@@ -1,6 +1,6 @@
-// The points of a store as a binary PLY file.
+// The points of a store, or a mesh, as a binary PLY file.
 
-import type { StreamedPoints } from "../stream";
+import type { StreamedPoints, TriangleMesh } from "../stream";
 
 /// A PLY property: its name and type, and its value for the point in a slot.
 interface Property {
@@ -10,6 +10,8 @@ interface Property {
 }
 
 const sizes = { double: 8, float: 4, uchar: 1, uint: 4 };
+
+const triangleBytes = 13; // a byte for the number of corners, then these
 
 function propertiesOf({ positions, normals, colours, curvatures, ranks, origin }: StreamedPoints): Property[] {
   const isFar = origin.some((value) => value !== 0);
@@ -32,14 +34,8 @@ function put(view: DataView, at: number, type: Property["type"], value: number):
   else view.setUint8(at, value);
 }
 
-/// Writes the points as a little-endian PLY file: x y z nx ny nz, red green blue where there are colours, radius, then curvatures and
-/// ranks where there are any. Positions are in the mesh's own frame, as doubles where the points have an origin. The points are in the
-/// order of the curve. `curvecast sample` writes the same.
-export function plyOf(store: StreamedPoints): Blob {
-  const properties = propertiesOf(store);
-  const lines = properties.map(({ name, type }) => `property ${type} ${name}\n`).join("");
-  const format = "ply\nformat binary_little_endian 1.0\ncomment Curvecast\n";
-  const header = `${format}element vertex ${store.count}\n${lines}end_header\n`;
+/// Writes properties of all points, in the order of the curve.
+function rowsOf(store: StreamedPoints, properties: readonly Property[]): DataView<ArrayBuffer> {
   const stride = properties.reduce((sum, { type }) => sum + sizes[type], 0);
   const view = new DataView(new ArrayBuffer(store.count * stride));
   let at = 0;
@@ -49,7 +45,38 @@ export function plyOf(store: StreamedPoints): Blob {
       at += sizes[type];
     }
   }
-  return new Blob([header, view], { type: "application/octet-stream" });
+  return view;
+}
+
+function headerOf(store: StreamedPoints, properties: readonly Property[], more = ""): string {
+  const lines = properties.map(({ name, type }) => `property ${type} ${name}\n`).join("");
+  const format = "ply\nformat binary_little_endian 1.0\ncomment Curvecast\n";
+  return `${format}element vertex ${store.count}\n${lines}${more}end_header\n`;
+}
+
+function fileOf(...parts: BlobPart[]): Blob {
+  return new Blob(parts, { type: "application/octet-stream" });
+}
+
+/// Writes the points as a little-endian PLY file: x y z nx ny nz, red green blue where there are colours, radius, then curvatures and
+/// ranks where there are any. Positions are in the mesh's own frame, as doubles where the points have an origin. The points are in the
+/// order of the curve. `curvecast sample` writes the same.
+export function plyOf(store: StreamedPoints): Blob {
+  const properties = propertiesOf(store);
+  return fileOf(headerOf(store, properties), rowsOf(store, properties));
+}
+
+/// Writes a mesh as a little-endian PLY file: its vertices as plyOf() does, without radii, and its triangles.
+export function meshPlyOf({ vertices, triangles }: TriangleMesh): Blob {
+  const properties = propertiesOf(vertices).filter(({ name }) => name !== "radius");
+  const faces = new DataView(new ArrayBuffer((triangles.length / 3) * triangleBytes));
+  triangles.forEach((vertex, i) => {
+    const at = Math.floor(i / 3) * triangleBytes;
+    if (i % 3 === 0) faces.setUint8(at, 3);
+    faces.setUint32(at + 1 + 4 * (i % 3), vertex, true);
+  });
+  const more = `element face ${triangles.length / 3}\nproperty list uchar uint vertex_indices\n`;
+  return fileOf(headerOf(vertices, properties, more), rowsOf(vertices, properties), faces);
 }
 
 /// Offers a file to the user as a download.

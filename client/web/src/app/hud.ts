@@ -3,6 +3,7 @@
 import type { LiveViewState } from "../stream";
 import { element } from "./elements";
 import { bytes, count, length, seconds } from "./format";
+import type { MeshFollower } from "./mesh_follower";
 import { pointsText } from "./points_text";
 import type { Streams } from "./streams";
 
@@ -24,14 +25,16 @@ export class Hud {
     this.root.open = true;
     this.root.append(element("summary", { title: "Fold or unfold the figures (I)" }, [this.state]));
     const list = element("dl");
-    for (const name of ["points", "update", "traffic", "view → points", "server", "frames", "curve", "distance"]) {
-      const kind = name === "distance" ? { class: "asked" } : {};
+    const asked = ["mesh", "distance"]; // rows that are shown while there is something in them
+    for (const name of ["points", "update", "traffic", "view → points", "server", "frames", "curve", ...asked]) {
+      const kind = asked.includes(name) ? { class: `asked ${name}` } : {};
       const value = element("dd", { text: "–", ...kind });
       this.rows.set(name, value);
       list.append(element("dt", { text: name, ...kind }), value);
     }
     this.root.append(list);
     this.distance = null;
+    this.showMesh(null);
     parent.append(this.root);
   }
 
@@ -45,12 +48,16 @@ export class Hud {
 
   /// Shows the length of the measured line, in units; null hides the row.
   set distance(distance: number | null) {
-    const row = this.rows.get("distance")!;
-    row.hidden = distance === null;
-    (row.previousElementSibling as HTMLElement).hidden = distance === null;
-    if (distance === null) return;
-    this.set("distance", length(distance));
-    this.root.open = true;
+    this.setAsked("distance", distance === null ? null : length(distance));
+    if (distance !== null) this.root.open = true;
+  }
+
+  /// Shows the figures of the mesh; null hides the row.
+  showMesh(follower: MeshFollower | null): void {
+    if (follower === null) return this.setAsked("mesh", null);
+    const { mesh, isCurrent, seconds: time } = follower;
+    const figures = mesh === null ? [] : [`${count(mesh.vertices.count)} vertices in ${seconds(time)}`];
+    this.setAsked("mesh", [...figures, ...(isCurrent ? [] : ["…"])].join(" "));
   }
 
   /// Shows the figures of the moment. `framesPerSecond`: 0 where nothing moves.
@@ -69,6 +76,13 @@ export class Hud {
     this.set("update", `+${count(last.added)} −${count(last.removed)}${resized}, ${bytes(last.bytes)}`);
     this.set("server", `${seconds(last.serverSeconds)}, decoding ${seconds(last.decodeSeconds)}`);
     this.set("curve", `${count(last.curveVertices)} vertices, revision ${last.curveRevision}`);
+  }
+
+  private setAsked(name: string, text: string | null): void {
+    const row = this.rows.get(name)!;
+    row.hidden = text === null;
+    (row.previousElementSibling as HTMLElement).hidden = text === null;
+    if (text !== null) this.set(name, text);
   }
 
   private set(name: string, text: string): void {

@@ -47,6 +47,7 @@ export function keyTable(actions: KeyActions): Shortcut[] {
     sets("r", "paint, rub it out", (s) => ((s.eraser = !s.eraser), (s.brush = true), (s.measuring = false))),
     { key: "mod+z", what: "undo a stroke", run: () => actions.undoStroke(), repeats: true },
     { key: "delete", what: "clear all strokes", run: () => actions.clearStrokes() },
+    sets("t", "wireframe of a mesh", (s) => (s.wireframe = !s.wireframe)),
     sets("m", "measure", (s) => ((s.measuring = !s.measuring), (s.brush = false))),
     sets("n", "orbit, fly", (s) => (s.navigation = s.navigation === "orbit" ? "fly" : "orbit")),
     { key: "p", what: "save the picture", run: () => actions.screenshot() },

@@ -15,6 +15,7 @@ export interface PanelActions {
   clearStrokes(): void;
   screenshot(): void;
   exportPly(): void;
+  exportMesh(): void;
   help(): void;
 }
 
@@ -56,6 +57,7 @@ export class Panel {
     this.addPoints();
     this.addDensity();
     this.addBrush(actions);
+    this.addMesh(actions);
     this.addPicture(actions);
     this.addTools(actions);
     this.gui.onOpenClose(() => this.makeRoom());
@@ -134,6 +136,16 @@ export class Panel {
     this.when(this.addNumber(folder, "brushFactor").name("factor"), ({ eraser }) => !eraser);
     folder.add(actions, "undoStroke").name("Undo a stroke (Ctrl Z)");
     folder.add(actions, "clearStrokes").name("Clear all strokes");
+    folder.close();
+  }
+
+  private addMesh(actions: PanelActions): void {
+    const s = this.settings;
+    const folder = this.gui.addFolder("Mesh");
+    folder.add(s, "wireframe").name("wireframe (T)");
+    this.addNumber(folder, "meshVertices").name("vertices");
+    folder.add(s, "meshForCamera").name("the camera's density, too");
+    this.when(folder.add(actions, "exportMesh").name("Save the mesh as PLY"), ({ wireframe }) => wireframe);
     folder.close();
   }
 

@@ -1,14 +1,14 @@
 // Makes the API's request for points from settings and a camera.
 
-import type { MessageInitShape } from "@bufbuild/protobuf";
+import { create, toBinary, type MessageInitShape } from "@bufbuild/protobuf";
 
 import {
   CurvatureKind,
   PointAttribute,
   Sampler,
+  SampleRequestSchema,
   Sequence,
   type DensityTermSchema,
-  type SampleRequestSchema,
 } from "../gen/curvecast/v1/curvecast_pb";
 import type { CameraState } from "../view";
 import type { Dab, Settings } from "./settings";
@@ -24,6 +24,15 @@ const sequences = {
   vanDerCorput: Sequence.VAN_DER_CORPUT,
   goldenRatio: Sequence.GOLDEN_RATIO,
 };
+
+/// Encodes a request, so that it can be compared with another one.
+export function bytesOf(sample: SampleInit): Uint8Array {
+  return toBinary(SampleRequestSchema, create(SampleRequestSchema, sample));
+}
+
+export function sameBytes(a: Uint8Array, b: Uint8Array): boolean {
+  return a.length === b.length && a.every((byte, i) => byte === b[i]);
+}
 
 function vec3([x, y, z]: readonly [number, number, number]): { x: number; y: number; z: number } {
   return { x, y, z };
@@ -104,4 +113,16 @@ export function sampleRequest(
     sequence: sequences[settings.sequence],
     attributes,
   };
+}
+
+/// Makes the request for the vertices of the mesh: those of the surface's own density, and of the camera's where that is wanted, too.
+/// Otherwise the mesh would change with every turn, and have hardly a vertex where the camera does not look. `camera` and `size` as in
+/// sampleRequest().
+export function meshRequest(settings: Settings, camera: CameraState, size: { width: number; height: number }): SampleInit {
+  const ofSurface = settings.meshForCamera ? {} : { silhouette: false, distance: false, screen: false, frustum: false };
+  return sampleRequest(
+    { ...settings, ...ofSurface, budget: "points", points: settings.meshVertices, colouring: "shading" },
+    camera,
+    size,
+  );
 }

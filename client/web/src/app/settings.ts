@@ -32,6 +32,9 @@ export interface Settings {
   brushSize: number; // radius, % of the diagonal of the mesh's box
   brushFactor: number;
   eraser: boolean; // the brush takes paint away
+  wireframe: boolean; // the edges of a mesh over the surface
+  meshVertices: number;
+  meshForCamera: boolean; // the mesh has the camera's density, too
   mode: Mode;
   colouring: Colouring;
   background: Background;
@@ -63,6 +66,7 @@ export const ranges = {
   silhouetteFloor: { min: 0.01, max: 1 },
   brushSize: { min: 0.5, max: 30 },
   brushFactor: { min: 0, max: 64 },
+  meshVertices: { min: 100, max: 100_000, step: 100 },
   dotSize: { min: 1, max: 10 },
   splatScale: { min: 0.2, max: 3 },
 } satisfies Record<NumberSetting, Range>;
@@ -96,6 +100,9 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     brushSize: 5,
     brushFactor: 8,
     eraser: false,
+    wireframe: false,
+    meshVertices: 5000,
+    meshForCamera: false,
     mode: "splats",
     colouring: "shading",
     background,

@@ -1,16 +1,7 @@
 // The streams of a page: the main one, and in a split view one of uniform density beside it.
 
-import { create, toBinary } from "@bufbuild/protobuf";
-
-import {
-  SampleRequestSchema,
-  type Client,
-  type CurvecastError,
-  type FrameReport,
-  type LiveView,
-  type LiveViewState,
-} from "../stream";
-import type { SampleInit } from "./sample_request";
+import type { Client, CurvecastError, FrameReport, LiveView, LiveViewState } from "../stream";
+import { bytesOf, sameBytes, type SampleInit } from "./sample_request";
 
 /// The main stream, whose density the user sets, or the one of uniform density.
 export type Which = "main" | "uniform";
@@ -23,10 +14,6 @@ export interface StreamsEvents {
 
 const firstBytes = 48 << 10; // of a frame, that come first and are shown at once
 
-function sameBytes(a: Uint8Array, b: Uint8Array): boolean {
-  return a.length === b.length && a.every((byte, i) => byte === b[i]);
-}
-
 /// Asks a view only for samples that differ from the last one.
 class DistinctView {
   private last: Uint8Array = new Uint8Array(0);
@@ -35,7 +22,7 @@ class DistinctView {
 
   /// Asks for a sample. Returns whether it differed from the last one.
   look(sample: SampleInit): boolean {
-    const bytes = toBinary(SampleRequestSchema, create(SampleRequestSchema, sample));
+    const bytes = bytesOf(sample);
     if (this.view.lastLook > 0 && sameBytes(bytes, this.last)) return false;
     this.last = bytes;
     this.view.look(sample);

@@ -2,6 +2,7 @@
 
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
+import type { TriangleMesh } from "../stream/triangle_mesh";
 import { CameraControls, type ControlsHost } from "./camera_controls";
 import { type Bounds, boundsRadius, clipPlanes, fit, isUsable, rayDirection } from "./camera_math";
 import { DrawingWatch } from "./drawing_watch";
@@ -17,6 +18,7 @@ import { canBlend, SplatPasses } from "./splat_passes";
 import { aim } from "./three_camera";
 import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
 import { distance } from "./vector";
+import { Wireframe } from "./wireframe";
 
 /// The first camera looks from the front, a little from above and from the right, as in the pictures that the server renders.
 const firstCamera: CameraState = { eye: [0.55, 0.35, 1], target: [0, 0, 0], up: [0, 1, 0], fov: 30 };
@@ -41,6 +43,7 @@ export class Viewport {
   private readonly renderer: THREE.WebGLRenderer;
   private readonly passes: Passes;
   private readonly overlay = new OverlayLines();
+  private readonly wireframe = new Wireframe();
   private readonly clock: FrameClock;
   private readonly watch: DrawingWatch;
   private readonly controls: CameraControls;
@@ -101,6 +104,12 @@ export class Viewport {
     for (const store of this.stores) {
       if (store && !this.geometries.has(store)) this.geometries.set(store, new PointsGeometry(store, this.passes.shape));
     }
+    this.invalidate();
+  }
+
+  /// Draws the edges of a mesh over the picture of the last store; null: none.
+  setWireframe(mesh: TriangleMesh | null): void {
+    this.wireframe.set(mesh);
     this.invalidate();
   }
 
@@ -244,6 +253,7 @@ export class Viewport {
     this.setStores(null);
     this.clock.pause(true);
     this.overlay.dispose();
+    this.wireframe.dispose();
     this.passes.dispose();
     this.renderer.dispose();
   }
@@ -279,7 +289,7 @@ export class Viewport {
     this.isLost = isLost;
     this.clock.pause(isLost);
     // The objects on the graphics card are gone. The next frame makes them anew.
-    if (isLost) for (const part of [this.passes, this.overlay, ...this.geometries.values()]) part.dispose();
+    if (isLost) for (const part of [this.passes, this.overlay, this.wireframe, ...this.geometries.values()]) part.dispose();
     this.onLost?.(isLost);
   }
 
@@ -364,6 +374,7 @@ export class Viewport {
     const frozen = this.frozen && { ...this.frozen, camera: this.sampled };
     renderer.setScissorTest(true);
     for (const [i, store] of this.stores.entries()) {
+      const isLast = i === this.stores.length - 1;
       const where: Rectangle = { x: i * width, y: 0, width, height };
       aim(this.drawn, this.cameraNow, this.bounds, where.width / height);
       const brush = this.hovered && this.brushRadius !== null ? this.hovered.point : null;
@@ -376,9 +387,10 @@ export class Viewport {
         pixelRatio: ratio,
         isQuick: this.isSoftware && scale < 1,
         sceneRadius: boundsRadius(this.bounds),
-        frozen: i === this.stores.length - 1 ? frozen : null, // the other's points are even on the surface
+        frozen: isLast ? frozen : null, // the other's points are even on the surface
         brush: brush ? { centre: new THREE.Vector3(...brush), radius: this.brushRadius ?? 0 } : null,
       });
+      if (isLast) this.wireframe.render(renderer, this.drawn, this.styleNow, ratio);
       const tolerance = 0.5 * (points?.typicalRadius ?? 0) * this.styleNow.splatScale;
       this.overlay.render(renderer, this.drawn, where, ratio, points ? this.passes.depths : null, tolerance);
     }

@@ -38,3 +38,28 @@ export function bumpyTorus(columns = 120, rows = 48, isColoured = false) {
   }
   return Buffer.from(lines.join("\n") + "\n");
 }
+
+/// side x side tetrahedra that touch nowhere, as an OFF file.
+export function tetrahedra(side) {
+  const corners = [];
+  const faces = [];
+  for (let i = 0; i < side * side; ++i) {
+    const [x, y] = [2 * (i % side), 2 * Math.floor(i / side)];
+    for (const [dx, dy, dz] of [
+      [0, 0, 0],
+      [1, 0, 0],
+      [0, 1, 0],
+      [0, 0, 1],
+    ])
+      corners.push(`${x + dx} ${y + dy} ${dz}`);
+    const [a, b, c, d] = [4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3];
+    for (const face of [
+      [a, c, b],
+      [a, b, d],
+      [b, c, d],
+      [a, d, c],
+    ])
+      faces.push(`3 ${face.join(" ")}`);
+  }
+  return Buffer.from([`OFF`, `${corners.length} ${faces.length} 0`, ...corners, ...faces].join("\n") + "\n");
+}

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { plyOf } from "../../../../client/web/src/app/export_ply";
+import { meshPlyOf, plyOf } from "../../../../client/web/src/app/export_ply";
 import type { DecodedPoints } from "../../../../client/web/src/stream/decoded_points";
 import { StreamedPoints } from "../../../../client/web/src/stream/point_store";
 
@@ -23,8 +23,8 @@ function store(more: Partial<DecodedPoints> = {}): StreamedPoints {
 }
 
 /// The lines of the header, and the data behind it.
-async function parse(points: StreamedPoints): Promise<{ lines: string[]; data: DataView }> {
-  const bytes = new Uint8Array(await plyOf(points).arrayBuffer());
+async function parse(points: StreamedPoints, file = plyOf(points)): Promise<{ lines: string[]; data: DataView }> {
+  const bytes = new Uint8Array(await file.arrayBuffer());
   const header = new TextDecoder().decode(bytes).split("end_header\n")[0]! + "end_header\n";
   return { lines: header.split("\n"), data: new DataView(bytes.slice(header.length).buffer) };
 }
@@ -71,5 +71,25 @@ describe("a PLY file", () => {
     expect([24, 25, 26].map((at) => data.getUint8(stride + at))).toEqual([4, 5, 6]);
     expect([27, 31, 35].map((at) => data.getFloat32(stride + at, true))).toEqual([0.25, -3, 4]);
     expect(data.getUint32(stride + 39, true)).toBe(4_000_000_000);
+  });
+
+  it("holds a mesh: vertices without radii, then the triangles", async () => {
+    const vertices = store();
+    const { lines, data } = await parse(vertices, meshPlyOf({ vertices, triangles: Uint32Array.of(0, 1, 7, 2, 3, 4_000_000_000) }));
+    expect(lines).toContain("element vertex 2");
+    expect(lines).toContain("element face 2");
+    expect(properties(lines)).toEqual([
+      ...["x", "y", "z", "nx", "ny", "nz"].map((name) => `float ${name}`),
+      "list uchar uint vertex_indices",
+    ]);
+    expect(data.byteLength).toBe(2 * 24 + 2 * 13);
+    expect(data.getFloat32(24, true)).toBe(4);
+    for (const [i, corners] of [
+      [0, [0, 1, 7]],
+      [1, [2, 3, 4_000_000_000]],
+    ] as const) {
+      const at = 48 + 13 * i;
+      expect([data.getUint8(at), ...[1, 5, 9].map((k) => data.getUint32(at + k, true))]).toEqual([3, ...corners]);
+    }
   });
 });

@@ -2,7 +2,7 @@ import { create, toBinary } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 
 import { Brush } from "../../../../client/web/src/app/brush";
-import { sampleRequest } from "../../../../client/web/src/app/sample_request";
+import { meshRequest, sampleRequest } from "../../../../client/web/src/app/sample_request";
 import { defaultSettings, maxDabs, type Settings } from "../../../../client/web/src/app/settings";
 import {
   CurvatureKind,
@@ -90,6 +90,30 @@ describe("a request", () => {
     ]);
     const many = Array.from({ length: 1000 }, (_, i) => dab(0, i, 4));
     expect(toBinary(SampleRequestSchema, request({ dabs: many })).length).toBeLessThan(12_500);
+  });
+});
+
+describe("a request for a mesh", () => {
+  const mesh = (changes: Partial<Settings>) => {
+    const { eye, target, up, fov } = camera;
+    const made = meshRequest(settings(changes), { eye: [...eye], target: [...target], up: [...up], fov }, size);
+    return create(SampleRequestSchema, made);
+  };
+  const dabs = [{ centre: [0, 0, 0] as [number, number, number], radius: 1, factor: 8, stroke: 0 }];
+
+  it("has so many vertices, and the surface's own terms", () => {
+    const all = { curvature: "max", silhouette: true, distance: true, dabs } as const;
+    const made = mesh({ ...all, dabs, budget: "bytes", colouring: "rank" });
+    expect(made.budget).toEqual({ case: "points", value: 5000n });
+    expect(made.density.map(({ term }) => term.case)).toEqual(["curvature", "brush"]);
+    expect([made.cameras, made.attributes]).toEqual([[], []]);
+    expect(mesh({ meshVertices: 70_000 }).budget.value).toBe(70_000n);
+  });
+
+  it("has the camera's terms where they are wanted", () => {
+    const made = mesh({ meshForCamera: true, silhouette: true, dabs });
+    expect(made.density.map(({ term }) => term.case)).toEqual(["view", "screen", "frustum", "brush"]);
+    expect(made.cameras.length).toBe(1);
   });
 });
 
