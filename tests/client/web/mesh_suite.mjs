@@ -117,12 +117,12 @@ describe("the wireframe", () => {
     await turn();
     await torus.settled();
     assert.ok(await torus.evaluate((c) => c.isMeshCurrent && c.mesh === window.meshBefore));
-    await torus.set("the camera's density", true);
+    await torus.set("for this camera", true);
     await torus.until((c) => c.mesh !== window.meshBefore && c.isMeshCurrent);
     await torus.evaluate((c) => void (window.meshBefore = c.mesh));
     await turn();
     await torus.until((c) => c.mesh !== window.meshBefore && c.isMeshCurrent);
-    await torus.set("the camera's density", false);
+    await torus.set("for this camera", false);
     await torus.page.keyboard.press("f");
     await torus.until((c) => !c.isMeshCurrent);
     await meshed();

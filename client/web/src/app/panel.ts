@@ -144,7 +144,7 @@ export class Panel {
     const folder = this.gui.addFolder("Mesh");
     folder.add(s, "wireframe").name("wireframe (T)");
     this.addNumber(folder, "meshVertices").name("vertices");
-    folder.add(s, "meshForCamera").name("the camera's density, too");
+    folder.add(s, "meshForCamera").name("for this camera");
     this.when(folder.add(actions, "exportMesh").name("Save the mesh as PLY"), ({ wireframe }) => wireframe);
     folder.close();
   }
