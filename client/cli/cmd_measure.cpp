@@ -51,12 +51,19 @@ Json set_json(const std::string& path, const v1::PointMeasures& set) {
 Json distance_json(const std::string& path, const v1::MeshDistance& distance) {
   const auto one_way = [](const v1::OneWayDistance& side) {
     const v1::Vec3& p = side.farthest();
-    return Json{{"max", side.max()},
-                {"mean", side.mean()},
-                {"rms", side.rms()},
-                {"farthest", {p.x(), p.y(), p.z()}},
-                {"normal_mean", side.normal_mean()},
-                {"normal_rms", side.normal_rms()}};
+    Json json = {{"max", side.max()},
+                 {"mean", side.mean()},
+                 {"rms", side.rms()},
+                 {"farthest", {p.x(), p.y(), p.z()}},
+                 {"normal_mean", side.normal_mean()},
+                 {"normal_rms", side.normal_rms()}};
+    if (side.picture_share() > 0) {
+      json["picture"] = {{"max", side.picture_max()},
+                         {"mean", side.picture_mean()},
+                         {"rms", side.picture_rms()},
+                         {"share", side.picture_share()}};
+    }
+    return json;
   };
   return {{"file", path},
           {"max", distance.max()},
@@ -99,6 +106,13 @@ std::string distance_text(const Flags& flags, const v1::MeshDistance& distance) 
   add("from", distance.from_mesh());
   add("back", distance.from_other());
   absl::StrAppendFormat(&text, "both     %8.4f\n", distance.max());
+  const auto add_picture = [&](const char* what, const v1::OneWayDistance& side) {
+    if (side.picture_share() == 0) return;
+    absl::StrAppendFormat(&text, "%-8s %8.4f %8.5f %8.5f   pixels of the camera, of %.1f %% of the surface\n", what,
+                          side.picture_max(), side.picture_mean(), side.picture_rms(), 100 * side.picture_share());
+  };
+  add_picture("from", distance.from_mesh());
+  add_picture("back", distance.from_other());
   return text;
 }
 
@@ -155,7 +169,8 @@ absl::StatusOr<v1::MeasureRequest> make_measure_request(const Flags& flags, cons
   request.set_ring_seeds(flags.ring_seeds);
   request.set_ball_centres(flags.ball_centres);
   if (absl::Status status = add_density_terms(flags.sample.density, request.mutable_density()); !status.ok()) return status;
-  if (std::none_of(request.density().begin(), request.density().end(), is_camera_term)) return request;
+  const bool in_pixels = !flags.other.empty() && !flags.sample.cameras.empty();
+  if (!in_pixels && std::none_of(request.density().begin(), request.density().end(), is_camera_term)) return request;
   const absl::StatusOr<v1::MeshInfo> info = client.inspect(mesh, stop);
   if (!info.ok()) return info.status();
   const absl::StatusOr<Cameras> cameras = cameras_of(flags.sample, box_of(*info));
@@ -218,9 +233,11 @@ Command add_measure(CLI::App& root, CommonOptions& options) {
       "several "
       "sets: gradient, the power of N by which the discrepancies fall; random points have -0.5, and -0.75 is best. With --mesh, "
       "how "
-      "far another mesh lies from this one and the other way round: the Hausdorff distance, means, angles between normals.",
+      "far another mesh lies from this one and the other way round: the Hausdorff distance, means, angles between normals; with "
+      "--camera in its pixels too.",
       {"curvecast measure bunny.obj bunny.ply", "curvecast measure igea.ply a4k.ply a64k.ply a256k.ply --json | jq .gradient",
-       "curvecast measure igea.ply curved.drc --density curvature", "curvecast measure igea.ply --mesh simplified.obj"});
+       "curvecast measure igea.ply curved.drc --density curvature", "curvecast measure igea.ply --mesh simplified.obj",
+       "curvecast measure igea.ply --mesh simplified.obj --camera fov=20"});
   const auto flags = std::make_shared<Flags>();
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
   app->add_option("POINTS", flags->points, "up to 64 files of points: .ply, .xyz, .pcd or .drc; may be left out beside --mesh")

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/for_all.h"
+#include "core/measure/picture_scale.h"
 #include "core/measure/triangle_tree.h"
 #include "core/mesh/triangle_distance.h"
 
@@ -42,8 +43,8 @@ double gap(const Vec3d& p, const Vec3d& q, const Vec3d& a, const Vec3d& b) {
 /// Measures the distance of one surface from another.
 class OneWay {
  public:
-  OneWay(const TriangleMesh& from, const TriangleMesh& to, const ExecutionContext& context)
-      : from_(from), to_(to), tree_(to), context_(context) {
+  OneWay(const TriangleMesh& from, const TriangleMesh& to, const PictureScale& scale, const ExecutionContext& context)
+      : from_(from), to_(to), scale_(scale), tree_(to), context_(context) {
     Box3d box = bounding_box(from);
     for (const Vec3d& p : to.positions) box.extend(p);
     floor_ = kHausdorffFloor * box.diagonal();
@@ -78,15 +79,18 @@ class OneWay {
     std::vector<Sample> some;
     std::vector<Vec3d> positions;
     std::vector<NearestFace> nearest;
-    std::vector<double> angles;
+    std::vector<double> angles, pixels;
     double sum = 0, squares = 0, angle_sum = 0, angle_squares = 0, total = 0;
+    double pixel_sum = 0, pixel_squares = 0, seen = 0;
     const auto add_some = [&] {
       nearest.resize(some.size());
       angles.resize(some.size());
+      pixels.resize(some.size());
       tree_.nearest(positions, nearest);
       for_blocks(context_, some.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
           const Vec3d here = cross(corners(from_, some[i].face)), there = cross(corners(to_, nearest[i].face));
+          pixels[i] = scale_.pixels(positions[i]);
           angles[i] = std::atan2(here.cross(there).norm(), here.dot(there)) * (180 / std::numbers::pi);
         }
       });
@@ -98,6 +102,12 @@ class OneWay {
         angle_squares += weight * angles[i] * angles[i];
         total += weight;
         see(positions[i], d);
+        if (pixels[i] == 0) continue;
+        const double error = pixels[i] * d;
+        pixel_sum += weight * error;
+        pixel_squares += weight * error * error;
+        seen += weight;
+        out_.picture_max = std::max(out_.picture_max, error);
       }
       some.clear();
       positions.clear();
@@ -125,6 +135,10 @@ class OneWay {
     out_.rms = std::sqrt(squares / total);
     out_.normal_mean = angle_sum / total;
     out_.normal_rms = std::sqrt(angle_squares / total);
+    if (!(seen > 0)) return;
+    out_.picture_mean = pixel_sum / seen;
+    out_.picture_rms = std::sqrt(pixel_squares / seen);
+    out_.picture_share = seen / total;
   }
 
   Place place_at(const Vec3d& position, const NearestFace& nearest) const {
@@ -234,6 +248,7 @@ class OneWay {
   }
 
   const TriangleMesh &from_, &to_;
+  const PictureScale& scale_;
   const TriangleTree tree_;
   const ExecutionContext& context_;
   double floor_ = 0;
@@ -244,9 +259,10 @@ class OneWay {
 
 HausdorffDistance hausdorff_distance(const TriangleMesh& first, const TriangleMesh& second, const HausdorffOptions& options,
                                      const ExecutionContext& context) {
+  const PictureScale scale(options.cameras);
   HausdorffDistance out;
-  out.forward = OneWay(first, second, context).run(options.samples);
-  out.backward = OneWay(second, first, context).run(options.samples);
+  out.forward = OneWay(first, second, scale, context).run(options.samples);
+  out.backward = OneWay(second, first, scale, context).run(options.samples);
   return out;
 }
 

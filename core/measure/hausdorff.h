@@ -5,7 +5,10 @@
 
 #include <cstdint>
 
+#include <vector>
+
 #include "core/base/execution_context.h"
+#include "core/density/camera.h"
 #include "core/mesh/triangle_mesh.h"
 
 namespace curvecast {
@@ -21,6 +24,10 @@ struct SurfaceDistance {
   double mean = 0, rms = 0;        // by area
   double normal_mean = 0;          // angle between the normals of the faces there, in degrees, by area
   double normal_rms = 0;
+  // What lies in the cameras' pictures, in their pixels: distances weighed by depth. Over the samples of the means.
+  double picture_max = 0;
+  double picture_mean = 0, picture_rms = 0;  // by area of the surface
+  double picture_share = 0;                  // of the area
 };
 
 struct HausdorffDistance {
@@ -33,6 +40,7 @@ struct HausdorffDistance {
 
 struct HausdorffOptions {
   std::uint64_t samples = 1'000'000;  // of each surface, about, for means; one for each face at least
+  std::vector<Camera> cameras = {};   // for distances in pixels; check_camera() finds nothing
 };
 
 /// The maxima are not sampled: distances change no faster than one moves, and no faster over a triangle than at its corners where

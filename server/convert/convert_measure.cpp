@@ -52,6 +52,7 @@ absl::StatusOr<HausdorffOptions> to_hausdorff_options(const v1::MeasureRequest& 
   if (const std::uint64_t samples = request.distance_samples(); samples != 0) {
     options.samples = check.in_range("distance_samples", samples, kLeastDistanceSamples, kMostDistanceSamples);
   }
+  options.cameras = to_cameras(check, "cameras", request.cameras(), request.viewport());
   if (!check.ok()) return check.status();
   return options;
 }
@@ -94,6 +95,10 @@ v1::MeshDistance to_proto(const HausdorffDistance& distance, double diagonal) {
     *out.mutable_farthest() = to_proto(in.farthest);
     out.set_normal_mean(in.normal_mean);
     out.set_normal_rms(in.normal_rms);
+    out.set_picture_max(in.picture_max);
+    out.set_picture_mean(in.picture_mean);
+    out.set_picture_rms(in.picture_rms);
+    out.set_picture_share(in.picture_share);
   };
   v1::MeshDistance out;
   one_way(distance.forward, *out.mutable_from_mesh());

@@ -47,6 +47,9 @@ TEST_F(CliTest, MeasureTellsHowFarAnotherMeshLies) {
   expect_keys(distance["from_mesh"], {"max", "mean", "rms", "farthest", "normal_mean", "normal_rms"});
   EXPECT_GT(distance["from_mesh"]["mean"], 0.01);
   EXPECT_LT(distance["max"], 2);
+  const json seen = run_json({"measure", sphere_, "--mesh", other, "--camera", "fov=20"})["distance"]["from_mesh"]["picture"];
+  expect_keys(seen, {"max", "mean", "rms", "share"});
+  EXPECT_GT(seen["mean"], 0);
   const json both = run_json({"measure", sphere_, sampled(sphere_, "500"), "--mesh", other, "--distance-samples", "20000"});
   EXPECT_EQ(both["distance"], distance);
   EXPECT_EQ(both["points"], 500);

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <numbers>
 
 #include "core/base/random.h"
 #include "core/base/vec.h"
@@ -80,6 +81,16 @@ TEST_F(ServerMeasure, MeasuresTheDistanceOfAnotherMesh) {
   const Answer both = measure(*stub, request);
   EXPECT_EQ(both.measures.sets_size(), 1);
   EXPECT_EQ(both.measures.distance().SerializeAsString(), distance.SerializeAsString());
+  EXPECT_EQ(distance.from_mesh().picture_share(), 0);
+  v1::Camera& camera = *request.add_cameras();
+  camera.mutable_eye()->set_z(10);
+  camera.mutable_target();
+  const v1::OneWayDistance side = measure(*stub, request).measures.distance().from_mesh();
+  EXPECT_NEAR(side.picture_share(), 1, 1e-9);
+  // 1,024 pixels over 45 degrees, 9 to 11 units away.
+  const double pixels = 512 / std::tan(std::numbers::pi / 8) * side.mean() / 100 * distance.diagonal();
+  EXPECT_GT(side.picture_mean(), pixels / 11);
+  EXPECT_LT(side.picture_mean(), pixels / 9);
   request.set_distance_samples(7);
   EXPECT_THAT(measure(*stub, request).status.error_message(), HasSubstr("distance_samples is 7"));
   request.set_distance_samples(0);

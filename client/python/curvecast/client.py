@@ -195,8 +195,8 @@ class Client:
         points: Points or an (N, 3) array of positions in the frame of the mesh file, made by any program; or a list of such sets.
         The measures of set i are in .sets[i]. density: that the points are to have. camera: of terms of a camera, with a square
         picture. ring_seeds, ball_centres: triangles with rings about them, points with balls about them; 0 = 256 and 1,024. seed:
-        of their choice. other: another mesh, whose distance (Hausdorff, means, normals) is in .distance; its means are taken over
-        distance_samples places of each, 0 = 1,000,000.
+        of their choice. other: another mesh, whose distance (Hausdorff, means, normals) is in .distance, with a camera in its
+        pixels too; its means are taken over distance_samples places of each, 0 = 1,000,000.
         """
         mesh = as_mesh(mesh)
         sets = points if isinstance(points, (list, tuple)) else [points]

@@ -32,6 +32,34 @@ TEST(Hausdorff, OfOffsetPlanes) {
   EXPECT_DOUBLE_EQ(found.max(), 0.25);
 }
 
+TEST(Hausdorff, IsWeighedByDepthForCameras) {
+  // Two offset planes: the nearer to the eye, the more pixels.
+  const TriangleMesh low = make_mesh(testing::square(10)), high = make_mesh(translated(testing::square(10), {0, 0, 0.01}));
+  Camera camera;
+  camera.target = {0.5, 0.5, 0};
+  camera.fov = std::numbers::pi / 2;
+  camera.pixels = 1000;
+  HausdorffOptions options = kSome;
+  for (const double height : {2.0, 20.0}) {
+    camera.eye = {0.5, 0.5, height};
+    options.cameras = {camera};
+    const SurfaceDistance side = hausdorff_distance(low, high, options).forward;
+    EXPECT_NEAR(side.picture_mean, 0.01 * 500 / height, 1e-9);
+    EXPECT_NEAR(side.picture_rms, side.picture_mean, 1e-9);
+    EXPECT_NEAR(side.picture_max, side.picture_mean, 1e-9);
+    EXPECT_DOUBLE_EQ(side.picture_share, 1);
+  }
+  // From beside, half of it in the picture.
+  camera.eye = {0.5, 0, 0.25};
+  camera.target = {0.5, 0, 0};
+  camera.up = {0, 1, 0};
+  options.cameras = {camera};
+  const SurfaceDistance side = hausdorff_distance(low, high, options).forward;
+  EXPECT_NEAR(side.picture_share, 0.5 * 0.25, 0.01);
+  EXPECT_EQ(hausdorff_distance(low, high, kSome).forward.picture_share, 0);
+  EXPECT_DOUBLE_EQ(side.mean, hausdorff_distance(low, high, kSome).forward.mean);
+}
+
 TEST(Hausdorff, HasTwoSides) {
   // Half of a square lies beside the other one, the farthest part half a side away.
   const TriangleMesh whole = make_mesh(testing::square(8)), moved = make_mesh(translated(testing::square(5), {0.5, 0, 0}));
