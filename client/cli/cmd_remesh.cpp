@@ -136,7 +136,8 @@ Command add_remesh(CLI::App& root, CommonOptions& options) {
       ->check(CLI::Range(0.0, 180.0))
       ->type_name("DEGREES")
       ->capture_default_str();
-  app->add_option("-o,--output", flags->output, "the mesh's file: .ply, .obj, .off, .stl or .glb; without it, only statistics")
+  app->add_option("-o,--output", flags->output,
+                  "the mesh's file: .ply, .obj, .off, .stl, .glb or .drc; without it, only statistics")
       ->check(validator(client::check_mesh_ending, ""))
       ->type_name("FILE");
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};

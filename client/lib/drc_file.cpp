@@ -91,14 +91,18 @@ std::string encode(const Points& points, const DrcOptions& options, draco::Statu
 
 }  // namespace
 
+absl::Status check_drc_options(const DrcOptions& options) {
+  const auto& [position_bits, normal_bits] = options;
+  if (position_bits >= 1 && position_bits <= 30 && normal_bits >= 2 && normal_bits <= 30) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("position bits must be 1 to 30 and normal bits 2 to 30, not ", position_bits, " and ", normal_bits));
+}
+
 absl::StatusOr<std::string> make_drc(Points points, const DrcOptions& options) {
   if (points.size() == 0 || points.size() > kMaxPoints) {
     return absl::InvalidArgumentError(absl::StrCat("a .drc file takes 1 to ", kMaxPoints, " points, not ", points.size()));
   }
-  if (options.position_bits < 1 || options.position_bits > 30 || options.normal_bits < 2 || options.normal_bits > 30) {
-    return absl::InvalidArgumentError(absl::StrCat("position bits must be 1 to 30 and normal bits 2 to 30, not ",
-                                                   options.position_bits, " and ", options.normal_bits));
-  }
+  if (absl::Status status = check_drc_options(options); !status.ok()) return status;
   make_absolute(&points);
   try {
     draco::Status status;

@@ -15,6 +15,9 @@ struct DrcOptions {
   int normal_bits = 10;    // 2 .. 30, octahedral
 };
 
+/// InvalidArgument: options out of range.
+absl::Status check_drc_options(const DrcOptions& options);
+
 /// The bytes of a file with one point cloud in absolute coordinates: POSITION, NORMAL, the splat radius as in v1.DracoPoints with
 /// its range as metadata (see draco_header.h), COLOR of three bytes; all but the first where the points have them. The order is
 /// kept. InvalidArgument for no points or options out of range; Internal with Draco's message.

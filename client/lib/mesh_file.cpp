@@ -14,6 +14,7 @@
 #include <limits>
 #include <new>
 
+#include "client/lib/drc_mesh.h"
 #include "client/lib/file_bytes.h"
 
 namespace curvecast::client {
@@ -51,7 +52,7 @@ void put_place(std::string& out, const Mesh& mesh, std::size_t v) {
   }
 }
 
-std::string make_ply(const Mesh& mesh) {
+absl::StatusOr<std::string> make_ply(const Mesh& mesh) {
   const Points& vertices = mesh.vertices;
   const bool doubles = needs_doubles(mesh);
   std::string out = absl::StrFormat("ply\nformat binary_little_endian 1.0\nelement vertex %d\n", vertices.size());
@@ -73,7 +74,7 @@ std::string make_ply(const Mesh& mesh) {
   return out;
 }
 
-std::string make_obj(const Mesh& mesh) {
+absl::StatusOr<std::string> make_obj(const Mesh& mesh) {
   const Points& vertices = mesh.vertices;
   std::string out;
   for (std::size_t v = 0; v < vertices.size(); ++v) {
@@ -103,7 +104,7 @@ std::string make_obj(const Mesh& mesh) {
   return out;
 }
 
-std::string make_off(const Mesh& mesh) {
+absl::StatusOr<std::string> make_off(const Mesh& mesh) {
   std::string out = absl::StrFormat("OFF\n%d %d 0\n", mesh.vertices.size(), mesh.triangles.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     put_place(out, mesh, v);
@@ -113,7 +114,7 @@ std::string make_off(const Mesh& mesh) {
   return out;
 }
 
-std::string make_stl(const Mesh& mesh) {
+absl::StatusOr<std::string> make_stl(const Mesh& mesh) {
   std::string out = "binary STL";
   out.resize(80, ' ');
   put(out, static_cast<std::uint32_t>(mesh.triangles.size()));
@@ -140,7 +141,7 @@ float linear(std::uint8_t channel) {
   return static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
 }
 
-std::string make_glb(const Mesh& mesh) {
+absl::StatusOr<std::string> make_glb(const Mesh& mesh) {
   const Points& vertices = mesh.vertices;
   const std::size_t n = vertices.size();
   std::string binary;
@@ -203,7 +204,9 @@ std::string make_glb(const Mesh& mesh) {
   return out;
 }
 
-using Make = std::string (*)(const Mesh& mesh);
+absl::StatusOr<std::string> make_drc_file(const Mesh& mesh) { return make_drc_mesh(mesh); }
+
+using Make = absl::StatusOr<std::string> (*)(const Mesh& mesh);
 
 Make maker_of(const std::string& path) {
   const std::string ending = absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
@@ -212,6 +215,7 @@ Make maker_of(const std::string& path) {
   if (ending == ".off") return make_off;
   if (ending == ".stl") return make_stl;
   if (ending == ".glb") return make_glb;
+  if (ending == ".drc") return make_drc_file;
   return nullptr;
 }
 
@@ -220,13 +224,15 @@ Make maker_of(const std::string& path) {
 absl::Status check_mesh_ending(const std::string& path) {
   if (maker_of(path) != nullptr) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      absl::StrFormat("%s: not a mesh file's name: it has to end in .ply, .obj, .off, .stl or .glb", path));
+      absl::StrFormat("%s: not a mesh file's name: it has to end in .ply, .obj, .off, .stl, .glb or .drc", path));
 }
 
 absl::Status write_mesh_file(const std::string& path, const Mesh& mesh) {
   if (absl::Status status = check_mesh_ending(path); !status.ok()) return status;
   try {
-    return write_bytes(path, maker_of(path)(mesh));
+    const absl::StatusOr<std::string> bytes = maker_of(path)(mesh);
+    if (bytes.ok()) return write_bytes(path, *bytes);
+    return absl::Status(bytes.status().code(), absl::StrFormat("%s: %s", path, bytes.status().message()));
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(absl::StrFormat("%s: not enough memory to write the mesh", path));
   }

@@ -1,4 +1,4 @@
-// Mesh files: .ply, .obj, .off, .stl and .glb, by the ending of the name.
+// Mesh files: .ply, .obj, .off, .stl, .glb and .drc, by the ending of the name.
 #pragma once
 
 #include <absl/status/status.h>
@@ -18,7 +18,8 @@ absl::Status check_mesh_ending(const std::string& path);
 ///   .off  text: positions and triangles alone
 ///   .stl  binary: triangles with their own normals, as floats: coarser than the vertices far from the origin
 ///   .glb  glTF 2.0: positions relative to a node at the origin, normals, COLOR_0 (linear) where there are colours
-/// InvalidArgument: another ending. FailedPrecondition: cannot be written. Messages start with the
+///   .drc  Draco: positions as floats, rounded to 2^-16 of the largest side, normals, colours; in an order of Draco's own
+/// InvalidArgument: another ending; no triangles for .drc. FailedPrecondition: cannot be written. Messages start with the
 /// path.
 absl::Status write_mesh_file(const std::string& path, const Mesh& mesh);
 

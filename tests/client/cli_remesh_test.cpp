@@ -14,7 +14,7 @@ TEST_F(CliTest, RemeshWritesFilesOfEveryKind) {
     const std::string path = temporary("remeshed" + ending);
     const json report = run_json({"remesh", sphere_, "-n", "1500", "-o", path});
     expect_keys(report, {"vertices", "triangles", "components", "genus", "boundary_loops", "least_angles", "seconds", "sampler",
-                         "relaxations", "seed", "session_id", "output"});
+                         "relaxations", "fit", "feature_degrees", "seed", "session_id", "output"});
     EXPECT_EQ(report["vertices"], 1500);
     EXPECT_EQ(report["triangles"], 2996);
     EXPECT_GT(report["least_angles"]["median"], 45);
@@ -50,6 +50,15 @@ TEST_F(CliTest, RemeshFollowsItsOptions) {
   EXPECT_EQ(dense["relaxations"], 0);
   EXPECT_LT(dense["least_angles"]["percentile_1"], run_json({"remesh", sphere_, "-n", "900"})["least_angles"]["percentile_1"]);
   EXPECT_EQ(run_json({"remesh", sphere_, "-n", "900", "--sampler", "equalised"})["vertices"], 900);
+  // Fitted it lies nearer to the sphere.
+  const std::string plain = temporary("plain.ply"), fitted = temporary("fitted.ply");
+  EXPECT_EQ(run_json({"remesh", sphere_, "-n", "300", "-o", plain})["fit"], false);
+  EXPECT_EQ(run_json({"remesh", sphere_, "-n", "300", "--fit", "-o", fitted})["fit"], true);
+  const auto rms = [&](const std::string& path) {
+    return run_json({"measure", sphere_, "--mesh", path})["distance"]["from_mesh"]["rms"].get<double>();
+  };
+  EXPECT_LT(rms(fitted), 0.6 * rms(plain));
+  EXPECT_EQ(run_json({"remesh", sphere_, "-n", "900", "--features", "30"})["feature_degrees"], 30);
   const Finished text = run({"remesh", sphere_, "-n", "900"});
   EXPECT_THAT(text.out, HasSubstr("900 vertices, 1796 triangles: 1 component, genus 0, 0 borders"));
 }
@@ -61,8 +70,9 @@ TEST_F(CliTest, RemeshSaysWhatIsWrong) {
     EXPECT_EQ(finished.status, status) << why;
     EXPECT_THAT(finished.err, HasSubstr(why));
   };
-  expect_error({sphere_, "-o", "mesh.xyz"}, 2, ".ply, .obj, .off, .stl or .glb");
+  expect_error({sphere_, "-o", "mesh.xyz"}, 2, ".ply, .obj, .off, .stl, .glb or .drc");
   expect_error({sphere_, "--relax", "101"}, 2, "--relax");
+  expect_error({sphere_, "--features", "200"}, 2, "--features");
   expect_error({sphere_, "-n", "3"}, 3, "3 vertices are too few");
   expect_error({sphere_, "-o", "/nowhere/mesh.ply"}, 3, "/nowhere/mesh.ply");
 }
