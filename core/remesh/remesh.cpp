@@ -9,10 +9,12 @@
 #include <utility>
 
 #include "core/mesh/topology.h"
+#include "core/remesh/angle_flips.h"
 #include "core/remesh/fit.h"
 #include "core/remesh/halfedge_mesh.h"
 #include "core/remesh/insert_points.h"
 #include "core/remesh/line_points.h"
+#include "core/remesh/parameter_triangulation.h"
 #include "core/remesh/relax.h"
 #include "core/remesh/remove_vertices.h"
 #include "core/remesh/surface_lines.h"
@@ -29,6 +31,9 @@ absl::Status check(const TriangleMesh& surface, std::span<const FacePlace> point
   if (!(options.feature_degrees >= 0 && options.feature_degrees <= 180)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("feature_degrees = %g; it must lie in 0 .. 180 degrees", options.feature_degrees));
+  }
+  if (options.method == RemeshMethod::kParameter && options.feature_degrees > 0) {
+    return absl::InvalidArgumentError("features are kept by the method of the surface alone");
   }
   if (points.size() < 3) return absl::InvalidArgumentError(absl::StrFormat("a mesh cannot be made of %d points", points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -54,18 +59,19 @@ absl::Status too_few(std::size_t points, std::size_t lacking, const Topology& to
 class Remesher {
  public:
   Remesher(const TriangleMesh& surface, std::span<const FacePlace> points, const RemeshOptions& options,
-           const ExecutionContext& context)
+           const ExecutionContext& context, std::span<const ChartView> charts)
       : surface_(surface),
         points_(points),
         options_(options),
         context_(context),
+        charts_(charts),
         walk_(surface),
         topology_(analyse_topology(surface, context)),
         mesh_(surface, points.size()) {}
 
   absl::StatusOr<Remeshed> run() {
-    if (absl::Status status = insert(); !status.ok()) return status;
-    if (absl::Status status = triangulate(); !status.ok()) return status;
+    const bool on_surface = options_.method == RemeshMethod::kSurface;
+    if (absl::Status status = on_surface ? triangulate_on_surface() : triangulate_in_square(); !status.ok()) return status;
     compact();
     relax(mesh_, walk_, places_, options_.relaxations, context_);
     if (options_.fit) fit(mesh_, walk_, places_, context_);
@@ -74,21 +80,49 @@ class Remesher {
   }
 
  private:
-  absl::Status insert() {
+  absl::Status triangulate_on_surface() {
+    std::vector<bool> sharp;
+    if (options_.feature_degrees > 0) sharp = sharp_edges(surface_, options_.feature_degrees, context_);
+    const std::vector<SurfaceLine> lines = surface_lines(surface_, std::move(sharp), context_);
+    const absl::StatusOr<LinePoints> on_lines = place(lines);
+    if (!on_lines.ok()) return on_lines.status();
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      if (lines[i].is_border || !on_lines->used[i]) continue;
+      for (const std::uint32_t h : lines[i].halfedges) mesh_.mark_feature(h);
+    }
+    insert_points(mesh_, inner_);
+    insert_line_points(mesh_, surface_, on_lines->places);
+    return remove_own();
+  }
+
+  absl::Status triangulate_in_square() {
+    std::vector<std::vector<BorderPiece>> borders;
+    for (const ChartView& chart : charts_) borders.push_back(chart_border(surface_, chart));
+    std::vector<SurfaceLine> lines = surface_lines(surface_, cut_edges(surface_, borders), context_);
+    for (SurfaceLine& line : lines) line.has_loose_end = false;  // none is noise
+    const absl::StatusOr<LinePoints> on_lines = place(lines);
+    if (!on_lines.ok()) return on_lines.status();
+    absl::StatusOr<TriangleMesh> made =
+        triangulate_in_parameter(surface_, charts_, borders, {inner_, lines, *on_lines}, context_);
+    if (!made.ok()) return made.status();
+    mesh_ = HalfedgeMesh(*std::move(made), 0);
+    for (std::size_t v = 0; v < places_.size(); ++v) mesh_.positions[v] = places_[v].position;
+    AngleFlips flips(mesh_);
+    flips.add_all();
+    flips.run();
+    return context_.check();
+  }
+
+  /// Decides where the vertices lie: on lines, and inside.
+  absl::StatusOr<LinePoints> place(std::span<const SurfaceLine> lines) {
     std::vector<Vec3d> positions;
     positions.reserve(points_.size());
-    for (const FacePlace& p : points_) positions.push_back(place(p).position);
-    const std::vector<SurfaceLine> lines = surface_lines(surface_, options_.feature_degrees, context_);
-    const LinePoints on_lines = place_on_lines(surface_, lines, positions, context_);
+    for (const FacePlace& p : points_) positions.push_back(place_of(p).position);
+    LinePoints on_lines = place_on_lines(surface_, lines, positions, context_);
     if (absl::Status status = context_.check(); !status.ok()) return status;
     const std::size_t wanted = on_lines.corners.size() + on_lines.places.size();
     if (on_lines.stand_ins.size() < wanted) return too_few(points_.size(), wanted - on_lines.stand_ins.size(), topology_);
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      if (lines[i].is_border || !on_lines.used[i]) continue;
-      for (const std::uint32_t h : lines[i].halfedges) mesh_.mark_feature(h);
-    }
-    std::vector<FacePlace> inner;
-    inner.reserve(points_.size());
+    inner_.reserve(points_.size());
     places_.resize(surface_.vertex_count());
     corners_ = on_lines.corners;
     for (const std::uint32_t v : corners_) places_[v] = place_of_vertex(v);
@@ -98,18 +132,16 @@ class Remesher {
         ++stand_in;
         continue;
       }
-      inner.push_back(points_[i]);
-      places_.push_back(place(points_[i]));
+      inner_.push_back(points_[i]);
+      places_.push_back(place_of(points_[i]));
     }
     for (const LinePlace& p : on_lines.places) places_.push_back(place_on_line(p));
-    insert_points(mesh_, inner);
-    insert_line_points(mesh_, surface_, on_lines.places);
-    return absl::OkStatus();
+    return on_lines;
   }
 
   /// Takes the surface's own vertices out. Small components may lack points to stand on: there some of their own stay, and as
   /// many points go elsewhere.
-  absl::Status triangulate() {
+  absl::Status remove_own() {
     const auto own = static_cast<std::uint32_t>(surface_.vertex_count()), all = static_cast<std::uint32_t>(mesh_.vertex_count());
     VertexRemover remover(mesh_);
     std::vector<std::uint32_t> vertices(own);
@@ -137,7 +169,7 @@ class Remesher {
     return walk_.place(h / 3, h % 3 == 1 ? 1 : 0, h % 3 == 2 ? 1 : 0);
   }
 
-  WalkPlace place(const FacePlace& p) const {
+  WalkPlace place_of(const FacePlace& p) const {
     return walk_.place(p.face, static_cast<double>(p.weight_1), static_cast<double>(p.weight_2));
   }
   WalkPlace place_on_line(const LinePlace& p) const {
@@ -175,8 +207,10 @@ class Remesher {
   const std::span<const FacePlace> points_;
   const RemeshOptions& options_;
   const ExecutionContext& context_;
+  const std::span<const ChartView> charts_;
   const SurfaceWalk walk_;
   const Topology topology_;
+  std::vector<FacePlace> inner_;        // points that become vertices themselves
   HalfedgeMesh mesh_;                   // the surface's, then the points'
   std::vector<WalkPlace> places_;       // of its vertices; of the surface's own only for those that stay
   std::vector<std::uint32_t> corners_;  // of lines: vertices of the surface that stay
@@ -185,10 +219,10 @@ class Remesher {
 }  // namespace
 
 absl::StatusOr<Remeshed> remesh(const TriangleMesh& surface, std::span<const FacePlace> points, const RemeshOptions& options,
-                                const ExecutionContext& context) {
+                                const ExecutionContext& context, std::span<const ChartView> charts) {
   if (absl::Status status = check(surface, points, options); !status.ok()) return status;
   context.progress("triangulate", 0);
-  return Remesher(surface, points, options, context).run();
+  return Remesher(surface, points, options, context, charts).run();
 }
 
 }  // namespace curvecast

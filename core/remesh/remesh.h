@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/execution_context.h"
+#include "core/flatten/chart_view.h"
 #include "core/mesh/triangle_mesh.h"
 #include "core/sample/point_set.h"
 
@@ -15,11 +16,18 @@ namespace curvecast {
 
 inline constexpr int kMaxRelaxations = 100;
 
+/// How points become a triangulation, before it is relaxed.
+enum class RemeshMethod {
+  kSurface,    // as vertices of the surface's own mesh, whose vertices then go
+  kParameter,  // the paper's way: in the parameter square, whose cuts are stitched; disturbs distances along them
+};
+
 struct RemeshOptions {
   int relaxations = 5;  // rounds in which vertices move along the surface: 0 .. kMaxRelaxations
   bool fit = false;     // vertices leave the surface where triangles come nearer to it by that
   // Edges of the surface stay edges of the mesh where the normals of their faces differ by more degrees: 0 .. 180; 0: none do.
-  double feature_degrees = 0;
+  double feature_degrees = 0;  // kSurface only
+  RemeshMethod method = RemeshMethod::kSurface;
 };
 
 struct Remeshed {
@@ -32,8 +40,9 @@ struct Remeshed {
 /// borders and features vertices are placed as densely as the points beside them, instead of those nearest to these.
 /// `surface`: as repair() leaves it. Points may lie anywhere on it, in any order; at the same place, they are moved apart. The
 /// same for any number of threads. InvalidArgument: options out of range; a point on no face or with weights that are none;
-/// too few points to bear the topology: the message says about how many it takes. Cancelled.
+/// too few points to bear the topology: the message says about how many it takes. Cancelled. `charts`: all of the surface's,
+/// where the method is kParameter.
 absl::StatusOr<Remeshed> remesh(const TriangleMesh& surface, std::span<const FacePlace> points, const RemeshOptions& options = {},
-                                const ExecutionContext& context = {});
+                                const ExecutionContext& context = {}, std::span<const ChartView> charts = {});
 
 }  // namespace curvecast

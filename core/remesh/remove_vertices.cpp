@@ -28,6 +28,24 @@ bool VertexRemover::remove_one(std::uint32_t v, double least) {
   return true;
 }
 
+/// Turns an edge at v away, whatever the angles, where no triangle folds over by that.
+bool VertexRemover::loosen(std::uint32_t v) {
+  halfedges_.clear();
+  mesh_.for_each_outgoing(v, [&](std::uint32_t h) { halfedges_.push_back(h); });
+  for (const std::uint32_t h : halfedges_) {
+    const std::uint32_t t = mesh_.twins[h];
+    if (t == kNone) continue;
+    const Vec3d &a = mesh_.positions[v], &b = mesh_.positions[mesh_.to(h)];
+    const Vec3d &c = mesh_.positions[mesh_.apex(h)], &d = mesh_.positions[mesh_.apex(t)];
+    const Vec3d before = (b - a).cross(c - a) + (a - b).cross(d - b);
+    const auto faces_on = [&](const Vec3d& p) { return (d - c).cross(p - c).dot(before); };
+    if (!(faces_on(a) < 0 && faces_on(b) > 0) || !mesh_.may_flip(h)) continue;
+    mesh_.flip(h);
+    return true;
+  }
+  return false;
+}
+
 /// The halfedge from v along which to move it: where the worst of the triangles that come of it is best.
 std::uint32_t VertexRemover::best_target(std::uint32_t v, double least) {
   ring_.clear();
@@ -91,6 +109,14 @@ std::vector<std::uint32_t> VertexRemover::remove(std::span<const std::uint32_t> 
     }
     left.swap(next);
   }
+  // What is still there may be held by edges between its neighbours: it lets go of these one by one.
+  std::erase_if(left, [&](std::uint32_t v) {
+    bool is_gone = false;
+    while (removed < most && !context.cancelled() && !(is_gone = remove_one(v, kNever)) && loosen(v)) {
+    }
+    removed += is_gone ? 1 : 0;
+    return is_gone;
+  });
   return left;
 }
 

@@ -31,6 +31,7 @@ class VertexRemover {
   };
 
   bool remove_one(std::uint32_t v, double least);
+  bool loosen(std::uint32_t v);
   std::uint32_t best_target(std::uint32_t v, double least);
 
   HalfedgeMesh& mesh_;

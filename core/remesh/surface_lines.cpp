@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/base/for_all.h"
 #include "core/mesh/topology.h"
@@ -26,19 +27,19 @@ void list_borders(const TriangleMesh& mesh, const ExecutionContext& context, std
   }
 }
 
+Vec3d area_vector(const TriangleMesh& mesh, std::uint32_t f) {
+  const Triangle& t = mesh.triangles[f];
+  const Vec3d& a = mesh.positions[t[0]];
+  return (mesh.positions[t[1]] - a).cross(mesh.positions[t[2]] - a);
+}
+
 class FeatureTracer {
  public:
-  FeatureTracer(const TriangleMesh& mesh, double degrees, const ExecutionContext& context)
-      : mesh_(mesh), fans_(mesh, context), open_(mesh.twins.size(), false), count_(mesh.vertex_count(), 0) {
-    const double cosine = std::cos(degrees * std::numbers::pi / 180);
-    for_blocks_in_turn(context, mesh.twins.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
-        const std::uint32_t twin = mesh.twins[h];
-        if (twin == kNone || twin < h || !differ(h / 3, twin / 3, cosine)) continue;
-        open_[h] = open_[twin] = true;
-        ++count_[mesh.from(h)], ++count_[mesh.to(h)];
-      }
-    });
+  FeatureTracer(const TriangleMesh& mesh, std::vector<bool> features, const ExecutionContext& context)
+      : mesh_(mesh), fans_(mesh, context), open_(std::move(features)), count_(mesh.vertex_count(), 0) {
+    for (std::uint32_t h = 0; h < open_.size(); ++h) {
+      if (open_[h]) ++count_[mesh.from(h)];
+    }
   }
 
   void list(std::vector<SurfaceLine>& out) {
@@ -51,18 +52,6 @@ class FeatureTracer {
   }
 
  private:
-  static constexpr std::size_t kBlock = 1 << 18;
-
-  Vec3d area_vector(std::uint32_t f) const {
-    const Triangle& t = mesh_.triangles[f];
-    const Vec3d& a = mesh_.positions[t[0]];
-    return (mesh_.positions[t[1]] - a).cross(mesh_.positions[t[2]] - a);
-  }
-  bool differ(std::uint32_t f, std::uint32_t g, double cosine) const {
-    const Vec3d a = area_vector(f), b = area_vector(g);
-    return a.dot(b) < cosine * a.norm() * b.norm();
-  }
-
   bool is_end(std::uint32_t v) const { return count_[v] != 2 || fans_.on_border(v); }
 
   std::uint32_t open_halfedge(std::uint32_t v) const {
@@ -96,10 +85,25 @@ class FeatureTracer {
 
 }  // namespace
 
-std::vector<SurfaceLine> surface_lines(const TriangleMesh& mesh, double feature_degrees, const ExecutionContext& context) {
+std::vector<bool> sharp_edges(const TriangleMesh& mesh, double degrees, const ExecutionContext& context) {
+  constexpr std::size_t kBlock = 1 << 18;
+  const double cosine = std::cos(degrees * std::numbers::pi / 180);
+  std::vector<bool> sharp(mesh.twins.size(), false);
+  for_blocks_in_turn(context, mesh.twins.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+      const std::uint32_t twin = mesh.twins[h];
+      if (twin == kNone || twin < h) continue;
+      const Vec3d a = area_vector(mesh, h / 3), b = area_vector(mesh, twin / 3);
+      sharp[h] = sharp[twin] = a.dot(b) < cosine * a.norm() * b.norm();
+    }
+  });
+  return sharp;
+}
+
+std::vector<SurfaceLine> surface_lines(const TriangleMesh& mesh, std::vector<bool> features, const ExecutionContext& context) {
   std::vector<SurfaceLine> lines;
   list_borders(mesh, context, lines);
-  if (feature_degrees > 0) FeatureTracer(mesh, feature_degrees, context).list(lines);
+  if (!features.empty()) FeatureTracer(mesh, std::move(features), context).list(lines);
   return lines;
 }
 

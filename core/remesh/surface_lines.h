@@ -1,4 +1,4 @@
-// The lines of a surface that meshes of it keep: its borders, and its features, edges so sharp that they are meant.
+// The lines of a surface that meshes of it keep: its borders, and its features, such as edges so sharp that they are meant.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,12 @@ struct SurfaceLine {
   bool has_loose_end = false;            // one end lies on no other line
 };
 
-/// Lists the borders, then the features: edges between faces whose normals differ by more than `feature_degrees`; 0: there are
-/// none. A feature ends where other than two of its kind meet, and on borders.
-std::vector<SurfaceLine> surface_lines(const TriangleMesh& mesh, double feature_degrees, const ExecutionContext& context = {});
+/// Says of each halfedge whether the normals of the faces beside it differ by more than so many degrees.
+std::vector<bool> sharp_edges(const TriangleMesh& mesh, double degrees, const ExecutionContext& context = {});
+
+/// Lists the borders, then the features. A feature ends where other than two of its kind meet, and on borders. `features`: per
+/// halfedge, the same for both of an edge, none on a border; empty: there are none.
+std::vector<SurfaceLine> surface_lines(const TriangleMesh& mesh, std::vector<bool> features,
+                                       const ExecutionContext& context = {});
 
 }  // namespace curvecast

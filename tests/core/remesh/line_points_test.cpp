@@ -14,7 +14,7 @@ using namespace curvecast::testing;
 std::vector<Vec3d> positions_of(const TriangleMesh& mesh, std::size_t n) { return random_surface_points(mesh, n, 3).positions; }
 
 LinePoints on_borders(const TriangleMesh& mesh, const std::vector<Vec3d>& positions) {
-  return place_on_lines(mesh, surface_lines(mesh, 0), positions);
+  return place_on_lines(mesh, surface_lines(mesh, {}), positions);
 }
 
 TEST(LinePoints, AreAsFarApartAsThePointsBesideThem) {
@@ -91,7 +91,7 @@ TEST(LinePoints, AreThreeAtLeast) {
 TEST(LinePoints, OnFeaturesAreAsFarApartAsThePointsBesideThem) {
   const TriangleMesh box = make_mesh(perforated_slab(1, 2));  // 1 x 2 x 1
   for (const std::size_t n : {500u, 5'000u, 50'000u}) {
-    const LinePoints found = place_on_lines(box, surface_lines(box, 45), positions_of(box, n));
+    const LinePoints found = place_on_lines(box, surface_lines(box, sharp_edges(box, 45)), positions_of(box, n));
     const double spacing = std::sqrt(2 / std::numbers::sqrt3 * surface_area(box) / static_cast<double>(n));
     EXPECT_EQ(found.corners.size(), 8u);
     EXPECT_NEAR(static_cast<double>(found.places.size()), 16 / spacing - 12, 0.15 * 16 / spacing);

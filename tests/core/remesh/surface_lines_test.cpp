@@ -41,7 +41,7 @@ void expect_connected(const TriangleMesh& mesh, const std::vector<SurfaceLine>& 
 TEST(SurfaceLines, AreTheBordersWithoutFeatures) {
   for (const auto& [name, shape] : remesh_shapes()) {
     SCOPED_TRACE(name);
-    const std::vector<SurfaceLine> lines = surface_lines(shape, 0);
+    const std::vector<SurfaceLine> lines = surface_lines(shape, {});
     EXPECT_EQ(lines.size(), analyse_topology(shape).boundary_loops);
     expect_connected(shape, lines);
     for (const SurfaceLine& line : lines) EXPECT_TRUE(line.is_border && line.is_closed && !line.has_loose_end);
@@ -50,7 +50,7 @@ TEST(SurfaceLines, AreTheBordersWithoutFeatures) {
 
 TEST(SurfaceLines, OfABoxAreItsEdges) {
   const TriangleMesh box = make_mesh(perforated_slab(1, 4));
-  const std::vector<SurfaceLine> lines = surface_lines(box, 30);
+  const std::vector<SurfaceLine> lines = surface_lines(box, sharp_edges(box, 30));
   expect_connected(box, lines);
   ASSERT_EQ(lines.size(), 12u);
   std::vector<double> lengths;
@@ -60,7 +60,7 @@ TEST(SurfaceLines, OfABoxAreItsEdges) {
   }
   std::sort(lengths.begin(), lengths.end());
   EXPECT_EQ(lengths, (std::vector<double>{1, 1, 1, 1, 1, 1, 1, 1, 4, 4, 4, 4}));
-  EXPECT_TRUE(surface_lines(box, 100).empty());
+  EXPECT_TRUE(surface_lines(box, sharp_edges(box, 100)).empty());
 }
 
 TEST(SurfaceLines, MayBeLoops) {
@@ -75,7 +75,7 @@ TEST(SurfaceLines, MayBeLoops) {
     triangles.push_back({1, b, a});
   }
   const TriangleMesh top = make_mesh(soup_of(positions, triangles));
-  const std::vector<SurfaceLine> lines = surface_lines(top, 60);
+  const std::vector<SurfaceLine> lines = surface_lines(top, sharp_edges(top, 60));
   expect_connected(top, lines);
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_TRUE(lines[0].is_closed);
@@ -89,7 +89,7 @@ TEST(SurfaceLines, EndAtBordersAndLoose) {
     if (std::abs(p.y() - 0.5) < 1e-9 && p.x() > 0.45) p.z() = 0.1;
   }
   const TriangleMesh surface = make_mesh(sheet);
-  const std::vector<SurfaceLine> lines = surface_lines(surface, 80);
+  const std::vector<SurfaceLine> lines = surface_lines(surface, sharp_edges(surface, 80));
   expect_connected(surface, lines);
   ASSERT_EQ(lines.size(), 2u);
   EXPECT_TRUE(lines[0].is_border);
