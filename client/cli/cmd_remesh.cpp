@@ -4,8 +4,10 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 #include <vector>
 
+#include "client/cli/choice.h"
 #include "client/cli/commands.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/report.h"
@@ -20,6 +22,8 @@ namespace {
 // As many triangles where the surface bends as keep it there as near as elsewhere.
 constexpr char kUsualDensity[] = "curvature:kind=max,exponent=0.5";
 
+constexpr std::string_view kMethods[] = {"surface", "parameter"};
+
 struct Flags {
   std::string mesh, output;
   SampleFlags sample;
@@ -27,6 +31,7 @@ struct Flags {
   std::uint32_t relaxations = 5;
   bool fit = false;
   double feature_degrees = 0;
+  std::string method = "surface";
 };
 
 using Clock = std::chrono::steady_clock;
@@ -62,6 +67,7 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Open
                {"relaxations", flags.relaxations},
                {"fit", flags.fit},
                {"feature_degrees", flags.feature_degrees},
+               {"method", flags.method},
                {"seed", options.seed},
                {"session_id", opened.session.session_id()}};
   if (!flags.output.empty()) json["output"] = flags.output;
@@ -94,6 +100,7 @@ absl::Status run(Flags flags, const CommonOptions& options, std::stop_token stop
   request.set_relaxations(flags.relaxations);
   request.set_fit(flags.fit);
   request.set_feature_degrees(flags.feature_degrees);
+  request.set_method(flags.method == kMethods[1] ? v1::REMESH_METHOD_PARAMETER : v1::REMESH_METHOD_SURFACE);
   const Clock::time_point remesh_start = Clock::now();
   ProgressBar bar(progress_style(options.quiet), std::filesystem::path(flags.mesh).filename().string());
   const absl::StatusOr<client::Mesh> mesh = client.remesh(
@@ -135,6 +142,13 @@ Command add_remesh(CLI::App& root, CommonOptions& options) {
   app->add_option("--features", flags->feature_degrees, "edges sharper than this stay edges; 0 = none")
       ->check(CLI::Range(0.0, 180.0))
       ->type_name("DEGREES")
+      ->capture_default_str();
+  app->add_option(
+         "--method", flags->method,
+         "how points are triangulated before they move: surface, on the mesh itself, or parameter, in the square that it is "
+         "mapped to, as the paper has it, for comparison")
+      ->check(validator([](const std::string& text) { return check_choice("method", text, kMethods); }, ""))
+      ->type_name("METHOD")
       ->capture_default_str();
   app->add_option("-o,--output", flags->output,
                   "the mesh's file: .ply, .obj, .off, .stl, .glb or .drc; without it, only statistics")

@@ -64,7 +64,8 @@ absl::StatusOr<SessionMesh> make_session_mesh(const Session& session, PointSetRe
   if (!(*base)->is_all_sound()) return (*base)->status();
   const absl::StatusOr<TriangleMesh> surface = surface_mesh((*base)->data.mesh, (*base)->data.borders, context);
   if (!surface.ok()) return surface.status();
-  absl::StatusOr<Remeshed> made = remesh(*surface, *places, options, context);
+  const std::vector<ChartView> charts((*base)->charts.begin(), (*base)->charts.end());
+  absl::StatusOr<Remeshed> made = remesh(*surface, *places, options, context, charts);
   if (!made.ok()) return made.status();
   SessionMesh out;
   out.topology = analyse_topology(made->mesh, context);

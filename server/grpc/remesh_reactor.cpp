@@ -1,4 +1,6 @@
 // Remesh: makes a triangle mesh of a session's points, and sends it chunk by chunk.
+#include <absl/strings/str_format.h>
+
 #include "server/base/grpc_status.h"
 #include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
@@ -12,6 +14,19 @@
 
 namespace curvecast::server {
 namespace {
+
+RemeshMethod to_remesh_method(FieldValidator& check, v1::RemeshMethod method) {
+  switch (method) {
+    case v1::REMESH_METHOD_UNSPECIFIED:
+    case v1::REMESH_METHOD_SURFACE:
+      return RemeshMethod::kSurface;
+    case v1::REMESH_METHOD_PARAMETER:
+      return RemeshMethod::kParameter;
+    default:
+      check.fail("method", absl::StrFormat("is %d; there is no such method", static_cast<int>(method)));
+  }
+  return RemeshMethod::kSurface;
+}
 
 // The job is the only one that finishes, so the reactor outlives it. It queues with the preprocessing jobs: it may take seconds.
 class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
@@ -39,6 +54,11 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
     }
     options.fit = request.fit();
     options.feature_degrees = check.in_range("feature_degrees", request.feature_degrees(), 0.0, 180.0);
+    options.method = to_remesh_method(check, request.method());
+    if (options.method == RemeshMethod::kParameter && options.feature_degrees > 0) {
+      check.fail("feature_degrees",
+                 absl::StrFormat("is %g; the parameter square's method keeps no features", options.feature_degrees));
+    }
     if (!check.ok()) return check.status();
     return engine.preprocessing
         .submit(

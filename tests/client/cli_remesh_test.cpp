@@ -14,7 +14,7 @@ TEST_F(CliTest, RemeshWritesFilesOfEveryKind) {
     const std::string path = temporary("remeshed" + ending);
     const json report = run_json({"remesh", sphere_, "-n", "1500", "-o", path});
     expect_keys(report, {"vertices", "triangles", "components", "genus", "boundary_loops", "least_angles", "seconds", "sampler",
-                         "relaxations", "fit", "feature_degrees", "seed", "session_id", "output"});
+                         "relaxations", "fit", "feature_degrees", "method", "seed", "session_id", "output"});
     EXPECT_EQ(report["vertices"], 1500);
     EXPECT_EQ(report["triangles"], 2996);
     EXPECT_GT(report["least_angles"]["median"], 45);
@@ -59,6 +59,9 @@ TEST_F(CliTest, RemeshFollowsItsOptions) {
   };
   EXPECT_LT(rms(fitted), 0.6 * rms(plain));
   EXPECT_EQ(run_json({"remesh", sphere_, "-n", "900", "--features", "30"})["feature_degrees"], 30);
+  const json square = run_json({"remesh", sphere_, "-n", "900", "--method", "parameter"});
+  EXPECT_EQ(square["method"], "parameter");
+  EXPECT_EQ(square["triangles"], 1796);
   const Finished text = run({"remesh", sphere_, "-n", "900"});
   EXPECT_THAT(text.out, HasSubstr("900 vertices, 1796 triangles: 1 component, genus 0, 0 borders"));
 }
@@ -73,6 +76,8 @@ TEST_F(CliTest, RemeshSaysWhatIsWrong) {
   expect_error({sphere_, "-o", "mesh.xyz"}, 2, ".ply, .obj, .off, .stl, .glb or .drc");
   expect_error({sphere_, "--relax", "101"}, 2, "--relax");
   expect_error({sphere_, "--features", "200"}, 2, "--features");
+  expect_error({sphere_, "--method", "magic"}, 2, "magic");
+  expect_error({sphere_, "--method", "parameter", "--features", "30"}, 3, "feature_degrees");
   expect_error({sphere_, "-n", "3"}, 3, "3 vertices are too few");
   expect_error({sphere_, "-o", "/nowhere/mesh.ply"}, 3, "/nowhere/mesh.ply");
 }

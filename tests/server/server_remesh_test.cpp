@@ -127,6 +127,11 @@ TEST_F(ServerRemesh, FitsAndKeepsFeatures) {
   EXPECT_GE(fitted.info.angles().least(), 20);
   EXPECT_EQ(fitted.info.angles().below_20(), 0);
   EXPECT_GT(on_surface.info.angles().percentile_1(), 30);
+  wanted.set_fit(false);
+  wanted.set_method(v1::REMESH_METHOD_PARAMETER);
+  const Answer square = ask(*stub, wanted);
+  ASSERT_TRUE(square.status.ok()) << square.status.error_message();
+  EXPECT_EQ(square.info.triangles(), 996u);
   // The eight corners of a cube are vertices where its edges stay.
   const Created cube = create(*stub, upload(*stub, curvecast::testing::to_off(curvecast::testing::cube())), 10'000);
   ASSERT_TRUE(cube.status.ok()) << cube.status.error_message();
@@ -165,6 +170,12 @@ TEST_F(ServerRemesh, SaysWhatItCannotDo) {
   v1::RemeshRequest bad = request(id, 100);
   bad.set_relaxations(101);
   expect_refused(bad, "relaxations is 101");
+  bad = request(id, 100);
+  bad.set_method(static_cast<v1::RemeshMethod>(7));
+  expect_refused(bad, "method is 7");
+  bad.set_method(v1::REMESH_METHOD_PARAMETER);
+  bad.set_feature_degrees(30);
+  expect_refused(bad, "feature_degrees is 30");
   bad = request(id, 100);
   bad.set_feature_degrees(-1);
   expect_refused(bad, "feature_degrees is -1");

@@ -81,21 +81,28 @@ class Session:
         relaxations: int = 5,
         fit: bool = False,
         feature_degrees: float = 0,
+        method: str = "surface",
         **options: Any,
     ) -> TriangleMesh:
         """Makes a triangle mesh of the points of a view, with exactly as many vertices: remesh(10_000, density=[...]). It is
         manifold, with the components, tunnels and borders of the surface.
 
         relaxations: rounds in which vertices move along the surface, to more regular triangles. fit: vertices leave the surface
-        where triangles come nearer to it by that. feature_degrees: edges sharper than this stay edges; 0 = none. Error
-        INVALID_ARGUMENT: too few points to bear the surface's topology.
+        where triangles come nearer to it by that. feature_degrees: edges sharper than this stay edges; 0 = none. method: surface
+        or, as the paper has it, parameter: in the square that the surface is mapped to. Error INVALID_ARGUMENT: too few points to
+        bear the surface's topology.
         """
         if not isinstance(view, View):
             view = View(points=view, **options)
         elif options:
             view = dataclasses.replace(view, **options)
         request = v1.RemeshRequest(
-            session_id=self.id, sample=view.to_proto(), relaxations=relaxations, fit=fit, feature_degrees=feature_degrees
+            session_id=self.id,
+            sample=view.to_proto(),
+            relaxations=relaxations,
+            fit=fit,
+            feature_degrees=feature_degrees,
+            method=v1.RemeshMethod.Value(f"REMESH_METHOD_{method.upper()}"),
         )
         return self._connection.read_stream("Remesh", request, self._connection.long_timeout, decode_mesh)
 

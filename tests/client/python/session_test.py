@@ -87,6 +87,9 @@ class SessionTest(ServerTest):
         self.assertEqual(len(present(mesh.vertices.faces)), 1000)
         self.assertEqual(len(self.session.remesh(View(points=500), relaxations=0)), 996)
         self.assertGreater(mesh.info.angles.median, 45)
+        self.assertEqual(len(self.session.remesh(1000, method="parameter")), 1996)
+        with self.assertRaises(ValueError):
+            self.session.remesh(1000, method="magic")
         fitted = self.session.remesh(1000, fit=True, feature_degrees=60)
         self.assertGreaterEqual(fitted.info.angles.least, 20)
         with self.assertRaises(curvecast.Error):
