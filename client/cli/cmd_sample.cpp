@@ -1,6 +1,7 @@
 #include <absl/strings/str_format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <memory>
@@ -18,7 +19,10 @@
 namespace curvecast::cli {
 namespace {
 
-constexpr std::array<std::string_view, 3> kAttributes = {"curvatures", "rank", "surface"};
+constexpr std::array<std::string_view, 5> kAttributes = {"curvatures", "rank", "surface", "directions", "scalars"};
+constexpr std::array<v1::PointAttribute, kAttributes.size()> kAttributeValues = {
+    v1::POINT_ATTRIBUTE_CURVATURES, v1::POINT_ATTRIBUTE_RANK, v1::POINT_ATTRIBUTE_SURFACE, v1::POINT_ATTRIBUTE_DIRECTIONS,
+    v1::POINT_ATTRIBUTE_SCALARS};
 
 struct Flags {
   std::string mesh, output;
@@ -88,9 +92,8 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   *request.mutable_sample()->mutable_cameras() = {cameras->all.begin(), cameras->all.end()};
   *request.mutable_sample()->mutable_viewport() = cameras->viewport();
   for (const std::string& attribute : flags.attributes) {
-    request.mutable_sample()->add_attributes(attribute == "curvatures" ? v1::POINT_ATTRIBUTE_CURVATURES
-                                             : attribute == "rank"     ? v1::POINT_ATTRIBUTE_RANK
-                                                                       : v1::POINT_ATTRIBUTE_SURFACE);
+    const auto choice = std::find(kAttributes.begin(), kAttributes.end(), attribute) - kAttributes.begin();
+    request.mutable_sample()->add_attributes(kAttributeValues[static_cast<std::size_t>(choice)]);
   }
   if (flags.sample.max_bytes == 0) {
     // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
@@ -137,8 +140,9 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
       ->type_name("FILE");
   app->add_option(
          "--attributes", flags->attributes,
-         "more of each point, in a .ply file: curvatures (principal), rank (of the progressive sampler), surface (face of the "
-         "repaired mesh and place in it); separated by commas")
+         "more of each point, in a .ply file: curvatures (principal), directions (of the least curvature; across it runs the "
+         "largest), scalars (the mesh's named values), rank (of the progressive sampler), surface (face of the repaired mesh and "
+         "place in it); separated by commas")
       ->delimiter(',')
       ->check(validator([](const std::string& text) { return check_choice("attribute", text, kAttributes); }, ""))
       ->type_name("NAME");

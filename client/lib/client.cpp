@@ -71,8 +71,8 @@ absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample) {
   for (const v1::PointBlock& block : sample.blocks) {
     absl::StatusOr<Points> points = decode_block(block);
     if (!points.ok()) return points.status();
-    if (decoded.points.size() > 0 && points->colours.empty() != decoded.points.colours.empty()) {
-      return absl::DataLossError("the server sent some blocks of points with colours and others without");
+    if (decoded.points.size() > 0 && points->size() > 0 && !have_same_columns(decoded.points, *points)) {
+      return absl::DataLossError("the server sent blocks of which not all have the same attributes");
     }
     append_points(*std::move(points), &decoded.points);
   }

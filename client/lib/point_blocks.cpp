@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <set>
 #include <span>
 #include <thread>
 #include <utility>
@@ -36,9 +37,15 @@ struct Part {
   std::size_t count() const { return block->count(); }
   bool has_colours() const { return block->has_raw() ? !block->raw().colours().empty() : header.has_colours(); }
   /// Which of the columns that may be missing it has.
-  std::array<bool, 5> columns() const {
+  std::array<bool, 6> columns() const {
     const v1::PointAttributes& more = block->attributes();
-    return {has_colours(), !more.curvatures().empty(), !more.ranks().empty(), !more.faces().empty(), !more.barycentric().empty()};
+    return {has_colours(),         !more.curvatures().empty(),  !more.ranks().empty(),
+            !more.faces().empty(), !more.barycentric().empty(), !more.directions().empty()};
+  }
+  bool has_scalars_of(const Part& other) const {
+    const auto &scalars = block->attributes().scalars(), &others = other.block->attributes().scalars();
+    return std::equal(scalars.begin(), scalars.end(), others.begin(), others.end(),
+                      [](const auto& a, const auto& b) { return a.name() == b.name(); });
   }
 };
 
@@ -73,10 +80,19 @@ absl::StatusOr<DracoHeaderInfo> check_draco(const v1::PointBlock& block) {
 
 absl::Status check_attributes(const v1::PointAttributes& more, std::size_t count) {
   const auto fits = [&](const std::string& bytes, std::size_t size) { return bytes.empty() || bytes.size() == count * size; };
-  if (fits(more.curvatures(), 8) && fits(more.ranks(), 4) && fits(more.faces(), 4) && fits(more.barycentric(), 8)) {
-    return absl::OkStatus();
+  const auto& scalars = more.scalars();
+  const bool all_fit =
+      fits(more.curvatures(), 8) && fits(more.ranks(), 4) && fits(more.faces(), 4) && fits(more.barycentric(), 8) &&
+      fits(more.directions(), 12) &&
+      std::all_of(scalars.begin(), scalars.end(), [&](const auto& scalar) { return scalar.values().size() == 4 * count; });
+  if (!all_fit) {
+    return absl::InvalidArgumentError(absl::StrCat("an attribute has not as many bytes as ", count, " points take"));
   }
-  return absl::InvalidArgumentError(absl::StrCat("an attribute has not as many bytes as ", count, " points take"));
+  std::set<absl::string_view> names;
+  for (const v1::ScalarValues& scalar : scalars) {
+    if (!names.insert(scalar.name()).second) return absl::InvalidArgumentError("it has two columns of one name");
+  }
+  return absl::OkStatus();
 }
 
 /// Checks all that needs no decoding, so that memory is taken only for what can be there.
@@ -110,7 +126,7 @@ std::span<T> share_of(const Part& part, std::vector<T>& column) {
   return column.empty() ? std::span<T>() : std::span(column).subspan(part.begin, part.count());
 }
 
-/// Attributes that come as they are; finite ones only.
+/// Attributes that come as they are; finite ones only, but for the mesh's own.
 absl::Status copy_attributes(const Part& part, Points& points) {
   const v1::PointAttributes& more = part.block->attributes();
   const auto copy = [&]<typename T>(const std::string& bytes, std::vector<T>& column) {
@@ -120,11 +136,18 @@ absl::Status copy_attributes(const Part& part, Points& points) {
   };
   copy(more.ranks(), points.ranks);
   copy(more.faces(), points.faces);
-  const auto is_finite = [](const std::array<float, 2>& v) { return std::isfinite(v[0]) && std::isfinite(v[1]); };
-  for (const auto values : {copy(more.curvatures(), points.curvatures), copy(more.barycentric(), points.barycentric)}) {
-    if (!std::all_of(values.begin(), values.end(), is_finite)) return absl::InvalidArgumentError("an attribute is not finite");
+  for (std::size_t s = 0; s < points.scalars.size(); ++s) {
+    copy(more.scalars(static_cast<int>(s)).values(), points.scalars[s].values);
   }
-  return absl::OkStatus();
+  const auto all_finite = [](const auto& rows) {
+    return std::all_of(rows.begin(), rows.end(), [](const auto& row) {
+      return std::all_of(row.begin(), row.end(), [](float value) { return std::isfinite(value); });
+    });
+  };
+  const bool is_good = all_finite(copy(more.curvatures(), points.curvatures)) &&
+                       all_finite(copy(more.barycentric(), points.barycentric)) &&
+                       all_finite(copy(more.directions(), points.directions));
+  return is_good ? absl::OkStatus() : absl::InvalidArgumentError("an attribute is not finite");
 }
 
 absl::Status decode_part(const Part& part, DracoReader& reader, Points& points) {
@@ -162,13 +185,13 @@ absl::StatusOr<Points> make_room(std::span<const Part> parts) {
     points.origin = origin;
     if (part.count() == 0) continue;
     if (first == nullptr) first = &part;
-    if (part.columns() != first->columns()) {
+    if (part.columns() != first->columns() || !part.has_scalars_of(*first)) {
       return absl::DataLossError("the server sent blocks of which not all have the same attributes");
     }
     total += part.count();
   }
   if (first == nullptr) return points;
-  const auto [colours, curvatures, ranks, faces, barycentric] = first->columns();
+  const auto [colours, curvatures, ranks, faces, barycentric, directions] = first->columns();
   points.positions.resize(total);
   points.normals.resize(total);
   points.radii.resize(total);
@@ -177,6 +200,10 @@ absl::StatusOr<Points> make_room(std::span<const Part> parts) {
   points.ranks.resize(ranks ? total : 0);
   points.faces.resize(faces ? total : 0);
   points.barycentric.resize(barycentric ? total : 0);
+  points.directions.resize(directions ? total : 0);
+  for (const v1::ScalarValues& scalar : first->block->attributes().scalars()) {
+    points.scalars.push_back({scalar.name(), std::vector<float>(total)});
+  }
   return points;
 }
 
@@ -237,8 +264,19 @@ std::uint64_t encoded_bytes(const google::protobuf::RepeatedPtrField<v1::PointBl
 std::uint64_t encoded_bytes(const v1::PointBlock& block) {
   const v1::RawPoints& raw = block.raw();
   const v1::PointAttributes& more = block.attributes();
+  std::uint64_t scalars = 0;
+  for (const v1::ScalarValues& scalar : more.scalars()) scalars += scalar.values().size();
   return block.draco().data().size() + more.curvatures().size() + more.ranks().size() + more.faces().size() +
-         more.barycentric().size() + raw.positions().size() + raw.normals().size() + raw.radii().size() + raw.colours().size();
+         more.barycentric().size() + more.directions().size() + scalars + raw.positions().size() + raw.normals().size() +
+         raw.radii().size() + raw.colours().size();
+}
+
+bool have_same_columns(const Points& a, const Points& b) {
+  const auto are_both = [&](auto... columns) { return (((a.*columns).empty() == (b.*columns).empty()) && ...); };
+  return are_both(&Points::normals, &Points::radii, &Points::colours, &Points::curvatures, &Points::ranks, &Points::faces,
+                  &Points::barycentric, &Points::directions) &&
+         std::equal(a.scalars.begin(), a.scalars.end(), b.scalars.begin(), b.scalars.end(),
+                    [](const ScalarColumn& one, const ScalarColumn& other) { return one.name == other.name; });
 }
 
 void append_points(Points more, Points* points) {
@@ -253,14 +291,13 @@ void append_points(Points more, Points* points) {
       }
     }
   }
-  points->positions.insert(points->positions.end(), more.positions.begin(), more.positions.end());
-  points->normals.insert(points->normals.end(), more.normals.begin(), more.normals.end());
-  points->radii.insert(points->radii.end(), more.radii.begin(), more.radii.end());
-  points->colours.insert(points->colours.end(), more.colours.begin(), more.colours.end());
-  points->curvatures.insert(points->curvatures.end(), more.curvatures.begin(), more.curvatures.end());
-  points->ranks.insert(points->ranks.end(), more.ranks.begin(), more.ranks.end());
-  points->faces.insert(points->faces.end(), more.faces.begin(), more.faces.end());
-  points->barycentric.insert(points->barycentric.end(), more.barycentric.begin(), more.barycentric.end());
+  const auto append = [](auto& column, const auto& values) { column.insert(column.end(), values.begin(), values.end()); };
+  const auto append_all = [&](auto... columns) { (append(points->*columns, more.*columns), ...); };
+  append_all(&Points::positions, &Points::normals, &Points::radii, &Points::colours, &Points::curvatures, &Points::ranks,
+             &Points::faces, &Points::barycentric, &Points::directions);
+  for (std::size_t s = 0; s < std::min(points->scalars.size(), more.scalars.size()); ++s) {
+    append(points->scalars[s].values, more.scalars[s].values);
+  }
 }
 
 }  // namespace curvecast::client

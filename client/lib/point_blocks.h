@@ -22,7 +22,11 @@ absl::StatusOr<Points> decode_blocks(const google::protobuf::RepeatedPtrField<v1
 std::uint64_t encoded_bytes(const v1::PointBlock& block);
 std::uint64_t encoded_bytes(const google::protobuf::RepeatedPtrField<v1::PointBlock>& blocks);
 
-/// Appends `more`, expressed in the origin of `points`; an empty `points` takes over the origin of `more`.
+/// Whether both have values in the same columns, named ones under the same names in the same order.
+bool have_same_columns(const Points& a, const Points& b);
+
+/// Appends `more`, expressed in the origin of `points`; an empty `points` takes over the origin of `more`. Else they have the
+/// same columns.
 void append_points(Points more, Points* points);
 
 }  // namespace curvecast::client

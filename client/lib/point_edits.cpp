@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "client/lib/point_blocks.h"
 #include "client/lib/protocol.h"
 
 namespace curvecast::client {
@@ -63,15 +65,8 @@ std::vector<Run> make_runs(std::size_t held, const Indices& removed, const Indic
   return runs;
 }
 
-/// Whether a column is there for all points, or for none, in both lists.
-template <typename T>
-bool fits(const std::vector<T>& held, const std::vector<T>& added, const Points& all_held, const Points& all_added) {
-  return all_held.size() == 0 || all_added.size() == 0 || held.empty() == added.empty();
-}
-
-template <typename T>
-void join(const std::vector<T>& held, const std::vector<T>& added, const std::vector<Run>& runs, std::size_t size,
-          std::vector<T>& out) {
+template <typename Column, typename T>
+void join(const Column& held, const Column& added, const std::vector<Run>& runs, std::size_t size, std::vector<T>& out) {
   if (held.empty() && added.empty()) return;
   out.reserve(size);
   for (const Run& run : runs) {
@@ -106,12 +101,11 @@ absl::StatusOr<Points> apply_edits(const Points& held, const v1::PointEdits& edi
   if (places->size() != added.size()) {
     return absl::InvalidArgumentError(absl::StrCat("added has ", places->size(), " indices for ", added.size(), " points"));
   }
-  const auto all_fit = [&](auto... columns) { return (fits(held.*columns, added.*columns, held, added) && ...); };
-  if (!all_fit(&Points::normals, &Points::radii, &Points::colours, &Points::curvatures, &Points::ranks, &Points::faces,
-               &Points::barycentric)) {
+  const bool both = held.size() > 0 && added.size() > 0;
+  if (both && !have_same_columns(held, added)) {
     return absl::InvalidArgumentError("the points that are added have other attributes than those held");
   }
-  if (held.size() > 0 && added.size() > 0 && held.origin != added.origin) {
+  if (both && held.origin != added.origin) {
     return absl::InvalidArgumentError("the points that are added have another origin than those held");
   }
   const std::vector<Run> runs = make_runs(held.size(), *removed, *places, size);
@@ -119,7 +113,14 @@ absl::StatusOr<Points> apply_edits(const Points& held, const v1::PointEdits& edi
   out.origin = held.size() > 0 ? held.origin : added.origin;
   const auto join_all = [&](auto... columns) { (join(held.*columns, added.*columns, runs, size, out.*columns), ...); };
   join_all(&Points::positions, &Points::normals, &Points::radii, &Points::colours, &Points::curvatures, &Points::ranks,
-           &Points::faces, &Points::barycentric);
+           &Points::faces, &Points::barycentric, &Points::directions);
+  const std::vector<ScalarColumn>& like = held.size() > 0 ? held.scalars : added.scalars;
+  for (std::size_t s = 0; s < like.size(); ++s) {
+    using Values = std::span<const float>;
+    const auto values_of = [s](const Points& list) { return list.size() > 0 ? Values(list.scalars[s].values) : Values(); };
+    out.scalars.push_back({like[s].name, {}});
+    join(values_of(held), values_of(added), runs, size, out.scalars[s].values);
+  }
   if (absl::Status status = resize(edits, out.radii); !status.ok()) return status;
   return out;
 }

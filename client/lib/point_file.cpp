@@ -53,18 +53,28 @@ std::array<double, 3> absolute(const Points& points, std::size_t i) {
 struct Extra {
   const void* values;
   std::size_t bytes;  // of a point
-  const char* properties;
+  std::string properties;
 };
+
+/// As other programs name such a column. A name comes from a mesh, by way of a server: nothing in it may end a word of the
+/// header.
+std::string scalar_property(const std::string& name) {
+  std::string property = "scalar_";
+  for (const char c : name) property += absl::ascii_isgraph(static_cast<unsigned char>(c)) ? c : '_';
+  return property;
+}
 
 std::vector<Extra> extras_of(const Points& points) {
   std::vector<Extra> extras;
-  const auto add = [&extras](const auto& values, const char* properties) {
-    if (!values.empty()) extras.push_back({values.data(), sizeof(values[0]), properties});
+  const auto add = [&extras](const auto& values, std::string properties) {
+    if (!values.empty()) extras.push_back({values.data(), sizeof(values[0]), std::move(properties)});
   };
   add(points.curvatures, "property float curvature_min\nproperty float curvature_max\n");
   add(points.ranks, "property uint rank\n");
   add(points.faces, "property uint face\n");
   add(points.barycentric, "property float barycentric_2\nproperty float barycentric_3\n");
+  add(points.directions, "property float direction_min_x\nproperty float direction_min_y\nproperty float direction_min_z\n");
+  for (const auto& [name, values] : points.scalars) add(values, absl::StrFormat("property float %s\n", scalar_property(name)));
   return extras;
 }
 
@@ -193,10 +203,16 @@ absl::Status write_point_file(const std::string& path, const Points& points) {
                                                       points.colours.size()));
   }
   if (!fits(points.curvatures.size()) || !fits(points.ranks.size()) || !fits(points.faces.size()) ||
-      !fits(points.barycentric.size())) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "%s: %d positions do not go with %d curvatures, %d ranks, %d faces and %d places in them", path, points.size(),
-        points.curvatures.size(), points.ranks.size(), points.faces.size(), points.barycentric.size()));
+      !fits(points.barycentric.size()) || !fits(points.directions.size())) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%s: %d positions do not go with %d curvatures, %d ranks, %d faces, %d places in them and %d directions",
+                        path, points.size(), points.curvatures.size(), points.ranks.size(), points.faces.size(),
+                        points.barycentric.size(), points.directions.size()));
+  }
+  for (const auto& [name, values] : points.scalars) {
+    if (fits(values.size())) continue;
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%s: %d positions do not go with %d values of %s", path, points.size(), values.size(), name));
   }
   try {
     return write_as(*format, path, points);

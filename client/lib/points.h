@@ -4,9 +4,18 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace curvecast::client {
+
+/// A number that the mesh has for each of its vertices, at the points.
+struct ScalarColumn {
+  std::string name;           // as the mesh file has it
+  std::vector<float> values;  // of each point; NaN and infinities as in the file
+
+  bool operator==(const ScalarColumn&) const = default;
+};
 
 /// Lengths in the units of the mesh. A point stands at origin + position. `normals` (unit length), `radii` (of a splat),
 /// `colours` (red, green, blue; sRGB) and what follows have as many elements as `positions`, or none when the source lacks them.
@@ -19,6 +28,8 @@ struct Points {
   std::vector<std::uint32_t> ranks;               // of the progressive sampler
   std::vector<std::uint32_t> faces;               // of the repaired mesh
   std::vector<std::array<float, 2>> barycentric;  // weights of the face's second and third corner
+  std::vector<std::array<float, 3>> directions;   // of the least principal curvature: unit tangents, in one of their two senses
+  std::vector<ScalarColumn> scalars;              // none when the source lacks them; their names differ
 
   std::size_t size() const { return positions.size(); }
 };

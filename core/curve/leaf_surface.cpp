@@ -285,11 +285,16 @@ void LeafSurface::find_even(std::span<const LeafPart> at, std::span<SurfacePlace
   finish();
 }
 
-Rgba8 LeafSurface::colour(std::size_t l, std::uint32_t face, std::array<float, 2> weights, double share) const {
+const SurfaceData* LeafSurface::data_of(std::size_t l, std::uint32_t face) const {
   const std::size_t disc = disc_of(l);
-  if (!base_->is_sound(disc) || !base_->has_face(disc, face)) return {};
+  return base_->is_sound(disc) && base_->has_face(disc, face) ? &base_->data : nullptr;
+}
+
+Rgba8 LeafSurface::colour(std::size_t l, std::uint32_t face, std::array<float, 2> weights, double share) const {
+  const SurfaceData* const data = data_of(l, face);
+  if (data == nullptr) return {};
   const double area = std::min(static_cast<double>(curve_->area[l]), share * curve_->total_area);
-  return base_->data.colour->at(face, {1 - weights[0] - weights[1], weights[0], weights[1]}, area);
+  return data->colour->at(face, {1 - weights[0] - weights[1], weights[0], weights[1]}, area);
 }
 
 }  // namespace curvecast

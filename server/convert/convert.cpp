@@ -190,6 +190,8 @@ absl::StatusOr<PointSetRequest> to_point_set_request(const v1::SampleRequest& re
     out.attributes.curvatures |= attribute == v1::POINT_ATTRIBUTE_CURVATURES;
     out.attributes.rank |= attribute == v1::POINT_ATTRIBUTE_RANK;
     out.attributes.surface |= attribute == v1::POINT_ATTRIBUTE_SURFACE;
+    out.attributes.directions |= attribute == v1::POINT_ATTRIBUTE_DIRECTIONS;
+    out.attributes.scalars |= attribute == v1::POINT_ATTRIBUTE_SCALARS;
     if (attribute == v1::POINT_ATTRIBUTE_UNSPECIFIED || !v1::PointAttribute_IsValid(attribute)) {
       check.fail("sample.attributes", absl::StrCat("holds the unknown value ", attribute));
     }

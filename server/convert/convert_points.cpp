@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/curve/place_attributes.h"
 #include "core/sample/splat_radius.h"
 #include "server/convert/convert.h"
 #include "server/convert/little_endian.h"
@@ -38,6 +39,8 @@ v1::PointLimit to_proto(PointLimit limit) {
   return v1::POINT_LIMIT_UNSPECIFIED;
 }
 
+std::array<float, 2> weights_of(const FacePlace& place) { return {place.weight_1, place.weight_2}; }
+
 }  // namespace
 
 v1::FrameStatistics to_proto(const PointSetStatistics& statistics) {
@@ -52,33 +55,45 @@ v1::FrameStatistics to_proto(const PointSetStatistics& statistics) {
 }
 
 v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
-                             const PointAttributes& wanted) {
+                             const LeafSurface* surface, const PointAttributes& wanted) {
   const auto column = [&](const auto& value_of) {
-    std::vector<decltype(value_of(std::uint32_t{}))> values(count);
-    for (std::size_t i = 0; i < count; ++i) values[i] = value_of(points.vertices[begin + i]);
+    std::vector<decltype(value_of(std::size_t{}))> values(count);
+    for (std::size_t i = 0; i < count; ++i) values[i] = value_of(begin + i);
     return little_endian(values, 0, count);
   };
   v1::PointAttributes out;
   if (wanted.curvatures) {
-    out.set_curvatures(column([&](std::uint32_t l) {
+    out.set_curvatures(column([&](std::size_t i) {
+      const std::uint32_t l = points.vertices[i];
       return std::array<float, 2>{curve.curvature_min[l], curve.curvature_max[l]};
     }));
   }
   if (wanted.rank) out.set_ranks(little_endian(points.ranks, begin, count));
   if (wanted.surface) {
-    const auto place = [&](std::size_t i) {
-      const std::uint32_t l = points.vertices[i];
-      return points.places.empty() ? FacePlace{curve.triangle[l], curve.weight_1[l], curve.weight_2[l]} : points.places[i];
-    };
-    std::vector<std::uint32_t> faces(count);
-    std::vector<std::array<float, 2>> weights(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const FacePlace at = place(begin + i);
-      faces[i] = at.face;
-      weights[i] = {at.weight_1, at.weight_2};
-    }
-    out.set_faces(little_endian(faces, 0, count));
-    out.set_barycentric(little_endian(weights, 0, count));
+    out.set_faces(column([&](std::size_t i) { return points.places[i].face; }));
+    out.set_barycentric(column([&](std::size_t i) { return weights_of(points.places[i]); }));
+  }
+  // Zeros where the surface cannot be used.
+  const auto surface_column = [&](const auto& value_at) {
+    return column([&](std::size_t i) {
+      const FacePlace& place = points.places[i];
+      const SurfaceData* const data = surface->data_of(points.vertices[i], place.face);
+      using Value = decltype(value_at(*data, place, i));
+      return data == nullptr ? Value{} : value_at(*data, place, i);
+    });
+  };
+  if (wanted.directions) {
+    out.set_directions(surface_column([&](const SurfaceData& data, const FacePlace& place, std::size_t i) {
+      const Vec3f direction = direction_min_at(data, place.face, weights_of(place), points.normals[i]);
+      return std::array<float, 3>{direction.x(), direction.y(), direction.z()};
+    }));
+  }
+  for (std::size_t s = 0; wanted.scalars && s < curve.scalars.size(); ++s) {
+    v1::ScalarValues& scalar = *out.add_scalars();
+    scalar.set_name(curve.scalars[s].name);
+    scalar.set_values(surface_column([&](const SurfaceData& data, const FacePlace& place, std::size_t /*i*/) {
+      return scalar_at(data, s, place.face, weights_of(place));
+    }));
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/codec/draco_codec.h"
+#include "core/curve/leaf_surface.h"
 #include "core/curve/surface_curve.h"
 #include "core/progressive/rank_delta.h"
 #include "curvecast/v1/curvecast.pb.h"
@@ -42,9 +43,10 @@ v1::FrameStatistics to_proto(const PointSetStatistics& statistics);
 absl::StatusOr<v1::PointBlock> to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
                                         const std::optional<DracoOptions>& draco);
 
-/// Encodes the attributes `wanted` of points [begin, begin + count).
+/// Encodes the attributes `wanted` of points [begin, begin + count), which have places where these are needed. `surface` is that
+/// below the curve, null where it is not needed. Whoever gave it looks at its status() before the answer is used.
 v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::size_t count, const SurfaceCurve& curve,
-                             const PointAttributes& wanted);
+                             const LeafSurface* surface, const PointAttributes& wanted);
 
 /// Converts the changes of a list of points to differences of indices; `curve` is the one that has the ranks.
 v1::PointEdits to_proto(const RankDelta& delta, const ListDelta& places, const SurfaceCurve& curve);

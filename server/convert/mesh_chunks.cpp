@@ -30,7 +30,7 @@ absl::Status make_mesh_chunks(const PointSet& vertices, const std::vector<Triang
     const std::size_t count = std::min(kChunkMeshVertices, vertices.size() - begin);
     absl::StatusOr<v1::PointBlock> block = to_proto(vertices, begin, count, curve, std::nullopt);
     if (!block.ok()) return block.status();
-    *block->mutable_attributes() = to_proto(vertices, begin, count, curve, PointAttributes{.surface = true});
+    *block->mutable_attributes() = to_proto(vertices, begin, count, curve, nullptr, PointAttributes{.surface = true});
     v1::RemeshResponse response;
     *response.mutable_chunk()->mutable_vertices() = *std::move(block);
     if (!emit(std::move(response))) return gone;

@@ -18,6 +18,13 @@ struct PointAttributes {
   bool curvatures = false;  // both principal curvatures
   bool rank = false;        // only the progressive sampler has ranks
   bool surface = false;     // triangle and barycentric coordinates
+  bool directions = false;  // of the least principal curvature
+  bool scalars = false;     // the mesh's named values
+
+  /// Whether the points' places on faces are needed.
+  bool need_places() const { return surface || need_surface(); }
+  /// Whether what the mesh has at these places is needed.
+  bool need_surface() const { return directions || scalars; }
 
   bool operator==(const PointAttributes&) const = default;
 };

@@ -36,6 +36,8 @@ absl::Status too_large(std::size_t bytes) {
 }
 
 absl::StatusOr<PackedFrame> pack_key(Sampled sampled, const PointSetRequest& request) {
+  const std::size_t least = sampled.points().size() * least_point_bytes(*sampled.curve, request);
+  if (least > kMaxFrameBytes) return too_large(least);  // before there is memory for it
   absl::StatusOr<Packed> packed = pack(std::move(sampled), request);
   if (!packed.ok()) return packed.status();
   if (packed->bytes > kMaxFrameBytes) return too_large(packed->bytes);
@@ -89,7 +91,7 @@ absl::StatusOr<PackedFrame> pack_delta(Sampled selected, const PointSetRequest& 
   }
   selected.lattice = reference.lattice();
   locate(reference.selection(), selection, delta, workspace.list_delta);
-  gather_ranked(*selected.curve, selection, delta.added, workspace.points, request.attributes.surface);
+  gather_ranked(*selected.curve, selection, delta.added, workspace.points, request.attributes.need_places());
   v1::PointEdits edits = to_proto(delta, workspace.list_delta, *selected.curve);
   selected.statistics.equalise_seconds += watch.lap();
   if (delta.added.empty()) return PackedFrame{{std::move(selected), {}, 0}, std::move(edits), false};
@@ -110,9 +112,9 @@ absl::StatusOr<PackedFrame> pack_view(SessionSampler& sampler, const FrameReques
     const std::uint64_t more = reference != nullptr ? kPartGrowth * reference->selection().count : 0;
     part = std::min(*whole, std::max(more, static_cast<std::uint64_t>(std::max(first, 1.0))));
   }
-  const std::size_t raw_bytes = raw_point_bytes(sampler.curve());
-  if (reference == nullptr && !point_set.draco && part <= kMaxPoints && part > kMaxFrameBytes / raw_bytes) {
-    return too_large(part * raw_bytes);
+  const std::size_t least_bytes = least_point_bytes(sampler.curve(), point_set);
+  if (reference == nullptr && !point_set.draco && part <= kMaxPoints && part > kMaxFrameBytes / least_bytes) {
+    return too_large(part * least_bytes);
   }
   if (!sampler.is_ranked()) return pack_sampled(sampler, point_set, *whole);
   absl::StatusOr<Sampled> selected = select_part(sampler, part, *whole);

@@ -24,8 +24,11 @@ constexpr double kAim = 0.96, kGoodEnough = 0.9;  // of the budget
 std::size_t data_bytes(const v1::PointBlock& block) {
   const v1::RawPoints& raw = block.raw();
   const v1::PointAttributes& more = block.attributes();
-  return more.curvatures().size() + more.ranks().size() + more.faces().size() + more.barycentric().size() +
-         block.draco().data().size() + raw.positions().size() + raw.normals().size() + raw.radii().size() + raw.colours().size();
+  std::size_t bytes =
+      more.curvatures().size() + more.ranks().size() + more.faces().size() + more.barycentric().size() + more.directions().size();
+  for (const v1::ScalarValues& scalar : more.scalars()) bytes += scalar.values().size();
+  return bytes + block.draco().data().size() + raw.positions().size() + raw.normals().size() + raw.radii().size() +
+         raw.colours().size();
 }
 
 /// Points [begin, begin + count) as one block with the attributes asked for.
@@ -33,9 +36,9 @@ absl::StatusOr<v1::PointBlock> encode(const Sampled& sampled, std::size_t begin,
                                       const PointSetRequest& request) {
   absl::StatusOr<v1::PointBlock> block =
       to_proto(sampled.points(), begin, count, *sampled.curve, draco_options(request, sampled.lattice));
-  const PointAttributes& wanted = request.attributes;
-  if (block.ok() && (wanted.curvatures || wanted.rank || wanted.surface)) {
-    *block->mutable_attributes() = to_proto(sampled.points(), begin, count, *sampled.curve, wanted);
+  if (block.ok() && request.attributes != PointAttributes()) {
+    *block->mutable_attributes() =
+        to_proto(sampled.points(), begin, count, *sampled.curve, sampled.surface.get(), request.attributes);
   }
   return block;
 }
@@ -43,13 +46,18 @@ absl::StatusOr<v1::PointBlock> encode(const Sampled& sampled, std::size_t begin,
 }  // namespace
 
 double expected_point_bytes(const SurfaceCurve& curve, const PointSetRequest& request, int position_bits) {
-  const double more =
-      (request.attributes.curvatures ? 8 : 0) + (request.attributes.rank ? 4 : 0) + (request.attributes.surface ? 12 : 0);
-  if (!request.draco) return more + static_cast<double>(raw_point_bytes(curve));
-  return more + (1.4 * position_bits + request.draco->normal_bits + 1) / 8 + (curve.colour.empty() ? 0 : kRawColourBytes);
+  const auto least = static_cast<double>(least_point_bytes(curve, request));
+  if (!request.draco) return least;
+  return least + (1.4 * position_bits + request.draco->normal_bits + 1) / 8 + (curve.colour.empty() ? 0 : kRawColourBytes);
 }
 
-std::size_t raw_point_bytes(const SurfaceCurve& curve) { return kRawPointBytes + (curve.colour.empty() ? 0 : kRawColourBytes); }
+std::size_t least_point_bytes(const SurfaceCurve& curve, const PointSetRequest& request) {
+  const PointAttributes& wanted = request.attributes;
+  const std::size_t attributes = (wanted.curvatures ? 8 : 0) + (wanted.rank ? 4 : 0) + (wanted.surface ? 12 : 0) +
+                                 (wanted.directions ? 12 : 0) + (wanted.scalars ? 4 * curve.scalars.size() : 0);
+  if (request.draco) return attributes;
+  return attributes + kRawPointBytes + (curve.colour.empty() ? 0 : kRawColourBytes);
+}
 
 absl::StatusOr<std::vector<v1::PointBlock>> encode_point_blocks(Sampled& sampled, std::size_t first, std::size_t last,
                                                                 const PointSetRequest& request) {
@@ -65,6 +73,9 @@ absl::StatusOr<std::vector<v1::PointBlock>> encode_point_blocks(Sampled& sampled
   for (absl::StatusOr<v1::PointBlock>& block : encoded) {
     if (!block.ok()) return block.status();
     blocks.push_back(*std::move(block));
+  }
+  if (sampled.surface != nullptr) {
+    if (absl::Status damaged = sampled.surface->status(); !damaged.ok()) return damaged;
   }
   sampled.statistics.encode_seconds += watch.lap();
   return blocks;

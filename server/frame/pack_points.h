@@ -14,8 +14,8 @@ namespace curvecast::server {
 /// Estimates the bytes of one encoded point; neighbours differ little, so that about half of a position's bits are left.
 /// `position_bits` counts only where the request is not for raw floats.
 double expected_point_bytes(const SurfaceCurve& curve, const PointSetRequest& request, int position_bits);
-/// Returns the bytes of one raw point without attributes.
-std::size_t raw_point_bytes(const SurfaceCurve& curve);
+/// Returns the bytes that one point takes at least: what is not compressed of it.
+std::size_t least_point_bytes(const SurfaceCurve& curve, const PointSetRequest& request);
 
 struct Packed {
   Sampled sampled;

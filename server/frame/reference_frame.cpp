@@ -32,9 +32,11 @@ ReferenceFrame::ReferenceFrame(std::shared_ptr<const SurfaceCurve> curve, const 
     if (is_shown(part)) ++parts, words += words_of(part).size();
   }
   const auto digest = [this](const void* bytes, std::size_t size) { digest_ = XXH3_64bits_withSeed(bytes, size, digest_); };
-  const std::uint64_t kind[] = {
-      curve_->revision, static_cast<std::uint64_t>(lattice_.bits), static_cast<std::uint64_t>(normal_bits_),
-      std::uint64_t{attributes_.curvatures} << 2 | std::uint64_t{attributes_.rank} << 1 | std::uint64_t{attributes_.surface}};
+  const std::uint64_t sent = std::uint64_t{attributes_.scalars} << 4 | std::uint64_t{attributes_.directions} << 3 |
+                             std::uint64_t{attributes_.curvatures} << 2 | std::uint64_t{attributes_.rank} << 1 |
+                             std::uint64_t{attributes_.surface};
+  const std::uint64_t kind[] = {curve_->revision, static_cast<std::uint64_t>(lattice_.bits),
+                                static_cast<std::uint64_t>(normal_bits_), sent};
   digest(kind, sizeof(kind));
   if (lattice_.centre) digest(lattice_.centre->data(), sizeof(Vec3d));
   selection_.parts.reserve(parts);

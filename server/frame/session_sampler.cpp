@@ -81,7 +81,8 @@ absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
   out.statistics.equalise_seconds = report.equalise_seconds;
   out.statistics.wanted_points = points;
   PointSet& placed = out.points();
-  if (request_->attributes.surface) find_places(*curve_, placed);
+  if (request_->attributes.need_places()) find_places(*curve_, placed);
+  if (absl::Status found = find_surface(out); !found.ok()) return found;
   if (shares_vertices(placed)) {
     const absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = session_->leaf_surface(curve_);
     if (!leaves.ok()) return leaves.status();
@@ -120,9 +121,18 @@ absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points, std::uint64
   out.statistics.limit = limit_of(selection, points, whole);
   out.need = lattice_need(*request_, *curve_, selection);
   out.lattice = out.need.best;
+  if (absl::Status found = find_surface(out); !found.ok()) return found;
   out.statistics.density_seconds = fixed_seconds_;
   out.statistics.equalise_seconds = watch.lap();
   return out;
+}
+
+absl::Status SessionSampler::find_surface(Sampled& sampled) const {
+  if (!request_->attributes.need_surface()) return absl::OkStatus();
+  absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = session_->leaf_surface(curve_, {.cancel = cancel_});
+  if (!leaves.ok()) return leaves.status();
+  sampled.surface = *std::move(leaves);
+  return absl::OkStatus();
 }
 
 PointLimit SessionSampler::limit_of(const RankSelection& selection, std::uint64_t points, std::uint64_t whole) const {
@@ -134,7 +144,7 @@ PointLimit SessionSampler::limit_of(const RankSelection& selection, std::uint64_
 
 void SessionSampler::list(Sampled& selected, const PointAttributes& attributes) {
   Stopwatch watch;
-  list_ranked(*selected.curve, selected.workspace->ranked, attributes.surface);
+  list_ranked(*selected.curve, selected.workspace->ranked, attributes.need_places());
   selected.statistics.equalise_seconds += watch.lap();
 }
 

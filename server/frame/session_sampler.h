@@ -43,7 +43,8 @@ struct Sampled {
   bool lacks_ranks = false;
   RankDemand demand;  // where ranks lack
   LatticeNeed need;
-  ViewLattice lattice;  // on which the points are sent: need.best, unless whoever packs them has a reason
+  ViewLattice lattice;                         // on which the points are sent: need.best, unless whoever packs them has a reason
+  std::shared_ptr<const LeafSurface> surface;  // below the curve; null unless attributes are wanted of it
 
   PointSet& points() { return is_ranked ? workspace->ranked.points : workspace->equalised.points; }
   const PointSet& points() const { return is_ranked ? workspace->ranked.points : workspace->equalised.points; }
@@ -79,6 +80,8 @@ class SessionSampler {
   SessionSampler(const Session& session, const PointSetRequest& request, ViewCache& cache, Wait wait,
                  const std::atomic<bool>* cancel)
       : session_(&session), request_(&request), cache_(&cache), wait_(wait), cancel_(cancel) {}
+  /// Sets sampled.surface where the request's attributes need it.
+  absl::Status find_surface(Sampled& sampled) const;
   /// Returns why ranked points are fewer than wanted. What a caller does not wait for counts as being made.
   PointLimit limit_of(const RankSelection& selection, std::uint64_t points, std::uint64_t whole) const;
   /// Cancelled, or OK.

@@ -35,7 +35,9 @@ absl::StatusOr<std::shared_ptr<const LeafSurface>> SessionSurface::leaves(const 
                                                                           const ExecutionContext& context) {
   const MutexLock lock(mutex_);
   if (absl::Status status = load_base(context); !status.ok()) return status;
-  if (base_->charts.size() + 1 != curve->disc_begin.size()) return absl::DataLossError("its surface is another curve's");
+  if (base_->charts.size() + 1 != curve->disc_begin.size() || base_->data.scalars.size() != curve->scalars.size()) {
+    return absl::DataLossError("its surface is another curve's");
+  }
   if (leaves_ == nullptr || leaves_->shared_curve() != curve) leaves_ = std::make_shared<const LeafSurface>(base_, curve);
   return leaves_;
 }

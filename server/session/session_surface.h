@@ -27,7 +27,7 @@ class SessionSurface {
   /// Returns what refinement starts from. The first call that succeeds loads it, others wait. Errors are those of `load`.
   absl::StatusOr<std::shared_ptr<const CurveBase>> base(const ExecutionContext& context = {}) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Returns the surface below the leaves of a curve that lies on it: one of the session's revisions. Errors as of base();
-  /// DataLoss where the curve has other discs.
+  /// DataLoss where the curve has other discs or named values.
   absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves(const std::shared_ptr<const SurfaceCurve>& curve,
                                                             const ExecutionContext& context = {}) ABSL_LOCKS_EXCLUDED(mutex_);
   /// From now on, the same surface is taken from there.

@@ -1,6 +1,7 @@
 // curvecast sample with densities, cameras and budgets of all kinds.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -44,6 +45,24 @@ TEST_F(CliTest, SampleFollowsAttributes) {
   expect_failure({"preprocess", plate, "--base-density", "attribute:cold"}, 3, "there are: heat");
   expect_failure({"measure", plate, path, "--density", "attribute:cold"}, 3, "there are: heat");
   EXPECT_EQ(run({"measure", plate, path, "--density", "attribute:heat"}).status, 0);
+}
+
+TEST_F(CliTest, SampleWritesWhatTheMeshHas) {
+  const std::string plate = write_plate("plate.ply"), path = temporary("described.ply");
+  run_json({"sample", plate, "-n", "500", "--attributes", "directions,scalars", "-o", path});
+  const std::string bytes = bytes_of(path);
+  EXPECT_THAT(bytes, ::testing::HasSubstr(
+                         "property float radius\nproperty float direction_min_x\nproperty float direction_min_y\nproperty "
+                         "float direction_min_z\nproperty float scalar_heat\nend_header\n"));
+  constexpr std::size_t kRow = 11;  // floats: place, normal, radius, direction, heat
+  ASSERT_GT(bytes.size(), 500 * kRow * sizeof(float));
+  for (std::size_t i = 0; i < 500; ++i) {
+    float row[kRow];
+    std::memcpy(row, bytes.data() + bytes.size() - (500 - i) * sizeof(row), sizeof(row));
+    EXPECT_NEAR(row[10], row[0], 1e-5) << "as hot as x";
+    EXPECT_NEAR(std::hypot(row[7], row[8]), 1, 1e-5) << "along the plate";
+  }
+  expect_failure({"sample", plate, "-n", "10", "--attributes", "directions,age"}, 2, "age");
 }
 
 TEST_F(CliTest, SampleServesSeveralCameras) {

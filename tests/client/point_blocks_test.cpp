@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "tests/client/sphere_points.h"
 
@@ -67,6 +68,57 @@ TEST(DecodeBlock, RefusesColoursOfAnotherNumber) {
   }
 }
 
+template <typename T>
+std::string bytes_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+/// Points with directions, and scalars of which one is not a number.
+v1::PointBlock described_block(const Points& points) {
+  v1::PointBlock block = raw_block(points);
+  block.mutable_attributes()->set_directions(bytes_of(points.normals));
+  for (const char* name : {"heat", "age"}) {
+    std::vector<float> values = points.radii;
+    values[1] = std::numeric_limits<float>::quiet_NaN();
+    v1::ScalarValues& scalar = *block.mutable_attributes()->add_scalars();
+    scalar.set_name(name);
+    scalar.set_values(bytes_of(values));
+  }
+  return block;
+}
+
+TEST(DecodeBlock, KeepsDirectionsAndNamedValues) {
+  const Points points = sphere_points(100);
+  const v1::PointBlock block = described_block(points);
+  const auto decoded = decode_block(block);
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  EXPECT_EQ(decoded->directions, points.normals);
+  ASSERT_EQ(decoded->scalars.size(), 2U);
+  EXPECT_EQ(decoded->scalars[0].name, "heat");
+  EXPECT_EQ(decoded->scalars[1].name, "age");
+  for (const ScalarColumn& scalar : decoded->scalars) {
+    ASSERT_EQ(scalar.values.size(), 100U);
+    EXPECT_TRUE(std::isnan(scalar.values[1]));
+    EXPECT_EQ(scalar.values[99], points.radii[99]);
+  }
+  EXPECT_EQ(encoded_bytes(block), encoded_bytes(raw_block(points)) + 100 * (12 + 4 + 4));
+}
+
+TEST(DecodeBlock, RefusesAttributesThatMakeNoSense) {
+  const v1::PointBlock good = described_block(sphere_points(100));
+  EXPECT_TRUE(decode_block(good).ok());
+  const auto refused = [&](const auto& spoil) {
+    v1::PointBlock block = good;
+    spoil(*block.mutable_attributes());
+    return absl::IsDataLoss(decode_block(block).status());
+  };
+  EXPECT_TRUE(refused([](auto& more) { more.mutable_directions()->pop_back(); }));
+  EXPECT_TRUE(refused([](auto& more) { more.set_directions(bytes_of(std::vector<float>(300, INFINITY))); }));
+  EXPECT_TRUE(refused([](auto& more) { more.mutable_scalars(1)->mutable_values()->pop_back(); }));
+  EXPECT_TRUE(refused([](auto& more) { more.mutable_scalars(1)->clear_values(); }));
+  EXPECT_TRUE(refused([](auto& more) { more.mutable_scalars(1)->set_name("heat"); }));
+}
+
 TEST(DecodeBlock, RefusesBlocksThatDisagreeWithTheirCount) {
   const Points points = sphere_points(100);
   for (v1::PointBlock block : {raw_block(points), draco_block(points)}) {
@@ -118,6 +170,24 @@ TEST(AppendPoints, KeepsAbsolutePositions) {
 
 using Blocks = google::protobuf::RepeatedPtrField<v1::PointBlock>;
 
+TEST(DecodeBlocks, JoinsNamedValuesOfTheSameNamesOnly) {
+  Blocks blocks;
+  *blocks.Add() = described_block(sphere_points(10));
+  *blocks.Add() = described_block(sphere_points(20));
+  const auto decoded = decode_blocks(blocks);
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  EXPECT_EQ(decoded->directions.size(), 30U);
+  EXPECT_TRUE(std::isnan(decoded->scalars[1].values[11]));
+  Points appended = *decode_block(blocks[0]);
+  append_points(*decode_block(blocks[1]), &appended);
+  EXPECT_TRUE(have_same_columns(appended, *decoded));
+  EXPECT_EQ(appended.directions, decoded->directions);
+  EXPECT_EQ(appended.scalars[0].values[29], decoded->scalars[0].values[29]);
+  blocks[1].mutable_attributes()->mutable_scalars()->SwapElements(0, 1);
+  EXPECT_TRUE(absl::IsDataLoss(decode_blocks(blocks).status()));
+  EXPECT_FALSE(have_same_columns(appended, *decode_block(blocks[1])));
+}
+
 TEST(DecodeBlocks, JoinsThemInOrder) {
   Blocks blocks;
   Points all;
@@ -151,6 +221,7 @@ TEST(DecodeBlocks, RefusesThoseThatDoNotGoTogether) {
   v1::PointBlock coloured = raw_block(sphere_points(10));
   coloured.mutable_raw()->set_colours(std::string(30, 'c'));
   EXPECT_TRUE(refused(coloured));
+  EXPECT_TRUE(refused(described_block(sphere_points(10))));
   v1::PointBlock absurd = raw_block(sphere_points(10));
   absurd.set_count(4'000'000);
   EXPECT_TRUE(refused(absurd));

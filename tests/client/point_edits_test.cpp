@@ -20,13 +20,17 @@ namespace {
 /// A point that is known by its number.
 Points numbered(const std::vector<int>& numbers) {
   Points points;
+  ScalarColumn heat{"heat", {}};
   for (const int n : numbers) {
     const auto value = static_cast<float>(n);
     points.positions.push_back({value, 2 * value, -value});
     points.normals.push_back({0, 0, 1});
     points.radii.push_back(1);
     points.ranks.push_back(static_cast<std::uint32_t>(n));
+    points.directions.push_back({value, 0, 1});
+    heat.values.push_back(3 * value);
   }
+  points.scalars = {heat, {"age", std::vector<float>(numbers.size(), 4)}};
   return points;
 }
 
@@ -102,6 +106,8 @@ TEST(PointEdits, RandomEditsGiveTheNewList) {
     const Points expected = numbered(next);
     ASSERT_EQ(points->positions, expected.positions);
     ASSERT_EQ(points->ranks, expected.ranks);
+    ASSERT_EQ(points->directions, expected.directions);
+    ASSERT_EQ(points->scalars, expected.scalars);
     ASSERT_EQ(points->radii.size(), next.size());
     list = next;
     held = *points;

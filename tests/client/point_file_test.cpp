@@ -124,6 +124,28 @@ TEST_F(PointFile, ColouredLayoutsAreWhatOtherProgramsExpect) {
   EXPECT_EQ(get("a.xyz"), "1.5 -2 0.1 0 0 1 255 128 7\n");
 }
 
+TEST_F(PointFile, DirectionsAndNamedValuesAreColumnsOfPly) {
+  Points points = some_points(2);
+  points.directions = {{1, 0, 0}, {0, 0.5F, -1}};
+  points.scalars = {{"heat", {8, NAN}}, {"a b\n\u00e9", {8, 9}}};
+  ASSERT_TRUE(write_point_file(path("a.ply"), points).ok());
+  EXPECT_THAT(get("a.ply"), HasSubstr("property float radius\nproperty float direction_min_x\nproperty float direction_min_y\n"
+                                      "property float direction_min_z\nproperty float scalar_heat\nproperty float scalar_a_b___\n"
+                                      "end_header\n"));
+  float last[5];
+  const std::string bytes = get("a.ply");
+  std::memcpy(last, bytes.data() + bytes.size() - sizeof(last), sizeof(last));
+  EXPECT_EQ((std::vector<float>{last[0], last[1], last[2], last[4]}), (std::vector<float>{0, 0.5F, -1, 9}));
+  EXPECT_TRUE(std::isnan(last[3]));
+  EXPECT_EQ(read_point_file(path("a.ply"))->positions, points.positions);
+  points.scalars[1].values.pop_back();
+  EXPECT_THAT(std::string(write_point_file(path("a.ply"), points).message()),
+              HasSubstr("2 positions do not go with 1 values of a b"));
+  points.scalars.clear();
+  points.directions.pop_back();
+  EXPECT_THAT(std::string(write_point_file(path("a.ply"), points).message()), HasSubstr("1 directions"));
+}
+
 TEST_F(PointFile, ReadsColoursOfOthers) {
   const std::string ascii = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string pcd = "FIELDS x y z rgb\nSIZE 4 4 4 4\nWIDTH 1\nHEIGHT 1\n";

@@ -29,8 +29,10 @@ class ViewStreamDelta : public ::testing::Test {
     server_ = *std::move(started);
     connection_ = make_connection(tcp_channel(absl::StrCat("127.0.0.1:", server_->port())));
     client_ = std::make_unique<Client>(connection_);
-    const std::string ball = testing::to_off(testing::icosphere(4));
-    const absl::StatusOr<std::string> mesh = client_->upload_mesh("ball.off", ball);
+    PolygonSoup ball = testing::icosphere(4);
+    ball.attributes.scalars = {{"height", {}}};
+    for (const Vec3d& p : ball.positions) ball.attributes.scalars[0].values.push_back(static_cast<float>(p.z()));
+    const absl::StatusOr<std::string> mesh = client_->upload_mesh("ball.ply", testing::to_ply(ball));
     ASSERT_TRUE(mesh.ok()) << mesh.status();
     v1::SessionOptions options;
     options.set_max_points(4000);
@@ -147,6 +149,11 @@ class ViewStreamDelta : public ::testing::Test {
     ASSERT_EQ(frame.points->positions, whole->points.positions);
     ASSERT_EQ(frame.points->normals, whole->points.normals);
     ASSERT_EQ(frame.points->ranks, whole->points.ranks);
+    ASSERT_EQ(frame.points->curvatures, whole->points.curvatures);
+    ASSERT_EQ(frame.points->faces, whole->points.faces);
+    ASSERT_EQ(frame.points->barycentric, whole->points.barycentric);
+    ASSERT_EQ(frame.points->directions, whole->points.directions);
+    ASSERT_EQ(frame.points->scalars, whole->points.scalars);
     for (std::size_t i = 0; i < frame.points->size(); ++i) {
       ASSERT_NEAR(frame.points->radii[i] / whole->points.radii[i], 1, 1e-5) << i;
     }
@@ -192,7 +199,8 @@ TEST_F(ViewStreamDelta, AttributesAndRawPointsComeAlong) {
     v1::SampleRequest sample = view(2.0 * i, 2, 2000);
     sample.mutable_encoding()->mutable_raw();
     for (const v1::PointAttribute attribute :
-         {v1::POINT_ATTRIBUTE_RANK, v1::POINT_ATTRIBUTE_CURVATURES, v1::POINT_ATTRIBUTE_SURFACE}) {
+         {v1::POINT_ATTRIBUTE_RANK, v1::POINT_ATTRIBUTE_CURVATURES, v1::POINT_ATTRIBUTE_SURFACE, v1::POINT_ATTRIBUTE_DIRECTIONS,
+          v1::POINT_ATTRIBUTE_SCALARS}) {
       sample.add_attributes(attribute);
     }
     const Frame frame = settled_frame(*stream, sample);
@@ -200,6 +208,10 @@ TEST_F(ViewStreamDelta, AttributesAndRawPointsComeAlong) {
     EXPECT_EQ(frame.points->ranks.size(), 2000u);
     EXPECT_EQ(frame.points->curvatures.size(), 2000u);
     EXPECT_EQ(frame.points->barycentric.size(), 2000u);
+    EXPECT_EQ(frame.points->directions.size(), 2000u);
+    ASSERT_EQ(frame.points->scalars.size(), 1u);
+    EXPECT_EQ(frame.points->scalars[0].name, "height");
+    EXPECT_EQ(frame.points->scalars[0].values.size(), 2000u);
     expect_at_once(frame, sample);
   }
 }

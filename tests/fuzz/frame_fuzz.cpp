@@ -1,6 +1,7 @@
 // What a client takes from a server: frames of any bytes, one after the other, on the points that the good ones before left.
 #include <google/protobuf/io/coded_stream.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -14,7 +15,10 @@ namespace {
 
 bool is_whole(const client::Points& points) {
   const auto fits = [&](const auto&... columns) { return ((columns.empty() || columns.size() == points.size()) && ...); };
-  return fits(points.normals, points.radii, points.colours, points.curvatures, points.ranks, points.faces, points.barycentric);
+  return fits(points.normals, points.radii, points.colours, points.curvatures, points.ranks, points.faces, points.barycentric,
+              points.directions) &&
+         std::all_of(points.scalars.begin(), points.scalars.end(),
+                     [&](const auto& scalar) { return scalar.values.size() == points.size(); });
 }
 
 void take(const v1::PointFrame& frame, client::Points& held) {

@@ -276,16 +276,41 @@ TriangleMesh make_mesh(const PolygonSoup& soup) {
   return std::move(repaired->mesh);
 }
 
-std::string to_off(const PolygonSoup& soup) {
-  std::ostringstream out;
-  out.precision(17);
-  out << "OFF\n" << soup.positions.size() << ' ' << soup.polygon_count() << " 0\n";
-  for (const Vec3d& p : soup.positions) out << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+namespace {
+
+void write_polygons(const PolygonSoup& soup, std::ostream& out) {
   for (std::size_t p = 0; p < soup.polygon_count(); ++p) {
     out << soup.polygon_begin[p + 1] - soup.polygon_begin[p];
     for (std::uint32_t i = soup.polygon_begin[p]; i < soup.polygon_begin[p + 1]; ++i) out << ' ' << soup.indices[i];
     out << '\n';
   }
+}
+
+}  // namespace
+
+std::string to_off(const PolygonSoup& soup) {
+  std::ostringstream out;
+  out.precision(17);
+  out << "OFF\n" << soup.positions.size() << ' ' << soup.polygon_count() << " 0\n";
+  for (const Vec3d& p : soup.positions) out << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+  write_polygons(soup, out);
+  return out.str();
+}
+
+std::string to_ply(const PolygonSoup& soup) {
+  std::ostringstream out;
+  out.precision(17);
+  out << "ply\nformat ascii 1.0\nelement vertex " << soup.positions.size() << '\n';
+  for (const char* axis : {"x", "y", "z"}) out << "property double " << axis << '\n';
+  for (const ScalarAttribute& scalar : soup.attributes.scalars) out << "property float " << scalar.name << '\n';
+  out << "element face " << soup.polygon_count() << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (std::size_t v = 0; v < soup.positions.size(); ++v) {
+    const Vec3d& p = soup.positions[v];
+    out << p.x() << ' ' << p.y() << ' ' << p.z();
+    for (const ScalarAttribute& scalar : soup.attributes.scalars) out << ' ' << scalar.values[v];
+    out << '\n';
+  }
+  write_polygons(soup, out);
   return out.str();
 }
 

@@ -45,5 +45,7 @@ TriangleMesh make_mesh(const PolygonSoup& soup);
 
 /// The soup as the text of an OFF file.
 std::string to_off(const PolygonSoup& soup);
+/// The soup with its named values as the text of a PLY file.
+std::string to_ply(const PolygonSoup& soup);
 
 }  // namespace curvecast::testing

@@ -14,16 +14,17 @@ from curvecast.errors import bad_answer
 Columns = Mapping[str, tuple[str, int]]
 
 
-def read_column(name: str, data: bytes, kind: tuple[str, int], rows: int | None = None) -> npt.NDArray[Any]:
+def read_column(name: str, data: bytes, kind: tuple[str, int], rows: int | None = None, *, finite: bool = True) -> npt.NDArray[Any]:
     """Decodes a column to an array of shape (rows, width), or (rows,) for a width of 1, which cannot be written to. `rows`: the
-    number that there has to be; None: any. Error DATA_LOSS: another number of bytes, or floats that are not finite."""
+    number that there has to be; None: any. Error DATA_LOSS: another number of bytes, or floats that are not finite where they have
+    to be."""
     dtype, width = np.dtype(kind[0]), kind[1]
     if rows is None:
         rows = len(data) // (width * dtype.itemsize)
     if len(data) != rows * width * dtype.itemsize:
         raise bad_answer(f"the server sent {len(data)} bytes of {name} where {rows * width * dtype.itemsize} belong")
     values = np.frombuffer(data, dtype)
-    if dtype.kind == "f" and not np.isfinite(values).all():
+    if finite and dtype.kind == "f" and not np.isfinite(values).all():
         raise bad_answer(f"the server sent {name} that are not finite")
     return values if width == 1 else values.reshape(rows, width)
 

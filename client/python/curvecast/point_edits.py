@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from curvecast.errors import bad_answer
-from curvecast.points import COLUMNS, Points
+from curvecast.points import Points, points_of
 from curvecast.protocol import MAX_POINTS, RADIUS_RUNGS, RADIUS_RUNGS_PER_OCTAVE
 from curvecast.v1 import curvecast_pb2 as v1
 
@@ -34,16 +34,13 @@ def apply_edits(before: Points, edits: v1.PointEdits, added: Points) -> Points:
     source = np.empty(size, np.int64)  # index of each point in the list before, followed by the points added
     source[is_old] = np.flatnonzero(stays)
     source[added_at] = np.arange(len(before), len(before) + len(added))
-    columns = {}
-    for name in COLUMNS:
-        parts = [getattr(points, name) for points in (before, added) if len(points)] or [getattr(before, name)]
-        if any((part is None) != (parts[0] is None) for part in parts):
-            raise bad_answer("the points that are added have other attributes than those held")
-        if parts[0] is not None:
-            columns[name] = np.concatenate(parts).take(source, axis=0)
+    parts = [points.columns() for points in (before, added) if len(points)] or [before.columns()]
+    if any(part.keys() != parts[0].keys() for part in parts):
+        raise bad_answer("the points that are added have other attributes than those held")
+    columns = {name: np.concatenate([part[name] for part in parts]).take(source, axis=0) for name in parts[0]}
     if len(edits.resized):
         _resize(edits, columns.get("radii", np.empty(0, "<f4")))
-    return Points(before.origin if len(before) else added.origin, **columns)
+    return points_of(before.origin if len(before) else added.origin, columns)
 
 
 def _indices(steps: Collection[int], size: int, what: str) -> npt.NDArray[np.int64]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -34,7 +34,10 @@ COLUMNS: Columns = {
     "ranks": ("<u4", 1),
     "faces": ("<u4", 1),
     "barycentric": ("<f4", 2),
+    "directions": ("<f4", 3),
 }
+
+SCALAR = "scalar "  # before the names of the mesh's own numbers, among those of columns
 
 LIMITS = {
     int(v1.POINT_LIMIT_UNSPECIFIED): None,
@@ -58,6 +61,10 @@ class Points:
     ranks: npt.NDArray[np.uint32] | None = None  #: (N,): of the progressive sampler
     faces: npt.NDArray[np.uint32] | None = None  #: (N,): faces of the repaired mesh
     barycentric: Float32s | None = None  #: (N, 2): weights of the face's second and third corner
+    #: (N, 3), unit tangents: of the least principal curvature, in one of their two senses; the largest is normals x directions
+    directions: Float32s | None = None
+    #: the mesh's numbers under their names, (N,) each, NaN and infinities as in the file; empty: not selected, or it has none
+    scalars: Mapping[str, Float32s] = dataclasses.field(default_factory=dict)
     #: how the server made them: its times, .refining: better points are being made, .wanted_points: see limit
     statistics: v1.FrameStatistics = dataclasses.field(default_factory=v1.FrameStatistics)
 
@@ -70,9 +77,21 @@ class Points:
         has them. None: there are as many."""
         return LIMITS.get(self.statistics.limit, "unknown")  # of a newer server
 
+    def columns(self) -> dict[str, npt.NDArray[Any]]:
+        """Returns the columns that are there, by name; those of `scalars` as "scalar NAME"."""
+        own = {name: column for name in COLUMNS if (column := getattr(self, name)) is not None}
+        return own | {SCALAR + name: values for name, values in self.scalars.items()}
+
     def world_positions(self) -> npt.NDArray[np.float64]:
         """Returns the positions in the frame of the mesh file: (N, 3) float64, units."""
         return self.origin + self.positions
+
+
+def points_of(origin: npt.NDArray[np.float64], columns: Mapping[str, npt.NDArray[Any]]) -> Points:
+    """Makes Points of columns as Points.columns() has them."""
+    own: dict[str, Any] = {name: column for name, column in columns.items() if name in COLUMNS}
+    scalars = {name.removeprefix(SCALAR): values for name, values in columns.items() if name not in COLUMNS}
+    return Points(origin, **own, scalars=scalars)
 
 
 def as_points(points: Points | npt.ArrayLike) -> Points:
@@ -89,7 +108,7 @@ def as_points(points: Points | npt.ArrayLike) -> Points:
 
 def encoded_bytes(block: v1.PointBlock) -> int:
     """Counts the bytes that the points of a block take on the wire."""
-    fields: tuple[Message, ...] = (block.draco, block.raw, block.attributes)
+    fields: tuple[Message, ...] = (block.draco, block.raw, block.attributes, *block.attributes.scalars)
     return sum(len(value) for message in fields for _, value in message.ListFields() if isinstance(value, bytes))
 
 
@@ -100,17 +119,11 @@ def decode_blocks(blocks: Iterable[v1.PointBlock]) -> Points:
     if not decoded:
         return Points(np.zeros(3), np.zeros((0, 3), "<f4"))
     origin = decoded[0].origin
-    columns = {}
-    for name in COLUMNS:
-        parts = [getattr(part, name) for part in decoded]
-        if all(part is None for part in parts):
-            continue
-        if any(part is None for part in parts):
-            raise bad_answer(f"the server sent some blocks of points with {name} and others without")
-        if name == "positions":
-            parts = [_moved(part, origin) for part in decoded]
-        columns[name] = np.concatenate(parts)
-    return Points(origin, **columns)
+    parts = [part.columns() | {"positions": _moved(part, origin)} for part in decoded]
+    for part in parts:
+        if odd := part.keys() ^ parts[0].keys():
+            raise bad_answer(f"the server sent some blocks of points with {min(odd)} and others without")
+    return points_of(origin, {name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
 def _moved(points: Points, origin: npt.NDArray[np.float64]) -> Float32s:
@@ -131,16 +144,19 @@ def _decode_block(block: v1.PointBlock) -> Points:
     else:
         raise bad_answer("the server sent a block of points that is neither Draco nor raw")
     for field, value in block.attributes.ListFields():
-        data[field.name] = value
+        if field.name in COLUMNS:
+            data[field.name] = value
     origin = np.array([block.origin.x, block.origin.y, block.origin.z])
     if not np.isfinite(origin).all():
         raise bad_answer("the server sent a block of points whose origin is not finite")
-    columns: dict[str, Any] = {
-        name: read_column(name, value, COLUMNS[name], block.count) for name, value in data.items() if name in COLUMNS
-    }
+    columns: dict[str, Any] = {name: read_column(name, value, COLUMNS[name], block.count) for name, value in data.items()}
     if (columns["radii"] < 0).any():
         raise bad_answer("the server sent radii below 0")
-    return Points(origin, **columns)
+    for scalar in block.attributes.scalars:
+        if SCALAR + scalar.name in columns:
+            raise bad_answer(f"the server sent two columns of the name {scalar.name}")
+        columns[SCALAR + scalar.name] = read_column(scalar.name, scalar.values, ("<f4", 1), block.count, finite=False)
+    return points_of(origin, columns)
 
 
 def _decode_draco(draco: v1.DracoPoints, count: int) -> dict[str, bytes]:

@@ -50,7 +50,8 @@ class View:
     sampler: str | None = None
     sequence: str = "jittered"  #: or regular, van_der_corput, golden_ratio; of the equalised sampler
     seed: int = 0  #: of the equalised sampler; that of the progressive one is the session's
-    attributes: Sequence[str] = ()  #: of curvatures, rank (progressive sampler only) and surface (faces, barycentric)
+    #: of curvatures, directions, scalars (the mesh's named values), rank (progressive sampler only), surface (faces, barycentric)
+    attributes: Sequence[str] = ()
     encoding: str = "raw"  #: exactly as computed; or draco: a tenth of the bytes, rounded
     position_bits: int = 0  #: of draco, per coordinate over the largest side of the mesh's box; 0 = as the camera's pixels ask for
     normal_bits: int = 0  #: of draco; 0 = 8

@@ -13,7 +13,7 @@ import grpc
 from curvecast.connection import Connection
 from curvecast.errors import Error, bad_answer, error_of, error_of_call
 from curvecast.point_edits import apply_edits
-from curvecast.points import COLUMNS, Points, decode_blocks, encoded_bytes
+from curvecast.points import Points, decode_blocks, encoded_bytes
 from curvecast.protocol import MAX_POINTS
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import View
@@ -204,9 +204,8 @@ class ViewStream:
             raise bad_answer(f"kind {message.kind} is not known")
         if len(points) != message.held_points:
             raise bad_answer(f"there are {len(points)} points after it, not {message.held_points}")
-        for name in COLUMNS:  # the next delta builds on them
-            if (column := getattr(points, name)) is not None:
-                column.flags.writeable = False
+        for column in points.columns().values():  # the next delta builds on them
+            column.flags.writeable = False
         self._points = points = dataclasses.replace(points, statistics=message.statistics)
         with self._changed:
             while self._sent and self._sent[0].sequence < message.sequence:

@@ -67,8 +67,9 @@ class ServerTest(unittest.TestCase):
 
     def assert_same_points(self, one: curvecast.Points, other: curvecast.Points) -> None:
         """Every column, exactly; radii to a few units of the last place."""
-        for name in ("origin", "positions", "normals", "colours", "curvatures", "ranks", "faces", "barycentric"):
+        for name in ("origin", "positions", "normals", "colours", "curvatures", "ranks", "faces", "barycentric", "directions"):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name), name)
+        np.testing.assert_equal(one.scalars, other.scalars)
         np.testing.assert_allclose(present(one.radii), present(other.radii), rtol=1e-5)
 
 
@@ -96,6 +97,24 @@ def sphere_obj(rings: int = 24, radius: float = 1, centre: tuple[float, float, f
         for column in range(columns):
             corners = [index(ring, column), index(ring, column + 1), index(ring + 1, column + 1), index(ring + 1, column)]
             lines.append("f " + " ".join(map(str, dict.fromkeys(corners))))
+    return "\n".join(lines) + "\n"
+
+
+def tube_ply(rings: int = 20, sectors: int = 60) -> str:
+    """An open tube of radius 1 around the z axis, as a PLY file. Its vertices are as hot as 2 x - y + z, and of unknown age."""
+    header = f"ply\nformat ascii 1.0\nelement vertex {(rings + 1) * sectors}\n"
+    properties = ["x", "y", "z", "heat", "age"]
+    lines = [header + "".join(f"property float {name}\n" for name in properties) + f"element face {rings * sectors}"]
+    lines += ["property list uchar int vertex_indices", "end_header"]
+    for ring in range(rings + 1):
+        for sector in range(sectors):
+            x, y = math.cos(2 * math.pi * sector / sectors), math.sin(2 * math.pi * sector / sectors)
+            z = 2 * ring / rings
+            lines.append(f"{x} {y} {z} {2 * x - y + z} nan")
+    for ring in range(rings):
+        for sector in range(sectors):
+            a, b = ring * sectors + sector, ring * sectors + (sector + 1) % sectors
+            lines.append(f"4 {a} {b} {b + sectors} {a + sectors}")
     return "\n".join(lines) + "\n"
 
 

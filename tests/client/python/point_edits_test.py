@@ -1,5 +1,6 @@
 """Edits of lists of points."""
 
+import dataclasses
 import json
 import math
 import os
@@ -26,6 +27,7 @@ def numbered(numbers: list[int], ranked: bool = True) -> Points:
         normals=np.zeros((len(values), 3), "<f4"),
         radii=np.ones(len(values), "<f4"),
         ranks=np.array(numbers, "<u4") if ranked else None,
+        scalars={"heat": np.array([3 * n for n in numbers], np.float32)},
     )
 
 
@@ -87,6 +89,7 @@ class PointEditsTest(unittest.TestCase):
             expected = numbered(numbers)
             np.testing.assert_array_equal(held.positions, expected.positions)
             np.testing.assert_array_equal(present(held.ranks), present(expected.ranks))
+            np.testing.assert_array_equal(held.scalars["heat"], expected.scalars["heat"])
             self.assertEqual(len(present(held.radii)), len(numbers))
 
     def test_discs_climb_the_ladder(self) -> None:
@@ -114,6 +117,7 @@ class PointEditsTest(unittest.TestCase):
         refused(v1.PointEdits(), numbered([7]))
         refused(v1.PointEdits(added=[0, 0]), numbered([7, 8]))
         refused(v1.PointEdits(added=[0]), numbered([7], ranked=False))
+        refused(v1.PointEdits(added=[0]), dataclasses.replace(numbered([7]), scalars={}))
         elsewhere = numbered([7])
         elsewhere.origin[1] = 3
         refused(v1.PointEdits(added=[0]), elsewhere)

@@ -7,16 +7,25 @@ import unittest
 import numpy as np
 
 import curvecast
-from curvecast.points import as_points, decode_blocks
+from curvecast.points import as_points, decode_blocks, encoded_bytes
 from curvecast.protocol import MAX_POINTS
 from curvecast.v1 import curvecast_pb2 as v1
-from fixture import WITH_DRACO
+from fixture import WITH_DRACO, present
 
 
 def raw_block(count: int, origin: float = 0, **columns: object) -> v1.PointBlock:
     values = {"positions": np.ones((count, 3)), "normals": np.zeros((count, 3)), "radii": np.ones(count)} | columns
     data = {name: np.asarray(value, "u1" if name == "colours" else "<f4").tobytes() for name, value in values.items()}
     return v1.PointBlock(count=count, origin=v1.Vec3(x=origin), raw=v1.RawPoints(**data))
+
+
+def described_block(count: int, direction: list[float], **scalars: list[float]) -> v1.PointBlock:
+    """With directions, all of their coordinates the same, and named values."""
+    block = raw_block(count)
+    block.attributes.directions = np.array(3 * count * direction, "<f4").tobytes()
+    for name, values in scalars.items():
+        block.attributes.scalars.add(name=name, values=np.array(values, "<f4").tobytes())
+    return block
 
 
 def run_python(program: str) -> subprocess.CompletedProcess[str]:
@@ -60,6 +69,22 @@ class PointsTest(unittest.TestCase):
         short = raw_block(2)
         short.attributes.ranks = bytes(7)
         self.assert_bad("ranks", short)
+        self.assert_bad("directions that are not finite", described_block(2, [np.nan]))
+        self.assert_bad("bytes of heat", described_block(2, [1], heat=[1, 2, 3]))
+        self.assert_bad("scalar age", described_block(2, [1], heat=[1, 2]), described_block(2, [1], heat=[1, 2], age=[3, 4]))
+        twice = described_block(2, [1], heat=[1, 2])
+        twice.attributes.scalars.add(name="heat", values=bytes(8))
+        self.assert_bad("heat", twice)
+
+    def test_named_values_need_not_be_numbers(self) -> None:
+        block = described_block(2, [1], heat=[np.nan, 7], age=[np.inf, 8])
+        points = decode_blocks([block, block])
+        np.testing.assert_array_equal(points.scalars["heat"], [np.nan, 7, np.nan, 7])
+        np.testing.assert_array_equal(points.scalars["age"], [np.inf, 8, np.inf, 8])
+        np.testing.assert_array_equal(present(points.directions), np.ones((4, 3)))
+        self.assertEqual(set(points.columns()), {"positions", "normals", "radii", "directions", "scalar heat", "scalar age"})
+        self.assertEqual(encoded_bytes(block), encoded_bytes(raw_block(2)) + 2 * (12 + 4 + 4))
+        self.assertEqual(decode_blocks([raw_block(2)]).scalars, {})
 
     def test_the_draco_decoder_is_there_where_it_was_built(self) -> None:
         self.assertEqual(curvecast.HAS_DRACO, WITH_DRACO)

@@ -10,7 +10,7 @@ import curvecast
 from curvecast import Camera, View, density
 from curvecast.protocol import MAX_POINTS
 from curvecast.v1 import curvecast_pb2 as v1
-from fixture import WITH_DRACO, ServerTest, eye_at, present, sphere_obj
+from fixture import WITH_DRACO, ServerTest, eye_at, present, sphere_obj, tube_ply
 
 RINGS = 24
 CENTRE, RADIUS = (1000, -2000, 3000), 5
@@ -142,6 +142,21 @@ class SessionTest(ServerTest):
         self.assertLessEqual(set(present(fewer.ranks)), set(present(points.ranks)))
         self.assertIsNone(fewer.faces)
         self.assert_refused("INVALID_ARGUMENT", "", self.session.sample, 10, attributes=["rank"], sampler="equalised")
+
+    def test_directions_and_named_values(self) -> None:
+        session = self.client.open(self.client.upload_bytes("tube.ply", tube_ply().encode()), 2000)
+        for view in (View(500), View(500, sampler="progressive"), View(8000, sampler="progressive")):
+            points = session.sample(view, attributes=["directions", "scalars"])
+            x, y, z = points.world_positions().T
+            self.assertEqual(set(points.scalars), {"heat", "age"})
+            np.testing.assert_allclose(points.scalars["heat"], 2 * x - y + z, atol=1e-4)
+            self.assertEqual(points.scalars["age"].shape, (len(points),))
+            # A tube bends around its axis, and not along it.
+            directions = present(points.directions)
+            np.testing.assert_allclose(np.abs(directions[:, 2]), 1, atol=0.01)
+            around = np.cross(present(points.normals), directions)
+            np.testing.assert_allclose(np.abs(around[:, 0] * y - around[:, 1] * x), np.hypot(x, y), atol=0.05)
+        self.assertEqual(session.sample(10).scalars, {})
 
     @unittest.skipUnless(WITH_DRACO, "built without Draco")
     def test_draco_rounds(self) -> None:

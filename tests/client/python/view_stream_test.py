@@ -69,7 +69,7 @@ class ViewStreamTest(ServerTest):
         self.follow_random_views(100, encoding="draco")
 
     def test_all_attributes_come_along(self) -> None:
-        self.follow_random_views(40, attributes=["surface", "curvatures", "rank"])
+        self.follow_random_views(40, attributes=["surface", "curvatures", "rank", "directions", "scalars"])
 
     def test_the_newest_view_wins(self) -> None:
         with self.session.stream() as stream:

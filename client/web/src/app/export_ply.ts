@@ -13,7 +13,8 @@ const sizes = { double: 8, float: 4, uchar: 1, uint: 4 };
 
 const triangleBytes = 13; // a byte for the number of corners, then these
 
-function propertiesOf({ positions, normals, colours, curvatures, ranks, origin }: StreamedPoints): Property[] {
+function propertiesOf(store: StreamedPoints): Property[] {
+  const { positions, normals, colours, curvatures, ranks, directions, scalars, origin } = store;
   const isFar = origin.some((value) => value !== 0);
   const column = (names: string[], type: Property["type"], valueAt: (slot: number, i: number) => number) =>
     names.map((name, i): Property => ({ name, type, valueOf: (slot) => valueAt(slot, i) }));
@@ -24,7 +25,17 @@ function propertiesOf({ positions, normals, colours, curvatures, ranks, origin }
     ...column(["radius"], "float", (slot) => positions[4 * slot + 3]!),
     ...(curvatures === null ? [] : column(["curvature_min", "curvature_max"], "float", (slot, i) => curvatures[2 * slot + i]!)),
     ...(ranks === null ? [] : column(["rank"], "uint", (slot) => ranks[slot]!)),
+    ...(directions === null ? [] : column(directionNames, "float", (slot, axis) => directions[3 * slot + axis]!)),
+    ...scalars.flatMap(({ name, values }) => column([scalarName(name)], "float", (slot) => values[slot]!)),
   ];
+}
+
+const directionNames = ["direction_min_x", "direction_min_y", "direction_min_z"];
+
+/// Nothing in a name may end a word of the header; each byte of the name counts, as in the command's files.
+function scalarName(name: string): string {
+  const bytes = new TextEncoder().encode(name);
+  return "scalar_" + Array.from(bytes, (byte) => (byte > 0x20 && byte < 0x7f ? String.fromCharCode(byte) : "_")).join("");
 }
 
 function put(view: DataView, at: number, type: Property["type"], value: number): void {
@@ -58,9 +69,9 @@ function fileOf(...parts: BlobPart[]): Blob {
   return new Blob(parts, { type: "application/octet-stream" });
 }
 
-/// Writes the points as a little-endian PLY file: x y z nx ny nz, red green blue where there are colours, radius, then curvatures and
-/// ranks where there are any. Positions are in the mesh's own frame, as doubles where the points have an origin. The points are in the
-/// order of the curve. `curvecast sample` writes the same.
+/// Writes the points as a little-endian PLY file: x y z nx ny nz, red green blue where there are colours, radius, then curvatures,
+/// ranks, directions and the mesh's scalars where there are any. Positions are in the mesh's own frame, as doubles where the points
+/// have an origin. The points are in the order of the curve. `curvecast sample` writes the same.
 export function plyOf(store: StreamedPoints): Blob {
   const properties = propertiesOf(store);
   return fileOf(headerOf(store, properties), rowsOf(store, properties));

@@ -15,6 +15,8 @@ export interface EncodedBlock {
   raw: { positions: Uint8Array; normals: Uint8Array; radii: Uint8Array; colours: Uint8Array } | null;
   curvatures: Uint8Array;
   ranks: Uint8Array;
+  directions: Uint8Array;
+  scalars: { name: string; values: Uint8Array }[];
 }
 
 /// Copies a block of a message. Throws DATA_LOSS where the origin is not finite.
@@ -34,19 +36,16 @@ export function encodedBlock(block: PointBlock): EncodedBlock {
     raw: data.case === "raw" ? copyRaw(data.value) : null,
     curvatures: more.curvatures?.slice() ?? empty,
     ranks: more.ranks?.slice() ?? empty,
+    directions: more.directions?.slice() ?? empty,
+    scalars: more.scalars?.map(({ name, values }) => ({ name, values: values.slice() })) ?? [],
   };
 }
 
 /// Lists the buffers of a block or of its points, for their transfer to another thread.
 export function buffersOf(holder: EncodedBlock | DecodedPoints): ArrayBuffer[] {
-  const arrays = Object.values(holder).flatMap((value: unknown) =>
-    ArrayBuffer.isView(value)
-      ? [value]
-      : value !== null && typeof value === "object"
-        ? Object.values(value).filter((part) => ArrayBuffer.isView(part))
-        : [],
-  );
-  return [...new Set(arrays.map((array) => array.buffer))].filter((buffer) => buffer instanceof ArrayBuffer);
+  const viewsOf = (value: unknown): ArrayBufferView[] =>
+    ArrayBuffer.isView(value) ? [value] : value !== null && typeof value === "object" ? Object.values(value).flatMap(viewsOf) : [];
+  return [...new Set(viewsOf(holder).map((array) => array.buffer))].filter((buffer) => buffer instanceof ArrayBuffer);
 }
 
 /// Decodes blocks, one after the other. Rejects bad data with DATA_LOSS, and stays usable.
@@ -65,7 +64,10 @@ export class BlockDecoder {
       colours: null,
       curvatures: floatColumn(block.curvatures, 2 * block.count, "curvatures"),
       ranks: rankColumn(block.ranks, block.count),
+      directions: floatColumn(block.directions, 3 * block.count, "directions"),
+      scalars: block.scalars.map(({ name, values }) => ({ name, values: scalarColumn(values, block.count, name) })),
     };
+    if (new Set(points.scalars.map(({ name }) => name)).size !== points.scalars.length) throw badPoints("two scalars of one name");
     if (block.draco !== null) await this.decodeDraco(block.draco, points);
     else if (block.raw !== null) decodeRaw(block.raw, points);
     else throw badPoints("a block that is neither Draco nor raw");
@@ -140,6 +142,11 @@ function floatColumn(bytes: Uint8Array, length: number, what: string): Float32Ar
   const values = asFloats(checked(bytes, 4 * length, what)).slice();
   if (!values.every(Number.isFinite)) throw badPoints(`${what} that are not finite`);
   return values;
+}
+
+/// Those of a mesh need not be finite.
+function scalarColumn(bytes: Uint8Array, length: number, name: string): Float32Array<ArrayBuffer> {
+  return asFloats(checked(bytes, 4 * length, `scalar ${name}`)).slice();
 }
 
 function rankColumn(bytes: Uint8Array, length: number): Uint32Array<ArrayBuffer> | null {

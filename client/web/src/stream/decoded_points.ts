@@ -11,6 +11,15 @@ export interface DecodedPoints {
   colours: Uint8Array | null;
   curvatures: Float32Array | null;
   ranks: Uint32Array | null;
+  directions: Float32Array | null;
+  scalars: readonly ScalarColumn[];
+}
+
+/// A number that the mesh has for each of its vertices, at the points: under the name that the mesh has for it, NaN and infinities as in
+/// its file.
+export interface ScalarColumn {
+  name: string;
+  values: Float32Array;
 }
 
 /// Makes the error for points that cannot be used: DATA_LOSS.
@@ -24,8 +33,12 @@ export function checkAlike(blocks: readonly Omit<DecodedPoints, "count">[]): voi
   if (first === undefined) return;
   for (const block of others) {
     if (block.origin.some((value, axis) => value !== first.origin[axis])) throw badPoints("blocks of different origins");
-    for (const column of ["colours", "curvatures", "ranks"] as const) {
+    for (const column of ["colours", "curvatures", "ranks", "directions"] as const) {
       if ((block[column] === null) !== (first[column] === null)) throw badPoints(`only some blocks have ${column}`);
+    }
+    const { scalars } = block;
+    if (scalars.length !== first.scalars.length || scalars.some(({ name }, i) => name !== first.scalars[i]!.name)) {
+      throw badPoints("blocks with different scalars");
     }
   }
 }

@@ -2,7 +2,7 @@
 
 export type { PointChanges } from "./changed_slots";
 export { Client, type ClientOptions, type RemeshOptions, type SessionRequest } from "./client";
-export type { DecodedPoints } from "./decoded_points";
+export type { DecodedPoints, ScalarColumn } from "./decoded_points";
 export { WorkerDecoder, type Decoder } from "./decoder";
 export { asCurvecastError, CurvecastError, type ErrorCode } from "./errors";
 export { LiveView, type LiveViewEvents, type LiveViewOptions, type LiveViewState } from "./live_view";

@@ -2,7 +2,7 @@
 
 import type { PointEdits } from "../gen/curvecast/v1/curvecast_pb";
 import { ChangedSlots, type PointChanges } from "./changed_slots";
-import { badPoints, checkAlike, type DecodedPoints } from "./decoded_points";
+import { badPoints, checkAlike, type DecodedPoints, type ScalarColumn } from "./decoded_points";
 import { checkEdits, forEachResized, movedRadius, splice, type CheckedEdits } from "./point_edits";
 
 /// Points in slots. The slots are in no order, so that a delta touches only those of the points that it changes. Free slots have radius 0.
@@ -18,6 +18,8 @@ export interface PointStore {
   readonly colours: Uint8Array | null; // 4 a slot: red, green, blue (sRGB), 255; null where the mesh has none
   readonly curvatures: Float32Array | null; // 2 a slot: least and largest principal curvature; null where the view does not ask for them
   readonly ranks: Uint32Array | null; // 1 a slot; null where the view does not ask for them
+  readonly directions: Float32Array | null; // 3 a slot: unit tangent of the least principal curvature; null where the view does not ask
+  readonly scalars: readonly ScalarColumn[]; // 1 a slot each; none where the view does not ask for them, or the mesh has none
   /// Returns the changes since the last call. One reader may call it.
   takeChanges(): PointChanges;
 }
@@ -41,6 +43,8 @@ export class StreamedPoints implements PointStore {
   colours: Uint8Array | null = null;
   curvatures: Float32Array | null = null;
   ranks: Uint32Array | null = null;
+  directions: Float32Array | null = null;
+  scalars: readonly ScalarColumn[] = [];
 
   private list = new Uint32Array(0); // the slots of the points in the order of the stream, `count` of them
   private spare = new Uint32Array(0); // the memory of the list before, for the next one
@@ -71,6 +75,8 @@ export class StreamedPoints implements PointStore {
       if (part.colours !== null) this.colours?.set(part.colours, 4 * slot);
       if (part.curvatures !== null) this.curvatures?.set(part.curvatures, 2 * slot);
       if (part.ranks !== null) this.ranks?.set(part.ranks, slot);
+      if (part.directions !== null) this.directions?.set(part.directions, 3 * slot);
+      this.scalars.forEach(({ values }, s) => values.set(part.scalars[s]!.values, slot));
       slot += part.count;
     }
     this.list = counted(added);
@@ -139,6 +145,8 @@ export class StreamedPoints implements PointStore {
     }
     if (this.curvatures !== null) this.curvatures.set(from.curvatures!.subarray(2 * i, 2 * i + 2), 2 * slot);
     if (this.ranks !== null) this.ranks[slot] = from.ranks![i]!;
+    if (this.directions !== null) this.directions.set(from.directions!.subarray(3 * i, 3 * i + 3), 3 * slot);
+    for (let s = 0; s < this.scalars.length; ++s) this.scalars[s]!.values[slot] = from.scalars[s]!.values[i]!;
   }
 
   /// Makes empty columns of so many slots: those that `like` has.
@@ -148,6 +156,8 @@ export class StreamedPoints implements PointStore {
     this.colours = like?.colours ? new Uint8Array(4 * slots) : null;
     this.curvatures = like?.curvatures ? new Float32Array(2 * slots) : null;
     this.ranks = like?.ranks ? new Uint32Array(slots) : null;
+    this.directions = like?.directions ? new Float32Array(3 * slots) : null;
+    this.scalars = like?.scalars.map(({ name }) => ({ name, values: new Float32Array(slots) })) ?? [];
   }
 
   private reserve(slots: number): void {
@@ -160,6 +170,8 @@ export class StreamedPoints implements PointStore {
     if (old.colours !== null) this.colours?.set(old.colours);
     if (old.curvatures !== null) this.curvatures?.set(old.curvatures);
     if (old.ranks !== null) this.ranks?.set(old.ranks);
+    if (old.directions !== null) this.directions?.set(old.directions);
+    this.scalars.forEach(({ values }, s) => values.set(old.scalars[s]!.values));
     this.changed.addAll();
   }
 
@@ -181,6 +193,8 @@ export class StreamedPoints implements PointStore {
       colours: this.colours,
       curvatures: this.curvatures,
       ranks: this.ranks,
+      directions: this.directions,
+      scalars: this.scalars,
     };
   }
 }
@@ -192,4 +206,4 @@ function counted(count: number): Uint32Array<ArrayBuffer> {
   return numbers;
 }
 
-type Columns = Pick<PointStore, "positions" | "normals" | "colours" | "curvatures" | "ranks">;
+type Columns = Pick<PointStore, "positions" | "normals" | "colours" | "curvatures" | "ranks" | "directions" | "scalars">;

@@ -123,6 +123,23 @@ describe("raw blocks", () => {
     expect([...points.colours!.subarray(0, 4)]).toEqual([7, 7, 7, 255]);
   });
 
+  it("have directions, and scalars of which some may not be numbers", async () => {
+    const bytes = (...values: number[]) => new Uint8Array(Float32Array.from(values).buffer);
+    const directions = bytes(1, 0, 0, 0, 1, 0);
+    const scalars = [{ name: "heat", values: bytes(5, NaN) }];
+    const block = { ...rawBlock(2), directions, scalars };
+    const points = await decoder.decode(block);
+    expect([...points.directions!]).toEqual([1, 0, 0, 0, 1, 0]);
+    expect(points.scalars.map(({ name, values }) => [name, ...values])).toEqual([["heat", 5, NaN]]);
+    expect(buffersOf(points)).toContain(points.scalars[0]!.values.buffer);
+    expect(buffersOf(block)).toContain(scalars[0]!.values.buffer);
+    await expect(decoder.decode({ ...block, directions: bytes(1, 0, 0, 0, NaN, 0) })).rejects.toThrow(
+      /directions that are not finite/,
+    );
+    await expect(decoder.decode({ ...block, scalars: [{ name: "heat", values: bytes(5) }] })).rejects.toThrow(/scalar heat/);
+    await expect(decoder.decode({ ...block, scalars: [...scalars, ...scalars] })).rejects.toThrow(/two scalars/);
+  });
+
   it("are refused where values are not finite or bytes are lacking", async () => {
     await expect(decoder.decode(rawBlock(5, (floats) => (floats[7] = NaN)))).rejects.toThrow(/not finite/);
     await expect(decoder.decode(rawBlock(5, (floats) => (floats[0] = -Infinity)))).rejects.toThrow(/not finite/);

@@ -16,6 +16,8 @@ function store(more: Partial<DecodedPoints> = {}): StreamedPoints {
       colours: null,
       curvatures: null,
       ranks: null,
+      directions: null,
+      scalars: [],
       ...more,
     },
   ]);
@@ -49,12 +51,17 @@ describe("a PLY file", () => {
     expect(data.byteLength).toBe(80);
   });
 
-  it("holds colours, curvatures and ranks where there are any, in the order of the command's files", async () => {
+  it("holds further columns where there are any, in the order of the command's files", async () => {
     const { lines, data } = await parse(
       store({
         colours: Uint8Array.of(1, 2, 3, 255, 4, 5, 6, 255),
         curvatures: Float32Array.of(-1, 2, -3, 4),
         ranks: Uint32Array.of(7, 4_000_000_000),
+        directions: Float32Array.of(1, 0, 0, 0, 0.5, -1),
+        scalars: [
+          { name: "heat", values: Float32Array.of(8, NaN) },
+          { name: "a b\n\u00e9", values: Float32Array.of(8, 9) },
+        ],
       }),
     );
     expect(properties(lines).slice(6)).toEqual([
@@ -65,12 +72,18 @@ describe("a PLY file", () => {
       "float curvature_min",
       "float curvature_max",
       "uint rank",
+      "float direction_min_x",
+      "float direction_min_y",
+      "float direction_min_z",
+      "float scalar_heat",
+      "float scalar_a_b___",
     ]);
-    const stride = 43;
+    const stride = 63;
     expect(data.byteLength).toBe(2 * stride);
     expect([24, 25, 26].map((at) => data.getUint8(stride + at))).toEqual([4, 5, 6]);
     expect([27, 31, 35].map((at) => data.getFloat32(stride + at, true))).toEqual([0.25, -3, 4]);
     expect(data.getUint32(stride + 39, true)).toBe(4_000_000_000);
+    expect([43, 47, 51, 55, 59].map((at) => data.getFloat32(stride + at, true))).toEqual([0, 0.5, -1, NaN, 9]);
   });
 
   it("holds a mesh: vertices without radii, then the triangles", async () => {

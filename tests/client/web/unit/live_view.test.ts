@@ -38,6 +38,8 @@ class FakeDecoder {
       colours: null,
       curvatures: null,
       ranks: null,
+      directions: null,
+      scalars: [],
     }));
   }
 }

@@ -19,6 +19,8 @@ function decoded(rows: readonly Row[], largest: number): DecodedPoints {
     colours: null,
     curvatures: null,
     ranks: Uint32Array.from(rows, ([id]) => id),
+    directions: null,
+    scalars: [],
   };
 }
 

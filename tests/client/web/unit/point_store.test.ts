@@ -34,6 +34,11 @@ function decoded(points: readonly Point[], origin: [number, number, number] = [5
     colours: Uint8Array.from(points.flatMap(({ id }) => [id % 256, 1, 2, 255])),
     curvatures: Float32Array.from(points.flatMap(({ id }) => [id, 2 * id])),
     ranks: Uint32Array.from(points.map(({ id }) => id)),
+    directions: Float32Array.from(points.flatMap(({ id }) => [id, 0, -id])),
+    scalars: [
+      { name: "heat", values: Float32Array.from(points.map(({ id }) => 3 * id)) },
+      { name: "age", values: Float32Array.from(points.map(({ id }) => (id % 2 === 0 ? NaN : id))) },
+    ],
   };
 }
 
@@ -55,14 +60,18 @@ function listed(store: StreamedPoints): Point[] {
 function expectSame(store: StreamedPoints, list: readonly Point[]): void {
   expect(store.count).toBe(list.length);
   expect(listed(store)).toEqual(list);
-  const { positions, normals, colours, curvatures, ranks } = store;
+  const { positions, normals, colours, curvatures, ranks, directions, scalars } = store;
+  expect(scalars.map(({ name }) => name)).toEqual(list.length > 0 ? ["heat", "age"] : []);
   const wrong = store.order().filter((slot) => {
     const id = ranks![slot]!;
     return (
       !isSame(positions.subarray(4 * slot, 4 * slot + 3), Float32Array.of(id, id + 0.5, -id)) ||
       normals[4 * slot] !== id % 100 ||
       colours![4 * slot] !== id % 256 ||
-      curvatures![2 * slot + 1] !== 2 * id
+      curvatures![2 * slot + 1] !== 2 * id ||
+      directions![3 * slot + 2] !== -id ||
+      scalars[0]!.values[slot] !== 3 * id ||
+      !Object.is(scalars[1]!.values[slot], id % 2 === 0 ? NaN : id)
     );
   });
   expect(wrong.length).toBe(0);
@@ -180,6 +189,9 @@ describe("a store", () => {
     refused({ resized: [0], radiusMax: 0 }, [], 4);
     refused({ resized: [0], radiusMax: NaN }, [], 4);
     refused({ added: [0] }, [{ ...one, colours: null }], 5);
+    refused({ added: [0] }, [{ ...one, directions: null }], 5);
+    refused({ added: [0] }, [{ ...one, scalars: one.scalars.slice(1) }], 5);
+    refused({ added: [0] }, [{ ...one, scalars: [...one.scalars].reverse() }], 5);
     refused({ added: [0] }, [decoded([{ id: 9, rung: 3 }], [0, 0, 0])], 5);
     expectSame(store, list);
   });

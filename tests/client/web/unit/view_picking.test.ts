@@ -25,7 +25,19 @@ function sphere(count: number): PointStore {
     );
   }
   const takeChanges = () => ({ all: false, ranges: [] });
-  return { origin, count, slots: 2 * count, positions, normals, colours: null, curvatures: null, ranks: null, takeChanges };
+  return {
+    origin,
+    count,
+    slots: 2 * count,
+    positions,
+    normals,
+    colours: null,
+    curvatures: null,
+    ranks: null,
+    directions: null,
+    scalars: [],
+    takeChanges,
+  };
 }
 
 describe("pick", () => {
