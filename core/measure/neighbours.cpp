@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <nanoflann.hpp>
 #include <tuple>
 #include <utility>
@@ -25,7 +26,20 @@ struct Cloud {
   }
 };
 
-using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3, std::uint32_t>;
+struct Cancelled {};
+
+/// The same points for whoever builds the tree. That takes seconds where there are millions, and nanoflann does not ask whether
+/// it shall go on: so each point that it looks at may end it.
+struct BuiltCloud : Cloud {
+  const std::atomic<bool>* cancel = nullptr;
+
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) throw Cancelled();
+    return Cloud::kdtree_get_pt(i, axis);
+  }
+};
+
+using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, BuiltCloud, 3, std::uint32_t>;
 
 /// The limit to give to nanoflann, which wants less than it: beyond `square` by more than its rounded distances to boxes are off,
 /// so that no point at that very distance is passed over.
@@ -58,29 +72,35 @@ class Nearest {
   std::uint32_t but_;
 };
 
-/// Keeps all that nanoflann offers within a distance.
+/// Keeps all that nanoflann offers within a distance, until there are more than `most`.
 class Within {
  public:
-  Within(float square, std::vector<Neighbour>& found) : square_(square), found_(found) {}
+  Within(float square, std::size_t most, std::vector<Neighbour>& found) : square_(square), most_(most), found_(found) {}
 
   bool full() const { return true; }
   // NOLINTBEGIN(readability-identifier-naming)
   float worstDist() const { return just_beyond(square_); }
   bool addPoint(float square, std::uint32_t index) {
     if (square <= square_) found_.push_back({index, square});
-    return true;
+    return found_.size() <= most_;
   }
   // NOLINTEND(readability-identifier-naming)
 
  private:
   float square_;
+  std::size_t most_;
   std::vector<Neighbour>& found_;
 };
 
 }  // namespace
 
 struct NeighbourTree::Tree {
-  explicit Tree(std::vector<Vec3f> points) : cloud{std::move(points)}, index(3, cloud, {kLeafSize}) { index.buildIndex(); }
+  Tree(std::vector<Vec3f> points, const std::atomic<bool>* cancel)
+      : cloud{{std::move(points)}, cancel},
+        index(3, cloud, {kLeafSize, nanoflann::KDTreeSingleIndexAdaptorFlags::SkipInitialBuildIndex}) {
+    index.buildIndex();
+    cloud.cancel = nullptr;
+  }
 
   void nearest(const Vec3f& query, std::span<Neighbour> found, std::uint32_t but = Neighbour::kNobody) const {
     std::fill(found.begin(), found.end(), Neighbour{});
@@ -89,11 +109,20 @@ struct NeighbourTree::Tree {
     index.findNeighbors(nearest, query.data(), {});
   }
 
-  Cloud cloud;
+  BuiltCloud cloud;
   Index index;
 };
 
-NeighbourTree::NeighbourTree(std::vector<Vec3f> points) : tree_(std::make_shared<const Tree>(std::move(points))) {}
+NeighbourTree::NeighbourTree(std::vector<Vec3f> points, const std::atomic<bool>* cancel)
+    : tree_(std::make_shared<const Tree>(std::move(points), cancel)) {}
+
+absl::StatusOr<NeighbourTree> NeighbourTree::build(std::vector<Vec3f> points, const ExecutionContext& context) {
+  try {
+    return NeighbourTree(std::move(points), context.cancel);
+  } catch (const Cancelled&) {
+    return context.check();
+  }
+}
 
 std::span<const Vec3f> NeighbourTree::points() const { return tree_->cloud.points; }
 
@@ -102,18 +131,24 @@ std::size_t NeighbourTree::nearest(const Vec3f& query, std::span<Neighbour> foun
   return std::min(found.size(), points().size());
 }
 
-void NeighbourTree::within(const Vec3f& query, float square, std::vector<Neighbour>& found) const {
+std::size_t NeighbourTree::nearest_others(std::uint32_t i, std::span<Neighbour> found) const {
+  tree_->nearest(points()[i], found, i);
+  return std::min(found.size(), points().size() - 1);
+}
+
+void NeighbourTree::within(const Vec3f& query, float square, std::vector<Neighbour>& found, std::size_t most) const {
   found.clear();
   if (points().empty()) return;
-  Within all(square, found);
+  Within all(square, most, found);
   tree_->index.findNeighbors(all, query.data(), {});
+  if (found.size() > most) return;
   std::sort(found.begin(), found.end(), [](const Neighbour& a, const Neighbour& b) { return a.index < b.index; });
 }
 
 void NeighbourTree::all_nearest(std::size_t k, std::span<Neighbour> found) const {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points().size(), 1024), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      tree_->nearest(points()[i], found.subspan(i * k, k), static_cast<std::uint32_t>(i));
+      nearest_others(static_cast<std::uint32_t>(i), found.subspan(i * k, k));
     }
   });
 }

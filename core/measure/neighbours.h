@@ -2,13 +2,18 @@
 // associative searching" (1975), as nanoflann has it.
 #pragma once
 
+#include <absl/status/statusor.h>
+
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/base/vec.h"
 
 namespace curvecast {
@@ -29,7 +34,9 @@ struct Neighbour {
 class NeighbourTree {
  public:
   /// At most 2^32 - 1 points, in any order.
-  explicit NeighbourTree(std::vector<Vec3f> points);
+  explicit NeighbourTree(std::vector<Vec3f> points) : NeighbourTree(std::move(points), nullptr) {}
+  /// Does the same, or returns Cancelled, at once when the context is cancelled meanwhile.
+  static absl::StatusOr<NeighbourTree> build(std::vector<Vec3f> points, const ExecutionContext& context);
 
   std::span<const Vec3f> points() const;
 
@@ -37,8 +44,13 @@ class NeighbourTree {
   /// at most. The rest of `found` becomes nobody. Meant for up to a hundred or so.
   std::size_t nearest(const Vec3f& query, std::span<Neighbour> found) const;
 
-  /// Finds all points whose squared distance from the query is at most `square`, by index.
-  void within(const Vec3f& query, float square, std::vector<Neighbour>& found) const;
+  /// Finds the found.size() others nearest to point i, as nearest() does. Others at the same place count.
+  std::size_t nearest_others(std::uint32_t i, std::span<Neighbour> found) const;
+
+  /// Finds all points whose squared distance from the query is at most `square`, by index; where there are more than `most`, more
+  /// than `most` of them in any order.
+  void within(const Vec3f& query, float square, std::vector<Neighbour>& found,
+              std::size_t most = std::numeric_limits<std::size_t>::max()) const;
 
   /// Finds for every point i the k others nearest to it, nearest first: found[i k] .. found[i k + k - 1], nobody where there are
   /// fewer. `found` has k entries for each point. Others at the same place count. Runs on all threads of the arena.
@@ -46,6 +58,8 @@ class NeighbourTree {
 
  private:
   struct Tree;
+  NeighbourTree(std::vector<Vec3f> points, const std::atomic<bool>* cancel);
+
   std::shared_ptr<const Tree> tree_;
 };
 

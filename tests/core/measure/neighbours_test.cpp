@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <iterator>
 #include <tuple>
 
@@ -84,8 +85,23 @@ TEST(Neighbours, WithinADistanceAreThoseOfBruteForce) {
       EXPECT_EQ(found, wanted);
     }
   }
+  tree.within(Vec3f::Zero(), 100, found, 70);
+  EXPECT_EQ(found.size(), 71u) << "one more than wanted tells that there are too many";
   NeighbourTree({}).within(Vec3f::Zero(), 1, found);
   EXPECT_TRUE(found.empty());
+}
+
+TEST(Neighbours, AreNotLookedForOnceNobodyWantsThem) {
+  std::atomic<bool> cancel = false;
+  const Points points = noise(3000, 6);
+  const absl::StatusOr<NeighbourTree> built = NeighbourTree::build(points, {.cancel = &cancel});
+  ASSERT_TRUE(built.ok()) << built.status();
+  cancel = true;
+  std::vector<Neighbour> found(9), truth(9);
+  EXPECT_EQ(built->nearest(points[5], found), 9u) << "a tree that is there answers";
+  NeighbourTree(points).nearest(points[5], truth);
+  EXPECT_EQ(found, truth);
+  EXPECT_TRUE(absl::IsCancelled(NeighbourTree::build(points, {.cancel = &cancel}).status()));
 }
 
 /// Curve vertices of a mesh, disc after disc.
