@@ -286,6 +286,13 @@ absl::StatusOr<DecodedSample> Client::resample_refined(const v1::ResampleRequest
   return sample;
 }
 
+absl::StatusOr<Neighbours> Client::find_neighbours(const v1::FindNeighboursRequest& request, const StageProgress& on_progress,
+                                                   std::stop_token stop) {
+  const auto responses = connection_->find_neighbours(request, forward(on_progress), std::move(stop));
+  if (!responses.ok()) return responses.status();
+  return decode_neighbours(*responses, request);
+}
+
 absl::StatusOr<Mesh> Client::remesh(const v1::RemeshRequest& request, const StageProgress& on_progress, std::stop_token stop) {
   const absl::StatusOr<std::vector<v1::RemeshResponse>> responses = connection_->remesh(request, forward(on_progress), stop);
   if (!responses.ok()) return responses.status();

@@ -19,6 +19,7 @@
 #include "curve.h"
 #include "curvecast/v1/curvecast.pb.h"
 #include "mesh.h"
+#include "neighbours.h"
 #include "parameter_mesh.h"
 #include "points.h"
 
@@ -99,6 +100,10 @@ class Client {
   absl::StatusOr<DecodedSample> resample_refined(const v1::ResampleRequest& request, std::chrono::milliseconds patience,
                                                  std::stop_token stop = {});
   absl::StatusOr<EncodedSample> resample_encoded(const v1::ResampleRequest& request, std::stop_token stop = {});
+
+  /// The neighbours of each of the points that the request asks for, checked: see decode_neighbours.
+  absl::StatusOr<Neighbours> find_neighbours(const v1::FindNeighboursRequest& request, const StageProgress& on_progress = {},
+                                             std::stop_token stop = {});
 
   /// A triangle mesh of the points that the request asks for, checked: see decode_mesh.
   absl::StatusOr<Mesh> remesh(const v1::RemeshRequest& request, const StageProgress& on_progress = {}, std::stop_token stop = {});

@@ -251,6 +251,16 @@ class GrpcConnection : public Connection {
     });
   }
 
+  absl::StatusOr<std::vector<v1::FindNeighboursResponse>> find_neighbours(const v1::FindNeighboursRequest& request,
+                                                                          const OnProgress& on_progress,
+                                                                          std::stop_token stop) override {
+    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::FindNeighboursResponse>> {
+      Call call(options_, stop, options_.long_timeout);
+      return read_all<v1::FindNeighboursResponse>(*stub_->FindNeighbours(call.context(), request), call, "neighbours",
+                                                  on_progress);
+    });
+  }
+
   absl::StatusOr<std::vector<v1::GetCurveResponse>> get_curve(const v1::GetCurveRequest& request, std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetCurveResponse>> {
       Call call(options_, stop, options_.long_timeout);

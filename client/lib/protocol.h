@@ -7,6 +7,7 @@
 namespace curvecast::client {
 
 inline constexpr std::uint64_t kMaxPoints = 4'000'000;                // points of one point set, or of a frame's list
+inline constexpr std::uint64_t kMaxNeighbourPairs = 64'000'000;       // neighbours of all points of one call
 inline constexpr std::size_t kMaxCompanions = 256;                    // files that one mesh refers to
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;   // bytes of one chunk of an upload
 inline constexpr std::size_t kMaxFrameBytes = std::size_t{32} << 20;  // bytes of the points of a frame, or of a picture

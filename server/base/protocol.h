@@ -8,6 +8,8 @@ namespace curvecast::server {
 
 inline constexpr std::uint64_t kMaxMeasuredPoints = 8'000'000;               // points of all sets of one call
 inline constexpr int kMaxMeasuredSets = 64;                                  // of one call
+inline constexpr std::uint32_t kMaxNeighbours = 64;                          // of one point, of a call that counts them
+inline constexpr std::uint64_t kMaxNeighbourPairs = 64'000'000;              // neighbours of all points of one call
 inline constexpr int kMaxDensityTerms = 16;                                  // of one request
 inline constexpr std::size_t kMaxDabs = 10'000;                              // of the brush, of one request
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;          // bytes of one chunk of an upload

@@ -72,7 +72,7 @@ class Engine {
   ViewCache view_cache;                        // of the jobs in `views` and `calls`
   FrameCache frame_cache;                      // of streams
   ViewWorkers views;                           // of streams: each takes milliseconds
-  JobQueue calls;                              // single point sets, inspection: views go before them
+  JobQueue calls;                              // single point sets, neighbours, inspection: views go before them
   JobQueue preprocessing;                      // one at a time: each uses all cores by itself
   const std::unique_ptr<SessionCache> cache;   // null: none
   const std::shared_ptr<const Tokens> tokens;  // of those who may call; null: everybody

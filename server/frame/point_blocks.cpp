@@ -46,6 +46,23 @@ absl::Status emit_within(SessionSampler& sampler, const PointSetRequest& request
 
 }  // namespace
 
+absl::Status emit_point_blocks(Sampled& sampled, const PointSetRequest& request, bool is_improving,
+                               const std::function<bool(v1::ResampleResponse)>& emit) {
+  const BlockEmitter emitter(is_improving, emit);
+  const std::size_t count = point_block_count(sampled.points().size());
+  for (std::size_t first = 0; first < count; first += kBlocksAtOnce) {
+    absl::StatusOr<std::vector<v1::PointBlock>> blocks =
+        encode_point_blocks(sampled, first, std::min(first + kBlocksAtOnce, count), request);
+    if (!blocks.ok()) return blocks.status();
+    for (std::size_t b = 0; b < blocks->size(); ++b) {
+      const bool is_last = first + b + 1 == count;
+      absl::Status status = emitter.emit(std::move((*blocks)[b]), is_last, sampled.statistics);
+      if (!status.ok()) return status;
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::Status make_point_blocks(const Session& session, const PointSetRequest& request, ViewCache& cache,
                                const ImprovementRequests& improvements, const std::atomic<bool>* cancel,
                                const std::function<bool(v1::ResampleResponse)>& emit) {
@@ -56,19 +73,7 @@ absl::Status make_point_blocks(const Session& session, const PointSetRequest& re
   if (!wanted.ok()) return wanted.status();
   absl::StatusOr<Sampled> sampled = sampler->sample(*wanted);
   if (!sampled.ok()) return sampled.status();
-  const BlockEmitter emitter(request_improvement(*sampled, improvements), emit);
-  const std::size_t count = point_block_count(sampled->points().size());
-  for (std::size_t first = 0; first < count; first += kBlocksAtOnce) {
-    absl::StatusOr<std::vector<v1::PointBlock>> blocks =
-        encode_point_blocks(*sampled, first, std::min(first + kBlocksAtOnce, count), request);
-    if (!blocks.ok()) return blocks.status();
-    for (std::size_t b = 0; b < blocks->size(); ++b) {
-      const bool is_last = first + b + 1 == count;
-      absl::Status status = emitter.emit(std::move((*blocks)[b]), is_last, sampled->statistics);
-      if (!status.ok()) return status;
-    }
-  }
-  return absl::OkStatus();
+  return emit_point_blocks(*sampled, request, request_improvement(*sampled, improvements), emit);
 }
 
 }  // namespace curvecast::server

@@ -10,6 +10,11 @@
 
 namespace curvecast::server {
 
+/// Hands sampled points to `emit`, in blocks and in order, each as soon as it is packed. The last message carries the statistics;
+/// its `refining` is `is_improving`. Cancelled: `emit` returned false.
+absl::Status emit_point_blocks(Sampled& sampled, const PointSetRequest& request, bool is_improving,
+                               const std::function<bool(v1::ResampleResponse)>& emit);
+
 /// Hands all points to `emit`, in blocks and in order: each as soon as it is packed or, for a budget of bytes, once all are. The
 /// last message carries the statistics; its `refining` says that what the points lack is being made, so that a later request gets
 /// better ones. Waits for ranked candidates to be made. Cancelled: `emit` returned false, or `cancel` (may be null) is set.

@@ -34,6 +34,9 @@ grpc::ServerWriteReactor<v1::GetCurveResponse>* get_curve(Engine& engine, grpc::
 grpc::ServerWriteReactor<v1::ResampleResponse>* resample(Engine& engine, grpc::CallbackServerContext& context,
                                                          const v1::ResampleRequest& request);
 
+grpc::ServerWriteReactor<v1::FindNeighboursResponse>* find_neighbours(Engine& engine, grpc::CallbackServerContext& context,
+                                                                      const v1::FindNeighboursRequest& request);
+
 grpc::ServerWriteReactor<v1::RemeshResponse>* remesh(Engine& engine, grpc::CallbackServerContext& context,
                                                      const v1::RemeshRequest& request);
 

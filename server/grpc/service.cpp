@@ -231,6 +231,11 @@ grpc::ServerWriteReactor<v1::ResampleResponse>* Service::Resample(grpc::Callback
   return check_caller(engine_, "Resample", *context, [&] { return resample(engine_, *context, *request); });
 }
 
+grpc::ServerWriteReactor<v1::FindNeighboursResponse>* Service::FindNeighbours(grpc::CallbackServerContext* context,
+                                                                              const v1::FindNeighboursRequest* request) {
+  return check_caller(engine_, "FindNeighbours", *context, [&] { return find_neighbours(engine_, *context, *request); });
+}
+
 grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>* Service::StreamViews(
     grpc::CallbackServerContext* context) {
   return stream_views(engine_, *context);

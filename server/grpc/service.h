@@ -45,6 +45,8 @@ class Service final : public v1::CurvecastService::CallbackService {
                                                            const v1::GetCurveRequest* request) override;
   grpc::ServerWriteReactor<v1::ResampleResponse>* Resample(grpc::CallbackServerContext* context,
                                                            const v1::ResampleRequest* request) override;
+  grpc::ServerWriteReactor<v1::FindNeighboursResponse>* FindNeighbours(grpc::CallbackServerContext* context,
+                                                                       const v1::FindNeighboursRequest* request) override;
   grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>* StreamViews(
       grpc::CallbackServerContext* context) override;
 

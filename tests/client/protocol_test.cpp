@@ -13,6 +13,7 @@ TEST(Protocol, HasTheNumbersOfTheApi) {
   std::ifstream file(CURVECAST_PROTOCOL);
   const nlohmann::json numbers = nlohmann::json::parse(file);
   EXPECT_EQ(kMaxPoints, numbers.at("MAX_POINTS"));
+  EXPECT_EQ(kMaxNeighbourPairs, numbers.at("MAX_NEIGHBOUR_PAIRS"));
   EXPECT_EQ(kMaxCompanions, numbers.at("MAX_COMPANIONS"));
   EXPECT_EQ(kMaxChunkBytes, numbers.at("MAX_CHUNK_BYTES"));
   EXPECT_EQ(kMaxFrameBytes, numbers.at("MAX_FRAME_BYTES"));

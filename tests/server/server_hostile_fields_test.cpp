@@ -198,6 +198,18 @@ TEST_F(ServerHostileFields, Meshes) {
   EXPECT_GT(codes_seen_[grpc::INVALID_ARGUMENT], 100);
 }
 
+TEST_F(ServerHostileFields, Neighbours) {
+  v1::FindNeighboursRequest request;
+  request.set_session_id(session_);
+  *request.mutable_sample() = rich_sample();
+  request.set_count(3);
+  codes_seen_.clear();
+  for_all_changes(request, [&](auto& context, const auto& changed) {
+    return first_of<v1::FindNeighboursResponse>(context, stub_->FindNeighbours(&context, changed));
+  });
+  EXPECT_GT(codes_seen_[grpc::INVALID_ARGUMENT], 100);
+}
+
 TEST_F(ServerHostileFields, Pictures) {
   v1::RenderRequest request;
   request.set_session_id(session_);

@@ -14,6 +14,7 @@ from curvecast.client import Client, connect
 from curvecast.curve import Curve, CurveDisc
 from curvecast.errors import Error
 from curvecast.mesh import Mesh
+from curvecast.neighbours import Neighbours
 from curvecast.parameter_mesh import ParameterDisc, ParameterMesh
 from curvecast.points import HAS_DRACO, Points
 from curvecast.session import Session
@@ -31,6 +32,7 @@ __all__ = [
     "Frame",
     "HeldFrame",
     "Mesh",
+    "Neighbours",
     "ParameterDisc",
     "ParameterMesh",
     "Points",

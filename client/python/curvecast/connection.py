@@ -85,9 +85,7 @@ class Connection:
 
         def take(messages: Iterator[Any]) -> Any:
             found = None
-            for message in messages:
-                if message.HasField("progress") and on_progress is not None:
-                    on_progress(message.progress.stage, message.progress.fraction)
+            for message in told(messages, on_progress):
                 if message.HasField(result):
                     found = getattr(message, result)
             if found is None:
@@ -143,6 +141,14 @@ class Connection:
             time.sleep(delay * random.uniform(0.5, 1.0))  # many clients may have lost the same server
             delay = min(2 * delay, LONGEST_DELAY)
         raise AssertionError("unreachable")
+
+
+def told(messages: Iterator[Any], on_progress: OnProgress | None) -> Iterator[Any]:
+    """Passes messages on, and tells of the progress that they hold."""
+    for message in messages:
+        if message.HasField("progress") and on_progress is not None:
+            on_progress(message.progress.stage, message.progress.fraction)
+        yield message
 
 
 def is_retryable(error: Error) -> bool:

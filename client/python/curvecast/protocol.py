@@ -1,6 +1,7 @@
 """Numbers that servers and clients agree on: those of the table at the top of curvecast.proto that this client needs."""
 
 MAX_POINTS = 4_000_000  # points of one point set, or of a frame's list
+MAX_NEIGHBOUR_PAIRS = 64_000_000  # neighbours of all points of one call
 MAX_COMPANIONS = 256  # files that one mesh refers to
 MAX_CHUNK_BYTES = 1 << 20  # bytes of one chunk of an upload
 MAX_FRAME_BYTES = 32 << 20  # bytes of the points of a frame, or of a picture

@@ -7,9 +7,10 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
-from curvecast.connection import Connection
+from curvecast.connection import Connection, OnProgress, told
 from curvecast.curve import Curve, decode_curve
 from curvecast.errors import bad_answer
+from curvecast.neighbours import Neighbours, decode_neighbours
 from curvecast.points import Points, decode_blocks
 from curvecast.protocol import MAX_POINTS
 from curvecast.triangle_mesh import TriangleMesh, decode_mesh
@@ -105,6 +106,34 @@ class Session:
             method=v1.RemeshMethod.Value(f"REMESH_METHOD_{method.upper()}"),
         )
         return self._connection.read_stream("Remesh", request, self._connection.long_timeout, decode_mesh)
+
+    def neighbours(
+        self,
+        view: View | int | None = None,
+        *,
+        k: int | None = None,
+        radius: float | None = None,
+        on_progress: OnProgress | None = None,
+        **options: Any,
+    ) -> Neighbours:
+        """Samples one point set and finds the neighbours of each of its points, straight through space: neighbours(10_000, k=8).
+
+        k: so many that are nearest, 1 to 64. radius: all at most so far away, units; give one of the two. The points come along, as
+        sample() would give them. ValueError: both or neither. Error OUT_OF_RANGE: more than 64,000,000 neighbours in all.
+        """
+        if (k is None) == (radius is None):
+            raise ValueError("give one of k and radius")
+        if not isinstance(view, View):
+            view = View(points=view, **options)
+        elif options:
+            view = dataclasses.replace(view, **options)
+        request = v1.FindNeighboursRequest(session_id=self.id, sample=view.to_proto(), count=k, radius=radius)
+        most = view.points if view.points is not None else MAX_POINTS
+
+        def take(messages: Iterator[v1.FindNeighboursResponse]) -> Neighbours:
+            return decode_neighbours(told(messages, on_progress), most, k)
+
+        return self._connection.read_stream("FindNeighbours", request, self._connection.long_timeout, take)
 
     def curve(self) -> Curve:
         """Fetches the curve itself: all of its vertices, in order."""

@@ -21,6 +21,8 @@ TEST(Protocol, HasTheNumbersOfTheApi) {
       {"MAX_POINTS", kMaxPoints},
       {"MAX_MEASURED_POINTS", kMaxMeasuredPoints},
       {"MAX_MEASURED_SETS", kMaxMeasuredSets},
+      {"MAX_NEIGHBOURS", kMaxNeighbours},
+      {"MAX_NEIGHBOUR_PAIRS", kMaxNeighbourPairs},
       {"MAX_COMPANIONS", kMaxCompanions},
       {"MAX_DENSITY_TERMS", kMaxDensityTerms},
       {"MAX_DABS", kMaxDabs},

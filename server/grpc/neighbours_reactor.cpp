@@ -1,0 +1,80 @@
+// FindNeighbours: a session's points, packed on a worker and sent block by block, then the neighbours of each.
+#include "server/base/grpc_status.h"
+#include "server/base/status_from_exceptions.h"
+#include "server/convert/convert.h"
+#include "server/engine/caller.h"
+#include "server/frame/session_neighbours.h"
+#include "server/grpc/held_session.h"
+#include "server/grpc/reactors.h"
+#include "server/grpc/write_queue.h"
+
+namespace curvecast::server {
+namespace {
+
+// The job is the only one that finishes, so the reactor outlives it.
+class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
+ public:
+  NeighboursReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::FindNeighboursRequest& request)
+      : WriteQueue(RequestLog(engine, "FindNeighbours", context), engine.queued) {
+    const absl::Status begun = status_from_exceptions([&] { return begin(engine, request, peer_of(context)); });
+    if (!begun.ok()) finish(to_grpc(begun));
+  }
+
+ private:
+  absl::Status begin(Engine& engine, const v1::FindNeighboursRequest& request, const std::string& connection) {
+    auto held = HeldSession::hold(engine, request.session_id());
+    if (!held.ok()) return held.status();
+    auto points = to_point_set_request(request.sample());
+    if (!points.ok()) return points.status();
+    if (points->automatic || points->max_bytes > 0) {
+      return absl::InvalidArgumentError("sample has a budget in bytes or time; ask for points or an error in pixels");
+    }
+    const auto search = to_neighbour_search(request);
+    if (!search.ok()) return search.status();
+    return engine.calls
+        .submit(
+            [this, &engine, held = *std::move(held), points = *std::move(points), search = *search]() mutable {
+              finish(to_grpc(status_from_exceptions([&]() -> absl::Status {
+                const absl::StatusOr<std::shared_ptr<const Session>> session = held.take(engine);
+                if (!session.ok()) return session.status();
+                return answer(engine, *session, points, search);
+              })));
+            },
+            connection)
+        .status();
+  }
+
+  absl::Status answer(Engine& engine, const std::shared_ptr<const Session>& session, const PointSetRequest& points,
+                      const NeighbourSearch& search) {
+    if (cancelled()) return absl::CancelledError("the client has gone");
+    ExecutionContext context;
+    context.cancel = &cancel_flag();
+    context.on_progress = [this](std::string_view stage, double fraction) {
+      v1::FindNeighboursResponse response;
+      response.mutable_progress()->set_stage(std::string(stage));
+      response.mutable_progress()->set_fraction(fraction);
+      push(std::move(response));
+    };
+    const ImprovementRequests improvements = engine.improvement_requests(session, points, engine.new_source());
+    return push_all([&](const auto& push_message) {
+      return find_neighbours(*session, points, search, engine.view_cache, improvements, context,
+                             [&](v1::FindNeighboursResponse message) {
+                               if (message.points().has_statistics()) engine.metrics.stages(message.points().statistics());
+                               return push_message(std::move(message));
+                             });
+    });
+  }
+
+  bool replaces(const v1::FindNeighboursResponse& newer, const v1::FindNeighboursResponse& older) const override {
+    return newer.has_progress() && older.has_progress();
+  }
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::FindNeighboursResponse>* find_neighbours(Engine& engine, grpc::CallbackServerContext& context,
+                                                                      const v1::FindNeighboursRequest& request) {
+  return new NeighboursReactor(engine, context, request);
+}
+
+}  // namespace curvecast::server
