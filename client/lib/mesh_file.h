@@ -13,7 +13,9 @@ namespace curvecast::client {
 absl::Status check_mesh_ending(const std::string& path);
 
 /// Replaces the file, all or nothing. Coordinates are absolute (origin + position).
-///   .ply  binary little endian: x y z (doubles when the origin is not zero), nx ny nz, red green blue where there are colours
+///   .ply  binary little endian: x y z (doubles when the origin is not zero), nx ny nz, red green blue where there are colours,
+///   the mesh's
+///         named numbers under their own names
 ///   .obj  text: positions, colours behind them where there are any, normals
 ///   .off  text: positions and triangles alone
 ///   .stl  binary: triangles with their own normals, as floats: coarser than the vertices far from the origin

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "client/lib/file_bytes.h"
+#include "client/lib/ply_name.h"
 #include "client/lib/point_headers.h"
 #include "client/lib/point_table.h"
 
@@ -56,14 +57,6 @@ struct Extra {
   std::string properties;
 };
 
-/// As other programs name such a column. A name comes from a mesh, by way of a server: nothing in it may end a word of the
-/// header.
-std::string scalar_property(const std::string& name) {
-  std::string property = "scalar_";
-  for (const char c : name) property += absl::ascii_isgraph(static_cast<unsigned char>(c)) ? c : '_';
-  return property;
-}
-
 std::vector<Extra> extras_of(const Points& points) {
   std::vector<Extra> extras;
   const auto add = [&extras](const auto& values, std::string properties) {
@@ -74,7 +67,8 @@ std::vector<Extra> extras_of(const Points& points) {
   add(points.faces, "property uint face\n");
   add(points.barycentric, "property float barycentric_2\nproperty float barycentric_3\n");
   add(points.directions, "property float direction_min_x\nproperty float direction_min_y\nproperty float direction_min_z\n");
-  for (const auto& [name, values] : points.scalars) add(values, absl::StrFormat("property float %s\n", scalar_property(name)));
+  // As other programs name such columns.
+  for (const auto& [name, values] : points.scalars) add(values, absl::StrFormat("property float scalar_%s\n", ply_name(name)));
   return extras;
 }
 

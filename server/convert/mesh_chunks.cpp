@@ -8,10 +8,17 @@
 #include "server/convert/little_endian.h"
 
 namespace curvecast::server {
+namespace {
 
-absl::Status make_mesh_chunks(const PointSet& vertices, const std::vector<Triangle>& triangles, const Topology& topology,
-                              const LeastAngles& angles, const SurfaceCurve& curve,
+constexpr std::size_t kChunkMeshBytes = 960 << 10;             // of one message, about: with what holds them, under 1 MiB
+constexpr std::size_t kVertexBytes = 12 + 12 + 4 + 3 + 4 + 8;  // position, normal, radius, colour, face, weights
+constexpr std::size_t kChunkMeshTriangles = kChunkMeshBytes / sizeof(Triangle);
+
+}  // namespace
+
+absl::Status make_mesh_chunks(const SessionMesh& mesh, const SurfaceCurve& curve,
                               const std::function<bool(v1::RemeshResponse)>& emit) {
+  const auto& [vertices, scalars, triangles, topology, angles] = mesh;
   absl::Status gone = absl::CancelledError("the client has gone");
   v1::RemeshResponse first;
   v1::RemeshInfo& info = *first.mutable_info();
@@ -26,11 +33,17 @@ absl::Status make_mesh_chunks(const PointSet& vertices, const std::vector<Triang
   least.set_least(angles.least);
   least.set_below_20(angles.below_20);
   if (!emit(std::move(first))) return gone;
-  for (std::size_t begin = 0; begin < vertices.size(); begin += kChunkMeshVertices) {
-    const std::size_t count = std::min(kChunkMeshVertices, vertices.size() - begin);
+  const std::size_t most = kChunkMeshBytes / (kVertexBytes + sizeof(float) * scalars.size());
+  for (std::size_t begin = 0; begin < vertices.size(); begin += most) {
+    const std::size_t count = std::min(most, vertices.size() - begin);
     absl::StatusOr<v1::PointBlock> block = to_proto(vertices, begin, count, curve, std::nullopt);
     if (!block.ok()) return block.status();
     *block->mutable_attributes() = to_proto(vertices, begin, count, curve, nullptr, PointAttributes{.surface = true});
+    for (const ScalarAttribute& scalar : scalars) {
+      v1::ScalarValues& values = *block->mutable_attributes()->add_scalars();
+      values.set_name(scalar.name);
+      values.set_values(little_endian(scalar.values, begin, count));
+    }
     v1::RemeshResponse response;
     *response.mutable_chunk()->mutable_vertices() = *std::move(block);
     if (!emit(std::move(response))) return gone;

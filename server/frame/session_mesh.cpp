@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/curve/place_attributes.h"
 #include "core/remesh/surface_mesh.h"
 #include "core/sample/spread_in_leaves.h"
 
@@ -52,6 +53,19 @@ void describe(const CurveBase& base, const Vec3d& origin, const TriangleMesh& me
   }
 }
 
+std::vector<ScalarAttribute> scalars_at(const CurveBase& base, const SurfaceCurve& curve, const std::vector<FacePlace>& places) {
+  std::vector<ScalarAttribute> scalars;
+  for (std::size_t s = 0; s < curve.scalars.size(); ++s) {
+    ScalarAttribute& scalar = scalars.emplace_back();
+    scalar.name = curve.scalars[s].name;
+    scalar.values.reserve(places.size());
+    for (const auto& [face, weight_1, weight_2] : places) {
+      scalar.values.push_back(scalar_at(base.data, s, face, {weight_1, weight_2}));
+    }
+  }
+  return scalars;
+}
+
 }  // namespace
 
 absl::StatusOr<SessionMesh> make_session_mesh(const Session& session, PointSetRequest request, const RemeshOptions& options,
@@ -73,6 +87,7 @@ absl::StatusOr<SessionMesh> make_session_mesh(const Session& session, PointSetRe
   out.angles = least_angles(made->mesh);
   out.vertices.places = std::move(made->places);
   describe(**base, session.curve()->origin, made->mesh, out.vertices);
+  out.scalars = scalars_at(**base, *session.curve(), out.vertices.places);
   out.triangles = std::move(made->mesh.triangles);
   return out;
 }

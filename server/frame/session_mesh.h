@@ -3,21 +3,11 @@
 
 #include <absl/status/statusor.h>
 
-#include <vector>
-
-#include "core/measure/triangle_angles.h"
-#include "core/mesh/topology.h"
 #include "core/remesh/remesh.h"
+#include "server/convert/mesh_chunks.h"
 #include "server/frame/session_sampler.h"
 
 namespace curvecast::server {
-
-struct SessionMesh {
-  PointSet vertices;                // with places, normals and radii; colours where the surface has any
-  std::vector<Triangle> triangles;  // of the vertices
-  Topology topology;                // without the components of faces
-  LeastAngles angles;
-};
 
 /// Samples the session as `request` says and remeshes it. Waits for ranked candidates to be made. Errors as of SessionSampler and
 /// remesh(); FailedPrecondition where fewer points have a place than were asked for.

@@ -86,9 +86,7 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
     };
     const absl::StatusOr<SessionMesh> mesh = make_session_mesh(session, points, options, engine.view_cache, context);
     if (!mesh.ok()) return mesh.status();
-    return push_all([&](const auto& push_chunk) {
-      return make_mesh_chunks(mesh->vertices, mesh->triangles, mesh->topology, mesh->angles, *session.curve(), push_chunk);
-    });
+    return push_all([&](const auto& push_chunk) { return make_mesh_chunks(*mesh, *session.curve(), push_chunk); });
   }
 };
 

@@ -28,10 +28,10 @@ TEST_F(CliTest, RemeshKeepsColoursAndPlacesFarOut) {
   // Two coloured triangles far from the origin.
   const std::string mesh = temporary("far.ply");
   std::ofstream(mesh) << "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
-                         "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 2\n"
+                         "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float heat\nelement face 2\n"
                          "property list uchar int vertex_indices\nend_header\n"
-                         "5000000 7000000 0 255 0 0\n5000001 7000000 0 255 0 0\n5000001 7000001 0 255 0 0\n"
-                         "5000000 7000001 0 255 0 0\n3 0 1 2\n3 0 2 3\n";
+                         "5000000 7000000 0 255 0 0 1\n5000001 7000000 0 255 0 0 2\n5000001 7000001 0 255 0 0 2\n"
+                         "5000000 7000001 0 255 0 0 1\n3 0 1 2\n3 0 2 3\n";
   for (const std::string ending : {".ply", ".obj", ".off", ".glb"}) {
     const std::string path = temporary("far_out" + ending);
     ASSERT_EQ(run({"remesh", mesh, "-n", "300", "--density", "uniform", "-o", path}).status, 0);
@@ -40,6 +40,7 @@ TEST_F(CliTest, RemeshKeepsColoursAndPlacesFarOut) {
     EXPECT_EQ(info["mesh"]["boundary_loops"], 1) << ending;
     EXPECT_NEAR(info["area"].get<double>(), 1, 1e-3) << ending;
     EXPECT_NEAR(info["box"]["min"][1].get<double>(), 7'000'000, 1e-3) << ending;
+    EXPECT_EQ(info["attributes"].dump().find("scalar heat") != std::string::npos, ending == ".ply") << info["attributes"];
     const bool has_colours = ending != ".off";
     EXPECT_EQ(info["attributes"].dump().find("colours") != std::string::npos, has_colours) << ending << info["attributes"];
   }
