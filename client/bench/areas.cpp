@@ -55,17 +55,6 @@ absl::StatusOr<Elements> make_elements(const FlattenedMesh& flattened, const Sur
   return elements;
 }
 
-/// N = 2^l and 2^l + 2^(l - 1).
-std::vector<double> set_sizes(std::size_t most) {
-  std::vector<double> sizes;
-  for (std::size_t n = 2; n <= most; n *= 2) {
-    sizes.push_back(static_cast<double>(n));
-    const std::size_t half_more = n + n / 2;
-    if (half_more <= most) sizes.push_back(static_cast<double>(half_more));
-  }
-  return sizes;
-}
-
 /// Faces of n samples.
 std::vector<std::uint32_t> draw(Kind kind, std::size_t n, std::uint64_t seed, const SurfaceCurve& curve, const Elements& elements,
                                 std::span<const float> density) {
@@ -108,7 +97,7 @@ void add(const std::string& name, const Statistic& statistic, const char* unit, 
 
 void add_discrepancies(const TriangleMesh& mesh, const SurfaceCurve& curve, const Elements& elements,
                        const AreasBenchOptions& options, const ExecutionContext& context, BenchReport& report) {
-  const std::vector<double> sizes = set_sizes(curve.size() / 10);
+  const std::vector<double> sizes = ring_set_sizes(curve.size() / 10);
   const std::vector<float> density(curve.size(), 1.0f);
   std::array<Statistic, 3> rms, max, rms_gradient, max_gradient;  // rms and max: of the largest sets
   std::array<Statistic, 3> rms_ratio, max_ratio;                  // to the exact elements, with the same random numbers

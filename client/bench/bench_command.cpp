@@ -286,9 +286,9 @@ constexpr Benchmark kBenchmarks[] = {
      "beside the time to read the curve's positions, normals and areas once.",
      add_sample_benchmark},
     {"discrepancy", "MESH", "how evenly each sampler and sequence spreads points",
-     "Discrepancy over balls beside random points, relative radius and coverage radius of every sampler and sequence, and of "
-     "farthest-point order, for powers of four and numbers between; and the power of N by which the discrepancy over rings "
-     "falls.",
+     "Discrepancy over balls beside random points, relative radius and coverage radius of every sampler and sequence, of random "
+     "points, also triangle by triangle, of farthest-point order and of sample elimination, for powers of four and numbers "
+     "between; and the power of N by which the discrepancy over rings falls.",
      add_discrepancy},
     {"remesh", "MESH", "meshes made of points beside those of CGAL and meshoptimizer",
      "Seconds, distance from the surface (as Metro measures it), angles and topology of meshes made of points, with every usual "

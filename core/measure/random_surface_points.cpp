@@ -7,6 +7,12 @@
 
 namespace curvecast {
 
+Vec3d place_in_face(const TriangleMesh& mesh, std::uint32_t face, double first, double second) {
+  const double root = std::sqrt(first);
+  const Triangle& t = mesh.triangles[face];
+  return (1 - root) * mesh.positions[t[0]] + root * (1 - second) * mesh.positions[t[1]] + root * second * mesh.positions[t[2]];
+}
+
 SurfacePoints random_surface_points(const TriangleMesh& mesh, std::size_t n, std::uint64_t seed) {
   std::vector<double> area_up_to(mesh.face_count());
   double total = 0;
@@ -16,11 +22,8 @@ SurfacePoints random_surface_points(const TriangleMesh& mesh, std::size_t n, std
     // The first face that the area reaches beyond: one with an area of its own, as the total is not reached.
     const double where = std::min(random_unit(seed, 3 * i) * total, std::nextafter(total, 0.0));
     const auto found = std::upper_bound(area_up_to.begin(), area_up_to.end(), where);
-    const double root = std::sqrt(random_unit(seed, 3 * i + 1)), across = random_unit(seed, 3 * i + 2);
     points.faces[i] = static_cast<std::uint32_t>(found - area_up_to.begin());
-    const Triangle& t = mesh.triangles[points.faces[i]];
-    points.positions[i] =
-        (1 - root) * mesh.positions[t[0]] + root * (1 - across) * mesh.positions[t[1]] + root * across * mesh.positions[t[2]];
+    points.positions[i] = place_in_face(mesh, points.faces[i], random_unit(seed, 3 * i + 1), random_unit(seed, 3 * i + 2));
   }
   return points;
 }

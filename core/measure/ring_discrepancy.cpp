@@ -79,6 +79,16 @@ class Grower {
 
 }  // namespace
 
+std::vector<double> ring_set_sizes(std::uint64_t most) {
+  std::vector<double> sizes;
+  for (int l = 1; l <= 20; ++l) {
+    for (const std::uint64_t n : {std::uint64_t{2} << (l - 1), std::uint64_t{3} << (l - 1)}) {
+      if (n <= most) sizes.push_back(static_cast<double>(n));
+    }
+  }
+  return sizes;
+}
+
 std::vector<Discrepancy> ring_discrepancy(const TriangleMesh& mesh, std::span<const std::vector<std::uint32_t>> sets,
                                           const RingDiscrepancyOptions& options, const ExecutionContext& context) {
   const std::size_t set_count = sets.size();

@@ -11,6 +11,9 @@
 
 namespace curvecast {
 
+/// Returns the numbers of samples of the paper's test that are at most `most`: 2^l and 2^l + 2^(l - 1), l = 1 .. 20, ascending.
+std::vector<double> ring_set_sizes(std::uint64_t most);
+
 struct RingDiscrepancyOptions {
   int regions = 256;       // seed triangles, chosen at random, >= 1
   std::uint64_t seed = 0;  // of the choice

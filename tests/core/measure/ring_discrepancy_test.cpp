@@ -53,6 +53,15 @@ double rms_gradient(const Sets& sets, const std::vector<Discrepancy>& found) {
   return log_log_gradient(x, y);
 }
 
+TEST(RingSetSizes, AreThePapersForty) {
+  const std::vector<double> sizes = ring_set_sizes(4'000'000);
+  ASSERT_EQ(sizes.size(), 40u);
+  EXPECT_EQ(sizes.front(), 2);
+  EXPECT_EQ(sizes.back(), 1'572'864);
+  EXPECT_TRUE(std::is_sorted(sizes.begin(), sizes.end()));
+  EXPECT_EQ(ring_set_sizes(13), (std::vector<double>{2, 3, 4, 6, 8, 12}));
+}
+
 TEST(RingDiscrepancy, OfRandomSamplesFallsWithTheSquareRoot) {
   Sets sets;
   for (std::size_t n = 64; n <= 16'384; n *= 2) {
