@@ -19,9 +19,11 @@ namespace curvecast::cli {
 namespace {
 
 constexpr int kMostCameras = 16;
-constexpr std::array<std::string_view, 4> kSequences = {"jittered", "regular", "vandercorput", "golden"};
+// On a line Niederreiter's sequence in base 2 is van der Corput's: two names of one.
+constexpr std::array<std::string_view, 5> kSequences = {"jittered", "regular", "vandercorput", "golden", "niederreiter"};
 constexpr std::array<v1::Sequence, kSequences.size()> kSequenceValues = {v1::SEQUENCE_JITTERED, v1::SEQUENCE_REGULAR,
-                                                                         v1::SEQUENCE_VAN_DER_CORPUT, v1::SEQUENCE_GOLDEN_RATIO};
+                                                                         v1::SEQUENCE_VAN_DER_CORPUT, v1::SEQUENCE_GOLDEN_RATIO,
+                                                                         v1::SEQUENCE_VAN_DER_CORPUT};
 
 constexpr std::array<std::string_view, 2> kSamplers = {"equalised", "progressive"};
 constexpr char kProgressive[] = "progressive";
@@ -74,7 +76,9 @@ CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
       ->add_option(
           "--sequence", flags->sequence,
           "of the equalised sampler, placement along the curve: jittered (the default: low discrepancy without a pattern), "
-          "regular, or endless sequences, of which more points add to fewer: vandercorput or golden")
+          "regular, or endless sequences, of which more points add to fewer: vandercorput (or niederreiter, which in one "
+          "dimension and base 2 is "
+          "the same) or golden")
       ->check(validator([](const std::string& text) { return check_choice("sequence", text, kSequences); }, ""))
       ->type_name("NAME");
   return count;

@@ -131,9 +131,19 @@ TEST_F(CliTest, SampleWritesExactlyNPointsOnTheSphere) {
 }
 
 TEST_F(CliTest, SampleWithoutOutputOnlyMeasures) {
-  for (const char* sequence : {"regular", "vandercorput", "golden"}) {
+  for (const char* sequence : {"regular", "vandercorput", "golden", "niederreiter"}) {
     EXPECT_EQ(run_json({"sample", sphere_, "-n", "1", "--sequence", sequence})["sequence"], sequence);
   }
+}
+
+TEST_F(CliTest, NiederreiterIsAnotherNameOfVanDerCorput) {
+  const auto sample = [&](const std::string& sequence) {
+    const std::string path = temporary(sequence + ".xyz");
+    run_json({"sample", sphere_, "-n", "500", "--seed", "7", "--sequence", sequence, "-o", path});
+    return bytes_of(path);
+  };
+  EXPECT_EQ(sample("niederreiter"), sample("vandercorput"));
+  EXPECT_NE(sample("niederreiter"), sample("golden"));
 }
 
 TEST_F(CliTest, TheSameSeedGivesTheSameBytes) {

@@ -13,6 +13,8 @@ from curvecast.errors import Error
 from curvecast.points import HAS_DRACO
 from curvecast.v1 import curvecast_pb2 as v1
 
+_OTHER_NAMES = {"niederreiter": "van_der_corput"}  # in one dimension and base 2 both are one sequence
+
 
 @dataclasses.dataclass(frozen=True)
 class Camera:
@@ -48,7 +50,7 @@ class View:
     #: equalised, or progressive: fixed positions and ranks, more even, small deltas. None: progressive in a stream and where ranks
     #: are asked for, unless `sequence` is another than jittered; else equalised
     sampler: str | None = None
-    sequence: str = "jittered"  #: or regular, van_der_corput, golden_ratio; of the equalised sampler
+    sequence: str = "jittered"  #: or regular, van_der_corput (also: niederreiter), golden_ratio; of the equalised sampler
     seed: int = 0  #: of the equalised sampler; that of the progressive one is the session's
     #: of curvatures, directions, scalars (the mesh's named values), rank (progressive sampler only), surface (faces, barycentric)
     attributes: Sequence[str] = ()
@@ -72,7 +74,7 @@ class View:
             cameras=[camera.to_proto() for camera in cameras],
             seed=self.seed,
             encoding=self._encoding(),
-            sequence=enum_name(v1.Sequence, "SEQUENCE", self.sequence),
+            sequence=enum_name(v1.Sequence, "SEQUENCE", _OTHER_NAMES.get(self.sequence, self.sequence)),
             sampler=enum_name(v1.Sampler, "SAMPLER", self._sampler(in_stream)),
             attributes=[enum_name(v1.PointAttribute, "POINT_ATTRIBUTE", name) for name in self.attributes],
         )

@@ -42,6 +42,13 @@ class SessionTest(ServerTest):
             np.testing.assert_array_equal(present(one.radii), present(other.radii))
         self.assertFalse(np.array_equal(self.session.sample(1000, seed=1).positions, self.session.sample(1000, seed=2).positions))
 
+    def test_niederreiter_is_another_name_of_van_der_corput(self) -> None:
+        one, other = (View(10, sequence=name).to_proto() for name in ("niederreiter", "van_der_corput"))
+        self.assertEqual(one, other)
+        self.assertEqual(one.sequence, v1.SEQUENCE_VAN_DER_CORPUT)
+        with self.assertRaisesRegex(ValueError, "jittered, regular, van_der_corput"):
+            View(10, sequence="halton").to_proto()
+
     def test_the_progressive_samplers_seed_is_the_sessions(self) -> None:
         mesh = self.client.upload_bytes("seeded.obj", sphere_obj(8).encode())
         one, other = (self.client.open(mesh, 1000, seed=seed) for seed in (0, 1))
