@@ -25,8 +25,8 @@ struct DiscrepancyBenchOptions {
 /// sample elimination: ball discrepancy relative to random points, relative radius among points on the same side, coverage
 /// radius, for sets of 1,024 points and more, on the powers of four and between. Then the paper's test (section 4.2), without the
 /// last two, and with a density of the samplers alone: the discrepancy over rings of triangles for 2^l and 2^l + 2^(l-1) points,
-/// l = 1 to 20, up to ring_points, and the power of N by which it falls: -1/2 of random points. Errors as of preprocess() and
-/// resample().
+/// l = 1 to 20, up to ring_points, and the power of N by which it falls, -1/2 of random points: see ring_test(). Errors as of
+/// preprocess() and resample().
 absl::StatusOr<BenchReport> bench_discrepancy(const MeshFile& file, const DiscrepancyBenchOptions& options,
                                               const ExecutionContext& context);
 

@@ -1,5 +1,6 @@
 #include "client/bench/peers/ring_test.h"
 
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -7,8 +8,11 @@
 
 namespace curvecast::cli::bench {
 
-absl::StatusOr<RingTest> ring_test(Sampler& sampler, const Sampling& sampling, std::span<const double> sizes,
-                                   const RingDiscrepancyOptions& options, const ExecutionContext& context) {
+namespace {
+
+/// The discrepancies of one set of each size.
+absl::StatusOr<std::vector<Discrepancy>> run_once(Sampler& sampler, const Sampling& sampling, std::span<const double> sizes,
+                                                  const RingDiscrepancyOptions& options, const ExecutionContext& context) {
   std::vector<std::vector<std::uint32_t>> sets;
   for (const double n : sizes) {
     context.progress(sampling.name, static_cast<double>(sets.size()) / static_cast<double>(sizes.size()));
@@ -17,12 +21,27 @@ absl::StatusOr<RingTest> ring_test(Sampler& sampler, const Sampling& sampling, s
     if (!set.ok()) return set.status();
     sets.push_back(std::move(set->faces));
   }
-  RingTest test;
-  for (const Discrepancy& d : ring_discrepancy(sampler.preprocessed().flattened->loaded.mesh, sets, options, context)) {
-    test.rms.push_back(d.rms);
-    test.max.push_back(d.max);
-  }
+  std::vector<Discrepancy> found = ring_discrepancy(sampler.preprocessed().flattened->loaded.mesh, sets, options, context);
   if (absl::Status status = context.check(); !status.ok()) return status;
+  return found;
+}
+
+}  // namespace
+
+absl::StatusOr<RingTest> ring_test(Sampler& sampler, const Sampling& sampling, std::span<const double> sizes,
+                                   const RingDiscrepancyOptions& options, const ExecutionContext& context) {
+  const int runs = sampling.kind == Sampling::kProgressive ? 1 : kRingRuns;
+  RingTest test{std::vector<double>(sizes.size()), std::vector<double>(sizes.size())};
+  for (int run = 0; run < runs; ++run) {
+    Sampler other = sampler.with_seed(sampler.seed() + static_cast<std::uint64_t>(run));
+    const auto found = run_once(run == 0 ? sampler : other, sampling, sizes, options, context);
+    if (!found.ok()) return found.status();
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+      test.rms[i] += (*found)[i].rms * (*found)[i].rms / runs;
+      test.max[i] += (*found)[i].max / runs;
+    }
+  }
+  for (double& rms : test.rms) rms = std::sqrt(rms);
   test.rms_gradient = log_log_gradient(sizes, test.rms);
   test.max_gradient = log_log_gradient(sizes, test.max);
   return test;

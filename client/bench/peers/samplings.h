@@ -59,6 +59,9 @@ class Sampler {
   absl::StatusOr<SampleSet> sample(const Sampling& sampling, std::uint64_t n, const ExecutionContext& context);
 
   const Preprocessed& preprocessed() const { return made_; }
+  std::uint64_t seed() const { return seed_; }
+  /// Returns one of the same curve and density.
+  Sampler with_seed(std::uint64_t seed) const { return {made_, density_, most_points_, seed}; }
 
  private:
   absl::Status prepare_ranks(const ExecutionContext& context);
