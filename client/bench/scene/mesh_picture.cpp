@@ -11,7 +11,10 @@ namespace curvecast::cli::bench {
 namespace {
 
 constexpr double kNear = 1e-6;  // of the distance from eye to target: nothing nearer is drawn
-constexpr std::array<std::uint8_t, 3> kClay = {196, 178, 160}, kBackground = {238, 240, 243};
+constexpr std::array<std::uint8_t, 3> kClay = {196, 178, 160}, kBackground = {238, 240, 243}, kLine = {92, 97, 112};
+constexpr std::array<std::uint8_t, 3> kPale = {232, 228, 222};  // under lines
+constexpr int kSamplesAcross = 3;                               // of a pixel with lines
+constexpr double kLineWidth = 0.7;                              // pixels
 
 /// A face in eye coordinates (right, up, depth), cut off at the near plane: at most four corners.
 struct Cut {
@@ -31,8 +34,13 @@ Cut cut_at(double near, const std::array<Vec3d, 3>& face) {
 
 class Canvas {
  public:
-  Canvas(int width, int height, double pixels)
-      : width_(width), height_(height), pixels_(pixels), inverse_depth_(static_cast<std::size_t>(width * height), 0.0) {
+  /// `line_width`: of the sides of triangles, pixels; 0: they are not drawn.
+  Canvas(int width, int height, double pixels, double line_width)
+      : width_(width),
+        height_(height),
+        pixels_(pixels),
+        half_line_(0.5 * line_width),
+        inverse_depth_(static_cast<std::size_t>(width * height), 0.0) {
     picture_.image = {width, height, {}};
     for (int i = 0; i < width * height; ++i) {
       picture_.image.rgba.insert(picture_.image.rgba.end(), {kBackground[0], kBackground[1], kBackground[2], 255});
@@ -47,6 +55,9 @@ class Canvas {
     };
     const double area = cross(p[0], p[1], p[2].x(), p[2].y());
     if (!(std::abs(area) > 0)) return;
+    // Heights over the sides, by which a place's weights become its distances from them.
+    std::array<double, 3> heights;
+    for (std::size_t i = 0; i < 3; ++i) heights[i] = std::abs(area) / (p[(i + 2) % 3] - p[(i + 1) % 3]).head<2>().norm();
     const auto [left, right] = std::minmax({p[0].x(), p[1].x(), p[2].x()});
     const auto [top, bottom] = std::minmax({p[0].y(), p[1].y(), p[2].y()});
     const int x_begin = first(left, width_), x_end = first(right, width_);
@@ -57,7 +68,8 @@ class Canvas {
         const double u = cross(p[1], p[2], x, y) / area, v = cross(p[2], p[0], x, y) / area, w = 1 - u - v;
         if (u < 0 || v < 0 || w < 0) continue;
         put(static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column),
-            u * p[0].z() + v * p[1].z() + w * p[2].z(), light);
+            u * p[0].z() + v * p[1].z() + w * p[2].z(), light,
+            std::min({u * heights[0], v * heights[1], w * heights[2]}) < half_line_);
       }
     }
   }
@@ -74,26 +86,28 @@ class Canvas {
     return static_cast<int>(std::clamp(std::ceil(x - 0.5), 0.0, static_cast<double>(size)));
   }
 
-  void put(std::size_t pixel, double inverse_depth, double light) {
+  void put(std::size_t pixel, double inverse_depth, double light, bool is_line) {
     if (inverse_depth <= inverse_depth_[pixel]) return;
     inverse_depth_[pixel] = inverse_depth;
     picture_.covered[pixel] = 1;
-    for (std::size_t c = 0; c < 3; ++c) picture_.image.rgba[4 * pixel + c] = static_cast<std::uint8_t>(light * kClay[c]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double lit = light * (half_line_ > 0 ? kPale[c] : kClay[c]);
+      picture_.image.rgba[4 * pixel + c] = is_line ? kLine[c] : static_cast<std::uint8_t>(lit);
+    }
   }
 
   int width_, height_;
-  double pixels_;  // of a length of 1 at depth 1
+  double pixels_;     // of a length of 1 at depth 1
+  double half_line_;  // pixels
   std::vector<double> inverse_depth_;
   MeshPicture picture_;
 };
 
-}  // namespace
-
-MeshPicture draw_mesh(const TriangleMesh& mesh, const RenderCamera& camera, int width, int height) {
+MeshPicture draw(const TriangleMesh& mesh, const RenderCamera& camera, int width, int height, double line_width) {
   const Vec3d forward = (camera.target - camera.eye).normalized(), right = forward.cross(camera.up).normalized();
   const Vec3d up = right.cross(forward);
   const double near = kNear * (camera.target - camera.eye).norm();
-  Canvas canvas(width, height, 0.5 * height / std::tan(camera.vertical_fov_degrees * std::numbers::pi / 360));
+  Canvas canvas(width, height, 0.5 * height / std::tan(camera.vertical_fov_degrees * std::numbers::pi / 360), line_width);
   for (const Triangle& triangle : mesh.triangles) {
     std::array<Vec3d, 3> face;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -107,6 +121,33 @@ MeshPicture draw_mesh(const TriangleMesh& mesh, const RenderCamera& camera, int 
     for (std::size_t i = 2; i < cut.count; ++i) canvas.draw(cut.corners[0], cut.corners[i - 1], cut.corners[i], light);
   }
   return std::move(canvas).take();
+}
+
+/// The means of squares of kSamplesAcross pixels.
+Image averaged(const Image& fine) {
+  Image image{fine.width / kSamplesAcross, fine.height / kSamplesAcross, {}};
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      std::array<int, 4> sum{};
+      for (int i = 0; i < kSamplesAcross * kSamplesAcross; ++i) {
+        const int row = kSamplesAcross * y + i / kSamplesAcross, column = kSamplesAcross * x + i % kSamplesAcross;
+        const std::uint8_t* const pixel = &fine.rgba[4 * static_cast<std::size_t>(row * fine.width + column)];
+        for (std::size_t c = 0; c < 4; ++c) sum[c] += pixel[c];
+      }
+      for (const int value : sum) image.rgba.push_back(static_cast<std::uint8_t>(value / (kSamplesAcross * kSamplesAcross)));
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+MeshPicture draw_mesh(const TriangleMesh& mesh, const RenderCamera& camera, int width, int height) {
+  return draw(mesh, camera, width, height, 0);
+}
+
+Image draw_wireframe(const TriangleMesh& mesh, const RenderCamera& camera, int width, int height) {
+  return averaged(draw(mesh, camera, kSamplesAcross * width, kSamplesAcross * height, kSamplesAcross * kLineWidth).image);
 }
 
 }  // namespace curvecast::cli::bench

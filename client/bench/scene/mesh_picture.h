@@ -18,4 +18,8 @@ struct MeshPicture {
 /// Draws a mesh through the middles of width x height pixels, by a depth buffer. Both sides of faces are seen.
 MeshPicture draw_mesh(const TriangleMesh& mesh, const RenderCamera& camera, int width, int height);
 
+/// Draws a mesh with the sides of its triangles as thin lines, without those that are hidden, smooth: several samples for each
+/// pixel.
+Image draw_wireframe(const TriangleMesh& mesh, const RenderCamera& camera, int width, int height);
+
 }  // namespace curvecast::cli::bench

@@ -47,6 +47,22 @@ TEST(MeshPicture, DrawsFacesThatReachBehindTheEye) {
   EXPECT_EQ(picture.covered[20 * 40], 1);
 }
 
+TEST(Wireframe, ShowsTheSidesOfTrianglesThatCanBeSeen) {
+  const RenderCamera camera{.eye = Vec3d(0.5, 0.5, 3), .target = Vec3d(0.5, 0.5, 0), .vertical_fov_degrees = 25};
+  const PolygonSoup square = shapes::square(1);
+  const Image image = draw_wireframe(shapes::make_mesh(square), camera, 120, 120);
+  const auto red = [&](int x, int y) { return int{image.rgba[static_cast<std::size_t>(4 * (120 * y + x))]}; };
+  const int face = red(60, 45);
+  EXPECT_LT(std::min(red(60, 60), red(59, 60)), 0.9 * face);  // the diagonal, whichever it is
+  EXPECT_EQ(red(75, 60), face);
+  EXPECT_GT(red(2, 2), face);  // the background
+  // Finer triangles behind it are hidden; before it they are not.
+  const PolygonSoup fine = shapes::translated(shapes::scaled(shapes::square(9), 0.5), Vec3d(0.25, 0.25, -1));
+  EXPECT_EQ(draw_wireframe(shapes::make_mesh(shapes::merged(square, fine)), camera, 120, 120).rgba, image.rgba);
+  const PolygonSoup nearer = shapes::translated(fine, Vec3d(0, 0, 2));
+  EXPECT_NE(draw_wireframe(shapes::make_mesh(shapes::merged(square, nearer)), camera, 120, 120).rgba, image.rgba);
+}
+
 /// Points of a ball about (0, 0, 0) at all latitudes, with discs that overlap, where z > least.
 client::Points ball_points(float least) {
   client::Points points;
