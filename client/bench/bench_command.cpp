@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -19,6 +20,9 @@
 #include "client/bench/growth.h"
 #include "client/bench/local_mesh.h"
 #include "client/bench/mappers.h"
+#include "client/bench/paper/paper_bench.h"
+#include "client/bench/paper/paper_files.h"
+#include "client/bench/paper/paper_json.h"
 #include "client/bench/preprocess_bench.h"
 #include "client/bench/remesh_bench.h"
 #include "client/bench/sample_bench.h"
@@ -33,7 +37,7 @@ namespace curvecast::cli::bench {
 namespace {
 
 /// What a benchmark does once its flags are parsed.
-using Run = std::function<absl::Status(const CommonOptions& common, ExecutionContext context)>;
+using Run = std::function<absl::Status(const CommonOptions& common, ExecutionContext context, const std::stop_token& stop)>;
 
 struct Benchmark {
   const char* name;
@@ -108,8 +112,9 @@ Run add_corpus(CLI::App& app) {
           ""))
       ->type_name("FILE");
   add_points(app, &flags->corpus.points, "points of the sample, and N of the curve");
-  return
-      [flags](const CommonOptions& common, const ExecutionContext& context) { return run_corpus_bench(*flags, common, context); };
+  return [flags](const CommonOptions& common, const ExecutionContext& context, const std::stop_token&) {
+    return run_corpus_bench(*flags, common, context);
+  };
 }
 
 template <typename Options>
@@ -120,7 +125,7 @@ template <typename Options>
 Run on_mesh(CLI::App& app, std::shared_ptr<Options> options, Measure<Options> measure) {
   const auto path = std::make_shared<std::string>();
   app.add_option("MESH", *path, kMeshHelp)->required();
-  return [path, options, measure](const CommonOptions& common, ExecutionContext context) {
+  return [path, options, measure](const CommonOptions& common, ExecutionContext context, const std::stop_token&) {
     absl::StatusOr<LocalMesh> mesh = LocalMesh::read(*path);
     if (!mesh.ok()) return mesh.status();
     const std::string name = std::filesystem::path(*path).filename().string();
@@ -254,7 +259,54 @@ Run add_zoom(CLI::App& app) {
   return on_mesh(app, options, bench_zoom);
 }
 
+struct PaperFlags {
+  std::vector<std::string> meshes;
+  std::string out = "paper";
+  PaperBenchOptions paper;
+};
+
+absl::Status run_paper_bench(const PaperFlags& flags, const CommonOptions& common, ExecutionContext context,
+                             const std::stop_token& stop) {
+  if (absl::Status status = prepare_paper_folder(flags.out); !status.ok()) return status;
+  std::deque<LocalMesh> meshes;
+  std::deque<std::string> names;
+  std::vector<PaperInput> inputs;
+  for (const std::string& path : flags.meshes) {
+    absl::StatusOr<LocalMesh> mesh = LocalMesh::read(path);
+    if (!mesh.ok()) return mesh.status();
+    names.push_back(std::filesystem::path(path).filename().string());
+    inputs.push_back({path, meshes.emplace_back(*std::move(mesh)).file(names.back())});
+  }
+  ProgressBar bar(progress_style(common.quiet), "paper");
+  context.on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
+  PaperBenchOptions options = flags.paper;
+  options.machine = machine_name();
+  const absl::StatusOr<PaperFindings> findings = bench_paper(inputs, options, common, context, stop);
+  bar.finish();
+  if (!findings.ok()) return findings.status();
+  if (absl::Status status = write_paper_files(flags.out, *findings); !status.ok()) return status;
+  return common.json ? print_json(paper_json(*findings)) : print_text(paper_summary(flags.out, *findings));
+}
+
+Run add_paper(CLI::App& app) {
+  const auto flags = std::make_shared<PaperFlags>();
+  app.add_option("MESH", flags->meshes,
+                 "meshes; the paper's own numbers stand beside those with igea, squirrel, lion or caesar in their names");
+  app.add_option("--out", flags->out, "the folder for paper.html and paper.json; made if missing")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app.add_flag("--quick", flags->paper.quick, "far fewer points, small pictures: seconds instead of minutes");
+  return [flags](const CommonOptions& common, const ExecutionContext& context, const std::stop_token& stop) {
+    return run_paper_bench(*flags, common, context, stop);
+  };
+}
+
 constexpr Benchmark kBenchmarks[] = {
+    {"paper", "[MESH...]", "every table and figure of the paper on one page, ours beside its numbers",
+     "Measures and draws tables 1 and 2 and figures 1 to 9 of the paper, ours as it comes and with the paper's own ways, beside "
+     "the paper's numbers, and writes them as one page that needs nothing else, with a JSON file of the numbers beside it. Takes "
+     "about three minutes for each mesh of the paper; without a mesh it has what needs none.",
+     add_paper},
     {"corpus", "DIR", "every mesh of a folder through all of preprocessing, checked",
      "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
      "Ends with status 0 only if every file that holds a triangle with an area came through: no flipped triangle, the whole area "
@@ -327,10 +379,10 @@ absl::Status run(bool list, const Run& chosen, const CommonOptions& common, cons
   context.cancel = &cancel;
   context.threads = common.threads;
   if (common.memory > 0) {
-    const absl::Status status = keep_memory_within(common.memory, server::scratch_folder({}));
+    absl::Status status = keep_memory_within(common.memory, server::scratch_folder({}));
     if (!status.ok()) return status;
   }
-  return chosen(common, context);
+  return chosen(common, context, stop);
 }
 
 }  // namespace
@@ -342,7 +394,8 @@ Command add_benchmarks(CLI::App& root, CommonOptions& options) {
       "parameteriser; a whole folder of meshes, checked; growth with the number of faces; the curve, the alternatives to "
       "its mapper and area elements, point sets.",
       {"curvecast bench --list", "curvecast bench preprocess igea.ply --repeat 5",
-       "curvecast bench corpus meshes --out corpus.md", "curvecast bench growth igea.ply --json"});
+       "curvecast bench corpus meshes --out corpus.md", "curvecast bench paper igea.ply squirrel.obj --out paper",
+       "curvecast bench growth igea.ply --json"});
   const auto list = std::make_shared<bool>(false);
   app->add_flag("--list", *list, "the benchmarks there are");
   const auto chosen = std::make_shared<Run>();

@@ -27,11 +27,6 @@ std::vector<Vec3f> to_vectors(const std::vector<std::array<float, 3>>& values) {
   return vectors;
 }
 
-/// In coordinates relative to `origin`.
-RenderCamera to_render_camera(const v1::Camera& camera, const Vec3d& origin) {
-  return {to_vec(camera.eye()) - origin, to_vec(camera.target()) - origin, to_vec(camera.up()), camera.vertical_fov_degrees()};
-}
-
 float diameter(const Size& size, double across) {
   return static_cast<float>(std::clamp(std::max(size.width, size.height) / across, 1.0, 64.0));
 }
@@ -142,6 +137,10 @@ struct Maker {
 };
 
 }  // namespace
+
+RenderCamera to_render_camera(const v1::Camera& camera, const Vec3d& origin) {
+  return {to_vec(camera.eye()) - origin, to_vec(camera.target()) - origin, to_vec(camera.up()), camera.vertical_fov_degrees()};
+}
 
 absl::StatusOr<Scene> load_scene(const RenderFlags& flags, const Size& size) {
   absl::StatusOr<client::Points> points = load_points(flags.input);

@@ -44,6 +44,9 @@ absl::StatusOr<Scene> load_scene(const RenderFlags& flags, const Size& size);
 /// What flags.what says of a mesh: surface, samples, mesh, cut or surface-curve.
 absl::StatusOr<Scene> make_scene(const RenderFlags& flags, const CommonOptions& options, const Size& size, std::stop_token stop);
 
+/// In coordinates relative to `origin`.
+RenderCamera to_render_camera(const v1::Camera& camera, const Vec3d& origin);
+
 absl::StatusOr<Image> draw_scene(const Scene& scene, const Size& size);
 
 /// The options of the session whose curve --what curve and surface-curve show.

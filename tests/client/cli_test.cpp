@@ -272,6 +272,12 @@ TEST_F(CliTest, BenchMeasuresWithoutAServer) {
   EXPECT_THAT(bytes_of(table), HasSubstr("| sphere.off | passed |"));
   std::ofstream(meshes + "/broken.off") << "OFF\n1";
   EXPECT_EQ(run({"bench", "corpus", meshes, "-n", "500"}).status, 3);
+  const std::string paper = temporary("paper");
+  EXPECT_THAT(run({"bench", "paper", "--quick", "--quiet", "--out", paper}).out, HasSubstr(paper + "/paper.html"));
+  EXPECT_THAT(bytes_of(paper + "/paper.html"), HasSubstr("Figure"));
+  EXPECT_EQ(json::parse(bytes_of(paper + "/paper.json"))["quick"], true);
+  expect_failure({"bench", "paper", temporary("missing.off"), "--out", paper}, 3, "missing.off");
+  expect_failure({"bench", "paper", "--quick", "--out", sphere_}, 3, sphere_);
   expect_failure({"bench", "growth", sphere_, "--server", "127.0.0.1:1"}, 3, "--server");
   expect_failure({"bench"}, 2, "name a benchmark");
   expect_failure({"bench", "fly"}, 2, "");

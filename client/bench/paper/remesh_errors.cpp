@@ -1,0 +1,73 @@
+#include "client/bench/paper/remesh_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/bench/paper/ways.h"
+#include "core/measure/hausdorff.h"
+#include "core/mesh/pair_halfedges.h"
+
+namespace curvecast::cli::bench {
+namespace {
+
+/// A row of the table for each percentage.
+struct RemeshWay {
+  const char* name;
+  Way session;
+  const char* density;
+  const char* sampler;
+};
+constexpr RemeshWay kRemeshWays[] = {
+    {"literal", kLiteral, "curvature:kind=gauss,floor=0", "equalised"},          // strictly |Gaussian curvature|
+    {"defaults", kDefaults, "curvature:kind=max,exponent=0.5", "progressive"}};  // what `curvecast remesh` does
+
+RemeshError error_between(const TriangleMesh& original, const TriangleMesh& remeshed, std::uint64_t samples,
+                          const ExecutionContext& context) {
+  const HausdorffDistance distance = hausdorff_distance(original, remeshed, {.samples = samples}, context);
+  const double percent = 100 / bounding_box(original).diagonal();
+  const auto larger = [&](double SurfaceDistance::*value) {
+    return percent * std::max(distance.forward.*value, distance.backward.*value);
+  };
+  RemeshError error;
+  error.triangles = remeshed.face_count();
+  error.mean = larger(&SurfaceDistance::mean);
+  error.rms = larger(&SurfaceDistance::rms);
+  error.max = larger(&SurfaceDistance::max);
+  return error;
+}
+
+}  // namespace
+
+TriangleMesh to_triangle_mesh(const client::Mesh& mesh) {
+  TriangleMesh out;
+  const Vec3d origin(mesh.vertices.origin.data());
+  for (const auto& [x, y, z] : mesh.vertices.positions) out.positions.emplace_back(origin + Vec3d(x, y, z));
+  out.triangles = mesh.triangles;
+  out.twins = pair_halfedges(out.triangles, out.positions.size()).twins;
+  return out;
+}
+
+absl::StatusOr<std::vector<RemeshError>> measure_remesh_errors(const HostedMesh& hosted, const TriangleMesh& original,
+                                                               std::span<const int> percentages, std::uint64_t samples,
+                                                               const ExecutionContext& context) {
+  std::vector<RemeshError> errors;
+  const double steps = static_cast<double>(std::size(kRemeshWays) * percentages.size());
+  for (const RemeshWay& way : kRemeshWays) {
+    for (const int percent : percentages) {
+      context.progress("remesh", static_cast<double>(errors.size()) / steps);
+      SampleFlags flags;
+      flags.points = static_cast<std::uint64_t>(std::lround(0.005 * percent * static_cast<double>(original.face_count())));
+      flags.density = {way.density};
+      flags.sampler = way.sampler;
+      const absl::StatusOr<client::Mesh> mesh = hosted.remesh(session_flags(way.session), flags);
+      if (!mesh.ok()) return mesh.status();
+      RemeshError& error = errors.emplace_back(error_between(original, to_triangle_mesh(*mesh), samples, context));
+      error.way = way.name;
+      error.percent = percent;
+      if (absl::Status status = context.check(); !status.ok()) return status;
+    }
+  }
+  return errors;
+}
+
+}  // namespace curvecast::cli::bench
