@@ -32,15 +32,15 @@ absl::StatusOr<client::Points> HostedMesh::sample(const SessionFlags& session_fl
   return std::move(decoded->points);
 }
 
-absl::StatusOr<client::Mesh> HostedMesh::remesh(const SessionFlags& session_flags, const SampleFlags& sample) const {
+absl::StatusOr<client::Mesh> HostedMesh::remesh(const SessionFlags& session_flags, const SampleFlags& sample,
+                                                v1::RemeshRequest how) const {
   absl::StatusOr<v1::SampleRequest> wanted = request(sample, nullptr);
   if (!wanted.ok()) return wanted.status();
   const absl::StatusOr<v1::Session> opened = session(session_flags, sample.points);
   if (!opened.ok()) return opened.status();
-  v1::RemeshRequest request;
-  request.set_session_id(opened->session_id());
-  *request.mutable_sample() = *std::move(wanted);
-  return client_.remesh(request, {}, options_.stop);
+  how.set_session_id(opened->session_id());
+  *how.mutable_sample() = *std::move(wanted);
+  return client_.remesh(how, {}, options_.stop);
 }
 
 absl::StatusOr<client::Curve> HostedMesh::curve(SessionFlags flags, std::uint64_t points) const {

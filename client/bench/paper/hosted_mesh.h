@@ -30,7 +30,8 @@ class HostedMesh {
   /// `camera`: of the densities that need one, or null.
   absl::StatusOr<client::Points> sample(const SessionFlags& session, const SampleFlags& sample,
                                         const v1::Camera* camera = nullptr) const;
-  absl::StatusOr<client::Mesh> remesh(const SessionFlags& session, const SampleFlags& sample) const;
+  /// `how`: with the method and what else there is besides the session and the points.
+  absl::StatusOr<client::Mesh> remesh(const SessionFlags& session, const SampleFlags& sample, v1::RemeshRequest how = {}) const;
   /// A curve so coarse that its lines can be told apart: one vertex for each of so many points.
   absl::StatusOr<client::Curve> curve(SessionFlags flags, std::uint64_t points) const;
   absl::StatusOr<client::ParameterMesh> parameter_mesh() const;

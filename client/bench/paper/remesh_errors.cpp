@@ -16,10 +16,15 @@ struct RemeshWay {
   Way session;
   const char* density;
   const char* sampler;
+  v1::RemeshMethod method = v1::REMESH_METHOD_SURFACE;
+  bool fit = false;
 };
 constexpr RemeshWay kRemeshWays[] = {
-    {"literal", kLiteral, "curvature:kind=gauss,floor=0", "equalised"},          // strictly |Gaussian curvature|
-    {"defaults", kDefaults, "curvature:kind=max,exponent=0.5", "progressive"}};  // what `curvecast remesh` does
+    // Strictly |Gaussian curvature|, triangulated in the parameter square.
+    {"literal", kLiteral, "curvature:kind=gauss,floor=0", "equalised", v1::REMESH_METHOD_PARAMETER},
+    {"defaults", kDefaults, "curvature:kind=max,exponent=0.5", "progressive"},  // what `curvecast remesh` does
+    {"fitted", kDefaults, "curvature:kind=max", "progressive", v1::REMESH_METHOD_SURFACE,
+     true}};  // --density curvature:kind=max --fit
 
 RemeshError error_between(const TriangleMesh& original, const TriangleMesh& remeshed, std::uint64_t samples,
                           const ExecutionContext& context) {
@@ -51,15 +56,21 @@ absl::StatusOr<std::vector<RemeshError>> measure_remesh_errors(const HostedMesh&
                                                                std::span<const int> percentages, std::uint64_t samples,
                                                                const ExecutionContext& context) {
   std::vector<RemeshError> errors;
+  double done = 0;
   const double steps = static_cast<double>(std::size(kRemeshWays) * percentages.size());
   for (const RemeshWay& way : kRemeshWays) {
     for (const int percent : percentages) {
-      context.progress("remesh", static_cast<double>(errors.size()) / steps);
+      context.progress("remesh", done++ / steps);
       SampleFlags flags;
       flags.points = static_cast<std::uint64_t>(std::lround(0.005 * percent * static_cast<double>(original.face_count())));
       flags.density = {way.density};
       flags.sampler = way.sampler;
-      const absl::StatusOr<client::Mesh> mesh = hosted.remesh(session_flags(way.session), flags);
+      v1::RemeshRequest how;
+      how.set_method(way.method);
+      how.set_fit(way.fit);
+      const absl::StatusOr<client::Mesh> mesh = hosted.remesh(session_flags(way.session), flags, how);
+      // The paper's method cannot stitch every cut.
+      if (absl::IsInvalidArgument(mesh.status()) && way.method == v1::REMESH_METHOD_PARAMETER) continue;
       if (!mesh.ok()) return mesh.status();
       RemeshError& error = errors.emplace_back(error_between(original, to_triangle_mesh(*mesh), samples, context));
       error.way = way.name;

@@ -1,7 +1,6 @@
 #include "client/bench/peers/samplings.h"
 
 #include <algorithm>
-#include <bit>
 #include <span>
 #include <utility>
 
@@ -11,8 +10,6 @@
 #include "core/base/random.h"
 #include "core/measure/point_cloud.h"
 #include "core/mesh/curvature.h"
-#include "core/pipeline/curve_surface.h"
-#include "core/progressive/sample_ranked.h"
 #include "core/sample/resample.h"
 
 namespace curvecast::cli::bench {
@@ -20,11 +17,6 @@ namespace {
 
 constexpr std::uint64_t kFarthestCandidates = 262'144;
 constexpr std::size_t kEliminationCandidates = 5;  // for each point that stays: Yuksel's
-
-ExecutionContext without_progress(ExecutionContext context) {
-  context.on_progress = nullptr;
-  return context;
-}
 
 }  // namespace
 
@@ -53,29 +45,13 @@ absl::StatusOr<SampleSet> Sampler::sample(const Sampling& sampling, std::uint64_
   return absl::InternalError("a kind of sampling that nobody knows");
 }
 
-absl::Status Sampler::prepare_ranks(const ExecutionContext& context) {
-  auto fixed = make_fixed_density(*made_.curve, density_.terms);
-  if (!fixed.ok()) return fixed.status();
-  const int level = std::clamp((static_cast<int>(std::bit_width(most_points_ - 1)) + 1) / 2, kChunkLevels, kMaxLevelAtOnce);
-  auto grower = RankGrower::make(leaf_surface(made_), {.level = level}, without_progress(context));
-  if (!grower.ok()) return grower.status();
-  fixed_ = *std::move(fixed);
-  grower_ = *std::move(grower);
-  return absl::OkStatus();
-}
-
 absl::StatusOr<PointSet> Sampler::ranked(std::uint64_t n, const ExecutionContext& context) {
-  if (grower_ == nullptr) {
-    if (absl::Status status = prepare_ranks(context); !status.ok()) return status;
+  if (!progressive_) {
+    absl::StatusOr<ProgressivePoints> made = ProgressivePoints::make(made_, most_points_, 0, context);
+    if (!made.ok()) return made.status();
+    progressive_ = *std::move(made);
   }
-  RankedWorkspace workspace;
-  while (true) {
-    absl::Status status = sample_ranked(*made_.curve, grower_->tree(), fixed_.get(), density_, n, workspace);
-    if (!status.ok()) return status;
-    if (workspace.selection.lacking.empty()) return std::move(workspace.points);
-    status = grower_->grow(workspace.selection.most_lacking(), 8 * kMaxPoints, without_progress(context));
-    if (!status.ok()) return status;
-  }
+  return progressive_->sample(density_, n, context);
 }
 
 /// The first n in farthest-point order of even candidates, four or more for each point of the largest set.

@@ -4,15 +4,14 @@
 #include <absl/status/statusor.h>
 
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <vector>
 
+#include "client/bench/points/progressive_points.h"
 #include "core/base/execution_context.h"
 #include "core/density/density.h"
-#include "core/density/fixed_density.h"
 #include "core/measure/random_surface_points.h"
 #include "core/pipeline/pipeline.h"
-#include "core/progressive/grow_ranks.h"
 #include "core/sample/point_set.h"
 #include "core/sample/sequence.h"
 
@@ -64,7 +63,6 @@ class Sampler {
   Sampler with_seed(std::uint64_t seed) const { return {made_, density_, most_points_, seed}; }
 
  private:
-  absl::Status prepare_ranks(const ExecutionContext& context);
   absl::StatusOr<PointSet> ranked(std::uint64_t n, const ExecutionContext& context);
   absl::StatusOr<SampleSet> farthest(std::uint64_t n);
   absl::StatusOr<SampleSet> elimination(std::size_t n, std::uint64_t seed, const ExecutionContext& context) const;
@@ -74,8 +72,7 @@ class Sampler {
   Preprocessed made_;
   Density density_;
   std::uint64_t most_points_, seed_;
-  std::shared_ptr<const FixedDensity> fixed_;  // of ranked points, as the grower
-  std::unique_ptr<RankGrower> grower_;
+  std::optional<ProgressivePoints> progressive_;
   PointSet candidates_;  // of farthest()
   std::vector<std::uint32_t> order_;
 };
