@@ -20,9 +20,11 @@ COLUMNS: Columns = {"counts": ("<u4", 1), "indices": ("<u4", 1), "distances": ("
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Neighbours:
-    """The neighbours of N points, straight through space. Of the k nearest, `indices` and `distances` have the shape (N, k), nearest
-    first; k is less than was asked for where there are fewer other points. Of all within a radius, they have the shape (P,), the
-    lists of all points one after the other, each by index: `starts` tells where they begin, as scipy.sparse.csr_array has it."""
+    """The neighbours of N points, straight through space.
+
+    Of the k nearest, `indices` and `distances` have the shape (N, k), the nearest first; k is less than was asked for
+    where there are fewer other points. Of all within a radius, they have the shape (P,), the lists of all points one
+    after the other, each by index: `starts` tells where they begin, as scipy.sparse.csr_array has it."""
 
     points: Points
     indices: npt.NDArray[np.uint32]  #: among the points

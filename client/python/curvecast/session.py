@@ -9,6 +9,7 @@ from typing import Any
 
 from curvecast.connection import Connection, OnProgress, told
 from curvecast.curve import Curve, decode_curve
+from curvecast.density import enum_name
 from curvecast.errors import bad_answer
 from curvecast.neighbours import Neighbours, decode_neighbours
 from curvecast.points import Points, decode_blocks
@@ -103,7 +104,7 @@ class Session:
             relaxations=relaxations,
             fit=fit,
             feature_degrees=feature_degrees,
-            method=v1.RemeshMethod.Value(f"REMESH_METHOD_{method.upper()}"),
+            method=enum_name(v1.RemeshMethod, "REMESH_METHOD", method),
         )
         return self._connection.read_stream("Remesh", request, self._connection.long_timeout, decode_mesh)
 
