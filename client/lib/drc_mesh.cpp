@@ -47,7 +47,7 @@ draco::Status encode(const Mesh& from, const DrcOptions& options, std::string& o
   encoder.SetAttributeQuantization(position, options.position_bits);
   if (normal >= 0) encoder.SetAttributeQuantization(normal, options.normal_bits);
   draco::EncoderBuffer buffer;
-  const draco::Status status = encoder.EncodeToBuffer(&buffer);
+  draco::Status status = encoder.EncodeToBuffer(&buffer);
   out.assign(buffer.data(), buffer.size());
   return status;
 }

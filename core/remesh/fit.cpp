@@ -83,9 +83,9 @@ class Fitter {
       // There and back, so that each is next to the one before.
       const int row = parts - i;
       for (int k = 0; k < 2 * row - 1; ++k) {
-        const int j = i % 2 == 0 ? k : 2 * row - 2 - k;
+        const int j = i % 2 == 0 ? k : 2 * row - 2 - k, column = j / 2;
         const double third = j % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
-        add(j / 2 + third, i + third);
+        add(column + third, i + third);
       }
     }
     return weights;
