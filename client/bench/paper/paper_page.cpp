@@ -164,8 +164,12 @@ void add_table_2(const PaperFindings& findings, std::string& page) {
   page +=
       "</table>\n<p class=\"note\">Distances are in % of the diagonal of the original's box: mean / RMS / maximum, of both "
       "directions the larger; the paper does not say which of them it has. Percentages are of the original's triangles. "
-      "Literal: vertices strictly by |Gaussian curvature|, jittered; defaults: by the square root of the larger principal "
-      "curvature, progressive. Random in each triangle is what the paper's section 4.2 describes: where there are more points "
+      "Literal: vertices strictly by |Gaussian curvature|, jittered, triangulated in the parameter square; nothing where its "
+      "cuts "
+      "cannot be stitched. Defaults: by the square root of the larger principal curvature, progressive; fitted: by that "
+      "curvature, "
+      "moved to where triangles come nearest to the surface. Random in each triangle is what the paper's section 4.2 describes: "
+      "where there are more points "
       "than triangles it is stratified by the very triangles that the rings are made of.</p>\n";
 }
 
