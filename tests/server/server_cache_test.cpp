@@ -235,7 +235,8 @@ TEST_F(ServerCache, TwoServersShareOneFolder) {
 TEST_F(ServerCache, GoesOnServingWhenTheFolderIsGone) {
   const auto stub = client();
   make_cached(*stub, 2);
-  std::filesystem::remove_all(folder_.path());
+  const TemporaryFolder elsewhere;  // renamed at once: files may still be written while a folder is emptied
+  std::filesystem::rename(folder_.path(), elsewhere / "gone");
   const Created created = create(*stub, upload(*stub, sphere_off(3)), 1000);
   ASSERT_TRUE(created.status.ok()) << created.status.error_message();
   EXPECT_EQ(resample(*stub, created.session.session_id(), view_of(900)).points(), 900u);

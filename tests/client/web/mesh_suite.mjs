@@ -88,7 +88,7 @@ describe("the wireframe", () => {
       const around = Math.hypot(Math.hypot(x, y) - 1, z); // from the middle of the torus's tube
       assert.ok(around > 0.3 && around < 0.5);
     }
-    assert.match(await torus.page.locator(".hud dd.mesh").innerText(), /^500 vertices in /);
+    await torus.page.locator(".hud dd.mesh", { hasText: /^500 vertices in / }).waitFor(); // a moment later
   });
 
   it("is drawn where the mesh faces the eye, and hidden where it does not", async () => {
