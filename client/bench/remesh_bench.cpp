@@ -107,13 +107,10 @@ class RemeshBench {
     if (absl::Status status = context_.check(); !status.ok()) return status;
     const LeastAngles angles = least_angles(mesh);
     const Topology topology = analyse_topology(mesh, context_);
-    const auto larger = [&](double SurfaceDistance::*measure) {
-      return std::max(distance.forward.*measure, distance.backward.*measure);
-    };
-    const auto percent = [&](double SurfaceDistance::*measure) { return rounded(larger(measure) / percent_, 5); };
+    const auto percent = [&](double SurfaceDistance::*measure) { return rounded(distance.larger(measure) / percent_, 5); };
     table_.rows.push_back({mesh.vertex_count(), way, rounded(seconds, 3), rounded(sampling, 3), percent(&SurfaceDistance::max),
                            percent(&SurfaceDistance::mean), percent(&SurfaceDistance::rms),
-                           rounded(larger(&SurfaceDistance::normal_rms), 2), rounded(angles.median, 1),
+                           rounded(distance.larger(&SurfaceDistance::normal_rms), 2), rounded(angles.median, 1),
                            rounded(angles.percentile_1, 1), rounded(angles.least, 2), rounded(100 * angles.below_20, 3), broken,
                            topology.components, topology.genus, topology.boundary_loops});
     return absl::OkStatus();

@@ -15,11 +15,12 @@ constexpr int kMostExtraBits = 6;
 }  // namespace
 
 double pixels_per_length(const Camera& camera, double distance, double diagonal) {
-  if (camera.is_orthographic()) return camera.pixels / camera.height;
+  const double pixels = pixels_at_unit_depth(camera);
+  if (camera.is_orthographic()) return pixels;
   const double up = std::tan(0.5 * camera.fov), right = up * camera.aspect;
   // In a corner of the picture what is as far from the eye is drawn larger than in the middle, by one over its cosine squared.
   const double corner = 1 + up * up + right * right;
-  return 0.5 * camera.pixels / up * corner / std::max(distance, kNearPlane * diagonal);
+  return pixels * corner / std::max(distance, kNearPlane * diagonal);
 }
 
 int position_bits_for(double pixels, double box_size) {

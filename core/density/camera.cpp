@@ -41,6 +41,10 @@ absl::Status check_camera(const Camera& camera) {
   return absl::OkStatus();
 }
 
+double pixels_at_unit_depth(const Camera& camera) {
+  return camera.is_orthographic() ? camera.pixels / camera.height : 0.5 * camera.pixels / std::tan(0.5 * camera.fov);
+}
+
 CameraAxes axes_of(const Camera& camera) {
   CameraAxes axes;
   axes.forward = direction(half_way_ahead(camera));

@@ -29,6 +29,10 @@ inline constexpr std::size_t kMaxCameras = 16;
 /// outside (0, pi), a negative height, or aspect or pixels not above 0.
 absl::Status check_camera(const Camera& camera);
 
+/// Pixels for a length of 1 across the view: anywhere for an orthographic camera, else at a depth of 1. Precondition:
+/// check_camera() finds nothing.
+double pixels_at_unit_depth(const Camera& camera);
+
 /// Directions of a camera's picture, unit vectors.
 struct CameraAxes {
   Vec3d right, up, forward;

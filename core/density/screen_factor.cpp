@@ -27,8 +27,7 @@ constexpr float kSlack = 1e-5f;
 
 /// Pixels per length of the file, of what is seen squarely at a depth of 1 in the frame.
 double pixels_per_length(const Camera& camera, const CameraFrame& frame) {
-  if (frame.is_orthographic) return camera.pixels / camera.height;
-  return 0.5 * camera.pixels / std::tan(0.5 * camera.fov) / frame.unit;
+  return frame.is_orthographic ? pixels_at_unit_depth(camera) : pixels_at_unit_depth(camera) / frame.unit;
 }
 
 }  // namespace

@@ -67,7 +67,6 @@ class OneWay {
     const Triangle& t = mesh.triangles[f];
     return {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
   }
-  static Vec3d cross(const std::array<Vec3d, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]); }
 
   /// Means, over the middles of k^2 equal parts of every face.
   void sum_up(std::uint64_t samples) {
@@ -89,7 +88,7 @@ class OneWay {
       tree_.nearest(positions, nearest);
       for_blocks(context_, some.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-          const Vec3d here = cross(corners(from_, some[i].face)), there = cross(corners(to_, nearest[i].face));
+          const Vec3d here = area_vector(from_, some[i].face), there = area_vector(to_, nearest[i].face);
           pixels[i] = scale_.pixels(positions[i]);
           angles[i] = std::atan2(here.cross(there).norm(), here.dot(there)) * (180 / std::numbers::pi);
         }
@@ -114,7 +113,7 @@ class OneWay {
     };
     for (std::uint32_t f = 0; f < from_.face_count() && !context_.cancelled(); ++f) {
       const auto [a, b, c] = corners(from_, f);
-      const double face_area = 0.5 * (b - a).cross(c - a).norm();
+      const double face_area = triangle_area(from_, f);
       const double wanted = std::sqrt(static_cast<double>(samples) * face_area / area);
       const int k = static_cast<int>(std::clamp(std::ceil(wanted), 1.0, 1000.0));
       const Vec3d along = (b - a) / k, up = (c - a) / k;

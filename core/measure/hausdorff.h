@@ -3,6 +3,7 @@
 // between meshes" (2005), for bounds by triangles whose nearest points lie on the same face.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include <vector>
@@ -34,8 +35,10 @@ struct HausdorffDistance {
   SurfaceDistance forward;   // of the first surface from the second
   SurfaceDistance backward;  // the other way round
 
+  /// Returns the larger one of both directions.
+  double larger(double SurfaceDistance::*measure) const { return std::max(forward.*measure, backward.*measure); }
   /// Returns what is called the Hausdorff distance.
-  double max() const { return forward.max > backward.max ? forward.max : backward.max; }
+  double max() const { return larger(&SurfaceDistance::max); }
 };
 
 struct HausdorffOptions {

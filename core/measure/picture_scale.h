@@ -22,6 +22,7 @@ class PictureScale {
     Camera camera;
     CameraAxes axes;
     double tangent;  // of half the angle of view
+    double pixels;   // at a depth of 1
   };
   std::vector<View> views_;
 };

@@ -13,29 +13,6 @@ namespace {
 constexpr std::size_t kGrain = 4096;      // faces
 constexpr std::size_t kInTurn = 1 << 18;  // halfedges or vertices between two looks whether the work was cancelled
 
-/// The normal of a face, as long as twice its area.
-Vec3d area_vector(const TriangleMesh& mesh, std::size_t f) {
-  const Triangle& t = mesh.triangles[f];
-  return (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]);
-}
-
-/// For each halfedge whether its edge is a crease.
-std::vector<std::uint8_t> find_creases(const TriangleMesh& mesh, const ExecutionContext& context) {
-  std::vector<std::uint8_t> creases(mesh.twins.size());
-  for_blocks(context, mesh.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      const Vec3d here = area_vector(mesh, f);
-      for (std::size_t h = 3 * f; h < 3 * f + 3; ++h) {
-        const std::uint32_t twin = mesh.twins[h];
-        if (twin == kNone) continue;
-        const Vec3d there = area_vector(mesh, twin / 3);
-        creases[h] = here.dot(there) < kCreaseCosine * std::sqrt(here.squaredNorm() * there.squaredNorm());
-      }
-    }
-  });
-  return creases;
-}
-
 double angle_at(const TriangleMesh& mesh, std::uint32_t h) {
   const Vec3d& apex = mesh.positions[mesh.from(h)];
   const Vec3d a = mesh.positions[mesh.to(h)] - apex, b = mesh.positions[mesh.from(previous_halfedge(h))] - apex;
@@ -86,10 +63,26 @@ class Collector {
 
 }  // namespace
 
+std::vector<std::uint8_t> find_creases(const TriangleMesh& mesh, double cosine, const ExecutionContext& context) {
+  std::vector<std::uint8_t> creases(mesh.twins.size());
+  for_blocks(context, mesh.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const Vec3d here = area_vector(mesh, f);
+      for (std::size_t h = 3 * f; h < 3 * f + 3; ++h) {
+        const std::uint32_t twin = mesh.twins[h];
+        if (twin == kNone) continue;
+        const Vec3d there = area_vector(mesh, twin / 3);
+        creases[h] = here.dot(there) < cosine * std::sqrt(here.squaredNorm() * there.squaredNorm());
+      }
+    }
+  });
+  return creases;
+}
+
 CreaseNormals crease_normals(const TriangleMesh& mesh) { return crease_normals(mesh, VertexFans(mesh), {}); }
 
 CreaseNormals crease_normals(const TriangleMesh& mesh, const VertexFans& fans, const ExecutionContext& context) {
-  const std::vector<std::uint8_t> creases = find_creases(mesh, context);
+  const std::vector<std::uint8_t> creases = find_creases(mesh, kCreaseCosine, context);
   std::vector<std::uint8_t> has_crease(mesh.vertex_count());
   for_blocks_in_turn(context, creases.size(), kInTurn, [&](std::size_t begin, std::size_t end) {
     for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {

@@ -45,6 +45,10 @@ struct CreaseView {
   std::span<const CreaseFace> faces;
 };
 
+/// Says of each halfedge whether the normals of the faces beside it have a smaller cosine; 0 on borders. Of some it is 0 once the
+/// context is cancelled.
+std::vector<std::uint8_t> find_creases(const TriangleMesh& mesh, double cosine, const ExecutionContext& context);
+
 /// The normals of all vertices at which creases divide the faces around them into two parts or more. A crease that ends at a
 /// vertex inside the surface divides nothing there. Some are missing once the context is cancelled.
 CreaseNormals crease_normals(const TriangleMesh& mesh);

@@ -100,10 +100,6 @@ std::vector<VertexGeometry> differential_geometry(const TriangleMesh& mesh, cons
   return geometry;
 }
 
-Vec3f face_normal(const TriangleMesh& mesh, std::uint32_t f) {
-  const Triangle& t = mesh.triangles[f];
-  const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-  return (b - a).cross(c - a).normalized().cast<float>();
-}
+Vec3f face_normal(const TriangleMesh& mesh, std::uint32_t f) { return area_vector(mesh, f).normalized().cast<float>(); }
 
 }  // namespace curvecast

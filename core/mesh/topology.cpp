@@ -22,7 +22,7 @@ std::uint32_t count_boundary_loops(const TriangleMesh& mesh, const ExecutionCont
 
 }  // namespace
 
-std::uint32_t next_on_border(const std::vector<std::uint32_t>& twins, std::uint32_t h) {
+std::uint32_t next_on_border(std::span<const std::uint32_t> twins, std::uint32_t h) {
   h = next_halfedge(h);
   while (twins[h] != kNone) h = next_halfedge(twins[h]);
   return h;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/execution_context.h"
@@ -30,6 +31,6 @@ std::uint32_t label_fans(const std::vector<std::uint32_t>& twins, std::vector<st
                          const ExecutionContext& context = {});
 
 /// Returns the border halfedge that follows border halfedge h with the surface on its left.
-std::uint32_t next_on_border(const std::vector<std::uint32_t>& twins, std::uint32_t h);
+std::uint32_t next_on_border(std::span<const std::uint32_t> twins, std::uint32_t h);
 
 }  // namespace curvecast

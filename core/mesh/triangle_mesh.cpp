@@ -4,11 +4,7 @@
 
 namespace curvecast {
 
-double triangle_area(const MeshView& mesh, std::size_t f) {
-  const Triangle& t = mesh.triangles[f];
-  const Vec3d& a = mesh.positions[t[0]];
-  return 0.5 * (mesh.positions[t[1]] - a).cross(mesh.positions[t[2]] - a).norm();
-}
+double triangle_area(const MeshView& mesh, std::size_t f) { return 0.5 * area_vector(mesh, f).norm(); }
 
 double surface_area(const TriangleMesh& mesh, const ExecutionContext& context) {
   constexpr std::size_t kBlock = 1 << 18;

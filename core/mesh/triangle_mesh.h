@@ -39,6 +39,12 @@ struct MeshView {
 constexpr std::uint32_t next_halfedge(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
 constexpr std::uint32_t previous_halfedge(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
+/// Normal of a triangle, as long as twice its area.
+inline Vec3d area_vector(const Triangle& t, std::span<const Vec3d> positions) {
+  const Vec3d& a = positions[t[0]];
+  return (positions[t[1]] - a).cross(positions[t[2]] - a);
+}
+inline Vec3d area_vector(const MeshView& mesh, std::size_t f) { return area_vector(mesh.triangles[f], mesh.positions); }
 /// Area of triangle f, in squared units of the file.
 double triangle_area(const MeshView& mesh, std::size_t f);
 /// Returns the sum of all triangle areas, or of some of them once the context is cancelled.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/mesh/topology.h"
+
 namespace curvecast {
 namespace {
 
@@ -46,8 +48,7 @@ std::vector<BorderPiece> chart_border(const TriangleMesh& surface, const ChartVi
   std::uint32_t h = start;
   do {
     pieces.push_back(piece_of(surface, chart, h));
-    h = next_halfedge(h);
-    while (chart.twins[h] != kNone) h = next_halfedge(chart.twins[h]);
+    h = next_on_border(chart.twins, h);
   } while (h != start);
   return pieces;
 }

@@ -106,8 +106,7 @@ class Fitter {
     for_each(mesh_.face_count(), [&](std::uint32_t f) {
       const Triangle& t = mesh_.triangles[f];
       const Vec3d corners[] = {mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]};
-      const double area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm();
-      const double weight = area / mean_area_ / static_cast<double>(weights_.size());
+      const double weight = triangle_area(mesh_, f) / mean_area_ / static_cast<double>(weights_.size());
       std::uint32_t face = foot_[f];
       for (std::size_t i = 0; i < weights_.size(); ++i) {
         const Vec3d& b = weights_[i];

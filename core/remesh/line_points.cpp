@@ -24,13 +24,13 @@ class LinePlacer {
         count_(positions.size()),
         cloud_(positions, bounding_box(mesh)),
         taken_(positions.size(), false),
-        stays_(mesh.vertex_count(), false) {
+        stays_(mesh.vertex_count(), false),
+        is_corner_(mesh.vertex_count(), false) {
     // Borders come first, and turn at the ends of features.
     for (const SurfaceLine& line : lines) {
       if (line.is_closed) continue;
       stays_[mesh.from(line.halfedges.front())] = stays_[mesh.to(line.halfedges.back())] = true;
     }
-    is_corner_.assign(mesh.vertex_count(), false);
   }
 
   /// Returns whether the line is long enough for points.
@@ -54,8 +54,8 @@ class LinePlacer {
         place_between(corners[c], next, least, true, out);
       }
     } else {
-      // From a vertex back to itself, or beside another line from the same one to the same other: apart by points.
-      const std::size_t least = corners.size() > 2 ? 0 : vertex(0) == vertex(edges()) ? kLeastOnLoop - 1 : 0;
+      const bool comes_back = corners.size() == 2 && vertex(0) == vertex(edges());
+      const std::size_t least = comes_back ? kLeastOnLoop - 1 : 0;
       for (std::size_t c = 0; c + 1 < corners.size(); ++c) place_between(corners[c], corners[c + 1], least, true, out);
     }
     // Borders may lie on one another, where repair has opened an edge of many faces: their points must not.

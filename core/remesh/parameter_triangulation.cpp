@@ -63,7 +63,7 @@ class ParameterTriangulation {
     for (const Vec2d& uv : chart.uv) plane.positions.emplace_back(uv.x(), uv.y(), 0);
     plane.triangles.assign(chart.triangles.begin(), chart.triangles.end());
     plane.twins.assign(chart.twins.begin(), chart.twins.end());
-    HalfedgeMesh flat(plane, points_.inner.size());
+    HalfedgeMesh flat(plane, 0);
     vertex_.assign(flat.vertex_count(), kNone);
     line_after_.assign(flat.vertex_count(), kNone);
     insert_inner(chart, flat);

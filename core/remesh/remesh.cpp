@@ -67,7 +67,7 @@ class Remesher {
         charts_(charts),
         walk_(surface),
         topology_(analyse_topology(surface, context)),
-        mesh_(surface, points.size()) {}
+        mesh_({}, 0) {}
 
   absl::StatusOr<Remeshed> run() {
     const bool on_surface = options_.method == RemeshMethod::kSurface;
@@ -86,6 +86,7 @@ class Remesher {
     const std::vector<SurfaceLine> lines = surface_lines(surface_, std::move(sharp), context_);
     const absl::StatusOr<LinePoints> on_lines = place(lines);
     if (!on_lines.ok()) return on_lines.status();
+    mesh_ = HalfedgeMesh(surface_, points_.size());
     for (std::size_t i = 0; i < lines.size(); ++i) {
       if (lines[i].is_border || !on_lines->used[i]) continue;
       for (const std::uint32_t h : lines[i].halfedges) mesh_.mark_feature(h);

@@ -1,11 +1,10 @@
 #include "core/remesh/surface_lines.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "core/base/for_all.h"
+#include "core/mesh/crease_normals.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/vertex_fans.h"
 
@@ -25,12 +24,6 @@ void list_borders(const TriangleMesh& mesh, const ExecutionContext& context, std
       h = next_on_border(mesh.twins, h);
     } while (h != start);
   }
-}
-
-Vec3d area_vector(const TriangleMesh& mesh, std::uint32_t f) {
-  const Triangle& t = mesh.triangles[f];
-  const Vec3d& a = mesh.positions[t[0]];
-  return (mesh.positions[t[1]] - a).cross(mesh.positions[t[2]] - a);
 }
 
 class FeatureTracer {
@@ -86,18 +79,8 @@ class FeatureTracer {
 }  // namespace
 
 std::vector<bool> sharp_edges(const TriangleMesh& mesh, double degrees, const ExecutionContext& context) {
-  constexpr std::size_t kBlock = 1 << 18;
-  const double cosine = std::cos(degrees * std::numbers::pi / 180);
-  std::vector<bool> sharp(mesh.twins.size(), false);
-  for_blocks_in_turn(context, mesh.twins.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
-      const std::uint32_t twin = mesh.twins[h];
-      if (twin == kNone || twin < h) continue;
-      const Vec3d a = area_vector(mesh, h / 3), b = area_vector(mesh, twin / 3);
-      sharp[h] = sharp[twin] = a.dot(b) < cosine * a.norm() * b.norm();
-    }
-  });
-  return sharp;
+  const std::vector<std::uint8_t> creases = find_creases(mesh, std::cos(degrees * std::numbers::pi / 180), context);
+  return {creases.begin(), creases.end()};
 }
 
 std::vector<SurfaceLine> surface_lines(const TriangleMesh& mesh, std::vector<bool> features, const ExecutionContext& context) {

@@ -45,9 +45,7 @@ WalkPlace SurfaceWalk::place(std::uint32_t face, double weight_1, double weight_
 }
 
 Vec3d SurfaceWalk::normal(std::uint32_t face) const {
-  const Triangle& t = mesh_.triangles[face];
-  const Vec3d& a = mesh_.positions[t[0]];
-  const Vec3d normal = (mesh_.positions[t[1]] - a).cross(mesh_.positions[t[2]] - a);
+  const Vec3d normal = area_vector(mesh_, face);
   const double length = normal.norm();
   return length > 0 ? Vec3d(normal / length) : Vec3d(Vec3d::Zero());
 }

@@ -7,8 +7,6 @@
 namespace curvecast {
 namespace {
 
-Vec3d area_vector(const Triangle& t, std::span<const Vec3d> at) { return (at[t[1]] - at[t[0]]).cross(at[t[2]] - at[t[0]]); }
-
 /// The tangent of a triangle's smallest angle. The cotangent of each is the product of its sides over twice the area.
 double least_tangent(const Triangle& t, std::span<const Vec3d> at, double twice_area) {
   double most = 0;

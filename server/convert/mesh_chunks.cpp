@@ -1,10 +1,13 @@
 #include "server/convert/mesh_chunks.h"
 
+#include <absl/strings/str_format.h>
+
 #include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "server/convert/convert_points.h"
+#include "server/convert/field_validator.h"
 #include "server/convert/little_endian.h"
 
 namespace curvecast::server {
@@ -14,7 +17,38 @@ constexpr std::size_t kChunkMeshBytes = 960 << 10;             // of one message
 constexpr std::size_t kVertexBytes = 12 + 12 + 4 + 3 + 4 + 8;  // position, normal, radius, colour, face, weights
 constexpr std::size_t kChunkMeshTriangles = kChunkMeshBytes / sizeof(Triangle);
 
+RemeshMethod to_remesh_method(FieldValidator& check, v1::RemeshMethod method) {
+  switch (method) {
+    case v1::REMESH_METHOD_UNSPECIFIED:
+    case v1::REMESH_METHOD_SURFACE:
+      return RemeshMethod::kSurface;
+    case v1::REMESH_METHOD_PARAMETER:
+      return RemeshMethod::kParameter;
+    default:
+      check.fail("method", absl::StrFormat("is %d; there is no such method", static_cast<int>(method)));
+  }
+  return RemeshMethod::kSurface;
+}
+
 }  // namespace
+
+absl::StatusOr<RemeshOptions> to_remesh_options(const v1::RemeshRequest& request) {
+  FieldValidator check;
+  RemeshOptions options;
+  if (request.has_relaxations()) {
+    options.relaxations =
+        static_cast<int>(check.in_range("relaxations", request.relaxations(), std::uint32_t{0}, std::uint32_t{kMaxRelaxations}));
+  }
+  options.fit = request.fit();
+  options.feature_degrees = check.in_range("feature_degrees", request.feature_degrees(), 0.0, 180.0);
+  options.method = to_remesh_method(check, request.method());
+  if (options.method == RemeshMethod::kParameter && options.feature_degrees > 0) {
+    check.fail("feature_degrees",
+               absl::StrFormat("is %g; the parameter square's method keeps no features", options.feature_degrees));
+  }
+  if (!check.ok()) return check.status();
+  return options;
+}
 
 absl::Status make_mesh_chunks(const SessionMesh& mesh, const SurfaceCurve& curve,
                               const std::function<bool(v1::RemeshResponse)>& emit) {

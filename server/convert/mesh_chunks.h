@@ -1,7 +1,7 @@
-// Converts a triangle mesh to messages.
+// Converts what is asked of a triangle mesh, and the mesh to messages.
 #pragma once
 
-#include <absl/status/status.h>
+#include <absl/status/statusor.h>
 
 #include <functional>
 #include <span>
@@ -10,10 +10,14 @@
 #include "core/measure/triangle_angles.h"
 #include "core/mesh/mesh_attributes.h"
 #include "core/mesh/topology.h"
+#include "core/remesh/remesh.h"
 #include "core/sample/point_set.h"
 #include "curvecast/v1/curvecast.pb.h"
 
 namespace curvecast::server {
+
+/// Converts how a mesh is to be made. InvalidArgument names the field at fault and its value.
+absl::StatusOr<RemeshOptions> to_remesh_options(const v1::RemeshRequest& request);
 
 /// A triangle mesh of a session's points.
 struct SessionMesh {

@@ -19,8 +19,7 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
         engine_(engine),
         wants_preview_(!request.without_preview()) {
     // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
-    const absl::Status begun = status_from_exceptions([&] { return begin(context, request); });
-    if (!begun.ok()) finish(to_grpc(begun));
+    begin_with([&] { return begin(context, request); });
   }
 
  private:

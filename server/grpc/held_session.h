@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "server/base/grpc_status.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/engine/engine.h"
 
 namespace curvecast::server {
@@ -24,14 +26,23 @@ class HeldSession {
     return held;
   }
 
-  /// Gives the session away, after loading it where that is still to be done: may wait for the disk. Whoever takes it lets go of
-  /// it before the client hears that the call is done.
+  /// What a call's job ends with: `use` answers with the session, which is loaded where that is still to be done, and let go of
+  /// before the client hears that the call is done. Exceptions become errors.
+  template <typename Use>
+  grpc::Status answer(Engine& engine, const Use& use) {
+    return to_grpc(status_from_exceptions([&]() -> absl::Status {
+      const absl::StatusOr<std::shared_ptr<const Session>> session = take(engine);
+      return session.ok() ? use(*session) : session.status();
+    }));
+  }
+
+ private:
+  /// Gives the session away, after loading it where that is still to be done: may wait for the disk.
   absl::StatusOr<std::shared_ptr<const Session>> take(Engine& engine) {
     if (session_ == nullptr) return engine.sessions.find(id_);
     return std::move(session_);
   }
 
- private:
   explicit HeldSession(std::string id) : id_(std::move(id)) {}
 
   std::string id_;

@@ -31,8 +31,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
  public:
   MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::MeasureRequest& request)
       : WriteQueue(RequestLog(engine, "Measure", context), engine.queued) {
-    const absl::Status begun = status_from_exceptions([&] { return begin(engine, request, peer_of(context)); });
-    if (!begun.ok()) finish(to_grpc(begun));
+    begin_with([&] { return begin(engine, request, peer_of(context)); });
   }
 
  private:

@@ -1,6 +1,4 @@
 // FindNeighbours: a session's points, packed on a worker and sent block by block, then the neighbours of each.
-#include "server/base/grpc_status.h"
-#include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
 #include "server/engine/caller.h"
 #include "server/frame/session_neighbours.h"
@@ -16,8 +14,7 @@ class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
  public:
   NeighboursReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::FindNeighboursRequest& request)
       : WriteQueue(RequestLog(engine, "FindNeighbours", context), engine.queued) {
-    const absl::Status begun = status_from_exceptions([&] { return begin(engine, request, peer_of(context)); });
-    if (!begun.ok()) finish(to_grpc(begun));
+    begin_with([&] { return begin(engine, request, peer_of(context)); });
   }
 
  private:
@@ -34,11 +31,9 @@ class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
     return engine.calls
         .submit(
             [this, &engine, held = *std::move(held), points = *std::move(points), search = *search]() mutable {
-              finish(to_grpc(status_from_exceptions([&]() -> absl::Status {
-                const absl::StatusOr<std::shared_ptr<const Session>> session = held.take(engine);
-                if (!session.ok()) return session.status();
-                return answer(engine, *session, points, search);
-              })));
+              finish(held.answer(engine, [&](const std::shared_ptr<const Session>& session) {
+                return answer(engine, session, points, search);
+              }));
             },
             connection)
         .status();

@@ -17,8 +17,7 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
  public:
   ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
       : WriteQueue(RequestLog(engine, "GetParameterMesh", context), engine.queued) {
-    const absl::Status begun = status_from_exceptions([&] { return begin(engine, request, peer_of(context)); });
-    if (!begun.ok()) finish(to_grpc(begun));
+    begin_with([&] { return begin(engine, request, peer_of(context)); });
   }
 
  private:

@@ -1,10 +1,5 @@
 // Remesh: makes a triangle mesh of a session's points, and sends it chunk by chunk.
-#include <absl/strings/str_format.h>
-
-#include "server/base/grpc_status.h"
-#include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
-#include "server/convert/field_validator.h"
 #include "server/convert/mesh_chunks.h"
 #include "server/engine/caller.h"
 #include "server/frame/session_mesh.h"
@@ -15,26 +10,12 @@
 namespace curvecast::server {
 namespace {
 
-RemeshMethod to_remesh_method(FieldValidator& check, v1::RemeshMethod method) {
-  switch (method) {
-    case v1::REMESH_METHOD_UNSPECIFIED:
-    case v1::REMESH_METHOD_SURFACE:
-      return RemeshMethod::kSurface;
-    case v1::REMESH_METHOD_PARAMETER:
-      return RemeshMethod::kParameter;
-    default:
-      check.fail("method", absl::StrFormat("is %d; there is no such method", static_cast<int>(method)));
-  }
-  return RemeshMethod::kSurface;
-}
-
 // The job is the only one that finishes, so the reactor outlives it. It queues with the preprocessing jobs: it may take seconds.
 class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
  public:
   RemeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::RemeshRequest& request)
       : WriteQueue(RequestLog(engine, "Remesh", context), engine.queued) {
-    const absl::Status begun = status_from_exceptions([&] { return begin(engine, request, peer_of(context)); });
-    if (!begun.ok()) finish(to_grpc(begun));
+    begin_with([&] { return begin(engine, request, peer_of(context)); });
   }
 
  private:
@@ -46,28 +27,14 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
     if (points->automatic || points->max_bytes > 0) {
       return absl::InvalidArgumentError("sample has a budget that meshes cannot keep; ask for points or an error in pixels");
     }
-    FieldValidator check;
-    RemeshOptions options;
-    if (request.has_relaxations()) {
-      options.relaxations = static_cast<int>(
-          check.in_range("relaxations", request.relaxations(), std::uint32_t{0}, std::uint32_t{kMaxRelaxations}));
-    }
-    options.fit = request.fit();
-    options.feature_degrees = check.in_range("feature_degrees", request.feature_degrees(), 0.0, 180.0);
-    options.method = to_remesh_method(check, request.method());
-    if (options.method == RemeshMethod::kParameter && options.feature_degrees > 0) {
-      check.fail("feature_degrees",
-                 absl::StrFormat("is %g; the parameter square's method keeps no features", options.feature_degrees));
-    }
-    if (!check.ok()) return check.status();
+    const auto options = to_remesh_options(request);
+    if (!options.ok()) return options.status();
     return engine.preprocessing
         .submit(
-            [this, &engine, held = *std::move(held), points = *std::move(points), options]() mutable {
-              finish(to_grpc(status_from_exceptions([&]() -> absl::Status {
-                const absl::StatusOr<std::shared_ptr<const Session>> session = held.take(engine);
-                if (!session.ok()) return session.status();
-                return answer(engine, **session, points, options);
-              })));
+            [this, &engine, held = *std::move(held), points = *std::move(points), options = *options]() mutable {
+              finish(held.answer(engine, [&](const std::shared_ptr<const Session>& session) {
+                return answer(engine, *session, points, options);
+              }));
             },
             connection)
         .status();

@@ -1,6 +1,4 @@
 // Resample: one point set, packed on a worker and sent block by block.
-#include "server/base/grpc_status.h"
-#include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
 #include "server/engine/caller.h"
 #include "server/frame/point_blocks.h"
@@ -16,8 +14,7 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
  public:
   ResampleReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
       : WriteQueue(RequestLog(engine, "Resample", context), engine.queued) {
-    const absl::Status begun = status_from_exceptions([&] { return begin(engine, request, peer_of(context)); });
-    if (!begun.ok()) finish(to_grpc(begun));
+    begin_with([&] { return begin(engine, request, peer_of(context)); });
   }
 
  private:
@@ -31,13 +28,9 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
     return engine.calls
         .submit(
             [this, &engine, held = *std::move(held), point_set = *std::move(point_set)]() mutable {
-              finish(to_grpc(status_from_exceptions([&]() -> absl::Status {
-                // Lets go of the session before the client hears that it is done.
-                const absl::StatusOr<std::shared_ptr<const Session>> session = held.take(engine);
-                if (!session.ok()) return session.status();
-                return answer(engine, **session, point_set,
-                              engine.improvement_requests(*session, point_set, engine.new_source()));
-              })));
+              finish(held.answer(engine, [&](const std::shared_ptr<const Session>& session) {
+                return answer(engine, *session, point_set, engine.improvement_requests(session, point_set, engine.new_source()));
+              }));
             },
             connection)
         .status();

@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "core/base/mutex.h"
+#include "server/base/grpc_status.h"
 #include "server/base/queued_bytes.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/engine/request_log.h"
 
 namespace curvecast::server {
@@ -30,6 +32,12 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
  protected:
+  /// Begins the call: where `work` returns an error, or throws, that is its end.
+  template <typename Work>
+  void begin_with(const Work& work) {
+    if (const absl::Status begun = status_from_exceptions(work); !begun.ok()) finish(to_grpc(begun));
+  }
+
   /// Queues a message; dropped once the client has gone.
   void push(Response message) ABSL_LOCKS_EXCLUDED(mutex_) {
     const MutexLock lock(mutex_);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "tests/support/shapes.h"
 
@@ -60,6 +61,19 @@ inline std::optional<Vec3d> on_the_saddle(const Vec3d& p) {
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> solver(second, first);
   const Eigen::Vector2d d = solver.eigenvectors().col(1);
   return Vec3d(d.x(), d.y(), fx * d.x() + fy * d.y());
+}
+
+struct KnownSurface {
+  PolygonSoup soup;
+  AnalyticDirection direction;
+  double tolerance;  // radians, for meshes as coarse as this one
+};
+
+inline std::vector<KnownSurface> known_surfaces() {
+  return {{open_cylinder(20, 60), around_the_axis, 0.05},
+          {torus(80, 40), around_the_tube, 0.1},
+          {ellipsoid(4), on_the_ellipsoid, 0.15},
+          {saddle(40), on_the_saddle, 0.05}};
 }
 
 }  // namespace curvecast::testing

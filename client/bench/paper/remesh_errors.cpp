@@ -30,14 +30,11 @@ RemeshError error_between(const TriangleMesh& original, const TriangleMesh& reme
                           const ExecutionContext& context) {
   const HausdorffDistance distance = hausdorff_distance(original, remeshed, {.samples = samples}, context);
   const double percent = 100 / bounding_box(original).diagonal();
-  const auto larger = [&](double SurfaceDistance::*value) {
-    return percent * std::max(distance.forward.*value, distance.backward.*value);
-  };
   RemeshError error;
   error.triangles = remeshed.face_count();
-  error.mean = larger(&SurfaceDistance::mean);
-  error.rms = larger(&SurfaceDistance::rms);
-  error.max = larger(&SurfaceDistance::max);
+  error.mean = percent * distance.larger(&SurfaceDistance::mean);
+  error.rms = percent * distance.larger(&SurfaceDistance::rms);
+  error.max = percent * distance.max();
   return error;
 }
 

@@ -58,10 +58,7 @@ void expect_directions(const PolygonSoup& soup, const AnalyticDirection& most, d
 }
 
 TEST(PlaceAttributes, DirectionsFollowKnownSurfaces) {
-  expect_directions(open_cylinder(20, 60), around_the_axis, 0.05);
-  expect_directions(torus(80, 40), around_the_tube, 0.1);
-  expect_directions(ellipsoid(4), on_the_ellipsoid, 0.15);
-  expect_directions(saddle(40), on_the_saddle, 0.05);
+  for (const auto& [soup, direction, tolerance] : known_surfaces()) expect_directions(soup, direction, tolerance);
 }
 
 TEST(PlaceAttributes, DirectionsAreTangentsWhereNoneIsSpecial) {
