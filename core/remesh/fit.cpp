@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "core/base/for_all.h"
@@ -14,9 +15,11 @@ namespace {
 
 constexpr char kStage[] = "fit";
 constexpr int kRounds = 3;
-constexpr int kMostSteps = 30;      // of conjugate gradients
-constexpr double kEnough = 1e-3;    // of the first residual
-constexpr double kHold = 0.001;     // what holds a vertex where it was, over what moves it along normals
+constexpr int kMostSteps = 30;    // of conjugate gradients
+constexpr double kEnough = 1e-3;  // of the first residual
+// What holds a vertex where it was, over what moves it along normals: this times the mean squared sine between the normals of
+// both. Coarse triangles see normals of many directions, which pull vertices along the surface, too.
+constexpr double kHold = 0.25, kLeastDeviation = 1e-3;
 constexpr double kLeastAngle = 20;  // degrees
 constexpr int kHalvings = 3;
 constexpr int kMostParts = 8;  // of a triangle's side
@@ -103,9 +106,11 @@ class Fitter {
     corner_.assign(mesh_.twins.size(), {});
     side_.assign(mesh_.twins.size(), {});
     pull_.assign(mesh_.twins.size(), Vec3f::Zero());
+    deviation_.assign(mesh_.face_count(), 0);
     for_each(mesh_.face_count(), [&](std::uint32_t f) {
       const Triangle& t = mesh_.triangles[f];
       const Vec3d corners[] = {mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]};
+      const Vec3d facing = area_vector(mesh_, f).normalized();
       const double weight = triangle_area(mesh_, f) / mean_area_ / static_cast<double>(weights_.size());
       std::uint32_t face = foot_[f];
       for (std::size_t i = 0; i < weights_.size(); ++i) {
@@ -116,6 +121,7 @@ class Fitter {
         if (i == 0) foot_[f] = face;
         const Vec3d normal = surface_.normal(face);
         const double distance = normal.dot(foot.position - p);
+        deviation_[f] += weight * facing.cross(normal).squaredNorm();
         for (std::uint32_t c = 0; c < 3; ++c) {
           const std::uint32_t h = 3 * f + c;
           pull_[h] += (weight * b[c] * distance * normal).cast<float>();
@@ -135,6 +141,8 @@ class Fitter {
       side_[twin] = side_[h];
     });
     const std::size_t n = mesh_.vertex_count();
+    const double sum_of_deviation = std::accumulate(deviation_.begin(), deviation_.end(), 0.0);
+    const double deviation = std::max(kLeastDeviation, sum_of_deviation / static_cast<double>(mesh_.face_count()));
     matrix_.assign(n, {});
     right_.assign(n, Vec3d::Zero());
     inverse_.assign(n, Eigen::Matrix3d::Zero());
@@ -146,7 +154,7 @@ class Fitter {
         sum.add(corner_[h]);
         pull += pull_[h].cast<double>();
       });
-      const double hold = kHold * static_cast<double>(sum.m[0] + sum.m[3] + sum.m[5]);
+      const double hold = kHold * deviation * static_cast<double>(sum.m[0] + sum.m[3] + sum.m[5]);
       for (const int i : {0, 3, 5}) sum.m[static_cast<std::size_t>(i)] += static_cast<float>(hold);
       if (!(hold > 0)) return;
       matrix_[v] = sum;
@@ -225,6 +233,7 @@ class Fitter {
   std::vector<std::uint32_t> foot_;       // of each triangle's first place: a face of the surface
   std::vector<Symmetric> corner_, side_;  // per halfedge: of its first corner, between its two
   std::vector<Vec3f> pull_;               // per halfedge: on its first corner
+  std::vector<double> deviation_;         // per triangle: what kHold is times, weighted by area
   std::vector<Symmetric> matrix_;         // per vertex
   std::vector<Vec3d> right_, step_;
   std::vector<Eigen::Matrix3d> inverse_;
