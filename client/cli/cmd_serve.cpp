@@ -172,7 +172,7 @@ void add_limit_flags(CLI::App* app, server::ServerOptions* server) {
       ->group(group);
   bytes("--max-session-memory", &server->max_session_bytes, "of all sessions; the least recently used go first, to the cache");
   bytes("--max-queued", &server->max_queued_bytes,
-        "of frames and point sets that wait to be read by their clients; beyond, further ones are refused");
+        "of frames and point sets that wait to be read by their clients; beyond half of it a client may have a sixteenth");
   const auto count = [&](const char* name, std::size_t* value, const char* help) {
     app->add_option(name, *value, help)->check(CLI::Range(std::size_t{1}, kMostAtOnce))->capture_default_str()->group(group);
   };

@@ -8,6 +8,8 @@
 #include <functional>
 #include <string_view>
 
+#include "core/base/work_limit.h"
+
 namespace curvecast {
 
 struct ExecutionContext {
@@ -17,6 +19,8 @@ struct ExecutionContext {
   const std::atomic<bool>* cancel = nullptr;
   /// Threads to use; 0 = one per core. Results never depend on it.
   int threads = 0;
+  /// What the computation may take of the processors' time: densities are charged to it. May be null.
+  WorkLimit* limit = nullptr;
   /// Shares work instead, for programs that have threads of their own for it: see core/base/for_all.h. May be empty.
   std::function<void(std::size_t n, const std::function<void(std::size_t i)>& work)> for_all = {};
 
@@ -26,6 +30,10 @@ struct ExecutionContext {
   bool cancelled() const { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
   /// OK, or CancelledError once `cancel` is set.
   absl::Status check() const { return cancelled() ? absl::CancelledError("cancelled") : absl::OkStatus(); }
+  /// As check(); DeadlineExceeded once nothing is left of `limit`.
+  absl::Status check_limit() const {
+    return limit != nullptr && limit->is_spent() ? absl::DeadlineExceededError("it takes too long") : check();
+  }
 };
 
 }  // namespace curvecast

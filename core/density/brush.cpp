@@ -9,6 +9,8 @@
 namespace curvecast {
 namespace {
 
+constexpr std::size_t kStep = 1 << 20;  // vertices and blocks: some milliseconds
+
 /// A dab relative to the curve's origin.
 struct LocalDab {
   double x, y, z, scale, steepness;
@@ -53,20 +55,34 @@ void for_each_reached(const CurveBlocks& blocks, const LocalDab& dab, double rad
 
 }  // namespace
 
-void paint(const SurfaceCurve& curve, std::span<const Dab> dabs, std::span<float> values) {
+absl::Status paint(const SurfaceCurve& curve, std::span<const Dab> dabs, std::span<float> values,
+                   const ExecutionContext& context) {
+  WorkLimit::Meter meter(context.limit);
+  std::size_t done = kStep;  // since it was looked whether the paint is still wanted
   for (const Dab& dab : dabs) {
+    if (done >= kStep) {
+      done = 0;
+      meter.settle();
+      const absl::Status left = context.check_limit();
+      if (!left.ok()) return absl::IsCancelled(left) ? left : absl::DeadlineExceededError("brush density: it takes too long");
+    }
     const Vec3d centre = dab.centre - curve.origin;
     // At least: as good as a hard edge, without a division by zero.
     const LocalDab local{
         centre.x(), centre.y(), centre.z(), 1 / dab.radius, 1 / std::max(dab.falloff, 1e-12), static_cast<float>(dab.factor)};
     if (curve.blocks.size() == 0) {
       lay(local, curve, 0, values.size(), values.data());
+      done += values.size();
       continue;
     }
+    done += curve.blocks.size();
     for_each_reached(curve.blocks, local, dab.radius, [&](std::size_t b) {
+      done += kBlockSize;
       lay(local, curve, b * kBlockSize, std::min((b + 1) * kBlockSize, values.size()), values.data());
     });
   }
+  meter.settle();
+  return absl::OkStatus();
 }
 
 float paint_scale(std::span<const Dab> dabs) {

@@ -108,17 +108,19 @@ absl::Status check_density(const Density& density) {
 
 bool has_fixed_terms(std::span<const DensityTerm> terms) { return std::any_of(terms.begin(), terms.end(), is_fixed); }
 
-absl::Status evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density) {
+absl::Status evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density,
+                                  const ExecutionContext& context) {
   std::fill(density.begin(), density.end(), 1.0f);
   for (const DensityTerm& term : terms) {
-    if (absl::Status status = multiply_fixed_term(curve, term, density); !status.ok()) return status;
+    if (absl::Status status = multiply_fixed_term(curve, term, density, context); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
 
-absl::Status evaluate_density(const SurfaceCurve& curve, const Density& density, std::span<float> values) {
+absl::Status evaluate_density(const SurfaceCurve& curve, const Density& density, std::span<float> values,
+                              const ExecutionContext& context) {
   if (absl::Status status = check_density(density); !status.ok()) return status;
-  if (absl::Status status = evaluate_fixed_terms(curve, density.terms, values); !status.ok()) return status;
+  if (absl::Status status = evaluate_fixed_terms(curve, density.terms, values, context); !status.ok()) return status;
   ViewFactor(curve, density)
       .multiply(curve.x.data(), curve.y.data(), curve.z.data(), curve.nx.data(), curve.ny.data(), curve.nz.data(), values.size(),
                 values.data());

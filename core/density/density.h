@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/base/vec.h"
 #include "core/curve/surface_curve.h"
 #include "core/density/camera.h"
@@ -130,11 +131,14 @@ absl::Status check_density(const Density& density);
 bool has_fixed_terms(std::span<const DensityTerm> terms);
 
 /// Writes the product of the fixed terms at every curve vertex (L entries, relative values). InvalidArgument: the curve has no
-/// such attribute, an expression is wrong or infinite somewhere. Precondition: check_density() finds nothing.
-absl::Status evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density);
+/// such attribute, an expression is wrong, takes too many operations or is infinite somewhere. Cancelled; DeadlineExceeded: the
+/// context's limit does not suffice. Precondition: check_density() finds nothing.
+absl::Status evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density,
+                                  const ExecutionContext& context = {});
 
 /// Writes the whole density at every curve vertex to `values` (L entries, relative values: only ratios matter). Errors as of
 /// check_density() and evaluate_fixed_terms().
-absl::Status evaluate_density(const SurfaceCurve& curve, const Density& density, std::span<float> values);
+absl::Status evaluate_density(const SurfaceCurve& curve, const Density& density, std::span<float> values,
+                              const ExecutionContext& context = {});
 
 }  // namespace curvecast

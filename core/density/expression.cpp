@@ -2,6 +2,7 @@
 
 #include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
 #include <muParser.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -18,6 +19,10 @@ namespace curvecast {
 namespace {
 
 constexpr std::size_t kGrain = 1 << 14;  // vertices; every task reads the formula anew
+constexpr double kStepOperations = 1e6;  // some milliseconds, after which a task looks whether it is still wanted
+
+// In additions: the parser's way into a formula, fetching a variable, and the power or function that takes longest.
+constexpr double kEntryCost = 8, kVariableCost = 4, kCallCost = 16;
 
 /// What a name stands for at curve vertex l.
 struct Variable {
@@ -57,9 +62,13 @@ std::vector<Variable> variables_of(const SurfaceCurve& curve) {
   return variables;
 }
 
-absl::Status wrong(const std::string& text, const std::string& why) {
-  return absl::InvalidArgumentError(absl::StrCat("expression density '", text, "': ", why));
+/// Of a long formula the beginning, so that the reason is not cut off on its way to the client.
+std::string about(const std::string& text, const std::string& why) {
+  constexpr std::size_t kMost = 64;
+  return absl::StrCat("expression density '", text.substr(0, kMost), text.size() > kMost ? "..." : "", "': ", why);
 }
+
+absl::Status wrong(const std::string& text, const std::string& why) { return absl::InvalidArgumentError(about(text, why)); }
 
 /// What is wrong without reading it; the parser would take an assignment.
 absl::Status check_text(const std::string& text) {
@@ -98,6 +107,49 @@ void expect_one_value(const mu::Parser& parser) {
   if (parser.GetNumResults() != 1) throw mu::ParserError("it has several values; one is needed");
 }
 
+/// What a formula that was read takes at each place, in additions.
+double operations_of(const mu::Parser& parser, std::size_t variables) {
+  const mu::ParserByteCode& code = parser.GetByteCode();
+  double operations = kEntryCost + kVariableCost * static_cast<double>(variables);
+  for (std::size_t i = 0; i < code.GetSize(); ++i) {
+    const mu::ECmdCode command = code.GetBase()[i].Cmd;
+    operations += command == mu::cmPOW || command >= mu::cmFUNC ? kCallCost : 1;
+  }
+  return operations;
+}
+
+absl::Status check_operations(const std::string& text, double operations, std::size_t places) {
+  if (operations * static_cast<double>(places) <= kMaxExpressionOperations) return absl::OkStatus();
+  return wrong(text,
+               absl::StrFormat("it takes %.0f operations at each of %d places; at most %.0f are done in all: shorten it, or "
+                               "take a session with fewer curve vertices",
+                               operations, places, kMaxExpressionOperations));
+}
+
+/// A formula, read, with a place for each of its variables.
+class Program {
+ public:
+  /// Throws mu::ParserError. `variables` must outlive this.
+  Program(const std::string& text, const std::vector<Variable>& variables) : variables_(variables), slots_(variables.size()) {
+    for (std::size_t v = 0; v < variables.size(); ++v) parser_.DefineVar(variables[v].name, &slots_[v]);
+    parser_.SetExpr(text);
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  double at(std::size_t l) {
+    for (std::size_t v = 0; v < slots_.size(); ++v) slots_[v] = variables_[v].at(l);
+    return parser_.Eval();
+  }
+  /// Precondition: at() was called.
+  double operations() const { return operations_of(parser_, slots_.size()); }
+
+ private:
+  const std::vector<Variable>& variables_;
+  std::vector<double> slots_;
+  mu::Parser parser_;
+};
+
 /// Says whether the parser already means something by the name.
 bool is_reserved(const mu::Parser& parser, const std::string& name) {
   return parser.GetFunDef().contains(name) || parser.GetConst().contains(name);
@@ -126,7 +178,8 @@ absl::Status check_expression(const std::string& text) {
   });
 }
 
-absl::Status evaluate_expression(const SurfaceCurve& curve, const std::string& text, std::span<float> values) {
+absl::Status evaluate_expression(const SurfaceCurve& curve, const std::string& text, std::span<float> values,
+                                 const ExecutionContext& context) {
   if (absl::Status status = check_expression(text); !status.ok()) return status;
   std::vector<Variable> variables = variables_of(curve);
   absl::Status known = with_parser(text, [&] {
@@ -144,25 +197,35 @@ absl::Status evaluate_expression(const SurfaceCurve& curve, const std::string& t
     }
     variables = std::move(used);
   });
-  if (!known.ok()) return known;
+  if (!known.ok() || values.empty()) return known;
+  double operations = 0;
+  absl::Status status = with_parser(text, [&] {
+    Program program(text, variables);
+    values[0] = static_cast<float>(program.at(0));
+    operations = program.operations();
+  });
+  status.Update(check_operations(text, operations, values.size()));
+  if (!status.ok()) return status;
+  const auto step = static_cast<std::size_t>(std::max(1.0, kStepOperations / operations));
   Mutex mutex;
-  absl::Status status;
   // One by one: the parser's own way to do many at once brings threads of its own.
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), kGrain), [&](const auto& range) {
+    if (!context.check_limit().ok()) return;
+    WorkLimit::Meter meter(context.limit);
     const absl::Status done = with_parser(text, [&] {
-      std::vector<double> slots(variables.size());
-      mu::Parser parser;
-      for (std::size_t v = 0; v < variables.size(); ++v) parser.DefineVar(variables[v].name, &slots[v]);
-      parser.SetExpr(text);
-      for (std::size_t l = range.begin(); l < range.end(); ++l) {
-        for (std::size_t v = 0; v < variables.size(); ++v) slots[v] = variables[v].at(l);
-        values[l] = static_cast<float>(parser.Eval());
+      Program program(text, variables);
+      for (std::size_t l = range.begin(); l < range.end() && context.check_limit().ok();) {
+        for (const std::size_t end = std::min(l + step, range.end()); l < end; ++l) values[l] = static_cast<float>(program.at(l));
+        meter.settle();
       }
     });
     if (done.ok()) return;
     const MutexLock lock(mutex);
     status = done;
   });
+  if (const absl::Status left = context.check_limit(); status.ok() && !left.ok()) {
+    status = absl::IsCancelled(left) ? left : absl::DeadlineExceededError(about(text, std::string(left.message())));
+  }
   return status;
 }
 

@@ -95,12 +95,12 @@ std::array<float, kCurvatureKinds> reference_curvatures(const TriangleMesh& mesh
 
 absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
                                                     std::span<const ScalarAttribute> scalars, const Density& density,
-                                                    std::size_t most_places) {
+                                                    std::size_t most_places, const ExecutionContext& context) {
   const std::vector<Weights> places = places_on_faces(mesh.face_count(), most_places);
   SurfaceCurve curve = curve_on_faces(mesh, geometry, scalars, places);
   curve.reference_curvature = reference_curvatures(mesh, geometry, surface_area(mesh), bounding_box(mesh).diagonal());
   std::vector<float> values(curve.size());
-  if (absl::Status status = evaluate_density(curve, density, values); !status.ok()) return status;
+  if (absl::Status status = evaluate_density(curve, density, values, context); !status.ok()) return status;
   std::vector<float> means(mesh.face_count());
   for (std::size_t f = 0; f < means.size(); ++f) {
     const auto first = values.begin() + static_cast<std::ptrdiff_t>(f * places.size());
@@ -112,10 +112,10 @@ absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, st
 
 absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
                                                 std::span<const ScalarAttribute> scalars, const Density& density, double vertices,
-                                                std::size_t most_places) {
+                                                std::size_t most_places, const ExecutionContext& context) {
   std::vector<double> demand(mesh.face_count(), 1.0);
   if (!density.terms.empty()) {
-    const absl::StatusOr<std::vector<float>> values = density_on_faces(mesh, geometry, scalars, density, most_places);
+    const absl::StatusOr<std::vector<float>> values = density_on_faces(mesh, geometry, scalars, density, most_places, context);
     if (!values.ok()) return values.status();
     std::copy(values->begin(), values->end(), demand.begin());
   }

@@ -28,12 +28,12 @@ inline constexpr std::size_t kFewPlaces = 1'000'000, kManyPlaces = 8'000'000;
 /// that use them. Errors as of evaluate_density().
 absl::StatusOr<std::vector<float>> density_on_faces(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
                                                     std::span<const ScalarAttribute> scalars, const Density& density,
-                                                    std::size_t most_places = kManyPlaces);
+                                                    std::size_t most_places = kManyPlaces, const ExecutionContext& context = {});
 
 /// Returns how many curve vertices each face wants per squared unit (F entries): `vertices` in all, spread as the density asks.
 /// Errors as of density_on_faces(); FailedPrecondition: the density is zero everywhere.
 absl::StatusOr<std::vector<double>> face_demand(const TriangleMesh& mesh, std::span<const VertexGeometry> geometry,
                                                 std::span<const ScalarAttribute> scalars, const Density& density, double vertices,
-                                                std::size_t most_places = kFewPlaces);
+                                                std::size_t most_places = kFewPlaces, const ExecutionContext& context = {});
 
 }  // namespace curvecast

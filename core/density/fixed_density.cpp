@@ -39,7 +39,7 @@ CURVECAST_WIDE void scale_paint(const float* __restrict paint, float scale, cons
 
 /// Paints over what there is.
 absl::Status fill_painted(const SurfaceCurve& curve, std::span<const DensityTerm> terms, const BrushTerm& brush,
-                          const EarlierPaint& earlier, FixedDensity& out) {
+                          const EarlierPaint& earlier, const ExecutionContext& context, FixedDensity& out) {
   out.paint.resize(curve.size());
   if (earlier.fixed != nullptr) {
     out.others = earlier.fixed->others;
@@ -48,12 +48,13 @@ absl::Status fill_painted(const SurfaceCurve& curve, std::span<const DensityTerm
     std::vector<DensityTerm> rest;
     std::copy_if(terms.begin(), terms.end(), std::back_inserter(rest),
                  [](const DensityTerm& term) { return !std::holds_alternative<BrushTerm>(term); });
-    auto others = make_fixed_density(curve, rest);
+    auto others = make_fixed_density(curve, rest, {}, context);
     if (!others.ok()) return others.status();
     out.others = *std::move(others);
     std::fill(out.paint.begin(), out.paint.end(), 1.0f);
   }
-  paint(curve, std::span(brush.dabs).subspan(earlier.dabs), std::span<float>(out.paint));
+  const auto dabs = std::span(brush.dabs).subspan(earlier.dabs);
+  if (absl::Status status = paint(curve, dabs, std::span<float>(out.paint), context); !status.ok()) return status;
   const float scale = paint_scale(brush.dabs);
   if (out.others == nullptr) {
     scale_paint(out.paint.data(), scale, curve.size(), out.density.data());
@@ -67,13 +68,14 @@ absl::Status fill_painted(const SurfaceCurve& curve, std::span<const DensityTerm
 
 absl::StatusOr<std::shared_ptr<const FixedDensity>> make_fixed_density(const SurfaceCurve& curve,
                                                                        std::span<const DensityTerm> terms,
-                                                                       const EarlierPaint& earlier) {
+                                                                       const EarlierPaint& earlier,
+                                                                       const ExecutionContext& context) {
   if (!has_fixed_terms(terms)) return nullptr;
   auto fixed = std::make_shared<FixedDensity>();
   fixed->density.resize(curve.size());
   const BrushTerm* const brush = only_brush(terms);
-  absl::Status status = brush != nullptr ? fill_painted(curve, terms, *brush, earlier, *fixed)
-                                         : evaluate_fixed_terms(curve, terms, std::span<float>(fixed->density));
+  absl::Status status = brush != nullptr ? fill_painted(curve, terms, *brush, earlier, context, *fixed)
+                                         : evaluate_fixed_terms(curve, terms, std::span<float>(fixed->density), context);
   if (!status.ok()) return status;
   fixed->mass = block_mass(fixed->density, curve.area);
   fixed->most = largest_of_blocks(fixed->density);

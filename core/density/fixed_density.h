@@ -38,7 +38,8 @@ struct EarlierPaint {
 /// nothing.
 absl::StatusOr<std::shared_ptr<const FixedDensity>> make_fixed_density(const SurfaceCurve& curve,
                                                                        std::span<const DensityTerm> terms,
-                                                                       const EarlierPaint& earlier = {});
+                                                                       const EarlierPaint& earlier = {},
+                                                                       const ExecutionContext& context = {});
 
 /// Returns the brush among the terms; null where there is none, or several.
 const BrushTerm* only_brush(std::span<const DensityTerm> terms);

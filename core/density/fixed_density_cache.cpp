@@ -24,7 +24,8 @@ bool is_earlier(const std::vector<DensityTerm>& earlier, const std::vector<Densi
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const FixedDensity>> FixedDensityCache::get(const std::shared_ptr<const SurfaceCurve>& curve,
-                                                                           std::span<const DensityTerm> terms) {
+                                                                           std::span<const DensityTerm> terms,
+                                                                           const ExecutionContext& context) {
   std::vector<DensityTerm> fixed_terms;
   std::copy_if(terms.begin(), terms.end(), std::back_inserter(fixed_terms),
                [](const DensityTerm& term) { return has_fixed_terms(std::span(&term, 1)); });
@@ -32,7 +33,7 @@ absl::StatusOr<std::shared_ptr<const FixedDensity>> FixedDensityCache::get(const
     if (auto found = find(curve, fixed_terms)) return found;
   }
   absl::StatusOr<std::shared_ptr<const FixedDensity>> made =
-      make_fixed_density(*curve, fixed_terms, find_earlier(curve, fixed_terms));
+      make_fixed_density(*curve, fixed_terms, find_earlier(curve, fixed_terms), context);
   if (made.ok() && *made != nullptr) insert({curve, std::move(fixed_terms), *made});
   return made;
 }

@@ -23,7 +23,8 @@ class FixedDensityCache {
 
   /// Returns what make_fixed_density() gives, made or kept. Several threads that ask for the same at once may each make it.
   absl::StatusOr<std::shared_ptr<const FixedDensity>> get(const std::shared_ptr<const SurfaceCurve>& curve,
-                                                          std::span<const DensityTerm> terms);
+                                                          std::span<const DensityTerm> terms,
+                                                          const ExecutionContext& context = {});
 
   /// Returns the bytes of the densities that are kept.
   std::size_t byte_size() const;

@@ -34,11 +34,11 @@ absl::Status multiply_values(const SurfaceCurve& curve, const std::string& what,
 
 // Those without a place among the fixed ones: uniform, and all of a camera.
 template <typename Term>
-absl::Status multiply(const SurfaceCurve&, const Term&, std::span<float>) {
+absl::Status multiply(const SurfaceCurve&, const Term&, std::span<float>, const ExecutionContext&) {
   return absl::OkStatus();
 }
 
-absl::Status multiply(const SurfaceCurve& curve, const CurvatureTerm& term, std::span<float> density) {
+absl::Status multiply(const SurfaceCurve& curve, const CurvatureTerm& term, std::span<float> density, const ExecutionContext&) {
   const float reference = curve.reference_curvature[static_cast<std::size_t>(term.kind)];
   if (!(reference > 0)) return absl::OkStatus();
   const float scale = 1 / reference;
@@ -52,7 +52,7 @@ absl::Status multiply(const SurfaceCurve& curve, const CurvatureTerm& term, std:
   return absl::OkStatus();
 }
 
-absl::Status multiply(const SurfaceCurve& curve, const AttributeTerm& term, std::span<float> density) {
+absl::Status multiply(const SurfaceCurve& curve, const AttributeTerm& term, std::span<float> density, const ExecutionContext&) {
   std::string known;
   for (const ScalarColumn& scalar : curve.scalars) {
     if (scalar.name == term.name) {
@@ -65,24 +65,27 @@ absl::Status multiply(const SurfaceCurve& curve, const AttributeTerm& term, std:
                    known.empty() ? "it has none with one number for each vertex" : absl::StrCat("there are: ", known)));
 }
 
-absl::Status multiply(const SurfaceCurve& curve, const BrushTerm& term, std::span<float> density) {
+absl::Status multiply(const SurfaceCurve& curve, const BrushTerm& term, std::span<float> density,
+                      const ExecutionContext& context) {
   std::vector<float> values(density.size(), 1.0f);
-  paint(curve, term.dabs, values);
+  if (absl::Status status = paint(curve, term.dabs, values, context); !status.ok()) return status;
   const float scale = paint_scale(term.dabs);
   for (std::size_t l = 0; l < density.size(); ++l) density[l] *= scale * values[l];
   return absl::OkStatus();
 }
 
-absl::Status multiply(const SurfaceCurve& curve, const ExpressionTerm& term, std::span<float> density) {
+absl::Status multiply(const SurfaceCurve& curve, const ExpressionTerm& term, std::span<float> density,
+                      const ExecutionContext& context) {
   std::vector<float> values(density.size());
-  if (absl::Status status = evaluate_expression(curve, term.text, values); !status.ok()) return status;
+  if (absl::Status status = evaluate_expression(curve, term.text, values, context); !status.ok()) return status;
   return multiply_values(curve, absl::StrCat("expression density '", term.text, "'"), values, density);
 }
 
 }  // namespace
 
-absl::Status multiply_fixed_term(const SurfaceCurve& curve, const DensityTerm& term, std::span<float> density) {
-  return std::visit([&](const auto& t) { return multiply(curve, t, density); }, term);
+absl::Status multiply_fixed_term(const SurfaceCurve& curve, const DensityTerm& term, std::span<float> density,
+                                 const ExecutionContext& context) {
+  return std::visit([&](const auto& t) { return multiply(curve, t, density, context); }, term);
 }
 
 }  // namespace curvecast

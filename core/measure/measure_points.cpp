@@ -51,9 +51,10 @@ absl::Status check(const Box3d& box, std::span<const std::vector<Vec3d>> sets, c
 }
 
 /// Of each face; empty = uniform.
-absl::StatusOr<std::vector<double>> density_of(const TriangleMesh& mesh, const MeasureOptions& options) {
+absl::StatusOr<std::vector<double>> density_of(const TriangleMesh& mesh, const MeasureOptions& options,
+                                               const ExecutionContext& context) {
   if (options.density.terms.empty()) return std::vector<double>{};
-  return face_demand(mesh, differential_geometry(mesh), options.scalars, options.density, 1, kManyPlaces);
+  return face_demand(mesh, differential_geometry(mesh), options.scalars, options.density, 1, kManyPlaces, context);
 }
 
 /// All but what depends on regions.
@@ -107,7 +108,7 @@ std::optional<MeasureGradients> gradients_of(const std::vector<PointMeasures>& s
 absl::StatusOr<MeasureReport> measure_here(const TriangleMesh& mesh, std::span<const std::vector<Vec3d>> sets,
                                            const MeasureOptions& options, const ExecutionContext& context) {
   if (absl::Status status = check(bounding_box(mesh), sets, options); !status.ok()) return status;
-  const absl::StatusOr<std::vector<double>> density = density_of(mesh, options);
+  const absl::StatusOr<std::vector<double>> density = density_of(mesh, options, context);
   if (!density.ok()) return density.status();
   context.progress("balls", 0);
   const BallDiscrepancy balls(mesh, {.centres = options.ball_centres, .seed = options.seed}, *density, context);

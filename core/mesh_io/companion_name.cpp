@@ -33,6 +33,7 @@ bool is_plain_text(std::string_view text) {
     const auto c = static_cast<std::uint8_t>(text.front());
     const std::size_t length = utf8_length(text);
     if (length == 0 || c < 0x20 || c == 0x7F) return false;
+    if (c == 0xC2 && static_cast<std::uint8_t>(text[1]) < 0xA0) return false;  // U+0080 .. U+009F are controls too
     text.remove_prefix(length);
   }
   return true;

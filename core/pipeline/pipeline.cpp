@@ -125,15 +125,16 @@ double wanted_vertices(const PreprocessOptions& options) { return options.omega 
 /// The vertices of the curve that each face wants, for each unit of its area.
 class Demand {
  public:
-  static absl::StatusOr<Demand> of(const FlattenedMesh& flattened, const PreprocessOptions& options) {
+  static absl::StatusOr<Demand> of(const FlattenedMesh& flattened, const PreprocessOptions& options,
+                                   const ExecutionContext& context) {
     const LoadedMesh& loaded = flattened.loaded;
     Demand demand;
     if (options.density.empty()) {
       demand.even_ = wanted_vertices(options) / loaded.info.area;
       return demand;
     }
-    absl::StatusOr<std::vector<double>> of_faces =
-        face_demand(loaded.mesh, flattened.geometry, loaded.attributes.scalars, options.density, wanted_vertices(options));
+    absl::StatusOr<std::vector<double>> of_faces = face_demand(loaded.mesh, flattened.geometry, loaded.attributes.scalars,
+                                                               options.density, wanted_vertices(options), kFewPlaces, context);
     if (!of_faces.ok()) return of_faces.status();
     demand.of_faces_ = *std::move(of_faces);
     return demand;
@@ -261,7 +262,7 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   if (!options.density.empty()) {
     beside.wait();
     if (absl::Status status = context.check(); !status.ok()) return status;
-    absl::StatusOr<Demand> found = Demand::of(flattened, options);
+    absl::StatusOr<Demand> found = Demand::of(flattened, options, context);
     if (!found.ok()) return found.status();
     demand = *std::move(found);
     limit_levels(*demand, flattened.loaded.info.area, flatten_options);
@@ -307,7 +308,7 @@ absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh>
                                             const ExecutionContext& context, std::optional<Demand> demand = std::nullopt) {
   Stopwatch watch;
   if (!demand) {
-    absl::StatusOr<Demand> found = Demand::of(*flattened, options);
+    absl::StatusOr<Demand> found = Demand::of(*flattened, options, context);
     if (!found.ok()) return found.status();
     demand = *std::move(found);
   }

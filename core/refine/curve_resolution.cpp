@@ -36,9 +36,10 @@ double count(const SurfaceCurve& curve, std::span<const float> load, double divi
 
 }  // namespace
 
-absl::Status raise_vertex_loads(const SurfaceCurve& curve, const CurveDemand& demand, double omega, std::span<float> load) {
+absl::Status raise_vertex_loads(const SurfaceCurve& curve, const CurveDemand& demand, double omega, std::span<float> load,
+                                const ExecutionContext& context) {
   std::vector<float> density(curve.size());
-  if (absl::Status status = evaluate_density(curve, demand.density, density); !status.ok()) return status;
+  if (absl::Status status = evaluate_density(curve, demand.density, density, context); !status.ok()) return status;
   double mass = 0;
   for (std::size_t l = 0; l < density.size(); ++l) mass += static_cast<double>(density[l] * curve.area[l]);
   if (!(mass > 0) || !std::isfinite(mass)) return absl::OkStatus();

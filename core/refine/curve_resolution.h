@@ -26,7 +26,8 @@ struct CurveDemand {
 
 /// Raises each load[l] (L entries) to that of the demand. Errors as of evaluate_density; a density that is zero everywhere asks
 /// for nothing.
-absl::Status raise_vertex_loads(const SurfaceCurve& curve, const CurveDemand& demand, double omega, std::span<float> load);
+absl::Status raise_vertex_loads(const SurfaceCurve& curve, const CurveDemand& demand, double omega, std::span<float> load,
+                                const ExecutionContext& context = {});
 
 struct MissingLevels {
   std::vector<std::uint8_t> levels;  // L: by how many levels each leaf has to be divided

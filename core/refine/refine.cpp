@@ -58,7 +58,7 @@ absl::StatusOr<RefinedCurve> refine_here(const CurveBase& base, const SurfaceCur
                                          const RefineOptions& options, const ExecutionContext& context) {
   std::vector<float> load(curve.size(), 0);
   for (const CurveDemand& demand : demands) {
-    if (absl::Status status = raise_vertex_loads(curve, demand, options.omega, load); !status.ok()) return status;
+    if (absl::Status status = raise_vertex_loads(curve, demand, options.omega, load, context); !status.ok()) return status;
     if (absl::Status status = context.check(); !status.ok()) return status;
   }
   const double limit = std::min(static_cast<double>(options.max_vertices), kMostVertices);

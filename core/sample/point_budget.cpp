@@ -70,28 +70,23 @@ double largest_ratio(const SurfaceCurve& curve, std::span<const float> fixed, co
 
 }  // namespace
 
-absl::StatusOr<std::uint64_t> points_for_pixel_error(const SurfaceCurve& curve, const Density& density, double pixels) {
+absl::StatusOr<std::uint64_t> points_for_pixel_error(const SurfaceCurve& curve, const FixedDensity* fixed, const Density& density,
+                                                     double pixels) {
   if (!(pixels > 0 && std::isfinite(pixels))) {
     return absl::InvalidArgumentError(absl::StrFormat("the error is %g pixels; it must be above 0, and finite", pixels));
   }
   if (absl::Status status = check_density(density); !status.ok()) return status;
   if (density.cameras.empty()) return absl::InvalidArgumentError("an error in pixels needs a camera");
-  std::vector<float> fixed;
-  BlockMass own;
-  if (has_fixed_terms(density.terms)) {
-    fixed.resize(curve.size());
-    if (absl::Status status = evaluate_fixed_terms(curve, density.terms, fixed); !status.ok()) return status;
-    own = block_mass(fixed, curve.area);
-  }
+  const std::span<const float> values = fixed == nullptr ? std::span<const float>() : fixed->density;
   const ViewFactor view(curve, density);
   ViewMass mass;
-  view_mass(curve, fixed, fixed.empty() ? curve.blocks.area : own, view, kEnoughPoints, mass);
+  view_mass(curve, values, fixed == nullptr ? curve.blocks.area : fixed->mass, view, kEnoughPoints, mass);
   if (!(mass.total > 0) || !std::isfinite(mass.total)) {
     return absl::FailedPreconditionError(
         "the density is zero on the whole surface (does anything face the camera?), so there is nowhere to put points");
   }
   const ViewFactor screen(curve, Density({ScreenTerm{}, FrustumTerm{}}, density.cameras));
-  const double points = mass.total * largest_ratio(curve, fixed, screen, view) * (screen.pixels() / pixels / pixels);
+  const double points = mass.total * largest_ratio(curve, values, screen, view) * (screen.pixels() / pixels / pixels);
   return static_cast<std::uint64_t>(std::ceil(std::clamp(points, 1.0, static_cast<double>(kMaxPoints))));
 }
 

@@ -20,11 +20,13 @@ Admission::Ticket::~Ticket() {
 absl::StatusOr<Admission::Ticket> Admission::admit(const std::string& client) {
   const MutexLock lock(mutex_);
   if (count_ >= most_) {
+    ++refused_;
     return absl::ResourceExhaustedError(
         absl::StrCat("the server has ", count_, " ", what_, ", as many as it takes; try again later"));
   }
   std::size_t& count = of_client_[client];
   if (count >= most_of_client_) {
+    ++refused_;
     return absl::ResourceExhaustedError(absl::StrCat("you have ", count, " ", what_, ", as many as a client may; end one first"));
   }
   ++count;

@@ -3,7 +3,9 @@
 
 #include <absl/status/statusor.h>
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -39,10 +41,13 @@ class Admission : public std::enable_shared_from_this<Admission> {
   absl::StatusOr<Ticket> admit(const std::string& client);
   /// How many tickets there are.
   std::size_t count() const;
+  /// How often admit() has refused.
+  std::uint64_t refused() const { return refused_; }
 
  private:
   const std::string what_;
   const std::size_t most_, most_of_client_;
+  std::atomic<std::uint64_t> refused_ = 0;
   mutable Mutex mutex_;
   std::size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
   std::map<std::string, std::size_t> of_client_ ABSL_GUARDED_BY(mutex_);

@@ -3,7 +3,6 @@
 #include <absl/cleanup/cleanup.h>
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 #include "server/base/low_priority.h"
@@ -21,35 +20,52 @@ JobQueue::JobQueue(Options options) : options_(std::move(options)) {
 
 JobQueue::~JobQueue() { stop(); }
 
-absl::StatusOr<std::uint64_t> JobQueue::submit(std::function<void()> job, std::string_view whose) {
+absl::StatusOr<std::uint64_t> JobQueue::submit(std::function<void()> job, const Claim& claim) {
   const MutexLock lock(mutex_);
   if (stopped_) return absl::UnavailableError("the server is shutting down");
-  if (waiting_ >= options_.max_waiting) return absl::ResourceExhaustedError("the server is busy; try again later");
-  auto lane = lanes_.find(whose);
-  if (lane == lanes_.end()) {
-    forget_idle();
-    lane = lanes_.emplace(std::string(whose), Lane{.waiting = {}, .used = turn_}).first;
+  if (waiting_ >= options_.max_waiting) {
+    ++refused_;
+    return absl::ResourceExhaustedError("the server is busy; try again later");
   }
-  Lane& mine = lane->second;
-  if (mine.waiting.size() >= options_.max_waiting_of_one) {
+  if (lanes_ >= forget_at_) forget_idle();
+  auto found = callers_.find(claim.caller);
+  if (found == callers_.end()) found = callers_.emplace(std::string(claim.caller), Caller()).first;
+  Caller& caller = found->second;
+  if (caller.waiting >= options_.max_waiting_of_one) {
+    ++refused_;
     return absl::ResourceExhaustedError("too many of this client's requests wait already; try again later");
   }
-  if (mine.waiting.empty() && mine.running == 0) mine.used = std::max(mine.used, turn_);
-  mine.waiting.emplace(next_ticket_, std::move(job));
+  if (caller.waiting == 0 && caller.running == 0) caller.used = std::max(caller.used, turn_);
+  Lane& lane = lane_of(claim, caller);
+  if (lane.waiting.empty() && lane.running == 0) lane.used = std::max(lane.used, caller.turn);
+  lane.waiting.emplace(std::pair(lane.used + claim.expected, next_ticket_), Job{std::move(job), claim.expected});
+  ++caller.waiting;
   ++waiting_;
   wake_.notify_one();
   return next_ticket_++;
 }
 
+JobQueue::Lane& JobQueue::lane_of(const Claim& claim, Caller& caller) {
+  const auto found = caller.lanes.find(claim.connection);
+  if (found != caller.lanes.end()) return found->second;
+  ++lanes_;
+  return caller.lanes.emplace(std::string(claim.connection), Lane()).first->second;
+}
+
 bool JobQueue::withdraw(std::uint64_t ticket) {
-  std::function<void()> job;  // outlives the lock: what it holds may take its time to go
+  Job job;  // outlives the lock: what it holds may take its time to go
   const MutexLock lock(mutex_);
-  for (auto& [whose, lane] : lanes_) {
-    auto node = lane.waiting.extract(ticket);
-    if (node.empty()) continue;
-    job = std::move(node.mapped());
-    --waiting_;
-    return true;
+  for (auto& [name, caller] : callers_) {
+    for (auto& [connection, lane] : caller.lanes) {
+      const auto found = std::find_if(lane.waiting.begin(), lane.waiting.end(),
+                                      [ticket](const auto& entry) { return entry.first.second == ticket; });
+      if (found == lane.waiting.end()) continue;
+      job = std::move(found->second);
+      lane.waiting.erase(found);
+      --caller.waiting;
+      --waiting_;
+      return true;
+    }
   }
   return false;
 }
@@ -70,53 +86,77 @@ void JobQueue::stop() {
   workers_.clear();
 }
 
-JobQueue::Lanes::iterator JobQueue::next_lane() {
-  const auto order = [](const Lane& lane) { return std::tuple(lane.running, lane.used, lane.waiting.begin()->first); };
-  auto best = lanes_.end();
-  for (auto lane = lanes_.begin(); lane != lanes_.end(); ++lane) {
-    if (lane->second.waiting.empty() || lane->second.running >= options_.max_running_of_one) continue;
-    if (best == lanes_.end() || order(lane->second) < order(best->second)) best = lane;
+JobQueue::Order JobQueue::order_of(const Share& share, const Lane& lane) {
+  const auto& [place, job] = *lane.waiting.begin();
+  return {share.running, share.used + job.expected, place.second};
+}
+
+JobQueue::Lane& JobQueue::next_lane(Caller& caller) {
+  Lane* best = nullptr;
+  for (auto& [connection, lane] : caller.lanes) {
+    if (lane.waiting.empty()) continue;
+    if (best == nullptr || order_of(lane, lane) < order_of(*best, *best)) best = &lane;
+  }
+  return *best;
+}
+
+JobQueue::Turn JobQueue::next_turn() {
+  Turn best;
+  for (auto& [name, caller] : callers_) {
+    if (caller.waiting == 0 || caller.running >= options_.max_running_of_one) continue;
+    Lane& lane = next_lane(caller);
+    if (best.caller == nullptr || order_of(caller, lane) < order_of(*best.caller, *best.lane)) best = {&caller, &lane};
   }
   return best;
 }
 
 void JobQueue::forget_idle() {
-  if (lanes_.size() < forget_at_) return;
-  std::erase_if(lanes_, [turn = turn_](const auto& entry) {
-    const Lane& lane = entry.second;
-    return lane.waiting.empty() && lane.running == 0 && lane.used <= turn;
-  });
-  forget_at_ = std::max<std::size_t>(64, 2 * lanes_.size());
+  const auto is_idle = [](const Share& share, Nanoseconds turn) { return share.running == 0 && share.used <= turn; };
+  lanes_ = 0;
+  for (auto& [name, caller] : callers_) {
+    std::erase_if(caller.lanes,
+                  [&](const auto& entry) { return entry.second.waiting.empty() && is_idle(entry.second, caller.turn); });
+    lanes_ += caller.lanes.size();
+  }
+  std::erase_if(callers_, [&](const auto& entry) { return entry.second.lanes.empty() && is_idle(entry.second, turn_); });
+  forget_at_ = std::max<std::size_t>(64, 2 * std::max(lanes_, callers_.size()));
 }
 
 void JobQueue::work() {
   if (options_.low_priority) lower_priority();
   MutexLock lock(mutex_);
   while (true) {
-    Lanes::iterator lane = next_lane();
-    while (lane == lanes_.end() && !(stopped_ && waiting_ == 0)) {
+    Turn turn = next_turn();
+    while (turn.lane == nullptr && !(stopped_ && waiting_ == 0)) {
       wake_.wait(mutex_);
-      lane = next_lane();
+      turn = next_turn();
     }
-    if (lane == lanes_.end()) return;
-    Lane& mine = lane->second;  // stays where it is while it has a job running
-    std::function<void()> job = std::move(mine.waiting.extract(mine.waiting.begin()).mapped());
+    if (turn.lane == nullptr) return;
+    // They stay where they are while they have a job running.
+    Caller& caller = *turn.caller;
+    Lane& lane = *turn.lane;
+    std::function<void()> job = std::move(lane.waiting.extract(lane.waiting.begin()).mapped().run);
     --waiting_;
-    ++mine.running;
+    --caller.waiting;
+    for (Share* share : {static_cast<Share*>(&caller), static_cast<Share*>(&lane)}) ++share->running;
     ++running_;
-    turn_ = std::max(turn_, mine.used);
+    turn_ = std::max(turn_, caller.used);
+    caller.turn = std::max(caller.turn, lane.used);
     lock.unlock();
     const Nanoseconds start = options_.clock();
     job();
     job = nullptr;  // before the lock, for the same reason as above
     const Nanoseconds spent = options_.clock() - start;
     lock.lock();
-    --mine.running;
+    for (Share* share : {static_cast<Share*>(&caller), static_cast<Share*>(&lane)}) {
+      --share->running;
+      share->used += spent;
+    }
     --running_;
-    mine.used += spent;
-    // Once all have what they asked for, no client owes another one.
+    // Once all have what they asked for, nobody owes another one.
     if (waiting_ == 0 && running_ == 0) {
-      lanes_.clear();
+      callers_.clear();
+      lanes_ = 0;
       turn_ = {};
     }
     if (options_.max_running_of_one < options_.workers || stopped_) wake_.notify_all();

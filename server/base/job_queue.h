@@ -3,6 +3,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +13,8 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/base/mutex.h"
@@ -21,10 +24,12 @@ namespace curvecast::server {
 /// Thread-safe. Every accepted job runs exactly once unless it is withdrawn, so that a job may own what it has to finish.
 /// Jobs must not throw.
 ///
-/// Each job belongs to a client. The next job is one of the client that has the fewest running, then of the one that has had the
-/// least of the workers' time; jobs of one client keep their order. A client does not save up time that it left to others
-/// (start-time fair queueing: Goyal, Vin and Cheng, IEEE/ACM Transactions on Networking 5, 1997). So a client that wants
-/// everything slows those that want little down by no more than the job that happens to be running.
+/// Each job belongs to a connection of a caller. The next job is one of the caller that has the fewest running, then of the one
+/// that will have had the least of the workers' time when the job is done as expected; of that caller it is one of the connection
+/// of which the same can be said. So jobs of one connection keep their order, but that short ones go before long ones, which
+/// wait until their caller has had as much time as they take. Nobody saves up time that he left to others (start-time fair
+/// queueing: Goyal, Vin and Cheng, IEEE/ACM Transactions on Networking 5, 1997). So a caller that wants everything, from however
+/// many connections, slows those that want little down by no more than the job that happens to be running.
 class JobQueue {
  public:
   using Nanoseconds = std::chrono::nanoseconds;
@@ -32,8 +37,8 @@ class JobQueue {
   struct Options {
     int workers = 1;                                                           // >= 1
     std::size_t max_waiting = 0;                                               // jobs
-    std::size_t max_waiting_of_one = std::numeric_limits<std::size_t>::max();  // jobs of one client
-    int max_running_of_one = std::numeric_limits<int>::max();                  // jobs of one client
+    std::size_t max_waiting_of_one = std::numeric_limits<std::size_t>::max();  // jobs of one caller
+    int max_running_of_one = std::numeric_limits<int>::max();                  // jobs of one caller
     bool low_priority = false;                                                 // workers call lower_priority()
     /// Time since any moment, never less than before. Called by all workers.
     std::function<Nanoseconds()> clock = [] { return Nanoseconds(std::chrono::steady_clock::now().time_since_epoch()); };
@@ -44,40 +49,76 @@ class JobQueue {
   JobQueue(const JobQueue&) = delete;
   JobQueue& operator=(const JobQueue&) = delete;
 
-  /// Accepts a job of the client `whose`, and returns a ticket for withdraw(). ResourceExhausted when too many wait, Unavailable
-  /// after stop().
-  absl::StatusOr<std::uint64_t> submit(std::function<void()> job, std::string_view whose = "");
+  /// Whose a job is, and how long it will take, if that is known.
+  struct Claim {
+    std::string_view caller = {};
+    std::string_view connection = {};
+    Nanoseconds expected{};
+  };
+
+  /// Accepts a job, and returns a ticket for withdraw(). ResourceExhausted when too many wait, Unavailable after stop().
+  absl::StatusOr<std::uint64_t> submit(std::function<void()> job, const Claim& claim);
+  absl::StatusOr<std::uint64_t> submit(std::function<void()> job, std::string_view caller = "") {
+    return submit(std::move(job), Claim{.caller = caller});
+  }
   /// Takes back a job that has not started; false when it has.
   bool withdraw(std::uint64_t ticket);
   /// How many jobs wait for a worker.
   std::size_t waiting() const;
+  /// How often submit() has refused a job because too many waited.
+  std::uint64_t refused() const { return refused_; }
   /// Accepts no more, runs what was accepted to its end (cancel it before), joins the workers. Not from a job.
   void stop();
 
  private:
-  /// The jobs of one client.
-  struct Lane {
-    std::map<std::uint64_t, std::function<void()>> waiting;  // by ticket
+  struct Job {
+    std::function<void()> run;
+    Nanoseconds expected;
+  };
+  /// What somebody has of the workers.
+  struct Share {
     int running = 0;
-    Nanoseconds used{};  // of the workers' time, on the clock of `turn_`
+    Nanoseconds used{};  // of their time, on the clock of the `turn` that all who share with him have in common
+  };
+  /// A connection. Its jobs are in the order of the time that it will have used after each, then of their tickets.
+  struct Lane : Share {
+    std::map<std::pair<Nanoseconds, std::uint64_t>, Job> waiting;
   };
   using Lanes = std::map<std::string, Lane, std::less<>>;
+  struct Caller : Share {
+    Lanes lanes;  // with jobs, or that have had more than their share
+    std::size_t waiting = 0;
+    Nanoseconds turn{};
+  };
+  using Callers = std::map<std::string, Caller, std::less<>>;
+  /// Compared first to last: who has the smaller one is next.
+  using Order = std::tuple<int, Nanoseconds, std::uint64_t>;
+
+  /// The lane whose turn it is, and its caller; null where none has a job that may run.
+  struct Turn {
+    Caller* caller = nullptr;
+    Lane* lane = nullptr;
+  };
 
   void work() ABSL_LOCKS_EXCLUDED(mutex_);
-  /// The lane whose turn it is; end() where none has a job that may run.
-  Lanes::iterator next_lane() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  /// Drops lanes without jobs that have had no more than their share, once there are many lanes.
+  static Order order_of(const Share& share, const Lane& lane);
+  static Lane& next_lane(Caller& caller);
+  Turn next_turn() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  Lane& lane_of(const Claim& claim, Caller& caller) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Drops callers and lanes without jobs that have had no more than their share, once there are many.
   void forget_idle() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const Options options_;
+  std::atomic<std::uint64_t> refused_ = 0;
   mutable Mutex mutex_;
   CondVar wake_;
-  Lanes lanes_ ABSL_GUARDED_BY(mutex_);              // with jobs, or that have had more than their share
-  std::size_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;  // jobs, in all lanes
+  Callers callers_ ABSL_GUARDED_BY(mutex_);          // with jobs, or that have had more than their share
+  std::size_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;  // jobs, of all
   int running_ ABSL_GUARDED_BY(mutex_) = 0;
-  // The most that a lane had used when its turn came: where those that join begin.
+  // The most that a caller had used when its turn came: where those that join begin. A caller has the same for its lanes.
   Nanoseconds turn_ ABSL_GUARDED_BY(mutex_){};
-  std::size_t forget_at_ ABSL_GUARDED_BY(mutex_) = 64;  // number of lanes
+  std::size_t lanes_ ABSL_GUARDED_BY(mutex_) = 0;       // of all callers
+  std::size_t forget_at_ ABSL_GUARDED_BY(mutex_) = 64;  // of them
   std::uint64_t next_ticket_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   Mutex join_mutex_;

@@ -1,6 +1,7 @@
 // What a server is started with.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -29,6 +30,8 @@ struct ServerOptions {
   /// few milliseconds.
   double max_view_rate = 2000;
   std::uint64_t max_queued_bytes = std::uint64_t{1} << 30;  // of all answers that wait until clients read them
+  /// How long a message may take to leave while more than half of that waits; then its call ends.
+  std::chrono::milliseconds max_stall = std::chrono::seconds(30);
   /// Limit of refinement, which follows views that ask for more than a session was made for: curve vertices of one session. Also
   /// kept within half of the machine's free memory. 0: no refinement.
   std::uint64_t max_curve_vertices = 20'000'000;

@@ -17,24 +17,28 @@ Nanoseconds saved_up(Nanoseconds left, Nanoseconds passed) {
 
 ViewWorkers::ViewWorkers(const Options& options)
     : clock_(options.clock),
-      quick_({.workers = options.workers,
+      on_done_(options.on_done),
+      quick_({.workers = options.workers + 1,
               .max_waiting = options.max_waiting,
               .max_waiting_of_one = options.max_waiting_of_one,
+              .max_running_of_one = options.workers,
               .clock = options.clock}),
-      patient_({.workers = options.workers,
+      patient_({.workers = options.workers + 1,
                 .max_waiting = options.max_waiting,
                 .max_waiting_of_one = options.max_waiting_of_one,
+                .max_running_of_one = options.workers,
                 .low_priority = true,
                 .clock = options.clock}) {}
 
-absl::Status ViewWorkers::submit(std::function<void()> job, const std::string& connection) {
+absl::Status ViewWorkers::submit(std::function<void()> job, const std::string& caller, const std::string& connection) {
   bool is_quick;
   {
     const MutexLock lock(mutex_);
     is_quick = left(connection) >= Nanoseconds::zero();
   }
   return (is_quick ? quick_ : patient_)
-      .submit([this, job = std::move(job), connection] { run(job, connection); }, connection)
+      .submit([this, job = std::move(job), connection, submitted = clock_()] { run(job, connection, submitted); },
+              {.caller = caller, .connection = connection})
       .status();
 }
 
@@ -56,10 +60,11 @@ Nanoseconds& ViewWorkers::left(const std::string& connection) {
   return account.left;
 }
 
-void ViewWorkers::run(const std::function<void()>& job, const std::string& connection) {
+void ViewWorkers::run(const std::function<void()>& job, const std::string& connection, Nanoseconds submitted) {
   const Nanoseconds start = clock_();
   job();
   const Nanoseconds spent = clock_() - start;
+  if (on_done_) on_done_(start - submitted, spent);
   const MutexLock lock(mutex_);
   left(connection) -= spent;
 }

@@ -4,6 +4,7 @@
 #include <absl/status/status.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
@@ -15,7 +16,8 @@ namespace curvecast::server {
 
 /// Thread-safe. Has two fair queues with as many workers each. Jobs of a connection that takes no more than kShare of one
 /// worker's time go to the first queue; jobs of one that takes more go to the second, whose workers are of low priority: they run
-/// at full speed on an idle machine and yield under load.
+/// at full speed on an idle machine and yield under load. In both the callers share the workers, and their connections what their
+/// caller has; and there is one worker more than a caller gets at once, so that nobody waits for the end of another's long jobs.
 class ViewWorkers {
  public:
   using Nanoseconds = JobQueue::Nanoseconds;
@@ -24,18 +26,22 @@ class ViewWorkers {
   static constexpr Nanoseconds kBurst = std::chrono::milliseconds(250);  // of work that a connection may have saved up
 
   struct Options {
-    int workers = 1;              // of each queue, >= 1
-    std::size_t max_waiting = 0;  // in each queue
-    std::size_t max_waiting_of_one = 0;
+    int workers = 1;                     // of each queue, for one caller; >= 1
+    std::size_t max_waiting = 0;         // in each queue
+    std::size_t max_waiting_of_one = 0;  // ... of one caller
     std::function<Nanoseconds()> clock = JobQueue::Options().clock;
+    /// Called by the worker after each job: how long it waited for the worker, and took of it. May be empty.
+    std::function<void(Nanoseconds waited, Nanoseconds took)> on_done = {};
   };
 
   explicit ViewWorkers(const Options& options);
 
-  /// Accepts a job of a connection. Errors as of JobQueue::submit().
-  absl::Status submit(std::function<void()> job, const std::string& connection);
+  /// Accepts a job of a caller's connection. Errors as of JobQueue::submit().
+  absl::Status submit(std::function<void()> job, const std::string& caller, const std::string& connection);
   /// How many jobs wait for a worker.
   std::size_t waiting() const { return quick_.waiting() + patient_.waiting(); }
+  /// As JobQueue::refused(), of both queues.
+  std::uint64_t refused() const { return quick_.refused() + patient_.refused(); }
   /// As JobQueue::stop(), for both queues.
   void stop();
 
@@ -48,9 +54,10 @@ class ViewWorkers {
   /// The work that a connection may have done at once; below zero: it has had more than its share. Forgets connections that may
   /// have as much as a new one.
   Nanoseconds& left(const std::string& connection) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void run(const std::function<void()>& job, const std::string& connection) ABSL_LOCKS_EXCLUDED(mutex_);
+  void run(const std::function<void()>& job, const std::string& connection, Nanoseconds submitted) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::function<Nanoseconds()> clock_;
+  const std::function<void(Nanoseconds, Nanoseconds)> on_done_;
   Mutex mutex_;
   std::map<std::string, Account> accounts_ ABSL_GUARDED_BY(mutex_);
   std::size_t forget_at_ ABSL_GUARDED_BY(mutex_) = 64;  // number of accounts

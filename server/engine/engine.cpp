@@ -12,13 +12,15 @@
 namespace curvecast::server {
 namespace {
 
-// Jobs that wait, in all and of one connection.
+// Jobs that wait, in all and of one caller.
 constexpr std::size_t kMaxWaiting = 1024, kMaxWaitingOfOne = 256;
 constexpr std::chrono::seconds kHousekeepingInterval{1};
 
 int worker_count(int threads) {
   return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
+
+double in_seconds(std::chrono::duration<double> duration) { return duration.count(); }
 
 /// Whether there may be views of other clients, which go before preprocessing. A command that works for itself alone is not to
 /// stand back behind the other programs of the machine.
@@ -31,7 +33,10 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
     : log(std::move(logger)),
       threads(options.threads),
       queued(options.max_queued_bytes),
-      views({.workers = worker_count(options.threads), .max_waiting = kMaxWaiting, .max_waiting_of_one = kMaxWaitingOfOne}),
+      views({.workers = worker_count(options.threads),
+             .max_waiting = kMaxWaiting,
+             .max_waiting_of_one = kMaxWaitingOfOne,
+             .on_done = [this](auto waited, auto took) { metrics.view_job(in_seconds(waited), in_seconds(took)); }}),
       calls({.workers = worker_count(options.threads) + 1,
              .max_waiting = kMaxWaiting,
              .max_waiting_of_one = kMaxWaitingOfOne,
@@ -45,12 +50,21 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       uploads(std::make_shared<Admission>("uploads", options.max_uploads, options.max_uploads_of_client)),
       mesh_folder(options.mesh_folder),
       meshes(options.max_mesh_bytes, options.max_upload_bytes, scratch_folder(options)),
-      sessions(preprocessing, preprocess, {options.max_sessions, options.max_session_bytes}, options.threads, log, cache.get(),
-               [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
-                 for (const auto& weak : all_streams()) {
-                   if (const auto stream = weak.lock()) stream->replace(preview, real);
-                 }
-               }),
+      sessions(
+          preprocessing,
+          [this](const MeshFile& file, const PreprocessOptions& wanted, const ExecutionContext& context,
+                 const OnPreview& on_preview) {
+            const auto start = std::chrono::steady_clock::now();
+            auto made = preprocess(file, wanted, context, on_preview);
+            metrics.preprocessing(made.status().raw_code(), in_seconds(std::chrono::steady_clock::now() - start));
+            return made;
+          },
+          {options.max_sessions, options.max_session_bytes}, options.threads, log, cache.get(),
+          [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
+            for (const auto& weak : all_streams()) {
+              if (const auto stream = weak.lock()) stream->replace(preview, real);
+            }
+          }),
       refiner(
           options.max_curve_vertices,
           [this](const Session& session, bool is_finer) {
@@ -61,6 +75,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
           log),
       rank_jobs(
           worker_count(options.threads), [this](const Session& session) { notify_streams(session); }, log),
+      max_stall_(options.max_stall),
       housekeeper_([this](const std::stop_token& stop) { run_housekeeping(stop); }) {
   // Workers started before what they use was there. They take the lock of their queue once more before they use it.
   for (const JobQueue* const queue : {&calls, &preprocessing}) static_cast<void>(queue->waiting());
@@ -75,13 +90,15 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
     const auto now = std::chrono::steady_clock::now();
     sessions.run_housekeeping(now);
     frame_cache.forget_before(now - kHousekeepingInterval);
+    if (queued.is_half_full()) metrics.stalled(sends.end_begun_before(now - max_stall_));
     for (const auto& weak : all_streams()) {
       if (const auto stream = weak.lock()) stream->retry();
     }
   }
 }
 
-absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport, std::string connection) {
+absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport, const std::string& caller,
+                                                                  const std::string& connection) {
   auto stream = std::make_shared<ClientStream>(
       transport,
       ClientStream::Hooks{
@@ -99,11 +116,12 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                 // The last improvement says that no better one follows, which is true for its client only.
                 return request.may_refine ? frame_cache.get(key, make) : make();
               },
-          .restore = [this](const Session& session,
-                            const ResumeClaim& claim) { return restore_reference(session, claim, view_cache); },
-          .submit = [this, connection = std::move(connection)](
-                        std::function<void()> job) { return submit_view(std::move(job), connection); },
-          .count_queued = [this](std::int64_t bytes) { queued.add(bytes); },
+          .restore = [this](const Session& session, const ResumeClaim& claim,
+                            const ExecutionContext& context) { return restore_reference(session, claim, view_cache, context); },
+          .has_room = [this, caller] { return queued.check(caller); },
+          .submit = [this, caller,
+                     connection](std::function<void()> job) { return views.submit(std::move(job), caller, connection); },
+          .count_queued = [this, caller](std::int64_t bytes) { queued.add(caller, bytes); },
       });
   const MutexLock lock(mutex_);
   if (stopped_) return absl::UnavailableError("the server is shutting down");
@@ -113,11 +131,6 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
   }
   streams_.push_back(stream);
   return stream;
-}
-
-absl::Status Engine::submit_view(std::function<void()> job, const std::string& connection) {
-  if (absl::Status status = queued.check(); !status.ok()) return status;
-  return views.submit(std::move(job), connection);
 }
 
 ImprovementRequests Engine::improvement_requests(const std::shared_ptr<const Session>& session, const PointSetRequest& request,
@@ -136,6 +149,10 @@ Gauges Engine::gauges() {
   out.shared_frames = frame_cache.shared();
   out.waiting_calls = calls.waiting();
   out.waiting_preprocessing = preprocessing.waiting();
+  out.queued_bytes = queued.bytes();
+  out.refused = {{"queued bytes", queued.refused()}, {"waiting views", views.refused()},
+                 {"waiting calls", calls.refused()}, {"waiting preprocessing", preprocessing.refused()},
+                 {"streams", streams->refused()},    {"uploads", uploads->refused()}};
   for (const SessionInfo& info : sessions.list()) {
     ++out.sessions;
     if (info.session != nullptr) out.session_bytes += info.session->memory_bytes();

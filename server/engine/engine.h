@@ -14,6 +14,7 @@
 #include "server/base/admission.h"
 #include "server/base/job_queue.h"
 #include "server/base/queued_bytes.h"
+#include "server/base/send_watch.h"
 #include "server/base/tokens.h"
 #include "server/base/view_workers.h"
 #include "server/engine/metrics.h"
@@ -49,9 +50,10 @@ class Engine {
   /// Whether the session would survive a restart.
   bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->holds(session_id); }
 
-  /// Makes a conversation that stop_streams() ends; Unavailable after stop_streams(). `connection` is whose share of the workers
-  /// it takes.
-  absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, std::string connection);
+  /// Makes a conversation that stop_streams() ends; Unavailable after stop_streams(). The caller's connections share what it has
+  /// of the workers and of the bytes that wait.
+  absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, const std::string& caller,
+                                                            const std::string& connection);
   /// Returns what make_frame() and make_point_blocks() call where an answer falls short of `request`: they have the session's
   /// curve refined, and more ranked candidates made.
   ImprovementRequests improvement_requests(const std::shared_ptr<const Session>& session, const PointSetRequest& request,
@@ -69,6 +71,7 @@ class Engine {
   Metrics metrics;
   const int threads;                           // of one preprocessing job; 0 = one per core
   QueuedBytes queued;                          // before all that sends
+  SendWatch sends;                             // as well
   ViewCache view_cache;                        // of the jobs in `views` and `calls`
   FrameCache frame_cache;                      // of streams
   ViewWorkers views;                           // of streams: each takes milliseconds
@@ -85,12 +88,12 @@ class Engine {
   RankJobs rank_jobs;
 
  private:
-  absl::Status submit_view(std::function<void()> job, const std::string& connection);
   /// The conversations at this moment, and perhaps some that have gone.
   std::vector<std::weak_ptr<ClientStream>> all_streams() ABSL_LOCKS_EXCLUDED(mutex_);
   void notify_streams(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
   void run_housekeeping(const std::stop_token& stop) ABSL_LOCKS_EXCLUDED(mutex_);
 
+  const std::chrono::milliseconds max_stall_;
   std::jthread housekeeper_;  // last: it uses the others
 };
 

@@ -75,6 +75,15 @@ struct Metrics::Families {
   Histogram& equalise = stage_seconds.Add({{"stage", "equalise"}}, kStageSeconds);
   Histogram& encode = stage_seconds.Add({{"stage", "encode"}}, kStageSeconds);
 
+  Histogram& view_wait =
+      histograms(registry, "curvecast_view_wait_seconds", "How long views waited for a worker.").Add({}, kStageSeconds);
+  Counter& view_busy =
+      counters(registry, "curvecast_view_worker_busy_seconds_total", "What the workers for views have been at work.").Add({});
+  Family<Histogram>& preprocess_seconds =
+      histograms(registry, "curvecast_preprocess_seconds", "Of one session, by status code; without its wait.");
+  Counter& stalls =
+      counters(registry, "curvecast_stalled_calls_total", "Calls ended because their client did not read what was sent.").Add({});
+
   Family<Counter>& refinements = counters(registry, "curvecast_refinements_total", "Refinements of curves that are over.");
   Counter& finer = refinements.Add({{"result", "finer"}});
   Counter& unchanged = refinements.Add({{"result", "unchanged"}});
@@ -99,6 +108,10 @@ struct Metrics::Families {
       gauges(registry, "curvecast_mesh_bytes", "Of mesh files held and being received.").Add({});
   Gauge& cache_bytes ABSL_GUARDED_BY(mutex) =
       gauges(registry, "curvecast_cache_bytes", "Of the files in the cache's folder.").Add({});
+  Gauge& queued_bytes ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_queued_bytes", "Of answers that wait until clients read them.").Add({});
+  Family<Counter>& refused ABSL_GUARDED_BY(mutex) =
+      counters(registry, "curvecast_refused_total", "Streams, views, calls and uploads refused, by the limit that they met.");
   Gauge& resident ABSL_GUARDED_BY(mutex) =
       gauges(registry, "process_resident_memory_bytes", "Resident memory size in bytes.").Add({});
   Gauge& open_files ABSL_GUARDED_BY(mutex) = gauges(registry, "process_open_fds", "Number of open file descriptors.").Add({});
@@ -150,6 +163,18 @@ void Metrics::stages(const v1::FrameStatistics& statistics) {
 
 void Metrics::refinement(bool is_finer) { (is_finer ? families_->finer : families_->unchanged).Increment(); }
 
+void Metrics::view_job(double waited_seconds, double busy_seconds) {
+  families_->view_wait.Observe(waited_seconds);
+  families_->view_busy.Increment(busy_seconds);
+}
+
+void Metrics::preprocessing(int code, double seconds) {
+  const std::string name = absl::StatusCodeToString(static_cast<absl::StatusCode>(code));
+  families_->preprocess_seconds.Add({{"code", name}}, kRequestSeconds).Observe(seconds);
+}
+
+void Metrics::stalled(std::size_t count) { families_->stalls.Increment(static_cast<double>(count)); }
+
 std::string Metrics::text(const Gauges& values) {
   Families& f = *families_;
   const MutexLock lock(f.mutex);
@@ -162,6 +187,11 @@ std::string Metrics::text(const Gauges& values) {
   f.meshes.Set(static_cast<double>(values.meshes));
   f.mesh_bytes.Set(static_cast<double>(values.mesh_bytes));
   f.cache_bytes.Set(static_cast<double>(values.cache_bytes));
+  f.queued_bytes.Set(static_cast<double>(values.queued_bytes));
+  for (const auto& [limit, count] : values.refused) {
+    Counter& counter = f.refused.Add({{"limit", limit}});
+    counter.Increment(static_cast<double>(count) - counter.Value());
+  }
   const ProcessUsage usage = process_usage();
   f.resident.Set(static_cast<double>(usage.resident_bytes));
   f.open_files.Set(static_cast<double>(usage.open_files));

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -25,6 +26,9 @@ struct Gauges {
   std::size_t meshes = 0;
   std::uint64_t mesh_bytes = 0;  // of uploads under way too
   std::uint64_t cache_bytes = 0;
+  std::uint64_t queued_bytes = 0;  // of answers that wait to be read
+  // So far, by the name of the limit: what was refused.
+  std::map<std::string, std::uint64_t> refused = {};
 };
 
 /// Thread-safe. Counting a frame or a view takes an atomic addition; a duration takes its histogram's own lock for as long as it
@@ -47,6 +51,12 @@ class Metrics {
   /// Counts how long the stages of an answer took, of a stream or of a single point set.
   void stages(const v1::FrameStatistics& statistics);
   void refinement(bool is_finer);
+  /// Counts a job of a view that a worker is done with.
+  void view_job(double waited_seconds, double busy_seconds);
+  /// Counts a session that was preprocessed, or failed to be. `code` is a canonical status code.
+  void preprocessing(int code, double seconds);
+  /// Counts calls that were ended because their client did not read.
+  void stalled(std::size_t count);
 
   /// Writes all of it, with the process's memory and time, in Prometheus' text format 0.0.4.
   std::string text(const Gauges& values);

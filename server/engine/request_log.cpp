@@ -35,7 +35,7 @@ std::string find_id(const grpc::CallbackServerContext& context) {
 
 bool is_request_id(std::string_view id) {
   return !id.empty() && id.size() <= kMaxId &&
-         std::all_of(id.begin(), id.end(), [](char c) { return absl::ascii_isprint(static_cast<unsigned char>(c)); });
+         std::all_of(id.begin(), id.end(), [](char c) { return absl::ascii_isgraph(static_cast<unsigned char>(c)); });
 }
 
 RequestLog::RequestLog(Engine& engine, const char* method, grpc::CallbackServerContext& context)

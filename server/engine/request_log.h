@@ -12,7 +12,8 @@
 
 namespace curvecast::server {
 
-/// Whether a client may call its request so: 1 to 64 printable characters.
+/// Whether a client may call its request so: 1 to 64 visible characters, none of them a blank, after which a line of the log
+/// could seem to have further fields.
 bool is_request_id(std::string_view id);
 
 /// Follows one request: gives it an id, which the client gets as initial metadata, and writes a line and counts the request when

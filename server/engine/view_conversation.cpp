@@ -11,7 +11,7 @@ absl::StatusOr<std::unique_ptr<ViewConversation>> ViewConversation::begin(Engine
                                                                           const std::string& caller, const std::string& peer) {
   absl::StatusOr<Admission::Ticket> ticket = engine.streams->admit(caller);
   if (!ticket.ok()) return ticket.status();
-  auto stream = engine.make_stream(transport, peer);
+  auto stream = engine.make_stream(transport, caller, peer);
   if (!stream.ok()) return stream.status();
   return std::unique_ptr<ViewConversation>(new ViewConversation(engine, *std::move(ticket), *std::move(stream)));
 }

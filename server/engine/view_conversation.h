@@ -21,8 +21,9 @@ namespace curvecast::server {
 /// Belongs to one transport. receive() is called for one message at a time; the other functions by any thread.
 class ViewConversation {
  public:
-  /// Begins a conversation with an open stream. `caller` is what caller_of() names; streams of one `peer` share its part of the
-  /// workers. ResourceExhausted: there are too many streams. Unavailable: the server shuts down.
+  /// Begins a conversation with an open stream. `caller` is what caller_of() names, `peer` what peer_of() does: the caller's
+  /// peers share its part of the workers, the streams of a peer that peer's. ResourceExhausted: there are too many streams.
+  /// Unavailable: the server shuts down.
   static absl::StatusOr<std::unique_ptr<ViewConversation>> begin(Engine& engine, ClientStream::Transport* transport,
                                                                  const std::string& caller, const std::string& peer);
 

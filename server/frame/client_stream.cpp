@@ -15,6 +15,8 @@ namespace {
 constexpr int kMaxImprovements = 8;
 // Work for other clients makes a view's answer anew too, which may bring it nothing.
 constexpr int kMaxInVain = 8;
+// What an answer may take of the processors once a newer view has come.
+constexpr WorkLimit::Nanoseconds kMostOutdatedWork = std::chrono::milliseconds(100);
 
 ViewEvent event_of(FollowUp follow_up) {
   switch (follow_up) {
@@ -122,6 +124,7 @@ void ClientStream::receive_view(const v1::ViewUpdate& update) {
         absl::StrCat("view.sequence is ", update.sequence(), " after ", *newest_sequence_, "; number the views upwards")));
   }
   newest_sequence_ = update.sequence();
+  hurry_answer();
   wants_key_ = wants_key_ || update.key_frame();
   view_ = View{update.sequence(), to_point_set_request(update.sample()), update.first_bytes()};
   if (update.first_bytes() > 0 && update.first_bytes() < kMinBudgetBytes) {
@@ -129,6 +132,14 @@ void ClientStream::receive_view(const v1::ViewUpdate& update) {
         absl::StrCat("view.first_bytes is ", update.first_bytes(), "; it must be at least ", kMinBudgetBytes));
   }
   view_state_ = next(view_state_, ViewEvent::kArrived);
+}
+
+void ClientStream::hurry_answer() {
+  const bool is_answering = view_state_ == ViewState::kAnswering || view_state_ == ViewState::kOutdated;
+  // Of two answers in a row one is finished: somebody who moves on all the time is to see something.
+  if (!is_answering || was_given_up_) return;
+  work_->spend(kMostViewWork - kMostOutdatedWork);
+  is_hurried_ = true;
 }
 
 void ClientStream::receive_ack(std::uint64_t sequence) {
@@ -181,7 +192,8 @@ void ClientStream::end_when_idle() {
 }
 
 void ClientStream::ask_for_worker() {
-  const absl::Status accepted = hooks_.submit([self = shared_from_this()] { self->run_worker(); });
+  absl::Status accepted = hooks_.has_room();
+  if (accepted.ok()) accepted = hooks_.submit([self = shared_from_this()] { self->run_worker(); });
   has_worker_ = accepted.ok();
   // A better frame is asked for again with the next event or retry(): its promise stands.
   if (!accepted.ok() && view_state_ == ViewState::kWaiting) refuse_waiting_view(accepted);
@@ -189,7 +201,10 @@ void ClientStream::ask_for_worker() {
 
 void ClientStream::run_worker() {
   MutexLock lock(mutex_);
-  if (is_due()) {
+  const absl::Status room = hooks_.has_room();  // for all who asked for workers when there was
+  if (is_due() && !room.ok()) {
+    if (view_state_ == ViewState::kWaiting) refuse_waiting_view(room);
+  } else if (is_due()) {
     View view = begin_answer();
     absl::StatusOr<Answer> made = absl::UnknownError("");
     const auto session = session_;
@@ -202,17 +217,18 @@ void ClientStream::run_worker() {
       const auto claim = claim_;
       auto reference = wants_key_ ? nullptr : reference_;
       const std::uint64_t first_bytes = accepts_deltas_ ? view.first_bytes : 0;
+      const ExecutionContext context{.cancel = &cancel_, .limit = &*work_};
       lock.unlock();
       made = status_from_exceptions([&]() -> absl::StatusOr<Answer> {
         if (claim) {
-          absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restored = hooks_.restore(*session, *claim);
+          absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restored = hooks_.restore(*session, *claim, context);
           if (restored.ok()) reference = *std::move(restored);  // else the client gets a key frame
         }
         return hooks_.answer(session, {.point_set = *view.request,
                                        .reference = reference.get(),
                                        .first_bytes = first_bytes,
                                        .may_refine = view.may_refine(),
-                                       .cancel = &cancel_});
+                                       .context = context});
       });
       lock.lock();
     }
@@ -238,13 +254,16 @@ ClientStream::View ClientStream::begin_answer() {
   View view = *std::exchange(view_, std::nullopt);
   view_state_ = next(view_state_, ViewEvent::kTaken);
   view.started = Clock::now();
+  work_.emplace(kMostViewWork);
+  is_hurried_ = false;
   return view;
 }
 
 void ClientStream::finish_answer(View view, absl::StatusOr<Answer> answer) {
   if (is_over()) return;
   const bool is_overtaken = view_state_ == ViewState::kWaiting;
-  if (view.shown && is_overtaken) return;
+  was_given_up_ = is_hurried_ && absl::IsDeadlineExceeded(answer.status());
+  if (is_overtaken && (view.shown || was_given_up_)) return;
   Progress progress;
   FollowUp follow_up = FollowUp::kNone;
   if (answer.ok()) {

@@ -42,7 +42,12 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     /// is called after the session's curve and ranks were read for it.
     std::function<absl::StatusOr<Answer>(const std::shared_ptr<const Session>&, const FrameRequest&)> answer;
     /// Makes the points again that the client says that it has; null where it has others. Called without the lock, on a worker.
-    std::function<absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(const Session&, const ResumeClaim&)> restore;
+    std::function<absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(const Session&, const ResumeClaim&,
+                                                                        const ExecutionContext&)>
+        restore;
+    /// Whether a frame may be made for the client, who may have too many that wait. Called with the lock held. An error refuses a
+    /// view as one of submit() does.
+    std::function<absl::Status()> has_room;
     /// Has a worker run the job later, never within the call. Called with the lock held. An error refuses a view that has no
     /// frame yet; a better frame of a view is tried again with the next event, retry() at the latest.
     std::function<absl::Status(std::function<void()> job)> submit;
@@ -101,6 +106,8 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   // What the client sends.
   void receive_open(const v1::OpenView& request) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void receive_view(const v1::ViewUpdate& update) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Leaves an answer in the making little time: a newer view has come.
+  void hurry_answer() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void receive_ack(std::uint64_t sequence) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   /// Ends the stream with `reason`, unless it is ending already.
@@ -138,7 +145,10 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   ViewState view_state_ ABSL_GUARDED_BY(mutex_) = ViewState::kNone;
   std::optional<View> view_ ABSL_GUARDED_BY(mutex_);  // the newest view: in kWaiting, kCoarse and kImprovable
   std::optional<std::uint64_t> newest_sequence_ ABSL_GUARDED_BY(mutex_);
-  bool has_worker_ ABSL_GUARDED_BY(mutex_) = false;  // a worker was asked for, or works
+  bool has_worker_ ABSL_GUARDED_BY(mutex_) = false;        // a worker was asked for, or works
+  std::optional<WorkLimit> work_ ABSL_GUARDED_BY(mutex_);  // of the answer in the making, or the last one
+  bool is_hurried_ ABSL_GUARDED_BY(mutex_) = false;        // that answer had little time left when a newer view came
+  bool was_given_up_ ABSL_GUARDED_BY(mutex_) = false;      // the answer before it, for that reason
 
   std::shared_ptr<const ReferenceFrame> reference_
       ABSL_GUARDED_BY(mutex_);                                // held by the client once it has received all that was queued

@@ -144,7 +144,7 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
                                   const ImprovementRequests& improvements) {
   const PointSetRequest& point_set = request.point_set;
   absl::StatusOr<SessionSampler> sampler =
-      SessionSampler::open(session, point_set, cache, SessionSampler::Wait::kForFirst, request.cancel);
+      SessionSampler::open(session, point_set, cache, SessionSampler::Wait::kForFirst, request.context);
   if (!sampler.ok()) return sampler.status();
   const bool may_differ =
       request.reference != nullptr && sampler->is_ranked() && request.reference->goes_with(sampler->curve(), point_set);
@@ -177,8 +177,9 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
 }
 
 absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Session& session, const ResumeClaim& claim,
-                                                                        ViewCache& cache) {
-  absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, claim.point_set, cache, SessionSampler::Wait::kForAll);
+                                                                        ViewCache& cache, const ExecutionContext& context) {
+  absl::StatusOr<SessionSampler> sampler =
+      SessionSampler::open(session, claim.point_set, cache, SessionSampler::Wait::kForAll, context);
   if (!sampler.ok()) return sampler.status();
   if (!sampler->is_ranked()) return nullptr;
   const absl::StatusOr<Sampled> selected = sampler->select(claim.points, claim.points);

@@ -3,7 +3,6 @@
 
 #include <absl/status/statusor.h>
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 
@@ -18,7 +17,7 @@ struct FrameRequest {
   const ReferenceFrame* reference = nullptr;  // what the client holds, for a delta where that pays; null: a key frame
   std::uint64_t first_bytes = 0;              // above 0: many points come in parts, the first of about so many bytes
   bool may_refine = true;                     // what the frame lacks may be made
-  const std::atomic<bool>* cancel = nullptr;  // set by any thread: the frame is not wanted any more; may be null
+  ExecutionContext context = {};              // says when the frame is not wanted any more, and what it may cost
 };
 
 /// What can follow a frame of the same view without being asked for.
@@ -38,7 +37,7 @@ struct Answer {
 
 /// Makes a frame from the ranked candidates and the curve that there are, and asks for what is lacking. A part has exactly as
 /// many points as were asked for: where there are no more, the frame is that of the whole view. Errors as of curvecast::resample;
-/// ResourceExhausted for more than kMaxFrameBytes; Cancelled.
+/// ResourceExhausted for more than kMaxFrameBytes; those of the context as of SessionSampler::open().
 absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& request, ViewCache& cache,
                                   const ImprovementRequests& improvements);
 
@@ -49,8 +48,9 @@ struct ResumeClaim {
   std::uint64_t digest = 0;
 };
 
-/// Selects again the points that a client claims to hold; null where their digest is another. Waits for ranked candidates.
+/// Selects again the points that a client claims to hold; null where their digest is another. Waits for ranked candidates. Errors
+/// as of SessionSampler::open().
 absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Session& session, const ResumeClaim& claim,
-                                                                        ViewCache& cache);
+                                                                        ViewCache& cache, const ExecutionContext& context);
 
 }  // namespace curvecast::server

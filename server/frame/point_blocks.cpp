@@ -64,9 +64,9 @@ absl::Status emit_point_blocks(Sampled& sampled, const PointSetRequest& request,
 }
 
 absl::Status make_point_blocks(const Session& session, const PointSetRequest& request, ViewCache& cache,
-                               const ImprovementRequests& improvements, const std::atomic<bool>* cancel,
+                               const ImprovementRequests& improvements, const ExecutionContext& context,
                                const std::function<bool(v1::ResampleResponse)>& emit) {
-  absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, request, cache, SessionSampler::Wait::kForAll, cancel);
+  absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, request, cache, SessionSampler::Wait::kForAll, context);
   if (!sampler.ok()) return sampler.status();
   if (request.max_bytes > 0) return emit_within(*sampler, request, improvements, emit);
   const absl::StatusOr<std::uint64_t> wanted = sampler->points();

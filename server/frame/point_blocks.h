@@ -3,7 +3,6 @@
 
 #include <absl/status/status.h>
 
-#include <atomic>
 #include <functional>
 
 #include "server/frame/session_sampler.h"
@@ -17,10 +16,10 @@ absl::Status emit_point_blocks(Sampled& sampled, const PointSetRequest& request,
 
 /// Hands all points to `emit`, in blocks and in order: each as soon as it is packed or, for a budget of bytes, once all are. The
 /// last message carries the statistics; its `refining` says that what the points lack is being made, so that a later request gets
-/// better ones. Waits for ranked candidates to be made. Cancelled: `emit` returned false, or `cancel` (may be null) is set.
-/// Errors as of curvecast::resample; ResourceExhausted where a single point takes more than the budget of bytes.
+/// better ones. Waits for ranked candidates to be made. Cancelled: `emit` returned false, or `context` is cancelled.
+/// Errors as of SessionSampler::open(); ResourceExhausted where a single point takes more than the budget of bytes.
 absl::Status make_point_blocks(const Session& session, const PointSetRequest& request, ViewCache& cache,
-                               const ImprovementRequests& improvements, const std::atomic<bool>* cancel,
+                               const ImprovementRequests& improvements, const ExecutionContext& context,
                                const std::function<bool(v1::ResampleResponse)>& emit);
 
 }  // namespace curvecast::server

@@ -22,8 +22,7 @@ absl::Status too_many(std::uint64_t points, std::uint64_t length) {
 absl::Status find_neighbours(const Session& session, const PointSetRequest& request, const NeighbourSearch& search,
                              ViewCache& cache, const ImprovementRequests& improvements, const ExecutionContext& context,
                              const NeighbourChunks::Emit& emit) {
-  absl::StatusOr<SessionSampler> sampler =
-      SessionSampler::open(session, request, cache, SessionSampler::Wait::kForAll, context.cancel);
+  absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, request, cache, SessionSampler::Wait::kForAll, context);
   if (!sampler.ok()) return sampler.status();
   const absl::StatusOr<std::uint64_t> wanted = sampler->points();
   if (!wanted.ok()) return wanted.status();

@@ -37,19 +37,21 @@ RankDemand demand_of(std::shared_ptr<const SurfaceCurve> curve, std::shared_ptr<
 }  // namespace
 
 absl::StatusOr<SessionSampler> SessionSampler::open(const Session& session, const PointSetRequest& request, ViewCache& cache,
-                                                    Wait wait, const std::atomic<bool>* cancel) {
+                                                    Wait wait, const ExecutionContext& context) {
   if (absl::Status status = check_density(request.options.density); !status.ok()) return status;
-  SessionSampler out(session, request, cache, wait, cancel);
+  SessionSampler out(session, request, cache, wait, context.cancel);
   out.curve_ = session.curve();
   if (request.sampler == Sampler::kProgressive) {
-    const absl::StatusOr<RankedCurve> ranked = session.ranks({.cancel = cancel, .threads = 1});
+    const absl::StatusOr<RankedCurve> ranked = session.ranks({.cancel = context.cancel, .threads = 1});
     if (!ranked.ok()) return ranked.status();
     out.curve_ = ranked->curve;
     out.ranks_ = ranked->tree;
   }
   Stopwatch watch;
+  WorkLimit limit(kMostViewWork);
   absl::StatusOr<std::shared_ptr<const FixedDensity>> fixed =
-      cache.fixed_densities.get(out.curve_, request.options.density.terms);
+      cache.fixed_densities.get(out.curve_, request.options.density.terms,
+                                {.cancel = context.cancel, .limit = context.limit != nullptr ? context.limit : &limit});
   if (!fixed.ok()) return fixed.status();
   out.fixed_ = *std::move(fixed);
   out.fixed_seconds_ = watch.lap();
@@ -58,7 +60,7 @@ absl::StatusOr<SessionSampler> SessionSampler::open(const Session& session, cons
 
 absl::StatusOr<std::uint64_t> SessionSampler::points() const {
   const ResampleOptions& options = request_->options;
-  if (request_->pixel_error > 0) return points_for_pixel_error(*curve_, options.density, request_->pixel_error);
+  if (request_->pixel_error > 0) return points_for_pixel_error(*curve_, fixed_.get(), options.density, request_->pixel_error);
   return scaled_points(options.density, curve_->box, options.points);
 }
 
@@ -150,8 +152,7 @@ void SessionSampler::list(Sampled& selected, const PointAttributes& attributes) 
 
 absl::StatusOr<Sampled> sample_points(const Session& session, const PointSetRequest& request, ViewCache& cache,
                                       const ExecutionContext& context) {
-  absl::StatusOr<SessionSampler> sampler =
-      SessionSampler::open(session, request, cache, SessionSampler::Wait::kForAll, context.cancel);
+  absl::StatusOr<SessionSampler> sampler = SessionSampler::open(session, request, cache, SessionSampler::Wait::kForAll, context);
   if (!sampler.ok()) return sampler.status();
   const absl::StatusOr<std::uint64_t> points = sampler->points();
   if (!points.ok()) return points.status();

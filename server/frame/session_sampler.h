@@ -8,6 +8,8 @@
 #include <functional>
 #include <memory>
 
+#include "core/base/execution_context.h"
+#include "core/base/work_limit.h"
 #include "core/density/fixed_density_cache.h"
 #include "server/convert/convert_points.h"
 #include "server/convert/point_set_request.h"
@@ -17,6 +19,9 @@
 #include "server/session/session.h"
 
 namespace curvecast::server {
+
+/// What the density of one answer may take of all processors together, where none is kept.
+inline constexpr WorkLimit::Nanoseconds kMostViewWork = std::chrono::seconds(2);
 
 /// Holds what views have in common, so that none makes it anew. Thread-safe.
 struct ViewCache {
@@ -56,9 +61,10 @@ class SessionSampler {
   /// How long a request waits for ranked candidates: until there are all that it needs, or for the first ones only.
   enum class Wait { kForAll, kForFirst };
 
-  /// Errors as of curvecast::resample; Cancelled, also by the functions below, once `cancel` is set. `cancel` may be null.
+  /// Errors as of curvecast::resample; Cancelled, also by the functions below, once `context` is. DeadlineExceeded: the density
+  /// takes more than the context's limit or, where it has none, kMostViewWork.
   static absl::StatusOr<SessionSampler> open(const Session& session, const PointSetRequest& request, ViewCache& cache, Wait wait,
-                                             const std::atomic<bool>* cancel = nullptr);
+                                             const ExecutionContext& context = {});
 
   const SurfaceCurve& curve() const { return *curve_; }
   /// Returns the number of points that the request's budget allows, unless that is one in bytes.

@@ -15,9 +15,7 @@ namespace {
 class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>, public SessionWaiter {
  public:
   CreateSessionReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request)
-      : WriteQueue(RequestLog(engine, "CreateSession", context), engine.queued),
-        engine_(engine),
-        wants_preview_(!request.without_preview()) {
+      : WriteQueue("CreateSession", engine, context), engine_(engine), wants_preview_(!request.without_preview()) {
     // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
     begin_with([&] { return begin(context, request); });
   }

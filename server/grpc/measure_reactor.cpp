@@ -30,7 +30,7 @@ struct Work {
 class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
  public:
   MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::MeasureRequest& request)
-      : WriteQueue(RequestLog(engine, "Measure", context), engine.queued) {
+      : WriteQueue("Measure", engine, context) {
     begin_with([&] { return begin(engine, request, peer_of(context)); });
   }
 
@@ -62,7 +62,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
     return engine.preprocessing
         .submit([this, work = std::move(work),
                  threads = engine.threads] { finish(to_grpc(status_from_exceptions([&] { return answer(work, threads); }))); },
-                connection)
+                {.caller = caller(), .connection = connection})
         .status();
   }
 

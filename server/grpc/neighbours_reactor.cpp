@@ -13,7 +13,7 @@ namespace {
 class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
  public:
   NeighboursReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::FindNeighboursRequest& request)
-      : WriteQueue(RequestLog(engine, "FindNeighbours", context), engine.queued) {
+      : WriteQueue("FindNeighbours", engine, context) {
     begin_with([&] { return begin(engine, request, peer_of(context)); });
   }
 
@@ -35,7 +35,7 @@ class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
                 return answer(engine, session, points, search);
               }));
             },
-            connection)
+            {.caller = caller(), .connection = connection})
         .status();
   }
 

@@ -16,7 +16,7 @@ namespace {
 class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshResponse> {
  public:
   ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
-      : WriteQueue(RequestLog(engine, "GetParameterMesh", context), engine.queued) {
+      : WriteQueue("GetParameterMesh", engine, context) {
     begin_with([&] { return begin(engine, request, peer_of(context)); });
   }
 
@@ -35,7 +35,7 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
             [this, files = *std::move(files), options, threads = engine.threads] {
               finish(to_grpc(status_from_exceptions([&] { return answer(files, options, threads); })));
             },
-            connection)
+            {.caller = caller(), .connection = connection})
         .status();
   }
 

@@ -14,7 +14,7 @@ namespace {
 class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
  public:
   RemeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::RemeshRequest& request)
-      : WriteQueue(RequestLog(engine, "Remesh", context), engine.queued) {
+      : WriteQueue("Remesh", engine, context) {
     begin_with([&] { return begin(engine, request, peer_of(context)); });
   }
 
@@ -36,7 +36,7 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
                 return answer(engine, *session, points, options);
               }));
             },
-            connection)
+            {.caller = caller(), .connection = connection})
         .status();
   }
 

@@ -13,7 +13,7 @@ namespace {
 class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
  public:
   ResampleReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
-      : WriteQueue(RequestLog(engine, "Resample", context), engine.queued) {
+      : WriteQueue("Resample", engine, context) {
     begin_with([&] { return begin(engine, request, peer_of(context)); });
   }
 
@@ -32,7 +32,7 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
                 return answer(engine, *session, point_set, engine.improvement_requests(session, point_set, engine.new_source()));
               }));
             },
-            connection)
+            {.caller = caller(), .connection = connection})
         .status();
   }
 
@@ -40,7 +40,7 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
                       const ImprovementRequests& improvements) {
     if (cancelled()) return absl::CancelledError("the client has gone");
     return push_all([&](const auto& push_block) {
-      return make_point_blocks(session, point_set, engine.view_cache, improvements, &cancel_flag(),
+      return make_point_blocks(session, point_set, engine.view_cache, improvements, {.cancel = &cancel_flag()},
                                [&](v1::ResampleResponse block) {
                                  if (block.has_statistics()) engine.metrics.stages(block.statistics());
                                  return push_block(std::move(block));

@@ -9,6 +9,7 @@
 #include "server/engine/request_log.h"
 #include "server/engine/view_conversation.h"
 #include "server/frame/client_stream.h"
+#include "server/grpc/end_call.h"
 #include "server/grpc/reactors.h"
 
 namespace curvecast::server {
@@ -17,7 +18,8 @@ namespace {
 class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>,
                                  public ClientStream::Transport {
  public:
-  StreamViewsReactor(Engine& engine, grpc::CallbackServerContext& context) : log_(engine, "StreamViews", context) {
+  StreamViewsReactor(Engine& engine, grpc::CallbackServerContext& context)
+      : log_(engine, "StreamViews", context), sends_(engine.sends), context_(context) {
     const absl::Status begun = begin(engine, context);
     if (begun.ok()) {
       StartRead(&request_);
@@ -39,6 +41,13 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   void send(v1::StreamViewsResponse response) override {
     response_ = std::move(response);
     conversation_->count_sent(response_);
+    sends_.begin(this, [this](const absl::Status& status) {
+      {
+        const MutexLock lock(mutex_);
+        stalled_ = status;
+      }
+      end_call(context_, status);
+    });
     StartWrite(&response_);
   }
 
@@ -51,7 +60,11 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
     finish(status);
   }
 
-  void finish(const absl::Status& status) {
+  void finish(absl::Status status) {
+    {
+      const MutexLock lock(mutex_);
+      if (!stalled_.ok()) status = stalled_;
+    }
     if (conversation_ != nullptr) conversation_->release_admission();
     log_.finish(to_grpc(status));
     Finish(to_grpc(status));
@@ -79,18 +92,24 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
     if (ended) finish(*ended);
   }
 
-  void OnWriteDone(bool ok) override { conversation_->stream().sent(ok); }
+  void OnWriteDone(bool ok) override {
+    sends_.done(this);
+    conversation_->stream().sent(ok);
+  }
   void OnCancel() override {
     if (conversation_ != nullptr) conversation_->stream().stop(absl::CancelledError("the client has gone"));
   }
   void OnDone() override { delete this; }
 
   RequestLog log_;
+  SendWatch& sends_;
+  grpc::CallbackServerContext& context_;
   std::unique_ptr<ViewConversation> conversation_;  // null: refused
   v1::StreamViewsRequest request_;
   v1::StreamViewsResponse response_;
   Mutex mutex_;
   std::optional<absl::Status> ended_ ABSL_GUARDED_BY(mutex_);  // no operation may start any more
+  absl::Status stalled_ ABSL_GUARDED_BY(mutex_);               // an error: the call was ended because its client does not read
   bool taking_ ABSL_GUARDED_BY(mutex_) = false;                // a message; none is read meanwhile
 };
 

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <functional>
+#include <string>
 #include <utility>
 
 #include "core/base/execution_context.h"
@@ -30,7 +31,9 @@ class UnaryJob final : public grpc::ServerUnaryReactor {
     const absl::Status begun = status_from_exceptions([&] {
       absl::StatusOr<Work> work = prepare();
       if (!work.ok()) return work.status();
-      return engine.calls.submit([this, work = *std::move(work)] { run(work); }, peer_of(context)).status();
+      const std::string caller = caller_of(engine, context).value_or(""), connection = peer_of(context);
+      return engine.calls.submit([this, work = *std::move(work)] { run(work); }, {.caller = caller, .connection = connection})
+          .status();
     });
     if (!begun.ok()) finish(begun);
   }

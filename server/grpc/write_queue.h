@@ -7,13 +7,16 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "core/base/mutex.h"
 #include "server/base/grpc_status.h"
-#include "server/base/queued_bytes.h"
 #include "server/base/status_from_exceptions.h"
+#include "server/engine/caller.h"
+#include "server/engine/engine.h"
 #include "server/engine/request_log.h"
+#include "server/grpc/end_call.h"
 
 namespace curvecast::server {
 
@@ -22,11 +25,16 @@ namespace curvecast::server {
 template <class Response>
 class WriteQueue : public grpc::ServerWriteReactor<Response> {
  public:
-  /// `queued` counts the messages that wait.
-  WriteQueue(RequestLog log, QueuedBytes& queued) : log_(std::move(log)), queued_(queued) {}
+  /// The engine counts the messages that wait, and ends the call where its client does not read them.
+  WriteQueue(const char* method, Engine& engine, grpc::CallbackServerContext& context)
+      : log_(engine, method, context),
+        queued_(engine.queued),
+        sends_(engine.sends),
+        context_(context),
+        caller_(caller_of(engine, context).value_or("")) {}
   ~WriteQueue() override {
     const MutexLock lock(mutex_);
-    queued_.add(-waiting_);
+    queued_.add(caller_, -waiting_);
   }
 
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
@@ -57,7 +65,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   absl::Status push_all(Make&& make) {
     absl::Status refused;
     const absl::Status made = make([&](Response message) {
-      refused = cancelled() ? absl::CancelledError("the client has gone") : queued_.check();
+      refused = cancelled() ? absl::CancelledError("the client has gone") : queued_.check(caller_);
       if (refused.ok()) push(std::move(message));
       return refused.ok();
     });
@@ -80,6 +88,8 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
 
   /// Set once the client has gone.
   const std::atomic<bool>& cancel_flag() const { return cancelled_; }
+  /// As of caller_of(); empty where nobody knows.
+  const std::string& caller() const { return caller_; }
 
  private:
   /// Whether the older message, which still waits, is not worth sending any more. Called with the queue locked.
@@ -90,6 +100,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     {
       const MutexLock lock(mutex_);
       writing_ = false;
+      sends_.done(this);
       count(-bytes_of(current_));
       if (!ok) cancelled_ = true;
       if (cancelled()) {
@@ -107,7 +118,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   static std::int64_t bytes_of(const Response& message) { return static_cast<std::int64_t>(message.ByteSizeLong()); }
   void count(std::int64_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     waiting_ += bytes;
-    queued_.add(bytes);
+    queued_.add(caller_, bytes);
   }
 
   void write_next() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -115,6 +126,10 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     writing_ = true;
     current_ = std::move(queue_.front());
     queue_.pop_front();
+    sends_.begin(this, [this](const absl::Status& status) {
+      has_stalled_ = true;
+      end_call(context_, status);
+    });
     this->StartWrite(&current_);
   }
 
@@ -126,13 +141,17 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
 
   /// Without the lock, for the reactor may be gone before Finish() returns.
   void finish_now(const grpc::Status& status) ABSL_LOCKS_EXCLUDED(mutex_) {
-    log_.finish(status);
+    log_.finish(has_stalled_ ? grpc::Status(grpc::RESOURCE_EXHAUSTED, "the client has not read for too long") : status);
     this->Finish(status);
   }
 
   RequestLog log_;
   QueuedBytes& queued_;
+  SendWatch& sends_;
+  grpc::CallbackServerContext& context_;
+  const std::string caller_;
   std::atomic<bool> cancelled_ = false;
+  std::atomic<bool> has_stalled_ = false;  // the call was ended for that
   Mutex mutex_;
   std::int64_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;  // bytes of the queue and of the message being written
   std::deque<Response> queue_ ABSL_GUARDED_BY(mutex_);

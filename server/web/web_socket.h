@@ -22,6 +22,8 @@ class WebSocket {
   virtual void read_on() = 0;
   /// Closes the socket after the messages queued. At most 123 bytes of `reason` are sent.
   virtual void close(WebSocketClose code, std::string reason) = 0;
+  /// Ends the connection at once: its client does not read.
+  virtual void drop() = 0;
 };
 
 /// What receives a socket's messages. Called on the gateway's thread; destroyed when the socket is closed, by either side.

@@ -92,6 +92,10 @@ void BeastWebSocket::close(WebSocketClose code, std::string reason) {
   });
 }
 
+void BeastWebSocket::drop() {
+  asio::post(stream_.get_executor(), [self = shared_from_this()] { self->abort(); });
+}
+
 void BeastWebSocket::read() {
   received_.consume(received_.size());
   if (received_.capacity() > kMaxIdleBuffer) received_.shrink_to_fit();

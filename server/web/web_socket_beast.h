@@ -40,6 +40,7 @@ class BeastWebSocket final : public WebSocket, public std::enable_shared_from_th
   void send(std::string message, std::function<void(bool)> on_sent) override;
   void read_on() override;
   void close(WebSocketClose code, std::string reason) override;
+  void drop() override;
 
  private:
   using Error = boost::system::error_code;

@@ -15,7 +15,7 @@ namespace {
 class WebViewsCall final : public WebCall, public ClientStream::Transport, public std::enable_shared_from_this<WebViewsCall> {
  public:
   WebViewsCall(Engine& engine, WebCallContext context)
-      : context_(std::move(context)), log_(engine, "StreamViews", context_.peer.address) {}
+      : context_(std::move(context)), log_(engine, "StreamViews", context_.peer.address), sends_(engine.sends) {}
 
   void begin(Engine& engine) {
     self_ = shared_from_this();
@@ -51,8 +51,11 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
  private:
   void send(v1::StreamViewsResponse response) override {
     conversation_->count_sent(response);
-    context_.socket->send(message_response(context_.number, response),
-                          [self = self_](bool ok) { self->conversation_->stream().sent(ok); });
+    sends_.begin(this, [this](const absl::Status&) { context_.socket->drop(); });
+    context_.socket->send(message_response(context_.number, response), [self = self_](bool ok) {
+      self->sends_.done(self.get());
+      self->conversation_->stream().sent(ok);
+    });
   }
 
   void end(const absl::Status& status) override {
@@ -85,6 +88,7 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
 
   const WebCallContext context_;
   RequestLog log_;
+  SendWatch& sends_;
   std::unique_ptr<ViewConversation> conversation_;  // null: refused
   v1::StreamViewsRequest request_;
   Mutex mutex_;

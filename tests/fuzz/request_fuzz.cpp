@@ -73,8 +73,9 @@ class Conversation : public server::ClientStream::Transport {
                       return absl::StatusOr<std::shared_ptr<const server::Session>>(std::make_shared<const server::Session>());
                     },
                 .answer = [](const auto&, const server::FrameRequest& request) { return answer(request); },
-                .restore = [](const auto&,
+                .restore = [](const auto&, const auto&,
                               const auto&) { return absl::StatusOr<std::shared_ptr<const server::ReferenceFrame>>(nullptr); },
+                .has_room = [] { return absl::OkStatus(); },
                 .submit =
                     [this](std::function<void()> job) {
                       jobs_.push_back(std::move(job));

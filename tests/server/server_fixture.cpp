@@ -65,6 +65,33 @@ std::shared_ptr<grpc::Channel> ServerFixture::connect() const {
   return channel;
 }
 
+std::unique_ptr<Stub> ServerFixture::client_with(const std::string& token) const {
+  class Authorise final : public grpc::experimental::Interceptor, public grpc::experimental::ClientInterceptorFactoryInterface {
+   public:
+    explicit Authorise(std::string token) : token_(std::move(token)) {}
+    grpc::experimental::Interceptor* CreateClientInterceptor(grpc::experimental::ClientRpcInfo*) override {
+      return new Authorise(token_);
+    }
+    void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
+      if (methods->QueryInterceptionHookPoint(grpc::experimental::InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
+        methods->GetSendInitialMetadata()->emplace("authorization", "Bearer " + token_);
+      }
+      methods->Proceed();
+    }
+
+   private:
+    const std::string token_;
+  };
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // a connection of its own, as above
+  std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(std::make_unique<Authorise>(token));
+  auto channel = grpc::experimental::CreateCustomChannelWithInterceptors(address(), grpc::InsecureChannelCredentials(), arguments,
+                                                                         std::move(interceptors));
+  channel->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(30));
+  return v1::CurvecastService::NewStub(channel);
+}
+
 void set_patience(grpc::ClientContext& context) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   constexpr std::chrono::minutes kPatience(30);  // ten times slower, more on few cores

@@ -27,6 +27,8 @@ class ServerFixture : public ::testing::Test {
   /// Each with a connection of its own.
   std::shared_ptr<grpc::Channel> connect() const;
   std::unique_ptr<Stub> client() const { return v1::CurvecastService::NewStub(connect()); }
+  /// Sends a token with every call.
+  std::unique_ptr<Stub> client_with(const std::string& token) const;
 
   std::unique_ptr<Server> server_;
 };

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <fstream>
-#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "tests/server/frame/frame_points.h"
 #include "tests/server/has_line.h"
 #include "tests/server/http_client.h"
+#include "tests/server/opened_stream.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
 
@@ -24,43 +24,10 @@ using ::testing::HasSubstr;
 
 class ServerLimits : public ServerFixture {
  protected:
-  using Stream = grpc::ClientReaderWriterInterface<v1::StreamViewsRequest, v1::StreamViewsResponse>;
-
   std::string make_session() {
     const auto stub = client();
     return create(*stub, upload(*stub, sphere_off(3)), 2000).session.session_id();
   }
-
-  /// A stream of views, opened.
-  struct Opened {
-    Opened(Stub& stub, const std::string& session) {
-      set_patience(context);
-      stream = stub.StreamViews(&context);
-      v1::StreamViewsRequest request;
-      request.mutable_open()->set_session_id(session);
-      stream->Write(request);
-    }
-    bool ask(std::uint64_t sequence, std::uint64_t points) {
-      v1::StreamViewsRequest request;
-      request.mutable_view()->set_sequence(sequence);
-      *request.mutable_view()->mutable_sample() = view_of(points);
-      return write(request);
-    }
-    bool acknowledge(std::uint64_t sequence) {
-      v1::StreamViewsRequest request;
-      request.mutable_ack()->set_sequence(sequence);
-      return write(request);
-    }
-    bool write(const v1::StreamViewsRequest& request) {
-      const std::lock_guard lock(mutex);  // gRPC takes one at a time
-      return stream->Write(request);
-    }
-
-    std::mutex mutex;
-
-    grpc::ClientContext context;
-    std::unique_ptr<Stream> stream;
-  };
 };
 
 double retry_after(const grpc::Status& status) {
@@ -75,14 +42,14 @@ TEST_F(ServerLimits, TooManyStreamsAreRefusedAndThereIsRoomAgain) {
   start({.max_streams = 3});
   const std::string session = make_session();
   const auto stub = client();
-  std::vector<std::unique_ptr<Opened>> streams;
+  std::vector<std::unique_ptr<OpenedStream>> streams;
   v1::StreamViewsResponse response;
   for (int i = 0; i < 3; ++i) {
-    streams.push_back(std::make_unique<Opened>(*stub, session));
+    streams.push_back(std::make_unique<OpenedStream>(*stub, session));
     ASSERT_TRUE(streams.back()->ask(1, 10));
     ASSERT_TRUE(streams.back()->stream->Read(&response));
   }
-  Opened refused(*stub, session);
+  OpenedStream refused(*stub, session);
   EXPECT_FALSE(refused.stream->Read(&response));
   const grpc::Status status = refused.stream->Finish();
   EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED);
@@ -90,7 +57,7 @@ TEST_F(ServerLimits, TooManyStreamsAreRefusedAndThereIsRoomAgain) {
   EXPECT_GE(retry_after(status), 1);
   streams[0]->stream->WritesDone();
   EXPECT_TRUE(streams[0]->stream->Finish().ok());
-  Opened again(*stub, session);
+  OpenedStream again(*stub, session);
   again.ask(1, 10);
   EXPECT_TRUE(again.stream->Read(&response));
 }
@@ -103,7 +70,7 @@ TEST_F(ServerLimits, WhoHasHeardTheEndMayBeginAgain) {
   header.set_size(6);
   for (int i = 0; i < 300; ++i) {
     ASSERT_EQ(upload(*stub, header, "a file").status.error_message(), "");
-    Opened opened(*stub, session);
+    OpenedStream opened(*stub, session);
     opened.stream->WritesDone();
     ASSERT_EQ(opened.stream->Finish().error_message(), "");
   }
@@ -114,10 +81,10 @@ TEST_F(ServerLimits, AClientHasItsOwnShare) {
   const std::string session = make_session();
   const auto stub = client();
   v1::StreamViewsResponse response;
-  Opened first(*stub, session);
+  OpenedStream first(*stub, session);
   ASSERT_TRUE(first.ask(1, 10));
   ASSERT_TRUE(first.stream->Read(&response));
-  Opened second(*client(), session);
+  OpenedStream second(*client(), session);
   EXPECT_FALSE(second.stream->Read(&response));
   EXPECT_EQ(second.stream->Finish().error_code(), grpc::RESOURCE_EXHAUSTED);
 }
@@ -126,7 +93,7 @@ TEST_F(ServerLimits, AFloodOfViewsIsSlowedDownAndTheNewestAnswered) {
   start({.max_view_rate = 50});
   const std::string session = make_session();
   const auto stub = client();
-  Opened flood(*stub, session);
+  OpenedStream flood(*stub, session);
   constexpr std::uint64_t kViews = 150;
   const auto begin = std::chrono::steady_clock::now();
   std::thread writer([&] {
@@ -147,42 +114,6 @@ TEST_F(ServerLimits, AFloodOfViewsIsSlowedDownAndTheNewestAnswered) {
   EXPECT_LE(frames, kViews);
   flood.stream->WritesDone();
   EXPECT_TRUE(flood.stream->Finish().ok());
-}
-
-TEST_F(ServerLimits, FramesThatNobodyReadsDoNotPileUp) {
-  start({.max_queued_bytes = 100'000});
-  const std::string session = make_session();
-  const auto stub = client();
-  // Clients that never read: gRPC takes some of their frames off our hands, the rest is counted.
-  std::vector<std::unique_ptr<Opened>> lazy;
-  v1::StreamViewsResponse response;
-  bool refused = false;
-  for (int i = 0; i < 100 && !refused; ++i) {
-    lazy.push_back(std::make_unique<Opened>(*stub, session));
-    for (std::uint64_t s = 1; s <= 2; ++s) {
-      v1::StreamViewsRequest request;
-      request.mutable_view()->set_sequence(s);
-      *request.mutable_view()->mutable_sample() = view_of(20'000);
-      request.mutable_view()->mutable_sample()->mutable_encoding()->mutable_raw();
-      lazy.back()->stream->Write(request);
-    }
-    Opened polite(*client(), session);
-    polite.ask(1, 10);
-    ASSERT_TRUE(polite.stream->Read(&response));
-    if (response.frame().error().code() == static_cast<std::uint32_t>(grpc::RESOURCE_EXHAUSTED)) {
-      refused = true;
-      EXPECT_GE(response.frame().error().retry_after(), 1);
-    }
-  }
-  EXPECT_TRUE(refused);
-  lazy.clear();
-  // When they have gone, there is room again.
-  for (std::uint64_t sequence = 1;; ++sequence) {
-    Opened polite(*client(), session);
-    polite.ask(sequence, 10);
-    ASSERT_TRUE(polite.stream->Read(&response));
-    if (response.frame().error().code() == 0) break;
-  }
 }
 
 TEST_F(ServerLimits, PointSetsThatNobodyReadsDoNotPileUp) {

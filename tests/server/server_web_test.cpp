@@ -136,7 +136,8 @@ TEST_F(ServerWeb, RequestsHaveIds) {
     const auto found = context.GetServerInitialMetadata().find("x-request-id");
     return found == context.GetServerInitialMetadata().end() ? "" : std::string(found->second.data(), found->second.size());
   };
-  EXPECT_EQ(id_of("abc-123 of mine"), "abc-123 of mine");
+  EXPECT_EQ(id_of("abc-123:of(mine)"), "abc-123:of(mine)");
+  EXPECT_THAT(id_of("1, peer ipv4:10.0.0.1:1"), MatchesRegex("[0-9a-f]{16}")) << "it could pretend further fields in the log";
   EXPECT_EQ(id_of(std::string(64, 'a').c_str()), std::string(64, 'a'));
   EXPECT_THAT(id_of(std::string(65, 'a').c_str()), MatchesRegex("[0-9a-f]{16}"));
   const std::string first = id_of(nullptr);

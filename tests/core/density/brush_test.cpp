@@ -35,7 +35,7 @@ std::vector<Dab> some_dabs(const SurfaceCurve& curve, std::size_t n) {
 
 Values painted(const SurfaceCurve& curve, const std::vector<Dab>& dabs) {
   Values values(curve.size(), 1.0f);
-  paint(curve, dabs, values);
+  EXPECT_TRUE(paint(curve, dabs, values).ok());
   return values;
 }
 
@@ -79,6 +79,17 @@ TEST(Brush, IsOneAtMostOnceItIsScaled) {
   EXPECT_LE(paint_scale(dabs) * *std::max_element(values.begin(), values.end()), 1.000001f);
   EXPECT_EQ(paint_scale({}), 1);
   EXPECT_EQ(paint_scale(std::vector<Dab>{{.factor = 0.25}}), 1) << "where there is no paint it is 1";
+}
+
+TEST(Brush, StopsWhenItIsCancelledOrItsTimeIsOver) {
+  const auto curve = torus_curve();
+  const std::vector<Dab> dabs = some_dabs(*curve, 1);
+  Values values(curve->size(), 1.0f);
+  std::atomic<bool> cancel = true;
+  EXPECT_EQ(paint(*curve, dabs, values, {.cancel = &cancel}).code(), absl::StatusCode::kCancelled);
+  WorkLimit none(WorkLimit::Nanoseconds(0));
+  EXPECT_EQ(paint(*curve, dabs, values, {.limit = &none}).code(), absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(values, Values(curve->size(), 1.0f));
 }
 
 TEST(Brush, PaintedStepByStepIsTheSameToTheBit) {

@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "core/base/random.h"
@@ -95,7 +99,49 @@ TEST(Expression, RefusesWhatIsNoFormula) {
     EXPECT_THAT(std::string(status.message()), HasSubstr(expected));
   }
   EXPECT_TRUE(check_expression("any_name * 2").ok()) << "attributes are not known yet";
-  EXPECT_TRUE(check_expression("(((" + std::string(300, '(') + "1" + std::string(303, ')')).ok());
+  std::string nested(303, '(');
+  nested += '1';
+  nested.append(303, ')');
+  EXPECT_TRUE(check_expression(nested).ok());
+}
+
+/// "x^x^x^...", as long as a formula may be: each power is slow.
+std::string tower() {
+  std::string text = "x";
+  while (text.size() + 2 <= kMaxExpression) text += "^x";
+  return text;
+}
+
+TEST(Expression, ACostlyOneIsRefusedBeforeItRuns) {
+  const SurfaceCurve curve = some_curve(200'000);
+  std::vector<float> values(curve.size(), -7.0f);
+  const absl::Status status = evaluate_expression(curve, tower(), values);
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr(tower().substr(0, 60)));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("operations at each of 200000 places; at most 1000000000"));
+  EXPECT_EQ(values.back(), -7.0f);
+  EXPECT_TRUE(evaluate_expression(curve, "x ^ 2 + sin(y)", values).ok());
+}
+
+TEST(Expression, StopsWhenItsTimeIsOver) {
+  const SurfaceCurve curve = some_curve(100'000);
+  std::vector<float> values(curve.size(), -7.0f);
+  WorkLimit none(WorkLimit::Nanoseconds(1));
+  const absl::Status status = evaluate_expression(curve, tower(), values, {.limit = &none});
+  EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded);
+  EXPECT_THAT(std::string(status.message()), HasSubstr(tower().substr(0, 60)));
+  EXPECT_LT(std::ranges::count_if(values, [](float value) { return value != -7.0f; }), 10'000) << "a step of each task at most";
+  WorkLimit ample(std::chrono::hours(1));
+  EXPECT_TRUE(evaluate_expression(curve, "x + 1", values, {.limit = &ample}).ok());
+  EXPECT_EQ(values, values_of(curve, "x + 1"));
+}
+
+TEST(Expression, StopsWhenItIsCancelled) {
+  const SurfaceCurve curve = some_curve(100'000);
+  std::vector<float> values(curve.size());
+  std::atomic<bool> cancel = true;
+  const absl::Status status = evaluate_expression(curve, tower(), values, {.cancel = &cancel});
+  EXPECT_EQ(status.code(), absl::StatusCode::kCancelled);
 }
 
 TEST(Expression, NamesWhatItDoesNotKnow) {

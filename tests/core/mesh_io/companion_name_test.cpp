@@ -72,5 +72,14 @@ TEST(DisplayName, IsPlainText) {
   }
 }
 
+TEST(CompanionName, ControlCharactersAreNoPlainText) {
+  for (const char* text : {"a\nb", "a\x7f", "a\xC2\x80",
+                           "\xC2\x9B"
+                           "31m",
+                           "\xC2\x9F"})
+    EXPECT_FALSE(is_plain_text(text));
+  for (const char* text : {"a b", "\xC2\xA0", "\xC3\x80", "\xC3\xA4"}) EXPECT_TRUE(is_plain_text(text));
+}
+
 }  // namespace
 }  // namespace curvecast

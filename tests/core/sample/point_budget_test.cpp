@@ -40,6 +40,10 @@ double expected_points(const SurfaceCurve& curve, const Density& density, double
   return mass * largest * ViewFactor(curve, screen).pixels() / pixels / pixels;
 }
 
+absl::StatusOr<std::uint64_t> points_for(const Density& density, double pixels) {
+  return points_for_pixel_error(*ball(), make_fixed_density(*ball(), density.terms).value().get(), density, pixels);
+}
+
 TEST(PointsForPixelError, IsThatOfTheWorstPlace) {
   const std::vector<std::vector<DensityTerm>> term_sets = {
       {},
@@ -54,7 +58,7 @@ TEST(PointsForPixelError, IsThatOfTheWorstPlace) {
       Density density = seen_from(eye, terms);
       density.cameras.push_back(camera_at(Vec3d(2, 1, 0)));
       for (const double pixels : {5.0, 20.0}) {
-        const auto points = points_for_pixel_error(*ball(), density, pixels);
+        const auto points = points_for(density, pixels);
         ASSERT_TRUE(points.ok()) << points.status();
         const double expected = std::clamp(expected_points(*ball(), density, pixels), 1.0, static_cast<double>(kMaxPoints));
         EXPECT_NEAR(static_cast<double>(*points), expected, 1 + 2e-3 * expected) << eye.transpose() << ", " << terms.size();
@@ -68,24 +72,24 @@ TEST(PointsForPixelError, ScreenPointsStandForAsMuchAsAskedFor) {
   Density density = seen_from(Vec3d(0, 0, 3), {ScreenTerm{}});
   density.cameras[0].height = 4;
   density.cameras[0].pixels = 400;
-  const auto points = points_for_pixel_error(*ball(), density, 4);
+  const auto points = points_for(density, 4);
   ASSERT_TRUE(points.ok());
   EXPECT_NEAR(static_cast<double>(*points), 3.1416 * 1e4 / 16, 30) << "a little more for what is seen at a slant";
 }
 
 TEST(PointsForPixelError, StaysWithinItsLimits) {
-  EXPECT_EQ(*points_for_pixel_error(*ball(), seen_from(Vec3d(0, 0, 3)), 1e-6), kMaxPoints);
-  EXPECT_EQ(*points_for_pixel_error(*ball(), seen_from(Vec3d(0, 0, 3)), 1e9), 1u);
+  EXPECT_EQ(*points_for(seen_from(Vec3d(0, 0, 3)), 1e-6), kMaxPoints);
+  EXPECT_EQ(*points_for(seen_from(Vec3d(0, 0, 3)), 1e9), 1u);
   Density away = seen_from(Vec3d(0, 0, 3), {});
   away.cameras[0].target = Vec3d(0, 0, 6);
-  EXPECT_EQ(*points_for_pixel_error(*ball(), away, 1), 1u) << "nothing is in the picture";
+  EXPECT_EQ(*points_for(away, 1), 1u) << "nothing is in the picture";
   using Code = absl::StatusCode;
   for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
-    EXPECT_EQ(points_for_pixel_error(*ball(), away, bad).status().code(), Code::kInvalidArgument);
+    EXPECT_EQ(points_for(away, bad).status().code(), Code::kInvalidArgument);
   }
-  EXPECT_EQ(points_for_pixel_error(*ball(), {}, 1).status().code(), Code::kInvalidArgument);
-  EXPECT_EQ(points_for_pixel_error(*ball(), {ViewTerm{}}, 1).status().code(), Code::kInvalidArgument);
-  EXPECT_EQ(points_for_pixel_error(*ball(), seen_from(Vec3d(0, 0.1, 0)), 1).status().code(), Code::kFailedPrecondition);
+  EXPECT_EQ(points_for({}, 1).status().code(), Code::kInvalidArgument);
+  EXPECT_EQ(points_for({ViewTerm{}}, 1).status().code(), Code::kInvalidArgument);
+  EXPECT_EQ(points_for(seen_from(Vec3d(0, 0.1, 0)), 1).status().code(), Code::kFailedPrecondition);
 }
 
 TEST(ScaledPoints, FallWithTheDistance) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 #include <future>
 #include <string>
 #include <vector>
@@ -85,15 +86,20 @@ class JobQueueTurns : public ::testing::Test {
     started_.get_future().wait();
   }
   /// A job of `whose` that takes a while.
-  absl::Status add(const std::string& whose, int takes) {
+  absl::Status add(const std::string& whose, int takes) { return add(whose, {.caller = whose}, takes); }
+  absl::Status add(const std::string& letter, const JobQueue::Claim& claim, int takes) {
     return queue_
         .submit(
-            [this, whose, takes] {
-              order_ += whose;
+            [this, letter, takes] {
+              order_ += letter;
               now_ += takes;
             },
-            whose)
+            claim)
         .status();
+  }
+  /// A job of which is known how long it takes.
+  absl::Status add_expected(const std::string& letter, const std::string& caller, int takes) {
+    return add(letter, {.caller = caller, .expected = Nanoseconds(takes)}, takes);
   }
   std::string run() {
     gate_.set_value();
@@ -118,6 +124,47 @@ TEST_F(JobQueueTurns, TheWorkersTimeIsShared) {
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(add("a", 30).ok());
   for (int i = 0; i < 12; ++i) ASSERT_TRUE(add("b", 10).ok());
   EXPECT_EQ(run(), "abbbabbbabbbabbb");
+}
+
+TEST_F(JobQueueTurns, ManyConnectionsOfACallerShareWhatItHas) {
+  for (const char* connection : {"1", "2", "3"}) {
+    for (int i = 0; i < 4; ++i) ASSERT_TRUE(add(connection, {.caller = "many", .connection = connection}, 10).ok());
+  }
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(add("b", 10).ok());
+  EXPECT_EQ(run(), "1b2b3b1b23123123");
+}
+
+TEST_F(JobQueueTurns, AConnectionThatTakesMuchDoesNotHoldUpItsNeighbours) {
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(add("A", {.caller = "many", .connection = "greedy"}, 30).ok());
+  for (int i = 0; i < 6; ++i) ASSERT_TRUE(add("b", {.caller = "many", .connection = "modest"}, 10).ok());
+  EXPECT_EQ(run(), "AbbbAbbbA");
+}
+
+TEST_F(JobQueueTurns, ShortJobsGoBeforeLongOnes) {
+  ASSERT_TRUE(add_expected("L", "long", 1000).ok());
+  ASSERT_TRUE(add_expected("M", "mixed", 500).ok());
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(add_expected("s", "mixed", 1).ok());
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(add_expected("t", "short", 1).ok());
+  EXPECT_EQ(run(), "stststststML");
+}
+
+TEST_F(JobQueueTurns, LongJobsDoNotStarve) {
+  ASSERT_TRUE(add_expected("L", "a", 30).ok());
+  // As soon as one is done there is another.
+  std::promise<void> all_done;
+  const std::function<void(int)> add_next = [&](int left) {
+    const auto job = [&, left] {
+      order_ += "s";
+      now_ += 10;
+      left > 1 ? add_next(left - 1) : all_done.set_value();
+    };
+    ASSERT_TRUE(queue_.submit(job, {.caller = "a", .expected = Nanoseconds(10)}).ok());
+  };
+  add_next(10);
+  gate_.set_value();
+  all_done.get_future().wait();
+  queue_.stop();
+  EXPECT_EQ(order_, "sssLsssssss");
 }
 
 TEST_F(JobQueueTurns, WhoComesLaterHasSavedNothingUp) {

@@ -24,7 +24,7 @@ int low(int normal) { return std::min(normal + 10, 19); }
 
 class ViewWorkersTest : public ::testing::Test {
  protected:
-  void submit(const std::string& connection, std::function<void()> job) {
+  void submit(const std::string& connection, std::function<void()> job, const std::string& caller = "all") {
     ASSERT_TRUE(workers_
                     .submit(
                         [this, job = std::move(job)] {
@@ -33,7 +33,7 @@ class ViewWorkersTest : public ::testing::Test {
                           ++done_;
                           changed_.notify_all();
                         },
-                        connection)
+                        caller, connection)
                     .ok());
     ++submitted_;
   }
@@ -47,7 +47,7 @@ class ViewWorkersTest : public ::testing::Test {
       now_ += takes.count();
       priority_ = getpriority(PRIO_PROCESS, 0);
     });
-    // And another one of somebody new, before which the worker of normal priority books what it did.
+    // And another one of the same caller, before which the worker of normal priority books what it did.
     wait_until([this] { return done_ == submitted_; });
     submit("nobody " + std::to_string(submitted_), [] {});
     wait_until([this] { return done_ == submitted_; });
@@ -107,14 +107,28 @@ TEST_F(ViewWorkersTest, LongJobsOfOneDoNotHoldUpAnother) {
   wait_until([&] { return done_ == before + 2; });
 }
 
+TEST_F(ViewWorkersTest, WhoHasManyConnectionsDoesNotHoldUpAnother) {
+  bool is_open = false;
+  for (int i = 0; i < 10; ++i) submit("new " + std::to_string(i), [&] { wait_until([&] { return is_open; }); });
+  submit(
+      "modest", [] {}, "another");
+  wait_until([&] { return done_ == 1; });
+  {
+    const std::lock_guard lock(mutex_);
+    is_open = true;
+    changed_.notify_all();
+  }
+  wait_until([&] { return done_ == submitted_; });
+}
+
 TEST_F(ViewWorkersTest, RunsAllThatWasTaken) {
   std::atomic<int> runs = 0;
   for (int i = 0; i < 90; ++i) {
-    ASSERT_TRUE(workers_.submit([&] { ++runs; }, std::to_string(i)).ok());
+    ASSERT_TRUE(workers_.submit([&] { ++runs; }, "", std::to_string(i)).ok());
   }
   workers_.stop();
   EXPECT_EQ(runs, 90);
-  EXPECT_EQ(workers_.submit([] {}, "late").code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(workers_.submit([] {}, "", "late").code(), absl::StatusCode::kUnavailable);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ class Waiter final : public SessionWaiter {
 /// The far end of a conversation.
 class Client final : public ClientStream::Transport {
  public:
-  Client(Engine& engine, const std::string& session_id) : stream_(engine.make_stream(this, "client").value()) {
+  Client(Engine& engine, const std::string& session_id) : stream_(engine.make_stream(this, "caller", "client").value()) {
     v1::StreamViewsRequest request;
     request.mutable_open()->set_session_id(session_id);
     stream_->receive(request);
@@ -287,10 +287,10 @@ TEST_F(EngineTest, ABetterFrameComesOnceTheServerHasTimeForIt) {
   client.look(100'000);
   std::optional<v1::PointFrame> frame = client.next();
   constexpr std::int64_t kFar = std::int64_t{1} << 50;
-  engine_.queued.add(kFar);  // too busy for any frame
+  engine_.queued.add("other", kFar);  // too busy for any frame
   EXPECT_TRUE(eventually([&] { return !session->revisions->refining(); }));
   engine_.refiner.stop();  // it has told the conversation
-  engine_.queued.add(-kFar);
+  engine_.queued.add("other", -kFar);
   // The client says nothing more.
   while (frame && frame->statistics().refining()) frame = client.next();
   EXPECT_TRUE(frame);

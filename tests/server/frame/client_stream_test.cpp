@@ -66,12 +66,43 @@ TEST_F(ClientStreamTest, AFrameInTheMakingHearsThatItIsNotWanted) {
   receive(open_request("known"));
   receive(view_request(1));
   on_answer_ = [this] {
-    EXPECT_FALSE(*cancel_);
+    EXPECT_FALSE(context_.cancelled());
     stream_->stop(absl::CancelledError("the client has gone"));
-    EXPECT_TRUE(*cancel_);
+    EXPECT_TRUE(context_.cancelled());
   };
   run_all();
   EXPECT_TRUE(frames_.empty());
+}
+
+TEST_F(ClientStreamTest, ANewerViewLeavesTheOlderOneLittleTime) {
+  receive(open_request("known"));
+  receive(view_request(1));
+  on_answer_ = [this] {
+    if (is_answered_) return;
+    is_answered_ = true;
+    EXPECT_FALSE(context_.limit->is_spent());
+    stream_->receive(view_request(2));
+    EXPECT_FALSE(context_.limit->is_spent()) << "a view that costs little is finished";
+    context_.limit->spend(std::chrono::milliseconds(200));
+    EXPECT_TRUE(context_.limit->is_spent());
+  };
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(2)) << "nobody wants to know that the older one took too long";
+}
+
+TEST_F(ClientStreamTest, WhoMovesOnAllTheTimeSeesEverySecondView) {
+  receive(open_request("known"));
+  std::uint64_t sent = 0;
+  receive(view_request(++sent));
+  on_answer_ = [&] {
+    if (sent < 8) stream_->receive(view_request(++sent));
+    context_.limit->spend(std::chrono::milliseconds(200));
+  };
+  while (!jobs_.empty()) {
+    run_job();
+    if (!frames_.empty()) receive(ack_request(frames_.back().sequence()));
+  }
+  EXPECT_THAT(sequences(), ElementsAre(2, 4, 6, 8));
 }
 
 TEST_F(ClientStreamTest, AtMostTwoFramesAreUnacknowledged) {
@@ -270,16 +301,17 @@ TEST(ClientStreamThreads, SurvivesAnyInterleaving) {
     std::atomic<std::int64_t> queued = 0;
     JobQueue queue({.workers = 2, .max_waiting = 100});
     auto stream = std::make_shared<ClientStream>(
-        &transport,
-        ClientStream::Hooks{
-            .find = [](const std::string&) -> absl::StatusOr<std::shared_ptr<const Session>> {
-              return std::make_shared<const Session>();
-            },
-            .answer = [](const auto&, const FrameRequest&) { return absl::StatusOr<Answer>(Answer()); },
-            .restore = [](const auto&, const auto&) { return absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(nullptr); },
-            .submit = [&](std::function<void()> job) { return queue.submit(std::move(job)).status(); },
-            .count_queued = [&](std::int64_t bytes) { queued += bytes; },
-        });
+        &transport, ClientStream::Hooks{
+                        .find = [](const std::string&) -> absl::StatusOr<std::shared_ptr<const Session>> {
+                          return std::make_shared<const Session>();
+                        },
+                        .answer = [](const auto&, const FrameRequest&) { return absl::StatusOr<Answer>(Answer()); },
+                        .restore = [](const auto&, const auto&,
+                                      const auto&) { return absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(nullptr); },
+                        .has_room = [] { return absl::OkStatus(); },
+                        .submit = [&](std::function<void()> job) { return queue.submit(std::move(job)).status(); },
+                        .count_queued = [&](std::int64_t bytes) { queued += bytes; },
+                    });
     stream->receive(open_request("any"));
     std::thread sender([&] { transport.deliver(*stream); });
     std::thread client([&] {

@@ -80,6 +80,7 @@ class Conversation : public ClientStream::Transport {
   std::vector<v1::PointFrame> frames_;
   std::optional<absl::Status> ended_;
   bool sending_ = false, slow_ = false, busy_ = false;
+  bool is_full_ = false;  // with frames that wait
   std::shared_ptr<const Session> session_ = std::make_shared<const Session>();
   std::uint64_t revision_ = 1;
   bool fails_ = false;                                             // no view can be answered
@@ -88,7 +89,8 @@ class Conversation : public ClientStream::Transport {
   std::vector<const ReferenceFrame*> given_;                       // what the client was said to hold, answer by answer
   std::vector<std::shared_ptr<const ReferenceFrame>> references_;  // and what it holds with the answer
   std::function<void()> on_answer_;                                // while a view is being answered
-  const std::atomic<bool>* cancel_ = nullptr;                      // of that
+  bool is_answered_ = false;                                       // for on_answer_ to set
+  ExecutionContext context_;                                       // of that
   std::int64_t queued_bytes_ = 0;
   int parts_ = 0;                                   // before the whole, of views that may come in parts
   bool stuck_ = false;                              // parts bring no points beyond those of the one before
@@ -119,15 +121,18 @@ class Conversation : public ClientStream::Transport {
             frame.set_held_points(shown_);
             if (short_ && request.may_refine) answer.follow_up = FollowUp::kAfterImprovement;
             if (request.first_bytes > 0 && parts_-- > 0) answer.follow_up = FollowUp::kNextPart;
-            cancel_ = request.cancel;
+            context_ = request.context;
             if (on_answer_) on_answer_();
+            if (const absl::Status left = context_.check_limit(); absl::IsDeadlineExceeded(left)) return left;
             return answer;
           },
-          .restore = [this](const Session&, const ResumeClaim& claim) -> absl::StatusOr<std::shared_ptr<const ReferenceFrame>> {
+          .restore = [this](const Session&, const ResumeClaim& claim,
+                            const ExecutionContext&) -> absl::StatusOr<std::shared_ptr<const ReferenceFrame>> {
             if (claim.digest == 98) throw std::runtime_error("98");
             claims_.push_back(claim.digest);
             return claim.digest == kKnownDigest ? restored_ : nullptr;
           },
+          .has_room = [this]() -> absl::Status { return is_full_ ? absl::ResourceExhaustedError("full") : absl::OkStatus(); },
           .submit = [this](std::function<void()> job) -> absl::Status {
             if (busy_) return absl::ResourceExhaustedError("busy");
             jobs_.push_back(std::move(job));

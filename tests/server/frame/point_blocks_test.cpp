@@ -58,7 +58,7 @@ std::size_t bytes_of(const v1::PointFrame& frame) {
 Blocks blocks_of(const PointSetRequest& request) {
   Blocks out;
   int with_statistics = 0;
-  const absl::Status status = make_point_blocks(ball(), request, cache(), {}, nullptr, [&](const v1::ResampleResponse& response) {
+  const absl::Status status = make_point_blocks(ball(), request, cache(), {}, {}, [&](const v1::ResampleResponse& response) {
     with_statistics += response.has_statistics() ? 1 : 0;
     out.statistics = response.statistics();
     out.points += response.points().count();
@@ -141,13 +141,12 @@ TEST(PointBlocks, AskForAFinerCurveWithTheirOwnNumber) {
   };
   std::uint64_t points = 0;
   bool refining = false;
-  ASSERT_TRUE(make_point_blocks(ball(), request, cache(), {.finer_curve = improvements}, nullptr,
-                                [&](const v1::ResampleResponse& response) {
-                                  points += response.points().count();
-                                  refining = response.statistics().refining();
-                                  return true;
-                                })
-                  .ok());
+  ASSERT_TRUE(
+      make_point_blocks(ball(), request, cache(), {.finer_curve = improvements}, {}, [&](const v1::ResampleResponse& response) {
+        points += response.points().count();
+        refining = response.statistics().refining();
+        return true;
+      }).ok());
   EXPECT_EQ(asked, points);
   EXPECT_TRUE(refining);
 }
@@ -162,7 +161,7 @@ TEST(PointBlocks, RefuseWhatIsTooMuch) {
   request.options.density = {BrushTerm{{Dab{.radius = 1e9}}}};
   EXPECT_EQ(make_frame(ball(), {.point_set = request}, cache(), {}).status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(
-      make_point_blocks(ball(), request_of(5000), cache(), {}, nullptr, [](const v1::ResampleResponse&) { return false; }).code(),
+      make_point_blocks(ball(), request_of(5000), cache(), {}, {}, [](const v1::ResampleResponse&) { return false; }).code(),
       absl::StatusCode::kCancelled);
 }
 

@@ -58,7 +58,8 @@ class ZoomedView : public Conversation {
                   .find = [this](const std::string&) -> absl::StatusOr<std::shared_ptr<const Session>> { return session_; },
                   .answer = [this](const std::shared_ptr<const Session>& session,
                                    const FrameRequest& request) { return make_frame(*session, request, cache_, improvements()); },
-                  .restore = [](const Session&, const auto&) { return nullptr; },
+                  .restore = [](const Session&, const auto&, const auto&) { return nullptr; },
+                  .has_room = [] { return absl::OkStatus(); },
                   .submit =
                       [this](std::function<void()> job) {
                         jobs_.push_back(std::move(job));

@@ -27,6 +27,8 @@ class HeldSocket final : public WebSocket {
   void read_on() override { ++reads; }
   void close(WebSocketClose /*code*/, std::string /*reason*/) override { is_closed = true; }
 
+  void drop() override {}
+
   void let_go() {
     for (const auto& on_sent : std::exchange(waiting_, {})) on_sent(true);
   }
