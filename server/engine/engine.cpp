@@ -150,8 +150,8 @@ Gauges Engine::gauges() {
   out.waiting_calls = calls.waiting();
   out.waiting_preprocessing = preprocessing.waiting();
   out.queued_bytes = queued.bytes();
-  out.refused = {{"queued bytes", queued.refused()}, {"waiting views", views.refused()},
-                 {"waiting calls", calls.refused()}, {"waiting preprocessing", preprocessing.refused()},
+  out.refused = {{"queued_bytes", queued.refused()}, {"waiting_views", views.refused()},
+                 {"waiting_calls", calls.refused()}, {"waiting_preprocessing", preprocessing.refused()},
                  {"streams", streams->refused()},    {"uploads", uploads->refused()}};
   for (const SessionInfo& info : sessions.list()) {
     ++out.sessions;
