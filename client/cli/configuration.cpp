@@ -18,6 +18,7 @@ namespace curvecast::cli {
 namespace {
 
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 20;
+constexpr char kSeparator = ';';  // no colon: origins of pages have some
 
 using Values = std::vector<std::string>;
 
@@ -69,6 +70,15 @@ absl::StatusOr<std::map<std::string, Values>> read_file(const std::string& path,
       "; there are: ", absl::StrJoin(options, ", ", [](std::string* text, const auto& entry) { text->append(entry.first); })));
 }
 
+/// The values in a variable of the environment.
+Values split(const char* text) {
+  Values values;
+  for (const absl::string_view value : absl::StrSplit(text, kSeparator, absl::SkipWhitespace())) {
+    values.emplace_back(absl::StripAsciiWhitespace(value));
+  }
+  return values;
+}
+
 absl::Status assign(CLI::Option& option, const Values& values, const std::string& source) {
   try {
     if (is_flag(option)) {
@@ -88,7 +98,7 @@ absl::Status assign(CLI::Option& option, const Values& values, const std::string
 }
 
 std::string value_of(const CLI::Option& option) {
-  if (option.count() > 0) return absl::StrJoin(option.reduced_results(), ":");
+  if (option.count() > 0) return absl::StrJoin(option.reduced_results(), std::string(1, kSeparator));
   return is_flag(option) ? "false" : option.get_default_str();
 }
 
@@ -116,7 +126,7 @@ absl::StatusOr<std::vector<Setting>> configure(CLI::App& command, const std::str
       source = "flag";
     } else if (value != nullptr && *value != '\0') {
       source = variable;
-      status = assign(*option, takes_several(*option) ? Values(absl::StrSplit(value, ':')) : Values{value}, source);
+      status = assign(*option, takes_several(*option) ? split(value) : Values{value}, source);
     } else if (const auto found = from_file.find(name); found != from_file.end() && found->second != Values{""}) {
       source = file;
       status = assign(*option, found->second, absl::StrCat(file, ": ", name));

@@ -24,8 +24,8 @@ std::string environment_name(const std::string& option);
 
 /// Gives a value to each configurable option of a command that has been parsed and has none: from the environment, or else from
 /// the file (TOML without tables; empty: none). An empty text counts as none; one for an option that takes several values
-/// separates them by colons. Returns all settings by name. InvalidArgument names what is wrong where, every unknown key at once;
-/// errors of reading as of client::read_bytes().
+/// separates them by semicolons. Returns all settings by name. InvalidArgument names what is wrong where, every unknown key at
+/// once; errors of reading as of client::read_bytes().
 absl::StatusOr<std::vector<Setting>> configure(CLI::App& command, const std::string& file);
 
 /// All settings as such a file.

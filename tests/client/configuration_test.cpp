@@ -108,12 +108,13 @@ TEST_F(Configuration, FlagsBeatTheEnvironmentAndThatTheFile) {
 }
 
 TEST_F(Configuration, TheEnvironmentSpeaksForAllKinds) {
-  set("CURVECAST_FILE", "a:b");
+  set("CURVECAST_FILE", "https://a.example:8080; b c;");
   set("CURVECAST_LOUD", "true");
   set("CURVECAST_SECRET", "x");  // cannot be configured
   Example example;
   ASSERT_TRUE(example.run({}).ok());
-  EXPECT_THAT(example.files, ElementsAre("a", "b"));
+  EXPECT_THAT(example.files, ElementsAre("https://a.example:8080", "b c"));
+  EXPECT_EQ(example.settings["file"].value, "https://a.example:8080;b c");
   EXPECT_TRUE(example.loud);
   EXPECT_EQ(example.secret, "");
   set("CURVECAST_LOUD", "false");
