@@ -6,6 +6,7 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <spdlog/logger.h>
 
+#include <algorithm>
 #include <optional>
 #include <random>
 #include <string>
@@ -16,10 +17,13 @@
 #include "core/base/spill.h"
 #include "server/base/address.h"
 #include "server/base/build_info.h"
+#include "server/base/protocol.h"
 #include "server/base/scratch_folder.h"
 #include "server/base/status_from_exceptions.h"
 #include "server/engine/engine.h"
+#include "server/grpc/grpc_port.h"
 #include "server/grpc/service.h"
+#include "server/net/descriptors.h"
 #include "server/web/credentials.h"
 #include "server/web/web_calls.h"
 #include "server/web/web_gateway.h"
@@ -32,6 +36,9 @@ constexpr int kKeepaliveMs = 30'000;         // between pings to a silent client
 constexpr int kKeepaliveTimeoutMs = 10'000;  // until it counts as gone
 constexpr int kMinPingIntervalMs = 5'000;    // what a client may do
 constexpr int kMaxCallsPerConnection = 256;
+constexpr int kIdleMs = 5 * 60'000;   // a connection without calls is closed
+constexpr int kHandshakeMs = 10'000;  // until a new connection has said what it wants
+constexpr int kMaxRequestBytes = static_cast<int>(kMaxChunkBytes + kMaxChunkBytes / 4);  // an upload's chunk is the largest
 constexpr std::chrono::milliseconds kCloseTime{1000};  // for what is on its way over WebSockets when the server ends
 
 /// Printable, and not to be guessed.
@@ -40,6 +47,18 @@ std::string random_token() {
   std::string token;
   for (int i = 0; i < 8; ++i) token += absl::StrCat(absl::Hex(random(), absl::kZeroPad8));
   return token;
+}
+
+/// That the process may take.
+std::uint64_t memory_budget(const ServerOptions& options) {
+  constexpr double kShare = 0.7;  // the rest is for others
+  const auto share = static_cast<std::uint64_t>(kShare * static_cast<double>(machine_memory_bytes()));
+  return options.memory_bytes > 0 ? options.memory_bytes : share;
+}
+
+/// That gRPC may take for what clients send, known or not.
+std::size_t transport_bytes(const ServerOptions& options) {
+  return std::max(std::size_t{64} << 20, static_cast<std::size_t>(memory_budget(options) / 8));
 }
 
 /// Of channels to this process: results are as large as they are.
@@ -87,42 +106,51 @@ class GrpcServer final : public Server {
         unready_(options.ready ? "" : "meshes are being prepared") {}
   ~GrpcServer() override { shutdown(std::chrono::milliseconds(0)); }
 
-  absl::Status listen(const std::string& address, std::shared_ptr<grpc::ServerCredentials> credentials) {
+  absl::Status listen(const ServerOptions& options, const std::optional<ServerTls>& tls, std::size_t descriptors) {
     grpc::EnableDefaultHealthCheckService(true);
     static std::once_flag reflection;  // the plugin is the whole process's and counts its own calls
     std::call_once(reflection, grpc::reflection::InitProtoReflectionServerBuilderPlugin);
     grpc::ServerBuilder builder;
     builder.RegisterService(&service_);
-    builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // an address in use is an error
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
     builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingIntervalMs);
     builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxCallsPerConnection);
-    if (!address.empty()) builder.AddListeningPort(address, std::move(credentials), &port_);
-    grpc_ = builder.BuildAndStart();
-    if (grpc_ == nullptr || (!address.empty() && port_ == 0)) {
-      return absl::UnavailableError(
-          absl::StrCat("cannot listen on ", address, ": the address is in use or not one of this machine's"));
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleMs);
+    builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
+    builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
+    builder.SetResourceQuota(grpc::ResourceQuota("curvecast").Resize(transport_bytes(options)));
+    if (!options.listen.empty()) {
+      auto port = GrpcPort::bind(options.listen, *engine_.connections, share_descriptors(descriptors).reserve_from);
+      if (!port.ok()) return port.status();
+      port_ = *std::move(port);
+      port_->add_to(builder, make_credentials(tls));
     }
+    grpc_ = builder.BuildAndStart();
+    if (grpc_ == nullptr) return absl::UnavailableError("gRPC does not start");
     if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) {
       health->SetServingStatus(v1::CurvecastService::service_full_name(), true);
+      health->SetServingStatus(options.ready);
     }
-    engine_.log->info("serving on {}", address.empty() ? "this process" : absl::StrCat(address, ", port ", port_));
+    if (port_ != nullptr) port_->open();
+    engine_.log->info("serving on {}", port_ == nullptr ? "this process" : absl::StrCat(options.listen, ", port ", port()));
     return absl::OkStatus();
   }
 
   /// After listen(): whoever finds the HTTP port finds the other one too.
-  absl::Status listen_http(const ServerOptions& options, const std::optional<ServerTls>& tls) {
+  absl::Status listen_http(const ServerOptions& options, const std::optional<ServerTls>& tls, std::size_t descriptors) {
+    const DescriptorShares shares = share_descriptors(descriptors);
     WebGatewayOptions web{.listen = options.http, .tls = tls};
+    web.max_connections = std::min(web.max_connections, shares.pages);
     web.sockets = {.path = "/v1/socket",
                    .maker = web_calls(engine_, grpc_->InProcessChannel(within_process())),
                    .origins = {.others = options.web_origins,
                                .any_name = engine_.tokens != nullptr || (tls && !tls->client_authorities.empty())},
-                   .max_sockets = options.max_streams,
+                   .max_sockets = std::min(options.max_streams, shares.sockets),
                    .max_sockets_of_client = options.max_streams_of_client};
-    const WebRoutes routes = make_web_routes(
-        engine_, [this] { return unready(); }, options.pages);
+    const WebRoutes routes =
+        make_web_routes(engine_, {.dead = [this] { return dead(); }, .unready = [this] { return unready(); }}, options.pages);
     auto gateway = WebGateway::start(web, routes, engine_.log);
     if (absl::IsUnavailable(gateway.status()) && options.http_may_move) {
       engine_.log->warn("{}; taking a free port", std::string(gateway.status().message()));
@@ -135,12 +163,14 @@ class GrpcServer final : public Server {
     return absl::OkStatus();
   }
 
-  int port() const override { return port_; }
+  int port() const override { return port_ == nullptr ? 0 : port_->port(); }
   int http_port() const override { return web_ == nullptr ? 0 : web_->port(); }
 
   void set_ready() override {
     const MutexLock lock(mutex_);
-    if (!draining_) unready_.clear();
+    if (draining_) return;
+    unready_.clear();
+    if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->SetServingStatus(true);
   }
 
   std::shared_ptr<grpc::Channel> in_process_channel() override {
@@ -157,6 +187,7 @@ class GrpcServer final : public Server {
         if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->Shutdown();
         // A conversation has no end of its own to wait for.
         engine_.stop_streams(absl::UnavailableError("the server is shutting down; reconnect"));
+        if (port_ != nullptr) port_->close();
         grpc_->Shutdown(std::chrono::system_clock::now() + drain);
         if (web_ != nullptr) web_->close_sockets(kCloseTime);
         engine_.log->info("stopped");
@@ -171,10 +202,13 @@ class GrpcServer final : public Server {
   }
 
  private:
+  /// Why this server had better be started anew; empty where it need not.
+  std::string dead() const { return port_ == nullptr || port_->answers() ? "" : "the gRPC port does not answer"; }
+
   /// Why nobody should send requests now; empty where all may.
   std::string unready() {
     const MutexLock lock(mutex_);
-    return unready_;
+    return unready_.empty() ? dead() : unready_;
   }
 
   void begin_draining() {
@@ -187,19 +221,13 @@ class GrpcServer final : public Server {
   Engine engine_;
   Service service_;
   std::unique_ptr<grpc::Server> grpc_;
-  int port_ = 0;
+  std::unique_ptr<GrpcPort> port_;  // null: this process only
   Mutex mutex_;
   std::string unready_ ABSL_GUARDED_BY(mutex_);  // the reason; empty: ready
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   std::unique_ptr<WebGateway> web_;  // uses all of the above
   std::once_flag shutdown_;
 };
-
-absl::Status bound_memory(const ServerOptions& options) {
-  constexpr double kShare = 0.7;  // the rest is for others
-  const auto share = static_cast<std::uint64_t>(kShare * static_cast<double>(machine_memory_bytes()));
-  return keep_memory_within(options.memory_bytes > 0 ? options.memory_bytes : share, scratch_folder(options));
-}
 
 }  // namespace
 
@@ -232,13 +260,16 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
       if (!opened.ok()) return opened.status();
       cache = *std::move(opened);
     }
-    if (absl::Status status = bound_memory(options); !status.ok()) {
+    if (absl::Status status = keep_memory_within(memory_budget(options), scratch_folder(options)); !status.ok()) {
       if (options.memory_bytes > 0) return status;
       log->warn("memory is not bounded: {}", std::string(status.message()));
     }
-    auto server = std::make_unique<GrpcServer>(options, std::move(log), std::move(cache), std::move(tokens), own_token);
-    absl::Status status = server->listen(options.listen, make_credentials(*tls));
-    if (status.ok() && !options.http.empty()) status = server->listen_http(options, *tls);
+    const std::size_t descriptors = raise_descriptor_limit();
+    ServerOptions bounded = options;
+    bounded.max_connections = std::min(options.max_connections, share_descriptors(descriptors).connections);
+    auto server = std::make_unique<GrpcServer>(bounded, std::move(log), std::move(cache), std::move(tokens), own_token);
+    absl::Status status = server->listen(bounded, *tls, descriptors);
+    if (status.ok() && !options.http.empty()) status = server->listen_http(bounded, *tls, descriptors);
     if (!status.ok()) return status;
     return server;
   });

@@ -22,9 +22,12 @@ struct ServerOptions {
   std::uint64_t max_session_bytes = std::uint64_t{8} << 30;  // of all of them; the least recently used go first, to the cache
   std::string tokens = {};                                   // file of those who may call, see Tokens; empty = everybody
   std::string mesh_folder = {};                              // of which clients may import meshes; empty = none
-  std::size_t max_streams = 1000;                            // of views, at once
-  std::size_t max_streams_of_client = 250;                   // of one address
-  std::size_t max_uploads = 64;                              // at once
+  /// Of the gRPC port, and no more than half of the descriptors that the process may have. For one more the oldest one gives way
+  /// that has made no call.
+  std::size_t max_connections = 10'000;
+  std::size_t max_streams = 1000;           // of views, at once
+  std::size_t max_streams_of_client = 250;  // of one address
+  std::size_t max_uploads = 64;             // at once
   std::size_t max_uploads_of_client = 8;
   /// Views and acknowledgements a second that are taken from a stream. A client that waits for each frame sends one of each in a
   /// few milliseconds.

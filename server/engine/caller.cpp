@@ -20,7 +20,9 @@ std::string peer_of(const grpc::CallbackServerContext& context) {
 }
 
 absl::StatusOr<std::string> caller_of(const Engine& engine, const grpc::CallbackServerContext& context) {
-  return caller_of(engine, peer_of(context), metadata(context, "authorization"));
+  absl::StatusOr<std::string> caller = caller_of(engine, peer_of(context), metadata(context, "authorization"));
+  if (caller.ok()) engine.connections->note_call(context.peer());
+  return caller;
 }
 
 absl::StatusOr<std::string> caller_of(const Engine& engine, const std::string& peer, std::string_view authorization) {

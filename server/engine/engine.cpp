@@ -48,6 +48,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       max_view_rate(options.max_view_rate),
       streams(std::make_shared<Admission>("streams of views", options.max_streams, options.max_streams_of_client)),
       uploads(std::make_shared<Admission>("uploads", options.max_uploads, options.max_uploads_of_client)),
+      connections(std::make_unique<ConnectionTable>(options.max_connections)),
       mesh_folder(options.mesh_folder),
       meshes(options.max_mesh_bytes, options.max_upload_bytes, scratch_folder(options)),
       sessions(
@@ -145,6 +146,9 @@ ImprovementRequests Engine::improvement_requests(const std::shared_ptr<const Ses
 
 Gauges Engine::gauges() {
   Gauges out;
+  out.connections = connections->count();
+  out.ended_connections = connections->ended();
+  out.refused_connections = connections->refused();
   out.waiting_views = views.waiting();
   out.shared_frames = frame_cache.shared();
   out.waiting_calls = calls.waiting();

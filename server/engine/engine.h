@@ -21,6 +21,7 @@
 #include "server/frame/client_stream.h"
 #include "server/frame/frame_cache.h"
 #include "server/frame/point_blocks.h"
+#include "server/net/connection_table.h"
 #include "server/session/mesh_store.h"
 #include "server/session/rank_jobs.h"
 #include "server/session/refiner.h"
@@ -81,7 +82,8 @@ class Engine {
   const std::shared_ptr<const Tokens> tokens;  // of those who may call; null: everybody
   const double max_view_rate;                  // of a stream, per second
   const std::shared_ptr<Admission> streams, uploads;
-  const std::string mesh_folder;  // of which clients may import meshes; empty: none
+  const std::unique_ptr<ConnectionTable> connections;  // of the gRPC port
+  const std::string mesh_folder;                       // of which clients may import meshes; empty: none
   MeshStore meshes;
   SessionStore sessions;
   Refiner refiner;

@@ -55,6 +55,10 @@ struct Metrics::Families {
   Family<Histogram>& request_seconds = histograms(registry, "curvecast_request_seconds",
                                                   "From the start of a request to its end; of StreamViews, the conversation.");
 
+  Counter& unauthenticated =
+      counters(registry, "curvecast_unauthenticated_total", "Calls and WebSockets refused for want of a token that is known.")
+          .Add({});
+
   Gauge& open_streams = gauges(registry, "curvecast_open_streams", "Conversations of views and frames.").Add({});
   Counter& views_received = counters(registry, "curvecast_views_received_total", "Views that streams have brought.").Add({});
   Counter& views_answered =
@@ -95,6 +99,11 @@ struct Metrics::Families {
 
   // What follows is set and read together.
   Mutex mutex;
+  Gauge& connections ABSL_GUARDED_BY(mutex) = gauges(registry, "curvecast_connections", "Connections of the gRPC port.").Add({});
+  Counter& ended_connections ABSL_GUARDED_BY(mutex) =
+      counters(registry, "curvecast_connections_ended_total", "Connections without a call that gave way to newer ones.").Add({});
+  Counter& refused_connections ABSL_GUARDED_BY(mutex) =
+      counters(registry, "curvecast_connections_refused_total", "Connections for which there was no room.").Add({});
   Family<Gauge>& waiting ABSL_GUARDED_BY(mutex) = gauges(registry, "curvecast_queue_depth", "Jobs that wait for a worker.");
   Gauge& waiting_views ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "views"}});
   Gauge& waiting_calls ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "calls"}});
@@ -135,9 +144,11 @@ void Metrics::request(std::string_view method, int code, double seconds) {
   const std::string name(method);
   families_->requests.Add({{"method", name}, {"code", absl::StatusCodeToString(static_cast<absl::StatusCode>(code))}})
       .Increment();
+  if (static_cast<absl::StatusCode>(code) == absl::StatusCode::kUnauthenticated) unauthenticated();
   families_->request_seconds.Add({{"method", name}}, kRequestSeconds).Observe(seconds);
 }
 
+void Metrics::unauthenticated() { families_->unauthenticated.Increment(); }
 void Metrics::stream_opened() { families_->open_streams.Increment(); }
 void Metrics::stream_closed() { families_->open_streams.Decrement(); }
 void Metrics::view_received() { families_->views_received.Increment(); }
@@ -179,6 +190,9 @@ std::string Metrics::text(const Gauges& values) {
   Families& f = *families_;
   const MutexLock lock(f.mutex);
   f.frames_shared.Increment(static_cast<double>(values.shared_frames) - f.frames_shared.Value());
+  f.connections.Set(static_cast<double>(values.connections));
+  f.ended_connections.Increment(static_cast<double>(values.ended_connections) - f.ended_connections.Value());
+  f.refused_connections.Increment(static_cast<double>(values.refused_connections) - f.refused_connections.Value());
   f.waiting_views.Set(static_cast<double>(values.waiting_views));
   f.waiting_calls.Set(static_cast<double>(values.waiting_calls));
   f.waiting_preprocessing.Set(static_cast<double>(values.waiting_preprocessing));

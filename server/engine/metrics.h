@@ -18,6 +18,9 @@ namespace curvecast::server {
 /// What there is at a moment; what has happened so far is counted by Metrics.
 struct Gauges {
   std::uint64_t shared_frames = 0;        // so far: frames that had been made for another client
+  std::size_t connections = 0;            // of the gRPC port
+  std::uint64_t ended_connections = 0;    // so far: that had made no call and gave way to newer ones
+  std::uint64_t refused_connections = 0;  // so far: there was no room for them
   std::size_t waiting_views = 0;          // jobs that wait for a worker
   std::size_t waiting_calls = 0;          // ... single point sets and inspection
   std::size_t waiting_preprocessing = 0;  // ... that take all cores
@@ -40,6 +43,8 @@ class Metrics {
 
   /// Counts a request that is over. `code` is a gRPC status code.
   void request(std::string_view method, int code, double seconds);
+  /// Counts a WebSocket that was refused for want of a known token; calls are counted by request().
+  void unauthenticated();
   void stream_opened();
   void stream_closed();
   void view_received();

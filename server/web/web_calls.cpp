@@ -131,6 +131,7 @@ WebConversationMaker web_calls(Engine& engine, std::shared_ptr<grpc::Channel> ch
                                                  const WebPeer& peer) -> std::unique_ptr<WebConversation> {
     const auto caller = caller_of(engine, peer.address, peer.authorization);
     if (caller.ok()) return std::make_unique<WebCalls>(engine, channel, socket, peer);
+    engine.metrics.unauthenticated();
     engine.log->info("http: refused {}: {}", peer.address, std::string(caller.status().message()));
     socket->close(WebSocketClose::kRefused, std::string(caller.status().message()));
     return nullptr;

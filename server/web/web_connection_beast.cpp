@@ -16,6 +16,7 @@
 #include <limits>
 #include <utility>
 
+#include "server/net/peer_name.h"
 #include "server/web/web_socket_beast.h"
 
 namespace curvecast::server {
@@ -41,17 +42,10 @@ PlainResponse plain(http::status status, std::string body) {
 
 std::string_view text(beast::string_view view) { return {view.data(), view.size()}; }
 
-/// As gRPC writes it, so that a client is one whichever way it comes.
 std::string name_of(const tcp::socket& socket) {
   boost::system::error_code error;
   const tcp::endpoint peer = socket.remote_endpoint(error);
-  if (error) return "unknown:0";
-  const auto address = peer.address();
-  if (address.is_v4()) return absl::StrCat("ipv4:", address.to_string(), ":", peer.port());
-  if (address.to_v6().is_v4_mapped()) {
-    return absl::StrCat("ipv4:", asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string(), ":", peer.port());
-  }
-  return absl::StrCat("ipv6:%5B", address.to_string(), "%5D:", peer.port());
+  return peer_name((error ? tcp::endpoint() : peer).data());
 }
 
 struct Offer {
@@ -97,6 +91,7 @@ WebConnection::WebConnection(WebHub& hub, tcp::socket socket, std::function<void
 WebConnection::~WebConnection() { on_gone_(this); }
 
 void WebConnection::begin() {
+  waiting_since_ = Clock::now();  // for a handshake, too
   if (stream_.tls() == nullptr) return read();
   stream_.next_layer().expires_after(hub_.options.time_out);
   stream_.tls()->async_handshake(asio::ssl::stream_base::server, [self = shared_from_this()](Error error) {
@@ -213,6 +208,7 @@ void WebConnection::write(Response response, bool is_head) {
 }
 
 void WebConnection::close() {
+  waiting_since_ = Clock::now();  // for the other side to do the same
   if (stream_.tls() != nullptr) {
     stream_.next_layer().expires_after(hub_.options.time_out);
     return stream_.tls()->async_shutdown([self = shared_from_this()](Error /*ignored*/) {});

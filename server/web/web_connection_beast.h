@@ -47,7 +47,7 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   void begin();
   /// Ends the connection, whatever is under way.
   void abort();
-  /// When the connection began to wait for its next request; null while it answers one.
+  /// When the connection began to wait for its other side: for its next request, or a handshake; null while it answers one.
   std::optional<Clock::time_point> waiting_since() const { return waiting_since_; }
 
  private:

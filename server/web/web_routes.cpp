@@ -21,9 +21,17 @@ WebAnswer to_answer(const WebFile& file) {
                      {"Referrer-Policy", "no-referrer"}}};
 }
 
+/// What a probe is told: `good`, or what is wrong.
+std::function<WebAnswer()> probe(std::function<std::string()> wrong, std::string good) {
+  return [wrong = std::move(wrong), good = std::move(good)] {
+    const std::string reason = wrong();
+    return reason.empty() ? WebAnswer{.body = good + "\n"} : WebAnswer{.status = 503, .body = reason + "\n"};
+  };
+}
+
 }  // namespace
 
-WebRoutes make_web_routes(Engine& engine, std::function<std::string()> unready, std::span<const WebFile> files) {
+WebRoutes make_web_routes(Engine& engine, const WebHealth& health, std::span<const WebFile> files) {
   WebRoutes routes;
   routes["/"] = [] { return WebAnswer{.status = 404, .body = "this server was built without the viewer\n"}; };
   for (const WebFile& file : files) {
@@ -31,11 +39,8 @@ WebRoutes make_web_routes(Engine& engine, std::function<std::string()> unready, 
     routes[std::string(file.path)] = answer;
     if (file.path == kIndex) routes["/"] = answer;
   }
-  routes["/healthz"] = [] { return WebAnswer{.body = "alive\n"}; };
-  routes["/readyz"] = [unready = std::move(unready)] {
-    const std::string reason = unready();
-    return reason.empty() ? WebAnswer{.body = "ready\n"} : WebAnswer{.status = 503, .body = reason + "\n"};
-  };
+  routes["/healthz"] = probe(health.dead, "alive");
+  routes["/readyz"] = probe(health.unready, "ready");
   routes["/metrics"] = [&engine] {
     return WebAnswer{.body = engine.metrics.text(engine.gauges()), .type = "text/plain; version=0.0.4; charset=utf-8"};
   };

@@ -11,8 +11,14 @@
 
 namespace curvecast::server {
 
-/// Makes the routes /healthz, /readyz, /metrics and those of the files, of which "/index.html" is "/" too. `unready` returns why
-/// nobody should send requests now; empty where all may. `engine` must outlive the routes.
-WebRoutes make_web_routes(Engine& engine, std::function<std::string()> unready, std::span<const WebFile> files);
+/// What is wrong, empty where nothing is. Called by any thread, and returns at once.
+struct WebHealth {
+  std::function<std::string()> dead;     // why the server had better be started anew
+  std::function<std::string()> unready;  // why nobody should send requests now
+};
+
+/// Makes the routes /healthz, /readyz, /metrics and those of the files, of which "/index.html" is "/" too. `engine` must outlive
+/// the routes.
+WebRoutes make_web_routes(Engine& engine, const WebHealth& health, std::span<const WebFile> files);
 
 }  // namespace curvecast::server

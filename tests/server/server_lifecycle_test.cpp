@@ -68,6 +68,13 @@ TEST_F(ServerLifecycle, AnswersHealthChecks) {
   EXPECT_NE(health(connect(), "nonsense"), kServing);
 }
 
+TEST_F(ServerLifecycle, IsHealthyWhenItIsReady) {
+  start({.ready = false});
+  for (const char* service : {"", "curvecast.v1.CurvecastService"}) EXPECT_EQ(health(connect(), service), "\x08\x02") << service;
+  server_->set_ready();
+  for (const char* service : {"", "curvecast.v1.CurvecastService"}) EXPECT_EQ(health(connect(), service), kServing) << service;
+}
+
 // Watches the health of a service until it changes, which is what a load balancer does.
 TEST_F(ServerLifecycle, TellsThoseWhoWatchBeforeItEnds) {
   grpc::GenericStub stub(connect());

@@ -4,6 +4,8 @@
 #include <openssl/ssl.h>
 
 #include <algorithm>
+#include <chrono>
+#include <list>
 #include <memory>
 #include <string>
 
@@ -11,6 +13,7 @@
 #include "http_client.h"
 #include "proto/tls/exit_cleanup.h"
 #include "server/server.h"
+#include "server/web/web_gateway.h"
 #include "tests/proto/tls/certificate_files.h"
 #include "web_socket_client.h"
 
@@ -124,6 +127,23 @@ TEST_F(ServerTls, ConnectionsGoOnWithTheSessionOfTheOneBefore) {
     EXPECT_THAT(get_again(context.get(), server_->http_port(), session), HasSubstr("200 OK")) << version;
     EXPECT_THAT(get_again(context.get(), server_->http_port(), session), HasSubstr("200 OK")) << version;
   }
+}
+
+// As if they had said nothing over HTTP. Nobody's handshake takes so long that the time is up.
+TEST_F(ServerTls, HandshakesThatSayNothingGiveWay) {
+  const auto tls = read_server_tls({.tls_cert = files_->cert("ca-server"), .tls_key = files_->key("ca-server")});
+  ASSERT_TRUE(tls.ok()) << tls.status();
+  WebRoutes routes;
+  routes["/healthz"] = [] { return WebAnswer{.body = "alive\n"}; };
+  const auto gateway =
+      WebGateway::start({.listen = "127.0.0.1:0", .max_connections = 3, .time_out = std::chrono::hours(1), .tls = *tls}, routes,
+                        make_logger(false, false));
+  ASSERT_TRUE(gateway.ok()) << gateway.status();
+  std::list<HttpClient> silent;
+  for (int i = 0; i < 20; ++i) silent.emplace_back((*gateway)->port());
+  const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_client_method()), &SSL_CTX_free);
+  std::unique_ptr<SSL_SESSION, decltype(&SSL_SESSION_free)> session(nullptr, &SSL_SESSION_free);
+  EXPECT_THAT(get_again(context.get(), (*gateway)->port(), session), HasSubstr("alive"));
 }
 
 TEST_F(ServerTls, SaysWhatIsWrongWithItsFiles) {

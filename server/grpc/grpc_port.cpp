@@ -1,0 +1,45 @@
+#include "server/grpc/grpc_port.h"
+
+#include <absl/cleanup/cleanup.h>
+#include <unistd.h>
+
+#include <utility>
+
+namespace curvecast::server {
+
+absl::StatusOr<std::unique_ptr<GrpcPort>> GrpcPort::bind(const std::string& address, ConnectionTable& connections,
+                                                         std::size_t most) {
+  absl::StatusOr<std::unique_ptr<PortListener>> listener = PortListener::bind(address);
+  if (!listener.ok()) return listener.status();
+  return std::unique_ptr<GrpcPort>(new GrpcPort(*std::move(listener), connections, most));
+}
+
+GrpcPort::GrpcPort(std::unique_ptr<PortListener> listener, ConnectionTable& connections, std::size_t most)
+    : connections_(connections), most_(most), listener_(std::move(listener)) {}
+
+void GrpcPort::add_to(grpc::ServerBuilder& builder, std::shared_ptr<grpc::ServerCredentials> credentials) {
+  using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+  acceptor_ = builder.experimental().AddExternalConnectionAcceptor(Type::FROM_FD, std::move(credentials));
+}
+
+void GrpcPort::open() {
+  listener_->accept([this](int listener, int descriptor, const std::string& peer) { take(listener, descriptor, peer); });
+  probe_ = std::make_unique<PortProbe>(listener_->descriptor());
+}
+
+void GrpcPort::close() {
+  is_closed_ = true;
+  listener_->close();
+}
+
+void GrpcPort::take(int listener, int descriptor, const std::string& peer) {
+  absl::Cleanup refuse = [descriptor] { ::close(descriptor); };
+  if (static_cast<std::size_t>(descriptor) >= most_ || !connections_.add(descriptor, peer)) return;
+  grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+  connection.listener_fd = listener;
+  connection.fd = descriptor;
+  std::move(refuse).Cancel();
+  acceptor_->HandleNewConnection(&connection);
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,37 @@
+#include "server/net/loopback.h"
+
+#include <absl/cleanup/cleanup.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include "server/base/address.h"
+
+namespace curvecast::server {
+namespace {
+
+bool is_loopback(const sockaddr& address) {
+  constexpr in_addr_t kNet = 0x7f000000, kMask = 0xff000000;  // 127.0.0.0/8
+  if (address.sa_family == AF_INET) {
+    return (ntohl(reinterpret_cast<const sockaddr_in&>(address).sin_addr.s_addr) & kMask) == kNet;
+  }
+  return IN6_IS_ADDR_LOOPBACK(&reinterpret_cast<const sockaddr_in6&>(address).sin6_addr) != 0;
+}
+
+}  // namespace
+
+bool is_loopback(const std::string& address) {
+  const absl::StatusOr<Address> parsed = parse_address(address);
+  if (!parsed.ok()) return true;
+  addrinfo hints = {};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(parsed->host.c_str(), nullptr, &hints, &found) != 0) return true;
+  const absl::Cleanup free = [found] { ::freeaddrinfo(found); };
+  for (const addrinfo* info = found; info != nullptr; info = info->ai_next) {
+    if (!is_loopback(*info->ai_addr)) return false;
+  }
+  return true;
+}
+
+}  // namespace curvecast::server
