@@ -15,6 +15,7 @@
 #include "client/cli/configuration.h"
 #include "client/cli/session_flags.h"
 #include "client/web/viewer_files.h"
+#include "server/net/loopback.h"
 #include "server/server.h"
 
 namespace curvecast::cli {
@@ -39,6 +40,7 @@ struct Flags {
   std::string log_format = "text";
   std::string config;  // path; empty: none
   bool print_config = false;
+  bool open_to_all = false;
 };
 
 /// `listen` with the port that was really taken.
@@ -134,6 +136,18 @@ absl::Status serve(const Flags& flags, const CommonOptions& options, const serve
   return stop.stop_requested() ? absl::OkStatus() : status;
 }
 
+/// Refuses to let everybody call who can connect from elsewhere, unless that is what is wanted.
+absl::Status check_openness(const server::ServerOptions& options) {
+  if (!options.tokens.empty() || !options.tls_client_ca.empty()) return absl::OkStatus();
+  for (const std::string& address : {options.listen, options.http}) {
+    if (address.empty() || server::is_loopback(address)) continue;
+    return absl::InvalidArgumentError(absl::StrCat(
+        address, " can be reached from other machines, and whoever reaches it may call: ask for tokens (--tokens) or ",
+        "certificates (--tls-client-ca), or say that this is meant (--open-to-all)"));
+  }
+  return absl::OkStatus();
+}
+
 /// `flags` and `options` are those that `app` fills.
 absl::Status run(CLI::App& app, const Flags& flags, const CommonOptions& options, const std::stop_token& stop) {
   if (!options.server.empty()) return absl::InvalidArgumentError("serve is a server itself: --server does not apply");
@@ -152,6 +166,7 @@ absl::Status run(CLI::App& app, const Flags& flags, const CommonOptions& options
   server_options.tls_cert = options.tls.cert;
   server_options.tls_key = options.tls.key;
   if (server_options.http == kNone) server_options.http.clear();
+  if (absl::Status status = check_openness(server_options); !flags.open_to_all && !status.ok()) return status;
   server_options.http_may_move = server_options.http == kHttp;  // nobody has asked for this very one
   server_options.pages = web::viewer_files();
   return serve(flags, options, server_options, stop);
@@ -176,6 +191,10 @@ void add_limit_flags(CLI::App* app, server::ServerOptions* server) {
   const auto count = [&](const char* name, std::size_t* value, const char* help) {
     app->add_option(name, *value, help)->check(CLI::Range(std::size_t{1}, kMostAtOnce))->capture_default_str()->group(group);
   };
+  count("--max-connections", &server->max_connections,
+        "of the gRPC port, and no more than half of the files that the process may have open; for one more the oldest one gives "
+        "way "
+        "that has made no call");
   count("--max-streams", &server->max_streams, "of views, at once");
   count("--max-streams-of-client", &server->max_streams_of_client, "of one token, or one address where there are no tokens");
   count("--max-uploads", &server->max_uploads, "at once");
@@ -201,15 +220,16 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       "ready and a line per opened mesh. SIGTERM or Ctrl-C: running calls get --drain seconds to end; status 0. A "
       "second one ends it at once; status 130.",
       {"curvecast serve --open bunny.obj --open igea.ply",
-       "curvecast serve --listen 0.0.0.0:50051 --cache /var/cache/curvecast --cache-size 50GB",
-       "curvecast serve --config /etc/curvecast.toml --http 0.0.0.0:8080",
+       "curvecast serve --listen 0.0.0.0:50051 --tokens /etc/curvecast.tokens --cache /var/cache/curvecast --cache-size 50GB",
+       "curvecast serve --config /etc/curvecast.toml --http 0.0.0.0:8080 --open-to-all",
        "CURVECAST_LISTEN=0.0.0.0:50051 curvecast serve --print-config > curvecast.toml"});
   for (const char* name : {"--server", "--seed", "--json"}) app->get_option(name)->configurable(false);
   for (const char* name : {"--tls-ca", "--token-file"}) app->remove_option(app->get_option(name));
   const auto flags = std::make_shared<Flags>();
-  app->add_option("--config", flags->config,
-                  "settings from a file, a line NAME = VALUE for each option without its dashes; the environment goes before it "
-                  "(CURVECAST_LISTEN, CURVECAST_MAX_UPLOAD and so on), and flags before both")
+  app->add_option(
+         "--config", flags->config,
+         "settings from a file, a line NAME = VALUE for each option without its dashes; the environment goes before it "
+         "(CURVECAST_LISTEN, CURVECAST_MAX_UPLOAD and so on; several values with semicolons between them), and flags before both")
       ->type_name("FILE")
       ->configurable(false);
   app->add_flag("--print-config", flags->print_config, "print all settings as such a file and end")->configurable(false);
@@ -253,6 +273,10 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
                   "those who may call, everybody without it: lines of NAME, SHA-256 of the token, and maybe the second since "
                   "1970 in which it expires")
       ->type_name("FILE");
+  app->add_flag(
+      "--open-to-all", flags->open_to_all,
+      "let everybody call who can connect, from other machines too; without tokens or certificates of clients, addresses "
+      "that are not of the loopback are refused else");
   app->add_option("--mesh-folder", flags->server.mesh_folder, "of which clients may import meshes; without it, none")
       ->type_name("DIR");
   add_limit_flags(app, &flags->server);

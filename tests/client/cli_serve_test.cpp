@@ -1,7 +1,10 @@
 // `curvecast serve` as a process.
+#include <sys/resource.h>
+
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <list>
 #include <sstream>
 
 #include "tests/client/cli_fixture.h"
@@ -13,6 +16,9 @@ namespace curvecast::cli {
 namespace {
 
 using ::testing::HasSubstr;
+
+// How HTTP/2 begins, with settings that set nothing; their last byte is the string's end.
+constexpr char kPreface[] = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0";
 
 class ServeTest : public CliTest {};
 
@@ -110,6 +116,53 @@ TEST_F(ServeTest, RefusesWhatItCannotDo) {
   Finished finished = run({"serve", "--listen", "127.0.0.1:0", "--open", "/nonexistent/mesh.off"});
   EXPECT_EQ(finished.status, 3);
   EXPECT_THAT(finished.err, HasSubstr("/nonexistent/mesh.off"));
+}
+
+// More connections than the server has descriptors: silent ones on both ports, and some that begin to speak HTTP/2.
+TEST_F(ServeTest, ACrowdOfConnectionsKeepsNobodyOut) {
+  Process server({"-c", R"(ulimit -n 256; exec "$0" serve --listen 127.0.0.1:0 --http 127.0.0.1:0)", CURVECAST_COMMAND},
+                 "/bin/sh");
+  rlimit limit = {};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &limit), 0);
+  limit.rlim_cur = limit.rlim_max;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &limit), 0);  // of this process
+  const std::string address = server.rest_of_line("listening on "), http = server.rest_of_line("http on ");
+  const int port = std::stoi(address.substr(address.rfind(':') + 1)), http_port = std::stoi(http.substr(http.rfind(':') + 1));
+  const auto readiness = [&] { return server::HttpClient(http_port).get("/readyz").status; };
+  run_json({"info", sphere_, "--server", address});
+  {
+    std::list<server::HttpClient> crowd;
+    for (int i = 0; i < 1000; ++i) {
+      crowd.emplace_back(i % 3 == 0 ? http_port : port);
+      if (i % 3 == 1) crowd.back().send(std::string(kPreface, sizeof kPreface));
+      if (i % 100 == 99) {
+        EXPECT_EQ(readiness(), 200) << i;
+      }
+    }
+    run_json({"info", sphere_, "--server", address});
+    EXPECT_EQ(readiness(), 200);
+  }
+  run_json({"info", sphere_, "--server", address});
+  EXPECT_EQ(readiness(), 200);
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 0);
+}
+
+TEST_F(ServeTest, WhoIsOpenToAllSaysSo) {
+  for (const char* address : {"0.0.0.0:0", "[::]:0"}) {
+    expect_failure({"serve", "--listen", address, "--http", "none"}, 3, "--open-to-all");
+    expect_failure({"serve", "--listen", "127.0.0.1:0", "--http", address}, 3, "--tokens");
+  }
+  const std::string tokens = temporary("open_tokens");
+  std::ofstream(tokens) << "alice 2bb80d537b1da3e38bd30361aa855686bde0eacd7162fef6a25fe97bf527a25b\n";  // "secret"
+  Process open({"serve", "--listen", "0.0.0.0:0", "--http", "none", "--open-to-all"});
+  Process known({"serve", "--listen", "0.0.0.0:0", "--http", "none", "--tokens", tokens});
+  Process local({"serve", "--listen", "localhost:0", "--http", "none"});
+  for (Process* process : {&open, &known, &local}) {
+    EXPECT_NE(process->rest_of_line("listening on "), "");
+    process->signal(SIGTERM);
+    EXPECT_EQ(process->finish().status, 0);
+  }
 }
 
 TEST_F(ServeTest, IsReadyWhenItsMeshesAreOpen) {
