@@ -39,6 +39,7 @@ constexpr int kMaxCallsPerConnection = 256;
 constexpr int kIdleMs = 5 * 60'000;   // a connection without calls is closed
 constexpr int kHandshakeMs = 10'000;  // until a new connection has said what it wants
 constexpr int kMaxRequestBytes = static_cast<int>(kMaxChunkBytes + kMaxChunkBytes / 4);  // an upload's chunk is the largest
+constexpr std::size_t kAdminConnections = 16;          // for one more the one goes that has waited longest
 constexpr std::chrono::milliseconds kCloseTime{1000};  // for what is on its way over WebSockets when the server ends
 
 /// Printable, and not to be guessed.
@@ -149,8 +150,9 @@ class GrpcServer final : public Server {
                                .any_name = engine_.tokens != nullptr || (tls && !tls->client_authorities.empty())},
                    .max_sockets = std::min(options.max_streams, shares.sockets),
                    .max_sockets_of_client = options.max_streams_of_client};
-    const WebRoutes routes =
-        make_web_routes(engine_, {.dead = [this] { return dead(); }, .unready = [this] { return unready(); }}, options.pages);
+    WebRoutes routes = page_routes(options.pages);
+    routes.merge(probe_routes(health()));
+    if (options.admin.empty()) routes.merge(metrics_routes(engine_));
     auto gateway = WebGateway::start(web, routes, engine_.log);
     if (absl::IsUnavailable(gateway.status()) && options.http_may_move) {
       engine_.log->warn("{}; taking a free port", std::string(gateway.status().message()));
@@ -163,14 +165,35 @@ class GrpcServer final : public Server {
     return absl::OkStatus();
   }
 
+  /// After listen().
+  absl::Status listen_admin(const std::string& address) {
+    WebRoutes routes = probe_routes(health());
+    routes.merge(metrics_routes(engine_));
+    auto gateway = WebGateway::start({.listen = address, .max_connections = kAdminConnections}, routes, engine_.log);
+    if (!gateway.ok()) return gateway.status();
+    admin_ = *std::move(gateway);
+    engine_.log->info("admin on {}, port {}", address, admin_->port());
+    return absl::OkStatus();
+  }
+
   int port() const override { return port_ == nullptr ? 0 : port_->port(); }
   int http_port() const override { return web_ == nullptr ? 0 : web_->port(); }
+
+  int admin_port() const override { return admin_ == nullptr ? 0 : admin_->port(); }
 
   void set_ready() override {
     const MutexLock lock(mutex_);
     if (draining_) return;
     unready_.clear();
     if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->SetServingStatus(true);
+  }
+
+  void retire() override {
+    const MutexLock lock(mutex_);
+    draining_ = true;
+    unready_ = "the server is shutting down";
+    if (grpc_ == nullptr) return;
+    if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->SetServingStatus(false);
   }
 
   std::shared_ptr<grpc::Channel> in_process_channel() override {
@@ -181,7 +204,7 @@ class GrpcServer final : public Server {
 
   void shutdown(std::chrono::milliseconds drain) override {
     std::call_once(shutdown_, [&] {
-      begin_draining();
+      retire();
       if (grpc_ != nullptr) {
         engine_.log->info("shutting down: running calls get {} s", std::chrono::duration<double>(drain).count());
         if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->Shutdown();
@@ -211,10 +234,8 @@ class GrpcServer final : public Server {
     return unready_.empty() ? dead() : unready_;
   }
 
-  void begin_draining() {
-    const MutexLock lock(mutex_);
-    draining_ = true;
-    unready_ = "the server is shutting down";
+  WebHealth health() {
+    return {.dead = [this] { return dead(); }, .unready = [this] { return unready(); }};
   }
 
   const std::string own_token_;  // of this process, where tokens are asked for
@@ -225,7 +246,7 @@ class GrpcServer final : public Server {
   Mutex mutex_;
   std::string unready_ ABSL_GUARDED_BY(mutex_);  // the reason; empty: ready
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
-  std::unique_ptr<WebGateway> web_;  // uses all of the above
+  std::unique_ptr<WebGateway> web_, admin_;  // use all of the above
   std::once_flag shutdown_;
 };
 
@@ -235,7 +256,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
   if (options.threads < 0) {
     return absl::InvalidArgumentError(absl::StrCat("threads is ", options.threads, "; 0 means one per core"));
   }
-  for (const std::string* address : {&options.listen, &options.http}) {
+  for (const std::string* address : {&options.listen, &options.http, &options.admin}) {
     if (address->empty()) continue;
     if (const auto parsed = parse_address(*address); !parsed.ok()) return parsed.status();
   }
@@ -270,6 +291,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     auto server = std::make_unique<GrpcServer>(bounded, std::move(log), std::move(cache), std::move(tokens), own_token);
     absl::Status status = server->listen(bounded, *tls, descriptors);
     if (status.ok() && !options.http.empty()) status = server->listen_http(bounded, *tls, descriptors);
+    if (status.ok() && !options.admin.empty()) status = server->listen_admin(options.admin);
     if (!status.ok()) return status;
     return server;
   });

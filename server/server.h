@@ -26,12 +26,16 @@ class Server {
   virtual int port() const = 0;
   /// The TCP port of HTTP; 0 without.
   virtual int http_port() const = 0;
-  /// From now on /readyz says so, until shutdown().
+  /// The TCP port of probes and metrics; 0 without.
+  virtual int admin_port() const = 0;
+  /// From now on /readyz and health say so, until retire() or shutdown().
   virtual void set_ready() = 0;
   /// A channel that reaches this server without a socket.
   virtual std::shared_ptr<grpc::Channel> in_process_channel() = 0;
-  /// Health says NOT_SERVING and /readyz that it ends, streams of views end with UNAVAILABLE, other running calls get `drain` to
-  /// end, then are cancelled; preprocessing stops; sessions on their way to the cache get there. Idempotent.
+  /// Health says NOT_SERVING and /readyz that the server ends, so that balancers send no more clients. All else goes on.
+  virtual void retire() = 0;
+  /// As retire(); streams of views end with UNAVAILABLE, other running calls get `drain` to end, then are cancelled;
+  /// preprocessing stops; sessions on their way to the cache get there. Idempotent.
   virtual void shutdown(std::chrono::milliseconds drain) = 0;
 };
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <string_view>
+#include <thread>
 
 #include "client/cli/choice.h"
 #include "client/cli/commands.h"
@@ -37,6 +38,7 @@ struct Flags {
   SessionFlags session;
   std::uint64_t points = 65'536;  // for which the sessions of `meshes` are made
   double drain = 5;               // seconds
+  double lame_duck = 0;           // seconds
   std::string log_format = "text";
   std::string config;  // path; empty: none
   bool print_config = false;
@@ -112,6 +114,10 @@ absl::Status serve(const Flags& flags, const CommonOptions& options, const serve
   if (!server.ok()) return server.status();
   Json addresses = {{"address", address_of(server_options.listen, (*server)->port())}, {"port", (*server)->port()}};
   announce(options, "listening on " + addresses["address"].get<std::string>());
+  if (!server_options.admin.empty()) {
+    addresses["admin"] = address_of(server_options.admin, (*server)->admin_port());
+    announce(options, "admin on " + addresses["admin"].get<std::string>());
+  }
   std::string viewer;
   if (!server_options.http.empty()) {
     const std::string http = address_of(server_options.http, (*server)->http_port());
@@ -130,6 +136,10 @@ absl::Status serve(const Flags& flags, const CommonOptions& options, const serve
     (*server)->set_ready();
     warm_up(client, sessions, stop);
     wait_for(stop);
+    if (flags.lame_duck > 0) {
+      (*server)->retire();
+      std::this_thread::sleep_for(std::chrono::duration<double>(flags.lame_duck));  // a second signal ends the process
+    }
   }
   (*server)->shutdown(std::chrono::milliseconds(std::lround(1000 * flags.drain)));
   // To be stopped is how a server ends well, even while it opens a mesh.
@@ -166,6 +176,9 @@ absl::Status run(CLI::App& app, const Flags& flags, const CommonOptions& options
   server_options.tls_cert = options.tls.cert;
   server_options.tls_key = options.tls.key;
   if (server_options.http == kNone) server_options.http.clear();
+  if (server_options.admin.find_first_not_of("0123456789") == std::string::npos && !server_options.admin.empty()) {
+    server_options.admin = "127.0.0.1:" + server_options.admin;
+  }
   if (absl::Status status = check_openness(server_options); !flags.open_to_all && !status.ok()) return status;
   server_options.http_may_move = server_options.http == kHttp;  // nobody has asked for this very one
   server_options.pages = web::viewer_files();
@@ -242,6 +255,11 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
          "while it ends) and /metrics (Prometheus); another port where the default one is in use; none: nothing of these")
       ->type_name("ADDRESS")
       ->capture_default_str();
+  app->add_option(
+         "--admin", flags->server.admin,
+         "host:port, or a port of 127.0.0.1, of /healthz, /readyz and /metrics, for all who reach it and never encrypted; "
+         "/metrics is there only, then")
+      ->type_name("ADDRESS");
   app->add_option("--web-origin", flags->server.web_origins,
                   "pages from elsewhere that may connect, or the viewer under a name with dots where callers need no token, by "
                   "the origin that "
@@ -259,6 +277,13 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       ->type_name("N")
       ->capture_default_str();
   app->add_option("--drain", flags->drain, "that running calls get to end when the server is stopped")
+      ->check(CLI::Range(0.0, kMaxDrain))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  app->add_option(
+         "--lame-duck", flags->lame_duck,
+         "that the server goes on when it is stopped, before --drain: health and /readyz say that it ends, so that balancers "
+         "send their clients elsewhere")
       ->check(CLI::Range(0.0, kMaxDrain))
       ->type_name("SECONDS")
       ->capture_default_str();

@@ -50,6 +50,9 @@ struct ServerOptions {
   /// "host:port" of the HTTP port: the viewer, its WebSocket (web_socket.proto), /healthz, /readyz, /metrics; port 0 = any free
   /// one; empty = none.
   std::string http = {};
+  /// "host:port" of the admin port: /healthz, /readyz and /metrics, for all who reach it and never encrypted; empty = none, and
+  /// /metrics is on the HTTP port.
+  std::string admin = {};
   bool http_may_move = false;                 // to any free port where that one is in use
   std::span<const WebFile> pages = {};        // the viewer's, and whatever else the HTTP port shall serve
   std::vector<std::string> web_origins = {};  // of pages from elsewhere that may connect: "https://example.org"; "*": all

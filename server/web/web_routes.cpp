@@ -31,7 +31,7 @@ std::function<WebAnswer()> probe(std::function<std::string()> wrong, std::string
 
 }  // namespace
 
-WebRoutes make_web_routes(Engine& engine, const WebHealth& health, std::span<const WebFile> files) {
+WebRoutes page_routes(std::span<const WebFile> files) {
   WebRoutes routes;
   routes["/"] = [] { return WebAnswer{.status = 404, .body = "this server was built without the viewer\n"}; };
   for (const WebFile& file : files) {
@@ -39,12 +39,17 @@ WebRoutes make_web_routes(Engine& engine, const WebHealth& health, std::span<con
     routes[std::string(file.path)] = answer;
     if (file.path == kIndex) routes["/"] = answer;
   }
-  routes["/healthz"] = probe(health.dead, "alive");
-  routes["/readyz"] = probe(health.unready, "ready");
-  routes["/metrics"] = [&engine] {
-    return WebAnswer{.body = engine.metrics.text(engine.gauges()), .type = "text/plain; version=0.0.4; charset=utf-8"};
-  };
   return routes;
+}
+
+WebRoutes probe_routes(const WebHealth& health) {
+  return {{"/healthz", probe(health.dead, "alive")}, {"/readyz", probe(health.unready, "ready")}};
+}
+
+WebRoutes metrics_routes(Engine& engine) {
+  return {{"/metrics", [&engine] {
+             return WebAnswer{.body = engine.metrics.text(engine.gauges()), .type = "text/plain; version=0.0.4; charset=utf-8"};
+           }}};
 }
 
 }  // namespace curvecast::server

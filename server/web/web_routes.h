@@ -17,8 +17,11 @@ struct WebHealth {
   std::function<std::string()> unready;  // why nobody should send requests now
 };
 
-/// Makes the routes /healthz, /readyz, /metrics and those of the files, of which "/index.html" is "/" too. `engine` must outlive
-/// the routes.
-WebRoutes make_web_routes(Engine& engine, const WebHealth& health, std::span<const WebFile> files);
+/// Those of the files, of which "/index.html" is "/" too.
+WebRoutes page_routes(std::span<const WebFile> files);
+/// /healthz and /readyz.
+WebRoutes probe_routes(const WebHealth& health);
+/// /metrics. `engine` must outlive them.
+WebRoutes metrics_routes(Engine& engine);
 
 }  // namespace curvecast::server

@@ -204,6 +204,19 @@ TEST_F(ServeTest, SaysWhereABrowserFindsTheViewer) {
   }
 }
 
+TEST_F(ServeTest, ALameDuckServesOnWhileItSaysThatItEnds) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--http", "none", "--admin", "0", "--lame-duck", "3600"});
+  const std::string address = server.rest_of_line("listening on "), admin = server.rest_of_line("admin on 127.0.0.1:");
+  const auto readiness = [&] { return server::HttpClient(std::stoi(admin)).get("/readyz").status; };
+  EXPECT_EQ(readiness(), 200);
+  server.signal(SIGTERM);
+  EXPECT_TRUE(server::eventually([&] { return readiness() == 503; }));
+  run_json({"info", sphere_, "--server", address});
+  EXPECT_EQ(readiness(), 503);
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 130);
+}
+
 TEST_F(ServeTest, TheSecondSignalEndsItAtOnce) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--drain", "3600"});
   const std::string address = server.rest_of_line("listening on ");

@@ -45,6 +45,25 @@ TEST_F(ServerConnections, ThoseThatSayNothingKeepNobodyOut) {
   EXPECT_GE(value_of(text, "curvecast_connections"), 2);
 }
 
+TEST_F(ServerConnections, ProbesAndMetricsHaveAPortOfTheirOwn) {
+  start({.http = "127.0.0.1:0", .admin = "127.0.0.1:0"});
+  ASSERT_GT(server_->admin_port(), 0);
+  HttpClient admin(server_->admin_port()), http(server_->http_port());
+  for (const char* path : {"/healthz", "/readyz"}) {
+    EXPECT_EQ(admin.get(path).status, 200) << path;
+    EXPECT_EQ(http.get(path).status, 200) << path;
+  }
+  EXPECT_EQ(http.get("/metrics").status, 404);
+  EXPECT_TRUE(has_line(admin.get("/metrics").body, "curvecast_sessions 0"));
+  EXPECT_EQ(admin.get("/").status, 404);
+  server_->retire();
+  EXPECT_EQ(admin.get("/readyz").status, 503);
+  EXPECT_EQ(admin.get("/healthz").status, 200);
+  EXPECT_TRUE(call(*client()).ok());  // serves on
+  const std::string taken = "127.0.0.1:" + std::to_string(server_->admin_port());
+  EXPECT_EQ(Server::start({.log = false, .admin = taken}).status().code(), absl::StatusCode::kUnavailable);
+}
+
 TEST_F(ServerConnections, AreCountedWhileTheyAreThere) {
   start({.http = "127.0.0.1:0"});
   {
