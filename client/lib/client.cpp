@@ -2,9 +2,11 @@
 
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
-#include <xxhash.h>
+#include <openssl/evp.h>
+#include <openssl/sha.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <filesystem>
@@ -25,27 +27,29 @@ constexpr std::size_t kHashBlock = 1 << 20;     // bytes read at a time
 constexpr int kReferenceRounds = 8;             // a mesh names material libraries, these name textures: two, as a rule
 constexpr std::size_t kMostSessions = 100'000;  // that a server may list
 
-std::string to_hex(const XXH128_hash_t& hash) {
-  XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, hash);
-  return absl::BytesToHexString(absl::string_view(reinterpret_cast<const char*>(canonical.digest), sizeof canonical.digest));
+using Digest = std::array<unsigned char, SHA256_DIGEST_LENGTH>;
+
+std::string to_mesh_id(const Digest& digest) {
+  return absl::BytesToHexString({reinterpret_cast<const char*>(digest.data()), digest.size() / 2});
 }
 
 absl::StatusOr<std::string> hash_file(const InputFile& file, const std::stop_token& stop) {
   struct Free {
-    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+    void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
   };
-  const std::unique_ptr<XXH3_state_t, Free> state(XXH3_createState());
-  if (!state) return absl::ResourceExhaustedError("out of memory for hashing");
-  XXH3_128bits_reset(state.get());
+  const std::unique_ptr<EVP_MD_CTX, Free> context(EVP_MD_CTX_new());
+  bool is_sound = context != nullptr && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
   std::string block;
   for (std::uint64_t offset = 0; offset < file.size(); offset += block.size()) {
     if (stop.stop_requested()) return absl::CancelledError("cancelled");
     block.resize(std::min<std::uint64_t>(kHashBlock, file.size() - offset));
     if (absl::Status status = file.read_at(offset, block); !status.ok()) return status;
-    XXH3_128bits_update(state.get(), block.data(), block.size());
+    is_sound = is_sound && EVP_DigestUpdate(context.get(), block.data(), block.size()) == 1;
   }
-  return to_hex(XXH3_128bits_digest(state.get()));
+  Digest digest;
+  is_sound = is_sound && EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) == 1;
+  if (!is_sound) return absl::ResourceExhaustedError("out of memory for hashing");
+  return to_mesh_id(digest);
 }
 
 google::protobuf::Map<std::string, std::string> to_proto(const std::map<std::string, std::string>& companions) {
@@ -64,7 +68,11 @@ OnProgress forward(const StageProgress& on_progress) {
 
 }  // namespace
 
-std::string mesh_id_of(std::span<const char> bytes) { return to_hex(XXH3_128bits(bytes.data(), bytes.size())); }
+std::string mesh_id_of(std::span<const char> bytes) {
+  Digest digest;
+  SHA256(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), digest.data());
+  return to_mesh_id(digest);
+}
 
 absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample) {
   DecodedSample decoded{.points = {}, .statistics = sample.statistics, .bytes = sample.bytes};

@@ -52,7 +52,7 @@ struct DecodedSample {
   std::uint64_t bytes = 0;  // of the encoded points
 };
 
-/// The 32 hexadecimal digits by which servers know a mesh file: XXH3-128 of its bytes.
+/// The 32 hexadecimal digits by which servers know a mesh file: the first half of SHA-256 of its bytes.
 std::string mesh_id_of(std::span<const char> bytes);
 /// Decodes the blocks and joins them.
 absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample);

@@ -1,29 +1,48 @@
 #include "server/base/hash.h"
 
 #include <absl/strings/escaping.h>
-#include <xxhash.h>
+#include <openssl/evp.h>
+#include <openssl/sha.h>
 
+#include <cstring>
 #include <new>
 
 namespace curvecast::server {
+namespace {
 
-void Hasher::Free::operator()(XXH3_state_s* state) const { XXH3_freeState(state); }
+constexpr std::size_t kBytes = 16;  // of the digest that are taken
 
-Hasher::Hasher() : state_(XXH3_createState()) {
-  if (state_ == nullptr || XXH3_128bits_reset(state_.get()) != XXH_OK) throw std::bad_alloc();
+/// Nothing of OpenSSL's that is called here fails but for lack of memory.
+void check(int result) {
+  if (result != 1) throw std::bad_alloc();
 }
 
-void Hasher::update(std::string_view bytes) { XXH3_128bits_update(state_.get(), bytes.data(), bytes.size()); }
+}  // namespace
+
+void Hasher::Free::operator()(evp_md_ctx_st* context) const { EVP_MD_CTX_free(context); }
+
+Hasher::Hasher() : context_(EVP_MD_CTX_new()) {
+  check(context_ != nullptr);
+  check(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr));
+}
+
+void Hasher::update(std::string_view bytes) { check(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size())); }
 
 std::string Hasher::hex() const {
-  XXH128_canonical_t digest;
-  XXH128_canonicalFromHash(&digest, XXH3_128bits_digest(state_.get()));
-  return absl::BytesToHexString({reinterpret_cast<const char*>(digest.digest), sizeof digest.digest});
+  const Hasher copy;  // the end of a digest takes no more bytes
+  check(EVP_MD_CTX_copy_ex(copy.context_.get(), context_.get()));
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest;
+  check(EVP_DigestFinal_ex(copy.context_.get(), digest.data(), nullptr));
+  return absl::BytesToHexString({reinterpret_cast<const char*>(digest.data()), kBytes});
 }
 
 std::array<std::uint64_t, 2> hash_of(std::string_view bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return {hash.high64, hash.low64};
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest;
+  SHA256(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), digest.data());
+  std::array<std::uint64_t, 2> hash;
+  static_assert(sizeof hash == kBytes);
+  std::memcpy(hash.data(), digest.data(), kBytes);
+  return hash;
 }
 
 }  // namespace curvecast::server

@@ -1,4 +1,5 @@
-// The content hash that names meshes and sessions: XXH3-128.
+// The content hash that names meshes and sessions: the first half of SHA-256. Whoever could forge it would give his mesh to
+// others.
 #pragma once
 
 #include <array>
@@ -7,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-struct XXH3_state_s;
+struct evp_md_ctx_st;
 
 namespace curvecast::server {
 
@@ -16,14 +17,14 @@ class Hasher {
  public:
   Hasher();
   void update(std::string_view bytes);
-  /// Hash of all bytes so far: 32 hexadecimal digits, lower case, as `xxh128sum` prints it.
+  /// Hash of all bytes so far: 32 hexadecimal digits, lower case, the first half of what `sha256sum` prints.
   std::string hex() const;
 
  private:
   struct Free {
-    void operator()(XXH3_state_s* state) const;
+    void operator()(evp_md_ctx_st* context) const;
   };
-  std::unique_ptr<XXH3_state_s, Free> state_;
+  std::unique_ptr<evp_md_ctx_st, Free> context_;
 };
 
 /// Hashes bytes, and returns the hash as numbers.

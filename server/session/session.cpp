@@ -7,6 +7,11 @@
 #include "server/base/hash.h"
 
 namespace curvecast::server {
+namespace {
+
+constexpr std::size_t kHalf = 16;  // digits
+
+}  // namespace
 
 std::string session_id(const MeshFiles& files, const PreprocessOptions& options) {
   Hasher hasher;
@@ -16,7 +21,7 @@ std::string session_id(const MeshFiles& files, const PreprocessOptions& options)
   for (const auto& [name, file] : files.companions) {
     hasher.update(absl::StrFormat("%d %s\n%s\n", name.size(), name, file->id));
   }
-  return hasher.hex();
+  return files.mesh->id.substr(0, kHalf) + hasher.hex().substr(0, kHalf);
 }
 
 absl::StatusOr<std::shared_ptr<const CurveBase>> Session::curve_base() const { return surface->base(); }

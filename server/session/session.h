@@ -59,8 +59,8 @@ struct SessionInfo {
   double time_to_live = 0;                 // above 0: it is closed when it has not been used for so many seconds
 };
 
-/// The id of a session, 32 hexadecimal digits: a hash of the files, the names of the companions, all options and
-/// kAlgorithmVersion.
+/// The id of a session, 32 hexadecimal digits: the first 16 of its mesh's id, so that whoever has either knows where both are,
+/// and 16 of a hash of the files, the names of the companions, all options and kAlgorithmVersion.
 std::string session_id(const MeshFiles& files, const PreprocessOptions& options);
 
 /// The process's peak memory so far, bytes.

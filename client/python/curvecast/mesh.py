@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import os
 import pathlib
 from collections.abc import Mapping
 from typing import BinaryIO
-
-import xxhash
 
 REFERRING_ENDINGS = {".obj", ".gltf", ".glb", ".ply"}
 # A server may name any file of the folder, but needs no others than these.
@@ -29,12 +28,12 @@ def as_mesh(mesh: Mesh | str) -> Mesh:
 
 
 def mesh_id_of(file: BinaryIO) -> str:
-    """Computes the mesh_id of a file: XXH3-128 of its bytes, in 32 hexadecimal digits."""
-    digest = xxhash.xxh3_128()
+    """Computes the mesh_id of a file: the first half of SHA-256 of its bytes, in 32 hexadecimal digits."""
+    digest = hashlib.sha256()
     file.seek(0)
     while block := file.read(1 << 20):
         digest.update(block)
-    return digest.hexdigest()
+    return digest.hexdigest()[:32]
 
 
 def may_have_companions(path: pathlib.Path) -> bool:

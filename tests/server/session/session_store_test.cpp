@@ -68,6 +68,14 @@ TEST_F(SessionStoreTest, EveryOptionMakesAnotherSession) {
   EXPECT_EQ(ids.size(), 9u);
 }
 
+TEST_F(SessionStoreTest, IdsBeginAsThoseOfTheirMeshes) {
+  const std::string mesh_id = "0123456789abcdef0123456789abcdef", other = "0123456789abcdeffedcba9876543210";
+  const std::string id = session_id(mesh(mesh_id), {});
+  EXPECT_EQ(id.size(), 32u);
+  EXPECT_EQ(id.substr(0, 16), mesh_id.substr(0, 16));
+  EXPECT_NE(id, session_id(mesh(other), {})) << "all digits of the mesh count";
+}
+
 TEST_F(SessionStoreTest, OtherCompanionsAreAnotherSession) {
   const std::set<std::string> ids = {session_id(mesh("m"), {}), session_id(mesh_with("t.png", "a"), {}),
                                      session_id(mesh_with("t.png", "b"), {}), session_id(mesh_with("u.png", "a"), {}),
