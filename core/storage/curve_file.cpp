@@ -151,6 +151,15 @@ absl::Status save_curve(const std::string& path, const SurfaceCurve& curve, std:
   return write_section_file(path, kKind, sections);
 }
 
+absl::StatusOr<std::string> load_note(const std::string& path) {
+  const absl::StatusOr<std::shared_ptr<const SectionFile>> file = SectionFile::open(path, kKind, FileAccess::kMapLazily);
+  if (!file.ok()) return file.status();
+  const auto note = (*file)->section<char>("note");
+  if (!note.ok()) return note.status();
+  if (absl::Status status = (*file)->check(*note); !status.ok()) return status;
+  return std::string(note->begin(), note->end());
+}
+
 absl::StatusOr<CurveFile> load_curve(const std::string& path, FileAccess access) {
   const absl::StatusOr<std::shared_ptr<const SectionFile>> file = SectionFile::open(path, kKind, access);
   if (!file.ok()) return file.status();

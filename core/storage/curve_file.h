@@ -26,6 +26,9 @@ absl::Status save_curve(const std::string& path, const SurfaceCurve& curve, std:
 /// Loads a curve. Errors as of SectionFile::open, and DataLoss where the content makes no sense.
 absl::StatusOr<CurveFile> load_curve(const std::string& path, FileAccess access = FileAccess::kMap);
 
+/// Loads the note alone, in the same time for any curve. Errors as of load_curve().
+absl::StatusOr<std::string> load_note(const std::string& path);
+
 /// Checks that later stages can take the curve: lengths agree, keys ascend in each disc and no quads overlap, numbers are finite
 /// and in range. InvalidArgument says what is wrong. Reads all columns once, on all cores. Does not check `triangle`, because the
 /// curve does not know which faces there are.

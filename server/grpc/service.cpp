@@ -193,8 +193,11 @@ grpc::ServerUnaryReactor* Service::UpdateSession(grpc::CallbackServerContext* co
 
 grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
                                                 v1::CloseSessionResponse* /*response*/) {
-  return answer(engine_, "CloseSession", *context,
-                [&] { return engine_.close_session(request->session_id(), owner_of(engine_, *context)); });
+  return answer_later(engine_, "CloseSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    return [this, id = request->session_id(), who = owner_of(engine_, *context)](const ExecutionContext& /*job*/) {
+      return engine_.close_session(id, who);
+    };
+  });
 }
 
 grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, const v1::RenderRequest* request,

@@ -23,6 +23,7 @@ struct Session {
   std::string id;
   std::string mesh_id;
   std::string mesh_name;
+  std::string owner;                              // who had it made first; empty: nobody in particular
   std::map<std::string, std::string> companions;  // names in the mesh, and the mesh_ids of these files
   PreprocessOptions options;
   Preprocessed preprocessed;  // its curve has gone to `revisions`, its mesh to `surface`

@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -32,6 +34,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxPendingSaves = 16;
 constexpr std::size_t kMaxPendingLoads = 1024;
 constexpr std::size_t kIdDigits = 32;
+constexpr char kMark[] = ".closed";
+constexpr std::chrono::hours kMarkLife{24};
 
 /// Nothing else may become part of a path: ids come from clients.
 bool is_session_id(const std::string& id) {
@@ -70,6 +74,17 @@ std::map<std::string, Stored> scan(const std::string& folder) {
   return sessions;
 }
 
+/// Removes the marks of sessions that were closed so long ago that no server has them in memory.
+void remove_old_marks(const std::string& folder) {
+  const fs::file_time_type oldest = fs::file_time_type::clock::now() - kMarkLife;
+  std::error_code error, ignored;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    const bool is_mark = is_session_id(name.substr(0, kIdDigits)) && name.substr(kIdDigits) == kMark;
+    if (is_mark && fs::last_write_time(it->path(), ignored) < oldest) fs::remove(it->path(), ignored);
+  }
+}
+
 /// The folder's absolute path; it exists and can be written to.
 absl::StatusOr<std::string> make_folder(const std::string& folder) {
   const auto unusable = [&](const std::string& why) {
@@ -92,7 +107,7 @@ absl::StatusOr<std::string> make_folder(const std::string& folder) {
 
 /// What a session is besides its curve.
 struct SessionRecord {
-  std::string id, mesh_id, mesh_name;
+  std::string id, mesh_id, mesh_name, owner;
   std::vector<std::string> companions;  // name, id, name, id ...
   PreprocessOptions options;
   PreprocessReport report;
@@ -100,14 +115,15 @@ struct SessionRecord {
 
 template <typename Archive, ConstOr<SessionRecord> T>
 void archive(Archive& fields, T& record) {
-  auto& [id, mesh_id, mesh_name, companions, options, report] = record;
-  fields(id, mesh_id, mesh_name, companions, options, report);
+  auto& [id, mesh_id, mesh_name, owner, companions, options, report] = record;
+  fields(id, mesh_id, mesh_name, owner, companions, options, report);
 }
 
 namespace {
 
 SessionRecord record_of(const Session& session) {
-  SessionRecord record = {session.id, session.mesh_id, session.mesh_name, {}, session.options, session.preprocessed.report};
+  SessionRecord record = {session.id, session.mesh_id, session.mesh_name,          session.owner,
+                          {},         session.options, session.preprocessed.report};
   for (const auto& [name, id] : session.companions) record.companions.insert(record.companions.end(), {name, id});
   return record;
 }
@@ -117,17 +133,25 @@ absl::Status check_faces(const SurfaceCurve& curve, std::uint64_t faces, const s
   return absl::DataLossError(absl::StrCat(path, ": its curve lies on a face that is not there"));
 }
 
-absl::StatusOr<std::shared_ptr<Session>> to_session(CurveFile file, const std::string& id, const std::string& path) {
+absl::StatusOr<SessionRecord> to_record(const std::string& note, const std::string& id, const std::string& path) {
   SessionRecord record;
-  if (!from_archive(file.note, record) || record.companions.size() % 2 != 0) {
+  if (!from_archive(note, record) || record.companions.size() % 2 != 0) {
     return absl::DataLossError(absl::StrCat(path, ": what it says of its session makes no sense"));
   }
   if (record.id != id) return absl::DataLossError(absl::StrCat(path, ": it is of session ", printable(record.id)));
+  return record;
+}
+
+absl::StatusOr<std::shared_ptr<Session>> to_session(CurveFile file, const std::string& id, const std::string& path) {
+  absl::StatusOr<SessionRecord> read = to_record(file.note, id, path);
+  if (!read.ok()) return read.status();
+  SessionRecord& record = *read;
   if (absl::Status status = check_faces(*file.curve, record.report.mesh.faces, path); !status.ok()) return status;
   auto session = std::make_shared<Session>();
   session->id = id;
   session->mesh_id = std::move(record.mesh_id);
   session->mesh_name = std::move(record.mesh_name);
+  session->owner = std::move(record.owner);
   for (std::size_t i = 0; i + 1 < record.companions.size(); i += 2) {
     session->companions[record.companions[i]] = record.companions[i + 1];
   }
@@ -145,6 +169,7 @@ absl::StatusOr<std::unique_ptr<SessionCache>> SessionCache::open(const std::stri
   const absl::StatusOr<std::string> path = make_folder(folder);
   if (!path.ok()) return path.status();
   const std::size_t stale = remove_stale_temporaries(*path);
+  remove_old_marks(*path);
   std::unique_ptr<SessionCache> cache(new SessionCache(*path, max_bytes, std::move(log)));
   std::size_t sessions = 0, foreign = 0;
   std::uint64_t bytes = 0;
@@ -191,6 +216,8 @@ std::string SessionCache::surface_path(const std::string& id) const {
   return absl::StrCat(folder_, "/", id, ".v", kSurfaceFileVersion, ".surface");
 }
 
+std::string SessionCache::closed_path(const std::string& id) const { return absl::StrCat(folder_, "/", id, kMark); }
+
 std::array<std::string, 4> SessionCache::paths(const std::string& id) const {
   return {curve_path(id), refined_path(id), ranks_path(id), surface_path(id)};
 }
@@ -198,7 +225,36 @@ std::array<std::string, 4> SessionCache::paths(const std::string& id) const {
 bool SessionCache::holds(const std::string& id) const {
   if (!is_session_id(id)) return false;
   const MutexLock lock(mutex_);
-  return !is_going(id) && is_file(curve_path(id));
+  return !is_going(id) && is_file(curve_path(id)) && !is_closed(id);
+}
+
+absl::StatusOr<std::string> SessionCache::owner(const std::string& id) const {
+  if (!holds(id)) return absl::NotFoundError("it is not in the cache");
+  const std::string path = curve_path(id);
+  const absl::StatusOr<std::string> note = load_note(path);
+  absl::StatusOr<SessionRecord> record = note.ok() ? to_record(*note, id, path) : note.status();
+  if (record.ok()) return std::move(record->owner);
+  discard(path, record.status());
+  return is_file(path) ? record.status() : absl::NotFoundError("it is not in the cache any more");
+}
+
+void SessionCache::touch(const std::string& id) const { ::utimensat(AT_FDCWD, curve_path(id).c_str(), nullptr, 0); }
+
+bool SessionCache::is_closed(const std::string& id) const { return is_session_id(id) && is_file(closed_path(id)); }
+
+void SessionCache::reopen(const std::string& id) const {
+  std::error_code ignored;
+  fs::remove(closed_path(id), ignored);
+}
+
+void SessionCache::wait_until_removed(const std::string& id) {
+  const MutexLock lock(mutex_);
+  while (is_going(id)) saved_.wait(mutex_);
+}
+
+absl::Status SessionCache::check_wanted(const std::string& id) const {
+  const MutexLock lock(mutex_);
+  return is_going(id) || is_closed(id) ? absl::CancelledError("it was closed") : absl::OkStatus();
 }
 
 bool SessionCache::is_going(const std::string& id) const { return saving_ == id && unwanted_; }
@@ -215,8 +271,11 @@ bool SessionCache::remove(const std::string& id) {
   const MutexLock lock(mutex_);
   const bool was_gone = is_going(id);
   const bool was_pending = pending_.erase(id) > 0;
+  const bool was_there = was_pending || saving_ == id || is_file(curve_path(id));
   if (saving_ == id) unwanted_ = true;
-  const bool was_there = remove_files(id) || saving_ == id;
+  // First the mark: what another server writes meanwhile does not count, and goes.
+  if (was_there) std::ofstream(closed_path(id), std::ios::app);
+  remove_files(id);
   return was_pending || (was_there && !was_gone);
 }
 
@@ -244,7 +303,7 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::str
     return *std::move(loaded);
   });
   if (session.ok()) {
-    ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);  // it is the most recently used now
+    touch(id);
   } else {
     discard(path, session.status());
   }
@@ -321,11 +380,11 @@ void SessionCache::save_next(const std::string& id) {
   Stopwatch watch;
   const absl::Status status = status_from_exceptions([&] { return write(id, snapshot); });
   const double seconds = watch.lap();
-  if (status.ok()) move_to_file(id, snapshot);
+  if (status.ok() && check_wanted(id).ok()) move_to_file(id, snapshot);
   {
     const MutexLock lock(mutex_);
     saving_.clear();
-    if (unwanted_) {
+    if (unwanted_ || is_closed(id)) {
       remove_files(id);
     } else if (status.ok()) {
       failing_ = false;
@@ -333,6 +392,7 @@ void SessionCache::save_next(const std::string& id) {
     } else {
       note_failure(id, status);
     }
+    saved_.notify_all();
   }
   make_room();
 }
@@ -352,6 +412,7 @@ void SessionCache::move_to_file(const std::string& id, const Snapshot& snapshot)
 }
 
 absl::Status SessionCache::write(const std::string& id, const Snapshot& snapshot) const {
+  if (absl::Status status = check_wanted(id); !status.ok()) return status;
   // The first curve's file comes after the surface's: where it is, the other one is too. A revision has a new curve on the old
   // surface; the first one stays, since ranked points lie on it.
   if (!is_file(surface_path(id))) {
@@ -359,6 +420,7 @@ absl::Status SessionCache::write(const std::string& id, const Snapshot& snapshot
     if (!base.ok()) return base.status();
     if (absl::Status status = save_surface(surface_path(id), **base); !status.ok()) return status;
   }
+  if (absl::Status status = check_wanted(id); !status.ok()) return status;
   if (!is_file(curve_path(id))) {
     if (absl::Status status = save_curve(curve_path(id), *snapshot.first, snapshot.record); !status.ok()) {
       remove_files(id);
@@ -366,11 +428,13 @@ absl::Status SessionCache::write(const std::string& id, const Snapshot& snapshot
     }
   }
   // Those of the lowest ranks, which first views show: the surface's file is read only when views come nearer.
+  if (absl::Status status = check_wanted(id); !status.ok()) return status;
   if (const auto ranks = snapshot.candidates->made(); ranks.tree != nullptr && !is_file(ranks_path(id))) {
     absl::Status status = save_ranks(ranks_path(id), *ranks.tree, RankedCandidates::kMostLevelsAtFirst, id);
     if (!status.ok()) return status;
   }
   if (snapshot.newest == snapshot.first) return absl::OkStatus();
+  if (absl::Status status = check_wanted(id); !status.ok()) return status;
   return save_curve(refined_path(id), *snapshot.newest, id);
 }
 

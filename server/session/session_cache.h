@@ -44,8 +44,20 @@ class SessionCache {
   /// Opens the surface on which a session's curve lies, see open_surface(). Errors as of load(). Where a chart turns out to be
   /// damaged later, the session's files are removed.
   absl::StatusOr<std::shared_ptr<const CurveBase>> open_surface(const std::string& id);
-  /// Removes a session's files, also those still to be saved. False when there were none.
+  /// Who had a session made first, as its file says. NotFound when there is none that can be used; other errors where nobody can
+  /// tell now.
+  absl::StatusOr<std::string> owner(const std::string& id) const;
+  /// Counts a session as used now: the least recently used go first when there is no room.
+  void touch(const std::string& id) const;
+  /// Removes a session's files, also those still to be saved, and marks it as closed for a day: no server that has it in memory
+  /// writes it back. False when there were none.
   bool remove(const std::string& id);
+  /// Waits until a save is over that was under way when the session was removed: only then all its files are gone.
+  void wait_until_removed(const std::string& id);
+  /// Whether some server has removed the session, and nobody has asked for it since.
+  bool is_closed(const std::string& id) const;
+  /// Lets a session be saved that was removed before: somebody asks for it anew.
+  void reopen(const std::string& id) const;
   /// Bytes of all files of sessions in the folder, whichever process wrote them. Looks at each.
   std::uint64_t used_bytes() const;
 
@@ -69,7 +81,8 @@ class SessionCache {
   std::string refined_path(const std::string& id) const;
   std::string surface_path(const std::string& id) const;
   std::string ranks_path(const std::string& id) const;
-  /// All of these.
+  std::string closed_path(const std::string& id) const;
+  /// All of these but the last.
   std::array<std::string, 4> paths(const std::string& id) const;
   /// Whether a session's files are being written, and are to be removed then.
   bool is_going(const std::string& id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -83,6 +96,8 @@ class SessionCache {
   void move_to_file(const std::string& id, const Snapshot& snapshot);
   void save_next(const std::string& id);
   absl::Status write(const std::string& id, const Snapshot& snapshot) const;
+  /// Cancelled where the session that is being saved has been removed meanwhile.
+  absl::Status check_wanted(const std::string& id) const;
   void make_room() const;
   void note_failure(const std::string& id, const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -90,6 +105,7 @@ class SessionCache {
   const std::uint64_t max_bytes_;
   const std::shared_ptr<spdlog::logger> log_;
   mutable Mutex mutex_;
+  CondVar saved_;
   std::map<std::string, Snapshot> pending_ ABSL_GUARDED_BY(mutex_);  // by session, the newest state of each
   std::string saving_ ABSL_GUARDED_BY(mutex_);                       // session that is being written
   bool unwanted_ ABSL_GUARDED_BY(mutex_) = false;  // saving_ has been removed meanwhile: its files go when they are written

@@ -18,6 +18,7 @@ std::shared_ptr<Session> make_session(const SessionJob& job, Preprocessed prepro
   session->id = job.id;
   session->mesh_id = job.files.mesh->id;
   session->mesh_name = job.files.mesh->name;
+  session->owner = job.owner;
   for (const auto& [name, file] : job.files.companions) session->companions[name] = file->id;
   session->options = job.options;
   session->surface = std::make_shared<SessionSurface>(std::exchange(preprocessed.flattened, nullptr));

@@ -47,6 +47,7 @@ SessionStore::~SessionStore() {
 absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter,
                                                const std::string& owner) {
   const std::string id = session_id(files, options);
+  drop_closed(id);
   SessionTable::Sessions evicted;  // outlives the lock
   std::shared_ptr<SessionJob> job;
   std::shared_ptr<const Session> ready;
@@ -82,6 +83,7 @@ absl::StatusOr<std::shared_ptr<SessionJob>> SessionStore::start_job(const std::s
   job->options = options;
   job->files = std::move(files);
   job->waiters.add(waiter);
+  if (cache_ != nullptr) cache_->reopen(id);
   if (absl::Status status = jobs_.start(job); !status.ok()) return status;
   const Mesh& mesh = *job->files.mesh;
   table_.insert({.info = {.id = id, .mesh_id = mesh.id, .options = options}, .job = job, .owner = owner});
@@ -122,6 +124,7 @@ void SessionStore::take_in(const std::shared_ptr<SessionJob>& job, absl::StatusO
                  job->is_loaded ? "loaded from the cache" : "ready", seconds_since(job->created), curve->size(),
                  curve->byte_size() >> 20);
       SessionTable::Entry& entry = *table_.use(job->id);
+      entry.owner = session->owner;
       entry.info.session = std::move(session);
       entry.job = nullptr;
       preview = std::exchange(entry.preview, nullptr);
@@ -197,13 +200,15 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::str
   if (!loaded.ok()) return not_found(id);
   SessionTable::Sessions evicted;  // outlives the lock
   const MutexLock lock(mutex_);
+  if (!cache_->holds(id)) return not_found(id);  // it was closed meanwhile
   // A job for it that has begun meanwhile goes on: it will give the same.
   if (table_.find(id) != nullptr) return *loaded;
   const absl::Status has_room = table_.make_room(evicted);
   log_evicted(evicted);
   if (!has_room.ok()) return has_room;
   const Session& session = **loaded;
-  table_.insert({.info = {.id = id, .mesh_id = session.mesh_id, .options = session.options, .session = *loaded}});
+  table_.insert(
+      {.info = {.id = id, .mesh_id = session.mesh_id, .options = session.options, .session = *loaded}, .owner = session.owner});
   log_->info("session {} loaded from the cache in {:.3f} s", id, seconds_since(start));
   return *loaded;
 }
@@ -224,10 +229,10 @@ absl::StatusOr<SessionInfo> SessionStore::update(const std::string& id, std::opt
                                                  std::optional<double> time_to_live, const std::string& who) {
   const absl::StatusOr<std::shared_ptr<const Session>> ready = find(id);
   if (!ready.ok()) return ready.status();
+  if (absl::Status status = check_owner(id, who); !status.ok()) return status;
   const MutexLock lock(mutex_);
   SessionTable::Entry* entry = table_.find(id);
   if (entry == nullptr) return not_found(id);
-  if (!entry->may_change(who)) return not_yours(id);
   SessionInfo& info = entry->info;
   if (pinned.value_or(false) && !info.pinned) {
     if (absl::Status status = table_.may_pin(**ready); !status.ok()) return status;
@@ -239,20 +244,48 @@ absl::StatusOr<SessionInfo> SessionStore::update(const std::string& id, std::opt
 }
 
 std::vector<std::string> SessionStore::run_housekeeping(Clock::time_point now) {
-  std::vector<std::pair<std::string, std::string>> unused;
-  SessionTable::Sessions evicted;  // outlives the lock
+  SessionTable::Sessions expired, evicted;  // outlive the lock
+  std::vector<std::string> used, held;
   {
     const MutexLock lock(mutex_);
-    unused = table_.find_unused(now);
+    expired = table_.take_unused(now);
     evicted = table_.evict_excess();
     log_evicted(evicted);
+    used = table_.used_since(std::exchange(kept_house_, now));
+    for (const SessionInfo& info : table_.list({}, std::numeric_limits<std::size_t>::max())) held.push_back(info.id);
   }
-  // Who has begun to use one of them meanwhile keeps it until he is done with it.
-  std::vector<std::string> expired;
-  for (const auto& [id, owner] : unused) {
-    if (close(id, owner).ok()) expired.push_back(id);
+  if (cache_ != nullptr) {
+    for (const std::string& id : used) cache_->touch(id);
+    for (const std::string& id : held) drop_closed(id);
   }
-  return expired;
+  std::vector<std::string> ids;
+  for (const auto& session : expired) {
+    log_->info("session {} forgotten: not used for its time to live", session->id);
+    ids.push_back(session->id);
+  }
+  return ids;
+}
+
+void SessionStore::drop_closed(const std::string& id) {
+  if (cache_ == nullptr || !cache_->is_closed(id)) return;
+  SessionTable::Entry dropped;  // outlives the lock
+  const MutexLock lock(mutex_);
+  const SessionTable::Entry* entry = table_.find(id);
+  // One that is being made was asked for after the other was closed.
+  if (entry == nullptr || entry->job != nullptr) return;
+  dropped = table_.take(id);
+  log_->info("session {} forgotten: another server has closed it", id);
+}
+
+absl::Status SessionStore::check_owner(const std::string& id, const std::string& who) {
+  absl::StatusOr<std::string> owner = cache_ != nullptr ? cache_->owner(id) : absl::NotFoundError("there is no cache");
+  if (absl::IsNotFound(owner.status())) {
+    const MutexLock lock(mutex_);
+    const SessionTable::Entry* entry = table_.find(id);
+    owner = entry != nullptr ? entry->owner : std::string();
+  }
+  if (!owner.ok()) return owner.status();
+  return owner->empty() || *owner == who ? absl::OkStatus() : not_yours(id);
 }
 
 std::uint64_t SessionStore::memory_bytes() {
@@ -269,11 +302,11 @@ void SessionStore::save(const Session& session) {
 
 absl::Status SessionStore::close(const std::string& id, const std::string& who) {
   const absl::Status was_closed = absl::AbortedError(absl::StrCat("session ", id, " was closed before it was ready"));
+  if (absl::Status status = check_owner(id, who); !status.ok()) return status;
   SessionTable::Entry closed;  // outlives the lock
   {
     const MutexLock lock(mutex_);
     const SessionTable::Entry* entry = table_.find(id);
-    if (entry != nullptr && !entry->may_change(who)) return not_yours(id);
     const bool was_cached = cache_ != nullptr && cache_->remove(id);
     if (entry == nullptr && !was_cached) return not_found(id);
     if (entry != nullptr) closed = table_.take(id);
@@ -283,6 +316,7 @@ absl::Status SessionStore::close(const std::string& id, const std::string& who) 
       jobs_.cancel(*closed.job);
     }
   }
+  if (cache_ != nullptr) cache_->wait_until_removed(id);
   if (closed.job != nullptr) closed.job->waiters.deliver();
   replace(closed.preview, was_closed);
   return absl::OkStatus();

@@ -45,7 +45,8 @@ class SessionStore {
   /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called,
   /// even before join() returns if the session is ready, until on_done or leave(). On an error it is never called:
   /// ResourceExhausted when there are too many sessions that are in use or being made. A session that is new belongs to `owner`:
-  /// only the owner may change or close it; every client where `owner` is empty.
+  /// only the owner may change or close it; every client where `owner` is empty. One that is in the cache, from whichever server,
+  /// stays whose it was.
   absl::StatusOr<std::string> join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter,
                                    const std::string& owner = {});
   /// Stops waiting: `waiter` is not called any more. When the last one leaves, the job is cancelled, and the session vanishes.
@@ -72,10 +73,11 @@ class SessionStore {
   /// new one for the same files and options has been made.
   void save(const Session& session);
   /// Removes a session from memory and cache; waiters get Aborted. NotFound when it is in neither, PermissionDenied where another
-  /// client than `who` owns it.
+  /// client than `who` owns it. Reads and removes files, and waits for one that is being written.
   absl::Status close(const std::string& id, const std::string& who = {});
-  /// Closes sessions that have not been used for their time to live, and evicts some where those that have grown are too much
-  /// together. To be called now and then. Returns the ids of those that were closed.
+  /// Takes from memory the sessions that have not been used for their time to live and those that another server has closed, and
+  /// evicts some where those that have grown are too much together. Tells the cache which are in use. To be called now and then.
+  /// Returns the ids of those whose time was over.
   std::vector<std::string> run_housekeeping(std::chrono::steady_clock::time_point now);
   std::uint64_t memory_bytes();  // of all sessions
 
@@ -93,6 +95,10 @@ class SessionStore {
       ABSL_LOCKS_EXCLUDED(mutex_);
   absl::StatusOr<std::shared_ptr<const Session>> find_here(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id) ABSL_LOCKS_EXCLUDED(load_mutex_, mutex_);
+  /// PermissionDenied where another client than `who` owns the session; other errors where nobody can tell.
+  absl::Status check_owner(const std::string& id, const std::string& who) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Takes a session from memory that another server has closed.
+  void drop_closed(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
   void log_evicted(const SessionTable::Sessions& evicted) const;
 
   const std::shared_ptr<spdlog::logger> log_;
@@ -101,7 +107,8 @@ class SessionStore {
   Mutex load_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);  // find() loads one at a time, so that nothing is loaded twice
   Mutex mutex_;
   SessionTable table_ ABSL_GUARDED_BY(mutex_);
-  SessionJobs jobs_;  // last: they use the others
+  std::chrono::steady_clock::time_point kept_house_ ABSL_GUARDED_BY(mutex_) = {};  // run_housekeeping() last
+  SessionJobs jobs_;                                                               // last: they use the others
 };
 
 }  // namespace curvecast::server

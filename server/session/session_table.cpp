@@ -77,14 +77,24 @@ absl::Status SessionTable::may_pin(const Session& session) const {
                                                    " sessions and ", limits_.bytes / 2, " bytes; unpin another one"));
 }
 
-std::vector<std::pair<std::string, std::string>> SessionTable::find_unused(Clock::time_point now) {
-  std::vector<std::pair<std::string, std::string>> unused;
+SessionTable::Sessions SessionTable::take_unused(Clock::time_point now) {
+  std::vector<std::string> unused;
   for (auto& [id, entry] : entries_) {
     if (!entry.is_idle()) entry.used_at = now;
     const std::chrono::duration<double> idle = now - entry.used_at;
-    if (entry.info.time_to_live > 0 && idle.count() > entry.info.time_to_live) unused.emplace_back(id, entry.owner);
+    if (entry.info.time_to_live > 0 && idle.count() > entry.info.time_to_live) unused.push_back(id);
   }
-  return unused;
+  Sessions taken;
+  for (const std::string& id : unused) taken.push_back(take(id).info.session);
+  return taken;
+}
+
+std::vector<std::string> SessionTable::used_since(Clock::time_point then) const {
+  std::vector<std::string> used;
+  for (const auto& [id, entry] : entries_) {
+    if (!entry.is_idle() || entry.used_at >= then) used.push_back(id);
+  }
+  return used;
 }
 
 std::vector<SessionInfo> SessionTable::list(const std::string& after, std::size_t most) const {

@@ -9,7 +9,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "server/session/eviction.h"
@@ -31,11 +30,10 @@ class SessionTable {
     SessionInfo info;                        // its state is as of info_of()
     std::shared_ptr<SessionJob> job;         // what makes the session; null when it is ready
     std::shared_ptr<const Session> preview;  // a stand-in, for as long as there is a job
-    std::string owner;                       // who had it made; empty: nobody in particular
+    std::string owner;                       // who had it made here; empty: nobody in particular
     std::uint64_t last_used = 0;             // greater: later
     Clock::time_point used_at = {};
 
-    bool may_change(const std::string& who) const { return owner.empty() || owner == who; }
     bool is_idle() const { return job == nullptr && info.session.use_count() == 1; }
   };
 
@@ -57,8 +55,10 @@ class SessionTable {
   Sessions evict_excess();
   /// ResourceExhausted where pinned sessions would take more than half of the limits with this one.
   absl::Status may_pin(const Session& session) const;
-  /// Ids and owners of the sessions that nobody has used for their time to live.
-  std::vector<std::pair<std::string, std::string>> find_unused(Clock::time_point now);
+  /// Takes out the sessions that nobody has used for their time to live.
+  Sessions take_unused(Clock::time_point now);
+  /// Ids of the sessions that are in use, or were since then.
+  std::vector<std::string> used_since(Clock::time_point then) const;
 
   /// By id, at most `most` of those after one with this id.
   std::vector<SessionInfo> list(const std::string& after, std::size_t most) const;

@@ -15,6 +15,8 @@ namespace curvecast::server {
 namespace {
 
 using testing::bytes_of;
+using ::testing::Each;
+using ::testing::EndsWith;
 using testing::TemporaryFolder;
 using testing::write_file;
 
@@ -207,13 +209,70 @@ TEST_F(ServerCache, CloseForgetsTheFilesToo) {
   const auto stub = client();
   const std::string id = make_cached(*stub, 2).session_id();
   EXPECT_TRUE(close(*stub, id).ok());
-  EXPECT_THAT(folder_.names(), ::testing::IsEmpty());
+  EXPECT_THAT(folder_.names(), Each(EndsWith(".closed")));
   EXPECT_EQ(get(*stub, id).first.error_code(), grpc::NOT_FOUND);
   EXPECT_EQ(close(*stub, id).error_code(), grpc::NOT_FOUND);
   const std::string other = make_cached(*stub, 3).session_id();
   restart();
   EXPECT_TRUE(close(*client(), other).ok()) << "though it is not in memory";
-  EXPECT_THAT(folder_.names(), ::testing::IsEmpty());
+  EXPECT_THAT(folder_.names(), Each(EndsWith(".closed")));
+}
+
+TEST_F(ServerCache, WhatIsClosedMayBeMadeAnew) {
+  const auto stub = client();
+  const std::string id = make_cached(*stub, 2).session_id();
+  EXPECT_TRUE(close(*stub, id).ok());
+  EXPECT_EQ(make_cached(*stub, 2).session_id(), id);
+  restart();
+  EXPECT_TRUE(get(*client(), id).first.ok());
+}
+
+TEST_F(ServerCache, WhatOneServerClosesIsGoneFromAll) {
+  max_curve_vertices_ = ServerOptions().max_curve_vertices;
+  restart();
+  const auto other_server = Server::start({.cache = folder_.path(), .log = false});
+  ASSERT_TRUE(other_server.ok()) << other_server.status();
+  const auto other = v1::CurvecastService::NewStub((*other_server)->in_process_channel());
+  const auto stub = client();
+  const std::string id = make_cached(*stub, 4).session_id();
+  // Has the curve refined, which the other server saves.
+  EXPECT_TRUE(resample(*other, id, view_of(50'000)).status.ok());
+  EXPECT_TRUE(close(*stub, id).ok());
+  EXPECT_TRUE(eventually([&] { return get(*other, id).first.error_code() == grpc::NOT_FOUND; }));
+  EXPECT_EQ(resample(*other, id, view_of(50)).status.error_code(), grpc::NOT_FOUND);
+  EXPECT_EQ(get(*stub, id).first.error_code(), grpc::NOT_FOUND);
+}
+
+TEST_F(ServerCache, TimeToLiveLeavesTheFilesToOthers) {
+  const auto stub = client();
+  const std::string id = make_cached(*stub, 2).session_id();
+  {
+    grpc::ClientContext context;
+    set_patience(context);
+    v1::UpdateSessionRequest request;
+    request.set_session_id(id);
+    request.set_time_to_live(0.01);
+    v1::UpdateSessionResponse response;
+    ASSERT_TRUE(stub->UpdateSession(&context, request, &response).ok());
+  }
+  EXPECT_TRUE(eventually([&] {
+    grpc::ClientContext context;
+    v1::ListSessionsResponse list;
+    return stub->ListSessions(&context, {}, &list).ok() && list.sessions_size() == 0;
+  }));
+  restart();
+  EXPECT_TRUE(get(*client(), id).first.ok());
+}
+
+TEST_F(ServerCache, SessionsInUseAreTheLastToGo) {
+  const auto stub = client();
+  const std::string id = make_cached(*stub, 2).session_id();
+  const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(3);
+  std::filesystem::last_write_time(curve_path(), long_ago);
+  EXPECT_TRUE(eventually([&] {
+    return resample(*stub, id, view_of(50)).status.ok() &&
+           std::filesystem::last_write_time(curve_path()) > long_ago + std::chrono::hours(1);
+  }));
 }
 
 TEST_F(ServerCache, TwoServersShareOneFolder) {

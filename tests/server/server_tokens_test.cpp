@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/server/eventually.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
 
@@ -94,61 +95,120 @@ TEST_F(ServerTokens, WhoHasOneGetsWhatHeAsksFor) {
   EXPECT_EQ(all[3].error_code(), grpc::NOT_FOUND) << "of the session";
 }
 
-TEST_F(ServerTokens, ASessionIsItsMakersToClose) {
-  const auto stub = client();
-  const auto as = [](grpc::ClientContext& context, const std::string& who) {
+/// Where a session may be when somebody wants to change it.
+enum class Place { kMemory, kCacheOnly, kAfterRestart, kSecondServer, kMadeAgain };
+
+class ServerOwners : public ServerTokens, public ::testing::WithParamInterface<Place> {
+ protected:
+  void SetUp() override {
+    testing::write_file(folder_ / "tokens", kTokens);
+    restart();
+    session_ = create("anna", upload("anna", 2));
+  }
+  void restart() {
+    start({.max_sessions = 1, .max_curve_vertices = 0, .cache = folder_ / "cache", .tokens = folder_ / "tokens"});
+    stub_ = client();
+  }
+
+  static void as(grpc::ClientContext& context, const std::string& who) {
     set_patience(context);
     context.AddMetadata("authorization", "Bearer " + who + "'s");
-  };
-  std::string mesh, session;
-  {
+  }
+  std::string upload(const std::string& who, int levels) {
     grpc::ClientContext context;
-    as(context, "anna");
+    as(context, who);
     v1::UploadMeshResponse response;
-    const auto writer = stub->UploadMesh(&context, &response);
-    const std::string bytes = sphere_off(2);
+    const auto writer = stub_->UploadMesh(&context, &response);
+    const std::string bytes = sphere_off(levels);
     v1::UploadMeshRequest request;
     request.mutable_header()->set_size(bytes.size());
     writer->Write(request);
     request.set_chunk(bytes);
     writer->Write(request);
     writer->WritesDone();
-    ASSERT_TRUE(writer->Finish().ok());
-    mesh = response.mesh_id();
+    EXPECT_TRUE(writer->Finish().ok());
+    return response.mesh_id();
   }
-  {
-    grpc::ClientContext context;
-    as(context, "anna");
-    v1::CreateSessionRequest request;
-    request.set_mesh_id(mesh);
-    const auto reader = stub->CreateSession(&context, request);
+  /// Makes a session, and waits until it is cached.
+  std::string create(const std::string& who, const std::string& mesh) {
     v1::CreateSessionResponse response;
-    while (reader->Read(&response)) session = response.session().session_id();
-    ASSERT_TRUE(reader->Finish().ok());
+    {
+      grpc::ClientContext context;
+      as(context, who);
+      v1::CreateSessionRequest request;
+      request.set_mesh_id(mesh);
+      const auto reader = stub_->CreateSession(&context, request);
+      while (reader->Read(&response)) {
+      }
+      EXPECT_TRUE(reader->Finish().ok());
+    }
+    const std::string id = response.session().session_id();
+    EXPECT_TRUE(eventually([&] {
+      grpc::ClientContext context;
+      as(context, who);
+      v1::GetSessionRequest request;
+      request.set_session_id(id);
+      v1::GetSessionResponse got;
+      return stub_->GetSession(&context, request, &got).ok() && got.session().cached();
+    }));
+    return id;
   }
-  const auto close = [&](const std::string& who) {
+  grpc::StatusCode close(const std::string& who) {
     grpc::ClientContext context;
     as(context, who);
     v1::CloseSessionRequest request;
-    request.set_session_id(session);
+    request.set_session_id(session_);
     v1::CloseSessionResponse response;
-    return stub->CloseSession(&context, request, &response).error_code();
-  };
-  const auto pin = [&](const std::string& who) {
+    return stub_->CloseSession(&context, request, &response).error_code();
+  }
+  grpc::StatusCode update(const std::string& who) {
     grpc::ClientContext context;
     as(context, who);
     v1::UpdateSessionRequest request;
-    request.set_session_id(session);
-    request.set_pinned(true);
+    request.set_session_id(session_);
+    request.set_time_to_live(1000);
     v1::UpdateSessionResponse response;
-    return stub->UpdateSession(&context, request, &response).error_code();
-  };
-  EXPECT_EQ(pin("bert"), grpc::PERMISSION_DENIED);
+    return stub_->UpdateSession(&context, request, &response).error_code();
+  }
+  void bring_to(Place place) {
+    switch (place) {
+      case Place::kMemory:
+        return;
+      case Place::kCacheOnly:
+        create("bert", upload("bert", 3));  // there is room for one
+        return;
+      case Place::kAfterRestart:
+        restart();
+        return;
+      case Place::kSecondServer:
+        second_ = std::move(server_);
+        restart();
+        return;
+      case Place::kMadeAgain:
+        restart();
+        EXPECT_EQ(create("bert", upload("bert", 2)), session_);
+        return;
+    }
+  }
+
+  std::unique_ptr<Server> second_;
+  std::unique_ptr<Stub> stub_;
+  std::string session_;
+};
+
+TEST_P(ServerOwners, ASessionIsItsMakersToClose) {
+  bring_to(GetParam());
   EXPECT_EQ(close("bert"), grpc::PERMISSION_DENIED);
-  EXPECT_EQ(pin("anna"), grpc::OK);
+  EXPECT_EQ(update("bert"), grpc::PERMISSION_DENIED);
+  EXPECT_EQ(update("anna"), grpc::OK);
+  EXPECT_EQ(close("bert"), grpc::PERMISSION_DENIED);
   EXPECT_EQ(close("anna"), grpc::OK);
   EXPECT_EQ(close("anna"), grpc::NOT_FOUND);
 }
+
+INSTANTIATE_TEST_SUITE_P(Everywhere, ServerOwners,
+                         ::testing::Values(Place::kMemory, Place::kCacheOnly, Place::kAfterRestart, Place::kSecondServer,
+                                           Place::kMadeAgain));
 
 TEST_F(ServerTokens, ThisProcessNeedsNone) {
   const auto stub = v1::CurvecastService::NewStub(server_->in_process_channel());

@@ -142,7 +142,7 @@ class Session:
         return self._connection.read_stream("GetCurve", request, self._connection.long_timeout, decode_curve)
 
     def update(self, pinned: bool | None = None, time_to_live: float | None = None) -> v1.Session:
-        """Pins the session in the server's memory, or has the server forget it after `time_to_live` seconds without use (0 =
+        """Pins the session in the server's memory, or has it leave that memory after `time_to_live` seconds without use (0 =
         never). None leaves a setting as it is. Returns `info`."""
         request = v1.UpdateSessionRequest(session_id=self.id)
         if pinned is not None:

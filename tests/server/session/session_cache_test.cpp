@@ -23,6 +23,7 @@ namespace curvecast::server {
 namespace {
 
 using testing::bytes_of;
+using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -48,6 +49,7 @@ Session some_session(const std::string& id, const Preprocessed& curve = some_cur
   session.id = id;
   session.mesh_id = "mesh";
   session.mesh_name = "sphere.off";
+  session.owner = "anna";
   session.companions = {{"a.mtl", "1"}, {"b.png", "2"}};
   session.options = {.points = 200, .density = {CurvatureTerm{}}};
   session.preprocessed = curve;
@@ -93,6 +95,8 @@ TEST_F(SessionCacheTest, BringsSessionsBack) {
   EXPECT_EQ((*after)->id, before.id);
   EXPECT_EQ((*after)->mesh_id, before.mesh_id);
   EXPECT_EQ((*after)->mesh_name, before.mesh_name);
+  EXPECT_EQ((*after)->owner, before.owner);
+  EXPECT_EQ(cache->owner(before.id).value_or(""), before.owner) << "told without the curve";
   EXPECT_EQ((*after)->companions, before.companions);
   EXPECT_EQ((*after)->options.points, before.options.points);
   EXPECT_EQ((*after)->options.density.size(), 1u);
@@ -120,9 +124,34 @@ TEST_F(SessionCacheTest, RemoveTakesAllFilesAndWaitingSaves) {
   const auto cache = open();
   cache->save(some_session(id_of('a')));
   EXPECT_TRUE(cache->remove(id_of('a')));
-  cache->stop();
-  EXPECT_THAT(folder_.names(), IsEmpty());
+  cache->wait_until_removed(id_of('a'));
+  EXPECT_THAT(folder_.names(), ElementsAre(id_of('a') + ".closed"));
   EXPECT_FALSE(cache->remove(id_of('a')));
+  cache->stop();
+  EXPECT_THAT(folder_.names(), ElementsAre(id_of('a') + ".closed"));
+}
+
+TEST_F(SessionCacheTest, NoServerWritesBackWhatAnotherOneRemoved) {
+  const auto here = open(), there = open();
+  here->save(some_session(id_of('a')));
+  here->stop();
+  EXPECT_TRUE(there->remove(id_of('a')));
+  save(some_session(id_of('a')));  // refined meanwhile
+  EXPECT_TRUE(here->is_closed(id_of('a')));
+  EXPECT_FALSE(here->holds(id_of('a')));
+  EXPECT_THAT(folder_.names(), ElementsAre(id_of('a') + ".closed"));
+  there->reopen(id_of('a'));
+  save(some_session(id_of('a')));
+  EXPECT_TRUE(here->holds(id_of('a'))) << "somebody has asked for it anew";
+}
+
+TEST_F(SessionCacheTest, MarksOfClosedSessionsGoAfterADay) {
+  write_file(folder_ / (id_of('a') + ".closed"), "");
+  write_file(folder_ / (id_of('b') + ".closed"), "");
+  std::filesystem::last_write_time(folder_ / (id_of('a') + ".closed"),
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
+  open();
+  EXPECT_THAT(folder_.names(), ElementsAre(id_of('b') + ".closed"));
 }
 
 TEST_F(SessionCacheTest, ARevisionStandsBesideTheFirstCurve) {

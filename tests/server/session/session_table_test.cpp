@@ -55,14 +55,6 @@ TEST(SessionTable, SaysHowFarASessionIs) {
   EXPECT_THAT(table.jobs(), IsEmpty());
 }
 
-TEST(SessionTable, OnlyTheOwnerMayChangeWhatHasOne) {
-  SessionTable::Entry entry = ready("a");
-  EXPECT_TRUE(entry.may_change("") && entry.may_change("b"));
-  entry.owner = "b";
-  EXPECT_TRUE(entry.may_change("b"));
-  EXPECT_FALSE(entry.may_change("") || entry.may_change("c"));
-}
-
 TEST(SessionTable, MakesRoomForOneMore) {
   SessionTable table({.sessions = 3});
   for (const char* id : {"a", "b", "c"}) table.insert(ready(id));
@@ -99,19 +91,22 @@ TEST(SessionTable, PinsHalfOfTheLimitsAtMost) {
   EXPECT_EQ(table.may_pin(*small).code(), absl::StatusCode::kResourceExhausted);
 }
 
-TEST(SessionTable, FindsWhatNobodyHasUsedForItsTimeToLive) {
+TEST(SessionTable, TakesOutWhatNobodyHasUsedForItsTimeToLive) {
   SessionTable table({});
   for (const char* id : {"a", "b", "c"}) table.insert(ready(id));
   for (const char* id : {"a", "b"}) table.find(id)->info.time_to_live = 100;
-  table.find("b")->owner = "her";
   const auto now = SessionTable::Clock::now();
-  EXPECT_THAT(table.find_unused(now + seconds(50)), IsEmpty());
+  EXPECT_THAT(table.take_unused(now + seconds(50)), IsEmpty());
   {
     const std::shared_ptr<const Session> held = table.find("a")->info.session;
-    EXPECT_THAT(table.find_unused(now + seconds(200)), ElementsAre(std::pair("b", "her")));
+    const SessionTable::Sessions taken = table.take_unused(now + seconds(200));
+    ASSERT_EQ(taken.size(), 1u);
+    EXPECT_EQ(table.find("b"), nullptr);
+    EXPECT_THAT(table.used_since(now + seconds(200)), ElementsAre("a"));
   }
-  EXPECT_THAT(table.find_unused(now + seconds(250)), ElementsAre(std::pair("b", "her"))) << "a was used until 200";
-  EXPECT_EQ(table.find_unused(now + seconds(301)).size(), 2u);
+  EXPECT_THAT(table.take_unused(now + seconds(250)), IsEmpty()) << "a was used until 200";
+  EXPECT_THAT(table.used_since(now + seconds(201)), IsEmpty());
+  EXPECT_EQ(table.take_unused(now + seconds(301)).size(), 1u);
 }
 
 TEST(SessionTable, ListsById) {
