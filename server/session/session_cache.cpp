@@ -20,11 +20,10 @@
 #include "core/base/stopwatch.h"
 #include "core/storage/atomic_file.h"
 #include "core/storage/curve_file.h"
-#include "core/storage/pipeline_archive.h"
 #include "core/storage/rank_file.h"
 #include "core/storage/surface_file.h"
-#include "server/base/log.h"
 #include "server/base/status_from_exceptions.h"
+#include "server/session/session_record.h"
 
 namespace curvecast::server {
 namespace {
@@ -103,62 +102,25 @@ absl::StatusOr<std::string> make_folder(const std::string& folder) {
   return wanted.string();
 }
 
-}  // namespace
-
-/// What a session is besides its curve.
-struct SessionRecord {
-  std::string id, mesh_id, mesh_name, owner;
-  std::vector<std::string> companions;  // name, id, name, id ...
-  PreprocessOptions options;
-  PreprocessReport report;
-};
-
-template <typename Archive, ConstOr<SessionRecord> T>
-void archive(Archive& fields, T& record) {
-  auto& [id, mesh_id, mesh_name, owner, companions, options, report] = record;
-  fields(id, mesh_id, mesh_name, owner, companions, options, report);
-}
-
-namespace {
-
-SessionRecord record_of(const Session& session) {
-  SessionRecord record = {session.id, session.mesh_id, session.mesh_name,          session.owner,
-                          {},         session.options, session.preprocessed.report};
-  for (const auto& [name, id] : session.companions) record.companions.insert(record.companions.end(), {name, id});
-  return record;
-}
-
 absl::Status check_faces(const SurfaceCurve& curve, std::uint64_t faces, const std::string& path) {
   if (*std::max_element(curve.triangle.begin(), curve.triangle.end()) < faces) return absl::OkStatus();
   return absl::DataLossError(absl::StrCat(path, ": its curve lies on a face that is not there"));
 }
 
-absl::StatusOr<SessionRecord> to_record(const std::string& note, const std::string& id, const std::string& path) {
-  SessionRecord record;
-  if (!from_archive(note, record) || record.companions.size() % 2 != 0) {
-    return absl::DataLossError(absl::StrCat(path, ": what it says of its session makes no sense"));
-  }
-  if (record.id != id) return absl::DataLossError(absl::StrCat(path, ": it is of session ", printable(record.id)));
-  return record;
+/// A session without its curve, from the note in its file.
+absl::StatusOr<std::shared_ptr<Session>> read_record(const std::string& note, const std::string& id, const std::string& path) {
+  absl::StatusOr<std::shared_ptr<Session>> session = session_of(note, id);
+  if (session.ok()) return session;
+  return absl::Status(session.status().code(), absl::StrCat(path, ": ", session.status().message()));
 }
 
 absl::StatusOr<std::shared_ptr<Session>> to_session(CurveFile file, const std::string& id, const std::string& path) {
-  absl::StatusOr<SessionRecord> read = to_record(file.note, id, path);
-  if (!read.ok()) return read.status();
-  SessionRecord& record = *read;
-  if (absl::Status status = check_faces(*file.curve, record.report.mesh.faces, path); !status.ok()) return status;
-  auto session = std::make_shared<Session>();
-  session->id = id;
-  session->mesh_id = std::move(record.mesh_id);
-  session->mesh_name = std::move(record.mesh_name);
-  session->owner = std::move(record.owner);
-  for (std::size_t i = 0; i + 1 < record.companions.size(); i += 2) {
-    session->companions[record.companions[i]] = record.companions[i + 1];
-  }
-  session->options = std::move(record.options);
-  session->preprocessed = {nullptr, std::move(record.report), nullptr};
-  session->revisions->publish(std::move(file.curve));
-  session->peak_bytes = peak_memory_bytes();
+  absl::StatusOr<std::shared_ptr<Session>> session = read_record(file.note, id, path);
+  if (!session.ok()) return session;
+  if (absl::Status status = check_faces(*file.curve, (*session)->preprocessed.report.mesh.faces, path); !status.ok())
+    return status;
+  (*session)->revisions->publish(std::move(file.curve));
+  (*session)->peak_bytes = peak_memory_bytes();
   return session;
 }
 
@@ -232,10 +194,10 @@ absl::StatusOr<std::string> SessionCache::owner(const std::string& id) const {
   if (!holds(id)) return absl::NotFoundError("it is not in the cache");
   const std::string path = curve_path(id);
   const absl::StatusOr<std::string> note = load_note(path);
-  absl::StatusOr<SessionRecord> record = note.ok() ? to_record(*note, id, path) : note.status();
-  if (record.ok()) return std::move(record->owner);
-  discard(path, record.status());
-  return is_file(path) ? record.status() : absl::NotFoundError("it is not in the cache any more");
+  const absl::StatusOr<std::shared_ptr<Session>> session = note.ok() ? read_record(*note, id, path) : note.status();
+  if (session.ok()) return (*session)->owner;
+  discard(path, session.status());
+  return is_file(path) ? session.status() : absl::NotFoundError("it is not in the cache any more");
 }
 
 void SessionCache::touch(const std::string& id) const { ::utimensat(AT_FDCWD, curve_path(id).c_str(), nullptr, 0); }
@@ -349,8 +311,7 @@ absl::StatusOr<std::shared_ptr<const CurveBase>> SessionCache::open_surface(cons
 }
 
 void SessionCache::save(const Session& session) {
-  Snapshot snapshot = {session.revisions->first(), session.curve(), session.surface, session.candidates,
-                       to_archive(record_of(session))};
+  Snapshot snapshot = {session.revisions->first(), session.curve(), session.surface, session.candidates, record_of(session)};
   const std::string& id = session.id;
   absl::Status status;
   const MutexLock lock(mutex_);

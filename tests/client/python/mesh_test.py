@@ -54,6 +54,7 @@ class MeshTest(unittest.TestCase):
 
     def test_ids_are_hashes_of_bytes(self) -> None:
         self.assertEqual(mesh_id_of(io.BytesIO(b"")), "e3b0c44298fc1c149afbf4c8996fb924")  # sha256sum of nothing
+        self.assertEqual(mesh_id_of(io.BytesIO(b"abc")), "ba7816bf8f01cfea414140de5dae2223")  # printf abc | sha256sum
 
 
 if __name__ == "__main__":
