@@ -106,7 +106,7 @@ class ServerOwners : public ServerTokens, public ::testing::WithParamInterface<P
     session_ = create("anna", upload("anna", 2));
   }
   void restart() {
-    start({.max_sessions = 1, .max_curve_vertices = 0, .cache = folder_ / "cache", .tokens = folder_ / "tokens"});
+    start({.max_sessions = 1, .tokens = folder_ / "tokens", .max_curve_vertices = 0, .cache = folder_ / "cache"});
     stub_ = client();
   }
 
