@@ -124,7 +124,7 @@ TEST_F(ViewWorkersTest, WhoHasManyConnectionsDoesNotHoldUpAnother) {
 TEST_F(ViewWorkersTest, RunsAllThatWasTaken) {
   std::atomic<int> runs = 0;
   for (int i = 0; i < 90; ++i) {
-    ASSERT_TRUE(workers_.submit([&] { ++runs; }, "", std::to_string(i)).ok());
+    ASSERT_TRUE(workers_.submit([&] { ++runs; }, std::to_string(i % 2), std::to_string(i)).ok());
   }
   workers_.stop();
   EXPECT_EQ(runs, 90);
