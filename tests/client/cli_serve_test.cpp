@@ -274,7 +274,7 @@ TEST_F(ServeTest, SaysWhatIsWrongWithItsSettings) {
   const std::string file = temporary("wrong.toml");
   std::ofstream(file) << "lisen = \"127.0.0.1:0\"\n";
   expect_failure({"serve", "--config", file}, 3,
-                 file + ": there is no setting named lisen; there are: area, base-density, cache, ");
+                 file + ": there is no setting named lisen; there are: admin, area, base-density, cache, ");
   std::ofstream(file) << "verbose = true\nquiet = true\n";
   expect_failure({"serve", "--config", file}, 3, "quiet and verbose");
   expect_failure({"serve", "--config", "/nonexistent.toml"}, 3, "/nonexistent.toml");
