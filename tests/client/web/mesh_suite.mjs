@@ -130,6 +130,7 @@ describe("the wireframe", () => {
 
   it("grows denser under the brush while it paints, and is as before when the stroke is taken back", async () => {
     await torus.settled();
+    await meshed();
     const even = await torus.evaluate(meshOf);
     await torus.set("radius, % of size", 8);
     await torus.page.keyboard.press("b");
