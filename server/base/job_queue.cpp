@@ -114,11 +114,12 @@ void JobQueue::forget_idle() {
   const auto is_idle = [](const Share& share, Nanoseconds turn) { return share.running == 0 && share.used <= turn; };
   lanes_ = 0;
   for (auto& [name, caller] : callers_) {
-    std::erase_if(caller.lanes,
-                  [&](const auto& entry) { return entry.second.waiting.empty() && is_idle(entry.second, caller.turn); });
+    const Nanoseconds turn = caller.turn;
+    std::erase_if(caller.lanes, [&](const auto& entry) { return entry.second.waiting.empty() && is_idle(entry.second, turn); });
     lanes_ += caller.lanes.size();
   }
-  std::erase_if(callers_, [&](const auto& entry) { return entry.second.lanes.empty() && is_idle(entry.second, turn_); });
+  const Nanoseconds turn = turn_;
+  std::erase_if(callers_, [&](const auto& entry) { return entry.second.lanes.empty() && is_idle(entry.second, turn); });
   forget_at_ = std::max<std::size_t>(64, 2 * std::max(lanes_, callers_.size()));
 }
 
