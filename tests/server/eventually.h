@@ -6,10 +6,10 @@
 
 namespace curvecast::server {
 
-/// Whether the condition comes true: false after ten minutes, which only a broken server takes.
+/// Whether the condition comes true: false after four minutes, which only a broken server takes, and which leave a test time to say so.
 template <class Condition>
 bool eventually(const Condition& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(10);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(4);
   while (!condition()) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));

@@ -112,7 +112,7 @@ TEST_F(ServerHogs, APointSetThatIsNotReadEndsWhereMemoryIsScarce) {
   grpc::ClientContext context;
   set_patience(context);
   const auto lazy = anna_->Resample(&context, request);
-  EXPECT_TRUE(eventually([&] { return metric("curvecast_queued_bytes") > 0; }));
+  EXPECT_TRUE(eventually([&] { return metric("curvecast_stalled_calls_total") == 1; }));
   EXPECT_TRUE(eventually([&] { return metric("curvecast_queued_bytes") == 0; }));
   v1::ResampleResponse block;
   while (lazy->Read(&block)) continue;
