@@ -12,6 +12,8 @@
 
 namespace curvecast {
 
+class MemorySource;
+
 struct ExecutionContext {
   /// Called with the stage's name (a literal) and its fraction done in [0, 1], by one thread at a time. May be empty.
   std::function<void(std::string_view stage, double fraction)> on_progress;
@@ -21,6 +23,8 @@ struct ExecutionContext {
   int threads = 0;
   /// What the computation may take of the processors' time: densities are charged to it. May be null.
   WorkLimit* limit = nullptr;
+  /// Asked for memory by what takes much of it: see core/base/memory_claim.h. May be null: there is enough.
+  MemorySource* memory = nullptr;
   /// Shares work instead, for programs that have threads of their own for it: see core/base/for_all.h. May be empty.
   std::function<void(std::size_t n, const std::function<void(std::size_t i)>& work)> for_all = {};
 

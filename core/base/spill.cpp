@@ -1,7 +1,6 @@
 #include "core/base/spill.h"
 
 #include <absl/strings/str_cat.h>
-#include <absl/strings/str_split.h>
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -12,12 +11,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <limits>
 #include <map>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "core/base/mutex.h"
 #include "core/base/unnamed_file.h"
@@ -171,12 +167,6 @@ absl::Status start(const std::string& folder) {
   return absl::FailedPreconditionError("the system gives this process too few addresses to keep large blocks in a file");
 }
 
-/// The number that a file of one line holds; the largest where it holds none, such as "max".
-std::uint64_t number_in(const std::string& path) {
-  std::uint64_t number = 0;
-  return std::ifstream(path) >> number ? number : std::numeric_limits<std::uint64_t>::max();
-}
-
 }  // namespace
 
 absl::Status keep_memory_within(std::uint64_t bytes, const std::string& folder) {
@@ -184,24 +174,6 @@ absl::Status keep_memory_within(std::uint64_t bytes, const std::string& folder) 
   const MutexLock lock(mutex);
   the_bound = bytes;
   return the_spill == nullptr ? start(folder) : absl::OkStatus();
-}
-
-std::uint64_t machine_memory_bytes() {
-  const std::uint64_t machine = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * page_size();
-  std::uint64_t least = std::min(machine, number_in("/sys/fs/cgroup/memory/memory.limit_in_bytes"));
-  // A line for each hierarchy, NUMBER:CONTROLLERS:/PATH; that of version 2 has no controllers. Within a container the path is its
-  // root, as a rule.
-  std::ifstream groups("/proc/self/cgroup");
-  for (std::string line; std::getline(groups, line);) {
-    const std::vector<std::string> fields = absl::StrSplit(line, absl::MaxSplits(':', 2));
-    if (fields.size() != 3 || (!fields[1].empty() && fields[1] != "memory")) continue;
-    const bool is_second = fields[1].empty();
-    const std::string root = is_second ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory";
-    for (std::string path = fields[2]; !path.empty(); path.resize(path.rfind('/'))) {
-      least = std::min(least, number_in(root + path + (is_second ? "/memory.max" : "/memory.limit_in_bytes")));
-    }
-  }
-  return std::min(least, number_in("/sys/fs/cgroup/memory.max"));
 }
 
 SpillUsage spill_usage() {

@@ -29,9 +29,6 @@ absl::Status keep_memory_within(std::uint64_t bytes, const std::string& folder);
 
 inline constexpr std::size_t kLeastSpill = std::size_t{256} << 10;
 
-/// Returns the memory that this machine has, or its container's share where that is less, in bytes.
-std::uint64_t machine_memory_bytes();
-
 struct SpillUsage {
   std::uint64_t bytes = 0;  // of blocks that lie in the file
   std::uint64_t peak = 0;   // at most, so far

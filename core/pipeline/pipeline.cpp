@@ -21,6 +21,7 @@
 #include "core/mesh/curvature.h"
 #include "core/mesh/topology.h"
 #include "core/mesh_io/mesh_io.h"
+#include "core/pipeline/memory_estimate.h"
 #include "core/reference/id_buffer.h"
 #include "core/reference/voronoi_area.h"
 
@@ -92,18 +93,19 @@ absl::StatusOr<LoadedMesh> repair_and_inspect(PolygonSoup soup, const ExecutionC
   return loaded;
 }
 
-/// `on_read`, if not empty, sees what the file holds.
-absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& context, StageSeconds& seconds,
-                                const std::function<void(const PolygonSoup& soup)>& on_read = {}) {
+/// `on_read` sees what the file holds, and claims the memory for what follows.
+absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& context, StageSeconds& seconds, MemoryClaim& claim,
+                                const std::function<absl::Status(const PolygonSoup& soup)>& on_read) {
   Stopwatch watch;
   context.progress("read", 0);
+  if (absl::Status status = claim_reading(file, claim); !status.ok()) return status;
   absl::StatusOr<PolygonSoup> soup = read_mesh(file, context);
   if (!soup.ok()) return soup.status();
   const absl::StatusOr<MeshFormat> format = detect_mesh_format(file.name, file.bytes);
   if (!format.ok()) return format.status();
   context.progress("read", 1);
   seconds.read = watch.lap();
-  if (on_read) on_read(*soup);
+  if (absl::Status status = on_read(*soup); !status.ok()) return status;
   absl::StatusOr<LoadedMesh> loaded = repair_and_inspect(*std::move(soup), context);
   if (!loaded.ok()) return absl::IsCancelled(loaded.status()) ? loaded.status() : about(file.name, loaded.status());
   constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl", "gltf"};
@@ -169,6 +171,7 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
   std::vector<QuadtreeLeaves> leaves;
   curve.disc_begin.assign(1, 0);
   std::size_t count = 0;
+  MemoryClaim more(context);
   for (const Chart& chart : charts) {
     context.progress("curve", static_cast<double>(leaves.size()) / static_cast<double>(charts.size()));
     // Triangles are made again for the map: those of all charts at once would take much memory.
@@ -176,6 +179,7 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
     if (!built.ok()) return built.status();
     leaves.push_back(*std::move(built));
     count += leaves.back().size();
+    if (absl::Status status = claim_more_leaves(count, options, more); !status.ok()) return status;
     if (count >= kNone) return absl::ResourceExhaustedError("the curve would need more than 2^32 vertices: ask for fewer points");
     curve.disc_begin.push_back(static_cast<std::uint32_t>(count));
   }
@@ -294,11 +298,16 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   return flattened;
 }
 
+/// `claim`: for all that follows, the curve too. `on_read`, if not empty, sees what the file holds.
 absl::StatusOr<FlattenedMesh> load_and_flatten(const MeshFile& file, const PreprocessOptions& options,
-                                               const ExecutionContext& context, std::optional<Demand>& demand,
+                                               const ExecutionContext& context, std::optional<Demand>& demand, MemoryClaim& claim,
                                                const std::function<void(const PolygonSoup& soup)>& on_read = {}) {
   StageSeconds seconds;
-  absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds, on_read);
+  absl::StatusOr<LoadedMesh> loaded = load(file, context, seconds, claim, [&](const PolygonSoup& soup) {
+    absl::Status status = claim_preprocessing(file, soup, options, context, claim);
+    if (status.ok() && on_read) on_read(soup);
+    return status;
+  });
   if (!loaded.ok()) return loaded.status();
   return flatten_here(*std::move(loaded), seconds, options, context, demand);
 }
@@ -350,7 +359,8 @@ auto with_threads(const ExecutionContext& context, Function&& function) {
 
 absl::StatusOr<LoadedMesh> load_mesh(const MeshFile& file, const ExecutionContext& context) {
   StageSeconds seconds;
-  return load(file, context, seconds);
+  MemoryClaim claim(context);
+  return load(file, context, seconds, claim, [&](const PolygonSoup& soup) { return claim_repair(file, soup, claim); });
 }
 
 absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context) {
@@ -363,7 +373,8 @@ absl::StatusOr<FlattenedMesh> flatten_mesh(const MeshFile& file, const Preproces
                                            const ExecutionContext& context) {
   if (absl::Status status = check(options); !status.ok()) return status;
   std::optional<Demand> demand;
-  return with_threads(context, [&] { return load_and_flatten(file, options, context, demand); });
+  MemoryClaim claim(context);
+  return with_threads(context, [&] { return load_and_flatten(file, options, context, demand, claim); });
 }
 
 absl::StatusOr<FlattenedMesh> flatten_mesh(LoadedMesh loaded, const PreprocessOptions& options, const ExecutionContext& context) {
@@ -383,12 +394,13 @@ absl::StatusOr<Preprocessed> preprocess(const MeshFile& file, const PreprocessOp
   if (absl::Status status = check(options); !status.ok()) return status;
   return with_threads(context, [&]() -> absl::StatusOr<Preprocessed> {
     std::optional<Demand> demand;
+    MemoryClaim claim(context);
     const auto preview = [&](const PolygonSoup& soup) {
       if (!on_preview || soup.polygon_count() <= kMostWithoutPreview) return;
       const ExecutionContext quiet{.on_progress = {}, .cancel = context.cancel};
       on_preview([&] { return make_preview(soup, options, quiet); });
     };
-    absl::StatusOr<FlattenedMesh> flattened = load_and_flatten(file, options, context, demand, preview);
+    absl::StatusOr<FlattenedMesh> flattened = load_and_flatten(file, options, context, demand, claim, preview);
     if (!flattened.ok()) return flattened.status();
     return lay_curve_here(std::make_shared<const FlattenedMesh>(*std::move(flattened)), options, context, std::move(demand));
   });

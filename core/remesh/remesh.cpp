@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/memory_claim.h"
 #include "core/mesh/topology.h"
 #include "core/remesh/angle_flips.h"
 #include "core/remesh/fit.h"
@@ -217,11 +218,22 @@ class Remesher {
   std::vector<std::uint32_t> corners_;  // of lines: vertices of the surface that stay
 };
 
+/// For the surface, whose triangles the points are put into, and what becomes of them.
+absl::Status claim_memory(const TriangleMesh& surface, std::size_t points, bool fit, MemoryClaim& claim) {
+  constexpr double kPerFace = 160, kPerPoint = 420, kPerFittedPoint = 1000;
+  const double bytes =
+      kPerFace * static_cast<double>(surface.face_count()) + (fit ? kPerFittedPoint : kPerPoint) * static_cast<double>(points);
+  return claim.set(static_cast<std::uint64_t>(bytes), absl::StrFormat("a mesh of %d points on %d triangles takes %s of memory",
+                                                                      points, surface.face_count(), describe_bytes(bytes)));
+}
+
 }  // namespace
 
 absl::StatusOr<Remeshed> remesh(const TriangleMesh& surface, std::span<const FacePlace> points, const RemeshOptions& options,
                                 const ExecutionContext& context, std::span<const ChartView> charts) {
   if (absl::Status status = check(surface, points, options); !status.ok()) return status;
+  MemoryClaim claim(context);
+  if (absl::Status status = claim_memory(surface, points.size(), options.fit, claim); !status.ok()) return status;
   context.progress("triangulate", 0);
   return Remesher(surface, points, options, context, charts).run();
 }

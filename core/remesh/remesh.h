@@ -40,7 +40,8 @@ struct Remeshed {
 /// borders and features vertices are placed as densely as the points beside them, instead of those nearest to these.
 /// `surface`: as repair() leaves it. Points may lie anywhere on it, in any order; at the same place, they are moved apart. The
 /// same for any number of threads. InvalidArgument: options out of range; a point on no face or with weights that are none;
-/// too few points to bear the topology: the message says about how many it takes. Cancelled. `charts`: all of the surface's,
+/// too few points to bear the topology: the message says about how many it takes. Cancelled; ResourceExhausted as of MemoryClaim.
+/// `charts`: all of the surface's,
 /// where the method is kParameter.
 absl::StatusOr<Remeshed> remesh(const TriangleMesh& surface, std::span<const FacePlace> points, const RemeshOptions& options = {},
                                 const ExecutionContext& context = {}, std::span<const ChartView> charts = {});

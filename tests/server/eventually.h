@@ -6,7 +6,8 @@
 
 namespace curvecast::server {
 
-/// Whether the condition comes true: false after four minutes, which only a broken server takes, and which leave a test time to say so.
+/// Whether the condition comes true: false after four minutes, which only a broken server takes, and which leave a test time to
+/// say so.
 template <class Condition>
 bool eventually(const Condition& condition) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(4);

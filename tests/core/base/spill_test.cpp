@@ -114,7 +114,5 @@ TEST_F(Spill, ServesManyThreads) {
   }
 }
 
-TEST(MachineMemory, IsMoreThanThisProcessTakes) { EXPECT_GT(machine_memory_bytes(), resident_bytes()); }
-
 }  // namespace
 }  // namespace curvecast

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
 
 #include "core/flatten/distortion.h"
 #include "core/flatten/parameterise.h"
@@ -51,6 +54,22 @@ TEST(ParameteriseCgal, AgreesWithOursOnTheSameBorder) {
     const auto theirs = parameterise_cgal(disc, preconditioner);
     ASSERT_TRUE(theirs.ok()) << theirs.status();
     for (std::size_t v = 0; v < ours->size(); ++v) EXPECT_LT(((*ours)[v] - (*theirs)[v]).norm(), 1e-8) << v;
+  }
+}
+
+TEST(ParameteriseCgal, EndsWhenItIsCancelled) {
+  const DiscMesh disc = disc_of(testing::icosphere(6));
+  for (const CgalPreconditioner preconditioner : kPreconditioners) {
+    std::atomic<bool> cancel = true;
+    const ExecutionContext context{.cancel = &cancel};
+    EXPECT_EQ(parameterise_cgal(disc, preconditioner, nullptr, context).status().code(), absl::StatusCode::kCancelled);
+    cancel = false;
+    std::jthread canceller([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(30));  // into its work, as a rule
+      cancel = true;
+    });
+    const absl::Status status = parameterise_cgal(disc, preconditioner, nullptr, context).status();
+    EXPECT_TRUE(status.ok() || absl::IsCancelled(status)) << status;
   }
 }
 

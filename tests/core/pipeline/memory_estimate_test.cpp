@@ -1,0 +1,123 @@
+#include "core/pipeline/memory_estimate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <string>
+
+#include "core/pipeline/pipeline.h"
+#include "tests/support/counted_memory.h"
+#include "tests/support/shapes.h"
+
+namespace curvecast {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Has `most` bytes, and remembers the most that was taken at once.
+class Source final : public MemorySource {
+ public:
+  explicit Source(std::uint64_t most) : most_(most) {}
+
+  absl::Status take(std::uint64_t bytes, const std::string& what) override {
+    if (taken_ + bytes > most_) return absl::ResourceExhaustedError(what);
+    taken_ += bytes;
+    peak = std::max(peak, taken_);
+    return absl::OkStatus();
+  }
+  void give_back(std::uint64_t bytes) override { taken_ -= bytes; }
+  std::uint64_t most() const override { return most_; }
+  std::uint64_t taken() const { return taken_; }
+
+  std::uint64_t peak = 0;
+
+ private:
+  const std::uint64_t most_;
+  std::uint64_t taken_ = 0;
+};
+
+constexpr std::uint64_t kPlenty = std::uint64_t{1} << 50;
+
+struct Shape {
+  std::string name;
+  PolygonSoup soup;
+  std::uint64_t points;
+  double omega;
+};
+
+std::vector<Shape> shapes() {
+  PolygonSoup crumbs = testing::tetrahedron();
+  for (int i = 0; i < 10; ++i) crumbs = testing::merged(crumbs, testing::translated(crumbs, {4.0 * (1 << i), 0, 0}));
+  PolygonSoup named = testing::icosphere(5);
+  named.attributes.scalars = {{"a", std::vector<float>(named.positions.size(), 1)},
+                              {"b", std::vector<float>(named.positions.size(), 2)}};
+  return {{"ball", testing::icosphere(7), 1'000, 1},
+          {"greater ball", testing::icosphere(8), 1'000, 1},
+          {"ball with a fine curve", testing::icosphere(5), 200'000, 10},
+          {"tetrahedron with a fine curve", testing::tetrahedron(), 200'000, 10},
+          {"named values", named, 100'000, 10},
+          {"triangles with vertices of their own", testing::unshared(testing::icosphere(7)), 1'000, 1},
+          {"slab with many holes", testing::perforated_slab(101, 101), 1'000, 1},
+          {"crumbs", crumbs, 10'000, 10},
+          {"needles", testing::scaled(testing::open_cylinder(2, 20'000, 0.001), 1), 100'000, 10},
+          {"sheet", testing::square(400), 1'000, 1}};
+}
+
+TEST(MemoryEstimate, IsMoreThanIsTaken) {
+  for (const Shape& shape : shapes()) {
+    SCOPED_TRACE(shape.name);
+    const std::string file = testing::to_ply(shape.soup);
+    const PreprocessOptions options{.points = shape.points, .omega = shape.omega};
+    Source source(kPlenty);
+    const testing::CountedMemory memory;
+    ASSERT_TRUE(preprocess({"shape.ply", file}, options, {.threads = 2, .memory = &source}).ok());
+    const double peak = static_cast<double>(memory.peak()), told = static_cast<double>(source.peak);
+    std::printf("%-40s took %6.1f MB, told %6.1f MB, %.2f times\n", shape.name.c_str(), peak / 1e6, told / 1e6, told / peak);
+    EXPECT_LE(peak, told);
+    EXPECT_GT(4 * peak + (128 << 20), told) << "what is refused would have fit";
+    EXPECT_EQ(source.taken(), 0u);
+  }
+}
+
+TEST(MemoryEstimate, OfInspectionIsMoreThanIsTaken) {
+  for (const Shape& shape : shapes()) {
+    SCOPED_TRACE(shape.name);
+    const std::string file = testing::to_off(shape.soup);
+    Source source(kPlenty);
+    const testing::CountedMemory memory;
+    ASSERT_TRUE(inspect_mesh({"shape.off", file}, {.threads = 2, .memory = &source}).ok());
+    const double peak = static_cast<double>(memory.peak()), told = static_cast<double>(source.peak);
+    std::printf("%-40s took %6.1f MB, told %6.1f MB, %.2f times\n", shape.name.c_str(), peak / 1e6, told / 1e6, told / peak);
+    EXPECT_LE(peak, told);
+    EXPECT_GT(4 * peak + (4 << 20), told) << "what is refused would have fit";
+  }
+}
+
+TEST(MemoryEstimate, SaysWhatWouldFit) {
+  const std::string file = testing::to_off(testing::tetrahedron());
+  const auto prepared = [&](std::uint64_t points, std::uint64_t most) {
+    Source source(most);
+    return preprocess({"t.off", file}, {.points = points, .omega = 25}, {.memory = &source}).status();
+  };
+  constexpr std::uint64_t kMost = 200'000'000;
+  const absl::Status refused = prepared(4'000'000, kMost);
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(refused.message()),
+              HasSubstr("t.off: to prepare 4 triangles for 4000000 points with omega 25 takes 2"));
+  // It means what it says.
+  unsigned long points = 0;
+  const std::size_t at = refused.message().find(", and ");
+  ASSERT_NE(at, std::string::npos);
+  ASSERT_EQ(std::sscanf(refused.message().data() + at, ", and %lu points would fit", &points), 1);
+  EXPECT_TRUE(prepared(points, kMost).ok());
+  EXPECT_FALSE(prepared(2 * points, kMost).ok());
+  const std::string great = testing::to_off(testing::icosphere(7));
+  Source source(60'000'000);
+  EXPECT_THAT(std::string(preprocess({"great.off", great}, {.points = 1}, {.memory = &source}).status().message()),
+              HasSubstr("triangles would fit"));
+  EXPECT_THAT(std::string(prepared(1, 1'000).message()), HasSubstr("t.off: to read"));
+}
+
+}  // namespace
+}  // namespace curvecast
