@@ -91,7 +91,7 @@ absl::StatusOr<std::vector<Vec2d>> map_to_square(const DiscMesh& disc, Parameter
     case Parameterisation::kLeastStretch:
       return minimise_stretch(disc, stretch, context);
     case Parameterisation::kCgal:
-      return parameterise_cgal(disc);
+      return parameterise_cgal(disc, CgalPreconditioner::kIncompleteLu, nullptr, context);
     case Parameterisation::kMeanValue:
       return parameterise(disc, {.weights = ParameterWeights::kMeanValue});
     case Parameterisation::kUniform:

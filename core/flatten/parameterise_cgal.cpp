@@ -26,7 +26,38 @@ using Vertex = Mesh::Vertex_index;
 using Halfedge = Mesh::Halfedge_index;
 using UvMap = Mesh::Property_map<Vertex, Kernel::Point_2>;
 using Border = smp::Square_border_arc_length_parameterizer_3<Mesh>;
-using DiagonalSolver = CGAL::Eigen_solver_traits<Eigen::BiCGSTAB<CGAL::Eigen_sparse_matrix<double>::EigenType>>;
+using Matrix = CGAL::Eigen_sparse_matrix<double>::EigenType;
+
+/// Ends from within what knows nothing of contexts.
+struct Cancelled {};
+
+void end_if_cancelled(const ExecutionContext& context) {
+  if (context.cancelled()) throw Cancelled();
+}
+
+/// Of the work of this thread: Eigen makes its preconditioners itself.
+thread_local const ExecutionContext* context_here = nullptr;
+
+/// A preconditioner that looks in each step of the solver whether it shall go on.
+template <typename Preconditioner>
+class Watched : public Preconditioner {
+ public:
+  template <typename Right>
+  auto solve(const Right& right) const {
+    end_if_cancelled(*context_here);
+    return Preconditioner::solve(right);
+  }
+};
+
+/// CGAL's parameteriser, which looks while it makes the matrix whether it shall go on.
+template <typename Preconditioner>
+class WatchedParameteriser : public smp::Mean_value_coordinates_parameterizer_3<
+                                 Mesh, Border, CGAL::Eigen_solver_traits<Eigen::BiCGSTAB<Matrix, Watched<Preconditioner>>>> {
+  double compute_w_ij(const Mesh& mesh, Vertex v, CGAL::Vertex_around_target_circulator<Mesh> neighbour) const override {
+    end_if_cancelled(*context_here);
+    return WatchedParameteriser::Mean_value_coordinates_parameterizer_3::compute_w_ij(mesh, v, neighbour);
+  }
+};
 
 /// Vertices keep their numbers.
 absl::StatusOr<Mesh> to_cgal(const DiscMesh& disc) {
@@ -36,6 +67,7 @@ absl::StatusOr<Mesh> to_cgal(const DiscMesh& disc) {
                static_cast<Mesh::size_type>(disc.triangles.size()));
   for (const Vec3d& p : disc.positions) mesh.add_vertex({p.x(), p.y(), p.z()});
   for (std::size_t t = 0; t < disc.triangles.size(); ++t) {
+    end_if_cancelled(*context_here);
     const auto& [a, b, c] = disc.triangles[t];
     if (mesh.add_face(Vertex(a), Vertex(b), Vertex(c)) == Mesh::null_face()) {
       return absl::InvalidArgumentError(
@@ -45,12 +77,14 @@ absl::StatusOr<Mesh> to_cgal(const DiscMesh& disc) {
   return mesh;
 }
 
-template <typename Solver>
+template <typename Preconditioner>
 smp::Error_code solve(Mesh& mesh, Halfedge border, const UvMap& uv) {
-  return smp::parameterize(mesh, smp::Mean_value_coordinates_parameterizer_3<Mesh, Border, Solver>(), border, uv);
+  return smp::parameterize(mesh, WatchedParameteriser<Preconditioner>(), border, uv);
 }
 
-absl::StatusOr<std::vector<Vec2d>> run(const DiscMesh& disc, CgalPreconditioner preconditioner, double* solve_seconds) {
+absl::StatusOr<std::vector<Vec2d>> run(const DiscMesh& disc, CgalPreconditioner preconditioner, double* solve_seconds,
+                                       const ExecutionContext& context) {
+  context_here = &context;
   if (disc.border.size() < 4) return absl::InvalidArgumentError("the disc's border has fewer than four vertices");
   absl::StatusOr<Mesh> mesh = to_cgal(disc);
   if (!mesh.ok()) return mesh.status();
@@ -59,8 +93,9 @@ absl::StatusOr<std::vector<Vec2d>> run(const DiscMesh& disc, CgalPreconditioner 
   if (!border.is_valid() || !mesh->is_border(border)) return absl::InvalidArgumentError("the disc's border is none to CGAL");
   const UvMap uv = mesh->add_property_map<Vertex, Kernel::Point_2>("v:uv").first;
   Stopwatch watch;
-  const smp::Error_code code = preconditioner == CgalPreconditioner::kDiagonal ? solve<DiagonalSolver>(*mesh, border, uv)
-                                                                               : solve<CGAL::Default>(*mesh, border, uv);
+  const smp::Error_code code = preconditioner == CgalPreconditioner::kDiagonal
+                                   ? solve<Eigen::DiagonalPreconditioner<double>>(*mesh, border, uv)
+                                   : solve<Eigen::IncompleteLUT<double>>(*mesh, border, uv);
   if (solve_seconds != nullptr) *solve_seconds = watch.lap();
   if (code != smp::OK) return absl::InternalError(absl::StrCat("CGAL's parameteriser: ", smp::get_error_message(code)));
   std::vector<Vec2d> result;
@@ -80,9 +115,11 @@ absl::StatusOr<std::vector<Vec2d>> run(const DiscMesh& disc, CgalPreconditioner 
 }  // namespace
 
 absl::StatusOr<std::vector<Vec2d>> parameterise_cgal(const DiscMesh& disc, CgalPreconditioner preconditioner,
-                                                     double* solve_seconds) {
+                                                     double* solve_seconds, const ExecutionContext& context) {
   try {
-    return run(disc, preconditioner, solve_seconds);
+    return run(disc, preconditioner, solve_seconds, context);
+  } catch (const Cancelled&) {
+    return absl::CancelledError("cancelled");
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError("not enough memory for CGAL's parameteriser");
   } catch (const std::exception& error) {

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/flatten/disc_mesh.h"
 
 namespace curvecast {
@@ -20,11 +21,11 @@ enum class CgalPreconditioner {
 /// Square_border_arc_length_parameterizer_3, oriented like the result of parameterise(): the border starts at (0, 0) and runs
 /// counter-clockwise. CGAL chooses the corners itself: those border vertices that are nearest to quarters of the border's
 /// length. Rounding and the solver's tolerance may flip triangles: the caller checks. `solve_seconds`, if not null, gets the time
-/// in CGAL's algorithm, without the making of its mesh. Cannot be cancelled.
+/// in CGAL's algorithm, without the making of its mesh. Cancelled when the context says so.
 /// InvalidArgument when CGAL takes the disc for no manifold disc, or finds no four corners on its border; Internal when CGAL
 /// fails, with its message.
 absl::StatusOr<std::vector<Vec2d>> parameterise_cgal(const DiscMesh& disc,
                                                      CgalPreconditioner preconditioner = CgalPreconditioner::kIncompleteLu,
-                                                     double* solve_seconds = nullptr);
+                                                     double* solve_seconds = nullptr, const ExecutionContext& context = {});
 
 }  // namespace curvecast
