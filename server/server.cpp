@@ -17,6 +17,7 @@
 #include "core/base/spill.h"
 #include "server/base/address.h"
 #include "server/base/build_info.h"
+#include "server/base/memory_share.h"
 #include "server/base/protocol.h"
 #include "server/base/scratch_folder.h"
 #include "server/base/status_from_exceptions.h"
@@ -50,16 +51,9 @@ std::string random_token() {
   return token;
 }
 
-/// That the process may take.
-std::uint64_t memory_budget(const ServerOptions& options) {
-  constexpr double kShare = 0.7;  // the rest is for others
-  const auto share = static_cast<std::uint64_t>(kShare * static_cast<double>(machine_memory_bytes()));
-  return options.memory_bytes > 0 ? options.memory_bytes : share;
-}
-
 /// That gRPC may take for what clients send, known or not.
 std::size_t transport_bytes(const ServerOptions& options) {
-  return std::max(std::size_t{64} << 20, static_cast<std::size_t>(memory_budget(options) / 8));
+  return std::max(std::size_t{64} << 20, static_cast<std::size_t>(memory_share(options) / 8));
 }
 
 /// Of channels to this process: results are as large as they are.
@@ -104,7 +98,9 @@ class GrpcServer final : public Server {
       : own_token_(std::move(own_token)),
         engine_(options, std::move(log), std::move(cache), std::move(tokens)),
         service_(engine_),
-        unready_(options.ready ? "" : "meshes are being prepared") {}
+        unready_(options.ready ? "" : "meshes are being prepared") {
+    if (options.ready && engine_.marks != nullptr) engine_.marks->enforce();
+  }
   ~GrpcServer() override { shutdown(std::chrono::milliseconds(0)); }
 
   absl::Status listen(const ServerOptions& options, const std::optional<ServerTls>& tls, std::size_t descriptors) {
@@ -185,6 +181,7 @@ class GrpcServer final : public Server {
     const MutexLock lock(mutex_);
     if (draining_) return;
     unready_.clear();
+    if (engine_.marks != nullptr) engine_.marks->enforce();
     if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->SetServingStatus(true);
   }
 
@@ -192,6 +189,7 @@ class GrpcServer final : public Server {
     const MutexLock lock(mutex_);
     draining_ = true;
     unready_ = "the server is shutting down";
+    if (engine_.marks != nullptr) engine_.marks->forgive();
     if (grpc_ == nullptr) return;
     if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->SetServingStatus(false);
   }
@@ -281,7 +279,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
       if (!opened.ok()) return opened.status();
       cache = *std::move(opened);
     }
-    if (absl::Status status = keep_memory_within(memory_budget(options), scratch_folder(options)); !status.ok()) {
+    if (absl::Status status = keep_memory_within(memory_share(options), scratch_folder(options)); !status.ok()) {
       if (options.memory_bytes > 0) return status;
       log->warn("memory is not bounded: {}", std::string(status.message()));
     }

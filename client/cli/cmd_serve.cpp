@@ -36,9 +36,10 @@ struct Flags {
   server::ServerOptions server = {.listen = "127.0.0.1:50051", .http = kHttp};
   std::vector<std::string> meshes;
   SessionFlags session;
-  std::uint64_t points = 65'536;  // for which the sessions of `meshes` are made
-  double drain = 5;               // seconds
-  double lame_duck = 0;           // seconds
+  std::uint64_t points = 65'536;   // for which the sessions of `meshes` are made
+  std::uint32_t crash_pause = 60;  // seconds
+  double drain = 5;                // seconds
+  double lame_duck = 0;            // seconds
   std::string log_format = "text";
   std::string config;  // path; empty: none
   bool print_config = false;
@@ -168,6 +169,7 @@ absl::Status run(CLI::App& app, const Flags& flags, const CommonOptions& options
   server::ServerOptions server_options = flags.server;
   server_options.threads = options.threads;
   server_options.memory_bytes = options.memory;
+  server_options.crash_pause = std::chrono::seconds(flags.crash_pause);
   server_options.log = !options.quiet;
   server_options.verbose = options.verbose;
   server_options.log_format = flags.log_format == "json" ? server::LogFormat::kJson : server::LogFormat::kText;
@@ -198,9 +200,12 @@ void add_limit_flags(CLI::App* app, server::ServerOptions* server) {
       ->check(CLI::Range(std::uint64_t{1}, kMaxSessions))
       ->capture_default_str()
       ->group(group);
-  bytes("--max-session-memory", &server->max_session_bytes, "of all sessions; the least recently used go first, to the cache");
-  bytes("--max-queued", &server->max_queued_bytes,
-        "of frames and point sets that wait to be read by their clients; beyond half of it a client may have a sixteenth");
+  bytes("--max-session-memory", &server->max_session_bytes,
+        "of all sessions, and no more than half of --memory; the least recently used go first, to the cache");
+  bytes(
+      "--max-queued", &server->max_queued_bytes,
+      "of frames and point sets that wait to be read by their clients, and no more than an eighth of --memory; beyond half of it "
+      "a client may have a sixteenth");
   const auto count = [&](const char* name, std::size_t* value, const char* help) {
     app->add_option(name, *value, help)->check(CLI::Range(std::size_t{1}, kMostAtOnce))->capture_default_str()->group(group);
   };
@@ -275,6 +280,11 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
   app->add_option("-n,--points", flags->points, "of --open, N for which the curves are made fine enough, 1 to 4,000,000")
       ->check(point_count_range())
       ->type_name("N")
+      ->capture_default_str();
+  app->add_option("--crash-pause", flags->crash_pause,
+                  "seconds for which a session is refused whose making ended the server, with --cache; four times as long after "
+                  "each further time, up to an hour")
+      ->check(CLI::Range(0, 3600))
       ->capture_default_str();
   app->add_option("--drain", flags->drain, "that running calls get to end when the server is stopped")
       ->check(CLI::Range(0.0, kMaxDrain))

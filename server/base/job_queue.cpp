@@ -23,7 +23,7 @@ JobQueue::~JobQueue() { stop(); }
 absl::StatusOr<std::uint64_t> JobQueue::submit(std::function<void()> job, const Claim& claim) {
   const MutexLock lock(mutex_);
   if (stopped_) return absl::UnavailableError("the server is shutting down");
-  if (waiting_ >= options_.max_waiting) {
+  if (places_.size() >= options_.max_waiting) {
     ++refused_;
     return absl::ResourceExhaustedError("the server is busy; try again later");
   }
@@ -38,9 +38,10 @@ absl::StatusOr<std::uint64_t> JobQueue::submit(std::function<void()> job, const 
   if (caller.waiting == 0 && caller.running == 0) caller.used = std::max(caller.used, turn_);
   Lane& lane = lane_of(claim, caller);
   if (lane.waiting.empty() && lane.running == 0) lane.used = std::max(lane.used, caller.turn);
-  lane.waiting.emplace(std::pair(lane.used + claim.expected, next_ticket_), Job{std::move(job), claim.expected});
+  const Nanoseconds at = lane.used + claim.expected;
+  lane.waiting.emplace(std::pair(at, next_ticket_), Job{std::move(job), claim.expected});
+  places_[next_ticket_] = {&caller, &lane, at};
   ++caller.waiting;
-  ++waiting_;
   wake_.notify_one();
   return next_ticket_++;
 }
@@ -55,24 +56,35 @@ JobQueue::Lane& JobQueue::lane_of(const Claim& claim, Caller& caller) {
 bool JobQueue::withdraw(std::uint64_t ticket) {
   Job job;  // outlives the lock: what it holds may take its time to go
   const MutexLock lock(mutex_);
-  for (auto& [name, caller] : callers_) {
-    for (auto& [connection, lane] : caller.lanes) {
-      const auto found = std::find_if(lane.waiting.begin(), lane.waiting.end(),
-                                      [ticket](const auto& entry) { return entry.first.second == ticket; });
-      if (found == lane.waiting.end()) continue;
-      job = std::move(found->second);
-      lane.waiting.erase(found);
-      --caller.waiting;
-      --waiting_;
-      return true;
-    }
-  }
-  return false;
+  const auto found = places_.find(ticket);
+  if (found == places_.end()) return false;
+  const Place place = found->second;
+  places_.erase(found);
+  job = std::move(place.lane->waiting.extract(std::pair(place.at, ticket)).mapped());
+  --place.caller->waiting;
+  return true;
 }
 
 std::size_t JobQueue::waiting() const {
   const MutexLock lock(mutex_);
-  return waiting_;
+  return places_.size();
+}
+
+std::size_t JobQueue::overdue() const {
+  const Nanoseconds now = options_.clock();
+  const MutexLock lock(mutex_);
+  const auto count =
+      std::count_if(running_.begin(), running_.end(), [&](const auto& job) { return is_overdue(job.second, now); });
+  return static_cast<std::size_t>(count);
+}
+
+void JobQueue::tell_overdue(const std::function<void(const std::string&, Nanoseconds)>& tell) {
+  const Nanoseconds now = options_.clock();
+  const MutexLock lock(mutex_);
+  for (auto& [ticket, job] : running_) {
+    if (!is_overdue(job, now) || std::exchange(job.was_told, true)) continue;
+    tell(job.caller, now - job.start);
+  }
 }
 
 void JobQueue::stop() {
@@ -105,7 +117,7 @@ JobQueue::Turn JobQueue::next_turn() {
   for (auto& [name, caller] : callers_) {
     if (caller.waiting == 0 || caller.running >= options_.max_running_of_one) continue;
     Lane& lane = next_lane(caller);
-    if (best.caller == nullptr || order_of(caller, lane) < order_of(*best.caller, *best.lane)) best = {&caller, &lane};
+    if (best.caller == nullptr || order_of(caller, lane) < order_of(*best.caller, *best.lane)) best = {name, &caller, &lane};
   }
   return best;
 }
@@ -128,7 +140,7 @@ void JobQueue::work() {
   MutexLock lock(mutex_);
   while (true) {
     Turn turn = next_turn();
-    while (turn.lane == nullptr && !(stopped_ && waiting_ == 0)) {
+    while (turn.lane == nullptr && !(stopped_ && places_.empty())) {
       wake_.wait(mutex_);
       turn = next_turn();
     }
@@ -136,15 +148,17 @@ void JobQueue::work() {
     // They stay where they are while they have a job running.
     Caller& caller = *turn.caller;
     Lane& lane = *turn.lane;
-    std::function<void()> job = std::move(lane.waiting.extract(lane.waiting.begin()).mapped().run);
-    --waiting_;
+    auto taken = lane.waiting.extract(lane.waiting.begin());
+    const std::uint64_t ticket = taken.key().second;
+    std::function<void()> job = std::move(taken.mapped().run);
+    places_.erase(ticket);
     --caller.waiting;
     for (Share* share : {static_cast<Share*>(&caller), static_cast<Share*>(&lane)}) ++share->running;
-    ++running_;
+    const Nanoseconds start = options_.clock();
+    running_[ticket] = {turn.name, start, taken.mapped().expected};
     turn_ = std::max(turn_, caller.used);
     caller.turn = std::max(caller.turn, lane.used);
     lock.unlock();
-    const Nanoseconds start = options_.clock();
     job();
     job = nullptr;  // before the lock, for the same reason as above
     const Nanoseconds spent = options_.clock() - start;
@@ -153,9 +167,9 @@ void JobQueue::work() {
       --share->running;
       share->used += spent;
     }
-    --running_;
+    running_.erase(ticket);
     // Once all have what they asked for, nobody owes another one.
-    if (waiting_ == 0 && running_ == 0) {
+    if (places_.empty() && running_.empty()) {
       callers_.clear();
       lanes_ = 0;
       turn_ = {};

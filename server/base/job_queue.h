@@ -40,6 +40,7 @@ class JobQueue {
     std::size_t max_waiting_of_one = std::numeric_limits<std::size_t>::max();  // jobs of one caller
     int max_running_of_one = std::numeric_limits<int>::max();                  // jobs of one caller
     bool low_priority = false;                                                 // workers call lower_priority()
+    Nanoseconds patience = std::chrono::minutes(1);                            // see overdue()
     /// Time since any moment, never less than before. Called by all workers.
     std::function<Nanoseconds()> clock = [] { return Nanoseconds(std::chrono::steady_clock::now().time_since_epoch()); };
   };
@@ -67,6 +68,10 @@ class JobQueue {
   std::size_t waiting() const;
   /// How often submit() has refused a job because too many waited.
   std::uint64_t refused() const { return refused_; }
+  /// How many running jobs have taken ten times as long as was expected of them, and `patience` more: they may be stuck.
+  std::size_t overdue() const;
+  /// Calls tell(caller, time) for each of them, once. `tell` must not call the queue.
+  void tell_overdue(const std::function<void(const std::string& caller, Nanoseconds time)>& tell);
   /// Accepts no more, runs what was accepted to its end (cancel it before), joins the workers. Not from a job.
   void stop();
 
@@ -74,6 +79,11 @@ class JobQueue {
   struct Job {
     std::function<void()> run;
     Nanoseconds expected;
+  };
+  struct Running {
+    std::string caller;
+    Nanoseconds start, expected;
+    bool was_told = false;  // that it is overdue
   };
   /// What somebody has of the workers.
   struct Share {
@@ -91,16 +101,24 @@ class JobQueue {
     Nanoseconds turn{};
   };
   using Callers = std::map<std::string, Caller, std::less<>>;
+  /// Where a job waits.
+  struct Place {
+    Caller* caller;
+    Lane* lane;
+    Nanoseconds at;
+  };
   /// Compared first to last: who has the smaller one is next.
   using Order = std::tuple<int, Nanoseconds, std::uint64_t>;
 
   /// The lane whose turn it is, and its caller; null where none has a job that may run.
   struct Turn {
+    std::string name;  // the caller's
     Caller* caller = nullptr;
     Lane* lane = nullptr;
   };
 
   void work() ABSL_LOCKS_EXCLUDED(mutex_);
+  bool is_overdue(const Running& job, Nanoseconds now) const { return now - job.start > 10 * job.expected + options_.patience; }
   static Order order_of(const Share& share, const Lane& lane);
   static Lane& next_lane(Caller& caller);
   Turn next_turn() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -112,9 +130,9 @@ class JobQueue {
   std::atomic<std::uint64_t> refused_ = 0;
   mutable Mutex mutex_;
   CondVar wake_;
-  Callers callers_ ABSL_GUARDED_BY(mutex_);          // with jobs, or that have had more than their share
-  std::size_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;  // jobs, of all
-  int running_ ABSL_GUARDED_BY(mutex_) = 0;
+  Callers callers_ ABSL_GUARDED_BY(mutex_);                           // with jobs, or that have had more than their share
+  std::map<std::uint64_t, Place> places_ ABSL_GUARDED_BY(mutex_);     // of those that wait, by ticket
+  std::map<std::uint64_t, Running> running_ ABSL_GUARDED_BY(mutex_);  // by ticket
   // The most that a caller had used when its turn came: where those that join begin. A caller has the same for its lanes.
   Nanoseconds turn_ ABSL_GUARDED_BY(mutex_){};
   std::size_t lanes_ ABSL_GUARDED_BY(mutex_) = 0;       // of all callers

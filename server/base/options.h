@@ -14,14 +14,15 @@
 namespace curvecast::server {
 
 struct ServerOptions {
-  std::string listen = {};                                   // "host:port"; port 0 = any free one; empty = this process only
-  int threads = 0;                                           // for preprocessing and views; 0 = one per core
-  std::uint64_t max_upload_bytes = std::uint64_t{8} << 30;   // of one mesh file
-  std::uint64_t max_mesh_bytes = std::uint64_t{16} << 30;    // of all mesh files held; the least recently used go first
-  std::uint64_t max_sessions = 64;                           // held at once
-  std::uint64_t max_session_bytes = std::uint64_t{8} << 30;  // of all of them; the least recently used go first, to the cache
-  std::string tokens = {};                                   // file of those who may call, see Tokens; empty = everybody
-  std::string mesh_folder = {};                              // of which clients may import meshes; empty = none
+  std::string listen = {};  // "host:port"; port 0 = any free one; empty = this process only
+  int threads = 0;          // for preprocessing and views; 0 = one per core that the machine, or its container, has
+  std::uint64_t max_upload_bytes = std::uint64_t{8} << 30;  // of one mesh file
+  std::uint64_t max_mesh_bytes = std::uint64_t{16} << 30;   // of all mesh files held; the least recently used go first
+  std::uint64_t max_sessions = 64;                          // held at once
+  /// Of all of them; the least recently used go first, to the cache. No more than half of the memory.
+  std::uint64_t max_session_bytes = std::uint64_t{8} << 30;
+  std::string tokens = {};       // file of those who may call, see Tokens; empty = everybody
+  std::string mesh_folder = {};  // of which clients may import meshes; empty = none
   /// Of the gRPC port, and no more than half of the descriptors that the process may have. For one more the oldest one gives way
   /// that has made no call.
   std::size_t max_connections = 10'000;
@@ -32,16 +33,21 @@ struct ServerOptions {
   /// Views and acknowledgements a second that are taken from a stream. A client that waits for each frame sends one of each in a
   /// few milliseconds.
   double max_view_rate = 2000;
-  std::uint64_t max_queued_bytes = std::uint64_t{1} << 30;  // of all answers that wait until clients read them
+  /// Of all answers that wait until clients read them; no more than an eighth of the memory.
+  std::uint64_t max_queued_bytes = std::uint64_t{1} << 30;
   /// How long a message may take to leave while more than half of that waits; then its call ends.
   std::chrono::milliseconds max_stall = std::chrono::seconds(30);
   /// Limit of refinement, which follows views that ask for more than a session was made for: curve vertices of one session. Also
   /// kept within half of the machine's free memory. 0: no refinement.
   std::uint64_t max_curve_vertices = 20'000'000;
   /// Of this process: beyond, large blocks of memory lie in a file in the cache's folder or, where there is none, the folder for
-  /// temporary files, slower but never killed. 0: 70 % of what the machine or its container has.
+  /// temporary files, slower but never killed. Jobs that would take more than there is of both wait, or are refused. 0: 70 % of
+  /// what the machine or its container has.
   std::uint64_t memory_bytes = 0;
-  std::string cache = {};                               // folder where sessions survive a restart; made if missing; empty = none
+  std::string cache = {};  // folder where sessions survive a restart; made if missing; empty = none
+  /// A session whose making ended the process is not made again for so long, by any server of the cache's folder; four times as
+  /// long after each further time, up to an hour.
+  std::chrono::seconds crash_pause{60};
   std::uint64_t cache_bytes = std::uint64_t{10} << 30;  // of all files there; the least recently used sessions go first
   bool log = true;                                      // one line per state change and error, to standard error
   bool verbose = false;                                 // with log: one line per request too

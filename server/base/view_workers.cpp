@@ -42,6 +42,11 @@ absl::Status ViewWorkers::submit(std::function<void()> job, const std::string& c
       .status();
 }
 
+void ViewWorkers::tell_overdue(const std::function<void(const std::string&, Nanoseconds)>& tell) {
+  quick_.tell_overdue(tell);
+  patient_.tell_overdue(tell);
+}
+
 void ViewWorkers::stop() {
   quick_.stop();
   patient_.stop();

@@ -42,6 +42,9 @@ class ViewWorkers {
   std::size_t waiting() const { return quick_.waiting() + patient_.waiting(); }
   /// As JobQueue::refused(), of both queues.
   std::uint64_t refused() const { return quick_.refused() + patient_.refused(); }
+  /// As JobQueue::overdue() and tell_overdue(), of both queues.
+  std::size_t overdue() const { return quick_.overdue() + patient_.overdue(); }
+  void tell_overdue(const std::function<void(const std::string& caller, Nanoseconds time)>& tell);
   /// As JobQueue::stop(), for both queues.
   void stop();
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <thread>
 #include <utility>
 
+#include "core/base/machine.h"
+#include "server/base/memory_share.h"
 #include "server/base/options.h"
 #include "server/base/scratch_folder.h"
 
@@ -16,34 +17,36 @@ namespace {
 constexpr std::size_t kMaxWaiting = 1024, kMaxWaitingOfOne = 256;
 constexpr std::chrono::seconds kHousekeepingInterval{1};
 
-int worker_count(int threads) {
-  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
+// Of the memory, what sessions and answers that wait may take at most, whatever the options say.
+constexpr std::uint64_t kSessionShare = 2, kQueuedShare = 8;
+
+int core_count(int threads) { return threads > 0 ? threads : machine_cores(); }
 
 double in_seconds(std::chrono::duration<double> duration) { return duration.count(); }
-
-/// Whether there may be views of other clients, which go before preprocessing. A command that works for itself alone is not to
-/// stand back behind the other programs of the machine.
-bool has_other_clients(const ServerOptions& options) { return !options.listen.empty() || !options.http.empty(); }
 
 }  // namespace
 
 Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
                std::shared_ptr<const Tokens> known)
     : log(std::move(logger)),
-      threads(options.threads),
-      queued(options.max_queued_bytes),
-      views({.workers = worker_count(options.threads),
+      threads(core_count(options.threads)),
+      memory({.most = [options] { return memory_with_file(options); },
+              .held = [this] { return held_bytes(); },
+              .make_room = [this](std::uint64_t bytes) { sessions.make_room(bytes); }}),
+      queued(std::min(options.max_queued_bytes, memory_share(options) / kQueuedShare)),
+      views({.workers = threads,
              .max_waiting = kMaxWaiting,
              .max_waiting_of_one = kMaxWaitingOfOne,
              .on_done = [this](auto waited, auto took) { metrics.view_job(in_seconds(waited), in_seconds(took)); }}),
-      calls({.workers = worker_count(options.threads) + 1,
+      calls({.workers = threads + 1,
              .max_waiting = kMaxWaiting,
              .max_waiting_of_one = kMaxWaitingOfOne,
-             .max_running_of_one = worker_count(options.threads),
+             .max_running_of_one = threads,
              .low_priority = true}),
       preprocessing({.max_waiting = kMaxWaiting, .low_priority = has_other_clients(options)}),
       cache(std::move(session_cache)),
+      marks(cache != nullptr && has_other_clients(options) ? std::make_unique<MakingMarks>(cache->folder(), options.crash_pause)
+                                                           : nullptr),
       tokens(std::move(known)),
       max_view_rate(options.max_view_rate),
       streams(std::make_shared<Admission>("streams of views", options.max_streams, options.max_streams_of_client)),
@@ -56,16 +59,21 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
           [this](const MeshFile& file, const PreprocessOptions& wanted, const ExecutionContext& context,
                  const OnPreview& on_preview) {
             const auto start = std::chrono::steady_clock::now();
-            auto made = preprocess(file, wanted, context, on_preview);
+            MemoryBudget::Job job(memory, context.cancel);
+            ExecutionContext counted = context;
+            counted.memory = &job;
+            auto made = preprocess(file, wanted, counted, on_preview);
             metrics.preprocessing(made.status().raw_code(), in_seconds(std::chrono::steady_clock::now() - start));
             return made;
           },
-          {options.max_sessions, options.max_session_bytes}, options.threads, log, cache.get(),
+          {options.max_sessions, std::min(options.max_session_bytes, memory_share(options) / kSessionShare)}, threads, log,
+          cache.get(),
           [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
             for (const auto& weak : all_streams()) {
               if (const auto stream = weak.lock()) stream->replace(preview, real);
             }
-          }),
+          },
+          marks.get()),
       refiner(
           options.max_curve_vertices,
           [this](const Session& session, bool is_finer) {
@@ -73,9 +81,9 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
             if (is_finer) sessions.save(session);
             notify_streams(session);
           },
-          log),
+          [this, share = memory_share(options)] { return share - std::min(share, held_bytes() + memory.reserved()); }, log),
       rank_jobs(
-          worker_count(options.threads), [this](const Session& session) { notify_streams(session); }, log),
+          threads, [this](const Session& session) { notify_streams(session); }, log),
       max_stall_(options.max_stall),
       housekeeper_([this](const std::stop_token& stop) { run_housekeeping(stop); }) {
   // Workers started before what they use was there. They take the lock of their queue once more before they use it.
@@ -90,12 +98,24 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
   while (!never.wait_for(lock, stop, kHousekeepingInterval, [] { return false; }) && !stop.stop_requested()) {
     const auto now = std::chrono::steady_clock::now();
     sessions.run_housekeeping(now);
+    if (marks != nullptr) marks->touch();
     frame_cache.forget_before(now - kHousekeepingInterval);
     if (queued.is_half_full()) metrics.stalled(sends.end_begun_before(now - max_stall_));
     for (const auto& weak : all_streams()) {
       if (const auto stream = weak.lock()) stream->retry();
     }
+    warn_of_overdue();
   }
+}
+
+void Engine::warn_of_overdue() {
+  const auto warn = [this](const std::string& caller, JobQueue::Nanoseconds time) {
+    log->warn("a job of {} takes far longer than expected, {:.0f} s by now", caller.empty() ? "somebody" : printable(caller),
+              in_seconds(time));
+  };
+  views.tell_overdue(warn);
+  calls.tell_overdue(warn);
+  preprocessing.tell_overdue(warn);
 }
 
 absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport, const std::string& caller,
@@ -144,8 +164,13 @@ ImprovementRequests Engine::improvement_requests(const std::shared_ptr<const Ses
       .more_ranks = [this, session, source](RankDemand demand) { return rank_jobs.request(session, source, std::move(demand)); }};
 }
 
+std::uint64_t Engine::held_bytes() { return sessions.memory_bytes() + queued.bytes(); }
+
 Gauges Engine::gauges() {
   Gauges out;
+  out.memory_bytes = memory.most();
+  out.held_bytes = held_bytes();
+  out.reserved_bytes = memory.reserved();
   out.connections = connections->count();
   out.ended_connections = connections->ended();
   out.refused_connections = connections->refused();
@@ -153,10 +178,14 @@ Gauges Engine::gauges() {
   out.shared_frames = frame_cache.shared();
   out.waiting_calls = calls.waiting();
   out.waiting_preprocessing = preprocessing.waiting();
+  out.overdue_views = views.overdue();
+  out.overdue_calls = calls.overdue();
+  out.overdue_preprocessing = preprocessing.overdue();
   out.queued_bytes = queued.bytes();
   out.refused = {{"queued_bytes", queued.refused()}, {"waiting_views", views.refused()},
                  {"waiting_calls", calls.refused()}, {"waiting_preprocessing", preprocessing.refused()},
-                 {"streams", streams->refused()},    {"uploads", uploads->refused()}};
+                 {"memory", memory.refused()},       {"streams", streams->refused()},
+                 {"uploads", uploads->refused()}};
   for (const SessionInfo& info : sessions.list()) {
     ++out.sessions;
     if (info.session != nullptr) out.session_bytes += info.session->memory_bytes();

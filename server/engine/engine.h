@@ -13,6 +13,7 @@
 #include "core/base/mutex.h"
 #include "server/base/admission.h"
 #include "server/base/job_queue.h"
+#include "server/base/memory_budget.h"
 #include "server/base/queued_bytes.h"
 #include "server/base/send_watch.h"
 #include "server/base/tokens.h"
@@ -22,6 +23,7 @@
 #include "server/frame/frame_cache.h"
 #include "server/frame/point_blocks.h"
 #include "server/net/connection_table.h"
+#include "server/session/making_marks.h"
 #include "server/session/mesh_store.h"
 #include "server/session/rank_jobs.h"
 #include "server/session/refiner.h"
@@ -61,6 +63,8 @@ class Engine {
                                            std::uint64_t source);
   /// Makes a number by which Refiner::request() tells conversations and calls apart.
   std::uint64_t new_source() { return ++sources_; }
+  /// Returns the bytes of memory that sessions and answers take, in use or not.
+  std::uint64_t held_bytes();
   /// Counts what is held and what waits at this moment.
   Gauges gauges();
   /// Closes a session, as SessionStore::close(), and ends its refinement.
@@ -70,7 +74,8 @@ class Engine {
 
   const std::shared_ptr<spdlog::logger> log;
   Metrics metrics;
-  const int threads;                           // of one preprocessing job; 0 = one per core
+  const int threads;                           // of one preprocessing job, and workers for views
+  MemoryBudget memory;                         // of all jobs
   QueuedBytes queued;                          // before all that sends
   SendWatch sends;                             // as well
   ViewCache view_cache;                        // of the jobs in `views` and `calls`
@@ -79,6 +84,7 @@ class Engine {
   JobQueue calls;                              // single point sets, neighbours, inspection: views go before them
   JobQueue preprocessing;                      // one at a time: each uses all cores by itself
   const std::unique_ptr<SessionCache> cache;   // null: none
+  const std::unique_ptr<MakingMarks> marks;    // null: no cache, or nobody else to protect
   const std::shared_ptr<const Tokens> tokens;  // of those who may call; null: everybody
   const double max_view_rate;                  // of a stream, per second
   const std::shared_ptr<Admission> streams, uploads;
@@ -94,6 +100,7 @@ class Engine {
   std::vector<std::weak_ptr<ClientStream>> all_streams() ABSL_LOCKS_EXCLUDED(mutex_);
   void notify_streams(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
   void run_housekeeping(const std::stop_token& stop) ABSL_LOCKS_EXCLUDED(mutex_);
+  void warn_of_overdue();
 
   const std::chrono::milliseconds max_stall_;
   std::jthread housekeeper_;  // last: it uses the others

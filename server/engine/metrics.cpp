@@ -108,6 +108,11 @@ struct Metrics::Families {
   Gauge& waiting_views ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "views"}});
   Gauge& waiting_calls ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "calls"}});
   Gauge& waiting_preprocessing ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "preprocessing"}});
+  Family<Gauge>& overdue ABSL_GUARDED_BY(mutex) = gauges(registry, "curvecast_jobs_overdue",
+                                                         "Jobs that take far longer than expected, and may be stuck.");
+  Gauge& overdue_views ABSL_GUARDED_BY(mutex) = overdue.Add({{"queue", "views"}});
+  Gauge& overdue_calls ABSL_GUARDED_BY(mutex) = overdue.Add({{"queue", "calls"}});
+  Gauge& overdue_preprocessing ABSL_GUARDED_BY(mutex) = overdue.Add({{"queue", "preprocessing"}});
   Gauge& sessions ABSL_GUARDED_BY(mutex) =
       gauges(registry, "curvecast_sessions", "Sessions in memory, those being made too.").Add({});
   Gauge& session_bytes ABSL_GUARDED_BY(mutex) =
@@ -119,6 +124,12 @@ struct Metrics::Families {
       gauges(registry, "curvecast_cache_bytes", "Of the files in the cache's folder.").Add({});
   Gauge& queued_bytes ABSL_GUARDED_BY(mutex) =
       gauges(registry, "curvecast_queued_bytes", "Of answers that wait until clients read them.").Add({});
+  Gauge& memory_bytes ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_memory_budget_bytes", "That all work may take, in memory and in a file instead.").Add({});
+  Gauge& held_bytes ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_memory_held_bytes", "Of sessions and of answers that wait.").Add({});
+  Gauge& reserved_bytes ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_memory_reserved_bytes", "That running jobs have asked for.").Add({});
   Family<Counter>& refused ABSL_GUARDED_BY(mutex) =
       counters(registry, "curvecast_refused_total", "Streams, views, calls and uploads refused, by the limit that they met.");
   Gauge& resident ABSL_GUARDED_BY(mutex) =
@@ -201,7 +212,13 @@ std::string Metrics::text(const Gauges& values) {
   f.meshes.Set(static_cast<double>(values.meshes));
   f.mesh_bytes.Set(static_cast<double>(values.mesh_bytes));
   f.cache_bytes.Set(static_cast<double>(values.cache_bytes));
+  f.overdue_views.Set(static_cast<double>(values.overdue_views));
+  f.overdue_calls.Set(static_cast<double>(values.overdue_calls));
+  f.overdue_preprocessing.Set(static_cast<double>(values.overdue_preprocessing));
   f.queued_bytes.Set(static_cast<double>(values.queued_bytes));
+  f.memory_bytes.Set(static_cast<double>(values.memory_bytes));
+  f.held_bytes.Set(static_cast<double>(values.held_bytes));
+  f.reserved_bytes.Set(static_cast<double>(values.reserved_bytes));
   for (const auto& [limit, count] : values.refused) {
     Counter& counter = f.refused.Add({{"limit", limit}});
     counter.Increment(static_cast<double>(count) - counter.Value());

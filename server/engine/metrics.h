@@ -29,7 +29,12 @@ struct Gauges {
   std::size_t meshes = 0;
   std::uint64_t mesh_bytes = 0;  // of uploads under way too
   std::uint64_t cache_bytes = 0;
-  std::uint64_t queued_bytes = 0;  // of answers that wait to be read
+  // Jobs that take far longer than expected.
+  std::size_t overdue_views = 0, overdue_calls = 0, overdue_preprocessing = 0;
+  std::uint64_t queued_bytes = 0;    // of answers that wait to be read
+  std::uint64_t memory_bytes = 0;    // that all work may take, see MemoryBudget
+  std::uint64_t held_bytes = 0;      // of it, what sessions and answers take
+  std::uint64_t reserved_bytes = 0;  // ... and what running jobs have asked for
   // So far, by the name of the limit: what was refused.
   std::map<std::string, std::uint64_t> refused = {};
 };

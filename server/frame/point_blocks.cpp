@@ -71,6 +71,8 @@ absl::Status make_point_blocks(const Session& session, const PointSetRequest& re
   if (request.max_bytes > 0) return emit_within(*sampler, request, improvements, emit);
   const absl::StatusOr<std::uint64_t> wanted = sampler->points();
   if (!wanted.ok()) return wanted.status();
+  MemoryClaim claim(context);
+  if (absl::Status status = claim_points(*wanted, claim); !status.ok()) return status;
   absl::StatusOr<Sampled> sampled = sampler->sample(*wanted);
   if (!sampled.ok()) return sampled.status();
   return emit_point_blocks(*sampled, request, request_improvement(*sampled, improvements), emit);

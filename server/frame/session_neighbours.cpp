@@ -28,6 +28,8 @@ absl::Status find_neighbours(const Session& session, const PointSetRequest& requ
   if (!wanted.ok()) return wanted.status();
   const std::uint64_t length = std::min<std::uint64_t>(search.count, std::max<std::uint64_t>(*wanted, 1) - 1);
   if (*wanted <= kMaxPoints && *wanted * length > kMaxNeighbourPairs) return too_many(*wanted, length);
+  MemoryClaim claim(context);
+  if (absl::Status status = claim_points(*wanted, claim); !status.ok()) return status;
   absl::StatusOr<Sampled> sampled = sampler->sample(*wanted);
   if (!sampled.ok()) return sampled.status();
   const auto emit_points = [&](v1::ResampleResponse points) {

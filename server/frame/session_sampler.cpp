@@ -1,5 +1,8 @@
 #include "server/frame/session_sampler.h"
 
+#include <absl/strings/str_format.h>
+
+#include <algorithm>
 #include <utility>
 
 #include "core/base/execution_context.h"
@@ -148,6 +151,13 @@ void SessionSampler::list(Sampled& selected, const PointAttributes& attributes) 
   Stopwatch watch;
   list_ranked(*selected.curve, selected.workspace->ranked, attributes.need_places());
   selected.statistics.equalise_seconds += watch.lap();
+}
+
+absl::Status claim_points(std::uint64_t points, MemoryClaim& claim) {
+  constexpr std::uint64_t kPerPoint = 160;
+  const std::uint64_t bytes = kPerPoint * std::min(points, kMaxPoints);
+  return claim.set(bytes,
+                   absl::StrFormat("a set of %d points takes %s of memory", points, describe_bytes(static_cast<double>(bytes))));
 }
 
 absl::StatusOr<Sampled> sample_points(const Session& session, const PointSetRequest& request, ViewCache& cache,

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "core/base/execution_context.h"
+#include "core/base/memory_claim.h"
 #include "core/base/work_limit.h"
 #include "core/density/fixed_density_cache.h"
 #include "server/convert/convert_points.h"
@@ -104,6 +105,9 @@ class SessionSampler {
   double expected_scale_ = 0;  // not known
   double fixed_seconds_ = 0;
 };
+
+/// Claims the memory that it takes to sample so many points and pack them. Errors as of MemoryClaim::set().
+absl::Status claim_points(std::uint64_t points, MemoryClaim& claim);
 
 /// Samples all points that the request's budget allows; waits for ranked candidates to be made. Not for budgets in bytes.
 absl::StatusOr<Sampled> sample_points(const Session& session, const PointSetRequest& request, ViewCache& cache,

@@ -61,15 +61,17 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
     push_progress("queued", 0);
     return engine.preprocessing
         .submit([this, work = std::move(work),
-                 threads = engine.threads] { finish(to_grpc(status_from_exceptions([&] { return answer(work, threads); }))); },
+                 &engine] { finish(to_grpc(status_from_exceptions([&] { return answer(work, engine); }))); },
                 {.caller = caller(), .connection = connection})
         .status();
   }
 
-  absl::Status answer(const Work& work, int threads) {
+  absl::Status answer(const Work& work, Engine& engine) {
+    MemoryBudget::Job memory(engine.memory, &cancel_flag());
     ExecutionContext context;
     context.cancel = &cancel_flag();
-    context.threads = threads;
+    context.memory = &memory;
+    context.threads = engine.threads;
     context.on_progress = [this](std::string_view stage, double fraction) { push_progress(stage, fraction); };
     const auto sets = to_point_sets(work.request, work.points);
     if (!sets.ok()) return sets.status();

@@ -42,8 +42,10 @@ class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
   absl::Status answer(Engine& engine, const std::shared_ptr<const Session>& session, const PointSetRequest& points,
                       const NeighbourSearch& search) {
     if (cancelled()) return absl::CancelledError("the client has gone");
+    MemoryBudget::Job memory(engine.memory, &cancel_flag());
     ExecutionContext context;
     context.cancel = &cancel_flag();
+    context.memory = &memory;
     context.on_progress = [this](std::string_view stage, double fraction) {
       v1::FindNeighboursResponse response;
       response.mutable_progress()->set_stage(std::string(stage));

@@ -31,18 +31,18 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
                                     .chart_faces = to_chart_faces(check, "chart_faces", request.chart_faces())};
     if (!check.ok()) return check.status();
     return engine.preprocessing
-        .submit(
-            [this, files = *std::move(files), options, threads = engine.threads] {
-              finish(to_grpc(status_from_exceptions([&] { return answer(files, options, threads); })));
-            },
-            {.caller = caller(), .connection = connection})
+        .submit([this, &engine, files = *std::move(files),
+                 options] { finish(to_grpc(status_from_exceptions([&] { return answer(engine, files, options); }))); },
+                {.caller = caller(), .connection = connection})
         .status();
   }
 
-  absl::Status answer(const MeshFiles& files, const PreprocessOptions& options, int threads) {
+  absl::Status answer(Engine& engine, const MeshFiles& files, const PreprocessOptions& options) {
+    MemoryBudget::Job memory(engine.memory, &cancel_flag());
     ExecutionContext context;
     context.cancel = &cancel_flag();
-    context.threads = threads;
+    context.memory = &memory;
+    context.threads = engine.threads;
     const auto flattened = flatten_mesh(files.file(), options, context);
     if (!flattened.ok()) return flattened.status();
     return push_all([&](const auto& push_chunk) { return make_chunks(*flattened, files.mesh->name, push_chunk); });

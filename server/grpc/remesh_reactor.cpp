@@ -42,8 +42,10 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
 
   absl::Status answer(Engine& engine, const Session& session, const PointSetRequest& points, const RemeshOptions& options) {
     if (cancelled()) return absl::CancelledError("the client has gone");
+    MemoryBudget::Job memory(engine.memory, &cancel_flag());
     ExecutionContext context;
     context.cancel = &cancel_flag();
+    context.memory = &memory;
     context.threads = engine.threads;
     context.on_progress = [this](std::string_view stage, double fraction) {
       v1::RemeshResponse response;

@@ -39,8 +39,9 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
   absl::Status answer(Engine& engine, const Session& session, const PointSetRequest& point_set,
                       const ImprovementRequests& improvements) {
     if (cancelled()) return absl::CancelledError("the client has gone");
+    MemoryBudget::Job memory(engine.memory, &cancel_flag());
     return push_all([&](const auto& push_block) {
-      return make_point_blocks(session, point_set, engine.view_cache, improvements, {.cancel = &cancel_flag()},
+      return make_point_blocks(session, point_set, engine.view_cache, improvements, {.cancel = &cancel_flag(), .memory = &memory},
                                [&](v1::ResampleResponse block) {
                                  if (block.has_statistics()) engine.metrics.stages(block.statistics());
                                  return push_block(std::move(block));

@@ -27,7 +27,7 @@ class UnaryJob final : public grpc::ServerUnaryReactor {
   /// `method` is a literal. `prepare` is called within the constructor: it returns the work, or what is wrong with the request.
   UnaryJob(Engine& engine, const char* method, grpc::CallbackServerContext& context,
            const std::function<absl::StatusOr<Work>()>& prepare)
-      : log_(engine, method, context) {
+      : engine_(engine), log_(engine, method, context) {
     const absl::Status begun = status_from_exceptions([&] {
       absl::StatusOr<Work> work = prepare();
       if (!work.ok()) return work.status();
@@ -44,10 +44,8 @@ class UnaryJob final : public grpc::ServerUnaryReactor {
 
   void run(const Work& work) {
     finish(status_from_exceptions([&] {
-      ExecutionContext context;
-      context.cancel = &cancel_;
-      context.threads = 1;
-      return work(context);
+      MemoryBudget::Job memory(engine_.memory, &cancel_);
+      return work({.cancel = &cancel_, .threads = 1, .memory = &memory});
     }));
   }
 
@@ -56,6 +54,7 @@ class UnaryJob final : public grpc::ServerUnaryReactor {
     Finish(to_grpc(status));
   }
 
+  Engine& engine_;
   RequestLog log_;
   std::atomic<bool> cancel_ = false;
 };

@@ -4,7 +4,6 @@
 #include <spdlog/logger.h>
 
 #include <algorithm>
-#include <fstream>
 #include <utility>
 
 #include "core/base/stopwatch.h"
@@ -13,17 +12,6 @@
 namespace curvecast::server {
 namespace {
 
-/// Memory that the machine could give without swapping, bytes; 0 where it does not say.
-std::uint64_t available_memory() {
-  std::ifstream file("/proc/meminfo");
-  std::string name, unit;
-  std::uint64_t kib = 0;
-  while (file >> name >> kib >> unit) {
-    if (name == "MemAvailable:") return kib * 1024;
-  }
-  return 0;
-}
-
 bool is_uniform(const std::vector<DensityTerm>& density) {
   return std::all_of(density.begin(), density.end(),
                      [](const DensityTerm& term) { return std::holds_alternative<UniformTerm>(term); });
@@ -31,8 +19,9 @@ bool is_uniform(const std::vector<DensityTerm>& density) {
 
 }  // namespace
 
-Refiner::Refiner(std::uint64_t max_vertices, OnDone on_done, std::shared_ptr<spdlog::logger> log)
+Refiner::Refiner(std::uint64_t max_vertices, OnDone on_done, Room room, std::shared_ptr<spdlog::logger> log)
     : max_vertices_(max_vertices),
+      room_(std::move(room)),
       log_(std::move(log)),
       jobs_({.improve = [this](const Session& session, const Demands<CurveDemand>& demands,
                                const std::atomic<bool>& cancel) { return improve(session, demands, cancel); },
@@ -92,10 +81,9 @@ absl::StatusOr<RefinedCurve> Refiner::refine_once(const Session& session, const 
 }
 
 std::uint64_t Refiner::affordable_vertices(const SurfaceCurve& curve) const {
-  const std::uint64_t available = available_memory();
-  if (available == 0 || curve.size() == 0) return max_vertices_;
+  if (curve.size() == 0) return max_vertices_;
   const std::uint64_t bytes = curve.byte_size() / curve.size() + 1;
-  return std::min(max_vertices_, available / 2 / bytes);
+  return std::min(max_vertices_, room_() / 2 / bytes);
 }
 
 }  // namespace curvecast::server

@@ -24,8 +24,11 @@ class Refiner {
   /// Called without locks by the refiner's thread when a refinement is over, whether it changed the curve or not.
   using OnDone = std::function<void(const Session& session, bool is_finer)>;
 
-  /// Makes at most `max_vertices` curve vertices for each session; 0: never refines.
-  Refiner(std::uint64_t max_vertices, OnDone on_done, std::shared_ptr<spdlog::logger> log);
+  /// How many bytes of memory there are for curves at this moment.
+  using Room = std::function<std::uint64_t()>;
+
+  /// Makes at most `max_vertices` curve vertices for each session, and no more than take half of the room; 0: never refines.
+  Refiner(std::uint64_t max_vertices, OnDone on_done, Room room, std::shared_ptr<spdlog::logger> log);
 
   /// Asks for a finer revision than `curve`, one of the session's. `source` tells clients apart: of each only the newest demand
   /// counts, and the demands of a session that waits for its turn are met together. Returns whether a finer revision is being
@@ -45,6 +48,7 @@ class Refiner {
   std::uint64_t affordable_vertices(const SurfaceCurve& curve) const;
 
   const std::uint64_t max_vertices_;
+  const Room room_;
   const std::shared_ptr<spdlog::logger> log_;
   ImprovementJobs<CurveDemand> jobs_;  // last: they use the others
 };

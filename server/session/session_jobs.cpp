@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/base/status_from_exceptions.h"
+#include "server/session/expected_time.h"
 
 namespace curvecast::server {
 namespace {
@@ -30,12 +31,13 @@ std::shared_ptr<Session> make_session(const SessionJob& job, Preprocessed prepro
 
 }  // namespace
 
-SessionJobs::SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, OnStandIn on_stand_in,
-                         OnOver on_over)
+SessionJobs::SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, MakingMarks* marks,
+                         OnStandIn on_stand_in, OnOver on_over)
     : queue_(queue),
       preprocess_(std::move(preprocess)),
       threads_(threads),
       cache_(cache),
+      marks_(marks),
       on_stand_in_(std::move(on_stand_in)),
       on_over_(std::move(on_over)) {}
 
@@ -56,7 +58,8 @@ absl::Status SessionJobs::submit_load(const std::shared_ptr<SessionJob>& job) {
 }
 
 absl::Status SessionJobs::submit_preprocessing(const std::shared_ptr<SessionJob>& job) {
-  const absl::StatusOr<std::uint64_t> ticket = queue_.submit([this, job] { preprocess(job); }, job->owner);
+  const absl::StatusOr<std::uint64_t> ticket = queue_.submit(
+      [this, job] { preprocess(job); }, {.caller = job->owner, .expected = expected_time(job->files.mesh->size(), job->options)});
   if (ticket.ok()) places_[job.get()] = {&queue_, *ticket};
   return ticket.status();
 }
@@ -95,36 +98,39 @@ void SessionJobs::preprocess(const std::shared_ptr<SessionJob>& job) {
   if (!job->cancel) {
     job->has_begun = true;
     report(*job, "queued", 1);
-    ExecutionContext context;
-    context.on_progress = [&](std::string_view stage, double fraction) {
-      if (stage == "read" && fraction >= 1) job->files.release_pages();
-      report(*job, stage, fraction);
-    };
-    context.cancel = &job->cancel;
-    context.threads = threads_;
-    const OnPreview on_preview = [&](const MakePreview& make) {
-      if (!job->waiters.want_preview()) return;
-      absl::StatusOr<Preprocessed> coarse = make();
-      if (!coarse.ok()) return;
-      const std::shared_ptr<Session> preview = make_session(*job, *std::move(coarse));
-      preview->is_preview = true;
-      // Now, as below: views would share the cores with all that follows.
-      (void)status_from_exceptions(
-          [&] { return preview->ranks({.on_progress = {}, .cancel = &job->cancel, .threads = threads_}); });
-      on_stand_in_(job, preview);
-    };
-    absl::StatusOr<Preprocessed> made =
-        status_from_exceptions([&] { return preprocess_(job->files.file(), job->options, context, on_preview); });
-    if (made.ok()) {
-      const std::shared_ptr<const Session> session = make_session(*job, *std::move(made));
-      // Now, with all threads, not when the first view waits for them. Where that fails the view will be told why.
-      (void)status_from_exceptions([&] { return session->ranks(context); });
-      result = session;
-    } else {
-      result = made.status();
-    }
+    const absl::Status may_begin = marks_ != nullptr ? marks_->begin(job->id) : absl::OkStatus();
+    result = may_begin.ok() ? make(job) : may_begin;
+    if (marks_ != nullptr) marks_->end(job->id);
   }
   finish(job, std::move(result));
+}
+
+absl::StatusOr<std::shared_ptr<const Session>> SessionJobs::make(const std::shared_ptr<SessionJob>& job) {
+  ExecutionContext context;
+  context.on_progress = [&](std::string_view stage, double fraction) {
+    if (stage == "read" && fraction >= 1) job->files.release_pages();
+    report(*job, stage, fraction);
+  };
+  context.cancel = &job->cancel;
+  context.threads = threads_;
+  const OnPreview on_preview = [&](const MakePreview& make_preview) {
+    if (!job->waiters.want_preview()) return;
+    absl::StatusOr<Preprocessed> coarse = make_preview();
+    if (!coarse.ok()) return;
+    const std::shared_ptr<Session> preview = make_session(*job, *std::move(coarse));
+    preview->is_preview = true;
+    // Now, as below: views would share the cores with all that follows.
+    (void)status_from_exceptions(
+        [&] { return preview->ranks({.on_progress = {}, .cancel = &job->cancel, .threads = threads_}); });
+    on_stand_in_(job, preview);
+  };
+  absl::StatusOr<Preprocessed> made =
+      status_from_exceptions([&] { return preprocess_(job->files.file(), job->options, context, on_preview); });
+  if (!made.ok()) return made.status();
+  const std::shared_ptr<const Session> session = make_session(*job, *std::move(made));
+  // Now, with all threads, not when the first view waits for them. Where that fails the view will be told why.
+  (void)status_from_exceptions([&] { return session->ranks(context); });
+  return session;
 }
 
 void SessionJobs::finish(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> session) {

@@ -13,6 +13,7 @@
 
 #include "core/base/mutex.h"
 #include "server/base/job_queue.h"
+#include "server/session/making_marks.h"
 #include "server/session/mesh_files.h"
 #include "server/session/session.h"
 #include "server/session/session_cache.h"
@@ -46,8 +47,9 @@ class SessionJobs {
       std::function<void(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> session)>;
 
   /// Preprocesses on `queue`, with `threads` threads (0 = one per core), and loads on the cache's thread. Both queue and cache
-  /// must outlive this; `cache` may be null.
-  SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, OnStandIn on_stand_in, OnOver on_over);
+  /// must outlive this, and `marks`, of the sessions that it preprocesses; `cache` and `marks` may be null.
+  SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, MakingMarks* marks, OnStandIn on_stand_in,
+              OnOver on_over);
   /// Waits until the jobs are over. Precondition: all have been cancelled.
   ~SessionJobs();
 
@@ -67,6 +69,7 @@ class SessionJobs {
   absl::Status submit_preprocessing(const std::shared_ptr<SessionJob>& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void load(const std::shared_ptr<SessionJob>& job);
   void preprocess(const std::shared_ptr<SessionJob>& job);
+  absl::StatusOr<std::shared_ptr<const Session>> make(const std::shared_ptr<SessionJob>& job);
   /// Submits for preprocessing what could not be loaded. Cancelled where the job was, else errors as of JobQueue::submit().
   absl::Status fall_back(const std::shared_ptr<SessionJob>& job) ABSL_LOCKS_EXCLUDED(mutex_);
   void finish(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> session)
@@ -76,6 +79,7 @@ class SessionJobs {
   const Preprocess preprocess_;
   const int threads_;
   SessionCache* const cache_;  // may be null
+  MakingMarks* const marks_;   // may be null
   const OnStandIn on_stand_in_;
   const OnOver on_over_;
   Mutex mutex_;

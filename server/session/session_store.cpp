@@ -25,13 +25,13 @@ absl::Status not_yours(const std::string& id) {
 }  // namespace
 
 SessionStore::SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
-                           std::shared_ptr<spdlog::logger> log, SessionCache* cache, OnReplaced on_replaced)
+                           std::shared_ptr<spdlog::logger> log, SessionCache* cache, OnReplaced on_replaced, MakingMarks* marks)
     : log_(std::move(log)),
       cache_(cache),
       on_replaced_(std::move(on_replaced)),
       table_(limits),
       jobs_(
-          queue, std::move(preprocess), threads, cache,
+          queue, std::move(preprocess), threads, cache, marks,
           [this](const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview) {
             take_in_preview(job, std::move(preview));
           },
@@ -291,6 +291,13 @@ absl::Status SessionStore::check_owner(const std::string& id, const std::string&
 std::uint64_t SessionStore::memory_bytes() {
   const MutexLock lock(mutex_);
   return table_.memory_bytes();
+}
+
+void SessionStore::make_room(std::uint64_t bytes) {
+  SessionTable::Sessions evicted;  // outlives the lock
+  const MutexLock lock(mutex_);
+  evicted = table_.evict_bytes(bytes);
+  log_evicted(evicted);
 }
 
 void SessionStore::save(const Session& session) {

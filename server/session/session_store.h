@@ -37,9 +37,11 @@ class SessionStore {
   using OnReplaced = std::function<void(const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real)>;
 
   /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core). With a cache, which must
-  /// outlive the store too, sessions are saved when they become ready, and loaded instead of made.
+  /// outlive the store too, sessions are saved when they become ready, and loaded instead of made. `marks`, which must outlive it
+  /// as well, may be null.
   SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
-               std::shared_ptr<spdlog::logger> log, SessionCache* cache = nullptr, OnReplaced on_replaced = {});
+               std::shared_ptr<spdlog::logger> log, SessionCache* cache = nullptr, OnReplaced on_replaced = {},
+               MakingMarks* marks = nullptr);
   ~SessionStore();  // cancels all preprocessing and waits until it has stopped. Waiters that are left are not called any more
 
   /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called,
@@ -80,6 +82,8 @@ class SessionStore {
   /// Returns the ids of those whose time was over.
   std::vector<std::string> run_housekeeping(std::chrono::steady_clock::time_point now);
   std::uint64_t memory_bytes();  // of all sessions
+  /// Evicts idle sessions until they have freed so many bytes, or there are none left.
+  void make_room(std::uint64_t bytes);
 
  private:
   /// Starts to make a session that is not there.

@@ -64,6 +64,13 @@ bool SessionTable::evict(const SessionLimits& limits, Sessions& evicted) {
   return eviction.is_enough;
 }
 
+SessionTable::Sessions SessionTable::evict_bytes(std::uint64_t bytes) {
+  const std::uint64_t all = memory_bytes();
+  Sessions evicted;
+  evict({.sessions = limits_.sessions, .bytes = all - std::min(all, bytes)}, evicted);
+  return evicted;
+}
+
 absl::Status SessionTable::may_pin(const Session& session) const {
   std::uint64_t sessions = 1, bytes = session.memory_bytes();
   for (const auto& [id, entry] : entries_) {

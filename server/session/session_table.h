@@ -53,6 +53,8 @@ class SessionTable {
   absl::Status make_room(Sessions& evicted);
   /// Evicts idle sessions as long as those that have grown are too much together.
   Sessions evict_excess();
+  /// Evicts idle sessions until they have freed so many bytes, or there are none left.
+  Sessions evict_bytes(std::uint64_t bytes);
   /// ResourceExhausted where pinned sessions would take more than half of the limits with this one.
   absl::Status may_pin(const Session& session) const;
   /// Takes out the sessions that nobody has used for their time to live.

@@ -50,6 +50,38 @@ TEST(JobQueue, RefusesWhenFullAndAfterStop) {
   EXPECT_EQ(queue.submit([] {}).status().code(), absl::StatusCode::kUnavailable);
 }
 
+TEST(JobQueue, TellsOnceOfAJobThatMayBeStuck) {
+  std::atomic<JobQueue::Nanoseconds::rep> now = 0;
+  JobQueue queue({.max_waiting = 10, .patience = std::chrono::seconds(60), .clock = [&] { return JobQueue::Nanoseconds(now); }});
+  std::promise<void> started, gate;
+  ASSERT_TRUE(queue
+                  .submit(
+                      [&] {
+                        started.set_value();
+                        gate.get_future().wait();
+                      },
+                      {.caller = "anna", .expected = std::chrono::seconds(5)})
+                  .ok());
+  started.get_future().wait();
+  std::vector<std::string> told;
+  const auto tell = [&](const std::string& caller, JobQueue::Nanoseconds time) {
+    told.push_back(caller);
+    EXPECT_EQ(time, JobQueue::Nanoseconds(now));
+  };
+  const auto pass = [&](std::chrono::seconds time) { now += JobQueue::Nanoseconds(time).count(); };
+  pass(std::chrono::seconds(110));
+  queue.tell_overdue(tell);
+  EXPECT_EQ(queue.overdue(), 0u);
+  pass(std::chrono::seconds(1));
+  EXPECT_EQ(queue.overdue(), 1u);
+  queue.tell_overdue(tell);
+  pass(std::chrono::seconds(100));
+  queue.tell_overdue(tell);
+  EXPECT_EQ(told, std::vector<std::string>{"anna"});
+  gate.set_value();
+  EXPECT_TRUE(eventually([&] { return queue.overdue() == 0; }));
+}
+
 TEST(JobQueue, WithdrawsOnlyWhatHasNotStarted) {
   JobQueue queue({.max_waiting = 10});
   std::promise<void> started, gate;

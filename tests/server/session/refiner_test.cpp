@@ -15,6 +15,8 @@
 namespace curvecast::server {
 namespace {
 
+std::uint64_t enough_room() { return std::uint64_t{1} << 40; }
+
 bool ask(Refiner& refiner, const std::shared_ptr<const Session>& session, std::uint64_t points, std::uint64_t source = 1) {
   return refiner.request(session, *session->curve(), source, {.points = points});
 }
@@ -23,7 +25,7 @@ TEST(Refiner, PublishesAFinerRevision) {
   Ends ends;
   const auto session = make_session(300);
   const std::shared_ptr<const SurfaceCurve> first = session->curve();
-  Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
+  Refiner refiner(20'000'000, ends.counter(), enough_room, make_logger(false, false));
   ASSERT_TRUE(ask(refiner, session, 10'000));
   ASSERT_TRUE(ends.wait_for(1));
   const std::shared_ptr<const SurfaceCurve> second = session->curve();
@@ -40,7 +42,7 @@ TEST(Refiner, PublishesAFinerRevision) {
 TEST(Refiner, StopsAtTheLimit) {
   Ends ends;
   const auto session = make_session(300);
-  Refiner refiner(20'000, ends.counter(), make_logger(false, false));
+  Refiner refiner(20'000, ends.counter(), enough_room, make_logger(false, false));
   ASSERT_TRUE(ask(refiner, session, 1'000'000));
   ASSERT_TRUE(ends.wait_for(1));
   EXPECT_LE(session->curve()->size(), 20'000u);
@@ -50,7 +52,7 @@ TEST(Refiner, StopsAtTheLimit) {
 TEST(Refiner, TakesTheSurfaceFromTheHookWhereItIsNotAtHand) {
   Ends ends;
   const auto session = make_session(300);
-  Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
+  Refiner refiner(20'000'000, ends.counter(), enough_room, make_logger(false, false));
   int loads = 0;
   session->surface =
       std::make_shared<SessionSurface>([&loads, flattened = session->preprocessed.flattened](const ExecutionContext& context) {
@@ -70,7 +72,7 @@ TEST(Refiner, GivesUpWithoutASurface) {
   Ends ends;
   const auto session = make_session(300);
   session->surface = std::make_shared<SessionSurface>();
-  Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
+  Refiner refiner(20'000'000, ends.counter(), enough_room, make_logger(false, false));
   ASSERT_TRUE(ask(refiner, session, 5'000));
   ASSERT_TRUE(ends.wait_for(1));
   EXPECT_EQ(session->curve()->revision, 1u);
@@ -81,7 +83,7 @@ TEST(Refiner, GivesUpWithoutASurface) {
 TEST(Refiner, ForgetsClosedSessions) {
   Ends ends;
   const auto session = make_session(300);
-  Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
+  Refiner refiner(20'000'000, ends.counter(), enough_room, make_logger(false, false));
   refiner.forget(*session);
   EXPECT_FALSE(ask(refiner, session, 5'000));
   // In the midst of it too, and what waits for it hears of the end.
@@ -95,7 +97,7 @@ TEST(Refiner, ForgetsClosedSessions) {
 TEST(Refiner, StopsAtOnce) {
   Ends ends;
   const auto session = make_session(300), other = make_session(300);
-  Refiner refiner(20'000'000, ends.counter(), make_logger(false, false));
+  Refiner refiner(20'000'000, ends.counter(), enough_room, make_logger(false, false));
   ASSERT_TRUE(ask(refiner, session, 1'000'000));
   ASSERT_TRUE(ask(refiner, other, 1'000'000));
   refiner.stop();
@@ -107,7 +109,7 @@ TEST(Refiner, StopsAtOnce) {
 TEST(Refiner, ReadersAndRevisionsDoNotMeet) {
   Ends ends;
   const auto session = make_session(300);
-  Refiner refiner(300'000, ends.counter(), make_logger(false, false));
+  Refiner refiner(300'000, ends.counter(), enough_room, make_logger(false, false));
   std::vector<std::thread> readers;
   for (std::uint64_t r = 0; r < 4; ++r) {
     readers.emplace_back([&, r] {
