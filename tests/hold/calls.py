@@ -81,6 +81,7 @@ class Caller:
         method: str,
         request: Any,
         take: Callable[[Any], dict[str, Any]] | None = None,
+        /,
         *,
         patience: float | None = None,
         **fields: Any,

@@ -90,7 +90,8 @@ class Facts:
 
     def _take_end(self, event: Event) -> None:
         lives = self.lives[event["server"]]
-        lives[-1] = lives[-1]._replace(end=event["at"])
+        if lives and lives[-1].end == AGES:  # else it had not become ready
+            lives[-1] = lives[-1]._replace(end=event["at"])
 
     def _take_fault(self, event: Event) -> None:
         self.faults[event["server"]].append(Span(event["begin"], event["end"], event))

@@ -265,6 +265,13 @@ class CheckerTest(unittest.TestCase):
         self.story.call("ListSessions", "UNAVAILABLE")
         self.assert_found("answers", "was up")
 
+    def test_a_server_that_ends_before_it_is_ready_changes_nothing(self) -> None:
+        self.story.serve()
+        self.story.end("killed")
+        self.story.call("ListSessions", "UNAVAILABLE")
+        self.story.end("killed")
+        self.assert_well("answers")
+
     def test_every_call_ends(self) -> None:
         self.story.serve()
         self.story.call("Render", "DEADLINE_EXCEEDED", end=100)
