@@ -15,12 +15,12 @@ import time
 from types import FrameType, ModuleType
 from typing import Any
 
-from hold import check_history, kills
+from hold import check_history, descriptors, hostile, kills, soak
 from hold.history import History
 from hold.report import Report
 from hold.servers import Setting
 
-SCENARIOS: dict[str, ModuleType] = {"kills": kills}
+SCENARIOS: dict[str, ModuleType] = {"soak": soak, "descriptors": descriptors, "kills": kills, "hostile": hostile}
 
 
 def first_line(module: ModuleType) -> str:

@@ -15,9 +15,10 @@ from hold.report import Report
 from hold.servers import Server, Setting, temporaries
 from hold.shapes import bumpy_ball, plain_view
 
-SIZES = ((12, 500), (12, 6000), (24, 1000), (24, 15_000), (48, 3000), (48, 20_000))  # rings of the mesh, points of the session
+SIZES = ((12, 500), (12, 3000), (24, 1000), (24, 5000), (48, 3000), (48, 8000))  # rings of the mesh, points of the session
 UPLOAD_RINGS = 60  # of what is uploaded all the time: half a megabyte
 CALM = ("--max-curve-vertices", "0")
+LOOKS = 30  # meshes that each round looks for
 PHASES = ("upload", "create", "load", "close", "start")
 
 
@@ -63,7 +64,7 @@ def run(setting: Setting) -> Report:
             left_over += len(temporaries(cache))
             with Caller(server, setting.history, f"round {number}", patience=60) as caller:
                 kept += sum(caller.sample(wanted.session, wanted.view).is_ok for wanted in sessions)
-                lost += sum(not caller.get_mesh(mesh).is_ok for mesh in acknowledged)
+                lost += sum(not caller.get_mesh(mesh).is_ok for mesh in chance.sample(sorted(acknowledged), min(LOOKS, len(acknowledged))))
                 busy = threading.Event()
                 thread = threading.Thread(target=work, args=(caller, sessions, phase, chance, acknowledged, busy))
                 thread.start()
@@ -111,6 +112,7 @@ def work(
     """Does what is to be killed, until the server dies."""
     order = chance.sample(sessions, len(sessions))
     if phase == "upload":
+        large = bumpy_ball(UPLOAD_RINGS)
         busy.set()
         for number in range(1000):
             data = large + b"# %d\n" % (chance.randrange(1 << 40) + number)

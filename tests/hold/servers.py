@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import contextlib
 import dataclasses
 import http.client
@@ -40,7 +41,7 @@ class Setting:
 class Usage(NamedTuple):
     resident: int  # bytes
     descriptors: int
-    threads: int
+    threads: collections.Counter[str]  # by name
 
 
 class Server:
@@ -162,7 +163,8 @@ class Server:
     def usage(self) -> Usage:
         folder = pathlib.Path("/proc", str(self.process.pid))
         lines = dict(line.split(":", 1) for line in (folder / "status").read_text().splitlines() if ":" in line)
-        return Usage(1024 * int(lines["VmRSS"].split()[0]), len(list((folder / "fd").iterdir())), int(lines["Threads"]))
+        threads = collections.Counter(task.read_text().strip() for task in folder.glob("task/*/comm"))
+        return Usage(1024 * int(lines["VmRSS"].split()[0]), len(list((folder / "fd").iterdir())), threads)
 
     def log_lines(self, *words: str) -> list[str]:
         """Those of its log that hold all of these words."""
