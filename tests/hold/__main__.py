@@ -15,12 +15,12 @@ import time
 from types import FrameType, ModuleType
 from typing import Any
 
-from hold import check_history, descriptors, hostile, kills, soak
+from hold import authorisation, check_history, corruption, descriptors, disk_full, hostile, kills, memory, soak
 from hold.history import History
 from hold.report import Report
 from hold.servers import Setting
 
-SCENARIOS: dict[str, ModuleType] = {"soak": soak, "descriptors": descriptors, "kills": kills, "hostile": hostile}
+SCENARIOS: dict[str, ModuleType] = {"soak": soak, "memory": memory, "descriptors": descriptors, "kills": kills, "corruption": corruption, "disk-full": disk_full, "authorisation": authorisation, "hostile": hostile}
 
 
 def first_line(module: ModuleType) -> str:

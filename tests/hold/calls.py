@@ -37,10 +37,11 @@ class Who(NamedTuple):
     name: str = ""
     token: str = ""
     credential: str | None = None
+    kind: str = "Bearer"
 
     @property
     def metadata(self) -> tuple[tuple[str, str], ...]:
-        return (("authorization", f"Bearer {self.token}"),) if self.token else ()
+        return (("authorization", f"{self.kind} {self.token}".strip()),) if self.token else ()
 
 
 def open_channel(address: str, credentials: grpc.ChannelCredentials | None = None) -> grpc.Channel:

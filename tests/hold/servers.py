@@ -135,6 +135,10 @@ class Server:
         self.process.kill()
         self.process.wait()
 
+    def tell_killed(self, at: float) -> None:
+        """A signal that was sent then has ended it."""
+        self._tell_end("killed", at)
+
     def get(self, path: str, port: str | None = None, timeout: float = 10) -> tuple[int, str]:
         """Of the HTTP port, in plain text: status and body. OSError: it does not answer."""
         connection = http.client.HTTPConnection(port or self.admin, timeout=timeout)

@@ -1,0 +1,148 @@
+"""A server in a control group of 512 MB, asked for up to 30 times as much: it is never killed, says what would fit, and views go on.
+
+1,000 sessions of sizes from 1,000 points up to the API's limits, of which the greatest would take 17 GB, and three inspections of
+meshes of 100 MB at once, beside one client that streams views.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import collections
+import contextlib
+import itertools
+import math
+import random
+import re
+import threading
+
+from hold.calls import Answer, Caller, Who, mesh_id_of
+from hold.cgroups import memory_group
+from hold.history import now
+from hold.load import Load, StreamOfViews, heartbeat, open_aio
+from hold.report import Report, quantile
+from hold.servers import Server, Setting
+from hold.shapes import TETRAHEDRON, bumpy_ball, orbit_view, relief_stl
+
+LIMIT = 512 << 20
+CREATORS, MOST_POINTS, OMEGAS = 4, 4_000_000, (1.0, 10.0, 25.0)
+INSPECTED_MB, INSPECTIONS = 100, 3
+VIEWS_A_SECOND, VIEW_POINTS = 5, 2000
+PATIENCE = 300.0  # of a create: one after the other is made
+CALM_SECONDS = 8.0  # before
+RATIO, FLOOR_SECONDS = 3.0, 0.05
+BUDGET_METRIC = "curvecast_memory_budget_bytes"
+QUANTITY = re.compile(r"\d[\d.,]* ?(?:[KMG]i?B|bytes)")
+
+
+class Tally:
+    def __init__(self, wanted: int) -> None:
+        self.numbers = itertools.count()
+        self.wanted = wanted
+        self.codes: collections.Counter[str] = collections.Counter()
+        self.silent: list[str] = []  # refusals that do not say what would fit
+        self.largest = 0.0  # points times omega, made
+        self.over = threading.Event()
+        self.callers: list[Caller] = []
+
+    def take(self, what: str, answer: Answer, size: float) -> None:
+        self.codes[answer.code] += 1
+        if answer.is_ok:
+            self.largest = max(self.largest, size)
+        elif answer.code == "RESOURCE_EXHAUSTED" and len(QUANTITY.findall(answer.message)) < 2:
+            self.silent.append(f"{what}: {answer.message}")
+
+
+def run(setting: Setting) -> Report:
+    report = Report(setting.is_quick)
+    with contextlib.ExitStack() as stack:
+        try:
+            group = stack.enter_context(memory_group(LIMIT))
+        except OSError as error:
+            report.skipped = f"no control group can be made here: {error}"
+            return report
+        server = stack.enter_context(Server(setting, "bounded", cache=setting.folder / "cache", prefix=group.prefix))
+        with Caller(server, setting.history, "maker") as maker:
+            mesh = bumpy_ball(24)
+            maker.upload("ball.off", mesh)
+            session = maker.create(mesh_id_of(mesh), VIEW_POINTS).value.session_id
+            maker.upload("tetrahedron.off", TETRAHEDRON)
+        has_budget = BUDGET_METRIC in server.metrics()
+        tally = Tally(setting.pick(full=1000, quick=40))
+        load = Load(setting.history)
+        seconds = setting.pick(full=240, quick=40)
+        begin, until = asyncio.run(watch_views(setting, server, session, load, tally, seconds))
+        is_alive = server.is_alive()
+        kills = group.kills()
+        peak = group.peak()
+        if is_alive:
+            server.kill()  # what it still makes may take minutes
+    calm, busy = (quantile(load.between(*span), 0.99) for span in ((begin - CALM_SECONDS, begin), (begin, until)))
+    report.figure("creates and inspections by outcome", dict(tally.codes))
+    report.figure("creates of", tally.wanted)
+    report.figure("points times omega of the largest made", tally.largest)
+    report.figure("MB at most, files too", peak / 1e6)
+    report.figure("ms p99 of views before", 1000 * calm)
+    report.figure("ms p99 of views meanwhile", 1000 * busy)
+    report.figure("ms late, p99, of the client's own loop", 1000 * quantile(load.lateness, 0.99))
+    report.figure("views", load.views)
+    report.require("kills", kills + (not is_alive), at_most=0)
+    report.require("views that failed", len(load.errors), at_most=0)
+    report.require("p99 of views meanwhile over that before", busy / max(calm, FLOOR_SECONDS), at_most=RATIO, timed=True)
+    pending = "" if has_budget else "servers have no budget of memory yet"
+    report.require("refusals that do not say what would fit", len(tally.silent), at_most=0, pending=pending)
+    report.require("creates answered", tally.codes.total() - INSPECTIONS, at_least=tally.wanted, pending=pending, timed=True)
+    report.notes += [*load.errors[:3], *tally.silent[:3]]
+    return report
+
+
+
+async def watch_views(
+    setting: Setting, server: Server, session: str, load: Load, tally: Tally, seconds: int
+) -> tuple[float, float]:
+    """Streams views before and while others ask for too much. Returns when that began and ended."""
+    pulse = asyncio.create_task(heartbeat(load))
+    begin = now() + CALM_SECONDS
+    async with open_aio(server) as channel:
+        stream = StreamOfViews(load, server, channel, session, "viewer", Who())
+        viewer = asyncio.create_task(
+            stream.run(lambda number: orbit_view(VIEW_POINTS, 3 * number), 1 / VIEWS_A_SECOND, begin + seconds, offset=0)
+        )
+        await asyncio.sleep(max(0.0, begin - now()))
+        threads = [threading.Thread(target=create, args=(setting, server, tally, setting.random.random())) for _ in range(CREATORS)]
+        threads += [threading.Thread(target=inspect, args=(setting, server, tally, seed)) for seed in range(INSPECTIONS)]
+        for thread in threads:
+            thread.start()
+        while any(thread.is_alive() for thread in threads) and now() < begin + seconds and server.process.poll() is None:
+            await asyncio.sleep(0.2)
+        until = now()
+        tally.over.set()
+        for caller in tally.callers:
+            caller.close()  # cancels what they still wait for
+        viewer.cancel()
+        pulse.cancel()
+        await asyncio.to_thread(lambda: [thread.join() for thread in threads])
+    return begin, until
+
+
+def create(setting: Setting, server: Server, tally: Tally, seed: float) -> None:
+    """Asks for sessions of the tetrahedron, of all sizes."""
+    chance = random.Random(seed)
+    with Caller(server, setting.history, "creator") as caller:
+        tally.callers.append(caller)
+        for number in tally.numbers:
+            if number >= tally.wanted or tally.over.is_set():
+                break
+            points, omega = int(1000 * math.exp(chance.random() * math.log(MOST_POINTS / 1000))), chance.choice(OMEGAS)
+            answer = caller.create(mesh_id_of(TETRAHEDRON), points, omega=omega, seed=number, patience=PATIENCE)
+            if not tally.over.is_set():
+                tally.take(f"{points} points, omega {omega}", answer, points * omega)
+
+
+def inspect(setting: Setting, server: Server, tally: Tally, seed: int) -> None:
+    mesh = relief_stl(INSPECTED_MB, seed)
+    with Caller(server, setting.history, "inspector") as caller:
+        tally.callers.append(caller)
+        uploaded = caller.upload("relief.stl", mesh)
+        answer = caller.inspect(mesh_id_of(mesh), PATIENCE) if uploaded.is_ok else uploaded
+        if not tally.over.is_set():
+            tally.take(f"inspection of {INSPECTED_MB} MB", answer, 0)
