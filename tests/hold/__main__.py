@@ -15,12 +15,22 @@ import time
 from types import FrameType, ModuleType
 from typing import Any
 
-from hold import authorisation, check_history, corruption, descriptors, disk_full, hostile, kills, memory, soak
+from hold import authorisation, check_history, corruption, descriptors, disk_full, hostile, kills, memory, soak, stalled
 from hold.history import History
 from hold.report import Report
 from hold.servers import Setting
 
-SCENARIOS: dict[str, ModuleType] = {"soak": soak, "memory": memory, "descriptors": descriptors, "kills": kills, "corruption": corruption, "disk-full": disk_full, "authorisation": authorisation, "hostile": hostile}
+SCENARIOS: dict[str, ModuleType] = {
+    "soak": soak,
+    "stalled": stalled,
+    "memory": memory,
+    "descriptors": descriptors,
+    "kills": kills,
+    "corruption": corruption,
+    "disk-full": disk_full,
+    "authorisation": authorisation,
+    "hostile": hostile,
+}
 
 
 def first_line(module: ModuleType) -> str:
@@ -113,9 +123,16 @@ def main(arguments: list[str]) -> int:
         failed = [name for name, result in results.items() if result["result"] == "failed"]
         is_kept = is_kept or bool(failed)
         if options.json:
-            told = {"seed": options.seed, "quick": options.quick, "seconds": round(time.monotonic() - begin, 1), "scenarios": results}
+            told = {
+                "seed": options.seed,
+                "quick": options.quick,
+                "seconds": round(time.monotonic() - begin, 1),
+                "scenarios": results,
+            }
             pathlib.Path(options.json).write_text(json.dumps(told, indent=2) + "\n")
-        print(f"test-hold: {len(results) - len(failed)} of {len(results)} held in {time.monotonic() - begin:.0f} s, seed {options.seed}")
+        print(
+            f"test-hold: {len(results) - len(failed)} of {len(results)} held in {time.monotonic() - begin:.0f} s, seed {options.seed}"
+        )
         if failed:
             print(f"test-hold: failed: {', '.join(failed)}; histories, logs and caches are in {folder}")
         return 1 if failed else 0

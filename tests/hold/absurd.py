@@ -14,7 +14,19 @@ from curvecast.v1 import curvecast_pb2 as v1
 
 METHODS = {method.name: method for method in v1.DESCRIPTOR.services_by_name["CurvecastService"].methods}
 MAX_DEPTH, MAX_REPEATED = 6, 5
-SPECIAL = ("", "0" * 32, "\0", "../../etc/passwd", "/dev/zero", "a" * 70_000, "\u202e\U0001f600", "%s%n", "x^x^x^x^x", "1/0", "ball.off")
+SPECIAL = (
+    "",
+    "0" * 32,
+    "\0",
+    "../../etc/passwd",
+    "/dev/zero",
+    "a" * 70_000,
+    "\u202e\U0001f600",
+    "%s%n",
+    "x^x^x^x^x",
+    "1/0",
+    "ball.off",
+)
 FLOATS = (0.0, -0.0, 1.0, -1.0, 1e-308, 1e308, -1e308, float("inf"), float("-inf"), float("nan"), 0.5, 45.0, 180.0)
 WHOLE = (0, 1, 2, 3, 63, 64, 255, 1000, 65_536, 4_000_000, 4_000_001, 1 << 30)
 WIDE = (1 << 31, (1 << 32) - 1, 1 << 53, (1 << 63) - 1)
@@ -69,7 +81,9 @@ class Absurdity:
         if kind == FieldDescriptor.CPPTYPE_STRING:
             if field.name.endswith("_id") and self._chance.random() < 0.9:
                 return self._id(field)
-            return self._text() if field.type == FieldDescriptor.TYPE_STRING else self._chance.randbytes(self._chance.randrange(300))
+            return (
+                self._text() if field.type == FieldDescriptor.TYPE_STRING else self._chance.randbytes(self._chance.randrange(300))
+            )
         if kind in (FieldDescriptor.CPPTYPE_DOUBLE, FieldDescriptor.CPPTYPE_FLOAT):
             return self._chance.choice(FLOATS) if self._chance.random() < 0.7 else self._chance.gauss(0, 3)
         if kind == FieldDescriptor.CPPTYPE_BOOL:

@@ -6,17 +6,16 @@ authority; with the session in memory, only in the cache, after a restart and on
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import os
 import pathlib
 import signal
 import ssl
-import time
-from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import grpc
+
+from curvecast.v1 import curvecast_pb2 as v1
 from hold.calls import Answer, Caller, Who, mesh_id_of
 from hold.certificates import Certificates, Pair
 from hold.history import now
@@ -24,8 +23,6 @@ from hold.report import Report
 from hold.servers import Server, Setting, eventually
 from hold.shapes import bumpy_ball, plain_view
 from hold.web_socket import Closed, WebSocket, load_messages
-
-from curvecast.v1 import curvecast_pb2 as v1
 
 POINTS = 300
 FILE = "ball.off"
@@ -242,7 +239,14 @@ def ask_over_socket(
 def try_certificates(setting: Setting, messages: tuple[Any, Any], tally: Tally) -> None:
     """A server that asks for certificates, and clients with a good one, another authority's, and none."""
     made = Certificates(setting.folder)
-    options = ("--tls-cert", str(made.server.chain), "--tls-key", str(made.server.key), "--tls-client-ca", str(made.authority.chain))
+    options = (
+        "--tls-cert",
+        str(made.server.chain),
+        "--tls-key",
+        str(made.server.key),
+        "--tls-client-ca",
+        str(made.authority.chain),
+    )
     shown: list[tuple[Who, Pair | None]] = [
         (Who(credential="no certificate"), None),
         (Who(credential="another authority's certificate"), made.stranger),
@@ -261,7 +265,12 @@ def try_certificates(setting: Setting, messages: tuple[Any, Any], tally: Tally) 
             with Caller(server, setting.history, "TLS", who, made.credentials(pair), patience=PATIENCE) as caller:
                 for method in METHODS:
                     tally.count("TLS", method, who, ask(caller, method, subject))
-                    tally.count("TLS, WebSocket", method, who, ask_over_socket(setting, server, "TLS", who, method, subject, messages, context))
+                    tally.count(
+                        "TLS, WebSocket",
+                        method,
+                        who,
+                        ask_over_socket(setting, server, "TLS", who, method, subject, messages, context),
+                    )
 
 
 def try_revoked(setting: Setting, tokens: pathlib.Path) -> int | None:

@@ -8,12 +8,12 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 import grpc
-from hold.history import History, digest_of, now
-from hold.servers import Server
 
 from curvecast.connection import CHANNEL_OPTIONS
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
+from hold.history import History, digest_of, now
+from hold.servers import Server
 
 PATIENCE = 120.0  # seconds that a call may take, on a machine that does other things too
 CHUNK_BYTES = 1 << 19

@@ -250,7 +250,9 @@ class Checker:
         if credential == "valid":
             return "the credential is valid" if event["code"] == "UNAUTHENTICATED" else None
         # UNAVAILABLE: of a certificate, no connection.
-        return None if event["code"] in ("UNAUTHENTICATED", "UNAVAILABLE") else f"let in with a credential that is none: {credential}"
+        return (
+            None if event["code"] in ("UNAUTHENTICATED", "UNAVAILABLE") else f"let in with a credential that is none: {credential}"
+        )
 
     def _answers(self, event: Event) -> str | None:
         """Every call ends, with an answer, unless the server was down meanwhile."""

@@ -81,7 +81,9 @@ class Spoilt:
         else:
             data = path.read_bytes()
             data = flipped(data, self.chance) if kind == FLIP else data[: self.chance.randrange(len(data))]
-        self.setting.history.tell("damage", store=str(self.cache), session=self.ids[number], at=now(), what=f"{kind} of {path.name}")
+        self.setting.history.tell(
+            "damage", store=str(self.cache), session=self.ids[number], at=now(), what=f"{kind} of {path.name}"
+        )
         if in_place:
             path.write_bytes(data)
         else:

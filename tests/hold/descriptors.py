@@ -13,14 +13,14 @@ import threading
 import time
 
 import grpc
+
+from curvecast.v1 import curvecast_pb2 as v1
 from hold.calls import Caller, Who
 from hold.certificates import Certificates
 from hold.history import now
 from hold.report import Report, quantile
 from hold.servers import Server, Setting, eventually
 from hold.web_socket import opening
-
-from curvecast.v1 import curvecast_pb2 as v1
 
 DESCRIPTORS, CONNECTIONS = 256, 1000
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])  # and empty SETTINGS

@@ -13,6 +13,9 @@ import random
 from collections.abc import Iterator
 
 from grpc import aio
+
+from curvecast.v1 import curvecast_pb2 as v1
+from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 from hold.absurd import METHODS, Absurdity
 from hold.calls import Caller, mesh_id_of
 from hold.history import History, digest_of, now
@@ -20,9 +23,6 @@ from hold.load import open_aio
 from hold.report import Report, quantile
 from hold.servers import Server, Setting, eventually
 from hold.shapes import bumpy_ball, plain_view
-
-from curvecast.v1 import curvecast_pb2 as v1
-from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 
 WORKERS = 24
 SIZES = (100, 400)  # points of the sessions that there are
@@ -122,7 +122,9 @@ async def restore(channel: aio.Channel, mesh: bytes) -> None:
             await stub.UploadMesh(iter([v1.UploadMeshRequest(header=header), chunk]), timeout=PATIENCE)
             for points in SIZES:
                 options = v1.SessionOptions(max_points=points)
-                async for _ in stub.CreateSession(v1.CreateSessionRequest(mesh_id=mesh_id_of(mesh), options=options), timeout=PATIENCE):
+                async for _ in stub.CreateSession(
+                    v1.CreateSessionRequest(mesh_id=mesh_id_of(mesh), options=options), timeout=PATIENCE
+                ):
                     pass
         await asyncio.sleep(0.05)
 

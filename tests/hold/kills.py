@@ -64,7 +64,9 @@ def run(setting: Setting) -> Report:
             left_over += len(temporaries(cache))
             with Caller(server, setting.history, f"round {number}", patience=60) as caller:
                 kept += sum(caller.sample(wanted.session, wanted.view).is_ok for wanted in sessions)
-                lost += sum(not caller.get_mesh(mesh).is_ok for mesh in chance.sample(sorted(acknowledged), min(LOOKS, len(acknowledged))))
+                lost += sum(
+                    not caller.get_mesh(mesh).is_ok for mesh in chance.sample(sorted(acknowledged), min(LOOKS, len(acknowledged)))
+                )
                 busy = threading.Event()
                 thread = threading.Thread(target=work, args=(caller, sessions, phase, chance, acknowledged, busy))
                 thread.start()

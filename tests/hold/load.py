@@ -13,12 +13,12 @@ from typing import Any
 
 import grpc
 from grpc import aio
-from hold.calls import OPTIONS, Who, request_key
-from hold.history import History, now
-from hold.servers import Server
 
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
+from hold.calls import OPTIONS, Who, request_key
+from hold.history import History, now
+from hold.servers import Server
 
 FIRST_FRAME_SECONDS, FRAME_SECONDS = 120.0, 60.0  # beyond which a frame is missing
 HEARTBEAT = 0.02  # seconds

@@ -21,7 +21,9 @@ def bumpy_ball(rings: int, seed: int = 0) -> bytes:
         for column in range(columns):
             phi = 2 * math.pi * column / columns
             radius = 1 + 0.1 * math.sin(3 * phi + seed) * math.sin(theta) ** 2
-            points.append((radius * math.sin(theta) * math.cos(phi), radius * math.cos(theta), radius * math.sin(theta) * math.sin(phi)))
+            points.append(
+                (radius * math.sin(theta) * math.cos(phi), radius * math.cos(theta), radius * math.sin(theta) * math.sin(phi))
+            )
     points.append((0.0, -1.0, 0.0))
     for column in range(columns):
         after = (column + 1) % columns

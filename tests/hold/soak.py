@@ -14,14 +14,14 @@ import time
 from collections.abc import AsyncIterator, Callable
 
 from grpc import aio
+
+from curvecast.v1 import curvecast_pb2 as v1
 from hold.calls import Caller, Who, mesh_id_of
 from hold.history import now
 from hold.load import Load, StreamOfViews, heartbeat, open_aio
 from hold.report import Report, quantile
 from hold.servers import Server, Setting, Usage, eventually
 from hold.shapes import bumpy_ball, orbit_view, plain_view
-
-from curvecast.v1 import curvecast_pb2 as v1
 
 POINTS = (1000, 4000, 4000, 4000, 4000, 8000)  # of a stream's views, one stream after the other
 STEP = 5  # degrees from view to view
@@ -173,7 +173,7 @@ def tell(report: Report, load: Load, begin: float, seconds: int, resident: list[
     last = [size for at, size in resident if at - begin >= seconds - tenth]
     drift = 100 * (statistics.median(last) / statistics.median(first) - 1)
     report.figure("MB resident at the end", statistics.median(last) / 1e6)
-    report.require("% drift of resident memory", drift, at_most=report.is_quick and 10 or 2)
+    report.require("% drift of resident memory", drift, at_most=(report.is_quick and 10) or 2)
 
 
 def tell_rest(report: Report, server: Server, before: Usage, after: Usage, streams: int) -> None:

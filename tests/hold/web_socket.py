@@ -22,7 +22,13 @@ def opening(address: str, token: str = "") -> bytes:
     """The request that opens a socket."""
     protocols = PROTOCOL + (f", {BEARER}{base64.urlsafe_b64encode(token.encode()).decode().rstrip('=')}" if token else "")
     key = base64.b64encode(os.urandom(16)).decode()
-    lines = ["GET /v1/socket HTTP/1.1", f"Host: {address}", "Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13"]
+    lines = [
+        "GET /v1/socket HTTP/1.1",
+        f"Host: {address}",
+        "Upgrade: websocket",
+        "Connection: Upgrade",
+        "Sec-WebSocket-Version: 13",
+    ]
     return "\r\n".join([*lines, f"Sec-WebSocket-Key: {key}", f"Sec-WebSocket-Protocol: {protocols}", "", ""]).encode()
 
 
@@ -55,13 +61,17 @@ def load_messages(source: str) -> tuple[Any, Any]:
     for one in described.file:
         pool.Add(one)
     factory: Any = message_factory.MessageFactory(pool)
-    return tuple(factory.GetPrototype(pool.FindMessageTypeByName(f"curvecast.v1.{name}")) for name in ("CallRequest", "CallResponse"))  # type: ignore[return-value]
+    return tuple(
+        factory.GetPrototype(pool.FindMessageTypeByName(f"curvecast.v1.{name}")) for name in ("CallRequest", "CallResponse")
+    )  # type: ignore[return-value]
 
 
 class WebSocket:
     """Open when it is constructed. Closed: the server will not have it."""
 
-    def __init__(self, address: str, messages: tuple[Any, Any], token: str = "", tls: ssl.SSLContext | None = None, timeout: float = 30) -> None:
+    def __init__(
+        self, address: str, messages: tuple[Any, Any], token: str = "", tls: ssl.SSLContext | None = None, timeout: float = 30
+    ) -> None:
         self._request, self._response = messages
         self._call = 0
         host, _, port = address.rpartition(":")

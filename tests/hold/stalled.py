@@ -1,0 +1,126 @@
+"""A quarter of the streams never reads, with the largest frames and with small ones: nobody else is refused, or waits for it.
+
+The others' times are measured in turns: without those who do not read, and with them.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+
+from grpc import aio
+
+from curvecast import View
+from curvecast.v1 import curvecast_pb2 as v1
+from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
+from hold.calls import Caller, Who, mesh_id_of
+from hold.history import now
+from hold.load import Load, StreamOfViews, heartbeat, open_aio
+from hold.report import Report, quantile
+from hold.servers import Server, Setting, eventually
+from hold.shapes import bumpy_ball, orbit_view
+
+CALM = ("--max-curve-vertices", "0")
+LARGEST = (32 << 20) // 28  # points of which a frame of raw ones has MAX_FRAME_BYTES
+SMALL = 2000
+SESSION_POINTS, VIEW_POINTS, INTERVAL = 4000, 2000, 1.0
+ON_ONE = 15  # streams that share a connection, of those who read
+RATIO, FLOOR_SECONDS = 1.5, 0.01  # the client's own loop is late by as much
+REST_SECONDS = 60.0
+LAZY, BUSY = Who("lazy", "lazy's"), Who("busy", "busy's")
+
+
+def run(setting: Setting) -> Report:
+    report = Report(setting.is_quick)
+    readers, sleepers, seconds = setting.pick(150, 30), setting.pick(50, 10), setting.pick(20, 6)
+    tokens = setting.folder / "tokens"
+    tokens.write_text("".join(f"{who.name} {hashlib.sha256(who.token.encode()).hexdigest()}\n" for who in (LAZY, BUSY)))
+    mesh = bumpy_ball(24)
+    queued = ("--max-queued", str(setting.pick(1 << 30, 128 << 20)))  # bytes, less than those who sleep would take
+    with (
+        Server(setting, "ignored", *CALM, *queued, "--tokens", str(tokens), tokens=True) as server,
+        Caller(server, setting.history, "maker", BUSY) as maker,
+    ):
+        maker.upload("ball.off", mesh)
+        session = maker.create(mesh_id_of(mesh), SESSION_POINTS).value.session_id
+        before = server.usage().resident
+        load, spans, most = asyncio.run(take_turns(setting, server, session, readers, sleepers, seconds))
+        for _ in eventually(REST_SECONDS):
+            metrics = server.metrics()
+            if metrics["curvecast_queued_bytes"] == 0 and metrics["curvecast_open_streams"] == 0:
+                break
+        grown = server.usage().resident - before
+    times = {kind: [took for span in turns for took in load.between(*span)] for kind, turns in spans.items()}
+    calm = quantile(times["nobody"], 0.99)
+    for kind, taken in times.items():
+        report.figure(f"ms p99 of views beside {kind}", 1000 * quantile(taken, 0.99))
+        report.figure(f"ms median beside {kind}", 1000 * quantile(taken, 0.5))
+        if kind != "nobody":
+            ratio = quantile(taken, 0.99) / max(calm, FLOOR_SECONDS)
+            report.require(f"p99 of views beside {kind} over that without", ratio, at_most=RATIO, timed=True)
+    report.figure("ms late, p99, of the client's own loop", 1000 * quantile(load.lateness, 0.99))
+    report.figure("views", load.views)
+    report.figure("streams that read", readers)
+    report.figure("streams that do not", sleepers)
+    report.figure("MB queued at most", most / 1e6)
+    report.figure("MB grown", grown / 1e6)
+    report.figure("calls ended for not reading", metrics["curvecast_stalled_calls_total"])
+    report.require("views of others refused", load.refused, at_most=0)
+    report.require("errors of others", len(load.errors), at_most=0)
+    report.require("MB queued while they slept", most / 1e6, at_least=(LARGEST * 28) / 1e6)
+    report.require("bytes queued at the end", metrics["curvecast_queued_bytes"], at_most=0)
+    report.require("streams open at the end", metrics["curvecast_open_streams"], at_most=0)
+    report.notes += load.errors[:5]
+    return report
+
+
+Spans = dict[str, list[tuple[float, float]]]
+
+
+async def take_turns(
+    setting: Setting, server: Server, session: str, readers: int, sleepers: int, seconds: int
+) -> tuple[Load, Spans, float]:
+    """Streams all the time, beside nobody, sleepers with the largest frames, nobody, and sleepers with small ones."""
+    load, spans, most = Load(setting.history), Spans(), 0.0
+    turns = (("nobody", 0), ("the largest frames", LARGEST), ("nobody", 0), ("small frames", SMALL))
+    warm = now() + 2 * INTERVAL
+    until = warm + seconds * len(turns)
+    pulse = asyncio.create_task(heartbeat(load))
+    async with contextlib.AsyncExitStack() as stack:
+        channels = [await stack.enter_async_context(open_aio(server)) for _ in range(-(-readers // ON_ONE))]
+        streams = asyncio.gather(*(read(load, server, channels[n // ON_ONE], session, n, until) for n in range(readers)))
+        for number, (kind, points) in enumerate(turns):
+            begin, end = warm + seconds * number, warm + seconds * (number + 1)
+            await asyncio.sleep(max(0.0, begin - now()))
+            sleeping = [asyncio.create_task(sleep(server, session, points, end)) for _ in range(sleepers if points else 0)]
+            while now() < end:
+                await asyncio.sleep(min(0.5, max(0.0, end - now())))
+                metrics = await asyncio.to_thread(server.metrics)
+                most = max(most, metrics["curvecast_queued_bytes"])
+            await asyncio.gather(*sleeping)
+            spans.setdefault(kind, []).append((begin, end))
+        await streams
+    pulse.cancel()
+    return load, spans, most
+
+
+async def read(load: Load, server: Server, channel: aio.Channel, session: str, number: int, until: float) -> None:
+    stream = StreamOfViews(load, server, channel, session, f"reader {number}", BUSY)
+    offset = INTERVAL * (number * 0.618 % 1)
+    await stream.run(lambda sequence: orbit_view(VIEW_POINTS, 7 * number + 3 * sequence), INTERVAL, until, offset)
+
+
+async def sleep(server: Server, session: str, points: int, until: float) -> None:
+    """Asks for views on a connection of its own, and never reads one. What becomes of it does not matter."""
+    async with open_aio(server) as channel:
+        call = v1_grpc.CurvecastServiceStub(channel).StreamViews(metadata=LAZY.metadata)
+        with contextlib.suppress(aio.AioRpcError, asyncio.InvalidStateError):
+            await call.write(v1.StreamViewsRequest(open=v1.OpenView(session_id=session)))
+            sequence = 0
+            while now() < until:
+                sequence += 1
+                view = View(points, sampler="equalised", seed=sequence).to_proto()
+                await call.write(v1.StreamViewsRequest(view=v1.ViewUpdate(sequence=sequence, sample=view)))
+                await asyncio.sleep(INTERVAL)
+        call.cancel()
