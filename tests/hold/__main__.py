@@ -120,6 +120,7 @@ def main(arguments: list[str]) -> int:
     begin = time.monotonic()
     try:
         results = run_all(options, folder)
+        held = sum(result["result"] == "passed" for result in results.values())
         failed = [name for name, result in results.items() if result["result"] == "failed"]
         is_kept = is_kept or bool(failed)
         if options.json:
@@ -130,9 +131,7 @@ def main(arguments: list[str]) -> int:
                 "scenarios": results,
             }
             pathlib.Path(options.json).write_text(json.dumps(told, indent=2) + "\n")
-        print(
-            f"test-hold: {len(results) - len(failed)} of {len(results)} held in {time.monotonic() - begin:.0f} s, seed {options.seed}"
-        )
+        print(f"test-hold: {held} of {len(results)} held in {time.monotonic() - begin:.0f} s, seed {options.seed}")
         if failed:
             print(f"test-hold: failed: {', '.join(failed)}; histories, logs and caches are in {folder}")
         return 1 if failed else 0

@@ -51,7 +51,8 @@ class Absurdity:
             return data
         mutated = self._mutate(data)
         try:
-            with warnings.catch_warnings(action="ignore"):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
                 parsed: Message = getattr(v1, descriptor.name).FromString(mutated)
         except DecodeError:
             return mutated
@@ -75,23 +76,20 @@ class Absurdity:
         return message
 
     def _value(self, field: FieldDescriptor, depth: int) -> Any:
-        kind = field.cpp_type
+        kind, pick = field.cpp_type, self._chance.choice
         if kind == FieldDescriptor.CPPTYPE_MESSAGE:
             return self._message(field.message_type, depth + 1)
+        if field.type == FieldDescriptor.TYPE_BYTES:
+            return self._chance.randbytes(self._chance.randrange(300))
         if kind == FieldDescriptor.CPPTYPE_STRING:
-            if field.name.endswith("_id") and self._chance.random() < 0.9:
-                return self._id(field)
-            return (
-                self._text() if field.type == FieldDescriptor.TYPE_STRING else self._chance.randbytes(self._chance.randrange(300))
-            )
-        if kind in (FieldDescriptor.CPPTYPE_DOUBLE, FieldDescriptor.CPPTYPE_FLOAT):
-            return self._chance.choice(FLOATS) if self._chance.random() < 0.7 else self._chance.gauss(0, 3)
-        if kind == FieldDescriptor.CPPTYPE_BOOL:
-            return self._chance.random() < 0.5
+            return self._id(field) if field.name.endswith("_id") and self._chance.random() < 0.9 else self._text()
         if kind == FieldDescriptor.CPPTYPE_ENUM:
-            return self._chance.choice([*(value.number for value in field.enum_type.values), 1000])
+            return pick([*(value.number for value in field.enum_type.values), 1000])
+        if kind in (FieldDescriptor.CPPTYPE_DOUBLE, FieldDescriptor.CPPTYPE_FLOAT):
+            return pick(FLOATS) if self._chance.random() < 0.7 else self._chance.gauss(0, 3)
         is_wide = kind in (FieldDescriptor.CPPTYPE_UINT64, FieldDescriptor.CPPTYPE_INT64)
-        return self._chance.choice(WHOLE + WIDE if is_wide else WHOLE)
+        is_flag = kind == FieldDescriptor.CPPTYPE_BOOL
+        return pick((False, True) if is_flag else WHOLE + WIDE if is_wide else WHOLE)
 
     def _id(self, field: FieldDescriptor) -> str:
         """One that there is, but of a session seldom where the call ends it."""

@@ -16,13 +16,13 @@ from typing import Any, NamedTuple
 import grpc
 
 from curvecast.v1 import curvecast_pb2 as v1
-from hold.calls import Answer, Caller, Who, mesh_id_of
+from hold.calls import NOBODY, Answer, Caller, Who, mesh_id_of
 from hold.certificates import Certificates, Pair
 from hold.history import now
 from hold.report import Report
 from hold.servers import Server, Setting, eventually
 from hold.shapes import bumpy_ball, plain_view
-from hold.web_socket import Closed, WebSocket, load_messages
+from hold.web_socket import ClosedError, WebSocket, load_messages
 
 POINTS = 300
 FILE = "ball.off"
@@ -123,10 +123,9 @@ def run(setting: Setting) -> Report:
     (setting.folder / FILE).write_bytes(bumpy_ball(8))
     options = (*LOOK, "--tokens", str(tokens), "--mesh-folder", str(setting.folder), "--max-sessions", "1")
     cache = setting.folder / "cache"
-    told = {"cache": cache, "tokens": True}
 
     def start(name: str) -> Server:
-        return Server(setting, name, *options, **told)
+        return Server(setting, name, *options, cache=cache, tokens=True)
 
     with start("first") as server:
         subject = prepare(setting, server)
@@ -187,7 +186,7 @@ def try_all(setting: Setting, server: Server, subject: Subject, messages: tuple[
                 if who is ANNA and method in CHANGES:
                     continue  # until she has come over a WebSocket, too
                 tally.count(where, method, who, ask(caller, method, subject))
-        for method in (*METHODS, *CHANGES) if who.kind == Who().kind else ():  # a WebSocket has one kind
+        for method in (*METHODS, *CHANGES) if who.kind == NOBODY.kind else ():  # a WebSocket has one kind
             code = ask_over_socket(setting, server, f"{where}, WebSocket", who, method, subject, messages)
             tally.count(f"{where}, WebSocket", method, who, code)
 
@@ -215,7 +214,7 @@ def ask_over_socket(
             ended = socket.call(method, *(request.SerializeToString() for request in subject.requests(method)))
             code = next(code.name for code in grpc.StatusCode if code.value[0] == ended.code)
             text = ended.message
-    except Closed as closed:
+    except ClosedError as closed:
         # 1008: the server does not take the caller; a status of HTTP: it will not even open.
         code, text = "UNAUTHENTICATED" if closed.code in (1008, 401, 403, 400) else "UNAVAILABLE", str(closed)
     except OSError as error:
@@ -274,7 +273,7 @@ def try_certificates(setting: Setting, messages: tuple[Any, Any], tally: Tally) 
 
 
 def try_revoked(setting: Setting, tokens: pathlib.Path) -> int | None:
-    """Takes a token out of the file and sends SIGHUP. Returns how many of its calls are let in; None: the signal ended the server."""
+    """Takes a token out of the file and sends SIGHUP. Returns how many calls end wrong; None: the signal ended the server."""
     with Server(setting, "reloaded", "--tokens", str(tokens), "--mesh-folder", str(setting.folder), tokens=True) as server:
         subject = prepare_in_memory(setting, server)
         write_tokens(tokens, "anna", "bert")

@@ -32,7 +32,7 @@ class Answer(NamedTuple):
 
 
 class Who(NamedTuple):
-    """Who calls: the name that the server knows him by, his token, and whether that is "valid" or why not; None: does not matter."""
+    """Who calls: the name that the server knows him by, his token, and whether that is "valid" or why not; None: no matter."""
 
     name: str = ""
     token: str = ""
@@ -42,6 +42,9 @@ class Who(NamedTuple):
     @property
     def metadata(self) -> tuple[tuple[str, str], ...]:
         return (("authorization", f"{self.kind} {self.token}".strip()),) if self.token else ()
+
+
+NOBODY = Who()
 
 
 def open_channel(address: str, credentials: grpc.ChannelCredentials | None = None) -> grpc.Channel:
@@ -59,7 +62,7 @@ class Caller:
         server: Server,
         history: History,
         client: str,
-        who: Who = Who(),  # noqa: B008: it cannot be changed
+        who: Who = NOBODY,
         credentials: grpc.ChannelCredentials | None = None,
         patience: float = PATIENCE,
     ) -> None:
@@ -87,8 +90,8 @@ class Caller:
         patience: float | None = None,
         **fields: Any,
     ) -> Answer:
-        """Makes a call. `request`: a message, or an iterator of them. `take`: gets each message of the answer and returns fields for
-        the history."""
+        """Makes a call. `request`: a message, or an iterator of them. `take`: gets each message of the answer and returns fields
+        for the history."""
         begin = now()
         value: Any = None
         code, message = "OK", ""

@@ -15,8 +15,8 @@ Reads `history.jsonl`, an object a line. `kind` says what it tells; times are se
           (of the curve that was sampled), settled (no better frame follows), opened (when the stream was)
 
 The model: a session's points are those of a calm server for the same curve and request, or at least always the same; what was
-acknowledged stays; what is closed is gone; nobody gets in without a credential, or at another's sessions; every call ends, and fails
-only where a server is down. Ends with status 1 where any answer contradicts it.
+acknowledged stays; what is closed is gone; nobody gets in without a credential, or at another's sessions; every call ends, and
+fails only where a server is down. Ends with status 1 where any answer contradicts it.
 """
 
 from __future__ import annotations
@@ -192,8 +192,8 @@ class Checker:
         said = spans[at - 1]
         if any(close.end > said.begin and close.begin < event["end"] for close in facts.closes[key]):
             return None  # also by a close whose outcome nobody knows
-        damage = max((at for at in facts.damages[key] if at < event["end"]), default=None)
-        if damage is not None and not any(
+        damage: float = max((at for at in facts.damages[key] if at < event["end"]), default=-AGES)
+        if damage > -AGES and not any(
             create.event.get("made") and create.begin > damage and create.end <= said.begin for create in facts.creates[key]
         ):
             return None
@@ -205,11 +205,11 @@ class Checker:
         if not event.get("session") or event["call"] == "CreateSession" or event["code"] not in ("OK", "NOT_FOUND"):
             return None
         facts, key = self._facts, (self._facts.store(event), event["session"])
-        begin = event.get("opened", event["begin"])
+        begin: float = event.get("opened") or event["begin"]
         closes = [c for c in facts.closes[key] if c.event["code"] == "OK" and c.end + CLOSE_SECONDS < begin]
         if not closes:
             return None
-        last = max(closes, key=lambda close: close.end)
+        last = closes[-1]
         if any(create.end > last.begin and create.begin < event["end"] for create in facts.creates[key]):
             return None
         self.judged["closed"] += 1

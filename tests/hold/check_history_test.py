@@ -46,7 +46,8 @@ class Story:
         self.call("CreateSession", session=session, mesh="m", **fields)
 
     def sample(self, digest: str, code: str = "OK", **fields: Any) -> None:
-        self.call("Resample", code, session="s", **({"digest": digest, "vertices": 100, "request": "q"} | fields))
+        told: dict[str, Any] = {"digest": digest, "vertices": 100, "request": "q", **fields}
+        self.call("Resample", code, session="s", **told)
 
     def check(self) -> Result:
         return check_history.check(lambda: self.events)

@@ -1,7 +1,7 @@
-"""Cache files with flipped bits, cut short, or another session's, between loads and during them: no wrong point, and all is made anew.
+"""Cache files with flipped bits, cut short, or another session's, between loads and during them: no wrong point, all made anew.
 
-Every trial spoils one file. Between loads the server is down meanwhile; during loads it has room for half of the sessions, clients ask for
-all of them all the time, and the spoilt file takes the place of the good one, as a disk's or a copy's mistake would.
+Every trial spoils one file. Between loads the server is down meanwhile; during loads it has room for half of the sessions, clients
+ask for all of them all the time, and the spoilt file takes the place of the good one, as a disk's or a copy's mistake would.
 """
 
 from __future__ import annotations

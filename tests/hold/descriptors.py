@@ -15,7 +15,7 @@ import time
 import grpc
 
 from curvecast.v1 import curvecast_pb2 as v1
-from hold.calls import Caller, Who
+from hold.calls import NOBODY, Caller
 from hold.certificates import Certificates
 from hold.history import now
 from hold.report import Report, quantile
@@ -86,7 +86,7 @@ def besiege(
         total.opened += 1
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        with Caller(server, setting.history, "meanwhile", Who(), trust, patience=CONNECT_SECONDS) as caller:
+        with Caller(server, setting.history, "meanwhile", NOBODY, trust, patience=CONNECT_SECONDS) as caller:
             total.tried += 1
             total.answered += caller.call("ListSessions", v1.ListSessionsRequest()).is_ok
         time.sleep(0.5)
@@ -95,7 +95,7 @@ def besiege(
     closed = now()
     accepts = False
     for _ in eventually(4 * ACCEPT_SECONDS):
-        with Caller(server, setting.history, "afterwards", Who(), trust, patience=ACCEPT_SECONDS) as caller:
+        with Caller(server, setting.history, "afterwards", NOBODY, trust, patience=ACCEPT_SECONDS) as caller:
             accepts = caller.call("ListSessions", v1.ListSessionsRequest()).is_ok
         if accepts:
             break

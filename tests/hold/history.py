@@ -22,7 +22,7 @@ class History:
         self.path = path
         self.calls = 0
         self._lock = threading.Lock()
-        self._file = open(path, "w", encoding="utf-8")  # noqa: SIM115: closed by close()
+        self._file = path.open("w", encoding="utf-8")
 
     def close(self) -> None:
         with self._lock:

@@ -11,6 +11,7 @@ import contextlib
 import os
 import random
 from collections.abc import Iterator
+from typing import Any
 
 from grpc import aio
 
@@ -159,35 +160,33 @@ async def worker(server: Server, channel: aio.Channel, absurdity: Absurdity, tal
         )
 
 
-async def ask(channel: aio.Channel, method: str, requests: list[bytes]) -> tuple[str, str]:
-    """Makes a call of bytes, reads all that comes, and returns how it ended."""
+async def ask(raw: Any, method: str, requests: list[bytes]) -> tuple[str, str]:
+    """Makes a call of bytes, reads all that comes, and returns how it ended. `raw`: a channel, whose stubs want serialisers."""
     kind = METHODS[method]
     path = SERVICE + method
     try:
         if kind.client_streaming and kind.server_streaming:
-            return await converse(channel.stream_stream(path)(timeout=PATIENCE), requests)
+            return await converse(raw.stream_stream(path)(timeout=PATIENCE), requests)
         if kind.client_streaming:
-            await channel.stream_unary(path)(iter(requests), timeout=PATIENCE)
+            await raw.stream_unary(path)(iter(requests), timeout=PATIENCE)
         elif kind.server_streaming:
-            async for _ in channel.unary_stream(path)(requests[0], timeout=PATIENCE):
+            async for _ in raw.unary_stream(path)(requests[0], timeout=PATIENCE):
                 pass
         else:
-            await channel.unary_unary(path)(requests[0], timeout=PATIENCE)
+            await raw.unary_unary(path)(requests[0], timeout=PATIENCE)
     except aio.AioRpcError as error:
         return error.code().name, error.details() or ""
     return "OK", ""
 
 
-async def converse(call: aio.StreamStreamCall, requests: list[bytes]) -> tuple[str, str]:
+async def converse(call: Any, requests: list[bytes]) -> tuple[str, str]:
     """Sends as fast as it can, reads at the same time, and ends."""
 
     async def write() -> None:
-        try:
+        with contextlib.suppress(aio.AioRpcError, asyncio.InvalidStateError):  # the server has ended it
             for request in requests:
                 await call.write(request)
             await call.done_writing()
-        except (aio.AioRpcError, asyncio.InvalidStateError):
-            pass  # the server has ended it
 
     writer = asyncio.create_task(write())
     async for _ in call:

@@ -5,6 +5,9 @@ Every round starts a server on the same cache, asks for all that is known to be 
 
 from __future__ import annotations
 
+import collections
+import json
+import pathlib
 import random
 import shutil
 import threading
@@ -18,6 +21,7 @@ from hold.shapes import bumpy_ball, plain_view
 SIZES = ((12, 500), (12, 3000), (24, 1000), (24, 5000), (48, 3000), (48, 8000))  # rings of the mesh, points of the session
 UPLOAD_RINGS = 60  # of what is uploaded all the time: half a megabyte
 CALM = ("--max-curve-vertices", "0")
+START_SECONDS, PATIENCE = 0.1, 60.0
 LOOKS = 30  # meshes that each round looks for
 PHASES = ("upload", "create", "load", "close", "start")
 
@@ -35,65 +39,86 @@ class Wanted:
 
 def run(setting: Setting) -> Report:
     report = Report(setting.is_quick)
-    rounds = setting.pick(full=300, quick=20)
-    sessions = [Wanted(seed, rings, points) for seed, (rings, points) in enumerate(SIZES)]
-    with Server(setting, "calm", *CALM, reference=True) as calm, Caller(calm, setting.history, "reference") as caller:
-        begin = time.monotonic()
-        for wanted in sessions:
-            caller.upload("ball.off", wanted.data)
-            wanted.session = caller.create(wanted.mesh, wanted.points).value.session_id
-            caller.sample(wanted.session, wanted.view)
-        window = time.monotonic() - begin  # in which all of them are made
-    keeps = keeps_uploads(setting)
-    report.figure("uploads outlive restarts", keeps)
-    cache = setting.folder / "cache"
-    killed: dict[str, int] = dict.fromkeys(PHASES, 0)
-    kept = left_over = lost = 0
-    acknowledged: set[str] = set()
-    for number in range(rounds):
-        chance = random.Random(f"{setting.random.random()}")
-        phase = PHASES[number % len(PHASES)]
+    rounds = Rounds(setting)
+    number = setting.pick(full=300, quick=20)
+    for at in range(number):
+        rounds.run_one(PHASES[at % len(PHASES)], f"round {at}")
+    rounds.look_at_last()
+    report.figure("kills", rounds.killed.total())
+    report.figure("kills by phase", dict(rounds.killed))
+    report.figure("calls broken off", dict(broken_off(setting.history.path)))
+    report.figure("uploads outlive restarts", rounds.keeps)
+    report.require("temporaries after a start", rounds.left_over, at_most=0)
+    report.require("acknowledged uploads lost", rounds.lost, at_most=0)
+    report.require("sessions served after kills", rounds.kept, at_least=number // 2)
+    pending = "" if rounds.keeps else "servers do not keep uploads over restarts yet"
+    report.require("meshes lost by every restart", int(not rounds.keeps), at_most=0, pending=pending)
+    return report
+
+
+class Rounds:
+    def __init__(self, setting: Setting) -> None:
+        self.setting = setting
+        self.cache = setting.folder / "cache"
+        self.sessions = [Wanted(seed, rings, points) for seed, (rings, points) in enumerate(SIZES)]
+        self.killed: collections.Counter[str] = collections.Counter()
+        self.kept = self.left_over = self.lost = 0
+        self.acknowledged: set[str] = set()  # meshes
+        with Server(setting, "calm", *CALM, reference=True) as calm, Caller(calm, setting.history, "reference") as caller:
+            begin = time.monotonic()
+            for wanted in self.sessions:
+                caller.upload("ball.off", wanted.data)
+                wanted.session = caller.create(wanted.mesh, wanted.points).value.session_id
+                caller.sample(wanted.session, wanted.view)
+            self.window = time.monotonic() - begin  # seconds in which all of them are made
+        self.keeps = keeps_uploads(setting)
+
+    def start(self, ready: bool = True) -> Server:
+        return Server(self.setting, "victim", *CALM, cache=self.cache, ready=ready, keeps_uploads=self.keeps)
+
+    def run_one(self, phase: str, name: str) -> None:
+        chance = random.Random(f"{self.setting.random.random()}")
+        self.killed[phase] += 1
         if phase == "start":
-            server = Server(setting, "victim", *CALM, cache=cache, ready=False)
-            time.sleep(0.1 * chance.random())
-            server.kill()
-            server.__exit__(None, None, None)
-            killed[phase] += 1
-            continue
-        with Server(setting, "victim", *CALM, cache=cache, keeps_uploads=keeps) as server:
-            left_over += len(temporaries(cache))
-            with Caller(server, setting.history, f"round {number}", patience=60) as caller:
-                kept += sum(caller.sample(wanted.session, wanted.view).is_ok for wanted in sessions)
-                lost += sum(
-                    not caller.get_mesh(mesh).is_ok for mesh in chance.sample(sorted(acknowledged), min(LOOKS, len(acknowledged)))
-                )
-                busy = threading.Event()
-                thread = threading.Thread(target=work, args=(caller, sessions, phase, chance, acknowledged, busy))
-                thread.start()
-                busy.wait()
-                time.sleep(chance.random() * window * (1.0 if phase == "create" else 0.2))
+            with self.start(ready=False) as server:
+                time.sleep(START_SECONDS * chance.random())
                 server.kill()
-                thread.join()
-                killed[phase] += 1
-        if not keeps:
-            acknowledged.clear()  # that they are lost is what the last check is about
-    with Server(setting, "victim", *CALM, cache=cache, keeps_uploads=keeps) as server:
-        left_over += len(temporaries(cache))
-        with Caller(server, setting.history, "last", patience=60) as caller:
-            for wanted in sessions:
-                caller.sample(wanted.session, wanted.view)  # the history says whether it has to be there
+            return
+        with self.start() as server, Caller(server, self.setting.history, name, patience=PATIENCE) as caller:
+            self.left_over += len(temporaries(self.cache))
+            if phase != "load":
+                self.look(caller, chance)
+            busy = threading.Event()
+            thread = threading.Thread(target=work, args=(caller, self.sessions, phase, chance, self.acknowledged, busy))
+            thread.start()
+            busy.wait()
+            time.sleep(chance.random() * self.window * (1.0 if phase == "create" else 0.1))
+            server.kill()
+            thread.join()
+        if not self.keeps:
+            self.acknowledged.clear()  # that they are lost is what the last requirement is about
+
+    def look(self, caller: Caller, chance: random.Random) -> None:
+        """Asks for all that may be there; whether it has to, the history tells."""
+        self.kept += sum(caller.sample(wanted.session, wanted.view).is_ok for wanted in self.sessions)
+        some = chance.sample(sorted(self.acknowledged), min(LOOKS, len(self.acknowledged)))
+        self.lost += sum(not caller.get_mesh(mesh).is_ok for mesh in some)
+
+    def look_at_last(self) -> None:
+        with self.start() as server, Caller(server, self.setting.history, "last", patience=PATIENCE) as caller:
+            self.left_over += len(temporaries(self.cache))
+            self.look(caller, self.setting.random)
+            for wanted in self.sessions:
                 caller.upload("ball.off", wanted.data)
                 caller.create(wanted.mesh, wanted.points)
                 caller.sample(wanted.session, wanted.view)
-    report.figure("kills", sum(killed.values()))
-    report.figure("kills by phase", killed)
-    report.require("temporaries after a start", left_over, at_most=0)
-    report.require("acknowledged uploads lost", lost, at_most=0)
-    report.require("sessions served after kills", kept, at_least=rounds // 2)
-    if not keeps:
-        pending = "servers do not keep uploads over restarts yet"
-        report.require("meshes lost by every restart", 1, at_most=0, pending=pending)
-    return report
+
+
+def broken_off(history: pathlib.Path) -> collections.Counter[str]:
+    """Calls under way when a server was killed."""
+    with history.open(encoding="utf-8") as lines:
+        events = [json.loads(line) for line in lines if '"UNAVAILABLE"' in line and "failed to connect" not in line]
+    return collections.Counter(event["call"] for event in events)
 
 
 def keeps_uploads(setting: Setting) -> bool:

@@ -1,4 +1,4 @@
-"""A server in a control group of 512 MB, asked for up to 30 times as much: it is never killed, says what would fit, and views go on.
+"""A server in a control group of 512 MB, asked for up to 30 times as much: never killed, says what would fit, and views go on.
 
 1,000 sessions of sizes from 1,000 points up to the API's limits, of which the greatest would take 17 GB, and three inspections of
 meshes of 100 MB at once, beside one client that streams views.
@@ -15,7 +15,7 @@ import random
 import re
 import threading
 
-from hold.calls import Answer, Caller, Who, mesh_id_of
+from hold.calls import NOBODY, Answer, Caller, mesh_id_of
 from hold.cgroups import memory_group
 from hold.history import now
 from hold.load import Load, StreamOfViews, heartbeat, open_aio
@@ -104,7 +104,7 @@ async def watch_views(
     pulse = asyncio.create_task(heartbeat(load))
     begin = now() + CALM_SECONDS
     async with open_aio(server) as channel:
-        stream = StreamOfViews(load, server, channel, session, "viewer", Who())
+        stream = StreamOfViews(load, server, channel, session, "viewer", NOBODY)
         viewer = asyncio.create_task(
             stream.run(lambda number: orbit_view(VIEW_POINTS, 3 * number), 1 / VIEWS_A_SECOND, begin + seconds, offset=0)
         )
@@ -121,7 +121,8 @@ async def watch_views(
             caller.close()  # cancels what they still wait for
         viewer.cancel()
         pulse.cancel()
-        await asyncio.to_thread(lambda: [thread.join() for thread in threads])
+        for thread in threads:
+            await asyncio.to_thread(thread.join)
     return begin, until
 
 

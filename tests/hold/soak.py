@@ -1,4 +1,4 @@
-"""200 streams on 20 sessions for ten minutes, with uploads, creates, closes and renders between: no error, and nothing is left behind.
+"""200 streams on 20 sessions for ten minutes, with uploads, creates, closes and renders between: no error, nothing is left behind.
 
 Every frame is compared, by its digest, with what a calm server answers to the same view. A quick run has 60 streams for one minute.
 """
@@ -16,7 +16,7 @@ from collections.abc import AsyncIterator, Callable
 from grpc import aio
 
 from curvecast.v1 import curvecast_pb2 as v1
-from hold.calls import Caller, Who, mesh_id_of
+from hold.calls import NOBODY, Caller, mesh_id_of
 from hold.history import now
 from hold.load import Load, StreamOfViews, heartbeat, open_aio
 from hold.report import Report, quantile
@@ -32,7 +32,6 @@ MESH_LIMIT = 8 << 20  # bytes: what visitors upload is evicted
 VISIT_PAUSE = 0.2  # seconds
 CALM = ("--max-curve-vertices", "0")
 P99_SECONDS = 0.25
-NOBODY = Who()
 WARM_SECONDS = 6
 GRPC_POOL = "default-executo"  # threads that gRPC makes as it likes, and no more than two for each core
 

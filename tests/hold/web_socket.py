@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
 BINARY, CLOSE, PING = 2, 8, 9
+WEB_SOCKET_PROTO = "curvecast/v1/web_socket.proto"
 PROTOCOL, BEARER = "curvecast.v1", "curvecast.bearer."
 
 
@@ -32,7 +33,7 @@ def opening(address: str, token: str = "") -> bytes:
     return "\r\n".join([*lines, f"Sec-WebSocket-Key: {key}", f"Sec-WebSocket-Protocol: {protocols}", "", ""]).encode()
 
 
-class Closed(Exception):
+class ClosedError(Exception):
     """The server closed the socket, or refused to open it. code: of the protocol, or HTTP's status."""
 
     def __init__(self, code: int, reason: str) -> None:
@@ -52,22 +53,20 @@ def load_messages(source: str) -> tuple[Any, Any]:
     """CallRequest and CallResponse of web_socket.proto, which the Python client has no use for. `source`: the folder of the API."""
     with tempfile.NamedTemporaryFile() as file:
         subprocess.run(
-            ["protoc", f"--proto_path={source}", "--include_imports", f"--descriptor_set_out={file.name}"]
-            + ["curvecast/v1/web_socket.proto"],
+            ["protoc", f"--proto_path={source}", "--include_imports", f"--descriptor_set_out={file.name}", WEB_SOCKET_PROTO],
             check=True,
         )
         described = descriptor_pb2.FileDescriptorSet.FromString(file.read())
-    pool = descriptor_pool.DescriptorPool()
+    pool: Any = descriptor_pool.DescriptorPool()
     for one in described.file:
         pool.Add(one)
     factory: Any = message_factory.MessageFactory(pool)
-    return tuple(
-        factory.GetPrototype(pool.FindMessageTypeByName(f"curvecast.v1.{name}")) for name in ("CallRequest", "CallResponse")
-    )  # type: ignore[return-value]
+    request, response = (pool.FindMessageTypeByName(f"curvecast.v1.{name}") for name in ("CallRequest", "CallResponse"))
+    return factory.GetPrototype(request), factory.GetPrototype(response)
 
 
 class WebSocket:
-    """Open when it is constructed. Closed: the server will not have it."""
+    """Open when it is constructed. ClosedError: the server will not have it."""
 
     def __init__(
         self, address: str, messages: tuple[Any, Any], token: str = "", tls: ssl.SSLContext | None = None, timeout: float = 30
@@ -84,7 +83,7 @@ class WebSocket:
         head, _, self._buffer = self._buffer.partition(b"\r\n\r\n")
         status = int(head.split()[1])
         if status != 101:
-            raise Closed(status, head.decode(errors="replace"))
+            raise ClosedError(status, head.decode(errors="replace"))
 
     def __enter__(self) -> WebSocket:
         return self
@@ -128,7 +127,7 @@ class WebSocket:
                 size = int.from_bytes(self._take(2 if size == 126 else 8), "big")
             data = self._take(size)
             if first & 15 == CLOSE:
-                raise Closed(int.from_bytes(data[:2], "big"), data[2:].decode(errors="replace"))
+                raise ClosedError(int.from_bytes(data[:2], "big"), data[2:].decode(errors="replace"))
             if first & 15 == PING:
                 self._send_frame(PING + 1, data)
                 continue
@@ -147,5 +146,5 @@ class WebSocket:
     def _receive(self) -> None:
         data = self._socket.recv(1 << 16)
         if not data:
-            raise Closed(0, "the connection ended")
+            raise ClosedError(0, "the connection ended")
         self._buffer += data
