@@ -28,6 +28,7 @@ struct TextureRecord {
 
 /// What is no array.
 struct SurfaceRecord {
+  std::string note;
   std::uint64_t scalars = 0;
   std::vector<MaterialRecord> materials;
   std::vector<TextureRecord> textures;
@@ -45,8 +46,8 @@ void archive(Archive& fields, T& record) {
 }
 template <typename Archive, ConstOr<SurfaceRecord> T>
 void archive(Archive& fields, T& record) {
-  auto& [scalars, materials, textures, fills_square, chart_lengths] = record;
-  fields(scalars, materials, textures, fills_square, chart_lengths);
+  auto& [note, scalars, materials, textures, fills_square, chart_lengths] = record;
+  fields(note, scalars, materials, textures, fills_square, chart_lengths);
 }
 
 namespace {
@@ -158,7 +159,7 @@ class MappedSurface {
   explicit MappedSurface(std::function<void(const absl::Status&)> on_damage) : on_damage_(std::move(on_damage)) {}
   MappedSurface(const MappedSurface&) = delete;
 
-  absl::Status open(const std::string& path);
+  absl::Status open(const std::string& path, std::string_view note);
   const CurveBase& base() const { return *base_; }
 
  private:
@@ -196,12 +197,13 @@ class MappedSurface {
   std::optional<CurveBase> base_;
 };
 
-absl::Status MappedSurface::open(const std::string& path) {
+absl::Status MappedSurface::open(const std::string& path, std::string_view note) {
   absl::StatusOr<std::shared_ptr<const SectionFile>> file = SectionFile::open(path, kKind, FileAccess::kMapLazily);
   if (!file.ok()) return file.status();
   file_ = *std::move(file);
   SurfaceRecord record;
   if (absl::Status status = read_record(record); !status.ok()) return status;
+  if (record.note != note) return file_->damaged("its surface is of another session");
   if (absl::Status status = view_arrays(record); !status.ok()) return status;
   if (absl::Status status = load_materials(record); !status.ok()) return status;
   if (absl::Status status = view_charts(record); !status.ok()) return status;
@@ -402,13 +404,14 @@ absl::Status MappedSurface::check_faces(const ChartArrays& chart) const {
 
 }  // namespace
 
-absl::Status save_surface(const std::string& path, const CurveBase& surface) {
+absl::Status save_surface(const std::string& path, const CurveBase& surface, std::string_view note) {
   if (!surface.is_all_sound()) return surface.status();
   const SurfaceData& data = surface.data;
   Arrays arrays{data.mesh, data.geometry, surface.triangle_of, data.creases.normals, data.creases.faces, data.borders,
                 {},        data.scalars};
   if (data.colour != nullptr) arrays.colour = data.colour->source();
   SurfaceRecord record;
+  record.note = note;
   record.scalars = arrays.scalars.size();
   const std::vector<const Image*> textures = number_textures(arrays.colour.materials, record);
   std::vector<Section> sections;
@@ -438,10 +441,10 @@ absl::Status save_surface(const std::string& path, const CurveBase& surface) {
   return write_section_file(path, kKind, sections);
 }
 
-absl::StatusOr<std::shared_ptr<const CurveBase>> open_surface(const std::string& path,
+absl::StatusOr<std::shared_ptr<const CurveBase>> open_surface(const std::string& path, std::string_view note,
                                                               std::function<void(const absl::Status&)> on_damage) {
   const auto surface = std::make_shared<MappedSurface>(std::move(on_damage));
-  if (absl::Status status = surface->open(path); !status.ok()) return status;
+  if (absl::Status status = surface->open(path, note); !status.ok()) return status;
   return std::shared_ptr<const CurveBase>(surface, &surface->base());
 }
 

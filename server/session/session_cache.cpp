@@ -304,7 +304,7 @@ void SessionCache::discard_surface(const std::string& id, const absl::Status& re
 absl::StatusOr<std::shared_ptr<const CurveBase>> SessionCache::open_surface(const std::string& id) {
   if (!is_session_id(id)) return absl::NotFoundError("it is not in the cache");
   auto surface = status_from_exceptions([&] {
-    return curvecast::open_surface(surface_path(id), [this, id](const absl::Status& status) { discard_surface(id, status); });
+    return curvecast::open_surface(surface_path(id), id, [this, id](const absl::Status& status) { discard_surface(id, status); });
   });
   if (!surface.ok()) discard_surface(id, surface.status());
   return surface;
@@ -379,7 +379,7 @@ absl::Status SessionCache::write(const std::string& id, const Snapshot& snapshot
   if (!is_file(surface_path(id))) {
     const absl::StatusOr<std::shared_ptr<const CurveBase>> base = snapshot.surface->base();
     if (!base.ok()) return base.status();
-    if (absl::Status status = save_surface(surface_path(id), **base); !status.ok()) return status;
+    if (absl::Status status = save_surface(surface_path(id), **base, id); !status.ok()) return status;
   }
   if (absl::Status status = check_wanted(id); !status.ok()) return status;
   if (!is_file(curve_path(id))) {

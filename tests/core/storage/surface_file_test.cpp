@@ -67,6 +67,17 @@ absl::Status status_of(const std::string& path) {
 
 MATCHER_P(HasSame, expected, "") { return std::ranges::equal(arg, expected); }
 
+TEST(SurfaceFile, IsOnlyWhoseNoteIsAskedFor) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_surface(folder / "surface", *based(adorned()), "mine").ok());
+  EXPECT_TRUE(open_surface(folder / "surface", "mine").ok());
+  for (const char* note : {"", "min", "yours"}) {
+    const absl::Status status = open_surface(folder / "surface", note).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss) << note;
+    EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("another"));
+  }
+}
+
 TEST(SurfaceFile, BringsEverythingBack) {
   const TemporaryFolder folder;
   const auto surface = based(adorned());
@@ -185,7 +196,7 @@ TEST(SurfaceFile, ReadsOnlyTheChartsThatAreAskedFor) {
   bytes[at] = static_cast<char>(bytes[at] ^ 1);
   write_file(path, bytes);
   int told = 0;
-  const auto mapped = open_surface(path, [&](const absl::Status& status) {
+  const auto mapped = open_surface(path, {}, [&](const absl::Status& status) {
     ++told;
     EXPECT_EQ(status.code(), Code::kDataLoss);
   });

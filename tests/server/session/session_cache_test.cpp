@@ -119,6 +119,16 @@ TEST_F(SessionCacheTest, WhatIsNoIdIsNoFile) {
   }
 }
 
+TEST_F(SessionCacheTest, AnothersSurfaceIsNotTaken) {
+  for (const char digit : {'a', 'b'}) save(some_session(id_of(digit)));
+  std::filesystem::copy_file(surface_path('b'), surface_path('a'), std::filesystem::copy_options::overwrite_existing);
+  const auto cache = open();
+  EXPECT_EQ(cache->open_surface(id_of('a')).status().code(), Code::kDataLoss);
+  EXPECT_FALSE(cache->holds(id_of('a'))) << "it is to be made anew";
+  EXPECT_THAT(lines_.str(), HasSubstr("another session"));
+  EXPECT_TRUE(cache->open_surface(id_of('b')).ok());
+}
+
 TEST_F(SessionCacheTest, RemoveTakesAllFilesAndWaitingSaves) {
   save(some_session(id_of('a')));
   const auto cache = open();
