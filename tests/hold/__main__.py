@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import pathlib
 import random
 import shutil
@@ -12,6 +11,7 @@ import signal
 import sys
 import tempfile
 import time
+import traceback
 from types import FrameType, ModuleType
 from typing import Any
 
@@ -46,8 +46,7 @@ def run_scenario(name: str, setting: Setting) -> Report:
         report = Report(setting.is_quick)
         report.notes.append(f"{type(error).__name__}: {error}")
         report.require("scenarios broken off", 1, at_most=0)
-        if os.environ.get("CURVECAST_HOLD_DEBUG"):
-            raise
+        (setting.folder / "traceback.txt").write_text(traceback.format_exc())
     finally:
         setting.history.close()
     if not report.skipped:

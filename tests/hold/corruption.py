@@ -160,7 +160,7 @@ def between_loads(spoilt: Spoilt, kinds: list[str]) -> None:
 def during_loads(spoilt: Spoilt, kinds: list[str]) -> None:
     over = threading.Event()
     with spoilt.start("--max-sessions", ROOM) as server, spoilt.caller(server, "during loads") as caller:
-        readers = [threading.Thread(target=read_all, args=(spoilt, server, n, over)) for n in range(READERS)]
+        readers = [threading.Thread(target=read_all, args=(spoilt, server, n, over), daemon=True) for n in range(READERS)]
         for reader in readers:
             reader.start()
         for trial, kind in enumerate(kinds):

@@ -75,7 +75,7 @@ def besiege(
     total: Total,
 ) -> None:
     over = threading.Event()
-    prober = threading.Thread(target=probe, args=(server, over, total))
+    prober = threading.Thread(target=probe, args=(server, over, total), daemon=True)
     begin = now()
     held: list[socket.socket] = []
     prober.start()

@@ -89,7 +89,9 @@ class Rounds:
             if phase != "load":
                 self.look(caller, chance)
             busy = threading.Event()
-            thread = threading.Thread(target=work, args=(caller, self.sessions, phase, chance, self.acknowledged, busy))
+            thread = threading.Thread(
+                target=work, args=(caller, self.sessions, phase, chance, self.acknowledged, busy), daemon=True
+            )
             thread.start()
             busy.wait()
             time.sleep(chance.random() * self.window * (1.0 if phase == "create" else 0.1))

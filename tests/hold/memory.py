@@ -109,8 +109,11 @@ async def watch_views(
             stream.run(lambda number: orbit_view(VIEW_POINTS, 3 * number), 1 / VIEWS_A_SECOND, begin + seconds, offset=0)
         )
         await asyncio.sleep(max(0.0, begin - now()))
-        threads = [threading.Thread(target=create, args=(setting, server, tally, setting.random.random())) for _ in range(CREATORS)]
-        threads += [threading.Thread(target=inspect, args=(setting, server, tally, mesh)) for mesh in reliefs]
+        threads = [
+            threading.Thread(target=create, args=(setting, server, tally, setting.random.random()), daemon=True)
+            for _ in range(CREATORS)
+        ]
+        threads += [threading.Thread(target=inspect, args=(setting, server, tally, mesh), daemon=True) for mesh in reliefs]
         for thread in threads:
             thread.start()
         while any(thread.is_alive() for thread in threads) and now() < begin + seconds and server.process.poll() is None:

@@ -67,8 +67,8 @@ def put_under_load(
 ) -> tuple[Load, list[tuple[float, int]]]:
     """Has streams, and visitors beside them. Returns what they saw, and when how many bytes were resident."""
     load, resident, over = Load(setting.history), [(now(), server.usage().resident)], threading.Event()
-    threads = [threading.Thread(target=visit, args=(setting, server, n, over)) for n in range(2)]
-    threads.append(threading.Thread(target=watch, args=(server, over, resident)))
+    threads = [threading.Thread(target=visit, args=(setting, server, n, over), daemon=True) for n in range(2)]
+    threads.append(threading.Thread(target=watch, args=(server, over, resident), daemon=True))
     for thread in threads:
         thread.start()
     try:
