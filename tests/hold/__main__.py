@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import ast
+import collections
+import importlib
 import json
 import pathlib
 import random
@@ -12,36 +15,31 @@ import sys
 import tempfile
 import time
 import traceback
-from types import FrameType, ModuleType
+from types import FrameType
 from typing import Any
 
-from hold import authorisation, check_history, corruption, descriptors, disk_full, hostile, kills, memory, soak, stalled
+from hold import check_history
 from hold.history import History
 from hold.report import Report
 from hold.servers import Setting
 
-SCENARIOS: dict[str, ModuleType] = {
-    "soak": soak,
-    "stalled": stalled,
-    "memory": memory,
-    "descriptors": descriptors,
-    "kills": kills,
-    "corruption": corruption,
-    "disk-full": disk_full,
-    "authorisation": authorisation,
-    "hostile": hostile,
-}
+SCENARIOS = ("soak", "stalled", "memory", "descriptors", "kills", "corruption", "disk-full", "authorisation", "hostile")
 
 
-def first_line(module: ModuleType) -> str:
-    return (module.__doc__ or "").strip().splitlines()[0]
+def module_of(name: str) -> str:
+    return name.replace("-", "_")
+
+
+def first_line(name: str) -> str:
+    """What a scenario says that it is. Read, not imported: the client need not be built."""
+    source = pathlib.Path(__file__).with_name(f"{module_of(name)}.py").read_text()
+    return (ast.get_docstring(ast.parse(source)) or "").splitlines()[0]
 
 
 def run_scenario(name: str, setting: Setting) -> Report:
     """Runs one, and has its history checked."""
-    module = SCENARIOS[name]
     try:
-        report: Report = module.run(setting)
+        report: Report = importlib.import_module(f"hold.{module_of(name)}").run(setting)
     except Exception as error:  # noqa: BLE001: the others go on
         report = Report(setting.is_quick)
         report.notes.append(f"{type(error).__name__}: {error}")
@@ -85,7 +83,7 @@ def run_all(options: argparse.Namespace, folder: pathlib.Path) -> dict[str, Any]
 
 
 def parse(arguments: list[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="test-hold", add_help=False)
+    parser = argparse.ArgumentParser(prog="test-hold", usage="see deploy/test-hold --help", add_help=False)
     parser.add_argument("--command", required=True)
     parser.add_argument("--json")
     parser.add_argument("--quick", action="store_true")
@@ -110,8 +108,8 @@ def stop(number: int, _: FrameType | None) -> None:
 def main(arguments: list[str]) -> int:
     options = parse(arguments)
     if options.list:
-        for name, module in SCENARIOS.items():
-            print(f"{name:<14} {first_line(module)}")
+        for name in SCENARIOS:
+            print(f"{name:<14} {first_line(name)}")
         return 0
     signal.signal(signal.SIGTERM, stop)
     folder = pathlib.Path(options.keep or tempfile.mkdtemp(prefix="curvecast-hold-")).absolute()
@@ -119,18 +117,20 @@ def main(arguments: list[str]) -> int:
     begin = time.monotonic()
     try:
         results = run_all(options, folder)
-        held = sum(result["result"] == "passed" for result in results.values())
+        ended = collections.Counter(result["result"] for result in results.values())
         failed = [name for name, result in results.items() if result["result"] == "failed"]
         is_kept = is_kept or bool(failed)
         if options.json:
             told = {
+                "cores": len(os.sched_getaffinity(0)),
                 "seed": options.seed,
                 "quick": options.quick,
                 "seconds": round(time.monotonic() - begin, 1),
                 "scenarios": results,
             }
             pathlib.Path(options.json).write_text(json.dumps(told, indent=2) + "\n")
-        print(f"test-hold: {held} of {len(results)} held in {time.monotonic() - begin:.0f} s, seed {options.seed}")
+        counts = ", ".join(f"{number} {how}" for how, number in ended.items())
+        print(f"test-hold: {counts} in {time.monotonic() - begin:.0f} s, seed {options.seed}")
         if failed:
             print(f"test-hold: failed: {', '.join(failed)}; histories, logs and caches are in {folder}")
         return 1 if failed else 0
