@@ -7,6 +7,7 @@ import ast
 import collections
 import importlib
 import json
+import os
 import pathlib
 import random
 import shutil
