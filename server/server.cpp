@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,14 +42,6 @@ constexpr int kMaxRequestBytes = static_cast<int>(kMaxChunkBytes + kMaxChunkByte
 constexpr std::size_t kAdminConnections = 16;          // for one more the one goes that has waited longest
 constexpr std::chrono::milliseconds kCloseTime{1000};  // for what is on its way over WebSockets when the server ends
 
-/// Printable, and not to be guessed.
-std::string random_token() {
-  std::random_device random;
-  std::string token;
-  for (int i = 0; i < 8; ++i) token += absl::StrCat(absl::Hex(random(), absl::kZeroPad8));
-  return token;
-}
-
 /// That gRPC may take for what clients send, known or not.
 std::size_t transport_bytes(const ServerOptions& options) {
   return std::max(std::size_t{64} << 20, static_cast<std::size_t>(memory_share(options) / 8));
@@ -63,47 +54,20 @@ grpc::ChannelArguments within_process() {
   return arguments;
 }
 
-/// Sends a token with every call.
-class TokenSender final : public grpc::experimental::ClientInterceptorFactoryInterface {
- public:
-  explicit TokenSender(const std::string& token) : header_("Bearer " + token) {}
-
-  grpc::experimental::Interceptor* CreateClientInterceptor(grpc::experimental::ClientRpcInfo* /*call*/) override {
-    return new Sender(header_);
-  }
-
- private:
-  class Sender final : public grpc::experimental::Interceptor {
-   public:
-    explicit Sender(const std::string& header) : header_(header) {}
-    void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
-      using Point = grpc::experimental::InterceptionHookPoints;
-      if (methods->QueryInterceptionHookPoint(Point::PRE_SEND_INITIAL_METADATA)) {
-        methods->GetSendInitialMetadata()->emplace("authorization", header_);
-      }
-      methods->Proceed();
-    }
-
-   private:
-    const std::string header_;
-  };
-
-  const std::string header_;
-};
-
 class GrpcServer final : public Server {
  public:
   GrpcServer(const ServerOptions& options, std::shared_ptr<spdlog::logger> log, std::unique_ptr<SessionCache> cache,
-             std::shared_ptr<const Tokens> tokens, std::string own_token)
-      : own_token_(std::move(own_token)),
-        engine_(options, std::move(log), std::move(cache), std::move(tokens)),
+             std::shared_ptr<const Tokens> tokens, TrustedProxies proxies, std::optional<ServerTls> tls)
+      : options_(options),
+        tls_(tls ? std::make_shared<Replaceable<ServerTls>>(std::make_shared<ServerTls>(*std::move(tls))) : nullptr),
+        engine_(options, std::move(log), std::move(cache), std::move(tokens), std::move(proxies)),
         service_(engine_),
         unready_(options.ready ? "" : "meshes are being prepared") {
     if (options.ready && engine_.marks != nullptr) engine_.marks->enforce();
   }
   ~GrpcServer() override { shutdown(std::chrono::milliseconds(0)); }
 
-  absl::Status listen(const ServerOptions& options, const std::optional<ServerTls>& tls, std::size_t descriptors) {
+  absl::Status listen(std::size_t descriptors) {
     grpc::EnableDefaultHealthCheckService(true);
     static std::once_flag reflection;  // the plugin is the whole process's and counts its own calls
     std::call_once(reflection, grpc::reflection::InitProtoReflectionServerBuilderPlugin);
@@ -117,42 +81,44 @@ class GrpcServer final : public Server {
     builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleMs);
     builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
     builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
-    builder.SetResourceQuota(grpc::ResourceQuota("curvecast").Resize(transport_bytes(options)));
-    if (!options.listen.empty()) {
-      auto port = GrpcPort::bind(options.listen, *engine_.connections, share_descriptors(descriptors).reserve_from);
+    builder.SetResourceQuota(grpc::ResourceQuota("curvecast").Resize(transport_bytes(options_)));
+    if (!options_.listen.empty()) {
+      auto port = GrpcPort::bind(options_.listen, *engine_.connections, share_descriptors(descriptors).reserve_from);
       if (!port.ok()) return port.status();
       port_ = *std::move(port);
-      port_->add_to(builder, make_credentials(tls));
+      port_->add_to(builder, make_credentials(tls_));
     }
     grpc_ = builder.BuildAndStart();
     if (grpc_ == nullptr) return absl::UnavailableError("gRPC does not start");
     if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) {
       health->SetServingStatus(v1::CurvecastService::service_full_name(), true);
-      health->SetServingStatus(options.ready);
+      health->SetServingStatus(options_.ready);
     }
     if (port_ != nullptr) port_->open();
-    engine_.log->info("serving on {}", port_ == nullptr ? "this process" : absl::StrCat(options.listen, ", port ", port()));
+    engine_.log->info("serving on {}", port_ == nullptr ? "this process" : absl::StrCat(options_.listen, ", port ", port()));
     return absl::OkStatus();
   }
 
   /// After listen(): whoever finds the HTTP port finds the other one too.
-  absl::Status listen_http(const ServerOptions& options, const std::optional<ServerTls>& tls, std::size_t descriptors) {
+  absl::Status listen_http(std::size_t descriptors) {
     const DescriptorShares shares = share_descriptors(descriptors);
-    WebGatewayOptions web{.listen = options.http, .tls = tls};
+    WebGatewayOptions web{.listen = options_.http};
+    if (tls_ != nullptr) web.tls = *tls_->get();
     web.max_connections = std::min(web.max_connections, shares.pages);
     web.sockets = {.path = "/v1/socket",
+                   .identify = [this](const Peer& peer) { return identify(engine_, peer); },
                    .maker = web_calls(engine_, grpc_->InProcessChannel(within_process())),
-                   .origins = {.others = options.web_origins,
-                               .any_name = engine_.tokens != nullptr || (tls && !tls->client_authorities.empty())},
-                   .max_sockets = std::min(options.max_streams, shares.sockets),
-                   .max_sockets_of_client = options.max_streams_of_client};
-    WebRoutes routes = page_routes(options.pages);
+                   .origins = {.others = options_.web_origins, .any_name = engine_.knows_callers()},
+                   .proxies = engine_.proxies,
+                   .max_sockets = std::min(options_.max_streams, shares.sockets),
+                   .max_sockets_of_client = options_.max_streams_of_client};
+    WebRoutes routes = page_routes(options_.pages);
     routes.merge(probe_routes(health()));
-    if (options.admin.empty()) routes.merge(metrics_routes(engine_));
+    if (options_.admin.empty()) routes.merge(metrics_routes(engine_));
     auto gateway = WebGateway::start(web, routes, engine_.log);
-    if (absl::IsUnavailable(gateway.status()) && options.http_may_move) {
+    if (absl::IsUnavailable(gateway.status()) && options_.http_may_move) {
       engine_.log->warn("{}; taking a free port", std::string(gateway.status().message()));
-      web.listen = options.http.substr(0, options.http.rfind(':')) + ":0";
+      web.listen = options_.http.substr(0, options_.http.rfind(':')) + ":0";
       gateway = WebGateway::start(web, routes, engine_.log);
     }
     if (!gateway.ok()) return gateway.status();
@@ -162,13 +128,13 @@ class GrpcServer final : public Server {
   }
 
   /// After listen().
-  absl::Status listen_admin(const std::string& address) {
+  absl::Status listen_admin() {
     WebRoutes routes = probe_routes(health());
     routes.merge(metrics_routes(engine_));
-    auto gateway = WebGateway::start({.listen = address, .max_connections = kAdminConnections}, routes, engine_.log);
+    auto gateway = WebGateway::start({.listen = options_.admin, .max_connections = kAdminConnections}, routes, engine_.log);
     if (!gateway.ok()) return gateway.status();
     admin_ = *std::move(gateway);
-    engine_.log->info("admin on {}, port {}", address, admin_->port());
+    engine_.log->info("admin on {}, port {}", options_.admin, admin_->port());
     return absl::OkStatus();
   }
 
@@ -194,10 +160,22 @@ class GrpcServer final : public Server {
     if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->SetServingStatus(false);
   }
 
-  std::shared_ptr<grpc::Channel> in_process_channel() override {
-    std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> interceptors;
-    interceptors.push_back(std::make_unique<TokenSender>(own_token_));
-    return grpc_->experimental().InProcessChannelWithInterceptors(within_process(), std::move(interceptors));
+  std::shared_ptr<grpc::Channel> in_process_channel() override { return grpc_->InProcessChannel(within_process()); }
+
+  absl::Status reload() override {
+    const MutexLock lock(reload_mutex_);
+    absl::Status status;
+    const auto note = [&](const char* what, const absl::Status& read) {
+      if (read.ok()) {
+        engine_.log->info("{} read anew", what);
+      } else {
+        engine_.log->error("{} stay as they were: {}", what, std::string(read.message()));
+      }
+      status.Update(read);
+    };
+    if (!options_.tokens.empty()) note("tokens", reload_tokens());
+    if (tls_ != nullptr) note("certificates", reload_tls());
+    return status;
   }
 
   void shutdown(std::chrono::milliseconds drain) override {
@@ -232,11 +210,31 @@ class GrpcServer final : public Server {
     return unready_.empty() ? dead() : unready_;
   }
 
+  absl::Status reload_tokens() {
+    absl::StatusOr<std::shared_ptr<const Tokens>> tokens = Tokens::read(options_.tokens);
+    if (!tokens.ok()) return tokens.status();
+    engine_.tokens.replace(*std::move(tokens));
+    engine_.callers.end_refused();
+    return absl::OkStatus();
+  }
+
+  absl::Status reload_tls() {
+    absl::StatusOr<std::optional<ServerTls>> tls = read_server_tls(options_);
+    if (!tls.ok()) return tls.status();
+    if (web_ != nullptr) {
+      if (absl::Status status = web_->replace_tls(**tls); !status.ok()) return status;
+    }
+    tls_->replace(std::make_shared<ServerTls>(**std::move(tls)));
+    return absl::OkStatus();
+  }
+
   WebHealth health() {
     return {.dead = [this] { return dead(); }, .unready = [this] { return unready(); }};
   }
 
-  const std::string own_token_;  // of this process, where tokens are asked for
+  const ServerOptions options_;
+  const std::shared_ptr<Replaceable<ServerTls>> tls_;  // null: not encrypted
+  Mutex reload_mutex_;                                 // one at a time, so that the newest files stay
   Engine engine_;
   Service service_;
   std::unique_ptr<grpc::Server> grpc_;
@@ -258,15 +256,16 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     if (address->empty()) continue;
     if (const auto parsed = parse_address(*address); !parsed.ok()) return parsed.status();
   }
-  const absl::StatusOr<std::optional<ServerTls>> tls = read_server_tls(options);
+  absl::StatusOr<std::optional<ServerTls>> tls = read_server_tls(options);
   if (!tls.ok()) return tls.status();
   std::shared_ptr<const Tokens> tokens;
-  const std::string own_token = random_token();
   if (!options.tokens.empty()) {
     absl::StatusOr<std::shared_ptr<const Tokens>> read = Tokens::read(options.tokens);
     if (!read.ok()) return read.status();
-    tokens = (*read)->with("this process", own_token);
+    tokens = *std::move(read);
   }
+  absl::StatusOr<TrustedProxies> proxies = TrustedProxies::parse(options.trusted_proxies);
+  if (!proxies.ok()) return proxies.status();
   return status_from_exceptions([&]() -> absl::StatusOr<std::unique_ptr<Server>> {
     std::shared_ptr<spdlog::logger> log = make_logger(options.log, options.verbose, options.log_format);
     log->info("{}", describe(build_info()));
@@ -286,10 +285,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     const std::size_t descriptors = raise_descriptor_limit();
     ServerOptions bounded = options;
     bounded.max_connections = std::min(options.max_connections, share_descriptors(descriptors).connections);
-    auto server = std::make_unique<GrpcServer>(bounded, std::move(log), std::move(cache), std::move(tokens), own_token);
-    absl::Status status = server->listen(bounded, *tls, descriptors);
-    if (status.ok() && !options.http.empty()) status = server->listen_http(bounded, *tls, descriptors);
-    if (status.ok() && !options.admin.empty()) status = server->listen_admin(options.admin);
+    auto server = std::make_unique<GrpcServer>(bounded, std::move(log), std::move(cache), std::move(tokens), *std::move(proxies),
+                                               *std::move(tls));
+    absl::Status status = server->listen(descriptors);
+    if (status.ok() && !options.http.empty()) status = server->listen_http(descriptors);
+    if (status.ok() && !options.admin.empty()) status = server->listen_admin();
     if (!status.ok()) return status;
     return server;
   });

@@ -17,8 +17,8 @@ namespace curvecast::server {
 /// Thread-safe after start(). Frames of StreamViews are up to 32 MiB: let the client's channel receive that much.
 class Server {
  public:
-  /// Listens, or fails with Unavailable (an address in use), InvalidArgument (malformed address, negative threads, TLS files),
-  /// NotFound (a TLS file) or FailedPrecondition (the cache's folder cannot be used).
+  /// Listens, or fails with Unavailable (an address in use), InvalidArgument (malformed address, negative threads, TLS files,
+  /// proxies), NotFound (a TLS file) or FailedPrecondition (the cache's folder cannot be used).
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options);
   virtual ~Server() = default;  // shuts down at once where shutdown() was not called
 
@@ -32,6 +32,10 @@ class Server {
   virtual void set_ready() = 0;
   /// A channel that reaches this server without a socket.
   virtual std::shared_ptr<grpc::Channel> in_process_channel() = 0;
+  /// Reads the files of tokens and certificates anew, and writes to the log what came of it. Calls are refused from now on where
+  /// their tokens are not in the file any more, and streams of views and WebSockets of such tokens end; new connections get the
+  /// new certificates. What cannot be read, or is wrong, stays as it was; errors, of which the first is returned, name the file.
+  virtual absl::Status reload() = 0;
   /// Health says NOT_SERVING and /readyz that the server ends, so that balancers send no more clients. All else goes on.
   virtual void retire() = 0;
   /// As retire(); streams of views end with UNAVAILABLE, other running calls get `drain` to end, then are cancelled;

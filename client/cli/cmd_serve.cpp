@@ -8,6 +8,7 @@
 #include <csignal>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <thread>
 
@@ -15,6 +16,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/configuration.h"
 #include "client/cli/session_flags.h"
+#include "client/cli/signals.h"
 #include "client/web/viewer_files.h"
 #include "server/net/loopback.h"
 #include "server/server.h"
@@ -111,8 +113,12 @@ std::vector<std::string> describe(const std::vector<Setting>& settings) {
 absl::Status serve(const Flags& flags, const CommonOptions& options, const server::ServerOptions& server_options,
                    const std::stop_token& stop) {
   std::signal(SIGPIPE, SIG_IGN);  // where its lines go to may end before it
+  const bool has_files = !server_options.tokens.empty() || !server_options.tls_cert.empty();
+  if (has_files) HangUpWatcher::hold_back();
   absl::StatusOr<std::unique_ptr<server::Server>> server = server::Server::start(server_options);
   if (!server.ok()) return server.status();
+  std::optional<HangUpWatcher> hang_ups;
+  if (has_files) hang_ups.emplace([&] { (*server)->reload().IgnoreError(); });  // the log tells
   Json addresses = {{"address", address_of(server_options.listen, (*server)->port())}, {"port", (*server)->port()}};
   announce(options, "listening on " + addresses["address"].get<std::string>());
   if (!server_options.admin.empty()) {
@@ -214,9 +220,10 @@ void add_limit_flags(CLI::App* app, server::ServerOptions* server) {
         "way "
         "that has made no call");
   count("--max-streams", &server->max_streams, "of views, at once");
-  count("--max-streams-of-client", &server->max_streams_of_client, "of one token, or one address where there are no tokens");
+  count("--max-streams-of-client", &server->max_streams_of_client,
+        "of one caller: a token, a certificate's name, or else an address");
   count("--max-uploads", &server->max_uploads, "at once");
-  count("--max-uploads-of-client", &server->max_uploads_of_client, "of one token or address");
+  count("--max-uploads-of-client", &server->max_uploads_of_client, "of one caller");
   app->add_option("--max-view-rate", server->max_view_rate, "messages per second that are read from a stream")
       ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str()
@@ -236,7 +243,7 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       "Keeps meshes prepared for any number of clients, and shows them in browsers (gRPC, and HTTP for the viewer; both "
       "encrypted with --tls-cert and --tls-key). Prints its addresses when it is "
       "ready and a line per opened mesh. SIGTERM or Ctrl-C: running calls get --drain seconds to end; status 0. A "
-      "second one ends it at once; status 130.",
+      "second one ends it at once; status 130. SIGHUP: reads the files of tokens and certificates anew, where there are any.",
       {"curvecast serve --open bunny.obj --open igea.ply",
        "curvecast serve --listen 0.0.0.0:50051 --tokens /etc/curvecast.tokens --cache /var/cache/curvecast --cache-size 50GB",
        "curvecast serve --config /etc/curvecast.toml --http 0.0.0.0:8080 --open-to-all",
@@ -301,13 +308,21 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       ->check(validator([](const std::string& text) { return check_choice("log format", text, kLogFormats); }, ""))
       ->type_name("NAME")
       ->capture_default_str();
-  app->add_option("--tls-client-ca", flags->server.tls_client_ca,
-                  "certificates (PEM) of those who vouch for clients: without a certificate of theirs nobody may connect")
+  app->add_option(
+         "--tls-client-ca", flags->server.tls_client_ca,
+         "certificates (PEM) of those who vouch for clients: without a certificate of theirs nobody may connect; the name "
+         "in it is the client's, as that of a token's holder is")
       ->type_name("FILE");
   app->add_option("--tokens", flags->server.tokens,
                   "those who may call, everybody without it: lines of NAME, SHA-256 of the token, and maybe the second since "
                   "1970 in which it expires")
       ->type_name("FILE");
+  app->add_option(
+         "--trusted-proxy", flags->server.trusted_proxies,
+         "network (10.0.0.0/8, fd00::/8) or address of proxies whose header x-forwarded-for names the client, for limits, "
+         "shares and the log; repeat for more")
+      ->type_name("CIDR")
+      ->allow_extra_args(false);
   app->add_flag(
       "--open-to-all", flags->open_to_all,
       "let everybody call who can connect, from other machines too; without tokens or certificates of clients, addresses "

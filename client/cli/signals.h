@@ -1,7 +1,8 @@
-// Ctrl-C and SIGTERM as a stop token.
+// Ctrl-C and SIGTERM as a stop token, SIGHUP as a call.
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <stop_token>
 #include <thread>
 
@@ -21,6 +22,22 @@ class SignalWatcher {
 
  private:
   std::stop_source stop_;
+  std::atomic<bool> done_ = false;
+  std::thread thread_;
+};
+
+/// Calls a function with each SIGHUP, on a thread of its own, where otherwise that would end the process.
+class HangUpWatcher {
+ public:
+  /// From now on the signal waits for a watcher. To be called before any other thread is made than the SignalWatcher's.
+  static void hold_back();
+
+  explicit HangUpWatcher(std::function<void()> on_hang_up);
+  HangUpWatcher(const HangUpWatcher&) = delete;
+  HangUpWatcher& operator=(const HangUpWatcher&) = delete;
+  ~HangUpWatcher();
+
+ private:
   std::atomic<bool> done_ = false;
   std::thread thread_;
 };

@@ -50,12 +50,21 @@ int refuse_password(char* /*buffer*/, int /*size*/, int /*writes*/, void* wanted
   return -1;
 }
 
+/// Looks at all of them.
 absl::StatusOr<Certificate> first_certificate(const std::string& bytes, const std::string& path) {
   bool wants_password = false;
-  Certificate certificate(PEM_read_bio_X509(over(bytes).get(), nullptr, refuse_password, &wants_password));
+  const std::unique_ptr<BIO, Free> bio = over(bytes);
+  const auto next = [&] { return Certificate(PEM_read_bio_X509(bio.get(), nullptr, refuse_password, &wants_password)); };
+  Certificate first = next();
+  if (first != nullptr) {
+    while (next() != nullptr) {
+    }
+  }
+  const bool is_end = ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE;
   ERR_clear_error();
-  if (certificate == nullptr) return absl::InvalidArgumentError(absl::StrCat(path, ": there is no certificate in it (PEM)"));
-  return certificate;
+  if (first == nullptr) return absl::InvalidArgumentError(absl::StrCat(path, ": there is no certificate in it (PEM)"));
+  if (!is_end) return absl::InvalidArgumentError(absl::StrCat(path, ": a certificate in it is malformed"));
+  return first;
 }
 
 absl::StatusOr<Key> private_key(const std::string& bytes, const std::string& path) {

@@ -14,7 +14,7 @@ struct Identity {
 };
 
 /// Errors name the file: NotFound or InvalidArgument where one cannot be read, InvalidArgument where there is no certificate or
-/// no key in it, the key is encrypted, or it does not belong to the first certificate.
+/// no key in it, a certificate is malformed, the key is encrypted, or it does not belong to the first certificate.
 absl::StatusOr<Identity> read_identity(const std::string& certificate_path, const std::string& key_path);
 
 /// The certificates of those who are believed. Errors as above.

@@ -28,6 +28,7 @@ class JsonFormatter final : public spdlog::formatter {
                  {"message", std::string(message.payload.data(), message.payload.size())}};
     if (const RequestRecord* request = current_request; request != nullptr) {
       line["method"] = request->method;
+      if (!request->caller.empty()) line["caller"] = request->caller;
       line["peer"] = request->peer;
       line["code"] = request->code;
       line["ms"] = request->milliseconds;
@@ -64,7 +65,8 @@ bool logs_requests(const spdlog::logger& log) { return log.should_log(spdlog::le
 void log_request(spdlog::logger& log, const RequestRecord& request) {
   if (!logs_requests(log)) return;
   current_request = &request;
-  log.debug("{} from {}: {} after {:.2f} ms, request {}{}{}", request.method, request.peer, request.code, request.milliseconds,
+  log.debug("{} {}{}from {}: {} after {:.2f} ms, request {}{}{}", request.method, request.caller.empty() ? "" : "by ",
+            request.caller.empty() ? "" : printable(request.caller) + " ", request.peer, request.code, request.milliseconds,
             request.id, request.error.empty() ? "" : ": ", request.error);
   current_request = nullptr;
 }

@@ -23,6 +23,7 @@ std::shared_ptr<spdlog::logger> make_logger(bool enabled, bool verbose, LogForma
 /// A request that is over.
 struct RequestRecord {
   std::string_view method;
+  std::string_view caller;  // empty: not known
   std::string_view peer;
   std::string_view id;
   std::string_view code;  // name of a gRPC status code

@@ -21,13 +21,15 @@ struct ServerOptions {
   std::uint64_t max_sessions = 64;                          // held at once
   /// Of all of them; the least recently used go first, to the cache. No more than half of the memory.
   std::uint64_t max_session_bytes = std::uint64_t{8} << 30;
-  std::string tokens = {};       // file of those who may call, see Tokens; empty = everybody
+  std::string tokens = {};  // file of those who may call, see Tokens; empty = everybody
+  /// Networks ("10.0.0.0/8") and addresses of proxies, whose header x-forwarded-for says for whom they call.
+  std::vector<std::string> trusted_proxies = {};
   std::string mesh_folder = {};  // of which clients may import meshes; empty = none
   /// Of the gRPC port, and no more than half of the descriptors that the process may have. For one more the oldest one gives way
   /// that has made no call.
   std::size_t max_connections = 10'000;
   std::size_t max_streams = 1000;           // of views, at once
-  std::size_t max_streams_of_client = 250;  // of one address
+  std::size_t max_streams_of_client = 250;  // of one caller
   std::size_t max_uploads = 64;             // at once
   std::size_t max_uploads_of_client = 8;
   /// Views and acknowledgements a second that are taken from a stream. A client that waits for each frame sends one of each in a
@@ -66,7 +68,8 @@ struct ServerOptions {
   /// PEM files with which connections over TCP are encrypted, of both ports: the server's certificate with those that vouch for
   /// it, and its key. Without: no encryption.
   std::string tls_cert = {}, tls_key = {};
-  std::string tls_client_ca = {};  // PEM: only clients for whose certificates these vouch may call; empty: all
+  std::string tls_client_ca =
+      {};  // PEM: only clients for whose certificates these vouch may call, and by these they are known; empty: all
 };
 
 }  // namespace curvecast::server

@@ -55,15 +55,15 @@ absl::StatusOr<std::shared_ptr<const Tokens>> Tokens::parse(std::string_view tex
         words[1].find_first_not_of("0123456789abcdefABCDEF") != absl::string_view::npos) {
       return fail("the second word is no SHA-256: 64 hexadecimal digits, as sha256sum prints");
     }
-    Holder holder{std::string(words[0])};
+    Entry entry{std::string(words[0])};
     if (words.size() == 3) {
       std::int64_t seconds = 0;
       if (!absl::SimpleAtoi(words[2], &seconds) || seconds < 0 || seconds > std::int64_t{1} << 33) {
         return fail("the third word is no time: seconds since 1970");
       }
-      holder.expires = Clock::time_point(std::chrono::seconds(seconds));
+      entry.expires = Clock::time_point(std::chrono::seconds(seconds));
     }
-    if (!tokens->by_digest_.emplace(absl::HexStringToBytes(words[1]), std::move(holder)).second) {
+    if (!tokens->by_digest_.emplace(absl::HexStringToBytes(words[1]), std::move(entry)).second) {
       return fail("this token has a line already");
     }
   }
@@ -71,13 +71,7 @@ absl::StatusOr<std::shared_ptr<const Tokens>> Tokens::parse(std::string_view tex
   return tokens;
 }
 
-std::shared_ptr<const Tokens> Tokens::with(const std::string& name, std::string_view token) const {
-  auto more = std::make_shared<Tokens>(*this);
-  more->by_digest_[sha256(token)] = {name};
-  return more;
-}
-
-absl::StatusOr<std::string> Tokens::authenticate(std::string_view authorization, Clock::time_point now) const {
+absl::StatusOr<Tokens::Holder> Tokens::authenticate(std::string_view authorization, Clock::time_point now) const {
   const absl::string_view header(authorization.data(), authorization.size());
   if (header.empty()) {
     return absl::UnauthenticatedError("this server wants a token: send the metadata \"authorization: Bearer TOKEN\"");
@@ -86,7 +80,20 @@ absl::StatusOr<std::string> Tokens::authenticate(std::string_view authorization,
     return absl::UnauthenticatedError("the metadata \"authorization\" is not of the form \"Bearer TOKEN\"");
   }
   const absl::string_view token = absl::StripAsciiWhitespace(header.substr(kScheme.size()));
-  const auto found = by_digest_.find(sha256({token.data(), token.size()}));
+  std::string digest = sha256({token.data(), token.size()});
+  const absl::StatusOr<std::string_view> name = find(digest, now);
+  if (!name.ok()) return name.status();
+  return Holder{std::string(*name), std::move(digest)};
+}
+
+absl::Status Tokens::check(const Holder& holder, Clock::time_point now) const {
+  const absl::StatusOr<std::string_view> name = find(holder.digest, now);
+  if (!name.ok()) return name.status();
+  return *name == holder.name ? absl::OkStatus() : absl::UnauthenticatedError("the token is another's now");
+}
+
+absl::StatusOr<std::string_view> Tokens::find(std::string_view digest, Clock::time_point now) const {
+  const auto found = by_digest_.find(digest);
   if (found == by_digest_.end()) return absl::UnauthenticatedError("the token is not known here");
   if (now >= found->second.expires) return absl::UnauthenticatedError("the token has expired");
   return found->second.name;

@@ -23,21 +23,27 @@ class Tokens {
   static absl::StatusOr<std::shared_ptr<const Tokens>> read(const std::string& path);
   static absl::StatusOr<std::shared_ptr<const Tokens>> parse(std::string_view text, const std::string& name);
 
-  /// The name of who has the token of an `authorization` header ("Bearer TOKEN"). Unauthenticated: none, an unknown or an expired
-  /// one.
-  absl::StatusOr<std::string> authenticate(std::string_view authorization, Clock::time_point now = Clock::now()) const;
+  struct Holder {
+    std::string name;
+    std::string digest;  // SHA-256 of the token
+  };
+  /// Who has the token of an `authorization` header ("Bearer TOKEN"). Unauthenticated: none, an unknown or an expired one.
+  absl::StatusOr<Holder> authenticate(std::string_view authorization, Clock::time_point now = Clock::now()) const;
 
-  /// These and one more.
-  std::shared_ptr<const Tokens> with(const std::string& name, std::string_view token) const;
+  /// Whether somebody whom these tokens or earlier ones have named still has that token. Unauthenticated: not any more.
+  absl::Status check(const Holder& holder, Clock::time_point now = Clock::now()) const;
 
   std::size_t size() const { return by_digest_.size(); }
 
  private:
-  struct Holder {
+  struct Entry {
     std::string name;
     Clock::time_point expires = Clock::time_point::max();
   };
-  std::map<std::string, Holder, std::less<>> by_digest_;  // SHA-256: how long a search takes tells nothing about a token
+  /// Unauthenticated as of authenticate().
+  absl::StatusOr<std::string_view> find(std::string_view digest, Clock::time_point now) const;
+
+  std::map<std::string, Entry, std::less<>> by_digest_;  // SHA-256: how long a search takes tells nothing about a token
 };
 
 }  // namespace curvecast::server

@@ -1,37 +1,88 @@
 #include "server/engine/caller.h"
 
+#include <grpc/grpc_security_constants.h>
+#include <grpcpp/client_context.h>
+
+#include <string_view>
+#include <vector>
+
+#include "proto/tls/certificate_name.h"
 #include "server/base/admission.h"
+#include "server/engine/engine.h"
 
 namespace curvecast::server {
 namespace {
 
-std::string_view metadata(const grpc::CallbackServerContext& context, const char* key) {
+// In which calls from within this process say for whom they are. Of no meaning in others.
+constexpr char kAddressKey[] = "curvecast-peer", kProxyKey[] = "curvecast-by-proxy";
+constexpr char kCertificateKey[] = "curvecast-certificate-bin";  // names may have any characters
+constexpr char kAuthorizationKey[] = "authorization", kForwardedKey[] = "x-forwarded-for";
+constexpr char kThisProcess[] = "this process";
+
+/// Of a call from this process: where nobody is named for whom it is, its own.
+bool is_this_process(const Peer& peer) { return peer.address.starts_with("inproc"); }
+
+std::vector<std::string_view> all_metadata(const grpc::CallbackServerContext& context, const char* key) {
+  std::vector<std::string_view> values;
+  const auto [begin, end] = context.client_metadata().equal_range(key);
+  for (auto at = begin; at != end; ++at) values.emplace_back(at->second.data(), at->second.size());
+  return values;
+}
+
+/// The first of that key; empty where there is none.
+std::string metadata(const grpc::CallbackServerContext& context, const char* key) {
   const auto found = context.client_metadata().find(key);
-  return found == context.client_metadata().end() ? "" : std::string_view(found->second.data(), found->second.size());
+  return found == context.client_metadata().end() ? "" : std::string(found->second.data(), found->second.size());
+}
+
+std::string certificate_of(const grpc::CallbackServerContext& context) {
+  const auto pem = context.auth_context()->FindPropertyValues(GRPC_X509_PEM_CERT_PROPERTY_NAME);
+  return pem.empty() ? "" : tls::certificate_name(std::string(pem.front().data(), pem.front().size()));
 }
 
 }  // namespace
 
-std::string peer_of(const grpc::CallbackServerContext& context) {
-  std::string peer = context.peer();
-  if (!peer.starts_with("inproc")) return peer;
-  const std::string_view named = metadata(context, kPeerKey);
-  return named.empty() ? peer : std::string(named);
+Peer peer_of(const Engine& engine, const grpc::CallbackServerContext& context) {
+  Peer peer{.address = context.peer(), .authorization = metadata(context, kAuthorizationKey)};
+  if (is_this_process(peer)) {
+    if (std::string address = metadata(context, kAddressKey); !address.empty()) peer.address = std::move(address);
+    peer.comes_by_proxy = !metadata(context, kProxyKey).empty();
+    peer.certificate = metadata(context, kCertificateKey);
+    return peer;
+  }
+  if (engine.asks_for_certificates) peer.certificate = certificate_of(context);
+  if (auto client = engine.proxies.client_of(peer.address, all_metadata(context, kForwardedKey))) {
+    peer.address = *std::move(client);
+    peer.comes_by_proxy = true;
+  }
+  return peer;
 }
 
-absl::StatusOr<std::string> caller_of(const Engine& engine, const grpc::CallbackServerContext& context) {
-  absl::StatusOr<std::string> caller = caller_of(engine, peer_of(context), metadata(context, "authorization"));
-  if (caller.ok()) engine.connections->note_call(context.peer());
-  return caller;
+void introduce(const Peer& peer, grpc::ClientContext& call) {
+  call.AddMetadata(kAddressKey, peer.address);
+  if (peer.comes_by_proxy) call.AddMetadata(kProxyKey, "1");
+  if (!peer.certificate.empty()) call.AddMetadata(kCertificateKey, peer.certificate);
+  if (!peer.authorization.empty()) call.AddMetadata(kAuthorizationKey, peer.authorization);
 }
 
-absl::StatusOr<std::string> caller_of(const Engine& engine, const std::string& peer, std::string_view authorization) {
-  if (engine.tokens == nullptr) return client_of_peer(peer);
-  return engine.tokens->authenticate(authorization);
+absl::StatusOr<Caller> identify(const Engine& engine, const Peer& peer) {
+  const std::shared_ptr<const Tokens> tokens = engine.tokens.get();
+  if (is_this_process(peer)) {
+    return Caller{.name = kThisProcess, .owner = engine.knows_callers() ? kThisProcess : "", .address = peer.address};
+  }
+  if (tokens != nullptr) {
+    absl::StatusOr<Tokens::Holder> holder = tokens->authenticate(peer.authorization);
+    if (!holder.ok()) return holder.status();
+    return Caller{.name = holder->name, .owner = holder->name, .address = peer.address, .token = *std::move(holder)};
+  }
+  const bool is_named = !peer.certificate.empty() && !peer.comes_by_proxy;
+  return Caller{
+      .name = is_named ? peer.certificate : client_of_peer(peer.address), .owner = peer.certificate, .address = peer.address};
 }
 
-std::string owner_of(const Engine& engine, const grpc::CallbackServerContext& context) {
-  return engine.tokens == nullptr ? "" : caller_of(engine, context).value_or("");
+absl::Status check(const Engine& engine, const Caller& caller) {
+  if (caller.token.name.empty()) return absl::OkStatus();
+  return engine.tokens.get()->check(caller.token);
 }
 
 }  // namespace curvecast::server

@@ -1,29 +1,42 @@
-// The client of a call: its address, and its name for limits and ownership.
+// The client of a call: what it shows of itself, and who it is.
 #pragma once
 
 #include <absl/status/statusor.h>
 #include <grpcpp/server_context.h>
 
 #include <string>
-#include <string_view>
 
-#include "server/engine/engine.h"
+#include "server/base/tokens.h"
 
 namespace curvecast::server {
 
-/// Metadata in which the browsers' gateway names the client for whom it calls. Believed only of calls from within this process.
-inline constexpr char kPeerKey[] = "curvecast-peer";
+class Engine;
 
-/// The address of the other end, as gRPC writes it ("ipv4:127.0.0.1:4711").
-std::string peer_of(const grpc::CallbackServerContext& context);
+/// What a client shows of itself.
+struct Peer {
+  std::string address = {};        // as gRPC writes it: "ipv4:127.0.0.1:4711"; of the client, where it comes by a trusted proxy
+  bool comes_by_proxy = false;     // whose the certificate is, then
+  std::string authorization = {};  // header "Bearer TOKEN"; empty: none was sent
+  std::string certificate = {};    // the name in it, as of tls::certificate_name(); empty: none was asked for
+};
 
-/// Names the client of a call: with tokens the holder of the token that it sent, else its address without the port.
-/// Unauthenticated as of Tokens::authenticate().
-absl::StatusOr<std::string> caller_of(const Engine& engine, const grpc::CallbackServerContext& context);
-/// Names the client at the address `peer`, which sent this `authorization` header.
-absl::StatusOr<std::string> caller_of(const Engine& engine, const std::string& peer, std::string_view authorization);
+/// Who a client is, once that has been checked.
+struct Caller {
+  std::string name = {};      // for limits and shares: whose the token is, or the certificate, else the address without the port
+  std::string owner = {};     // of what it makes; empty: nobody in particular
+  std::string address = {};   // of the Peer: tells the connections of a caller apart
+  Tokens::Holder token = {};  // that it is known by; without a name: it is not by one
+};
 
-/// Names the client that owns what a call makes: caller_of() with tokens; empty without, or where the token is not known.
-std::string owner_of(const Engine& engine, const grpc::CallbackServerContext& context);
+/// What the client of a call shows. Calls that come from this process are its own, unless the gateway of browsers says for whom
+/// it calls.
+Peer peer_of(const Engine& engine, const grpc::CallbackServerContext& context);
+/// Has a call from this process say for whom it is.
+void introduce(const Peer& peer, grpc::ClientContext& call);
+
+/// Who that is. Unauthenticated as of Tokens::authenticate(), where there are tokens.
+absl::StatusOr<Caller> identify(const Engine& engine, const Peer& peer);
+/// Whether a caller may go on. Unauthenticated: its token is not known any more, or has expired.
+absl::Status check(const Engine& engine, const Caller& caller);
 
 }  // namespace curvecast::server

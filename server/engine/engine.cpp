@@ -27,7 +27,7 @@ double in_seconds(std::chrono::duration<double> duration) { return duration.coun
 }  // namespace
 
 Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
-               std::shared_ptr<const Tokens> known)
+               std::shared_ptr<const Tokens> known, TrustedProxies trusted)
     : log(std::move(logger)),
       threads(core_count(options.threads)),
       memory({.most = [options] { return memory_with_file(options); },
@@ -48,6 +48,9 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       marks(cache != nullptr && has_other_clients(options) ? std::make_unique<MakingMarks>(cache->folder(), options.crash_pause)
                                                            : nullptr),
       tokens(std::move(known)),
+      asks_for_certificates(!options.tls_client_ca.empty()),
+      proxies(std::move(trusted)),
+      callers([this](const Caller& caller) { return check(*this, caller); }),
       max_view_rate(options.max_view_rate),
       streams(std::make_shared<Admission>("streams of views", options.max_streams, options.max_streams_of_client)),
       uploads(std::make_shared<Admission>("uploads", options.max_uploads, options.max_uploads_of_client)),
@@ -100,6 +103,7 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
     sessions.run_housekeeping(now);
     if (marks != nullptr) marks->touch();
     frame_cache.forget_before(now - kHousekeepingInterval);
+    callers.end_refused();
     if (queued.is_half_full()) metrics.stalled(sends.end_begun_before(now - max_stall_));
     for (const auto& weak : all_streams()) {
       if (const auto stream = weak.lock()) stream->retry();

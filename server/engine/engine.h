@@ -15,14 +15,17 @@
 #include "server/base/job_queue.h"
 #include "server/base/memory_budget.h"
 #include "server/base/queued_bytes.h"
+#include "server/base/replaceable.h"
 #include "server/base/send_watch.h"
 #include "server/base/tokens.h"
 #include "server/base/view_workers.h"
+#include "server/engine/caller_watch.h"
 #include "server/engine/metrics.h"
 #include "server/frame/client_stream.h"
 #include "server/frame/frame_cache.h"
 #include "server/frame/point_blocks.h"
 #include "server/net/connection_table.h"
+#include "server/net/trusted_proxies.h"
 #include "server/session/making_marks.h"
 #include "server/session/mesh_store.h"
 #include "server/session/rank_jobs.h"
@@ -48,7 +51,10 @@ class Engine {
  public:
   /// `session_cache` and `known` may be null: without a cache; everybody may call.
   Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
-         std::shared_ptr<const Tokens> known = nullptr);
+         std::shared_ptr<const Tokens> known = nullptr, TrustedProxies trusted = {});
+
+  /// Whether callers must prove who they are.
+  bool knows_callers() const { return asks_for_certificates || tokens.get() != nullptr; }
 
   /// Whether the session would survive a restart.
   bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->holds(session_id); }
@@ -74,19 +80,22 @@ class Engine {
 
   const std::shared_ptr<spdlog::logger> log;
   Metrics metrics;
-  const int threads;                           // of one preprocessing job, and workers for views
-  MemoryBudget memory;                         // of all jobs
-  QueuedBytes queued;                          // before all that sends
-  SendWatch sends;                             // as well
-  ViewCache view_cache;                        // of the jobs in `views` and `calls`
-  FrameCache frame_cache;                      // of streams
-  ViewWorkers views;                           // of streams: each takes milliseconds
-  JobQueue calls;                              // single point sets, neighbours, inspection: views go before them
-  JobQueue preprocessing;                      // one at a time: each uses all cores by itself
-  const std::unique_ptr<SessionCache> cache;   // null: none
-  const std::unique_ptr<MakingMarks> marks;    // null: no cache, or nobody else to protect
-  const std::shared_ptr<const Tokens> tokens;  // of those who may call; null: everybody
-  const double max_view_rate;                  // of a stream, per second
+  const int threads;                          // of one preprocessing job, and workers for views
+  MemoryBudget memory;                        // of all jobs
+  QueuedBytes queued;                         // before all that sends
+  SendWatch sends;                            // as well
+  ViewCache view_cache;                       // of the jobs in `views` and `calls`
+  FrameCache frame_cache;                     // of streams
+  ViewWorkers views;                          // of streams: each takes milliseconds
+  JobQueue calls;                             // single point sets, neighbours, inspection: views go before them
+  JobQueue preprocessing;                     // one at a time: each uses all cores by itself
+  const std::unique_ptr<SessionCache> cache;  // null: none
+  const std::unique_ptr<MakingMarks> marks;   // null: no cache, or nobody else to protect
+  Replaceable<Tokens> tokens;                 // of those who may call; null, for ever: everybody
+  const bool asks_for_certificates;           // of those who connect over TCP
+  const TrustedProxies proxies;               // that say for whom they call
+  CallerWatch callers;                        // of streams and sockets
+  const double max_view_rate;                 // of a stream, per second
   const std::shared_ptr<Admission> streams, uploads;
   const std::unique_ptr<ConnectionTable> connections;  // of the gRPC port
   const std::string mesh_folder;                       // of which clients may import meshes; empty: none

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "server/base/log.h"
-#include "server/engine/caller.h"
 
 namespace curvecast::server {
 namespace {
@@ -38,14 +37,20 @@ bool is_request_id(std::string_view id) {
          std::all_of(id.begin(), id.end(), [](char c) { return absl::ascii_isgraph(static_cast<unsigned char>(c)); });
 }
 
-RequestLog::RequestLog(Engine& engine, const char* method, grpc::CallbackServerContext& context)
-    : engine_(engine), method_(method), id_(find_id(context)) {
-  context.AddInitialMetadata(kIdKey, id_);
-  if (logs_requests(*engine_.log)) peer_ = peer_of(context);
+RequestLog::RequestLog(Engine& engine, const char* method, std::string id, const Caller& caller)
+    : engine_(engine), method_(method), id_(std::move(id)) {
+  if (!logs_requests(*engine_.log)) return;
+  caller_ = caller.owner;
+  peer_ = caller.address;
 }
 
-RequestLog::RequestLog(Engine& engine, const char* method, std::string peer)
-    : engine_(engine), method_(method), id_(random_id()), peer_(std::move(peer)) {}
+RequestLog::RequestLog(Engine& engine, const char* method, grpc::CallbackServerContext& context, const Caller& caller)
+    : RequestLog(engine, method, find_id(context), caller) {
+  context.AddInitialMetadata(kIdKey, id_);
+}
+
+RequestLog::RequestLog(Engine& engine, const char* method, const Caller& caller)
+    : RequestLog(engine, method, random_id(), caller) {}
 
 void RequestLog::finish(const grpc::Status& status) {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
@@ -54,8 +59,13 @@ void RequestLog::finish(const grpc::Status& status) {
   if (!logs_requests(*engine_.log)) return;
   const std::string name = absl::StatusCodeToString(static_cast<absl::StatusCode>(code));
   const std::string error = status.error_message();
-  log_request(*engine_.log,
-              {.method = method_, .peer = peer_, .id = id_, .code = name, .milliseconds = 1e3 * elapsed.count(), .error = error});
+  log_request(*engine_.log, {.method = method_,
+                             .caller = caller_,
+                             .peer = peer_,
+                             .id = id_,
+                             .code = name,
+                             .milliseconds = 1e3 * elapsed.count(),
+                             .error = error});
 }
 
 }  // namespace curvecast::server

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/engine/caller.h"
 #include "server/engine/engine.h"
 
 namespace curvecast::server {
@@ -20,21 +21,23 @@ bool is_request_id(std::string_view id);
 /// it is over.
 class RequestLog {
  public:
-  /// `method` is a literal. The id is the client's x-request-id where that is one, else a random one. Nothing may have been
-  /// sent yet.
-  RequestLog(Engine& engine, const char* method, grpc::CallbackServerContext& context);
+  /// `method` is a literal; of a caller who was refused only the address is known. The id is the client's x-request-id where that
+  /// is one, else a random one. Nothing may have been sent yet.
+  RequestLog(Engine& engine, const char* method, grpc::CallbackServerContext& context, const Caller& caller);
 
   /// Follows a call that does not come through gRPC. Only the log has its id.
-  RequestLog(Engine& engine, const char* method, std::string peer);
+  RequestLog(Engine& engine, const char* method, const Caller& caller);
 
   /// Logs and counts the request. To be called once, when it is over.
   void finish(const grpc::Status& status);
 
  private:
+  RequestLog(Engine& engine, const char* method, std::string id, const Caller& caller);
+
   Engine& engine_;
   const char* method_;
   std::string id_;
-  std::string peer_;  // only where it is logged
+  std::string caller_, peer_;  // only where they are logged
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

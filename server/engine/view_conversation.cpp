@@ -8,18 +8,23 @@
 namespace curvecast::server {
 
 absl::StatusOr<std::unique_ptr<ViewConversation>> ViewConversation::begin(Engine& engine, ClientStream::Transport* transport,
-                                                                          const std::string& caller, const std::string& peer) {
-  absl::StatusOr<Admission::Ticket> ticket = engine.streams->admit(caller);
+                                                                          const Caller& caller) {
+  absl::StatusOr<Admission::Ticket> ticket = engine.streams->admit(caller.name);
   if (!ticket.ok()) return ticket.status();
-  auto stream = engine.make_stream(transport, caller, peer);
+  auto stream = engine.make_stream(transport, caller.name, caller.address);
   if (!stream.ok()) return stream.status();
-  return std::unique_ptr<ViewConversation>(new ViewConversation(engine, *std::move(ticket), *std::move(stream)));
+  return std::unique_ptr<ViewConversation>(new ViewConversation(engine, caller, *std::move(ticket), *std::move(stream)));
 }
 
-ViewConversation::ViewConversation(Engine& engine, Admission::Ticket ticket, std::shared_ptr<ClientStream> stream)
+ViewConversation::ViewConversation(Engine& engine, const Caller& caller, Admission::Ticket ticket,
+                                   std::shared_ptr<ClientStream> stream)
     : engine_(engine),
       ticket_(std::move(ticket)),
       stream_(std::move(stream)),
+      watched_(engine.callers, caller,
+               [weak = std::weak_ptr(stream_)](const absl::Status& why) {
+                 if (const auto open = weak.lock()) open->stop(why);
+               }),
       tally_(engine.metrics),
       rate_(engine.max_view_rate) {}
 

@@ -12,6 +12,7 @@
 #include "core/base/mutex.h"
 #include "server/base/admission.h"
 #include "server/base/rate_limit.h"
+#include "server/engine/caller.h"
 #include "server/engine/engine.h"
 #include "server/engine/view_tally.h"
 #include "server/frame/client_stream.h"
@@ -21,11 +22,11 @@ namespace curvecast::server {
 /// Belongs to one transport. receive() is called for one message at a time; the other functions by any thread.
 class ViewConversation {
  public:
-  /// Begins a conversation with an open stream. `caller` is what caller_of() names, `peer` what peer_of() does: the caller's
-  /// peers share its part of the workers, the streams of a peer that peer's. ResourceExhausted: there are too many streams.
+  /// Begins a conversation with an open stream, which ends when its caller may call no more. The caller's connections share its
+  /// part of the workers, the streams of a connection that connection's. ResourceExhausted: there are too many streams.
   /// Unavailable: the server shuts down.
   static absl::StatusOr<std::unique_ptr<ViewConversation>> begin(Engine& engine, ClientStream::Transport* transport,
-                                                                 const std::string& caller, const std::string& peer);
+                                                                 const Caller& caller);
 
   ClientStream& stream() { return *stream_; }
 
@@ -41,13 +42,14 @@ class ViewConversation {
   void count_sent(const v1::StreamViewsResponse& response);
 
  private:
-  ViewConversation(Engine& engine, Admission::Ticket ticket, std::shared_ptr<ClientStream> stream);
+  ViewConversation(Engine& engine, const Caller& caller, Admission::Ticket ticket, std::shared_ptr<ClientStream> stream);
   /// Lets the next message come after a pause.
   void resume() ABSL_LOCKS_EXCLUDED(mutex_);
 
   Engine& engine_;
   std::optional<Admission::Ticket> ticket_;
   const std::shared_ptr<ClientStream> stream_;
+  const CallerWatch::Ticket watched_;
   ViewTally tally_;
   RateLimit rate_;
   Mutex mutex_;

@@ -2,7 +2,6 @@
 #include "server/base/grpc_status.h"
 #include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
-#include "server/engine/caller.h"
 #include "server/grpc/reactors.h"
 #include "server/grpc/write_queue.h"
 #include "server/session/mesh_files.h"
@@ -14,19 +13,20 @@ namespace {
 // Either the store's on_done or a successful leave() finishes, never both.
 class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>, public SessionWaiter {
  public:
-  CreateSessionReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request)
-      : WriteQueue("CreateSession", engine, context), engine_(engine), wants_preview_(!request.without_preview()) {
+  CreateSessionReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
+                       const v1::CreateSessionRequest& request)
+      : WriteQueue("CreateSession", engine, context, caller), engine_(engine), wants_preview_(!request.without_preview()) {
     // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
-    begin_with([&] { return begin(context, request); });
+    begin_with([&] { return begin(request); });
   }
 
  private:
-  absl::Status begin(const grpc::CallbackServerContext& context, const v1::CreateSessionRequest& request) {
+  absl::Status begin(const v1::CreateSessionRequest& request) {
     auto files = find_files(engine_.meshes, request.mesh_id(), request.companions());
     if (!files.ok()) return files.status();
     const auto options = to_preprocess_options(request.options());
     if (!options.ok()) return options.status();
-    auto id = engine_.sessions.join(*std::move(files), *options, this, owner_of(engine_, context));
+    auto id = engine_.sessions.join(*std::move(files), *options, this, caller().owner);
     if (!id.ok()) return id.status();
     id_ = *std::move(id);
     return absl::OkStatus();
@@ -78,8 +78,9 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
 }  // namespace
 
 grpc::ServerWriteReactor<v1::CreateSessionResponse>* create_session(Engine& engine, grpc::CallbackServerContext& context,
+                                                                    const Caller& caller,
                                                                     const v1::CreateSessionRequest& request) {
-  return new CreateSessionReactor(engine, context, request);
+  return new CreateSessionReactor(engine, context, caller, request);
 }
 
 }  // namespace curvecast::server

@@ -15,8 +15,8 @@ namespace {
 // makes the server hold more than one. The curve is that of the beginning, whatever becomes of its session.
 class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse> {
  public:
-  CurveReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetCurveRequest& request)
-      : log_(engine, "GetCurve", context) {
+  CurveReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller, const v1::GetCurveRequest& request)
+      : log_(engine, "GetCurve", context, caller) {
     const std::string& id = request.session_id();
     if (engine.sessions.must_load(id)) {
       // A thread that may wait for the disk loads it.
@@ -68,8 +68,8 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
 }  // namespace
 
 grpc::ServerWriteReactor<v1::GetCurveResponse>* get_curve(Engine& engine, grpc::CallbackServerContext& context,
-                                                          const v1::GetCurveRequest& request) {
-  return new CurveReactor(engine, context, request);
+                                                          const Caller& caller, const v1::GetCurveRequest& request) {
+  return new CurveReactor(engine, context, caller, request);
 }
 
 }  // namespace curvecast::server

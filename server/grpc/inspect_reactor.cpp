@@ -7,9 +7,9 @@
 
 namespace curvecast::server {
 
-grpc::ServerUnaryReactor* inspect_mesh(Engine& engine, grpc::CallbackServerContext& context,
+grpc::ServerUnaryReactor* inspect_mesh(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
                                        const v1::InspectMeshRequest& request, v1::InspectMeshResponse* response) {
-  return new UnaryJob(engine, "InspectMesh", context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+  return new UnaryJob(engine, "InspectMesh", context, caller, [&]() -> absl::StatusOr<UnaryJob::Work> {
     absl::StatusOr<MeshFiles> files = find_files(engine.meshes, request.mesh_id(), request.companions());
     if (!files.ok()) return files.status();
     return [files = *std::move(files), response](const ExecutionContext& job) {
@@ -20,10 +20,10 @@ grpc::ServerUnaryReactor* inspect_mesh(Engine& engine, grpc::CallbackServerConte
   });
 }
 
-grpc::ServerUnaryReactor* list_mesh_references(Engine& engine, grpc::CallbackServerContext& context,
+grpc::ServerUnaryReactor* list_mesh_references(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
                                                const v1::ListMeshReferencesRequest& request,
                                                v1::ListMeshReferencesResponse* response) {
-  return new UnaryJob(engine, "ListMeshReferences", context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+  return new UnaryJob(engine, "ListMeshReferences", context, caller, [&]() -> absl::StatusOr<UnaryJob::Work> {
     absl::StatusOr<MeshFiles> files = find_files(engine.meshes, request.mesh_id(), request.companions());
     if (!files.ok()) return files.status();
     return [files = *std::move(files), response](const ExecutionContext& /*job*/) {

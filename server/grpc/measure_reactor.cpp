@@ -8,7 +8,6 @@
 #include "server/base/protocol.h"
 #include "server/base/status_from_exceptions.h"
 #include "server/convert/convert_measure.h"
-#include "server/engine/caller.h"
 #include "server/grpc/reactors.h"
 #include "server/grpc/write_queue.h"
 #include "server/session/mesh_files.h"
@@ -29,13 +28,13 @@ struct Work {
 // cores as well.
 class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
  public:
-  MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::MeasureRequest& request)
-      : WriteQueue("Measure", engine, context) {
-    begin_with([&] { return begin(engine, request, peer_of(context)); });
+  MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller, const v1::MeasureRequest& request)
+      : WriteQueue("Measure", engine, context, caller) {
+    begin_with([&] { return begin(engine, request); });
   }
 
  private:
-  absl::Status begin(Engine& engine, const v1::MeasureRequest& request, const std::string& connection) {
+  absl::Status begin(Engine& engine, const v1::MeasureRequest& request) {
     auto mesh = find_files(engine.meshes, request.mesh_id(), request.companions());
     if (!mesh.ok()) return mesh.status();
     const bool has_other = !request.other_mesh_id().empty();
@@ -62,7 +61,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
     return engine.preprocessing
         .submit([this, work = std::move(work),
                  &engine] { finish(to_grpc(status_from_exceptions([&] { return answer(work, engine); }))); },
-                {.caller = caller(), .connection = connection})
+                claim())
         .status();
   }
 
@@ -107,9 +106,9 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::MeasureResponse>* measure(Engine& engine, grpc::CallbackServerContext& context,
+grpc::ServerWriteReactor<v1::MeasureResponse>* measure(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
                                                        const v1::MeasureRequest& request) {
-  return new MeasureReactor(engine, context, request);
+  return new MeasureReactor(engine, context, caller, request);
 }
 
 }  // namespace curvecast::server

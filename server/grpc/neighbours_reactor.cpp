@@ -1,6 +1,5 @@
 // FindNeighbours: a session's points, packed on a worker and sent block by block, then the neighbours of each.
 #include "server/convert/convert.h"
-#include "server/engine/caller.h"
 #include "server/frame/session_neighbours.h"
 #include "server/grpc/held_session.h"
 #include "server/grpc/reactors.h"
@@ -12,13 +11,14 @@ namespace {
 // The job is the only one that finishes, so the reactor outlives it.
 class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
  public:
-  NeighboursReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::FindNeighboursRequest& request)
-      : WriteQueue("FindNeighbours", engine, context) {
-    begin_with([&] { return begin(engine, request, peer_of(context)); });
+  NeighboursReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
+                    const v1::FindNeighboursRequest& request)
+      : WriteQueue("FindNeighbours", engine, context, caller) {
+    begin_with([&] { return begin(engine, request); });
   }
 
  private:
-  absl::Status begin(Engine& engine, const v1::FindNeighboursRequest& request, const std::string& connection) {
+  absl::Status begin(Engine& engine, const v1::FindNeighboursRequest& request) {
     auto held = HeldSession::hold(engine, request.session_id());
     if (!held.ok()) return held.status();
     auto points = to_point_set_request(request.sample());
@@ -35,7 +35,7 @@ class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
                 return answer(engine, session, points, search);
               }));
             },
-            {.caller = caller(), .connection = connection})
+            claim())
         .status();
   }
 
@@ -70,8 +70,9 @@ class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
 }  // namespace
 
 grpc::ServerWriteReactor<v1::FindNeighboursResponse>* find_neighbours(Engine& engine, grpc::CallbackServerContext& context,
+                                                                      const Caller& caller,
                                                                       const v1::FindNeighboursRequest& request) {
-  return new NeighboursReactor(engine, context, request);
+  return new NeighboursReactor(engine, context, caller, request);
 }
 
 }  // namespace curvecast::server

@@ -3,7 +3,6 @@
 #include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
 #include "server/convert/parameter_mesh_chunks.h"
-#include "server/engine/caller.h"
 #include "server/grpc/reactors.h"
 #include "server/grpc/write_queue.h"
 #include "server/session/mesh_files.h"
@@ -15,13 +14,14 @@ namespace {
 // same.
 class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshResponse> {
  public:
-  ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::GetParameterMeshRequest& request)
-      : WriteQueue("GetParameterMesh", engine, context) {
-    begin_with([&] { return begin(engine, request, peer_of(context)); });
+  ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
+                       const v1::GetParameterMeshRequest& request)
+      : WriteQueue("GetParameterMesh", engine, context, caller) {
+    begin_with([&] { return begin(engine, request); });
   }
 
  private:
-  absl::Status begin(Engine& engine, const v1::GetParameterMeshRequest& request, const std::string& connection) {
+  absl::Status begin(Engine& engine, const v1::GetParameterMeshRequest& request) {
     auto files = find_files(engine.meshes, request.mesh_id(), request.companions());
     if (!files.ok()) return files.status();
     const auto parameteriser = to_parameteriser("parameteriser", request.parameteriser());
@@ -33,7 +33,7 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
     return engine.preprocessing
         .submit([this, &engine, files = *std::move(files),
                  options] { finish(to_grpc(status_from_exceptions([&] { return answer(engine, files, options); }))); },
-                {.caller = caller(), .connection = connection})
+                claim())
         .status();
   }
 
@@ -52,8 +52,9 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
 }  // namespace
 
 grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* get_parameter_mesh(Engine& engine, grpc::CallbackServerContext& context,
+                                                                           const Caller& caller,
                                                                            const v1::GetParameterMeshRequest& request) {
-  return new ParameterMeshReactor(engine, context, request);
+  return new ParameterMeshReactor(engine, context, caller, request);
 }
 
 }  // namespace curvecast::server

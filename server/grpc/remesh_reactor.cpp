@@ -1,7 +1,6 @@
 // Remesh: makes a triangle mesh of a session's points, and sends it chunk by chunk.
 #include "server/convert/convert.h"
 #include "server/convert/mesh_chunks.h"
-#include "server/engine/caller.h"
 #include "server/frame/session_mesh.h"
 #include "server/grpc/held_session.h"
 #include "server/grpc/reactors.h"
@@ -13,13 +12,13 @@ namespace {
 // The job is the only one that finishes, so the reactor outlives it. It queues with the preprocessing jobs: it may take seconds.
 class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
  public:
-  RemeshReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::RemeshRequest& request)
-      : WriteQueue("Remesh", engine, context) {
-    begin_with([&] { return begin(engine, request, peer_of(context)); });
+  RemeshReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller, const v1::RemeshRequest& request)
+      : WriteQueue("Remesh", engine, context, caller) {
+    begin_with([&] { return begin(engine, request); });
   }
 
  private:
-  absl::Status begin(Engine& engine, const v1::RemeshRequest& request, const std::string& connection) {
+  absl::Status begin(Engine& engine, const v1::RemeshRequest& request) {
     auto held = HeldSession::hold(engine, request.session_id());
     if (!held.ok()) return held.status();
     auto points = to_point_set_request(request.sample());
@@ -36,7 +35,7 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
                 return answer(engine, *session, points, options);
               }));
             },
-            {.caller = caller(), .connection = connection})
+            claim())
         .status();
   }
 
@@ -61,9 +60,9 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::RemeshResponse>* remesh(Engine& engine, grpc::CallbackServerContext& context,
+grpc::ServerWriteReactor<v1::RemeshResponse>* remesh(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
                                                      const v1::RemeshRequest& request) {
-  return new RemeshReactor(engine, context, request);
+  return new RemeshReactor(engine, context, caller, request);
 }
 
 }  // namespace curvecast::server

@@ -1,6 +1,5 @@
 // Resample: one point set, packed on a worker and sent block by block.
 #include "server/convert/convert.h"
-#include "server/engine/caller.h"
 #include "server/frame/point_blocks.h"
 #include "server/grpc/held_session.h"
 #include "server/grpc/reactors.h"
@@ -12,13 +11,13 @@ namespace {
 // The job is the only one that finishes, so the reactor outlives it.
 class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
  public:
-  ResampleReactor(Engine& engine, grpc::CallbackServerContext& context, const v1::ResampleRequest& request)
-      : WriteQueue("Resample", engine, context) {
-    begin_with([&] { return begin(engine, request, peer_of(context)); });
+  ResampleReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller, const v1::ResampleRequest& request)
+      : WriteQueue("Resample", engine, context, caller) {
+    begin_with([&] { return begin(engine, request); });
   }
 
  private:
-  absl::Status begin(Engine& engine, const v1::ResampleRequest& request, const std::string& connection) {
+  absl::Status begin(Engine& engine, const v1::ResampleRequest& request) {
     auto held = HeldSession::hold(engine, request.session_id());
     if (!held.ok()) return held.status();
     auto point_set = to_point_set_request(request.sample());
@@ -32,7 +31,7 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
                 return answer(engine, *session, point_set, engine.improvement_requests(session, point_set, engine.new_source()));
               }));
             },
-            {.caller = caller(), .connection = connection})
+            claim())
         .status();
   }
 
@@ -53,8 +52,8 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
 }  // namespace
 
 grpc::ServerWriteReactor<v1::ResampleResponse>* resample(Engine& engine, grpc::CallbackServerContext& context,
-                                                         const v1::ResampleRequest& request) {
-  return new ResampleReactor(engine, context, request);
+                                                         const Caller& caller, const v1::ResampleRequest& request) {
+  return new ResampleReactor(engine, context, caller, request);
 }
 
 }  // namespace curvecast::server

@@ -38,21 +38,25 @@ class Refusal final : public Reactor {
   void OnDone() override { delete this; }
 };
 
-/// The reactor that `begin` makes, for a caller who is known or need not be; one that refuses the call, for any other.
+/// The reactor that `begin` makes for the caller; one that refuses the call, where nobody knows who that is.
 template <class Begin>
-std::invoke_result_t<Begin> check_caller(Engine& engine, const char* method, grpc::CallbackServerContext& context,
-                                         Begin&& begin) {
-  const absl::Status status = caller_of(engine, context).status();
-  if (status.ok()) return begin();
-  RequestLog(engine, method, context).finish(to_grpc(status));
-  return new Refusal<std::remove_pointer_t<std::invoke_result_t<Begin>>>(to_grpc(status));
+std::invoke_result_t<Begin, const Caller&> check_caller(Engine& engine, const char* method, grpc::CallbackServerContext& context,
+                                                        Begin&& begin) {
+  const Peer peer = peer_of(engine, context);
+  const absl::StatusOr<Caller> caller = identify(engine, peer);
+  if (caller.ok()) {
+    engine.connections->note_call(context.peer());
+    return begin(*caller);
+  }
+  RequestLog(engine, method, context, {.address = peer.address}).finish(to_grpc(caller.status()));
+  return new Refusal<std::remove_pointer_t<std::invoke_result_t<Begin, const Caller&>>>(to_grpc(caller.status()));
 }
 
 /// As check_caller(), and answers on the spot: `work` fills the response.
 template <class Work>
 grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::CallbackServerContext& context, Work&& work) {
-  return check_caller(engine, method, context, [&]() -> grpc::ServerUnaryReactor* {
-    RequestLog log(engine, method, context);
+  return check_caller(engine, method, context, [&](const Caller& caller) -> grpc::ServerUnaryReactor* {
+    RequestLog log(engine, method, context, caller);
     const grpc::Status status = to_grpc(status_from_exceptions(work));
     log.finish(status);
     grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
@@ -61,12 +65,13 @@ grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::Callb
   });
 }
 
-/// As check_caller(), and a worker answers: see UnaryJob.
+/// As check_caller(), and a worker answers: see UnaryJob. `prepare` is given the caller.
 template <class Prepare>
 grpc::ServerUnaryReactor* answer_later(Engine& engine, const char* method, grpc::CallbackServerContext& context,
                                        const Prepare& prepare) {
-  return check_caller(engine, method, context,
-                      [&]() -> grpc::ServerUnaryReactor* { return new UnaryJob(engine, method, context, prepare); });
+  return check_caller(engine, method, context, [&](const Caller& caller) -> grpc::ServerUnaryReactor* {
+    return new UnaryJob(engine, method, context, caller, [&] { return prepare(caller); });
+  });
 }
 
 }  // namespace
@@ -78,7 +83,8 @@ v1::Session Service::with_cached(v1::Session session) const {
 
 grpc::ServerReadReactor<v1::UploadMeshRequest>* Service::UploadMesh(grpc::CallbackServerContext* context,
                                                                     v1::UploadMeshResponse* response) {
-  return upload_mesh(engine_, *context, response);
+  return check_caller(engine_, "UploadMesh", *context,
+                      [&](const Caller& caller) { return upload_mesh(engine_, *context, caller, response); });
 }
 
 grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
@@ -103,7 +109,7 @@ grpc::ServerUnaryReactor* Service::GetUpload(grpc::CallbackServerContext* contex
 
 grpc::ServerUnaryReactor* Service::ImportMesh(grpc::CallbackServerContext* context, const v1::ImportMeshRequest* request,
                                               v1::ImportMeshResponse* response) {
-  return answer_later(engine_, "ImportMesh", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+  return answer_later(engine_, "ImportMesh", *context, [&](const Caller& /*caller*/) -> absl::StatusOr<UnaryJob::Work> {
     return [this, path = request->path(), response](const ExecutionContext& job) {
       const auto mesh = import_mesh(engine_.meshes, engine_.mesh_folder, path, job);
       if (!mesh.ok()) return mesh.status();
@@ -116,31 +122,34 @@ grpc::ServerUnaryReactor* Service::ImportMesh(grpc::CallbackServerContext* conte
 
 grpc::ServerUnaryReactor* Service::InspectMesh(grpc::CallbackServerContext* context, const v1::InspectMeshRequest* request,
                                                v1::InspectMeshResponse* response) {
-  return check_caller(engine_, "InspectMesh", *context, [&] { return inspect_mesh(engine_, *context, *request, response); });
+  return check_caller(engine_, "InspectMesh", *context,
+                      [&](const Caller& caller) { return inspect_mesh(engine_, *context, caller, *request, response); });
 }
 
 grpc::ServerUnaryReactor* Service::ListMeshReferences(grpc::CallbackServerContext* context,
                                                       const v1::ListMeshReferencesRequest* request,
                                                       v1::ListMeshReferencesResponse* response) {
   return check_caller(engine_, "ListMeshReferences", *context,
-                      [&] { return list_mesh_references(engine_, *context, *request, response); });
+                      [&](const Caller& caller) { return list_mesh_references(engine_, *context, caller, *request, response); });
 }
 
 grpc::ServerWriteReactor<v1::GetParameterMeshResponse>* Service::GetParameterMesh(grpc::CallbackServerContext* context,
                                                                                   const v1::GetParameterMeshRequest* request) {
-  return check_caller(engine_, "GetParameterMesh", *context, [&] { return get_parameter_mesh(engine_, *context, *request); });
+  return check_caller(engine_, "GetParameterMesh", *context,
+                      [&](const Caller& caller) { return get_parameter_mesh(engine_, *context, caller, *request); });
 }
 
 grpc::ServerWriteReactor<v1::CreateSessionResponse>* Service::CreateSession(grpc::CallbackServerContext* context,
                                                                             const v1::CreateSessionRequest* request) {
-  return check_caller(engine_, "CreateSession", *context, [&] { return create_session(engine_, *context, *request); });
+  return check_caller(engine_, "CreateSession", *context,
+                      [&](const Caller& caller) { return create_session(engine_, *context, caller, *request); });
 }
 
 grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* context, const v1::GetSessionRequest* request,
                                               v1::GetSessionResponse* response) {
   const std::string& id = request->session_id();
   if (engine_.sessions.must_load(id)) {
-    return answer_later(engine_, "GetSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+    return answer_later(engine_, "GetSession", *context, [&](const Caller& /*caller*/) -> absl::StatusOr<UnaryJob::Work> {
       return [this, id, response](const ExecutionContext& /*job*/) {
         const auto session = engine_.sessions.find(id);
         if (session.ok()) *response->mutable_session() = with_cached(to_proto(**session));
@@ -176,25 +185,25 @@ grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* con
 
 grpc::ServerUnaryReactor* Service::UpdateSession(grpc::CallbackServerContext* context, const v1::UpdateSessionRequest* request,
                                                  v1::UpdateSessionResponse* response) {
-  return answer_later(engine_, "UpdateSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+  return answer_later(engine_, "UpdateSession", *context, [&](const Caller& caller) -> absl::StatusOr<UnaryJob::Work> {
     const auto pinned = request->has_pinned() ? std::optional(request->pinned()) : std::nullopt;
     const auto time_to_live = request->has_time_to_live() ? std::optional(request->time_to_live()) : std::nullopt;
     if (time_to_live && !(*time_to_live >= 0 && std::isfinite(*time_to_live))) {
       return absl::InvalidArgumentError(absl::StrCat("time_to_live is ", *time_to_live, "; it must be finite and not negative"));
     }
-    return [this, id = request->session_id(), pinned, time_to_live, who = owner_of(engine_, *context),
-            response](const ExecutionContext& /*job*/) {
-      const auto info = engine_.sessions.update(id, pinned, time_to_live, who);
-      if (info.ok()) *response->mutable_session() = with_cached(to_proto(*info));
-      return info.status();
-    };
+    return
+        [this, id = request->session_id(), pinned, time_to_live, who = caller.owner, response](const ExecutionContext& /*job*/) {
+          const auto info = engine_.sessions.update(id, pinned, time_to_live, who);
+          if (info.ok()) *response->mutable_session() = with_cached(to_proto(*info));
+          return info.status();
+        };
   });
 }
 
 grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* context, const v1::CloseSessionRequest* request,
                                                 v1::CloseSessionResponse* /*response*/) {
-  return answer_later(engine_, "CloseSession", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
-    return [this, id = request->session_id(), who = owner_of(engine_, *context)](const ExecutionContext& /*job*/) {
+  return answer_later(engine_, "CloseSession", *context, [&](const Caller& caller) -> absl::StatusOr<UnaryJob::Work> {
+    return [this, id = request->session_id(), who = caller.owner](const ExecutionContext& /*job*/) {
       return engine_.close_session(id, who);
     };
   });
@@ -202,7 +211,7 @@ grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* con
 
 grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, const v1::RenderRequest* request,
                                           v1::RenderResponse* response) {
-  return answer_later(engine_, "Render", *context, [&]() -> absl::StatusOr<UnaryJob::Work> {
+  return answer_later(engine_, "Render", *context, [&](const Caller& /*caller*/) -> absl::StatusOr<UnaryJob::Work> {
     return [this, request, response](const ExecutionContext& job) {
       const auto session = engine_.sessions.find(request->session_id());
       if (!session.ok()) return session.status();
@@ -216,32 +225,38 @@ grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, 
 
 grpc::ServerWriteReactor<v1::MeasureResponse>* Service::Measure(grpc::CallbackServerContext* context,
                                                                 const v1::MeasureRequest* request) {
-  return check_caller(engine_, "Measure", *context, [&] { return measure(engine_, *context, *request); });
+  return check_caller(engine_, "Measure", *context,
+                      [&](const Caller& caller) { return measure(engine_, *context, caller, *request); });
 }
 
 grpc::ServerWriteReactor<v1::RemeshResponse>* Service::Remesh(grpc::CallbackServerContext* context,
                                                               const v1::RemeshRequest* request) {
-  return check_caller(engine_, "Remesh", *context, [&] { return remesh(engine_, *context, *request); });
+  return check_caller(engine_, "Remesh", *context,
+                      [&](const Caller& caller) { return remesh(engine_, *context, caller, *request); });
 }
 
 grpc::ServerWriteReactor<v1::GetCurveResponse>* Service::GetCurve(grpc::CallbackServerContext* context,
                                                                   const v1::GetCurveRequest* request) {
-  return check_caller(engine_, "GetCurve", *context, [&] { return get_curve(engine_, *context, *request); });
+  return check_caller(engine_, "GetCurve", *context,
+                      [&](const Caller& caller) { return get_curve(engine_, *context, caller, *request); });
 }
 
 grpc::ServerWriteReactor<v1::ResampleResponse>* Service::Resample(grpc::CallbackServerContext* context,
                                                                   const v1::ResampleRequest* request) {
-  return check_caller(engine_, "Resample", *context, [&] { return resample(engine_, *context, *request); });
+  return check_caller(engine_, "Resample", *context,
+                      [&](const Caller& caller) { return resample(engine_, *context, caller, *request); });
 }
 
 grpc::ServerWriteReactor<v1::FindNeighboursResponse>* Service::FindNeighbours(grpc::CallbackServerContext* context,
                                                                               const v1::FindNeighboursRequest* request) {
-  return check_caller(engine_, "FindNeighbours", *context, [&] { return find_neighbours(engine_, *context, *request); });
+  return check_caller(engine_, "FindNeighbours", *context,
+                      [&](const Caller& caller) { return find_neighbours(engine_, *context, caller, *request); });
 }
 
 grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>* Service::StreamViews(
     grpc::CallbackServerContext* context) {
-  return stream_views(engine_, *context);
+  return check_caller(engine_, "StreamViews", *context,
+                      [&](const Caller& caller) { return stream_views(engine_, *context, caller); });
 }
 
 }  // namespace curvecast::server

@@ -5,7 +5,6 @@
 
 #include "core/base/mutex.h"
 #include "server/base/grpc_status.h"
-#include "server/engine/caller.h"
 #include "server/engine/request_log.h"
 #include "server/engine/view_conversation.h"
 #include "server/frame/client_stream.h"
@@ -18,26 +17,18 @@ namespace {
 class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>,
                                  public ClientStream::Transport {
  public:
-  StreamViewsReactor(Engine& engine, grpc::CallbackServerContext& context)
-      : log_(engine, "StreamViews", context), sends_(engine.sends), context_(context) {
-    const absl::Status begun = begin(engine, context);
-    if (begun.ok()) {
+  StreamViewsReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller)
+      : log_(engine, "StreamViews", context, caller), sends_(engine.sends), context_(context) {
+    auto conversation = ViewConversation::begin(engine, this, caller);
+    if (conversation.ok()) {
+      conversation_ = *std::move(conversation);
       StartRead(&request_);
     } else {
-      finish(begun);
+      finish(conversation.status());
     }
   }
 
  private:
-  absl::Status begin(Engine& engine, const grpc::CallbackServerContext& context) {
-    const absl::StatusOr<std::string> caller = caller_of(engine, context);
-    if (!caller.ok()) return caller.status();
-    auto conversation = ViewConversation::begin(engine, this, *caller, peer_of(context));
-    if (!conversation.ok()) return conversation.status();
-    conversation_ = *std::move(conversation);
-    return absl::OkStatus();
-  }
-
   void send(v1::StreamViewsResponse response) override {
     response_ = std::move(response);
     conversation_->count_sent(response_);
@@ -116,8 +107,9 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
 }  // namespace
 
 grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>* stream_views(Engine& engine,
-                                                                                       grpc::CallbackServerContext& context) {
-  return new StreamViewsReactor(engine, context);
+                                                                                       grpc::CallbackServerContext& context,
+                                                                                       const Caller& caller) {
+  return new StreamViewsReactor(engine, context, caller);
 }
 
 }  // namespace curvecast::server

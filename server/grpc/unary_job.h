@@ -25,14 +25,14 @@ class UnaryJob final : public grpc::ServerUnaryReactor {
   using Work = std::function<absl::Status(const ExecutionContext& context)>;
 
   /// `method` is a literal. `prepare` is called within the constructor: it returns the work, or what is wrong with the request.
-  UnaryJob(Engine& engine, const char* method, grpc::CallbackServerContext& context,
+  UnaryJob(Engine& engine, const char* method, grpc::CallbackServerContext& context, const Caller& caller,
            const std::function<absl::StatusOr<Work>()>& prepare)
-      : engine_(engine), log_(engine, method, context) {
+      : engine_(engine), log_(engine, method, context, caller) {
     const absl::Status begun = status_from_exceptions([&] {
       absl::StatusOr<Work> work = prepare();
       if (!work.ok()) return work.status();
-      const std::string caller = caller_of(engine, context).value_or(""), connection = peer_of(context);
-      return engine.calls.submit([this, work = *std::move(work)] { run(work); }, {.caller = caller, .connection = connection})
+      return engine.calls
+          .submit([this, work = *std::move(work)] { run(work); }, {.caller = caller.name, .connection = caller.address})
           .status();
     });
     if (!begun.ok()) finish(begun);

@@ -17,12 +17,13 @@ namespace {
 
 class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest> {
  public:
-  UploadReactor(Engine& engine, grpc::CallbackServerContext& context, v1::UploadMeshResponse* response)
-      : engine_(engine), log_(engine, "UploadMesh", context), upload_(engine.meshes), response_(response) {
-    const absl::StatusOr<std::string> caller = caller_of(engine, context);
-    // An OK status is no ticket.
-    absl::StatusOr<Admission::Ticket> ticket =
-        caller.ok() ? engine.uploads->admit(*caller) : absl::StatusOr<Admission::Ticket>(caller.status());
+  UploadReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller, v1::UploadMeshResponse* response)
+      : engine_(engine),
+        caller_(caller),
+        log_(engine, "UploadMesh", context, caller),
+        upload_(engine.meshes),
+        response_(response) {
+    absl::StatusOr<Admission::Ticket> ticket = engine.uploads->admit(caller.name);
     if (ticket.ok()) {
       ticket_.emplace(*std::move(ticket));
       StartRead(&request_);
@@ -50,6 +51,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   void OnDone() override { delete this; }
 
   absl::Status receive() {
+    if (absl::Status refused = check(engine_, caller_); !refused.ok()) return refused;  // by now
     switch (request_.part_case()) {
       case v1::UploadMeshRequest::kHeader:
         if (begun_) return absl::InvalidArgumentError("the header was sent twice; send it first and once");
@@ -80,6 +82,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   }
 
   Engine& engine_;
+  const Caller caller_;
   RequestLog log_;
   MeshUpload upload_;
   v1::UploadMeshRequest request_;
@@ -91,8 +94,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
 }  // namespace
 
 grpc::ServerReadReactor<v1::UploadMeshRequest>* upload_mesh(Engine& engine, grpc::CallbackServerContext& context,
-                                                            v1::UploadMeshResponse* response) {
-  return new UploadReactor(engine, context, response);
+                                                            const Caller& caller, v1::UploadMeshResponse* response) {
+  return new UploadReactor(engine, context, caller, response);
 }
 
 }  // namespace curvecast::server

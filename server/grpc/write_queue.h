@@ -26,15 +26,11 @@ template <class Response>
 class WriteQueue : public grpc::ServerWriteReactor<Response> {
  public:
   /// The engine counts the messages that wait, and ends the call where its client does not read them.
-  WriteQueue(const char* method, Engine& engine, grpc::CallbackServerContext& context)
-      : log_(engine, method, context),
-        queued_(engine.queued),
-        sends_(engine.sends),
-        context_(context),
-        caller_(caller_of(engine, context).value_or("")) {}
+  WriteQueue(const char* method, Engine& engine, grpc::CallbackServerContext& context, const Caller& caller)
+      : log_(engine, method, context, caller), queued_(engine.queued), sends_(engine.sends), context_(context), caller_(caller) {}
   ~WriteQueue() override {
     const MutexLock lock(mutex_);
-    queued_.add(caller_, -waiting_);
+    queued_.add(caller_.name, -waiting_);
   }
 
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
@@ -65,7 +61,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   absl::Status push_all(Make&& make) {
     absl::Status refused;
     const absl::Status made = make([&](Response message) {
-      refused = cancelled() ? absl::CancelledError("the client has gone") : queued_.check(caller_);
+      refused = cancelled() ? absl::CancelledError("the client has gone") : queued_.check(caller_.name);
       if (refused.ok()) push(std::move(message));
       return refused.ok();
     });
@@ -88,8 +84,9 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
 
   /// Set once the client has gone.
   const std::atomic<bool>& cancel_flag() const { return cancelled_; }
-  /// As of caller_of(); empty where nobody knows.
-  const std::string& caller() const { return caller_; }
+  const Caller& caller() const { return caller_; }
+  /// On the workers.
+  JobQueue::Claim claim() const { return {.caller = caller_.name, .connection = caller_.address}; }
 
  private:
   /// Whether the older message, which still waits, is not worth sending any more. Called with the queue locked.
@@ -118,7 +115,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   static std::int64_t bytes_of(const Response& message) { return static_cast<std::int64_t>(message.ByteSizeLong()); }
   void count(std::int64_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     waiting_ += bytes;
-    queued_.add(caller_, bytes);
+    queued_.add(caller_.name, bytes);
   }
 
   void write_next() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -149,7 +146,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   QueuedBytes& queued_;
   SendWatch& sends_;
   grpc::CallbackServerContext& context_;
-  const std::string caller_;
+  const Caller caller_;
   std::atomic<bool> cancelled_ = false;
   std::atomic<bool> has_stalled_ = false;  // the call was ended for that
   Mutex mutex_;

@@ -1,5 +1,7 @@
 #include "server/web/credentials.h"
 
+#include <grpc/grpc.h>
+#include <grpc/grpc_security.h>
 #include <grpcpp/security/server_credentials.h>
 
 #include <utility>
@@ -7,6 +9,46 @@
 #include "server/base/options.h"
 
 namespace curvecast::server {
+namespace {
+
+/// gRPC's C++ interface knows only certificates for ever; its core asks for new ones with each connection.
+class ReplaceableCredentials final : public grpc::ServerCredentials {
+ public:
+  explicit ReplaceableCredentials(std::shared_ptr<const Replaceable<ServerTls>> tls) : tls_(std::move(tls)) {
+    const auto wanted = tls_->get()->client_authorities.empty() ? GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE
+                                                                : GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY;
+    made_ = grpc_ssl_server_credentials_create_with_options(
+        grpc_ssl_server_credentials_create_options_using_config_fetcher(wanted, fetch, this));
+  }
+  ReplaceableCredentials(const ReplaceableCredentials&) = delete;
+  ReplaceableCredentials& operator=(const ReplaceableCredentials&) = delete;
+  ~ReplaceableCredentials() override { grpc_server_credentials_release(made_); }
+
+  void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>& /*processor*/) override {}
+
+ private:
+  int AddPortToServer(const std::string& address, grpc_server* server) override {
+    return grpc_server_add_http2_port(server, address.c_str(), made_);
+  }
+
+  /// Called by gRPC with the port's lock held.
+  static grpc_ssl_certificate_config_reload_status fetch(void* self, grpc_ssl_server_certificate_config** config) {
+    auto& credentials = *static_cast<ReplaceableCredentials*>(self);
+    std::shared_ptr<const ServerTls> tls = credentials.tls_->get();
+    if (tls == credentials.fetched_) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
+    const grpc_ssl_pem_key_cert_pair pair = {tls->identity.key.c_str(), tls->identity.certificates.c_str()};
+    const std::string& authorities = tls->client_authorities;
+    *config = grpc_ssl_server_certificate_config_create(authorities.empty() ? nullptr : authorities.c_str(), &pair, 1);
+    credentials.fetched_ = std::move(tls);
+    return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
+  }
+
+  const std::shared_ptr<const Replaceable<ServerTls>> tls_;
+  std::shared_ptr<const ServerTls> fetched_;  // null: nothing yet
+  grpc_server_credentials* made_;
+};
+
+}  // namespace
 
 absl::StatusOr<std::optional<ServerTls>> read_server_tls(const ServerOptions& options) {
   if (options.tls_cert.empty() && options.tls_key.empty()) {
@@ -28,15 +70,9 @@ absl::StatusOr<std::optional<ServerTls>> read_server_tls(const ServerOptions& op
   return tls;
 }
 
-std::shared_ptr<grpc::ServerCredentials> make_credentials(const std::optional<ServerTls>& tls) {
-  if (!tls) return grpc::InsecureServerCredentials();
-  grpc::SslServerCredentialsOptions ssl;
-  ssl.pem_key_cert_pairs.push_back({tls->identity.key, tls->identity.certificates});
-  if (!tls->client_authorities.empty()) {
-    ssl.pem_root_certs = tls->client_authorities;
-    ssl.client_certificate_request = GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY;
-  }
-  return grpc::SslServerCredentials(ssl);
+std::shared_ptr<grpc::ServerCredentials> make_credentials(std::shared_ptr<const Replaceable<ServerTls>> tls) {
+  if (tls == nullptr) return grpc::InsecureServerCredentials();
+  return std::make_shared<ReplaceableCredentials>(std::move(tls));
 }
 
 }  // namespace curvecast::server

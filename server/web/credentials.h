@@ -8,6 +8,7 @@
 #include <string>
 
 #include "proto/tls/pem_files.h"
+#include "server/base/replaceable.h"
 
 namespace grpc {
 class ServerCredentials;
@@ -27,7 +28,8 @@ struct ServerTls {
 /// key or the other way round, and errors as of tls::read_identity().
 absl::StatusOr<std::optional<ServerTls>> read_server_tls(const ServerOptions& options);
 
-/// Credentials for the gRPC port.
-std::shared_ptr<grpc::ServerCredentials> make_credentials(const std::optional<ServerTls>& tls);
+/// Credentials for one gRPC port: each new connection is encrypted with what `tls` holds then. Null: not encrypted. What `tls`
+/// holds may change, but not whether it has client_authorities.
+std::shared_ptr<grpc::ServerCredentials> make_credentials(std::shared_ptr<const Replaceable<ServerTls>> tls);
 
 }  // namespace curvecast::server

@@ -35,7 +35,7 @@ class WebCall {
 struct WebCallContext {
   std::shared_ptr<WebSocket> socket;
   std::uint32_t number = 0;
-  WebPeer peer;
+  WebVisitor visitor;              // who is known
   std::function<void()> on_ended;  // called on any thread, last of all
 };
 

@@ -15,7 +15,6 @@
 #include "server/base/grpc_status.h"
 #include "server/base/log.h"
 #include "server/base/protocol.h"
-#include "server/engine/caller.h"
 #include "server/web/web_call.h"
 
 namespace curvecast::server {
@@ -55,10 +54,19 @@ class OpenCalls {
   std::map<std::uint32_t, std::shared_ptr<WebCall>> calls_ ABSL_GUARDED_BY(mutex_);
 };
 
+/// Of a caller who is not known, or not any more.
+void close(WebSocket& socket, const absl::Status& why) { socket.close(WebSocketClose::kRefused, std::string(why.message())); }
+
 class WebCalls final : public WebConversation {
  public:
-  WebCalls(Engine& engine, std::shared_ptr<grpc::Channel> channel, std::shared_ptr<WebSocket> socket, WebPeer peer)
-      : engine_(engine), channel_(std::move(channel)), socket_(std::move(socket)), peer_(std::move(peer)) {}
+  WebCalls(Engine& engine, std::shared_ptr<grpc::Channel> channel, std::shared_ptr<WebSocket> socket, WebVisitor visitor)
+      : engine_(engine),
+        channel_(std::move(channel)),
+        socket_(std::move(socket)),
+        visitor_(std::move(visitor)),
+        watched_(engine.callers, *visitor_.caller, [weak = std::weak_ptr(socket_)](const absl::Status& why) {
+          if (const auto open = weak.lock()) close(*open, why);
+        }) {}
 
   ~WebCalls() override {
     for (const auto& [number, call] : open_->take_all()) {
@@ -90,7 +98,7 @@ class WebCalls final : public WebConversation {
     const std::uint32_t number = request.call();
     last_ = number;
     open_->reserve(number);
-    WebCallContext context{socket_, number, peer_, [open = open_, number] { open->remove(number); }};
+    WebCallContext context{socket_, number, visitor_, [open = open_, number] { open->remove(number); }};
     const std::string path = absl::StrCat("/", service().full_name(), "/", request.method());
     auto call = request.method() == "StreamViews" ? begin_views_call(engine_, std::move(context))
                                                   : begin_grpc_call(channel_, path, std::move(context));
@@ -119,7 +127,8 @@ class WebCalls final : public WebConversation {
   Engine& engine_;
   const std::shared_ptr<grpc::Channel> channel_;
   const std::shared_ptr<WebSocket> socket_;
-  const WebPeer peer_;
+  const WebVisitor visitor_;
+  const CallerWatch::Ticket watched_;
   const std::shared_ptr<OpenCalls> open_ = std::make_shared<OpenCalls>();
   std::uint32_t last_ = 0;  // number of the newest call
 };
@@ -128,12 +137,12 @@ class WebCalls final : public WebConversation {
 
 WebConversationMaker web_calls(Engine& engine, std::shared_ptr<grpc::Channel> channel) {
   return [&engine, channel = std::move(channel)](const std::shared_ptr<WebSocket>& socket,
-                                                 const WebPeer& peer) -> std::unique_ptr<WebConversation> {
-    const auto caller = caller_of(engine, peer.address, peer.authorization);
-    if (caller.ok()) return std::make_unique<WebCalls>(engine, channel, socket, peer);
+                                                 const WebVisitor& visitor) -> std::unique_ptr<WebConversation> {
+    const absl::Status& known = visitor.caller.status();
+    if (known.ok()) return std::make_unique<WebCalls>(engine, channel, socket, visitor);
     engine.metrics.unauthenticated();
-    engine.log->info("http: refused {}: {}", peer.address, std::string(caller.status().message()));
-    socket->close(WebSocketClose::kRefused, std::string(caller.status().message()));
+    engine.log->info("http: refused {}: {}", visitor.peer.address, std::string(known.message()));
+    close(*socket, known);
     return nullptr;
   };
 }

@@ -15,7 +15,9 @@
 #include <cstdint>
 #include <limits>
 #include <utility>
+#include <vector>
 
+#include "proto/tls/certificate_name.h"
 #include "server/net/peer_name.h"
 #include "server/web/web_socket_beast.h"
 
@@ -83,7 +85,7 @@ void WebHub::forget(BeastWebSocket& socket) {
 
 WebConnection::WebConnection(WebHub& hub, tcp::socket socket, std::function<void(WebConnection*)> on_gone)
     : hub_(hub),
-      stream_(std::move(socket), hub.tls),
+      stream_(std::move(socket), hub.tls.get()),
       address_(name_of(stream_.next_layer().socket())),
       on_gone_(std::move(on_gone)),
       buffer_(kMaxBuffered) {}
@@ -158,6 +160,14 @@ bool WebConnection::is_upgrade(const Request& request) const {
   return hub_.options.sockets && target.substr(0, target.find('?')) == hub_.options.sockets->path;
 }
 
+Peer WebConnection::peer_of(const Request& request) const {
+  std::vector<std::string_view> forwarded_for;
+  const auto [begin, end] = request.equal_range("x-forwarded-for");
+  for (auto field = begin; field != end; ++field) forwarded_for.push_back(text(field->value()));
+  const auto client = hub_.options.sockets->proxies.client_of(address_, forwarded_for);
+  return {.address = client.value_or(address_), .comes_by_proxy = client.has_value()};
+}
+
 std::optional<WebConnection::Response> WebConnection::upgrade(const Request& request) {
   const auto refused = [&](http::status status, std::string reason) {
     hub_.log->debug("http: no WebSocket for {}: {}", address_, reason);
@@ -171,20 +181,24 @@ std::optional<WebConnection::Response> WebConnection::upgrade(const Request& req
   if (!is_allowed(hub_.options.sockets->origins, text(request[http::field::origin]), text(request[http::field::host]))) {
     return refused(http::status::forbidden, "pages of this origin may not connect");
   }
+  Peer peer = peer_of(request);
   if (hub_.options.tls && !hub_.options.tls->client_authorities.empty()) {
     X509* const certificate = SSL_get_peer_certificate(stream_.tls()->native_handle());
     if (certificate == nullptr) return refused(http::status::forbidden, "a client's certificate is wanted");
+    peer.certificate = tls::certificate_name(certificate);
     X509_free(certificate);
   }
   const Offer offer = read_offer(text(request[http::field::sec_websocket_protocol]));
   if (!offer.has_ours) return refused(http::status::bad_request, absl::StrCat("the subprotocol spoken here is ", kSubprotocol));
   if (!hub_.takes_sockets) return refused(http::status::service_unavailable, "the server is shutting down");
-  absl::StatusOr<Admission::Ticket> ticket = hub_.admission->admit(client_of_peer(address_));
+  peer.authorization = offer.authorization;
+  const absl::StatusOr<Caller> caller = hub_.options.sockets->identify(peer);
+  absl::StatusOr<Admission::Ticket> ticket = hub_.admission->admit(caller.ok() ? caller->name : client_of_peer(peer.address));
   if (!ticket.ok()) return refused(http::status::too_many_requests, std::string(ticket.status().message()));
   const auto socket = std::make_shared<BeastWebSocket>(hub_.io, std::move(stream_), *std::move(ticket),
                                                        [&hub = hub_](BeastWebSocket& over) { hub.forget(over); });
   hub_.sockets.insert(socket.get());
-  socket->accept(request, {.address = address_, .authorization = offer.authorization}, hub_.options.sockets->maker);
+  socket->accept(request, {peer, caller}, hub_.options.sockets->maker);
   return std::nullopt;
 }
 

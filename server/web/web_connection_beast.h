@@ -26,8 +26,8 @@ struct WebHub {
   const WebGatewayOptions options;
   const WebRoutes routes;
   const std::shared_ptr<spdlog::logger> log;
-  boost::asio::ssl::context* tls = nullptr;   // null: not encrypted
-  std::shared_ptr<Admission> admission = {};  // of WebSockets
+  std::shared_ptr<boost::asio::ssl::context> tls = {};  // of connections to come; null: not encrypted
+  std::shared_ptr<Admission> admission = {};            // of WebSockets
   std::set<BeastWebSocket*> sockets = {};
   bool takes_sockets = true;
   std::function<void()> on_no_sockets = {};  // called once, when the last one has gone; null: nobody waits for that
@@ -59,6 +59,8 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   void receive(Error error);
   Response answer(const Request& request, bool has_body);
   bool is_upgrade(const Request& request) const;
+  /// The client that asks for a WebSocket: its address.
+  Peer peer_of(const Request& request) const;
   /// Makes a WebSocket of the connection, and then returns null; else the answer that refuses it.
   std::optional<Response> upgrade(const Request& request);
   void refuse(boost::beast::http::status status, std::string reason);

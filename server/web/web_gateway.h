@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/net/trusted_proxies.h"
 #include "server/web/credentials.h"
 #include "server/web/web_origin.h"
 #include "server/web/web_socket.h"
@@ -37,10 +38,12 @@ using WebRoutes = std::map<std::string, std::function<WebAnswer()>, std::less<>>
 
 struct WebSocketOptions {
   std::string path;
+  std::function<absl::StatusOr<Caller>(const Peer&)> identify;
   WebConversationMaker maker;
   WebOrigins origins = {};                  // of pages that may
+  TrustedProxies proxies = {};              // that say for whom they open one
   std::size_t max_sockets = 1000;           // at once
-  std::size_t max_sockets_of_client = 250;  // of one address
+  std::size_t max_sockets_of_client = 250;  // of one caller, or one address where nobody knows who that is
 };
 
 struct WebGatewayOptions {
@@ -62,6 +65,9 @@ class WebGateway {
   virtual ~WebGateway() = default;  // ends all connections at once
 
   virtual int port() const = 0;
+  /// Encrypts connections from now on with this, where they are encrypted; those that there are stay as they are.
+  /// InvalidArgument: with what it was.
+  virtual absl::Status replace_tls(const ServerTls& tls) = 0;
   /// Tells the clients of all WebSockets that the server goes, and opens no more. Returns when all have closed, or after
   /// `patience`.
   virtual void close_sockets(std::chrono::milliseconds patience) = 0;

@@ -28,8 +28,10 @@ using boost::system::error_code;
 constexpr char kSessionContext[] = "curvecast";
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);  // when there are no descriptors left, say
 
-absl::Status configure(const ServerTls& tls, asio::ssl::context& context) {
+absl::StatusOr<std::shared_ptr<asio::ssl::context>> make_context(const ServerTls& tls) {
   try {
+    auto made = std::make_shared<asio::ssl::context>(asio::ssl::context::tls_server);
+    asio::ssl::context& context = *made;
     context.set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_sslv2 | asio::ssl::context::no_sslv3 |
                         asio::ssl::context::no_tlsv1 | asio::ssl::context::no_tlsv1_1);
     context.use_certificate_chain(asio::buffer(tls.identity.certificates));
@@ -41,10 +43,10 @@ absl::Status configure(const ServerTls& tls, asio::ssl::context& context) {
       SSL_CTX_set_session_id_context(context.native_handle(), reinterpret_cast<const unsigned char*>(kSessionContext),
                                      sizeof kSessionContext - 1);
     }
+    return made;
   } catch (const std::exception& error) {
     return absl::InvalidArgumentError(absl::StrCat("the HTTP port cannot be encrypted: ", error.what()));
   }
-  return absl::OkStatus();
 }
 
 class BeastGateway final : public WebGateway {
@@ -69,7 +71,9 @@ class BeastGateway final : public WebGateway {
     const absl::StatusOr<Address> address = parse_address(hub_.options.listen);
     if (!address.ok()) return address.status();
     if (hub_.options.tls) {
-      if (absl::Status status = configure(*hub_.options.tls, tls_); !status.ok()) return status;
+      auto context = make_context(*hub_.options.tls);
+      if (!context.ok()) return context.status();
+      hub_.tls = *std::move(context);
     }
     error_code error;
     const auto found = tcp::resolver(*hub_.io).resolve(address->host, std::to_string(address->port),
@@ -93,6 +97,15 @@ class BeastGateway final : public WebGateway {
 
   int port() const override { return port_; }
 
+  absl::Status replace_tls(const ServerTls& tls) override {
+    auto context = make_context(tls);
+    if (!context.ok()) return context.status();
+    asio::post(*hub_.io, [this, next = *std::move(context)]() mutable {
+      if (hub_.tls != nullptr) hub_.tls.swap(next);  // connections have what they need of the old one
+    });
+    return absl::OkStatus();
+  }
+
   void close_sockets(std::chrono::milliseconds patience) override {
     const auto closed = std::make_shared<std::promise<void>>();
     asio::post(*hub_.io, [this, closed] {
@@ -106,7 +119,6 @@ class BeastGateway final : public WebGateway {
 
  private:
   void prepare() {
-    if (hub_.options.tls) hub_.tls = &tls_;
     if (!hub_.options.sockets) return;
     const WebSocketOptions& sockets = *hub_.options.sockets;
     hub_.admission = std::make_shared<Admission>("WebSockets", sockets.max_sockets, sockets.max_sockets_of_client);
@@ -177,7 +189,6 @@ class BeastGateway final : public WebGateway {
     for (BeastWebSocket* socket : std::set(hub_.sockets)) socket->abort();
   }
 
-  asio::ssl::context tls_{asio::ssl::context::tls_server};
   WebHub hub_;
   int port_ = 0;
   // What follows belongs to the gateway's thread.

@@ -19,8 +19,7 @@ class WebGrpcCall final : public WebCall,
  public:
   WebGrpcCall(const std::shared_ptr<grpc::Channel>& channel, WebCallContext context)
       : context_(std::move(context)), stub_(channel) {
-    client_.AddMetadata(kPeerKey, context_.peer.address);
-    if (!context_.peer.authorization.empty()) client_.AddMetadata("authorization", context_.peer.authorization);
+    introduce(context_.visitor.peer, client_);
   }
 
   void start(const std::string& path) {

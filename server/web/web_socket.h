@@ -1,10 +1,14 @@
 // The interface of a WebSocket: messages, in order, and an end.
 #pragma once
 
+#include <absl/status/statusor.h>
+
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+
+#include "server/engine/caller.h"
 
 namespace curvecast::server {
 
@@ -35,12 +39,13 @@ class WebConversation {
 };
 
 /// The client that opened a socket.
-struct WebPeer {
-  std::string address = {};        // as gRPC writes it: "ipv4:127.0.0.1:4711"
-  std::string authorization = {};  // "Bearer TOKEN"; empty: none was sent
+struct WebVisitor {
+  Peer peer;
+  absl::StatusOr<Caller> caller;  // an error: nobody knows him
 };
 
 /// Begins a conversation, or closes the socket and returns null.
-using WebConversationMaker = std::function<std::unique_ptr<WebConversation>(const std::shared_ptr<WebSocket>&, const WebPeer&)>;
+using WebConversationMaker =
+    std::function<std::unique_ptr<WebConversation>(const std::shared_ptr<WebSocket>&, const WebVisitor&)>;
 
 }  // namespace curvecast::server

@@ -33,7 +33,7 @@ BeastWebSocket::BeastWebSocket(std::shared_ptr<asio::io_context> io, WebStream s
       on_over_(std::move(on_over)),
       stream_(std::move(stream)) {}
 
-void BeastWebSocket::accept(const Request& request, const WebPeer& peer, const WebConversationMaker& maker) {
+void BeastWebSocket::accept(const Request& request, const WebVisitor& visitor, const WebConversationMaker& maker) {
   stream_.next_layer().next_layer().expires_never();  // the WebSocket has times of its own
   stream_.set_option(websocket::stream_base::timeout{kHandshakeTime, kIdleTime, true});
   stream_.set_option(websocket::stream_base::decorator(
@@ -44,17 +44,17 @@ void BeastWebSocket::accept(const Request& request, const WebPeer& peer, const W
   stream_.auto_fragment(true);
   stream_.write_buffer_bytes(kPiece);
   stream_.binary(true);
-  stream_.async_accept(request, [self = shared_from_this(), peer, maker](Error error) {
+  stream_.async_accept(request, [self = shared_from_this(), visitor, maker](Error error) {
     if (error) return self->abort();
-    self->abort_on_exception([&] { self->begin(peer, maker); });
+    self->abort_on_exception([&] { self->begin(visitor, maker); });
   });
 }
 
-void BeastWebSocket::begin(const WebPeer& peer, const WebConversationMaker& maker) {
+void BeastWebSocket::begin(const WebVisitor& visitor, const WebConversationMaker& maker) {
   if (is_over_) return;
   is_open_ = true;
   if (closing_) return close_now();
-  conversation_ = maker(shared_from_this(), peer);
+  conversation_ = maker(shared_from_this(), visitor);
   if (conversation_ != nullptr) read();
 }
 

@@ -33,7 +33,7 @@ class BeastWebSocket final : public WebSocket, public std::enable_shared_from_th
                  std::function<void(BeastWebSocket&)> on_over);
 
   /// Answers a request to upgrade. On the gateway's thread.
-  void accept(const Request& request, const WebPeer& peer, const WebConversationMaker& maker);
+  void accept(const Request& request, const WebVisitor& visitor, const WebConversationMaker& maker);
   /// Ends the connection, whatever is under way. On the gateway's thread.
   void abort();
 
@@ -49,7 +49,7 @@ class BeastWebSocket final : public WebSocket, public std::enable_shared_from_th
     std::function<void(bool)> on_sent;
   };
 
-  void begin(const WebPeer& peer, const WebConversationMaker& maker);
+  void begin(const WebVisitor& visitor, const WebConversationMaker& maker);
   /// Runs work; an exception ends the connection, and is thrown on.
   template <typename Work>
   void abort_on_exception(Work&& work);

@@ -4,7 +4,6 @@
 
 #include "core/base/mutex.h"
 #include "server/base/grpc_status.h"
-#include "server/engine/caller.h"
 #include "server/engine/request_log.h"
 #include "server/engine/view_conversation.h"
 #include "server/web/web_call.h"
@@ -15,13 +14,13 @@ namespace {
 class WebViewsCall final : public WebCall, public ClientStream::Transport, public std::enable_shared_from_this<WebViewsCall> {
  public:
   WebViewsCall(Engine& engine, WebCallContext context)
-      : context_(std::move(context)), log_(engine, "StreamViews", context_.peer.address), sends_(engine.sends) {}
+      : context_(std::move(context)), log_(engine, "StreamViews", *context_.visitor.caller), sends_(engine.sends) {}
 
   void begin(Engine& engine) {
     self_ = shared_from_this();
-    const absl::StatusOr<std::string> caller = caller_of(engine, context_.peer.address, context_.peer.authorization);
-    if (!caller.ok()) return finish(caller.status());
-    auto conversation = ViewConversation::begin(engine, this, *caller, context_.peer.address);
+    const Caller& caller = *context_.visitor.caller;
+    if (const absl::Status refused = check(engine, caller); !refused.ok()) return finish(refused);  // by now
+    auto conversation = ViewConversation::begin(engine, this, caller);
     if (!conversation.ok()) return finish(conversation.status());
     conversation_ = *std::move(conversation);
   }

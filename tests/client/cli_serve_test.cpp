@@ -165,6 +165,42 @@ TEST_F(ServeTest, WhoIsOpenToAllSaysSo) {
   }
 }
 
+// For each: printf %s "anna's" | sha256sum
+constexpr char kAnna[] = "anna 8f68ce373d4607a65f1b1ce5c42eef43dcc492fdf17a5bb36bdca6d656ca21da\n";
+constexpr char kBert[] = "bert a1eeb16073426839c5dfabc8fc71999ccbcee5ee0ce82ca9588a528582c4bb17\n";
+
+TEST_F(ServeTest, ReadsTokensAnewWhenItIsTold) {
+  const std::string tokens = temporary("live_tokens"), annas = temporary("annas_token"), berts = temporary("berts_token");
+  std::ofstream(annas) << "anna's";
+  std::ofstream(berts) << "bert's";
+  std::ofstream(tokens) << kAnna;
+  Process server({"serve", "--listen", "127.0.0.1:0", "--http", "none", "--tokens", tokens});
+  const std::string address = server.rest_of_line("listening on ");
+  const auto status_with = [&](const std::string& token) {
+    return run({"sessions", "--server", address, "--token-file", token}).status;
+  };
+  EXPECT_EQ(status_with(annas), 0);
+  EXPECT_NE(status_with(berts), 0);
+  std::ofstream(tokens) << kBert;
+  server.signal(SIGHUP);
+  ASSERT_TRUE(server.wait_for("tokens read anew")) << server.err();
+  EXPECT_NE(status_with(annas), 0);
+  EXPECT_EQ(status_with(berts), 0);
+  std::ofstream(tokens) << "nonsense\n";
+  server.signal(SIGHUP);
+  ASSERT_TRUE(server.wait_for("tokens stay as they were: " + tokens)) << server.err();
+  EXPECT_EQ(status_with(berts), 0);
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 0);
+}
+
+TEST_F(ServeTest, EndsWithItsTerminalWhereThereIsNothingToRead) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--http", "none"});
+  EXPECT_NE(server.rest_of_line("listening on "), "");
+  server.signal(SIGHUP);
+  EXPECT_EQ(server.finish().status, 128 + SIGHUP);
+}
+
 TEST_F(ServeTest, IsReadyWhenItsMeshesAreOpen) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--open", write_sphere("slow_served.off", 300)});
   const std::string address = server.rest_of_line("http on ");

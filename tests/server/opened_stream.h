@@ -44,6 +44,16 @@ struct OpenedStream {
     return stream->Read(&response) ? response.frame() : v1::PointFrame();
   }
 
+  /// Asks for a view and waits until it is answered; the status with which the stream ends instead.
+  grpc::Status answer(std::uint64_t sequence = 1) {
+    ask(sequence, 10);
+    v1::StreamViewsResponse response;
+    while (stream->Read(&response)) {
+      if (response.frame().sequence() == sequence) return grpc::Status::OK;
+    }
+    return stream->Finish();
+  }
+
   std::mutex mutex;
   grpc::ClientContext context;
   std::unique_ptr<Stream> stream;

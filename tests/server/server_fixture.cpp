@@ -65,27 +65,27 @@ std::shared_ptr<grpc::Channel> ServerFixture::connect() const {
   return channel;
 }
 
-std::unique_ptr<Stub> ServerFixture::client_with(const std::string& token) const {
-  class Authorise final : public grpc::experimental::Interceptor, public grpc::experimental::ClientInterceptorFactoryInterface {
+std::unique_ptr<Stub> ServerFixture::client_sending(const std::string& key, const std::string& value) const {
+  class Sender final : public grpc::experimental::Interceptor, public grpc::experimental::ClientInterceptorFactoryInterface {
    public:
-    explicit Authorise(std::string token) : token_(std::move(token)) {}
+    Sender(std::string key, std::string value) : key_(std::move(key)), value_(std::move(value)) {}
     grpc::experimental::Interceptor* CreateClientInterceptor(grpc::experimental::ClientRpcInfo*) override {
-      return new Authorise(token_);
+      return new Sender(key_, value_);
     }
     void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
       if (methods->QueryInterceptionHookPoint(grpc::experimental::InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
-        methods->GetSendInitialMetadata()->emplace("authorization", "Bearer " + token_);
+        methods->GetSendInitialMetadata()->emplace(key_, value_);
       }
       methods->Proceed();
     }
 
    private:
-    const std::string token_;
+    const std::string key_, value_;
   };
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // a connection of its own, as above
   std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> interceptors;
-  interceptors.push_back(std::make_unique<Authorise>(token));
+  interceptors.push_back(std::make_unique<Sender>(key, value));
   auto channel = grpc::experimental::CreateCustomChannelWithInterceptors(address(), grpc::InsecureChannelCredentials(), arguments,
                                                                          std::move(interceptors));
   channel->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(30));

@@ -28,7 +28,9 @@ class ServerFixture : public ::testing::Test {
   std::shared_ptr<grpc::Channel> connect() const;
   std::unique_ptr<Stub> client() const { return v1::CurvecastService::NewStub(connect()); }
   /// Sends a token with every call.
-  std::unique_ptr<Stub> client_with(const std::string& token) const;
+  std::unique_ptr<Stub> client_with(const std::string& token) const { return client_sending("authorization", "Bearer " + token); }
+  /// Sends such metadata with every call.
+  std::unique_ptr<Stub> client_sending(const std::string& key, const std::string& value) const;
 
   std::unique_ptr<Server> server_;
 };

@@ -9,46 +9,14 @@
 #include <memory>
 #include <string>
 
-#include "client/lib/connection.h"
 #include "http_client.h"
-#include "proto/tls/exit_cleanup.h"
-#include "server/server.h"
 #include "server/web/web_gateway.h"
-#include "tests/proto/tls/certificate_files.h"
-#include "web_socket_client.h"
+#include "tests/server/server_tls_fixture.h"
 
 namespace curvecast::server {
 namespace {
 
 using ::testing::HasSubstr;
-
-class ServerTls : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    tls::skip_cleanup_at_exit();
-    files_ = std::make_unique<testing::CertificateFiles>();
-  }
-  static void TearDownTestSuite() { files_.reset(); }
-
-  void start(ServerOptions options) {
-    options.listen = "127.0.0.1:0";
-    options.log = false;
-    auto server = Server::start(options);
-    ASSERT_TRUE(server.ok()) << server.status();
-    server_ = *std::move(server);
-  }
-  /// Asks the server for its sessions over a channel.
-  static absl::Status call(const absl::StatusOr<std::shared_ptr<grpc::Channel>>& channel) {
-    if (!channel.ok()) return channel.status();
-    const auto connection = client::make_connection(*channel, {.retry = {.attempts = 1}});
-    return connection->list_sessions({}, {}).status();
-  }
-  std::string address() const { return "localhost:" + std::to_string(server_->port()); }
-  absl::Status call_with(const client::TlsFiles& files) const { return call(client::tls_channel(address(), files)); }
-
-  static inline std::unique_ptr<testing::CertificateFiles> files_;
-  std::unique_ptr<Server> server_;
-};
 
 TEST_F(ServerTls, ServesThoseWhoBelieveIt) {
   start({.tls_cert = files_->cert("ca-server"), .tls_key = files_->key("ca-server")});

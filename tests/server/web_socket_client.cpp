@@ -43,6 +43,7 @@ struct WebSocketClient::Socket {
   void shake_hands(Stream& stream, const std::string& host, const WebSocketClientOptions& options) {
     stream.set_option(websocket::stream_base::decorator([&options](websocket::request_type& request) {
       if (!options.origin.empty()) request.set(http::field::origin, options.origin);
+      if (!options.forwarded_for.empty()) request.set("x-forwarded-for", options.forwarded_for);
       if (!options.subprotocols.empty()) request.set(http::field::sec_websocket_protocol, options.subprotocols);
     }));
     // Not handshake(), which forgets a response that declines.

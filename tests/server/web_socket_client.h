@@ -18,6 +18,7 @@ struct WebSocketClientOptions {
   std::string origin = {};                    // none is sent
   std::string host = {};                      // empty: 127.0.0.1 and the port
   std::string subprotocols = "curvecast.v1";  // as in the header
+  std::string forwarded_for = {};             // as well
   std::string ca = {}, cert = {}, key = {};   // PEM files; with `ca`, encrypted
 };
 

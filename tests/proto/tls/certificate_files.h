@@ -19,6 +19,10 @@ class CertificateFiles {
   std::string key(const std::string& name) const { return folder_ / (name + ".key"); }
   /// A file of the caller's in the same folder.
   std::string write(const std::string& name, const std::string& text) const;
+  /// Has one of the authorities vouch for a certificate "NAME", with a subject such as "/CN=anna" and alternative names such as
+  /// "DNS:anna.example.org,URI:spiffe://example.org/anna"; empty: none.
+  void issue(const std::string& authority, const std::string& name, const std::string& subject,
+             const std::string& alternatives) const;
   /// The key of `name`, protected by a password.
   std::string encrypted_key(const std::string& name) const;
 

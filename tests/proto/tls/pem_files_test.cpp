@@ -54,6 +54,9 @@ TEST_F(PemFiles, SaysWhatIsWrongWithWhichFile) {
                  "does not belong to the certificate in " + cert);
   const std::string encrypted = files_->encrypted_key("ca-server");
   expect_refused(read_identity(cert, encrypted).status(), kInvalid, encrypted, "encrypted");
+  const std::string half = files_->write(
+      "half", *read_authorities(files_->cert("ca")) + "-----BEGIN CERTIFICATE-----\nbm9uZQ==\n-----END CERTIFICATE-----\n");
+  expect_refused(read_authorities(half).status(), kInvalid, half, "malformed");
   expect_refused(read_authorities(files_->write("large", std::string(2 << 20, 'x'))).status(), kInvalid, "large", "too large");
 }
 

@@ -42,6 +42,14 @@ TEST(Log, RequestsAreForTheVerbose) {
               HasSubstr("GetMesh from ipv4:127.0.0.1:1: NOT_FOUND after 1.50 ms, request abc: no \"mesh\"\n"));
 }
 
+TEST(Log, RequestsNameCallersWhoAreKnown) {
+  RequestRecord request = kRequest;
+  request.caller = "anna\n";
+  const auto write = [&](spdlog::logger& log) { log_request(log, request); };
+  EXPECT_THAT(logged(true, true, LogFormat::kText, write), HasSubstr("GetMesh by anna\\n from ipv4:127.0.0.1:1: NOT_FOUND"));
+  EXPECT_EQ(json::parse(logged(true, true, LogFormat::kJson, write))["caller"], "anna\n");
+}
+
 TEST(Log, JsonHasALinePerMessage) {
   const std::string text = logged(true, true, LogFormat::kJson, [](spdlog::logger& log) {
     log.info("two\nlines, a \"quote\" and \xff");

@@ -54,7 +54,8 @@ class WebCallsTest : public ::testing::Test {
   Engine engine_{ServerOptions{.threads = 1}, log_, nullptr};
   const std::shared_ptr<HeldSocket> socket_ = std::make_shared<HeldSocket>();
   const std::unique_ptr<WebConversation> conversation_ =
-      web_calls(engine_, grpc::CreateChannel("127.0.0.1:1", grpc::InsecureChannelCredentials()))(socket_, {"ipv4:1.2.3.4:5", ""});
+      web_calls(engine_, grpc::CreateChannel("127.0.0.1:1", grpc::InsecureChannelCredentials()))(
+          socket_, {{.address = "ipv4:1.2.3.4:5"}, Caller{.name = "ipv4:1.2.3.4", .address = "ipv4:1.2.3.4:5"}});
 };
 
 // Else a client that never reads could make the answers pile up.
