@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import grpc
 
-from curvecast.connection import CHANNEL_OPTIONS
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 from hold.history import History, digest_of, now
@@ -17,7 +16,8 @@ from hold.servers import Server
 
 PATIENCE = 120.0  # seconds that a call may take, on a machine that does other things too
 CHUNK_BYTES = 1 << 19
-OPTIONS = [("grpc.use_local_subchannel_pool", 1), ("grpc.max_receive_message_length", -1), *CHANNEL_OPTIONS[1:]]
+# Not the client's own: it gives a connection a tenth of a second at first, which a busy machine does not keep.
+OPTIONS = [("grpc.use_local_subchannel_pool", 1), ("grpc.max_receive_message_length", -1)]
 LOOKS_UP = {"queued", "load"}  # stages of CreateSession that make nothing
 
 

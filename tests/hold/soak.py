@@ -31,7 +31,7 @@ STREAMS_ON_ONE = 20  # streams that share a connection
 MESH_LIMIT = 8 << 20  # bytes: what visitors upload is evicted
 VISIT_PAUSE = 0.2  # seconds
 CALM = ("--max-curve-vertices", "0")
-P99_SECONDS = 0.25
+P99_SECONDS = 0.1
 WARM_SECONDS = 6
 GRPC_POOL = "default-executo"  # threads that gRPC makes as it likes, and no more than two for each core
 
@@ -53,6 +53,7 @@ def run(setting: Setting) -> Report:
             for mesh in meshes:
                 maker.upload("ball.off", mesh)
                 maker.create(mesh_id_of(mesh), SESSION_POINTS)
+        asyncio.run(ask_all(Load(setting.history), server, ids, [max(POINTS)]))  # ranks that views lack are made once
         put_under_load(setting, server, ids, streams, WARM_SECONDS)  # threads and buffers that stay
         at_rest = settle(server)
         begin = now()
@@ -87,21 +88,22 @@ def make_references(setting: Setting, meshes: list[bytes]) -> list[str]:
         for mesh in meshes:
             caller.upload("ball.off", mesh)
             ids.append(caller.create(mesh_id_of(mesh), SESSION_POINTS).value.session_id)
-        asyncio.run(ask_all(Load(setting.history), server, ids))
+        asyncio.run(ask_all(Load(setting.history), server, ids, sorted(set(POINTS))))
     return ids
 
 
-async def ask_all(load: Load, server: Server, sessions: list[str]) -> None:
+async def ask_all(load: Load, server: Server, sessions: list[str], sizes: list[int]) -> None:
+    """Asks for every view of so many points of all sessions, one after the other."""
     async with open_aio(server) as channel:
         for session in sessions:
             stream = StreamOfViews(load, server, channel, session, "reference", NOBODY)
-            await stream.ask(every_view())
+            await stream.ask(every_view(sizes))
     if load.errors:
-        raise RuntimeError(f"the calm server refuses: {load.errors[0]}")
+        raise RuntimeError(f"the server refuses without any load: {load.errors[0]}")
 
 
-async def every_view() -> AsyncIterator[v1.SampleRequest]:
-    for points in sorted(set(POINTS)):
+async def every_view(sizes: list[int]) -> AsyncIterator[v1.SampleRequest]:
+    for points in sizes:
         for number in range(360 // STEP):
             yield view_of(points, number)
 
@@ -163,8 +165,10 @@ def tell(report: Report, load: Load, begin: float, seconds: int, resident: list[
     times = load.between(begin, begin + seconds)
     report.figure("views", load.views)
     report.figure("ms median", 1000 * quantile(times, 0.5))
-    report.figure("ms late, p99, of the client's own loop", 1000 * quantile(load.lateness, 0.99))
-    report.require("ms p99 of views", 1000 * quantile(times, 0.99), at_most=1000 * P99_SECONDS, timed=True)
+    late = quantile(load.lateness, 0.99)
+    report.figure("ms p99 of views", 1000 * quantile(times, 0.99))
+    report.figure("ms late, p99, of the client's own loop", 1000 * late)
+    report.require("ms p99 less that", 1000 * (quantile(times, 0.99) - late), at_most=1000 * P99_SECONDS, timed=True)
     report.require("errors of streams", len(load.errors), at_most=0)
     report.notes += load.errors[:5]
     early, tenth = min(120, seconds // 2), max(10, seconds // 20)
