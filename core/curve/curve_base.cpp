@@ -38,11 +38,14 @@ CurveBase::CurveBase(SurfaceData surface, std::span<const Chart> all_charts, con
   for (const BaseChart& chart : charts) mappers.emplace_back(data, chart, chart.kinds);
 }
 
-CurveBase::CurveBase(SurfaceData surface, std::vector<BaseChart> all_charts, Column<std::uint32_t> face_triangles, Check check)
+CurveBase::CurveBase(SurfaceData surface, std::vector<BaseChart> all_charts, Column<std::uint32_t> face_triangles, Check check,
+                     IsThere is_there, bool in_file)
     : data(std::move(surface)),
       charts(std::move(all_charts)),
       triangle_of(std::move(face_triangles)),
       check_(std::move(check)),
+      is_there_(std::move(is_there)),
+      in_file_(in_file),
       states_(std::make_unique<std::atomic<State>[]>(charts.size())),
       once_(std::make_unique<std::once_flag[]>(charts.size())) {
   mappers.reserve(charts.size());
@@ -70,8 +73,11 @@ bool CurveBase::is_all_sound() const {
 }
 
 absl::Status CurveBase::status() const {
-  const MutexLock lock(mutex_);
-  return status_;
+  {
+    const MutexLock lock(mutex_);
+    if (!status_.ok()) return status_;
+  }
+  return is_there_ ? is_there_() : absl::OkStatus();
 }
 
 std::uint64_t CurveBase::byte_size() const {

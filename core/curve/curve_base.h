@@ -35,10 +35,15 @@ class CurveBase {
   /// Says what is wrong with a disc's chart or its faces, which have not been looked at so far.
   using Check = std::function<absl::Status(std::size_t disc)>;
 
+  /// Says whether what the arrays look at is still there.
+  using IsThere = std::function<absl::Status()>;
+
   /// Everything is at hand and known to be sound. To be dropped once the context is cancelled.
   CurveBase(SurfaceData surface, std::span<const Chart> all_charts, const ExecutionContext& context = {});
-  /// `face_triangles`: see triangle_of. `check` is called once at most for each disc, by any thread.
-  CurveBase(SurfaceData surface, std::vector<BaseChart> all_charts, Column<std::uint32_t> face_triangles, Check check);
+  /// `face_triangles`: see triangle_of. `check` is called once at most for each disc, and `is_there` at any time, by any thread.
+  /// `in_file`: where the arrays take no memory that the system could not have back.
+  CurveBase(SurfaceData surface, std::vector<BaseChart> all_charts, Column<std::uint32_t> face_triangles, Check check,
+            IsThere is_there = {}, bool in_file = true);
   CurveBase(const CurveBase&) = delete;
   CurveBase& operator=(const CurveBase&) = delete;
 
@@ -61,11 +66,11 @@ class CurveBase {
   }
   /// Says whether all discs can be used; looks at those that nobody has looked at.
   bool is_all_sound() const;
-  /// What is_sound() found so far: OK, or the first error.
+  /// OK, or the first error that is_sound() found, or that some of the file is gone. Takes microseconds.
   absl::Status status() const;
 
   /// Says whether all of it is in memory, and nothing in a file.
-  bool is_in_memory() const { return states_ == nullptr; }
+  bool is_in_memory() const { return !in_file_; }
   /// Returns the bytes of all that it looks at but for textures.
   std::uint64_t byte_size() const;
 
@@ -80,6 +85,8 @@ class CurveBase {
   bool check_disc(std::size_t disc) const;
 
   const Check check_;
+  const IsThere is_there_;
+  const bool in_file_ = false;
   std::unique_ptr<std::atomic<State>[]> states_;  // null: all are sound
   const std::unique_ptr<std::once_flag[]> once_;
   mutable Mutex mutex_;

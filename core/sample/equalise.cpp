@@ -108,7 +108,7 @@ void equalise(const ViewMass& mass, const BlockMass& fixed, std::span<const doub
   if (first == q.size()) return;
   // Left over by rounding: on the last block with mass.
   std::size_t b = sums.size() - 1;
-  while (!(sums[b] > 0)) --b;
+  while (b > 0 && !(sums[b] > 0)) --b;
   const std::size_t vertex = b * kBlockSize + mass.codes_of(fixed, b).vertex(MassCodes::part(kBelowOne));
   std::fill(vertices.begin() + static_cast<std::ptrdiff_t>(first), vertices.end(), static_cast<std::uint32_t>(vertex));
 }

@@ -71,6 +71,21 @@ absl::StatusOr<AtomicFile> AtomicFile::create(const std::string& path) {
   return absl::UnavailableError(absl::StrCat(path, ": something removes new files in its folder at once"));
 }
 
+absl::StatusOr<AtomicFile> AtomicFile::create_in(const std::string& folder) {
+#ifdef O_TMPFILE
+  const bool can_be_named = ::access("/proc/self/fd", X_OK) == 0;  // see take_name()
+  const int descriptor = can_be_named ? ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600) : -1;
+  if (descriptor >= 0) {
+    AtomicFile file(descriptor, absl::StrCat(folder, "/file"), "");
+    // So that nobody takes it for stale when it gets a name. Nobody else can have it open.
+    (void)lock(descriptor);
+    return file;
+  }
+  if (can_be_named && errno != EOPNOTSUPP && errno != EISDIR) return failed(folder, "create a file in it");
+#endif
+  return create(absl::StrCat(folder, "/file"));
+}
+
 absl::Status AtomicFile::resize(std::uint64_t size) {
   int result = 0;
   do {
@@ -91,8 +106,31 @@ absl::Status AtomicFile::write_at(std::uint64_t offset, std::span<const std::byt
   return absl::OkStatus();
 }
 
+absl::Status AtomicFile::take_name() {
+  // By way of /proc: linking a descriptor itself is for those with privileges.
+  const std::string self = absl::StrCat("/proc/self/fd/", descriptor_);
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    // Nobody else makes names with our number and the descriptor's, but a process that had both may have left one.
+    std::string name = absl::StrCat(path_, ".", ::getpid(), "-", descriptor_, "-", attempt, kEnding);
+    if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+      temporary_ = std::move(name);
+      return absl::OkStatus();
+    }
+    if (errno != EEXIST) return failed(path_, "give it a name");
+  }
+  return absl::UnavailableError(absl::StrCat(path_, ": all names for a new file beside it are taken"));
+}
+
+absl::Status AtomicFile::commit_as(const std::string& path) {
+  path_ = path;
+  return commit();
+}
+
 absl::Status AtomicFile::commit() {
   if (::fsync(descriptor_) != 0) return failed(path_, "make it durable");
+  if (temporary_.empty()) {
+    if (absl::Status named = take_name(); !named.ok()) return named;
+  }
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return failed(path_, "give a new file this name");
   temporary_.clear();
   return sync_folder(path_);
@@ -105,8 +143,8 @@ std::size_t remove_stale_temporaries(const std::string& folder) {
   std::error_code error;
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     if (!is_temporary(it->path().filename().string())) continue;
-    // Non-blocking: something else than a file may have such a name.
-    const int descriptor = ::open(it->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    // Non-blocking: something else than a file may have such a name. To write: NFS locks no other descriptors.
+    const int descriptor = ::open(it->path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0) continue;
     struct stat status = {};
     const bool is_file = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);

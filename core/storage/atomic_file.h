@@ -10,12 +10,16 @@
 
 namespace curvecast {
 
-/// Written under a temporary name in the same folder, which no other program takes, and renamed at the end. Not thread-safe.
+/// Written under a temporary name in the same folder, which no other program takes, or without a name, and renamed at the end.
+/// Not thread-safe.
 class AtomicFile {
  public:
   /// Creates the temporary, which is for its owner only (mode 0600). Errors name the file and say what the system said;
   /// ResourceExhausted: disk full.
   static absl::StatusOr<AtomicFile> create(const std::string& path);
+  /// As create(), in a folder, where the name is known only at the end: commit_as(). Has none until then, if the file system can
+  /// do that.
+  static absl::StatusOr<AtomicFile> create_in(const std::string& folder);
   AtomicFile(AtomicFile&& other) noexcept;
   AtomicFile& operator=(AtomicFile&& other) = delete;
   ~AtomicFile();  // leaves nothing behind unless committed
@@ -25,12 +29,19 @@ class AtomicFile {
   absl::Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Makes the file durable and gives it its name; what had that name before is replaced.
   absl::Status commit();
+  /// The same, with a name that is given now. Precondition: `path` is in the folder in which it was created.
+  absl::Status commit_as(const std::string& path);
+
+  /// To read and map what has been written.
+  int descriptor() const { return descriptor_; }
 
  private:
   AtomicFile(int descriptor, std::string path, std::string temporary);
+  /// Gives a file that has no name a temporary one.
+  absl::Status take_name();
 
   int descriptor_ = -1;
-  std::string path_, temporary_;  // no temporary: committed or moved from
+  std::string path_, temporary_;  // no temporary: without a name so far, committed or moved from
 };
 
 /// Removes what processes that are no more left half-written in a folder; files that a living process writes stay, whichever

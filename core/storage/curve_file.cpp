@@ -200,7 +200,7 @@ absl::StatusOr<CurveFile> load_curve(const std::string& path, FileAccess access)
     return absl::DataLossError(absl::StrCat(path, ": its curve makes no sense: ", checked.message()));
   }
   curve->blocks = build_blocks(*curve);
-  return CurveFile{std::move(curve), std::string(note->begin(), note->end())};
+  return CurveFile{std::move(curve), std::string(note->begin(), note->end()), *file};
 }
 
 }  // namespace curvecast

@@ -17,7 +17,8 @@ inline constexpr std::uint32_t kCurveFileVersion = 4;
 
 struct CurveFile {
   std::shared_ptr<const SurfaceCurve> curve;
-  std::string note;  // what save_curve() was given
+  std::string note;                         // what save_curve() was given
+  std::shared_ptr<const SectionFile> file;  // in which the curve's columns lie: its status() is theirs
 };
 
 /// Saves a curve. `note` is whatever else the file shall hold. Errors as of write_section_file.

@@ -138,6 +138,7 @@ absl::StatusOr<RankFile> load_ranks(const std::string& path, const SurfaceCurve&
     chunk.last_vertex = (*runs)[c].last_vertex;
     if (!makes_sense(chunk, curve, faces)) return (*file)->damaged("its ranks make no sense for the curve");
   }
+  if (absl::Status whole = (*file)->status(); !whole.ok()) return whole;
   return RankFile{std::make_shared<const RankTree>(std::vector<RankTree::Chunk>(chunks.begin(), chunks.end())),
                   static_cast<int>(level->front())};
 }

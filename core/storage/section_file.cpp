@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/file_system.h"
 #include "core/storage/atomic_file.h"
 
 namespace curvecast {
@@ -183,12 +184,7 @@ absl::Status write_section_file(const std::string& path, const FileKind& kind, s
 }
 
 SectionFile::~SectionFile() {
-  if (data_ == nullptr) return;
-  if (mapped_) {
-    ::munmap(data_, size_);
-  } else {
-    ::operator delete (data_, std::align_val_t{kAlignment});
-  }
+  if (data_ != nullptr && !is_mapped()) ::operator delete (const_cast<std::byte*>(data_), std::align_val_t{kAlignment});
 }
 
 absl::StatusOr<std::shared_ptr<const SectionFile>> SectionFile::open(const std::string& path, const FileKind& kind,
@@ -207,31 +203,49 @@ absl::Status SectionFile::read(int descriptor, const FileKind& kind, FileAccess 
   if (::fstat(descriptor, &status) != 0) return absl::ErrnoToStatus(errno, absl::StrCat(path_, ": cannot read"));
   if (!S_ISREG(status.st_mode)) return absl::InvalidArgumentError(absl::StrCat(path_, ": not a file"));
   const auto size = static_cast<std::uint64_t>(status.st_size);
+  device_ = status.st_dev;
+  inode_ = status.st_ino;
   if (size < sizeof(Header)) return damaged(absl::StrCat("it has only ", size, " bytes"));
   if (size > kMaxFileSize) return damaged(absl::StrCat("it has ", size, " bytes, more than any such file"));
-  if (access != FileAccess::kCopy) {
-    void* data = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor, 0);
-    if (data == MAP_FAILED) return absl::ErrnoToStatus(errno, absl::StrCat(path_, ": cannot map"));
-    data_ = static_cast<std::byte*>(data);
+  if (access != FileAccess::kCopy && is_on_local_disk(descriptor)) {
+    absl::StatusOr<MappedFile> mapping = MappedFile::map(descriptor, size);
+    if (!mapping.ok()) return absl::Status(mapping.status().code(), absl::StrCat(path_, ": ", mapping.status().message()));
+    mapping_ = *std::move(mapping);
+    data_ = mapping_.bytes().data();
     size_ = size;
-    mapped_ = true;
-  } else {
-    data_ = static_cast<std::byte*>(::operator new (size, std::align_val_t{kAlignment}, std::nothrow));
-    if (data_ == nullptr) return absl::ResourceExhaustedError(absl::StrCat(path_, ": no memory for ", size, " bytes"));
-    while (size_ < size) {
-      const ssize_t got = ::pread(descriptor, data_ + size_, size - size_, static_cast<off_t>(size_));
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) return absl::ErrnoToStatus(errno, absl::StrCat(path_, ": cannot read"));
-      if (got == 0) return damaged("it became shorter while it was read");
-      size_ += static_cast<std::uint64_t>(got);
-    }
+  } else if (absl::Status copied = copy(descriptor, size); !copied.ok()) {
+    return copied;
   }
   if (absl::Status checked = check_header(kind); !checked.ok()) return checked;
   if (absl::Status checked = check_table(); !checked.ok()) return checked;
   if (access == FileAccess::kMapLazily) return absl::OkStatus();
   // Reading ahead is worth it only once the file is known for one of ours.
-  if (mapped_) ::madvise(data_, size_, MADV_POPULATE_READ);
+  if (is_mapped()) ::madvise(const_cast<std::byte*>(data_), size_, MADV_POPULATE_READ);
   return check_all();
+}
+
+absl::Status SectionFile::copy(int descriptor, std::uint64_t size) {
+  auto* const data = static_cast<std::byte*>(::operator new (size, std::align_val_t{kAlignment}, std::nothrow));
+  if (data == nullptr) return absl::ResourceExhaustedError(absl::StrCat(path_, ": no memory for ", size, " bytes"));
+  data_ = data;
+  while (size_ < size) {
+    const ssize_t got = ::pread(descriptor, data + size_, size - size_, static_cast<off_t>(size_));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return absl::ErrnoToStatus(errno, absl::StrCat(path_, ": cannot read"));
+    if (got == 0) return damaged("it became shorter while it was read");
+    size_ += static_cast<std::uint64_t>(got);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SectionFile::status() const {
+  if (!is_mapped()) return absl::OkStatus();
+  // The end of a page that the file still has becomes zeros without a signal.
+  struct stat now = {};
+  const bool is_shorter = ::stat(path_.c_str(), &now) == 0 && now.st_dev == device_ && now.st_ino == inode_ &&
+                          static_cast<std::uint64_t>(now.st_size) < size_;
+  if (!is_shorter && !mapping_.is_lost()) return absl::OkStatus();
+  return damaged("some of it is gone that was there when it was opened");
 }
 
 absl::Status SectionFile::damaged(const std::string& what) const {

@@ -24,6 +24,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/mapped_file.h"
+
 namespace curvecast {
 
 static_assert(std::endian::native == std::endian::little, "section files are used as they lie in memory");
@@ -54,11 +56,11 @@ Section make_section(std::string name, const Values& values) {
 absl::Status write_section_file(const std::string& path, const FileKind& kind, std::span<const Section> sections);
 
 enum class FileAccess {
-  kMap,  // the sections are the file's own pages, shared with all who map it. Another program that shortens or rewrites the file
-         // in place while it is in use ends this process (SIGBUS) or changes what was checked; ours never do: they replace and
-         // remove files, and what is mapped lives on
+  kMap,  // the sections are the file's own pages, shared with all who map it. Another program that shortens the file in place
+         // while it is in use takes some of them away: see is_lost(). One that rewrites it changes what was checked; ours never
+         // do: they replace and remove files, and what is mapped lives on
   kMapLazily,  // the same, but blocks are checked only where check() is asked: opening takes the same time for any size
-  kCopy,       // the sections are in memory of their own
+  kCopy,       // the sections are in memory of their own. So are those of files on other machines, whatever is asked for
 };
 
 /// An open file, checked. Immutable.
@@ -89,6 +91,11 @@ class SectionFile {
   /// The error of a file that is damaged: says where and what.
   absl::Status damaged(const std::string& what) const;
 
+  /// OK, or DataLoss where the file has become shorter, or the system could not give some of its bytes back: see
+  /// MappedFile::is_lost(). To be asked before what came of the sections is used. Takes microseconds.
+  absl::Status status() const;
+  bool is_mapped() const { return !mapping_.bytes().empty(); }
+
   const std::string& path() const { return path_; }
   std::uint64_t size() const { return size_; }  // bytes of the file
 
@@ -98,6 +105,7 @@ class SectionFile {
 
   explicit SectionFile(std::string path) : path_(std::move(path)) {}
   absl::Status read(int descriptor, const FileKind& kind, FileAccess access);
+  absl::Status copy(int descriptor, std::uint64_t size);
   absl::Status check_header(const FileKind& kind);
   absl::Status check_table() const;
   absl::Status check_all() const;
@@ -116,9 +124,10 @@ class SectionFile {
   absl::StatusOr<std::span<const std::byte>> find(std::string_view name, std::size_t element_size) const;
 
   const std::string path_;
-  std::byte* data_ = nullptr;
+  MappedFile mapping_;  // of no file: the bytes are a copy
+  std::uint64_t device_ = 0, inode_ = 0;
+  const std::byte* data_ = nullptr;
   std::uint64_t size_ = 0;
-  bool mapped_ = false;
   std::uint64_t blocks_begin_ = 0;
   std::unique_ptr<std::atomic<bool>[]> is_good_;  // each block
 };

@@ -222,13 +222,15 @@ absl::Status MappedSurface::open(const std::string& path, std::string_view note)
   for (std::size_t d = 0; d < charts_.size(); ++d) {
     charts.push_back({charts_[d], Column<std::uint8_t>::view(charts_[d].kinds, file_), record.fills_square[d] != 0});
   }
-  base_.emplace(std::move(data), std::move(charts), Column<std::uint32_t>::view(arrays_.triangle_of, file_),
-                [this](std::size_t disc) {
-                  absl::Status status = check_disc(disc);
-                  if (!status.ok() && on_damage_) on_damage_(status);
-                  return status;
-                });
-  return absl::OkStatus();
+  base_.emplace(
+      std::move(data), std::move(charts), Column<std::uint32_t>::view(arrays_.triangle_of, file_),
+      [this](std::size_t disc) {
+        absl::Status status = check_disc(disc);
+        if (!status.ok() && on_damage_) on_damage_(status);
+        return status;
+      },
+      [this] { return file_->status(); }, file_->is_mapped());
+  return file_->status();
 }
 
 absl::Status MappedSurface::read_record(SurfaceRecord& record) const {

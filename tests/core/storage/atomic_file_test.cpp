@@ -42,6 +42,33 @@ TEST(AtomicFile, AppearsAtTheEnd) {
   EXPECT_EQ(status.st_mode & 0777, 0600u);
 }
 
+TEST(AtomicFile, MayGetItsNameAtTheEnd) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "file";
+  write_file(path, "before");
+  {
+    absl::StatusOr<AtomicFile> given_up = AtomicFile::create_in(folder.path());
+    ASSERT_TRUE(given_up.ok()) << given_up.status();
+    EXPECT_TRUE(given_up->write_at(0, as_bytes("never")).ok());
+  }
+  EXPECT_THAT(folder.names(), ElementsAre("file"));
+  absl::StatusOr<AtomicFile> file = AtomicFile::create_in(folder.path());
+  ASSERT_TRUE(file.ok()) << file.status();
+  EXPECT_TRUE(file->write_at(0, as_bytes("after")).ok());
+  EXPECT_EQ(bytes_of(path), "before");
+  EXPECT_EQ(remove_stale_temporaries(folder.path()), 0u) << "its writer lives";
+  char read[5] = {};
+  EXPECT_EQ(::pread(file->descriptor(), read, sizeof read, 0), 5);
+  EXPECT_TRUE(file->commit_as(path).ok());
+  EXPECT_EQ(bytes_of(path), "after");
+  EXPECT_THAT(folder.names(), ElementsAre("file"));
+  std::filesystem::create_directory(folder / "folder");
+  absl::StatusOr<AtomicFile> other = AtomicFile::create_in(folder.path());
+  ASSERT_TRUE(other.ok());
+  EXPECT_FALSE(other->commit_as(folder / "folder").ok()) << "a folder has that name";
+  EXPECT_EQ(AtomicFile::create_in(folder / "nowhere").status().code(), absl::StatusCode::kNotFound);
+}
+
 TEST(AtomicFile, LeavesNothingWhenGivenUp) {
   const TemporaryFolder folder;
   {

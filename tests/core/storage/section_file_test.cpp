@@ -93,6 +93,27 @@ TEST_P(SectionFileTest, TheFileLivesOnWhenItIsReplacedOrRemoved) {
   EXPECT_THAT(*(*file)->section<std::uint32_t>("numbers"), ElementsAreArray(numbers_));
 }
 
+TEST_P(SectionFileTest, SaysWhereAFileBecameShorterInUse) {
+  const std::vector<std::uint64_t> much(100'000, 7);
+  ASSERT_TRUE(write_section_file(path_, kKind, std::vector<Section>{make_section("much", much)}).ok());
+  const auto file = SectionFile::open(path_, kKind, GetParam());
+  ASSERT_TRUE(file.ok()) << file.status();
+  const auto values = (*file)->section<std::uint64_t>("much");
+  ASSERT_TRUE(values.ok() && (*file)->check(*values).ok());
+  EXPECT_TRUE((*file)->status().ok());
+  const bool is_copy = GetParam() == FileAccess::kCopy;
+  const auto size = static_cast<off_t>((*file)->size());
+  ASSERT_EQ(::truncate(path_.c_str(), size - 1), 0);
+  EXPECT_EQ((*file)->status().code(), is_copy ? Code::kOk : Code::kDataLoss) << "which no page tells";
+  ASSERT_EQ(::truncate(path_.c_str(), size), 0);
+  EXPECT_TRUE((*file)->status().ok());
+  ASSERT_EQ(::truncate(path_.c_str(), 100'000), 0);
+  EXPECT_EQ(values->back(), is_copy ? 7u : 0u);
+  EXPECT_EQ(values->front(), 7u);
+  EXPECT_EQ((*file)->status().code(), is_copy ? Code::kOk : Code::kDataLoss);
+  EXPECT_EQ((*file)->is_mapped(), !is_copy);
+}
+
 TEST_P(SectionFileTest, NoticesABitOfEveryByte) {
   for (std::size_t at = 0; at < bytes_.size(); ++at) {
     std::string bytes = bytes_;
