@@ -39,8 +39,9 @@ constexpr int kMaxCallsPerConnection = 256;
 constexpr int kIdleMs = 5 * 60'000;   // a connection without calls is closed
 constexpr int kHandshakeMs = 10'000;  // until a new connection has said what it wants
 constexpr int kMaxRequestBytes = static_cast<int>(kMaxChunkBytes + kMaxChunkBytes / 4);  // an upload's chunk is the largest
-constexpr std::size_t kAdminConnections = 16;          // for one more the one goes that has waited longest
-constexpr std::chrono::milliseconds kCloseTime{1000};  // for what is on its way over WebSockets when the server ends
+constexpr std::size_t kAdminConnections = 16;           // for one more the one goes that has waited longest
+constexpr std::chrono::milliseconds kLastFrames{2000};  // for those that are being made when the server ends
+constexpr std::chrono::milliseconds kCloseTime{1000};   // for what is on its way over WebSockets when the server ends
 
 /// That gRPC may take for what clients send, known or not.
 std::size_t transport_bytes(const ServerOptions& options) {
@@ -185,7 +186,9 @@ class GrpcServer final : public Server {
         engine_.log->info("shutting down: running calls get {} s", std::chrono::duration<double>(drain).count());
         if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->Shutdown();
         // A conversation has no end of its own to wait for.
-        engine_.stop_streams(absl::UnavailableError("the server is shutting down; reconnect"));
+        const absl::Status reason = absl::UnavailableError("the server is shutting down; reconnect");
+        engine_.retire_streams(reason, std::min(drain, kLastFrames));
+        engine_.stop_streams(reason);
         if (port_ != nullptr) port_->close();
         grpc_->Shutdown(std::chrono::system_clock::now() + drain);
         if (web_ != nullptr) web_->close_sockets(kCloseTime);

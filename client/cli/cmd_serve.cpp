@@ -24,7 +24,8 @@
 namespace curvecast::cli {
 namespace {
 
-constexpr double kMaxDrain = 3600;  // seconds
+constexpr double kMaxDrain = 3600;                       // seconds
+constexpr std::uint32_t kMaxStreamAge = 30 * 24 * 3600;  // seconds
 constexpr std::uint64_t kMaxSessions = 100'000;
 constexpr std::size_t kMostAtOnce = 1'000'000;
 constexpr std::uint64_t kMaxCurveVertices = 1'000'000'000;
@@ -38,10 +39,11 @@ struct Flags {
   server::ServerOptions server = {.listen = "127.0.0.1:50051", .http = kHttp};
   std::vector<std::string> meshes;
   SessionFlags session;
-  std::uint64_t points = 65'536;   // for which the sessions of `meshes` are made
-  std::uint32_t crash_pause = 60;  // seconds
-  double drain = 5;                // seconds
-  double lame_duck = 0;            // seconds
+  std::uint64_t points = 65'536;     // for which the sessions of `meshes` are made
+  std::uint32_t crash_pause = 60;    // seconds
+  std::uint32_t max_stream_age = 0;  // seconds
+  double drain = 5;                  // seconds
+  double lame_duck = 0;              // seconds
   std::string log_format = "text";
   std::string config;  // path; empty: none
   bool print_config = false;
@@ -176,6 +178,7 @@ absl::Status run(CLI::App& app, const Flags& flags, const CommonOptions& options
   server_options.threads = options.threads;
   server_options.memory_bytes = options.memory;
   server_options.crash_pause = std::chrono::seconds(flags.crash_pause);
+  server_options.max_stream_age = std::chrono::seconds(flags.max_stream_age);
   server_options.log = !options.quiet;
   server_options.verbose = options.verbose;
   server_options.log_format = flags.log_format == "json" ? server::LogFormat::kJson : server::LogFormat::kText;
@@ -193,7 +196,7 @@ absl::Status run(CLI::App& app, const Flags& flags, const CommonOptions& options
   return serve(flags, options, server_options, stop);
 }
 
-void add_limit_flags(CLI::App* app, server::ServerOptions* server) {
+void add_limit_flags(CLI::App* app, server::ServerOptions* server, std::uint32_t* max_stream_age) {
   const std::string group = "Limits";
   const auto bytes = [&](const char* name, std::uint64_t* value, const char* help) {
     add_bytes(*app, name, *value, help)->group(group);
@@ -222,6 +225,15 @@ void add_limit_flags(CLI::App* app, server::ServerOptions* server) {
   count("--max-streams", &server->max_streams, "of views, at once");
   count("--max-streams-of-client", &server->max_streams_of_client,
         "of one caller: a token, a certificate's name, or else an address");
+  app->add_option(
+         "--max-stream-age", *max_stream_age,
+         "seconds after which a stream of views ends, a tenth more or less, so that its client connects anew, perhaps to another "
+         "server; 0: never")
+      ->check(CLI::Range(std::uint32_t{0}, kMaxStreamAge))
+      ->capture_default_str()
+      ->group(group);
+  count("--max-making-of-client", &server->max_sessions_in_making_of_client,
+        "sessions that are being made at once for one token, certificate or address");
   count("--max-uploads", &server->max_uploads, "at once");
   count("--max-uploads-of-client", &server->max_uploads_of_client, "of one caller");
   app->add_option("--max-view-rate", server->max_view_rate, "messages per second that are read from a stream")
@@ -329,7 +341,7 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       "that are not of the loopback are refused else");
   app->add_option("--mesh-folder", flags->server.mesh_folder, "of which clients may import meshes; without it, none")
       ->type_name("DIR");
-  add_limit_flags(app, &flags->server);
+  add_limit_flags(app, &flags->server, &flags->max_stream_age);
   add_session_flags(app, &flags->session);
   return {app,
           [app, flags](const CommonOptions& common, const std::stop_token& stop) { return run(*app, *flags, common, stop); }};

@@ -19,6 +19,7 @@ struct ServerOptions {
   std::uint64_t max_upload_bytes = std::uint64_t{8} << 30;  // of one mesh file
   std::uint64_t max_mesh_bytes = std::uint64_t{16} << 30;   // of all mesh files held; the least recently used go first
   std::uint64_t max_sessions = 64;                          // held at once
+  std::size_t max_sessions_in_making_of_client = 4;         // at once, of one caller; those in the cache are loaded, not made
   /// Of all of them; the least recently used go first, to the cache. No more than half of the memory.
   std::uint64_t max_session_bytes = std::uint64_t{8} << 30;
   std::string tokens = {};  // file of those who may call, see Tokens; empty = everybody
@@ -30,7 +31,10 @@ struct ServerOptions {
   std::size_t max_connections = 10'000;
   std::size_t max_streams = 1000;           // of views, at once
   std::size_t max_streams_of_client = 250;  // of one caller
-  std::size_t max_uploads = 64;             // at once
+  /// After which a stream ends with UNAVAILABLE, so that its client connects anew, perhaps to another server; a tenth more or
+  /// less. 0: never.
+  std::chrono::seconds max_stream_age{0};
+  std::size_t max_uploads = 64;  // at once
   std::size_t max_uploads_of_client = 8;
   /// Views and acknowledgements a second that are taken from a stream. A client that waits for each frame sends one of each in a
   /// few milliseconds.

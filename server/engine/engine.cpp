@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <random>
+#include <thread>
 #include <utility>
 
 #include "core/base/machine.h"
+#include "core/base/random.h"
 #include "server/base/memory_share.h"
 #include "server/base/options.h"
 #include "server/base/scratch_folder.h"
@@ -16,6 +19,8 @@ namespace {
 // Jobs that wait, in all and of one caller.
 constexpr std::size_t kMaxWaiting = 1024, kMaxWaitingOfOne = 256;
 constexpr std::chrono::seconds kHousekeepingInterval{1};
+
+using Clock = std::chrono::steady_clock;
 
 // Of the memory, what sessions and answers that wait may take at most, whatever the options say.
 constexpr std::uint64_t kSessionShare = 2, kQueuedShare = 8;
@@ -69,12 +74,11 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
             metrics.preprocessing(made.status().raw_code(), in_seconds(std::chrono::steady_clock::now() - start));
             return made;
           },
-          {options.max_sessions, std::min(options.max_session_bytes, memory_share(options) / kSessionShare)}, threads, log,
-          cache.get(),
+          {options.max_sessions, std::min(options.max_session_bytes, memory_share(options) / kSessionShare),
+           options.max_sessions_in_making_of_client},
+          threads, log, cache.get(),
           [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
-            for (const auto& weak : all_streams()) {
-              if (const auto stream = weak.lock()) stream->replace(preview, real);
-            }
+            for (const auto& stream : all_streams()) stream->replace(preview, real);
           },
           marks.get()),
       refiner(
@@ -88,6 +92,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       rank_jobs(
           threads, [this](const Session& session) { notify_streams(session); }, log),
       max_stall_(options.max_stall),
+      max_stream_age_(options.max_stream_age),
       housekeeper_([this](const std::stop_token& stop) { run_housekeeping(stop); }) {
   // Workers started before what they use was there. They take the lock of their queue once more before they use it.
   for (const JobQueue* const queue : {&calls, &preprocessing}) static_cast<void>(queue->waiting());
@@ -105,9 +110,8 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
     frame_cache.forget_before(now - kHousekeepingInterval);
     callers.end_refused();
     if (queued.is_half_full()) metrics.stalled(sends.end_begun_before(now - max_stall_));
-    for (const auto& weak : all_streams()) {
-      if (const auto stream = weak.lock()) stream->retry();
-    }
+    retire_old_streams(now);
+    for (const auto& stream : all_streams()) stream->retry();
     warn_of_overdue();
   }
 }
@@ -151,10 +155,13 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
   const MutexLock lock(mutex_);
   if (stopped_) return absl::UnavailableError("the server is shutting down");
   if (streams_.size() >= sweep_at_) {
-    std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });
+    std::erase_if(streams_, [](const Stream& entry) { return entry.stream.expired(); });
     sweep_at_ = std::max<std::size_t>(64, 2 * streams_.size());
   }
-  streams_.push_back(stream);
+  // Not all at once: those who came together would go together.
+  const double jitter = 0.9 + 0.2 * random_unit(std::random_device()(), 0);
+  const auto age = std::chrono::duration_cast<Clock::duration>(jitter * max_stream_age_);
+  streams_.push_back({stream, age.count() > 0 ? Clock::now() + age : Clock::time_point::max()});
   return stream;
 }
 
@@ -208,27 +215,48 @@ absl::Status Engine::close_session(const std::string& id, const std::string& who
   return closed;
 }
 
-std::vector<std::weak_ptr<ClientStream>> Engine::all_streams() {
+std::vector<std::shared_ptr<ClientStream>> Engine::all_streams() {
+  std::vector<std::shared_ptr<ClientStream>> out;
   const MutexLock lock(mutex_);
-  return streams_;
+  for (const Stream& entry : streams_) {
+    if (auto stream = entry.stream.lock()) out.push_back(std::move(stream));
+  }
+  return out;
+}
+
+void Engine::retire_old_streams(Clock::time_point now) {
+  std::vector<std::shared_ptr<ClientStream>> old;
+  {
+    const MutexLock lock(mutex_);
+    for (Stream& entry : streams_) {
+      if (now < entry.until) continue;
+      entry.until = Clock::time_point::max();
+      if (auto stream = entry.stream.lock()) old.push_back(std::move(stream));
+    }
+  }
+  for (const auto& stream : old) stream->retire(absl::UnavailableError("the stream has reached its age; connect again"));
 }
 
 void Engine::notify_streams(const Session& session) {
-  for (const auto& weak : all_streams()) {
-    if (const auto stream = weak.lock()) stream->refined(session);
-  }
+  for (const auto& stream : all_streams()) stream->refined(session);
 }
 
-void Engine::stop_streams(const absl::Status& reason) {
-  std::vector<std::weak_ptr<ClientStream>> all;
+void Engine::retire_streams(const absl::Status& reason, std::chrono::milliseconds patience) {
   {
     const MutexLock lock(mutex_);
     stopped_ = true;
-    all = std::exchange(streams_, {});
   }
-  for (const auto& weak : all) {
-    if (const auto stream = weak.lock()) stream->stop(reason);
+  for (const auto& stream : all_streams()) stream->retire(reason);
+  const Clock::time_point end = Clock::now() + patience;
+  while (streams->count() > 0 && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
+void Engine::stop_streams(const absl::Status& reason) {
+  {
+    const MutexLock lock(mutex_);
+    stopped_ = true;
   }
+  for (const auto& stream : all_streams()) stream->stop(reason);
 }
 
 }  // namespace curvecast::server

@@ -4,6 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -44,7 +45,11 @@ class Engine {
   // First: jobs notify streams to their end.
   std::atomic<std::uint64_t> sources_ = 0;
   Mutex mutex_;
-  std::vector<std::weak_ptr<ClientStream>> streams_ ABSL_GUARDED_BY(mutex_);
+  struct Stream {
+    std::weak_ptr<ClientStream> stream;
+    std::chrono::steady_clock::time_point until;  // when it has reached its age
+  };
+  std::vector<Stream> streams_ ABSL_GUARDED_BY(mutex_);
   std::size_t sweep_at_ ABSL_GUARDED_BY(mutex_) = 64;  // number of streams at which those that have gone are forgotten
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
 
@@ -75,6 +80,9 @@ class Engine {
   Gauges gauges();
   /// Closes a session, as SessionStore::close(), and ends its refinement.
   absl::Status close_session(const std::string& id, const std::string& who);
+  /// Ends all conversations once the frames under way have left, and refuses new ones. Returns when they have, or after
+  /// `patience`.
+  void retire_streams(const absl::Status& reason, std::chrono::milliseconds patience);
   /// Ends all conversations and refuses new ones.
   void stop_streams(const absl::Status& reason);
 
@@ -105,13 +113,16 @@ class Engine {
   RankJobs rank_jobs;
 
  private:
-  /// The conversations at this moment, and perhaps some that have gone.
-  std::vector<std::weak_ptr<ClientStream>> all_streams() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// The conversations at this moment.
+  std::vector<std::shared_ptr<ClientStream>> all_streams() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Ends those that have reached their age.
+  void retire_old_streams(std::chrono::steady_clock::time_point now) ABSL_LOCKS_EXCLUDED(mutex_);
   void notify_streams(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
   void run_housekeeping(const std::stop_token& stop) ABSL_LOCKS_EXCLUDED(mutex_);
   void warn_of_overdue();
 
   const std::chrono::milliseconds max_stall_;
+  const std::chrono::seconds max_stream_age_;
   std::jthread housekeeper_;  // last: it uses the others
 };
 

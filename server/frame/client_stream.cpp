@@ -97,6 +97,12 @@ void ClientStream::retry() {
   dispatch();
 }
 
+void ClientStream::retire(const absl::Status& reason) {
+  const MutexLock lock(mutex_);
+  retired_ = reason;
+  dispatch();
+}
+
 void ClientStream::stop(const absl::Status& reason) {
   const MutexLock lock(mutex_);
   fail(reason);
@@ -166,8 +172,9 @@ void ClientStream::change_link(LinkEvent event, absl::Status reason) {
 }
 
 void ClientStream::dispatch() {
+  if (retired_ && !has_worker_ && !window_.has_queued()) fail(*retired_);
   if (is_over()) return end_when_idle();
-  if (!has_worker_ && is_due()) {
+  if (!has_worker_ && is_due() && !retired_) {
     if (view_state_ == ViewState::kWaiting && !view_->request.ok()) {
       refuse_waiting_view(view_->request.status());  // needs no worker
     } else {

@@ -72,6 +72,8 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   /// Asks for a worker again where the server was too busy to make a better frame; else does nothing. To be called now and then,
   /// for a client that has all its frames says nothing more.
   void retry() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Ends the stream once the frame that is being made or sent has left, if there is one; a view that waits is dropped.
+  void retire(const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Ends the stream as soon as no message is being sent; views and frames that wait are dropped.
   void stop(const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -138,7 +140,8 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
 
   Mutex mutex_;
   LinkState link_ ABSL_GUARDED_BY(mutex_) = LinkState::kUnopened;
-  absl::Status end_status_ ABSL_GUARDED_BY(mutex_);  // with which the stream ends, from kEnding on
+  std::optional<absl::Status> retired_ ABSL_GUARDED_BY(mutex_);  // why
+  absl::Status end_status_ ABSL_GUARDED_BY(mutex_);              // with which the stream ends, from kEnding on
   std::shared_ptr<const Session> session_ ABSL_GUARDED_BY(mutex_);
   bool accepts_deltas_ ABSL_GUARDED_BY(mutex_) = false;
 

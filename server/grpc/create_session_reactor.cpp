@@ -26,7 +26,7 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
     if (!files.ok()) return files.status();
     const auto options = to_preprocess_options(request.options());
     if (!options.ok()) return options.status();
-    auto id = engine_.sessions.join(*std::move(files), *options, this, caller().owner);
+    auto id = engine_.sessions.join(*std::move(files), *options, this, {caller().owner, caller().name});
     if (!id.ok()) return id.status();
     id_ = *std::move(id);
     return absl::OkStatus();

@@ -5,6 +5,7 @@
 
 #include "core/base/mutex.h"
 #include "server/base/grpc_status.h"
+#include "server/base/status_from_exceptions.h"
 #include "server/engine/request_log.h"
 #include "server/engine/view_conversation.h"
 #include "server/frame/client_stream.h"
@@ -68,7 +69,20 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
       if (ended_) return;
       taking_ = true;
     }
-    conversation_->receive(request_, [this] { resume(); });
+    const absl::Status received = status_from_exceptions([this] {
+      conversation_->receive(request_, [this] { resume(); });
+      return absl::OkStatus();
+    });
+    if (!received.ok()) fail(received);
+  }
+
+  /// Ends the call where a message could not be taken: gRPC would leave it open for ever.
+  void fail(const absl::Status& status) {
+    {
+      const MutexLock lock(mutex_);
+      taking_ = false;
+    }
+    conversation_->stream().stop(status);
   }
 
   /// Reads the next message, or finishes what has ended meanwhile.
@@ -85,7 +99,11 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
 
   void OnWriteDone(bool ok) override {
     sends_.done(this);
-    conversation_->stream().sent(ok);
+    const absl::Status status = status_from_exceptions([&] {
+      conversation_->stream().sent(ok);
+      return absl::OkStatus();
+    });
+    if (!status.ok()) conversation_->stream().stop(status);
   }
   void OnCancel() override {
     if (conversation_ != nullptr) conversation_->stream().stop(absl::CancelledError("the client has gone"));

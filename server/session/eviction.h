@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace curvecast::server {
 struct SessionLimits {
   std::size_t sessions = 64;
   std::uint64_t bytes = std::uint64_t{8} << 30;
+  std::size_t in_making_of_one = std::numeric_limits<std::size_t>::max();  // of one caller
 };
 
 /// A session in memory.

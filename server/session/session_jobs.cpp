@@ -58,8 +58,9 @@ absl::Status SessionJobs::submit_load(const std::shared_ptr<SessionJob>& job) {
 }
 
 absl::Status SessionJobs::submit_preprocessing(const std::shared_ptr<SessionJob>& job) {
-  const absl::StatusOr<std::uint64_t> ticket = queue_.submit(
-      [this, job] { preprocess(job); }, {.caller = job->owner, .expected = expected_time(job->files.mesh->size(), job->options)});
+  const absl::StatusOr<std::uint64_t> ticket =
+      queue_.submit([this, job] { preprocess(job); },
+                    {.caller = job->caller, .expected = expected_time(job->files.mesh->size(), job->options)});
   if (ticket.ok()) places_[job.get()] = {&queue_, *ticket};
   return ticket.status();
 }

@@ -23,8 +23,9 @@ namespace curvecast::server {
 
 /// Held by shared_ptr: a job that was cancelled may go on for a while.
 struct SessionJob {
-  std::string id;     // of the session
-  std::string owner;  // of the session, whose share of the workers it takes
+  std::string id;      // of the session
+  std::string owner;   // of the session
+  std::string caller;  // whose share of the workers it takes
   PreprocessOptions options;
   MeshFiles files;
   const std::chrono::steady_clock::time_point created = std::chrono::steady_clock::now();

@@ -45,7 +45,7 @@ SessionStore::~SessionStore() {
 }
 
 absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter,
-                                               const std::string& owner) {
+                                               const SessionMaker& maker) {
   const std::string id = session_id(files, options);
   drop_closed(id);
   SessionTable::Sessions evicted;  // outlives the lock
@@ -58,7 +58,7 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
       ready = entry->info.session;
       if (job != nullptr) job->waiters.add(waiter);
     } else {
-      auto started = start_job(id, std::move(files), options, waiter, owner, evicted);
+      auto started = start_job(id, std::move(files), options, waiter, maker, evicted);
       if (!started.ok()) return started.status();
       job = *std::move(started);
     }
@@ -73,20 +73,23 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
 
 absl::StatusOr<std::shared_ptr<SessionJob>> SessionStore::start_job(const std::string& id, MeshFiles files,
                                                                     const PreprocessOptions& options, SessionWaiter* waiter,
-                                                                    const std::string& owner, SessionTable::Sessions& evicted) {
+                                                                    const SessionMaker& maker, SessionTable::Sessions& evicted) {
+  const bool is_made = cache_ == nullptr || !cache_->holds(id);
+  if (absl::Status status = is_made ? table_.may_make(maker.caller) : absl::OkStatus(); !status.ok()) return status;
   const absl::Status has_room = table_.make_room(evicted);
   log_evicted(evicted);
   if (!has_room.ok()) return has_room;
   auto job = std::make_shared<SessionJob>();
   job->id = id;
-  job->owner = owner;
+  job->owner = maker.owner;
+  job->caller = maker.caller;
   job->options = options;
   job->files = std::move(files);
   job->waiters.add(waiter);
   if (cache_ != nullptr) cache_->reopen(id);
   if (absl::Status status = jobs_.start(job); !status.ok()) return status;
   const Mesh& mesh = *job->files.mesh;
-  table_.insert({.info = {.id = id, .mesh_id = mesh.id, .options = options}, .job = job, .owner = owner});
+  table_.insert({.info = {.id = id, .mesh_id = mesh.id, .options = options}, .job = job, .owner = maker.owner});
   log_->info("session {} created: mesh {} \"{}\", {} points, omega {}", id, mesh.id, printable(mesh.name), options.points,
              options.omega);
   return job;

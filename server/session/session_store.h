@@ -28,6 +28,12 @@ class logger;
 
 namespace curvecast::server {
 
+/// Who has a session made.
+struct SessionMaker {
+  std::string owner = {};   // of what is made; empty: nobody in particular
+  std::string caller = {};  // whose share of the workers it takes, and of the sessions in the making
+};
+
 /// Thread-safe. Joins the table of sessions, the jobs that make them and their cache.
 class SessionStore {
  public:
@@ -46,11 +52,11 @@ class SessionStore {
 
   /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called,
   /// even before join() returns if the session is ready, until on_done or leave(). On an error it is never called:
-  /// ResourceExhausted when there are too many sessions that are in use or being made. A session that is new belongs to `owner`:
-  /// only the owner may change or close it; every client where `owner` is empty. One that is in the cache, from whichever server,
-  /// stays whose it was.
+  /// ResourceExhausted when there are too many sessions that are in use or being made, or being made for this caller. A session
+  /// that is new belongs to its maker's owner: only he may change or close it; every client where that is empty. One that is in
+  /// the cache, from whichever server, stays whose it was.
   absl::StatusOr<std::string> join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter,
-                                   const std::string& owner = {});
+                                   const SessionMaker& maker = {});
   /// Stops waiting: `waiter` is not called any more. When the last one leaves, the job is cancelled, and the session vanishes.
   /// False when on_done has been called.
   bool leave(const std::string& id, SessionWaiter* waiter);
@@ -88,7 +94,7 @@ class SessionStore {
  private:
   /// Starts to make a session that is not there.
   absl::StatusOr<std::shared_ptr<SessionJob>> start_job(const std::string& id, MeshFiles files, const PreprocessOptions& options,
-                                                        SessionWaiter* waiter, const std::string& owner,
+                                                        SessionWaiter* waiter, const SessionMaker& maker,
                                                         SessionTable::Sessions& evicted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void take_in(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> made)
       ABSL_LOCKS_EXCLUDED(mutex_);

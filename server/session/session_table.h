@@ -55,6 +55,8 @@ class SessionTable {
   Sessions evict_excess();
   /// Evicts idle sessions until they have freed so many bytes, or there are none left.
   Sessions evict_bytes(std::uint64_t bytes);
+  /// ResourceExhausted where as many sessions are being made for the caller as may be at once.
+  absl::Status may_make(const std::string& caller) const;
   /// ResourceExhausted where pinned sessions would take more than half of the limits with this one.
   absl::Status may_pin(const Session& session) const;
   /// Takes out the sessions that nobody has used for their time to live.

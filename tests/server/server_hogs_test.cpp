@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/server/eventually.h"
@@ -117,6 +119,39 @@ TEST_F(ServerHogs, APointSetThatIsNotReadEndsWhereMemoryIsScarce) {
   v1::ResampleResponse block;
   while (lazy->Read(&block)) continue;
   EXPECT_EQ(lazy->Finish().error_code(), grpc::RESOURCE_EXHAUSTED);
+}
+
+TEST_F(ServerHogs, SessionsInTheMakingAreNotOneCallersAlone) {
+  start({.max_sessions_in_making_of_client = 1});
+  const std::string mesh = upload(*anna_, sphere_off(5));
+  v1::CreateSessionRequest request;
+  request.set_mesh_id(mesh);
+  request.mutable_options()->set_max_points(3'000'000);  // takes a while
+  std::optional<grpc::ClientContext> context(std::in_place);
+  set_patience(*context);
+  context->AddMetadata("authorization", "Bearer anna's");
+  auto making = client()->CreateSession(&*context, request);
+  v1::CreateSessionResponse progress;
+  ASSERT_TRUE(making->Read(&progress));
+  const Created second = create(*anna_, mesh, 1000);
+  EXPECT_EQ(second.status.error_code(), grpc::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(second.status.error_message(), HasSubstr("you have 1 sessions in the making"));
+  // Another one's goes before the long one or after it, but is not refused.
+  std::jthread other([&] { EXPECT_TRUE(create(*bert_, mesh, 1001).status.ok()); });
+  context->TryCancel();
+  EXPECT_TRUE(eventually([&] { return create(*anna_, mesh, 1000).status.ok(); }));
+}
+
+TEST_F(ServerHogs, StreamsEndAtTheirAge) {
+  start({.max_stream_age = std::chrono::seconds(1)});
+  OpenedStream stream(*anna_, make_session(2000));
+  stream.ask(1, 100);
+  EXPECT_EQ(stream.read().sequence(), 1u);
+  stream.acknowledge(1);
+  while (stream.read().sequence() != 0) continue;
+  const grpc::Status status = stream.stream->Finish();
+  EXPECT_EQ(status.error_code(), grpc::UNAVAILABLE);
+  EXPECT_THAT(status.error_message(), HasSubstr("age"));
 }
 
 TEST_F(ServerHogs, ACostlyFormulaIsRefusedWithItsBound) {

@@ -199,6 +199,33 @@ TEST_F(ClientStreamTest, NothingIsSentAfterStop) {
   EXPECT_TRUE(frames_.empty());
 }
 
+TEST_F(ClientStreamTest, RetiresAfterTheFrameUnderWay) {
+  receive(open_request("known"));
+  receive(view_request(1));
+  on_answer_ = [this] {
+    on_answer_ = nullptr;
+    stream_->receive(view_request(2));
+    stream_->retire(absl::UnavailableError("going"));
+    EXPECT_FALSE(ended_);
+  };
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1)) << "the client asks another server for the rest";
+  ASSERT_TRUE(ended_);
+  EXPECT_EQ(ended_->code(), Code::kUnavailable);
+}
+
+TEST_F(ClientStreamTest, RetiresAtOnceWhereNothingIsUnderWay) {
+  receive(open_request("known"));
+  receive(view_request(1));
+  run_all();
+  EXPECT_FALSE(ended_);
+  stream_->retire(absl::UnavailableError("going"));
+  EXPECT_TRUE(ended_);
+  receive(view_request(2));
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1));
+}
+
 TEST_F(ClientStreamTest, StopWaitsForTheMessageOnItsWay) {
   slow_ = true;
   receive(open_request("known"));
