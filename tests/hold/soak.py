@@ -33,7 +33,7 @@ VISIT_PAUSE = 0.2  # seconds
 CALM = ("--max-curve-vertices", "0")
 P99_SECONDS = 0.1
 WARM_SECONDS = 6
-GRPC_POOL = "default-executo"  # threads that gRPC makes as it likes, and no more than two for each core
+GRPC_POOLS = ("default-executo", "event_engine")  # threads that gRPC makes as it likes, a few for each core
 
 
 def view_of(points: int, number: int) -> v1.SampleRequest:
@@ -183,7 +183,8 @@ def tell_rest(report: Report, server: Server, before: Usage, after: Usage, strea
     metrics = server.metrics()
     report.require("descriptors more than before", after.descriptors - before.descriptors, at_most=0)
     more = after.threads - before.threads
-    more.pop(GRPC_POOL, None)
+    for name in GRPC_POOLS:
+        more.pop(name, None)
     report.figure("more threads", dict(more))
     report.require("threads more than before", more.total(), at_most=0)
     report.require("streams open", metrics["curvecast_open_streams"], at_most=0)
