@@ -48,6 +48,7 @@ class SessionJobsTest : public ::testing::Test {
       },
       1,
       nullptr,
+      nullptr,
       [](const std::shared_ptr<SessionJob>&, const std::shared_ptr<const Session>&) {},
       [this](const std::shared_ptr<SessionJob>&, absl::StatusOr<std::shared_ptr<const Session>> session) {
         ++ends_;
