@@ -37,8 +37,9 @@ class ReplaceableCredentials final : public grpc::ServerCredentials {
     std::shared_ptr<const ServerTls> tls = credentials.tls_->get();
     if (tls == credentials.fetched_) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
     const grpc_ssl_pem_key_cert_pair pair = {tls->identity.key.c_str(), tls->identity.certificates.c_str()};
-    const std::string& authorities = tls->client_authorities;
-    *config = grpc_ssl_server_certificate_config_create(authorities.empty() ? nullptr : authorities.c_str(), &pair, 1);
+    // gRPC 1.51 insists on authorities, even where it asks no client for a certificate and uses none.
+    const std::string& authorities = tls->client_authorities.empty() ? tls->identity.certificates : tls->client_authorities;
+    *config = grpc_ssl_server_certificate_config_create(authorities.c_str(), &pair, 1);
     credentials.fetched_ = std::move(tls);
     return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
   }

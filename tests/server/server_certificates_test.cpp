@@ -5,18 +5,18 @@
 #include <memory>
 #include <string>
 
+#include "tests/server/encrypted_server.h"
 #include "tests/server/opened_stream.h"
-#include "tests/server/server_tls_fixture.h"
 
 namespace curvecast::server {
 namespace {
 
 using ::testing::HasSubstr;
 
-class ServerCertificates : public ServerTls {
+class ServerCertificates : public EncryptedServer {
  protected:
   static void SetUpTestSuite() {
-    ServerTls::SetUpTestSuite();
+    EncryptedServer::SetUpTestSuite();
     files_->issue("ca", "anna", "/CN=client", "URI:spiffe://example.org/anna");
     files_->issue("ca", "bert", "/CN=bert", "");
   }
@@ -41,9 +41,7 @@ class ServerCertificates : public ServerTls {
     request.set_session_id(session);
     return socket.call("CloseSession", request).code;
   }
-  static void copy(const std::string& from, const std::string& to) {
-    files_->write(to, testing::bytes_of(from));
-  }
+  static void copy(const std::string& from, const std::string& to) { files_->write(to, testing::bytes_of(from)); }
   static void use(const std::string& server, const std::string& client_authority) {
     copy(files_->cert(server), "live.pem");
     copy(files_->key(server), "live.key");

@@ -11,12 +11,14 @@
 
 #include "http_client.h"
 #include "server/web/web_gateway.h"
-#include "tests/server/server_tls_fixture.h"
+#include "tests/server/encrypted_server.h"
 
 namespace curvecast::server {
 namespace {
 
 using ::testing::HasSubstr;
+
+class ServerTls : public EncryptedServer {};
 
 TEST_F(ServerTls, ServesThoseWhoBelieveIt) {
   start({.tls_cert = files_->cert("ca-server"), .tls_key = files_->key("ca-server")});

@@ -43,7 +43,7 @@ TEST(Tokens, KnowWhoHasLostHis) {
   EXPECT_TRUE((*before)->check(*anna).ok());
   EXPECT_TRUE((*before)->check(*bert, at(999)).ok());
   EXPECT_TRUE(absl::IsUnauthenticated((*before)->check(*bert, at(1000))));
-  for (const std::string after : {std::string("bert ") + kOther, std::string("carl ") + kSecret}) {
+  for (const std::string& after : {std::string("bert ") + kOther, std::string("carl ") + kSecret}) {
     const auto tokens = Tokens::parse(after, "tokens");
     ASSERT_TRUE(tokens.ok()) << tokens.status();
     EXPECT_TRUE(absl::IsUnauthenticated((*tokens)->check(*anna))) << after;

@@ -16,7 +16,7 @@
 
 namespace curvecast::server {
 
-class ServerTls : public ::testing::Test {
+class EncryptedServer : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     tls::skip_cleanup_at_exit();
