@@ -28,7 +28,7 @@ POINTS = 300
 FILE = "ball.off"
 CHANGES = ("UpdateSession", "CloseSession")  # last: after them there is nothing left to call
 LOOK = ("--max-curve-vertices", "0")
-PATIENCE, RELOAD_SECONDS = 60.0, 5.0
+PATIENCE, RELOAD_SECONDS, CLOSED_SECONDS = 60.0, 5.0, 1.1
 ANNA, BERT, CARL = Who("anna", "anna's", "valid"), Who("bert", "bert's", "valid"), Who("carl", "carl's", "valid")
 NOBODIES = (
     Who(credential="none"),
@@ -143,6 +143,11 @@ def run(setting: Setting) -> Report:
         with start("second") as second:
             bring(setting, second, subject)
             try_all(setting, second, subject, messages, "on a second server", tally)
+            if not setting.is_quick:  # closed on one server, a session is gone on the other, within a second
+                time.sleep(CLOSED_SECONDS)
+                with Caller(server, setting.history, "afterwards", ANNA) as caller:
+                    gone = caller.get(subject.session)
+                report.require("closed sessions found on another server", int(gone.is_ok), at_most=0)
     try_certificates(setting, messages, tally)
     still = try_revoked(setting, tokens)
     report.require("cases", tally.cases, at_least=1000)

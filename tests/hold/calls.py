@@ -102,6 +102,8 @@ class Caller:
                 fields |= take(value) if take is not None else {}
         except grpc.RpcError as error:
             code, message = error.code().name, error.details() or ""
+        except ValueError:  # close() was faster
+            code = "CANCELLED"
         self.tell(method, begin, code, message, **fields)
         return Answer(code, message, value)
 
