@@ -11,6 +11,7 @@ import os
 import pathlib
 import signal
 import ssl
+import time
 from typing import Any, NamedTuple
 
 import grpc
