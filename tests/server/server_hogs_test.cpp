@@ -106,15 +106,16 @@ TEST_F(ServerHogs, AStreamThatIsNotReadEndsWhereMemoryIsScarce) {
 }
 
 TEST_F(ServerHogs, APointSetThatIsNotReadEndsWhereMemoryIsScarce) {
-  start({.max_queued_bytes = 4'000'000, .max_stall = std::chrono::milliseconds(0)});
+  // Room for all of it: what gRPC takes off our hands leaves more than half of that.
+  start({.max_queued_bytes = 60'000'000, .max_stall = std::chrono::milliseconds(0)});
   v1::ResampleRequest request;
   request.set_session_id(make_session(2000));
   *request.mutable_sample() = large_view();
-  request.mutable_sample()->set_points(400'000);
+  request.mutable_sample()->set_points(2'000'000);
   grpc::ClientContext context;
   set_patience(context);
   const auto lazy = anna_->Resample(&context, request);
-  EXPECT_TRUE(eventually([&] { return metric("curvecast_stalled_calls_total") == 1; }));
+  EXPECT_TRUE(eventually([&] { return metric("curvecast_stalled_calls_total") >= 1; }));
   EXPECT_TRUE(eventually([&] { return metric("curvecast_queued_bytes") == 0; }));
   v1::ResampleResponse block;
   while (lazy->Read(&block)) continue;
