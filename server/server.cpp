@@ -55,6 +55,34 @@ grpc::ChannelArguments within_process() {
   return arguments;
 }
 
+/// Sends a key with every call.
+class KeySender final : public grpc::experimental::ClientInterceptorFactoryInterface {
+ public:
+  explicit KeySender(const std::string& key) : key_(key) {}
+
+  grpc::experimental::Interceptor* CreateClientInterceptor(grpc::experimental::ClientRpcInfo* /*call*/) override {
+    return new Sender(key_);
+  }
+
+ private:
+  class Sender final : public grpc::experimental::Interceptor {
+   public:
+    explicit Sender(const std::string& key) : key_(key) {}
+    void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
+      using Point = grpc::experimental::InterceptionHookPoints;
+      if (methods->QueryInterceptionHookPoint(Point::PRE_SEND_INITIAL_METADATA)) {
+        methods->GetSendInitialMetadata()->emplace(kOwnKey, key_);
+      }
+      methods->Proceed();
+    }
+
+   private:
+    const std::string key_;
+  };
+
+  const std::string key_;
+};
+
 class GrpcServer final : public Server {
  public:
   GrpcServer(const ServerOptions& options, std::shared_ptr<spdlog::logger> log, std::unique_ptr<SessionCache> cache,
@@ -108,7 +136,7 @@ class GrpcServer final : public Server {
     web.max_connections = std::min(web.max_connections, shares.pages);
     web.sockets = {.path = "/v1/socket",
                    .identify = [this](const Peer& peer) { return identify(engine_, peer); },
-                   .maker = web_calls(engine_, grpc_->InProcessChannel(within_process())),
+                   .maker = web_calls(engine_, in_process_channel()),
                    .origins = {.others = options_.web_origins, .any_name = engine_.knows_callers()},
                    .proxies = engine_.proxies,
                    .max_sockets = std::min(options_.max_streams, shares.sockets),
@@ -161,7 +189,11 @@ class GrpcServer final : public Server {
     if (grpc::HealthCheckServiceInterface* health = grpc_->GetHealthCheckService()) health->SetServingStatus(false);
   }
 
-  std::shared_ptr<grpc::Channel> in_process_channel() override { return grpc_->InProcessChannel(within_process()); }
+  std::shared_ptr<grpc::Channel> in_process_channel() override {
+    std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> interceptors;
+    interceptors.push_back(std::make_unique<KeySender>(engine_.own_key));
+    return grpc_->experimental().InProcessChannelWithInterceptors(within_process(), std::move(interceptors));
+  }
 
   absl::Status reload() override {
     const MutexLock lock(reload_mutex_);

@@ -8,19 +8,17 @@
 
 #include "proto/tls/certificate_name.h"
 #include "server/base/admission.h"
+#include "server/base/hash.h"
 #include "server/engine/engine.h"
 
 namespace curvecast::server {
 namespace {
 
-// In which calls from within this process say for whom they are. Of no meaning in others.
+// In which calls that have this process's key say for whom they are. Of no meaning in others.
 constexpr char kAddressKey[] = "curvecast-peer", kProxyKey[] = "curvecast-by-proxy";
 constexpr char kCertificateKey[] = "curvecast-certificate-bin";  // names may have any characters
 constexpr char kAuthorizationKey[] = "authorization", kForwardedKey[] = "x-forwarded-for";
 constexpr char kThisProcess[] = "this process";
-
-/// Of a call from this process: where nobody is named for whom it is, its own.
-bool is_this_process(const Peer& peer) { return peer.address.starts_with("inproc"); }
 
 std::vector<std::string_view> all_metadata(const grpc::CallbackServerContext& context, const char* key) {
   std::vector<std::string_view> values;
@@ -35,6 +33,12 @@ std::string metadata(const grpc::CallbackServerContext& context, const char* key
   return found == context.client_metadata().end() ? "" : std::string(found->second.data(), found->second.size());
 }
 
+/// By digests, so that the time which it takes tells nothing about the key.
+bool is_own_call(const Engine& engine, const grpc::CallbackServerContext& context) {
+  const std::string key = metadata(context, kOwnKey);
+  return !key.empty() && hash_of(key) == hash_of(engine.own_key);
+}
+
 std::string certificate_of(const grpc::CallbackServerContext& context) {
   const auto pem = context.auth_context()->FindPropertyValues(GRPC_X509_PEM_CERT_PROPERTY_NAME);
   return pem.empty() ? "" : tls::certificate_name(std::string(pem.front().data(), pem.front().size()));
@@ -44,8 +48,9 @@ std::string certificate_of(const grpc::CallbackServerContext& context) {
 
 Peer peer_of(const Engine& engine, const grpc::CallbackServerContext& context) {
   Peer peer{.address = context.peer(), .authorization = metadata(context, kAuthorizationKey)};
-  if (is_this_process(peer)) {
-    if (std::string address = metadata(context, kAddressKey); !address.empty()) peer.address = std::move(address);
+  if (is_own_call(engine, context)) {
+    peer.address = metadata(context, kAddressKey);
+    if (peer.address.empty()) peer.address = kThisProcess;
     peer.comes_by_proxy = !metadata(context, kProxyKey).empty();
     peer.certificate = metadata(context, kCertificateKey);
     return peer;
@@ -67,7 +72,7 @@ void introduce(const Peer& peer, grpc::ClientContext& call) {
 
 absl::StatusOr<Caller> identify(const Engine& engine, const Peer& peer) {
   const std::shared_ptr<const Tokens> tokens = engine.tokens.get();
-  if (is_this_process(peer)) {
+  if (peer.address == kThisProcess) {
     return Caller{.name = kThisProcess, .owner = engine.knows_callers() ? kThisProcess : "", .address = peer.address};
   }
   if (tokens != nullptr) {

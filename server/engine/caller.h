@@ -28,10 +28,13 @@ struct Caller {
   Tokens::Holder token = {};  // that it is known by; without a name: it is not by one
 };
 
+/// The metadata in which calls from this process send Engine::own_key: gRPC does not tell reliably where a call comes from.
+inline constexpr char kOwnKey[] = "curvecast-own";
+
 /// What the client of a call shows. Calls that come from this process are its own, unless the gateway of browsers says for whom
 /// it calls.
 Peer peer_of(const Engine& engine, const grpc::CallbackServerContext& context);
-/// Has a call from this process say for whom it is.
+/// Has a call over a channel that sends the key say for whom it is.
 void introduce(const Peer& peer, grpc::ClientContext& call);
 
 /// Who that is. Unauthenticated as of Tokens::authenticate(), where there are tokens.

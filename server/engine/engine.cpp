@@ -1,5 +1,7 @@
 #include "server/engine/engine.h"
 
+#include <absl/strings/str_cat.h>
+
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -27,6 +29,14 @@ constexpr std::uint64_t kSessionShare = 2, kQueuedShare = 8;
 
 int core_count(int threads) { return threads > 0 ? threads : machine_cores(); }
 
+/// Printable, and not to be guessed.
+std::string random_key() {
+  std::random_device random;
+  std::string key;
+  for (int i = 0; i < 8; ++i) key += absl::StrCat(absl::Hex(random(), absl::kZeroPad8));
+  return key;
+}
+
 double in_seconds(std::chrono::duration<double> duration) { return duration.count(); }
 
 }  // namespace
@@ -34,6 +44,7 @@ double in_seconds(std::chrono::duration<double> duration) { return duration.coun
 Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
                std::shared_ptr<const Tokens> known, TrustedProxies trusted)
     : log(std::move(logger)),
+      own_key(random_key()),
       threads(core_count(options.threads)),
       memory({.most = [options] { return memory_with_file(options); },
               .held = [this] { return held_bytes(); },

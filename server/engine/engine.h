@@ -87,6 +87,7 @@ class Engine {
   void stop_streams(const absl::Status& reason);
 
   const std::shared_ptr<spdlog::logger> log;
+  const std::string own_key;  // by which calls from this process are known; not to be guessed
   Metrics metrics;
   const int threads;                          // of one preprocessing job, and workers for views
   MemoryBudget memory;                        // of all jobs

@@ -217,6 +217,18 @@ TEST_F(ServerTokens, ThisProcessNeedsNone) {
   EXPECT_TRUE(stub->ListSessions(&context, {}, &response).ok());
 }
 
+TEST_F(ServerTokens, NobodyElseIsThisProcess) {
+  for (const char* key : {"curvecast-own", "curvecast-peer"}) {
+    for (const char* value : {"", "this process"}) {
+      grpc::ClientContext context;
+      set_patience(context);
+      v1::ListSessionsResponse response;
+      const auto stub = client_sending(key, value);
+      EXPECT_EQ(stub->ListSessions(&context, {}, &response).error_code(), grpc::UNAUTHENTICATED) << key << " " << value;
+    }
+  }
+}
+
 TEST(TokensFile, ThatCannotBeReadStopsTheServer) {
   EXPECT_FALSE(Server::start({.tokens = "/nonexistent/tokens", .log = false}).ok());
 }

@@ -61,9 +61,10 @@ TEST(Caller, OfAProxyIsAnAddressThatTheProxyVouchesFor) {
 }
 
 TEST(Caller, MayBeThisProcess) {
-  EXPECT_THAT(names(identified({.address = "inproc"}, false, false)), ElementsAre("this process", ""));
-  EXPECT_THAT(names(identified({.address = "inproc"}, true, false)), ElementsAre("this process", "this process"));
-  EXPECT_THAT(names(identified({.address = "inproc"}, false, true)), ElementsAre("this process", "this process"));
+  const Peer own = {.address = "this process"};
+  EXPECT_THAT(names(identified(own, false, false)), ElementsAre("this process", ""));
+  EXPECT_THAT(names(identified(own, true, false)), ElementsAre("this process", "this process"));
+  EXPECT_THAT(names(identified(own, false, true)), ElementsAre("this process", "this process"));
 }
 
 }  // namespace
