@@ -1,5 +1,6 @@
 #include "server/engine/caller_watch.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,7 @@ void CallerWatch::end_refused() {
     all.reserve(watched_.size());
     for (const auto& [number, watched] : watched_) all.push_back(watched);
   }
+  std::reverse(all.begin(), all.end());
   for (const Watched& watched : all) {
     if (const absl::Status refused = check_(watched.caller); !refused.ok()) watched.end(refused);
   }

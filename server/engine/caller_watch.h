@@ -35,7 +35,7 @@ class CallerWatch {
     std::uint64_t number_;
   };
 
-  /// Ends what callers have who may call no more.
+  /// Ends what callers have who may call no more, the newest first: a stream is told before the socket goes that it came over.
   void end_refused() ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:

@@ -27,7 +27,7 @@ class ServerReload : public ServerWebSocket {
  protected:
   void SetUp() override {
     write(std::string(kAnna) + "\n" + kBert + "\n");
-    start({.tokens = file_, .max_streams_of_client = 3, .http = "127.0.0.1:0"});
+    start({.tokens = file_, .max_streams_of_client = 3, .max_curve_vertices = 0, .http = "127.0.0.1:0"});
     anna_ = client_with("anna's"), bert_ = client_with("bert's");
     session_ = create(*bert_, upload(*bert_, sphere_off(2)), 500).session.session_id();
   }
@@ -49,6 +49,7 @@ class ServerReload : public ServerWebSocket {
     v1::CallResponse response;
     ASSERT_TRUE(socket.receive(response));
     ASSERT_TRUE(response.has_message()) << response.status().message();
+    EXPECT_EQ(socket.call("ListSessions", v1::ListSessionsRequest()).code, 0);  // now the frame has left
   }
   /// Reads until the stream ends.
   static grpc::Status end_of(OpenedStream& stream) {
