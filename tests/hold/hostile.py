@@ -27,7 +27,7 @@ from hold.shapes import bumpy_ball, plain_view
 
 WORKERS = 24
 SIZES = (100, 400)  # points of the sessions that there are
-LEAST_WARMTH = 4000  # requests
+LEAST_WARMTH = 10_000  # requests
 ON_ONE_STREAM = 40  # messages of a conversation, at most
 PATIENCE = 120.0  # seconds
 GROWTH = 64 << 20  # bytes
