@@ -86,10 +86,11 @@ class KeySender final : public grpc::experimental::ClientInterceptorFactoryInter
 class GrpcServer final : public Server {
  public:
   GrpcServer(const ServerOptions& options, std::shared_ptr<spdlog::logger> log, std::unique_ptr<SessionCache> cache,
-             std::shared_ptr<const Tokens> tokens, TrustedProxies proxies, std::optional<ServerTls> tls)
+             std::unique_ptr<MeshFolder> meshes, std::shared_ptr<const Tokens> tokens, TrustedProxies proxies,
+             std::optional<ServerTls> tls)
       : options_(options),
         tls_(tls ? std::make_shared<Replaceable<ServerTls>>(std::make_shared<ServerTls>(*std::move(tls))) : nullptr),
-        engine_(options, std::move(log), std::move(cache), std::move(tokens), std::move(proxies)),
+        engine_(options, std::move(log), std::move(cache), std::move(tokens), std::move(proxies), std::move(meshes)),
         service_(engine_),
         unready_(options.ready ? "" : "meshes are being prepared") {
     if (options.ready && engine_.marks != nullptr) engine_.marks->enforce();
@@ -308,10 +309,14 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     if (tokens != nullptr && options.tls_cert.empty())
       log->warn("tokens come in clear text: without TLS whoever listens has them");
     std::unique_ptr<SessionCache> cache;
+    std::unique_ptr<MeshFolder> meshes;
     if (!options.cache.empty()) {
       absl::StatusOr<std::unique_ptr<SessionCache>> opened = SessionCache::open(options.cache, options.cache_bytes, log);
       if (!opened.ok()) return opened.status();
       cache = *std::move(opened);
+      absl::StatusOr<std::unique_ptr<MeshFolder>> folder = MeshFolder::open(cache->folder(), log);
+      if (!folder.ok()) return folder.status();
+      meshes = *std::move(folder);
     }
     if (absl::Status status = keep_memory_within(memory_share(options), scratch_folder(options)); !status.ok()) {
       if (options.memory_bytes > 0) return status;
@@ -320,8 +325,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     const std::size_t descriptors = raise_descriptor_limit();
     ServerOptions bounded = options;
     bounded.max_connections = std::min(options.max_connections, share_descriptors(descriptors).connections);
-    auto server = std::make_unique<GrpcServer>(bounded, std::move(log), std::move(cache), std::move(tokens), *std::move(proxies),
-                                               *std::move(tls));
+    auto server = std::make_unique<GrpcServer>(bounded, std::move(log), std::move(cache), std::move(meshes), std::move(tokens),
+                                               *std::move(proxies), *std::move(tls));
     absl::Status status = server->listen(descriptors);
     if (status.ok() && !options.http.empty()) status = server->listen_http(descriptors);
     if (status.ok() && !options.admin.empty()) status = server->listen_admin();

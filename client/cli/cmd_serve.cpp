@@ -202,7 +202,7 @@ void add_limit_flags(CLI::App* app, server::ServerOptions* server, std::uint32_t
     add_bytes(*app, name, *value, help)->group(group);
   };
   bytes("--cache-size", &server->cache_bytes,
-        "that the cache may take (10GB, 500MB; powers of 1024); the least recently used sessions go first");
+        "that sessions may take in the cache (10GB, 500MB; powers of 1024); the least recently used go first");
   bytes("--max-upload", &server->max_upload_bytes, "of one mesh file");
   bytes("--max-meshes", &server->max_mesh_bytes, "of all mesh files held; the least recently used go first");
   app->add_option("--max-sessions", server->max_sessions, "held in memory at once; the least recently used go first")
@@ -290,8 +290,9 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
                   "browsers send (https://example.org); repeat for more; *: all")
       ->type_name("ORIGIN")
       ->allow_extra_args(false);
-  app->add_option("--cache", flags->server.cache,
-                  "folder where sessions survive a restart; made if missing; several servers may share one; without it, none")
+  app->add_option(
+         "--cache", flags->server.cache,
+         "folder where sessions and uploads survive a restart; made if missing; several servers may share one; without it, none")
       ->type_name("DIR");
   app->add_option("--open", flags->meshes, "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) to prepare at once; repeat for more")
       ->type_name("MESH")

@@ -76,10 +76,11 @@ absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureR
   std::vector<std::vector<Vec3d>> sets(files.size());
   for (std::size_t s = 0; check.ok() && s < files.size(); ++s) {
     const Vec3d origin = check.vector(absl::StrCat("sets[", s, "].origin"), request.sets(static_cast<int>(s)).origin());
-    sets[s].reserve(files[s]->size() / sizeof(Floats));
-    for (std::size_t at = 0; at < files[s]->size(); at += sizeof(Floats)) {
+    const std::span<const char> bytes = files[s]->bytes();
+    sets[s].reserve(bytes.size() / sizeof(Floats));
+    for (std::size_t at = 0; at < bytes.size(); at += sizeof(Floats)) {
       Floats p;
-      std::memcpy(&p, files[s]->bytes().data() + at, sizeof p);
+      std::memcpy(&p, bytes.data() + at, sizeof p);
       sets[s].emplace_back(origin + Vec3d(p[0], p[1], p[2]));
     }
   }

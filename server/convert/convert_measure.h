@@ -18,8 +18,8 @@ absl::StatusOr<MeasureOptions> to_measure_options(const v1::MeasureRequest& requ
 /// Converts what it says of the other mesh. InvalidArgument names the field at fault and its value.
 absl::StatusOr<HausdorffOptions> to_hausdorff_options(const v1::MeasureRequest& request);
 
-/// Reads the points of all sets in absolute coordinates; files[s] holds those of set s. InvalidArgument and OutOfRange name the
-/// set at fault.
+/// Reads the points of all sets in absolute coordinates; files[s], which is open, holds those of set s. InvalidArgument and
+/// OutOfRange name the set at fault.
 absl::StatusOr<std::vector<std::vector<Vec3d>>> to_point_sets(const v1::MeasureRequest& request,
                                                               const std::vector<std::shared_ptr<const Mesh>>& files);
 

@@ -42,7 +42,7 @@ double in_seconds(std::chrono::duration<double> duration) { return duration.coun
 }  // namespace
 
 Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
-               std::shared_ptr<const Tokens> known, TrustedProxies trusted)
+               std::shared_ptr<const Tokens> known, TrustedProxies trusted, std::unique_ptr<MeshFolder> kept_meshes)
     : log(std::move(logger)),
       own_key(random_key()),
       threads(core_count(options.threads)),
@@ -72,7 +72,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       uploads(std::make_shared<Admission>("uploads", options.max_uploads, options.max_uploads_of_client)),
       connections(std::make_unique<ConnectionTable>(options.max_connections)),
       mesh_folder(options.mesh_folder),
-      meshes(options.max_mesh_bytes, options.max_upload_bytes, scratch_folder(options)),
+      meshes(options.max_mesh_bytes, options.max_upload_bytes, scratch_folder(options), std::move(kept_meshes)),
       sessions(
           preprocessing,
           [this](const MeshFile& file, const PreprocessOptions& wanted, const ExecutionContext& context,
@@ -118,6 +118,8 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
     const auto now = std::chrono::steady_clock::now();
     sessions.run_housekeeping(now);
     if (marks != nullptr) marks->touch();
+    meshes.run_housekeeping();
+    if (cache != nullptr) cache->refresh_used_bytes(now);
     frame_cache.forget_before(now - kHousekeepingInterval);
     callers.end_refused();
     if (queued.is_half_full()) metrics.stalled(sends.end_begun_before(now - max_stall_));
@@ -150,8 +152,10 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                                           .points = request.point_set.options.points,
                                           .reference = request.reference != nullptr ? request.reference->digest() : 0,
                                           .first_bytes = request.first_bytes};
-                const auto make = [&] {
-                  return make_frame(*session, request, view_cache, improvement_requests(session, request.point_set, source));
+                const auto make = [&]() -> absl::StatusOr<Answer> {
+                  auto made = make_frame(*session, request, view_cache, improvement_requests(session, request.point_set, source));
+                  if (absl::Status checked = sessions.check(*session); !checked.ok()) return checked;
+                  return made;
                 };
                 // The last improvement says that no better one follows, which is true for its client only.
                 return request.may_refine ? frame_cache.get(key, make) : make();
@@ -215,7 +219,11 @@ Gauges Engine::gauges() {
   const MeshStore::Usage held = meshes.usage();
   out.meshes = held.meshes;
   out.mesh_bytes = held.bytes;
-  if (cache != nullptr) out.cache_bytes = cache->used_bytes();
+  if (cache != nullptr) {
+    out.cache_bytes = cache->used_bytes();
+    out.unsaved_sessions = cache->unsaved();
+    out.cache_operations = cache->operations();
+  }
   return out;
 }
 

@@ -28,6 +28,7 @@
 #include "server/net/connection_table.h"
 #include "server/net/trusted_proxies.h"
 #include "server/session/making_marks.h"
+#include "server/session/mesh_folder.h"
 #include "server/session/mesh_store.h"
 #include "server/session/rank_jobs.h"
 #include "server/session/refiner.h"
@@ -54,9 +55,11 @@ class Engine {
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
 
  public:
-  /// `session_cache` and `known` may be null: without a cache; everybody may call.
+  /// `session_cache`, `known` and `kept_meshes` may be null: without a cache; everybody may call; meshes are gone with the
+  /// server.
   Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
-         std::shared_ptr<const Tokens> known = nullptr, TrustedProxies trusted = {});
+         std::shared_ptr<const Tokens> known = nullptr, TrustedProxies trusted = {},
+         std::unique_ptr<MeshFolder> kept_meshes = nullptr);
 
   /// Whether callers must prove who they are.
   bool knows_callers() const { return asks_for_certificates || tokens.get() != nullptr; }

@@ -132,6 +132,10 @@ struct Metrics::Families {
       gauges(registry, "curvecast_memory_reserved_bytes", "That running jobs have asked for.").Add({});
   Family<Counter>& refused ABSL_GUARDED_BY(mutex) =
       counters(registry, "curvecast_refused_total", "Streams, views, calls and uploads refused, by the limit that they met.");
+  Gauge& unsaved_sessions ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_unsaved_sessions", "Sessions that wait to be written to the cache.").Add({});
+  Family<Counter>& cache_operations ABSL_GUARDED_BY(mutex) =
+      counters(registry, "curvecast_cache_operations_total", "Sessions loaded, saved and removed, and tries that failed.");
   Gauge& resident ABSL_GUARDED_BY(mutex) =
       gauges(registry, "process_resident_memory_bytes", "Resident memory size in bytes.").Add({});
   Gauge& open_files ABSL_GUARDED_BY(mutex) = gauges(registry, "process_open_fds", "Number of open file descriptors.").Add({});
@@ -221,6 +225,11 @@ std::string Metrics::text(const Gauges& values) {
   f.reserved_bytes.Set(static_cast<double>(values.reserved_bytes));
   for (const auto& [limit, count] : values.refused) {
     Counter& counter = f.refused.Add({{"limit", limit}});
+    counter.Increment(static_cast<double>(count) - counter.Value());
+  }
+  f.unsaved_sessions.Set(static_cast<double>(values.unsaved_sessions));
+  for (const auto& [kind, count] : values.cache_operations) {
+    Counter& counter = f.cache_operations.Add({{"operation", kind.first}, {"result", kind.second}});
     counter.Increment(static_cast<double>(count) - counter.Value());
   }
   const ProcessUsage usage = process_usage();

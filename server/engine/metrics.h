@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace curvecast::v1 {
 class FrameStatistics;
@@ -37,6 +38,9 @@ struct Gauges {
   std::uint64_t reserved_bytes = 0;  // ... and what running jobs have asked for
   // So far, by the name of the limit: what was refused.
   std::map<std::string, std::uint64_t> refused = {};
+  std::size_t unsaved_sessions = 0;  // that wait to be written to the cache
+  // So far, by operation and result: what was done with sessions in the cache.
+  std::map<std::pair<std::string, std::string>, std::uint64_t> cache_operations = {};
 };
 
 /// Thread-safe. Counting a frame or a view takes an atomic addition; a duration takes its histogram's own lock for as long as it

@@ -268,6 +268,7 @@ ClientStream::View ClientStream::begin_answer() {
 
 void ClientStream::finish_answer(View view, absl::StatusOr<Answer> answer) {
   if (is_over()) return;
+  if (absl::IsDataLoss(answer.status())) return fail(answer.status());
   const bool is_overtaken = view_state_ == ViewState::kWaiting;
   was_given_up_ = is_hurried_ && absl::IsDeadlineExceeded(answer.status());
   if (is_overtaken && (view.shown || was_given_up_)) return;

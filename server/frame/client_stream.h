@@ -38,8 +38,9 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   struct Hooks {
     /// Finds the session to open. Called with the lock held.
     std::function<absl::StatusOr<std::shared_ptr<const Session>>(const std::string& session_id)> find;
-    /// Answers a view. Called without the lock, on a worker. An answer with FollowUp::kAfterImprovement promises that refined()
-    /// is called after the session's curve and ranks were read for it.
+    /// Answers a view. Called without the lock, on a worker. DataLoss ends the stream: nothing more comes of its session. An
+    /// answer with FollowUp::kAfterImprovement promises that refined() is called after the session's curve and ranks were read
+    /// for it.
     std::function<absl::StatusOr<Answer>(const std::shared_ptr<const Session>&, const FrameRequest&)> answer;
     /// Makes the points again that the client says that it has; null where it has others. Called without the lock, on a worker.
     std::function<absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(const Session&, const ResumeClaim&,

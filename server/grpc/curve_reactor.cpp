@@ -12,29 +12,31 @@ namespace curvecast::server {
 namespace {
 
 // Packs a chunk when the one before has gone, which takes about a millisecond: a client that reads slowly, or not at all, never
-// makes the server hold more than one. The curve is that of the beginning, whatever becomes of its session.
+// makes the server hold more than one. The curve is that of the beginning, whatever becomes of its session, of which this is a
+// copy: who reads slowly does not keep it from being evicted.
 class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse> {
  public:
   CurveReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller, const v1::GetCurveRequest& request)
-      : log_(engine, "GetCurve", context, caller) {
+      : sessions_(engine.sessions), log_(engine, "GetCurve", context, caller) {
     const std::string& id = request.session_id();
     if (engine.sessions.must_load(id)) {
       // A thread that may wait for the disk loads it.
-      const auto submitted = engine.cache->loading().submit([this, &engine, id] { begin(engine, id); });
+      const auto submitted = engine.cache->loading().submit([this, id] { begin(id); });
       if (!submitted.ok()) end(submitted.status());
     } else {
-      begin(engine, id);
+      begin(id);
     }
   }
 
  private:
-  void begin(Engine& engine, const std::string& id) {
+  void begin(const std::string& id) {
     const absl::Status begun = status_from_exceptions([&] {
-      const auto session = engine.sessions.find(id);
+      const auto session = sessions_.find(id);
       if (!session.ok()) return session.status();
-      curve_ = (*session)->curve();
+      session_ = **session;
+      curve_ = session_.curve();
       *message_.mutable_info() = to_curve_info(*curve_);
-      return absl::OkStatus();
+      return sessions_.check(session_);
     });
     begun.ok() ? StartWrite(&message_) : end(begun);
   }
@@ -46,7 +48,7 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
       message_.Clear();
       *message_.mutable_chunk() = to_curve_chunk(*curve_, next_);
       next_ += message_.chunk().count();
-      return absl::OkStatus();
+      return sessions_.check(session_);
     });
     packed.ok() ? StartWrite(&message_) : end(packed);
   }
@@ -59,7 +61,9 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
     Finish(sent);
   }
 
+  SessionStore& sessions_;
   RequestLog log_;
+  Session session_;
   std::shared_ptr<const SurfaceCurve> curve_;
   v1::GetCurveResponse message_;  // being written
   std::size_t next_ = 0;          // vertex

@@ -32,7 +32,10 @@ class HeldSession {
   grpc::Status answer(Engine& engine, const Use& use) {
     return to_grpc(status_from_exceptions([&]() -> absl::Status {
       const absl::StatusOr<std::shared_ptr<const Session>> session = take(engine);
-      return session.ok() ? use(*session) : session.status();
+      if (!session.ok()) return session.status();
+      const absl::Status used = use(*session);
+      const absl::Status checked = engine.sessions.check(**session);
+      return checked.ok() ? used : checked;
     }));
   }
 

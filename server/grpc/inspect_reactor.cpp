@@ -13,7 +13,10 @@ grpc::ServerUnaryReactor* inspect_mesh(Engine& engine, grpc::CallbackServerConte
     absl::StatusOr<MeshFiles> files = find_files(engine.meshes, request.mesh_id(), request.companions());
     if (!files.ok()) return files.status();
     return [files = *std::move(files), response](const ExecutionContext& job) {
-      const auto info = curvecast::inspect_mesh(files.file(), job);
+      const absl::StatusOr<MeshFile> file = files.file(job);
+      if (!file.ok()) return file.status();
+      const auto info = curvecast::inspect_mesh(*file, job);
+      if (absl::Status status = files.status(); !status.ok()) return status;
       if (info.ok()) *response->mutable_mesh() = to_proto(*info, files.mesh->name);
       return info.status();
     };
@@ -26,8 +29,11 @@ grpc::ServerUnaryReactor* list_mesh_references(Engine& engine, grpc::CallbackSer
   return new UnaryJob(engine, "ListMeshReferences", context, caller, [&]() -> absl::StatusOr<UnaryJob::Work> {
     absl::StatusOr<MeshFiles> files = find_files(engine.meshes, request.mesh_id(), request.companions());
     if (!files.ok()) return files.status();
-    return [files = *std::move(files), response](const ExecutionContext& /*job*/) {
-      const auto names = mesh_companions(files.file());
+    return [files = *std::move(files), response](const ExecutionContext& job) {
+      const absl::StatusOr<MeshFile> file = files.file(job);
+      if (!file.ok()) return file.status();
+      const auto names = mesh_companions(*file);
+      if (absl::Status status = files.status(); !status.ok()) return status;
       if (!names.ok()) return names.status();
       for (const std::string& name : *names) response->add_missing(name);
       return absl::OkStatus();

@@ -15,6 +15,14 @@
 namespace curvecast::server {
 namespace {
 
+absl::StatusOr<LoadedMesh> load(const MeshFiles& files, const ExecutionContext& context) {
+  const absl::StatusOr<MeshFile> file = files.file(context);
+  if (!file.ok()) return file.status();
+  absl::StatusOr<LoadedMesh> mesh = load_mesh(*file, context);
+  if (absl::Status status = files.status(); !status.ok()) return status;
+  return mesh;
+}
+
 struct Work {
   MeshFiles mesh;
   std::optional<MeshFiles> other;
@@ -72,9 +80,15 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
     context.memory = &memory;
     context.threads = engine.threads;
     context.on_progress = [this](std::string_view stage, double fraction) { push_progress(stage, fraction); };
+    for (const std::shared_ptr<const Mesh>& points : work.points) {
+      if (absl::Status opened = points->open(context); !opened.ok()) return opened;
+    }
     const auto sets = to_point_sets(work.request, work.points);
+    for (const std::shared_ptr<const Mesh>& points : work.points) {
+      if (absl::Status status = points->status(); !status.ok()) return status;
+    }
     if (!sets.ok()) return sets.status();
-    const auto mesh = load_mesh(work.mesh.file(), context);
+    const auto mesh = load(work.mesh, context);
     if (!mesh.ok()) return mesh.status();
     v1::MeasureResponse response;
     const double diagonal = mesh->info.box.diagonal();
@@ -86,7 +100,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
       *response.mutable_measures() = to_proto(*report, diagonal);
     }
     if (work.other) {
-      const auto other = load_mesh(work.other->file(), context);
+      const auto other = load(*work.other, context);
       if (!other.ok()) return other.status();
       const HausdorffDistance distance = hausdorff_distance(mesh->mesh, other->mesh, work.distance, context);
       if (absl::Status status = context.check(); !status.ok()) return status;

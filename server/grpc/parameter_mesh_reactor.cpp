@@ -43,7 +43,10 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
     context.cancel = &cancel_flag();
     context.memory = &memory;
     context.threads = engine.threads;
-    const auto flattened = flatten_mesh(files.file(), options, context);
+    const absl::StatusOr<MeshFile> file = files.file(context);
+    if (!file.ok()) return file.status();
+    const auto flattened = flatten_mesh(*file, options, context);
+    if (absl::Status status = files.status(); !status.ok()) return status;
     if (!flattened.ok()) return flattened.status();
     return push_all([&](const auto& push_chunk) { return make_chunks(*flattened, files.mesh->name, push_chunk); });
   }

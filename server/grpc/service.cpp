@@ -89,14 +89,20 @@ grpc::ServerReadReactor<v1::UploadMeshRequest>* Service::UploadMesh(grpc::Callba
 
 grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
                                            v1::GetMeshResponse* response) {
-  return answer(engine_, "GetMesh", *context, [&] {
-    const auto mesh = engine_.meshes.find(request->mesh_id());
+  const auto mesh = engine_.meshes.find(request->mesh_id());
+  const auto tell = [response, mesh](const ExecutionContext& job) {
     if (!mesh.ok()) return mesh.status();
+    // Who is told that it is here does not upload it.
+    if (absl::Status opened = (*mesh)->open(job); !opened.ok()) return opened;
     response->set_mesh_id((*mesh)->id);
     response->set_name((*mesh)->name);
     response->set_size((*mesh)->size());
     return absl::OkStatus();
-  });
+  };
+  if (mesh.ok() && !(*mesh)->is_checked()) {
+    return answer_later(engine_, "GetMesh", *context, [&]() -> absl::StatusOr<UnaryJob::Work> { return tell; });
+  }
+  return answer(engine_, "GetMesh", *context, [&] { return tell({}); });
 }
 
 grpc::ServerUnaryReactor* Service::GetUpload(grpc::CallbackServerContext* context, const v1::GetUploadRequest* request,
@@ -216,6 +222,7 @@ grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, 
       const auto session = engine_.sessions.find(request->session_id());
       if (!session.ok()) return session.status();
       auto picture = render_picture(**session, *request, engine_.view_cache, job);
+      if (absl::Status checked = engine_.sessions.check(**session); !checked.ok()) return checked;
       if (!picture.ok()) return picture.status();
       *response = *std::move(picture);
       return absl::OkStatus();

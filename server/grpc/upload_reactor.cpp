@@ -1,8 +1,10 @@
-// UploadMesh: the chunks of a file, straight into the store's buffer. gRPC calls a read reactor from one thread at a time.
+// UploadMesh: the chunks of a file, straight into the store's file. gRPC calls a read reactor from one thread at a time; the end,
+// which waits for the disk, is a worker's.
 #include <absl/strings/str_cat.h>
 #include <spdlog/logger.h>
 
 #include <optional>
+#include <string>
 
 #include "server/base/grpc_status.h"
 #include "server/base/log.h"
@@ -34,12 +36,19 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
 
  private:
   void OnReadDone(bool ok) override {
-    const absl::Status status = status_from_exceptions([&] { return ok ? receive() : complete(); });
-    if (ok && status.ok()) {
-      StartRead(&request_);
-    } else {
+    const absl::Status status = ok ? status_from_exceptions([&] { return receive(); }) : submit_end();
+    if (!status.ok()) {
       finish(status);
+    } else if (ok) {
+      StartRead(&request_);
     }
+  }
+
+  absl::Status submit_end() {
+    return engine_.calls
+        .submit([this] { finish(status_from_exceptions([&] { return complete(); })); },
+                {.caller = caller_.name, .connection = caller_.address})
+        .status();
   }
 
   void finish(const absl::Status& status) {

@@ -10,7 +10,7 @@ Eviction choose_evicted(std::vector<Resident> residents, const SessionLimits& li
   std::uint64_t bytes = 0;
   for (const Resident& resident : residents) bytes += resident.bytes;
   std::erase_if(residents, [](const Resident& resident) { return !resident.may_go; });
-  std::ranges::sort(residents, {}, &Resident::last_used);
+  std::ranges::sort(residents, {}, [](const Resident& resident) { return std::pair(resident.is_unsaved, resident.last_used); });
   Eviction out;
   for (Resident& oldest : residents) {
     if (sessions <= limits.sessions && bytes <= limits.bytes) break;

@@ -21,7 +21,8 @@ struct Resident {
   std::string id;
   std::uint64_t last_used = 0;  // greater: later
   std::uint64_t bytes = 0;
-  bool may_go = false;  // it is neither in use nor pinned nor being made
+  bool may_go = false;      // it is neither in use nor pinned nor being made
+  bool is_unsaved = false;  // it would be lost
 };
 
 struct Eviction {
@@ -29,7 +30,8 @@ struct Eviction {
   bool is_enough = true;         // the rest is within the limits
 };
 
-/// Chooses the least recently used of the sessions that may go, no more than it takes to bring the rest within the limits.
+/// Chooses the least recently used of the sessions that may go, no more than it takes to bring the rest within the limits. Those
+/// that are not saved yet come after all others.
 Eviction choose_evicted(std::vector<Resident> residents, const SessionLimits& limits);
 
 }  // namespace curvecast::server

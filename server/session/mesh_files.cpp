@@ -15,19 +15,35 @@ namespace {
 
 constexpr std::size_t kMaxName = 1024;  // bytes
 
+absl::Status of_companion(const std::string& name, const absl::Status& status) {
+  return absl::Status(status.code(), absl::StrCat("companion \"", printable(name), "\": ", status.message()));
+}
+
 }  // namespace
 
-MeshFile MeshFiles::file() const {
-  return {mesh->name, mesh->bytes(), [this](std::string_view name) -> std::optional<std::span<const char>> {
-            const auto found = companions.find(std::string(name));
-            if (found == companions.end()) return std::nullopt;
-            return found->second->bytes();
-          }};
+absl::StatusOr<MeshFile> MeshFiles::file(const ExecutionContext& context) const {
+  if (absl::Status opened = mesh->open(context); !opened.ok()) return opened;
+  for (const auto& [name, file] : companions) {
+    if (absl::Status opened = file->open(context); !opened.ok()) return of_companion(name, opened);
+  }
+  return MeshFile{mesh->name, mesh->bytes(), [this](std::string_view name) -> std::optional<std::span<const char>> {
+                    const auto found = companions.find(std::string(name));
+                    if (found == companions.end()) return std::nullopt;
+                    return found->second->bytes();
+                  }};
+}
+
+absl::Status MeshFiles::status() const {
+  absl::Status status = mesh->status();
+  for (const auto& [name, file] : companions) {
+    if (!file->status().ok()) status.Update(of_companion(name, file->status()));
+  }
+  return status;
 }
 
 void MeshFiles::release_pages() const {
-  mesh->data.release_pages();
-  for (const auto& [name, file] : companions) file->data.release_pages();
+  mesh->release_pages();
+  for (const auto& [name, file] : companions) file->release_pages();
 }
 
 absl::StatusOr<MeshFiles> find_files(MeshStore& store, const std::string& mesh_id,
@@ -47,8 +63,7 @@ absl::StatusOr<MeshFiles> find_files(MeshStore& store, const std::string& mesh_i
     }
     absl::StatusOr<std::shared_ptr<const Mesh>> companion = store.find(id);
     if (!companion.ok()) {
-      return absl::Status(companion.status().code(),
-                          absl::StrCat("companion \"", printable(name), "\": ", companion.status().message()));
+      return of_companion(name, companion.status());
     }
     files.companions.emplace(name, *std::move(companion));
   }

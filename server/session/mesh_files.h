@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/execution_context.h"
 #include "core/mesh_io/mesh_file.h"
 #include "server/session/mesh_store.h"
 
@@ -18,8 +19,10 @@ struct MeshFiles {
   std::shared_ptr<const Mesh> mesh;
   std::map<std::string, std::shared_ptr<const Mesh>> companions;  // by the name that the mesh gives them
 
-  /// The files as core takes them; valid as long as this.
-  MeshFile file() const;
+  /// The files as core takes them; valid as long as this. Brings their bytes in, see Mesh::open(), and its errors: for workers.
+  absl::StatusOr<MeshFile> file(const ExecutionContext& context = {}) const;
+  /// As of Mesh::status(), of all of them.
+  absl::Status status() const;
   /// Once they have been read: see MeshBytes::release_pages().
   void release_pages() const;
 };

@@ -3,6 +3,7 @@
 #include <absl/strings/str_cat.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "server/base/log.h"
@@ -19,16 +20,76 @@ constexpr std::size_t kMostParked = 16;
 }  // namespace
 
 MeshStore::MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes, std::string folder)
-    : max_bytes_(max_bytes), max_file_bytes_(max_file_bytes), folder_(std::move(folder)) {}
+    : MeshStore(max_bytes, max_file_bytes, std::move(folder), nullptr) {}
+
+MeshStore::MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes, std::string folder, std::unique_ptr<MeshFolder> kept)
+    : max_bytes_(max_bytes), max_file_bytes_(max_file_bytes), folder_(std::move(folder)), kept_(std::move(kept)) {
+  const MutexLock lock(mutex_);
+  look_into_folder();
+}
 
 absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find(const std::string& id) {
+  const absl::Status not_held =
+      absl::NotFoundError(absl::StrCat("mesh \"", printable(id), "\" is not held here; upload it first"));
   const MutexLock lock(mutex_);
-  const auto found = by_id_.find(id);
-  if (found == by_id_.end()) {
-    return absl::NotFoundError(absl::StrCat("mesh \"", printable(id), "\" is not held here; upload it first"));
+  auto found = by_id_.find(id);
+  if (found != by_id_.end() && !(*found->second)->status().ok()) {
+    if (kept_ != nullptr) kept_->remove(id);
+    drop(found->second);
+    return not_held;
   }
+  // Another server may have removed the file, or this one because it was damaged. Whoever uses it has it still.
+  if (kept_ != nullptr && found != by_id_.end() && found->second->use_count() == 1 && !kept_->holds(id)) {
+    drop(found->second);
+    return not_held;
+  }
+  if (kept_ != nullptr && found == by_id_.end()) {
+    absl::StatusOr<std::shared_ptr<const Mesh>> stored = kept_->find(id);
+    if (!stored.ok()) return not_held;
+    adopt(*std::move(stored));
+    found = by_id_.find(id);
+  }
+  if (found == by_id_.end()) return not_held;
+  if (kept_ != nullptr) kept_->touch(id);
   recency_.splice(recency_.begin(), recency_, found->second);
   return *found->second;
+}
+
+void MeshStore::adopt(std::shared_ptr<const Mesh> mesh) {
+  used_ += mesh->size() + kCharge;
+  const std::string id = mesh->id;
+  recency_.push_front(std::move(mesh));
+  by_id_[id] = recency_.begin();
+}
+
+MeshStore::Recency::iterator MeshStore::drop(Recency::iterator mesh) {
+  used_ -= (*mesh)->size() + kCharge;
+  by_id_.erase((*mesh)->id);
+  return recency_.erase(mesh);
+}
+
+void MeshStore::look_into_folder() {
+  if (kept_ == nullptr) return;
+  Recency stored;  // the most recently used first, as in the folder
+  for (const MeshFolder::Stored& file : kept_->list()) {
+    if (!by_id_.contains(file.id)) {
+      absl::StatusOr<std::shared_ptr<const Mesh>> mesh = kept_->find(file.id);
+      if (!mesh.ok()) continue;
+      adopt(*std::move(mesh));
+    }
+    stored.splice(stored.end(), recency_, by_id_.at(file.id));
+  }
+  // What is left has no file any more.
+  for (auto it = recency_.begin(); it != recency_.end();) it = it->use_count() > 1 ? std::next(it) : drop(it);
+  recency_.splice(recency_.end(), stored);
+}
+
+void MeshStore::run_housekeeping() {
+  const MutexLock lock(mutex_);
+  // As in reserve(): nobody else can come to use them meanwhile.
+  for (const auto& mesh : recency_) {
+    if (mesh.use_count() == 1) mesh->close();
+  }
 }
 
 std::uint64_t MeshStore::received(const std::string& id) {
@@ -73,6 +134,7 @@ absl::StatusOr<MeshPart> MeshStore::resume(const std::string& id, std::uint64_t 
 
 absl::Status MeshStore::reserve(std::uint64_t bytes) {
   const MutexLock lock(mutex_);
+  if (used_ + bytes > max_bytes_) look_into_folder();
   while (used_ + bytes > max_bytes_ && !parked_.empty()) {
     used_ -= parked_.back().reserved;
     parked_.pop_back();
@@ -81,9 +143,8 @@ absl::Status MeshStore::reserve(std::uint64_t bytes) {
   for (auto it = recency_.end(); used_ + bytes > max_bytes_ && it != recency_.begin();) {
     --it;
     if (it->use_count() > 1) continue;
-    used_ -= (*it)->size() + kCharge;
-    by_id_.erase((*it)->id);
-    it = recency_.erase(it);
+    if (kept_ != nullptr) kept_->remove((*it)->id);
+    it = drop(it);
   }
   if (used_ + bytes > max_bytes_) {
     return absl::ResourceExhaustedError(
@@ -101,15 +162,15 @@ void MeshStore::release(std::uint64_t bytes) {
 std::shared_ptr<const Mesh> MeshStore::keep(std::shared_ptr<const Mesh> mesh, std::uint64_t reserved) {
   const MutexLock lock(mutex_);
   used_ -= reserved;
-  const auto [found, is_new] = by_id_.try_emplace(mesh->id);
-  if (is_new) {
-    used_ += mesh->size() + kCharge;
-    recency_.push_front(std::move(mesh));
-    found->second = recency_.begin();
+  const auto found = by_id_.find(mesh->id);
+  const bool is_damaged = found != by_id_.end() && !(*found->second)->status().ok();
+  if (is_damaged) drop(found->second);
+  if (is_damaged || found == by_id_.end()) {
+    adopt(std::move(mesh));
   } else {
     recency_.splice(recency_.begin(), recency_, found->second);
   }
-  return *found->second;
+  return recency_.front();
 }
 
 MeshUpload::~MeshUpload() {
@@ -140,8 +201,14 @@ absl::Status MeshUpload::begin(std::string_view name, std::uint64_t size, std::s
   }
   if (absl::Status status = store_.reserve(kCharge); !status.ok()) return status;
   part_.reserved = kCharge;
-  // Where the folder is gone or its disk full, there may be memory.
-  if (!store_.folder_.empty()) part_.data.open_in(store_.folder_).IgnoreError();
+  if (store_.kept_ != nullptr) {
+    absl::StatusOr<AtomicFile> file = store_.kept_->create();
+    if (!file.ok()) return file.status();
+    part_.data.open(*std::move(file));
+  } else if (!store_.folder_.empty()) {
+    // Where the folder is gone or its disk full, there may be memory.
+    part_.data.open_in(store_.folder_).IgnoreError();
+  }
   part_.name = name;
   part_.expected_id = expected_id;
   part_.claimed = size;
@@ -184,10 +251,17 @@ absl::StatusOr<std::shared_ptr<const Mesh>> MeshUpload::finish() {
     return absl::InvalidArgumentError(absl::StrCat("the bytes received hash to ", id, ", not to header.mesh_id \"",
                                                    printable(part_.expected_id), "\"; send the file again"));
   }
+  if (store_.kept_ != nullptr) {
+    is_sound_ = false;  // what cannot be stored is not to be gone on with
+    auto stored = store_.kept_->store(part_.data.take_file(), id, part_.name, part_.claimed);
+    if (!stored.ok()) return stored.status();
+    const MeshPart done = std::exchange(part_, MeshPart());
+    return store_.keep(*std::move(stored), done.reserved);
+  }
   absl::StatusOr<MeshBytes> data = part_.data.finish();
   if (!data.ok()) return data.status();
   MeshPart done = std::exchange(part_, MeshPart());
-  return store_.keep(std::make_shared<const Mesh>(Mesh{id, std::move(done.name), *std::move(data)}), done.reserved);
+  return store_.keep(std::make_shared<const Mesh>(id, std::move(done.name), *std::move(data)), done.reserved);
 }
 
 }  // namespace curvecast::server

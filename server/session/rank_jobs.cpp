@@ -41,6 +41,7 @@ absl::StatusOr<bool> grow(const Session& session, const Demands<RankDemand>& dem
     seconds += watch.lap();
     if (seconds > kSliceSeconds && static_cast<double>(lacking.points) > kGoodDeal * static_cast<double>(points_before)) break;
   }
+  if (absl::Status status = session.status(); !status.ok()) return status;
   return ranked->tree->points() != tree_before;
 }
 

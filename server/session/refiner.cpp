@@ -77,7 +77,9 @@ absl::StatusOr<RefinedCurve> Refiner::refine_once(const Session& session, const 
       options.max_points = std::max(options.max_points, demand.points);
     }
   }
-  return refine(**base, *curve, all, options, {.cancel = &cancel, .threads = 1});
+  absl::StatusOr<RefinedCurve> refined = refine(**base, *curve, all, options, {.cancel = &cancel, .threads = 1});
+  if (absl::Status status = session.status(); !status.ok()) return status;
+  return refined;
 }
 
 std::uint64_t Refiner::affordable_vertices(const SurfaceCurve& curve) const {

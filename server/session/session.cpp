@@ -36,6 +36,13 @@ absl::StatusOr<RankedCurve> Session::ranks(const ExecutionContext& context) cons
                           context);
 }
 
+absl::Status Session::status() const {
+  for (const auto& file : files) {
+    if (absl::Status status = file->status(); !status.ok()) return status;
+  }
+  return surface->status();
+}
+
 std::uint64_t Session::memory_bytes() const {
   const std::shared_ptr<const SurfaceCurve> first = revisions->first(), newest = curve();
   return newest->byte_size() + (first != newest ? first->byte_size() : 0) + candidates->byte_size() + surface->byte_size();

@@ -7,8 +7,10 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/pipeline/pipeline.h"
+#include "core/storage/section_file.h"
 #include "server/session/curve_revisions.h"
 #include "server/session/mesh_files.h"
 #include "server/session/ranked_candidates.h"
@@ -31,8 +33,9 @@ struct Session {
   std::shared_ptr<RankedCandidates> candidates = std::make_shared<RankedCandidates>();  // made when they are first asked for
   std::shared_ptr<Refinement> refinement = std::make_shared<Refinement>();
   std::shared_ptr<SessionSurface> surface = std::make_shared<SessionSurface>();
-  bool is_preview = false;       // a coarse stand-in, until the session is ready
-  std::uint64_t peak_bytes = 0;  // the process's peak memory when the session became ready
+  std::vector<std::shared_ptr<const SectionFile>> files = {};  // in which revisions of its curve lie
+  bool is_preview = false;                                     // a coarse stand-in, until the session is ready
+  std::uint64_t peak_bytes = 0;                                // the process's peak memory when the session became ready
 
   /// The newest revision of the curve. Each answer takes it once, so that all of it is of one revision.
   std::shared_ptr<const SurfaceCurve> curve() const { return revisions->newest(); }
@@ -44,6 +47,9 @@ struct Session {
   /// The ranked candidates that there are by now, on the first revision of the curve; at least those of the lowest ranks. Errors
   /// as of curve_base() and RankGrower::make().
   absl::StatusOr<RankedCurve> ranks(const ExecutionContext& context) const;
+  /// OK, or DataLoss where some of the files is gone in which curve and surface lie, or damaged: to be asked before what came of
+  /// them is used. Takes microseconds.
+  absl::Status status() const;
   /// Bytes of the curve's revisions, the ranked candidates, and the surface where it is in memory.
   std::uint64_t memory_bytes() const;
 };

@@ -1,21 +1,13 @@
 #include "server/session/session_cache.h"
 
-#include <absl/strings/ascii.h>
-#include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
-#include <fcntl.h>
 #include <malloc.h>
 #include <spdlog/logger.h>
-#include <sys/stat.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "core/base/stopwatch.h"
 #include "core/storage/atomic_file.h"
@@ -30,77 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxPendingSaves = 16;
 constexpr std::size_t kMaxPendingLoads = 1024;
-constexpr std::size_t kIdDigits = 32;
-constexpr char kMark[] = ".closed";
-constexpr std::chrono::hours kMarkLife{24};
-
-/// Nothing else may become part of a path: ids come from clients.
-bool is_session_id(const std::string& id) {
-  return id.size() == kIdDigits && std::all_of(id.begin(), id.end(), [](char c) {
-           return absl::ascii_isdigit(static_cast<unsigned char>(c)) || (c >= 'a' && c <= 'f');
-         });
-}
-
-bool is_file(const std::string& path) {
-  struct stat status = {};
-  return ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
-}
-
-/// A session's files, of any version.
-struct Stored {
-  std::vector<std::string> paths;
-  std::uint64_t bytes = 0;
-  std::int64_t last_used = 0;  // nanoseconds: loading a session touches its file
-};
-
-std::map<std::string, Stored> scan(const std::string& folder) {
-  std::map<std::string, Stored> sessions;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    const std::string id = name.substr(0, kIdDigits);
-    const bool is_ours = is_session_id(id) && (absl::EndsWith(name, ".curve") || absl::EndsWith(name, ".refined") ||
-                                               absl::EndsWith(name, ".ranks") || absl::EndsWith(name, ".surface"));
-    struct stat status = {};
-    if (!is_ours || ::lstat(it->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
-    Stored& stored = sessions[id];
-    stored.paths.push_back(it->path().string());
-    stored.bytes += static_cast<std::uint64_t>(status.st_size);
-    stored.last_used = std::max<std::int64_t>(stored.last_used, status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec);
-  }
-  return sessions;
-}
-
-/// Removes the marks of sessions that were closed so long ago that no server has them in memory.
-void remove_old_marks(const std::string& folder) {
-  const fs::file_time_type oldest = fs::file_time_type::clock::now() - kMarkLife;
-  std::error_code error, ignored;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    const bool is_mark = is_session_id(name.substr(0, kIdDigits)) && name.substr(kIdDigits) == kMark;
-    if (is_mark && fs::last_write_time(it->path(), ignored) < oldest) fs::remove(it->path(), ignored);
-  }
-}
-
-/// The folder's absolute path; it exists and can be written to.
-absl::StatusOr<std::string> make_folder(const std::string& folder) {
-  const auto unusable = [&](const std::string& why) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("the cache folder ", folder, " cannot be used: ", why, "; choose another one or make it writable"));
-  };
-  std::error_code error;
-  const fs::path path = fs::absolute(folder, error).lexically_normal();
-  const fs::path wanted = path.has_filename() ? path : path.parent_path();
-  fs::create_directories(wanted.parent_path(), error);
-  if (error) return unusable(error.message());
-  if (::mkdir(wanted.c_str(), 0700) != 0 && errno != EEXIST) return unusable(std::system_category().message(errno));
-  if (!fs::is_directory(wanted, error)) return unusable("it is not a folder");
-  const absl::Status writable = AtomicFile::create((wanted / "probe").string()).status();
-  if (!writable.ok()) return unusable(std::string(writable.message()));
-  return wanted.string();
-}
+constexpr std::chrono::seconds kLookInterval{5};
 
 absl::Status check_faces(const SurfaceCurve& curve, std::uint64_t faces, const std::string& path) {
   if (*std::max_element(curve.triangle.begin(), curve.triangle.end()) < faces) return absl::OkStatus();
@@ -120,6 +43,7 @@ absl::StatusOr<std::shared_ptr<Session>> to_session(CurveFile file, const std::s
   if (absl::Status status = check_faces(*file.curve, (*session)->preprocessed.report.mesh.faces, path); !status.ok())
     return status;
   (*session)->revisions->publish(std::move(file.curve));
+  (*session)->files.push_back(std::move(file.file));
   (*session)->peak_bytes = peak_memory_bytes();
   return session;
 }
@@ -128,23 +52,15 @@ absl::StatusOr<std::shared_ptr<Session>> to_session(CurveFile file, const std::s
 
 absl::StatusOr<std::unique_ptr<SessionCache>> SessionCache::open(const std::string& folder, std::uint64_t max_bytes,
                                                                  std::shared_ptr<spdlog::logger> log) {
-  const absl::StatusOr<std::string> path = make_folder(folder);
+  const absl::StatusOr<std::string> path = make_cache_folder(folder);
   if (!path.ok()) return path.status();
   const std::size_t stale = remove_stale_temporaries(*path);
-  remove_old_marks(*path);
   std::unique_ptr<SessionCache> cache(new SessionCache(*path, max_bytes, std::move(log)));
-  std::size_t sessions = 0, foreign = 0;
-  std::uint64_t bytes = 0;
-  for (const auto& [id, stored] : scan(*path)) {
-    const auto ours = cache->paths(id);
-    for (const std::string& file : stored.paths) {
-      sessions += file == cache->curve_path(id);
-      foreign += std::ranges::find(ours, file) == ours.end();
-    }
-    bytes += stored.bytes;
-  }
+  cache->folder_.remove_old_marks();
+  const CacheFolder::Contents contents = cache->folder_.contents();
+  cache->used_bytes_ = contents.bytes;
   cache->log_->info("cache {}: {} sessions, {} MiB of {} MiB; {} files of other versions ignored, {} unfinished ones removed",
-                    *path, sessions, bytes >> 20, max_bytes >> 20, foreign, stale);
+                    *path, contents.sessions, contents.bytes >> 20, max_bytes >> 20, contents.foreign, stale);
   return cache;
 }
 
@@ -153,46 +69,25 @@ SessionCache::SessionCache(std::string folder, std::uint64_t max_bytes, std::sha
       max_bytes_(max_bytes),
       log_(std::move(log)),
       loading_({.max_waiting = kMaxPendingLoads}),
-      saving_queue_({.max_waiting = kMaxPendingSaves}) {}
+      saves_({.save = [this](const Session& session) { return write_and_move(session); },
+              .undo = [this](const std::string& id) { folder_.remove_files(id); },
+              .on_tried = [this](const std::string& id, const absl::Status& status,
+                                 bool is_lost) { note_saved(id, status, is_lost); }}) {}
 
 SessionCache::~SessionCache() { stop(); }
 
 void SessionCache::stop() {
   loading_.stop();
-  saving_queue_.stop();
-}
-
-std::string SessionCache::curve_path(const std::string& id) const {
-  return absl::StrCat(folder_, "/", id, ".v", kCurveFileVersion, ".curve");
-}
-
-std::string SessionCache::refined_path(const std::string& id) const {
-  return absl::StrCat(folder_, "/", id, ".v", kCurveFileVersion, ".refined");
-}
-
-std::string SessionCache::ranks_path(const std::string& id) const {
-  return absl::StrCat(folder_, "/", id, ".v", kRankFileVersion, ".ranks");
-}
-
-std::string SessionCache::surface_path(const std::string& id) const {
-  return absl::StrCat(folder_, "/", id, ".v", kSurfaceFileVersion, ".surface");
-}
-
-std::string SessionCache::closed_path(const std::string& id) const { return absl::StrCat(folder_, "/", id, kMark); }
-
-std::array<std::string, 4> SessionCache::paths(const std::string& id) const {
-  return {curve_path(id), refined_path(id), ranks_path(id), surface_path(id)};
+  saves_.stop();
 }
 
 bool SessionCache::holds(const std::string& id) const {
-  if (!is_session_id(id)) return false;
-  const MutexLock lock(mutex_);
-  return !is_going(id) && is_file(curve_path(id)) && !is_closed(id);
+  return is_content_id(id) && is_file(folder_.curve_path(id)) && !saves_.is_withdrawn(id) && !is_closed(id);
 }
 
 absl::StatusOr<std::string> SessionCache::owner(const std::string& id) const {
   if (!holds(id)) return absl::NotFoundError("it is not in the cache");
-  const std::string path = curve_path(id);
+  const std::string path = folder_.curve_path(id);
   const absl::StatusOr<std::string> note = load_note(path);
   const absl::StatusOr<std::shared_ptr<Session>> session = note.ok() ? read_record(*note, id, path) : note.status();
   if (session.ok()) return (*session)->owner;
@@ -200,45 +95,20 @@ absl::StatusOr<std::string> SessionCache::owner(const std::string& id) const {
   return is_file(path) ? session.status() : absl::NotFoundError("it is not in the cache any more");
 }
 
-void SessionCache::touch(const std::string& id) const { ::utimensat(AT_FDCWD, curve_path(id).c_str(), nullptr, 0); }
-
-bool SessionCache::is_closed(const std::string& id) const { return is_session_id(id) && is_file(closed_path(id)); }
-
-void SessionCache::reopen(const std::string& id) const {
-  std::error_code ignored;
-  fs::remove(closed_path(id), ignored);
-}
-
-void SessionCache::wait_until_removed(const std::string& id) {
-  const MutexLock lock(mutex_);
-  while (is_going(id)) saved_.wait(mutex_);
-}
-
-absl::Status SessionCache::check_wanted(const std::string& id) const {
-  const MutexLock lock(mutex_);
-  return is_going(id) || is_closed(id) ? absl::CancelledError("it was closed") : absl::OkStatus();
-}
-
-bool SessionCache::is_going(const std::string& id) const { return saving_ == id && unwanted_; }
-
-bool SessionCache::remove_files(const std::string& id) const {
-  std::error_code ignored;
-  const bool removed = fs::remove(curve_path(id), ignored);
-  for (const std::string& path : paths(id)) fs::remove(path, ignored);
-  return removed;
-}
-
 bool SessionCache::remove(const std::string& id) {
-  if (!is_session_id(id)) return false;
-  const MutexLock lock(mutex_);
-  const bool was_gone = is_going(id);
-  const bool was_pending = pending_.erase(id) > 0;
-  const bool was_there = was_pending || saving_ == id || is_file(curve_path(id));
-  if (saving_ == id) unwanted_ = true;
+  if (!is_content_id(id)) return false;
+  const SaveQueue::Found found = saves_.withdraw(id);
+  const bool is_there = is_file(folder_.curve_path(id));
   // First the mark: what another server writes meanwhile does not count, and goes.
-  if (was_there) std::ofstream(closed_path(id), std::ios::app);
-  remove_files(id);
-  return was_pending || (was_there && !was_gone);
+  if (found != SaveQueue::Found::kNothing || is_there) folder_.mark_closed(id);
+  folder_.remove_files(id);
+  if (found == SaveQueue::Found::kNothing) return is_there;
+  return found != SaveQueue::Found::kWithdrawn;
+}
+
+void SessionCache::remove_damaged(const std::string& id) {
+  saves_.withdraw(id);
+  folder_.remove_files(id);
 }
 
 void SessionCache::discard(const std::string& path, const absl::Status& reason) const {
@@ -251,29 +121,34 @@ void SessionCache::discard(const std::string& path, const absl::Status& reason) 
 
 absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::string& id) {
   if (!holds(id)) return absl::NotFoundError("it is not in the cache");
-  const std::string path = curve_path(id);
-  auto session = status_from_exceptions([&]() -> absl::StatusOr<std::shared_ptr<const Session>> {
-    absl::StatusOr<CurveFile> file = load_curve(path);
-    if (!file.ok()) return file.status();
-    absl::StatusOr<std::shared_ptr<Session>> loaded = to_session(*std::move(file), id, path);
-    if (!loaded.ok()) return loaded.status();
-    (*loaded)->surface = std::make_shared<SessionSurface>([this, id](const ExecutionContext&) { return open_surface(id); });
-    // Now, when the session can still be made anew: it is only mapped.
-    if (absl::Status status = (*loaded)->curve_base().status(); !status.ok()) return status;
-    load_ranks(**loaded);
-    load_refined(**loaded);
-    return *std::move(loaded);
-  });
+  auto session = status_from_exceptions([&] { return read(id); });
+  loads_.add(session.ok());
   if (session.ok()) {
     touch(id);
   } else {
-    discard(path, session.status());
+    discard(folder_.curve_path(id), session.status());
   }
   return session;
 }
 
-void SessionCache::load_refined(const Session& session) {
-  const std::string path = refined_path(session.id);
+absl::StatusOr<std::shared_ptr<const Session>> SessionCache::read(const std::string& id) {
+  const std::string path = folder_.curve_path(id);
+  absl::StatusOr<CurveFile> file = load_curve(path);
+  if (!file.ok()) return file.status();
+  absl::StatusOr<std::shared_ptr<Session>> loaded = to_session(*std::move(file), id, path);
+  if (!loaded.ok()) return loaded.status();
+  Session& session = **loaded;
+  session.surface = std::make_shared<SessionSurface>([this, id](const ExecutionContext&) { return open_surface(id); });
+  // Now, when the session can still be made anew: it is only mapped.
+  if (absl::Status status = session.curve_base().status(); !status.ok()) return status;
+  load_ranks(session);
+  load_refined(session);
+  if (absl::Status status = session.status(); !status.ok()) return status;
+  return *std::move(loaded);
+}
+
+void SessionCache::load_refined(Session& session) {
+  const std::string path = folder_.refined_path(session.id);
   if (!is_file(path)) return;
   absl::StatusOr<CurveFile> file = load_curve(path);
   absl::Status status = file.status();
@@ -281,13 +156,14 @@ void SessionCache::load_refined(const Session& session) {
   if (status.ok()) status = check_faces(*file->curve, session.preprocessed.report.mesh.faces, path);
   if (status.ok()) {
     session.revisions->publish(std::move(file->curve));
+    session.files.push_back(std::move(file->file));
   } else {
     discard(path, status);
   }
 }
 
 void SessionCache::load_ranks(const Session& session) {
-  const std::string path = ranks_path(session.id);
+  const std::string path = folder_.ranks_path(session.id);
   if (!is_file(path)) return;
   const std::shared_ptr<const SurfaceCurve> curve = session.revisions->first();
   absl::StatusOr<RankFile> file = curvecast::load_ranks(path, *curve, session.preprocessed.report.mesh.faces, session.id);
@@ -297,130 +173,132 @@ void SessionCache::load_ranks(const Session& session) {
 }
 
 void SessionCache::discard_surface(const std::string& id, const absl::Status& reason) const {
-  discard(surface_path(id), reason);
-  if (!is_file(surface_path(id))) remove_files(id);  // without it the curve is of no use
+  discard(folder_.surface_path(id), reason);
+  if (!is_file(folder_.surface_path(id))) folder_.remove_files(id);  // without it the curve is of no use
 }
 
 absl::StatusOr<std::shared_ptr<const CurveBase>> SessionCache::open_surface(const std::string& id) {
-  if (!is_session_id(id)) return absl::NotFoundError("it is not in the cache");
+  if (!is_content_id(id)) return absl::NotFoundError("it is not in the cache");
   auto surface = status_from_exceptions([&] {
-    return curvecast::open_surface(surface_path(id), id, [this, id](const absl::Status& status) { discard_surface(id, status); });
+    return curvecast::open_surface(folder_.surface_path(id), id,
+                                   [this, id](const absl::Status& status) { discard_surface(id, status); });
   });
   if (!surface.ok()) discard_surface(id, surface.status());
   return surface;
 }
 
 void SessionCache::save(const Session& session) {
-  Snapshot snapshot = {session.revisions->first(), session.curve(), session.surface, session.candidates, record_of(session)};
-  const std::string& id = session.id;
-  absl::Status status;
-  const MutexLock lock(mutex_);
-  if (snapshot.first->byte_size() > max_bytes_) {
-    status = absl::ResourceExhaustedError("it alone is larger than the cache may be");
-  } else if (const auto [waiting, is_new] = pending_.insert_or_assign(id, std::move(snapshot)); is_new) {
-    status = saving_queue_.submit([this, id] { save_next(id); }).status();
-    if (!status.ok()) pending_.erase(waiting);
+  if (session.revisions->first()->byte_size() > max_bytes_) {
+    note_failure(session.id, "it alone is larger than the cache may be", false);
+  } else {
+    saves_.put(session);
   }
-  if (!status.ok()) note_failure(id, status);
 }
 
-void SessionCache::note_failure(const std::string& id, const absl::Status& status) {
-  if (!std::exchange(failing_, true)) log_->error("session {} is not cached: {}", id, std::string(status.message()));
+absl::Status SessionCache::check_wanted(const std::string& id) const {
+  return saves_.is_withdrawn(id) || is_closed(id) ? absl::CancelledError("it was closed") : absl::OkStatus();
 }
 
-void SessionCache::save_next(const std::string& id) {
-  Snapshot snapshot;
-  {
-    const MutexLock lock(mutex_);
-    auto node = pending_.extract(id);
-    if (node.empty()) return;  // removed meanwhile
-    snapshot = std::move(node.mapped());
-    saving_ = id;
-    unwanted_ = false;
-  }
+absl::Status SessionCache::write_and_move(const Session& session) {
   Stopwatch watch;
-  const absl::Status status = status_from_exceptions([&] { return write(id, snapshot); });
+  absl::Status status = status_from_exceptions([&] { return write(session); });
   const double seconds = watch.lap();
-  if (status.ok() && check_wanted(id).ok()) move_to_file(id, snapshot);
-  {
-    const MutexLock lock(mutex_);
-    saving_.clear();
-    if (unwanted_ || is_closed(id)) {
-      remove_files(id);
-    } else if (status.ok()) {
-      failing_ = false;
-      log_->info("session {} cached in {:.3f} s: revision {}", id, seconds, snapshot.newest->revision);
-    } else {
-      note_failure(id, status);
-    }
-    saved_.notify_all();
+  if (status.ok()) status = check_wanted(session.id);
+  if (status.ok()) {
+    move_to_file(session);
+    log_->info("session {} cached in {:.3f} s: revision {}", session.id, seconds, session.curve()->revision);
+  }
+  if (is_closed(session.id)) {
+    folder_.remove_files(session.id);
+    status = absl::CancelledError("it was closed");
   }
   make_room();
+  return status;
 }
 
-/// The surface in memory makes way for the file: the same, to the bit.
-void SessionCache::move_to_file(const std::string& id, const Snapshot& snapshot) {
-  if (snapshot.surface->byte_size() == 0) return;
+void SessionCache::move_to_file(const Session& session) {
+  if (session.surface->byte_size() == 0) return;
   absl::Status status = status_from_exceptions([&] {
-    absl::StatusOr<std::shared_ptr<const CurveBase>> base = open_surface(id);
+    absl::StatusOr<std::shared_ptr<const CurveBase>> base = open_surface(session.id);
     if (!base.ok()) return base.status();
-    snapshot.surface->move_to(*std::move(base));
-    return snapshot.candidates->move_to([&] { return snapshot.surface->leaves(snapshot.first); });
+    // The same, to the bit.
+    session.surface->move_to(*std::move(base));
+    return session.candidates->move_to([&] { return session.surface->leaves(session.revisions->first()); });
   });
   // The surface lay in many pieces, each too small for the allocator to hand it back at once.
   if (status.ok()) ::malloc_trim(0);
-  if (!status.ok()) log_->warn("cache: session {} stays in memory: {}", id, std::string(status.message()));
+  if (!status.ok()) log_->warn("cache: session {} stays in memory: {}", session.id, std::string(status.message()));
 }
 
-absl::Status SessionCache::write(const std::string& id, const Snapshot& snapshot) const {
+absl::Status SessionCache::write(const Session& session) const {
+  const std::string& id = session.id;
+  const std::shared_ptr<const SurfaceCurve> first = session.revisions->first(), newest = session.curve();
   if (absl::Status status = check_wanted(id); !status.ok()) return status;
   // The first curve's file comes after the surface's: where it is, the other one is too. A revision has a new curve on the old
   // surface; the first one stays, since ranked points lie on it.
-  if (!is_file(surface_path(id))) {
-    const absl::StatusOr<std::shared_ptr<const CurveBase>> base = snapshot.surface->base();
+  if (!is_file(folder_.surface_path(id))) {
+    const absl::StatusOr<std::shared_ptr<const CurveBase>> base = session.surface->base();
     if (!base.ok()) return base.status();
-    if (absl::Status status = save_surface(surface_path(id), **base, id); !status.ok()) return status;
+    if (absl::Status status = save_surface(folder_.surface_path(id), **base, id); !status.ok()) return status;
   }
   if (absl::Status status = check_wanted(id); !status.ok()) return status;
-  if (!is_file(curve_path(id))) {
-    if (absl::Status status = save_curve(curve_path(id), *snapshot.first, snapshot.record); !status.ok()) {
-      remove_files(id);
+  if (!is_file(folder_.curve_path(id))) {
+    if (absl::Status status = save_curve(folder_.curve_path(id), *first, record_of(session)); !status.ok()) {
+      folder_.remove_files(id);
       return status;
     }
   }
   // Those of the lowest ranks, which first views show: the surface's file is read only when views come nearer.
   if (absl::Status status = check_wanted(id); !status.ok()) return status;
-  if (const auto ranks = snapshot.candidates->made(); ranks.tree != nullptr && !is_file(ranks_path(id))) {
-    absl::Status status = save_ranks(ranks_path(id), *ranks.tree, RankedCandidates::kMostLevelsAtFirst, id);
+  if (const auto ranks = session.candidates->made(); ranks.tree != nullptr && !is_file(folder_.ranks_path(id))) {
+    absl::Status status = save_ranks(folder_.ranks_path(id), *ranks.tree, RankedCandidates::kMostLevelsAtFirst, id);
     if (!status.ok()) return status;
   }
-  if (snapshot.newest == snapshot.first) return absl::OkStatus();
-  if (absl::Status status = check_wanted(id); !status.ok()) return status;
-  return save_curve(refined_path(id), *snapshot.newest, id);
+  if (newest != first) {
+    if (absl::Status status = check_wanted(id); !status.ok()) return status;
+    if (absl::Status status = save_curve(folder_.refined_path(id), *newest, id); !status.ok()) return status;
+  }
+  // What was written may have been taken from files that are gone.
+  absl::Status status = session.status();
+  if (!status.ok()) folder_.remove_files(id);
+  return status;
 }
 
-std::uint64_t SessionCache::used_bytes() const {
-  std::uint64_t bytes = 0;
-  for (const auto& [id, stored] : scan(folder_)) bytes += stored.bytes;
-  return bytes;
+void SessionCache::note_saved(const std::string& id, const absl::Status& status, bool is_lost) {
+  if (absl::IsCancelled(status)) return;
+  saves_tried_.add(status.ok());
+  if (status.ok()) {
+    failing_ = false;
+  } else {
+    note_failure(id, std::string(status.message()), !is_lost);
+  }
 }
 
-void SessionCache::make_room() const {
-  std::map<std::string, Stored> sessions = scan(folder_);
-  std::uint64_t used = 0;
-  std::vector<const std::pair<const std::string, Stored>*> by_age;
-  for (const auto& entry : sessions) {
-    used += entry.second.bytes;
-    by_age.push_back(&entry);
+void SessionCache::note_failure(const std::string& id, const std::string& reason, bool is_tried_again) {
+  if (failing_.exchange(true)) return;
+  log_->error("session {} is not cached: {}{}", id, reason, is_tried_again ? "; trying again" : "");
+}
+
+void SessionCache::make_room() {
+  used_bytes_ = folder_.make_room(max_bytes_, [this](const std::string& id) {
+    log_->info("session {} removed from the cache: the least recently used", id);
+  });
+}
+
+void SessionCache::refresh_used_bytes(std::chrono::steady_clock::time_point now) {
+  {
+    const MutexLock lock(look_mutex_);
+    if (now - looked_at_ < kLookInterval) return;
+    looked_at_ = now;
   }
-  std::sort(by_age.begin(), by_age.end(), [](const auto* a, const auto* b) { return a->second.last_used < b->second.last_used; });
-  for (const auto* entry : by_age) {
-    if (used <= max_bytes_) return;
-    std::error_code ignored;
-    for (const std::string& path : entry->second.paths) fs::remove(path, ignored);
-    used -= entry->second.bytes;
-    log_->info("session {} removed from the cache: the least recently used", entry->first);
-  }
+  used_bytes_ = folder_.contents().bytes;
+}
+
+std::map<std::pair<std::string, std::string>, std::uint64_t> SessionCache::operations() const {
+  const auto [removed, not_removed] = folder_.removals();
+  return {{{"load", "ok"}, loads_.ok},       {{"load", "error"}, loads_.error},
+          {{"save", "ok"}, saves_tried_.ok}, {{"save", "error"}, saves_tried_.error},
+          {{"remove", "ok"}, removed},       {{"remove", "error"}, not_removed}};
 }
 
 }  // namespace curvecast::server

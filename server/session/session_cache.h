@@ -1,18 +1,20 @@
-// The folder in which sessions survive the server: for each a file with the first revision of its curve and what the session is,
-// one with what refining the curve starts from, one with the points that first views show, and where the curve was refined, one
-// with the newest revision.
+// Sessions that survive the server, in a folder: see CacheFolder.
 #pragma once
 
 #include <absl/status/statusor.h>
 
-#include <array>
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "core/base/mutex.h"
 #include "server/base/job_queue.h"
+#include "server/session/cache_folder.h"
+#include "server/session/save_queue.h"
 #include "server/session/session.h"
 
 namespace spdlog {
@@ -32,10 +34,16 @@ class SessionCache {
                                                             std::shared_ptr<spdlog::logger> log);
   ~SessionCache();  // stop()
 
-  /// Saves the session as it is now in the background, replacing what was saved of it before; then its surface is taken from the
-  /// file, and what it took in memory is free. When it cannot, because the disk is full or too many saves wait, the log says so
-  /// (once until it works again), and the session is just not cached.
+  /// Saves the session in the background, replacing what was saved of it before; then its surface is taken from the file, and
+  /// what it took in memory is free. When it cannot, because the disk is full, say, the log says so (once until it works again),
+  /// and it is tried again after seconds, until it is saved or removed. What alone is too large for the cache is just not cached.
   void save(const Session& session);
+  /// Whether a session waits to be saved, or is being saved.
+  bool is_unsaved(const std::string& id) const { return saves_.has(id); }
+  /// How many do.
+  std::size_t unsaved() const { return saves_.size(); }
+  /// A session has had to leave the memory: where a try to save it has failed, it is given up.
+  void let_go(const std::string& id) { saves_.let_go(id); }
   /// Whether there is a file from which a session can be loaded, unless it turns out to be damaged. Takes microseconds.
   bool holds(const std::string& id) const;
   /// Loads a session. NotFound when there is none; DataLoss, FailedPrecondition and so on for files that cannot be used. The log
@@ -48,69 +56,66 @@ class SessionCache {
   /// tell now.
   absl::StatusOr<std::string> owner(const std::string& id) const;
   /// Counts a session as used now: the least recently used go first when there is no room.
-  void touch(const std::string& id) const;
+  void touch(const std::string& id) const { touch_file(folder_.curve_path(id)); }
   /// Removes a session's files, also those still to be saved, and marks it as closed for a day: no server that has it in memory
   /// writes it back. False when there were none.
   bool remove(const std::string& id);
+  /// Removes the files of a session that turned out to be damaged while it was in use; it may be made anew.
+  void remove_damaged(const std::string& id);
   /// Waits until a save is over that was under way when the session was removed: only then all its files are gone.
-  void wait_until_removed(const std::string& id);
+  void wait_until_removed(const std::string& id) { saves_.wait_until_undone(id); }
   /// Whether some server has removed the session, and nobody has asked for it since.
-  bool is_closed(const std::string& id) const;
+  bool is_closed(const std::string& id) const { return folder_.is_closed(id); }
   /// Lets a session be saved that was removed before: somebody asks for it anew.
-  void reopen(const std::string& id) const;
-  /// Bytes of all files of sessions in the folder, whichever process wrote them. Looks at each.
-  std::uint64_t used_bytes() const;
+  void reopen(const std::string& id) const { folder_.remove_mark(id); }
 
-  const std::string& folder() const { return folder_; }
+  /// Bytes of all files of sessions in the folder, whichever process wrote them, as they were when somebody last looked.
+  std::uint64_t used_bytes() const { return used_bytes_; }
+  /// Looks at each, if the last look is some seconds ago.
+  void refresh_used_bytes(std::chrono::steady_clock::time_point now) ABSL_LOCKS_EXCLUDED(look_mutex_);
+  /// How often each operation ended so: "load", "save", "remove"; "ok", "error".
+  std::map<std::pair<std::string, std::string>, std::uint64_t> operations() const;
+
+  const std::string& folder() const { return folder_.path(); }
   /// The queue on which those load who must not wait. Apart from the one that saves, which waits for the disk.
   JobQueue& loading() { return loading_; }
-  /// Finishes the loads and saves that have been accepted, and refuses later ones.
+  /// Finishes the loads that have been accepted, tries each save once more, and refuses later ones.
   void stop();
 
  private:
-  /// What is saved of a session: shares its arrays, but does not keep it from being evicted.
-  struct Snapshot {
-    std::shared_ptr<const SurfaceCurve> first, newest;  // revisions of the curve; may be the same
-    std::shared_ptr<SessionSurface> surface;
-    std::shared_ptr<RankedCandidates> candidates;
-    std::string record;  // what the session is besides
+  struct Count {
+    std::atomic<std::uint64_t> ok = 0, error = 0;
+    void add(bool is_ok) { ++(is_ok ? ok : error); }
   };
 
   SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log);
-  std::string curve_path(const std::string& id) const;
-  std::string refined_path(const std::string& id) const;
-  std::string surface_path(const std::string& id) const;
-  std::string ranks_path(const std::string& id) const;
-  std::string closed_path(const std::string& id) const;
-  /// All of these but the last.
-  std::array<std::string, 4> paths(const std::string& id) const;
-  /// Whether a session's files are being written, and are to be removed then.
-  bool is_going(const std::string& id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  bool remove_files(const std::string& id) const;
+  absl::StatusOr<std::shared_ptr<const Session>> read(const std::string& id);
   /// Takes up the points that first views show, if they are there.
   void load_ranks(const Session& session);
   /// Takes up the newest revision of a session's curve, if it is there.
-  void load_refined(const Session& session);
+  void load_refined(Session& session);
   void discard(const std::string& path, const absl::Status& reason) const;
   void discard_surface(const std::string& id, const absl::Status& reason) const;
-  void move_to_file(const std::string& id, const Snapshot& snapshot);
-  void save_next(const std::string& id);
-  absl::Status write(const std::string& id, const Snapshot& snapshot) const;
+  /// The surface in memory makes way for the file.
+  void move_to_file(const Session& session);
+  absl::Status write_and_move(const Session& session);
+  absl::Status write(const Session& session) const;
   /// Cancelled where the session that is being saved has been removed meanwhile.
   absl::Status check_wanted(const std::string& id) const;
-  void make_room() const;
-  void note_failure(const std::string& id, const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void make_room();
+  void note_saved(const std::string& id, const absl::Status& status, bool is_lost);
+  void note_failure(const std::string& id, const std::string& reason, bool is_tried_again);
 
-  const std::string folder_;
+  const CacheFolder folder_;
   const std::uint64_t max_bytes_;
   const std::shared_ptr<spdlog::logger> log_;
-  mutable Mutex mutex_;
-  CondVar saved_;
-  std::map<std::string, Snapshot> pending_ ABSL_GUARDED_BY(mutex_);  // by session, the newest state of each
-  std::string saving_ ABSL_GUARDED_BY(mutex_);                       // session that is being written
-  bool unwanted_ ABSL_GUARDED_BY(mutex_) = false;  // saving_ has been removed meanwhile: its files go when they are written
-  bool failing_ ABSL_GUARDED_BY(mutex_) = false;   // the last save failed, and the log says so
-  JobQueue loading_, saving_queue_;                // last: their jobs use all of the above
+  std::atomic<bool> failing_ = false;  // the last save failed, and the log says so
+  std::atomic<std::uint64_t> used_bytes_ = 0;
+  Mutex look_mutex_;
+  std::chrono::steady_clock::time_point looked_at_ ABSL_GUARDED_BY(look_mutex_) = {};
+  mutable Count loads_, saves_tried_;
+  JobQueue loading_;
+  SaveQueue saves_;  // last: it and the other queue use all of the above
 };
 
 }  // namespace curvecast::server

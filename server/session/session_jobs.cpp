@@ -125,8 +125,13 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionJobs::make(const std::shar
         [&] { return preview->ranks({.on_progress = {}, .cancel = &job->cancel, .threads = threads_}); });
     on_stand_in_(job, preview);
   };
-  absl::StatusOr<Preprocessed> made =
-      status_from_exceptions([&] { return preprocess_(job->files.file(), job->options, context, on_preview); });
+  absl::StatusOr<Preprocessed> made = status_from_exceptions([&]() -> absl::StatusOr<Preprocessed> {
+    const absl::StatusOr<MeshFile> file = job->files.file(context);
+    if (!file.ok()) return file.status();
+    absl::StatusOr<Preprocessed> preprocessed = preprocess_(*file, job->options, context, on_preview);
+    if (absl::Status status = job->files.status(); !status.ok()) return status;
+    return preprocessed;
+  });
   if (!made.ok()) return made.status();
   const std::shared_ptr<const Session> session = make_session(*job, *std::move(made));
   // Now, with all threads, not when the first view waits for them. Where that fails the view will be told why.

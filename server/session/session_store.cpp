@@ -29,7 +29,7 @@ SessionStore::SessionStore(JobQueue& queue, Preprocess preprocess, const Session
     : log_(std::move(log)),
       cache_(cache),
       on_replaced_(std::move(on_replaced)),
-      table_(limits),
+      table_(limits, [cache](const std::string& id) { return cache != nullptr && cache->is_unsaved(id); }),
       jobs_(
           queue, std::move(preprocess), threads, cache, marks,
           [this](const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview) {
@@ -48,6 +48,7 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
                                                const SessionMaker& maker) {
   const std::string id = session_id(files, options);
   drop_closed(id);
+  drop_damaged(id);
   SessionTable::Sessions evicted;  // outlives the lock
   std::shared_ptr<SessionJob> job;
   std::shared_ptr<const Session> ready;
@@ -77,7 +78,7 @@ absl::StatusOr<std::shared_ptr<SessionJob>> SessionStore::start_job(const std::s
   const bool is_made = cache_ == nullptr || !cache_->holds(id);
   if (absl::Status status = is_made ? table_.may_make(maker.caller) : absl::OkStatus(); !status.ok()) return status;
   const absl::Status has_room = table_.make_room(evicted);
-  log_evicted(evicted);
+  note_evicted(evicted);
   if (!has_room.ok()) return has_room;
   auto job = std::make_shared<SessionJob>();
   job->id = id;
@@ -168,6 +169,7 @@ bool SessionStore::leave(const std::string& id, SessionWaiter* waiter) {
 }
 
 absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find(const std::string& id) {
+  drop_damaged(id);
   return must_load(id) ? load(id) : find_here(id);
 }
 
@@ -207,7 +209,7 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::str
   // A job for it that has begun meanwhile goes on: it will give the same.
   if (table_.find(id) != nullptr) return *loaded;
   const absl::Status has_room = table_.make_room(evicted);
-  log_evicted(evicted);
+  note_evicted(evicted);
   if (!has_room.ok()) return has_room;
   const Session& session = **loaded;
   table_.insert(
@@ -253,13 +255,14 @@ std::vector<std::string> SessionStore::run_housekeeping(Clock::time_point now) {
     const MutexLock lock(mutex_);
     expired = table_.take_unused(now);
     evicted = table_.evict_excess();
-    log_evicted(evicted);
+    note_evicted(evicted);
     used = table_.used_since(std::exchange(kept_house_, now));
     for (const SessionInfo& info : table_.list({}, std::numeric_limits<std::size_t>::max())) held.push_back(info.id);
   }
   if (cache_ != nullptr) {
     for (const std::string& id : used) cache_->touch(id);
     for (const std::string& id : held) drop_closed(id);
+    for (const std::string& id : held) drop_damaged(id);
   }
   std::vector<std::string> ids;
   for (const auto& session : expired) {
@@ -278,6 +281,26 @@ void SessionStore::drop_closed(const std::string& id) {
   if (entry == nullptr || entry->job != nullptr) return;
   dropped = table_.take(id);
   log_->info("session {} forgotten: another server has closed it", id);
+}
+
+void SessionStore::drop_damaged(const std::string& id) {
+  SessionTable::Entry dropped;  // outlives the lock
+  const MutexLock lock(mutex_);
+  const SessionTable::Entry* entry = table_.find(id);
+  if (entry == nullptr || entry->info.session == nullptr) return;
+  const absl::Status status = entry->info.session->status();
+  if (status.ok()) return;
+  dropped = table_.take(id);
+  // Under the lock: what is saved later is of one that was made anew.
+  if (cache_ != nullptr) cache_->remove_damaged(id);
+  log_->error("session {} forgotten, and removed from the cache: {}", id, std::string(status.message()));
+}
+
+absl::Status SessionStore::check(const Session& session) {
+  const absl::Status status = session.status();
+  if (status.ok()) return status;
+  drop_damaged(session.id);
+  return absl::DataLossError(absl::StrCat("session ", session.id, " is damaged; create it again: ", status.message()));
 }
 
 absl::Status SessionStore::check_owner(const std::string& id, const std::string& who) {
@@ -300,7 +323,7 @@ void SessionStore::make_room(std::uint64_t bytes) {
   SessionTable::Sessions evicted;  // outlives the lock
   const MutexLock lock(mutex_);
   evicted = table_.evict_bytes(bytes);
-  log_evicted(evicted);
+  note_evicted(evicted);
 }
 
 void SessionStore::save(const Session& session) {
@@ -332,8 +355,11 @@ absl::Status SessionStore::close(const std::string& id, const std::string& who) 
   return absl::OkStatus();
 }
 
-void SessionStore::log_evicted(const SessionTable::Sessions& evicted) const {
-  for (const auto& session : evicted) log_->info("session {} evicted: not used for longest", session->id);
+void SessionStore::note_evicted(const SessionTable::Sessions& evicted) const {
+  for (const auto& session : evicted) {
+    log_->info("session {} evicted: not used for longest", session->id);
+    if (cache_ != nullptr) cache_->let_go(session->id);
+  }
 }
 
 }  // namespace curvecast::server

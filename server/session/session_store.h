@@ -77,15 +77,18 @@ class SessionStore {
   /// half of the limits.
   absl::StatusOr<SessionInfo> update(const std::string& id, std::optional<bool> pinned, std::optional<double> time_to_live,
                                      const std::string& who = {});
+  /// OK, or DataLoss where the session turns out to be damaged: see Session::status(). Then it is taken from memory and cache,
+  /// and who asks for it has it made anew. To be asked before an answer made of it is sent.
+  absl::Status check(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Saves a session whose curve has become finer to the cache. Does nothing for one that has been closed or evicted, even if a
   /// new one for the same files and options has been made.
   void save(const Session& session);
   /// Removes a session from memory and cache; waiters get Aborted. NotFound when it is in neither, PermissionDenied where another
   /// client than `who` owns it. Reads and removes files, and waits for one that is being written.
   absl::Status close(const std::string& id, const std::string& who = {});
-  /// Takes from memory the sessions that have not been used for their time to live and those that another server has closed, and
-  /// evicts some where those that have grown are too much together. Tells the cache which are in use. To be called now and then.
-  /// Returns the ids of those whose time was over.
+  /// Takes from memory the sessions that have not been used for their time to live, those that another server has closed, and
+  /// those that are damaged; evicts some where those that have grown are too much together. Tells the cache which are in use. To
+  /// be called now and then. Returns the ids of those whose time was over.
   std::vector<std::string> run_housekeeping(std::chrono::steady_clock::time_point now);
   std::uint64_t memory_bytes();  // of all sessions
   /// Evicts idle sessions until they have freed so many bytes, or there are none left.
@@ -109,7 +112,10 @@ class SessionStore {
   absl::Status check_owner(const std::string& id, const std::string& who) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Takes a session from memory that another server has closed.
   void drop_closed(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
-  void log_evicted(const SessionTable::Sessions& evicted) const;
+  /// Takes a session from memory and cache that turns out to be damaged.
+  void drop_damaged(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// After sessions have had to go. Those that are not saved are lost.
+  void note_evicted(const SessionTable::Sessions& evicted) const;
 
   const std::shared_ptr<spdlog::logger> log_;
   SessionCache* const cache_;                      // may be null

@@ -11,9 +11,20 @@ SessionSurface::SessionSurface(std::shared_ptr<const FlattenedMesh> flattened) {
 
 void SessionSurface::set_base(std::shared_ptr<const CurveBase> base) {
   bytes_ = base->is_in_memory() ? base->byte_size() : 0;
-  base_ = std::move(base);
+  base_ = base;
   leaves_ = nullptr;
   load_ = nullptr;
+  const MutexLock lock(loaded_mutex_);
+  loaded_ = std::move(base);
+}
+
+absl::Status SessionSurface::status() const {
+  std::shared_ptr<const CurveBase> base;
+  {
+    const MutexLock lock(loaded_mutex_);
+    base = loaded_;
+  }
+  return base != nullptr ? base->status() : absl::OkStatus();
 }
 
 absl::Status SessionSurface::load_base(const ExecutionContext& context) {

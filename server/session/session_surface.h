@@ -30,6 +30,8 @@ class SessionSurface {
   /// DataLoss where the curve has other discs or named values.
   absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves(const std::shared_ptr<const SurfaceCurve>& curve,
                                                             const ExecutionContext& context = {}) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// OK, or that the surface is damaged, as far as anybody knows: see CurveBase::status(). Waits for nobody.
+  absl::Status status() const ABSL_LOCKS_EXCLUDED(loaded_mutex_);
   /// From now on, the same surface is taken from there.
   void move_to(std::shared_ptr<const CurveBase> base) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Returns the bytes of memory that the surface takes; in a mapped file it takes none that the system could not have back.
@@ -44,6 +46,8 @@ class SessionSurface {
   std::shared_ptr<const CurveBase> base_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<const LeafSurface> leaves_ ABSL_GUARDED_BY(mutex_);  // of the curve that was last asked for
   std::atomic<std::uint64_t> bytes_ = 0;
+  mutable Mutex loaded_mutex_ ABSL_ACQUIRED_AFTER(mutex_);                  // held for no longer than it takes to copy a pointer
+  std::shared_ptr<const CurveBase> loaded_ ABSL_GUARDED_BY(loaded_mutex_);  // as `base_`
 };
 
 }  // namespace curvecast::server

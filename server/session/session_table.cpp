@@ -57,7 +57,7 @@ SessionTable::Sessions SessionTable::evict_excess() {
 bool SessionTable::evict(const SessionLimits& limits, Sessions& evicted) {
   std::vector<Resident> residents;
   for (const auto& [id, entry] : entries_) {
-    residents.push_back({id, entry.last_used, bytes_of(entry), entry.is_idle() && !entry.info.pinned});
+    residents.push_back({id, entry.last_used, bytes_of(entry), entry.is_idle() && !entry.info.pinned, is_unsaved(id)});
   }
   const Eviction eviction = choose_evicted(std::move(residents), limits);
   for (const std::string& id : eviction.ids) evicted.push_back(take(id).info.session);
@@ -97,7 +97,7 @@ SessionTable::Sessions SessionTable::take_unused(Clock::time_point now) {
   for (auto& [id, entry] : entries_) {
     if (!entry.is_idle()) entry.used_at = now;
     const std::chrono::duration<double> idle = now - entry.used_at;
-    if (entry.info.time_to_live > 0 && idle.count() > entry.info.time_to_live) unused.push_back(id);
+    if (entry.info.time_to_live > 0 && idle.count() > entry.info.time_to_live && !is_unsaved(id)) unused.push_back(id);
   }
   Sessions taken;
   for (const std::string& id : unused) taken.push_back(take(id).info.session);

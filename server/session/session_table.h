@@ -6,9 +6,11 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/session/eviction.h"
@@ -37,7 +39,10 @@ class SessionTable {
     bool is_idle() const { return job == nullptr && info.session.use_count() == 1; }
   };
 
-  explicit SessionTable(const SessionLimits& limits) : limits_(limits) {}
+  /// `is_unsaved`: whether a session still waits to be saved; such sessions leave the table only where there is no other way.
+  /// Empty: none does.
+  explicit SessionTable(const SessionLimits& limits, std::function<bool(const std::string& id)> is_unsaved = {})
+      : limits_(limits), is_unsaved_(std::move(is_unsaved)) {}
 
   /// Null where there is no such session.
   Entry* find(const std::string& id);
@@ -59,7 +64,7 @@ class SessionTable {
   absl::Status may_make(const std::string& caller) const;
   /// ResourceExhausted where pinned sessions would take more than half of the limits with this one.
   absl::Status may_pin(const Session& session) const;
-  /// Takes out the sessions that nobody has used for their time to live.
+  /// Takes out the sessions that nobody has used for their time to live, once they are saved.
   Sessions take_unused(Clock::time_point now);
   /// Ids of the sessions that are in use, or were since then.
   std::vector<std::string> used_since(Clock::time_point then) const;
@@ -74,7 +79,10 @@ class SessionTable {
  private:
   bool evict(const SessionLimits& limits, Sessions& evicted);
 
+  bool is_unsaved(const std::string& id) const { return is_unsaved_ && is_unsaved_(id); }
+
   const SessionLimits limits_;
+  const std::function<bool(const std::string& id)> is_unsaved_;
   std::map<std::string, Entry> entries_;
   std::uint64_t clock_ = 0;  // counts uses
 };

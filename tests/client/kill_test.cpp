@@ -1,5 +1,6 @@
 // Kills a real server at any moment and looks at what the next one makes of its cache.
 // CURVECAST_KILL_ROUNDS in the environment tells how often; the moments follow from the round's number.
+#include <absl/strings/str_cat.h>
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -7,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <mutex>
@@ -26,10 +28,17 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kDefaultRounds = 12;
 constexpr std::uint64_t kSamplePoints = 400;
+constexpr std::chrono::milliseconds kUploadPause{20};  // so that others get to the disk
 
 int rounds() {
   const char* const wanted = std::getenv("CURVECAST_KILL_ROUNDS");
   return wanted != nullptr ? std::atoi(wanted) : kDefaultRounds;
+}
+
+/// A mesh to be uploaded, small or larger: a different one for each number.
+std::string mesh_file(std::uint64_t number) {
+  static const std::string small = sphere_off(2), large = sphere_off(4);
+  return absl::StrCat(number % 4 == 0 ? large : small, "# ", number, "\n");
 }
 
 /// A session that may be asked for, and what it must give.
@@ -92,8 +101,46 @@ class KillTest : public ::testing::Test {
     return stub.GetSession(&context, request, &response).ok() && response.session().cached();
   }
   std::size_t temporaries() const {
-    const std::vector<std::string> names = cache_.names();
-    return static_cast<std::size_t>(std::count_if(names.begin(), names.end(), is_temporary));
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(cache_.path())) {
+      count += is_temporary(entry.path().filename().string());
+    }
+    return count;
+  }
+  static v1::GetMeshResponse get_mesh(Stub& stub, const std::string& id) {
+    grpc::ClientContext context;
+    set_patience(context);
+    v1::GetMeshRequest request;
+    request.set_mesh_id(id);
+    v1::GetMeshResponse response;
+    stub.GetMesh(&context, request, &response);
+    return response;
+  }
+
+  /// Every upload from `first` on that a server acknowledged is there, with its name and bytes: a server says so only after it
+  /// has hashed them.
+  void expect_uploads_kept(Stub& stub, std::uint64_t first) {
+    for (const auto& [number, id] : acknowledged_) {
+      if (number < first) continue;
+      const v1::GetMeshResponse mesh = get_mesh(stub, id);
+      EXPECT_EQ(mesh.mesh_id(), id) << "upload " << number << " is lost";
+      EXPECT_EQ(mesh.name(), absl::StrCat("mesh ", number));
+      EXPECT_EQ(mesh.size(), mesh_file(number).size());
+    }
+  }
+  /// Uploads one mesh after the other, until the server dies.
+  void upload_meshes(Stub& stub) {
+    first_upload_ = next_upload_;
+    for (;; ++next_upload_) {
+      std::this_thread::sleep_for(kUploadPause);
+      const std::string bytes = mesh_file(next_upload_);
+      v1::UploadHeader header;
+      header.set_name(absl::StrCat("mesh ", next_upload_));
+      header.set_size(bytes.size());
+      const Uploaded uploaded = upload(stub, header, bytes);
+      if (!uploaded.status.ok()) return;
+      acknowledged_[next_upload_] = uploaded.response.mesh_id();
+    }
   }
 
   /// All that was cached when a server before said so is served, with the right bytes.
@@ -157,10 +204,12 @@ class KillTest : public ::testing::Test {
   std::vector<Wanted> sessions_;
   std::chrono::duration<double> window_{};
   std::mutex mutex_;
-  std::set<std::string> cached_;  // that a server has reported as such, and nobody has closed since
+  std::set<std::string> cached_;                       // that a server has reported as such, and nobody has closed since
+  std::uint64_t next_upload_ = 0, first_upload_ = 0;   // numbers; of the last round
+  std::map<std::uint64_t, std::string> acknowledged_;  // uploads, with their ids
 };
 
-TEST_F(KillTest, NothingThatWasCachedIsLost) {
+TEST_F(KillTest, NothingThatWasCachedOrUploadedIsLost) {
   std::map<std::string, int> phases;
   std::size_t kept = 0;
   for (int round = 0; round < rounds() && !HasFailure(); ++round) {
@@ -178,14 +227,17 @@ TEST_F(KillTest, NothingThatWasCachedIsLost) {
     EXPECT_EQ(temporaries(), 0u) << "in round " << round;
     kept += cached_.size();
     expect_kept(*stub);
+    expect_uploads_kept(*stub, first_upload_);
     std::atomic<bool> over = false;
     std::thread worker([&] { work(*stub, random); });
+    std::thread uploader([&] { upload_meshes(*stub); });
     std::thread watcher([&] { watch(*stub, over); });
     std::this_thread::sleep_for(moment * window_);
     server->signal(SIGKILL);
     server->finish();
     over = true;
     worker.join();
+    uploader.join();
     watcher.join();
     const std::string log = server->err();
     EXPECT_EQ(count(log, "damaged") + count(log, "[error]") + count(log, "[warning]"), 0u) << log;
@@ -203,13 +255,15 @@ TEST_F(KillTest, NothingThatWasCachedIsLost) {
   const auto stub = connect(*server);
   EXPECT_EQ(temporaries(), 0u);
   expect_kept(*stub);
+  expect_uploads_kept(*stub, 0);
   for (const Wanted& wanted : sessions_) {
     ASSERT_TRUE(create(*stub, upload(*stub, wanted.off), wanted.max_points).status.ok());
     EXPECT_EQ(resample(*stub, wanted.id, raw_view()).bytes(), wanted.bytes);
   }
   server->signal(SIGTERM);
   EXPECT_EQ(server->finish().status, 0);
-  std::cout << rounds() << " kills, " << kept << " times a cached session was served after one\n";
+  std::cout << rounds() << " kills, " << kept << " times a cached session was served after one, " << acknowledged_.size()
+            << " uploads acknowledged\n";
   for (const auto& [phase, times] : phases) std::cout << "  " << times << " while " << phase << "\n";
 }
 

@@ -12,6 +12,14 @@ using ::testing::IsEmpty;
 const std::vector<Resident> kResidents = {
     {"b", 20, 100, true}, {"a", 10, 50, true}, {"busy", 5, 300, false}, {"c", 30, 10, true}};
 
+TEST(Eviction, TakesWhatWouldBeLostLast) {
+  std::vector<Resident> residents = kResidents;
+  residents[1].is_unsaved = true;  // "a", the least recently used
+  EXPECT_THAT(choose_evicted(residents, {3, 460}).ids, ElementsAre("b"));
+  EXPECT_THAT(choose_evicted(residents, {2, 460}).ids, ElementsAre("b", "c"));
+  EXPECT_THAT(choose_evicted(residents, {1, 460}).ids, ElementsAre("b", "c", "a")) << "there is no other way";
+}
+
 TEST(Eviction, TakesTheLeastRecentlyUsed) {
   EXPECT_THAT(choose_evicted(kResidents, {4, 460}).ids, IsEmpty());
   EXPECT_THAT(choose_evicted(kResidents, {3, 460}).ids, ElementsAre("a"));

@@ -186,7 +186,7 @@ TEST_F(MeshFolder, KeepsFilesWithoutNames) {
   const auto same = [&] { return std::ranges::equal((*mesh)->bytes(), bytes); };
   EXPECT_TRUE(same());
   EXPECT_THAT(folder_.names(), ::testing::IsEmpty()) << "nothing stays behind, whatever happens to the process";
-  (*mesh)->data.release_pages();
+  (*mesh)->release_pages();
   EXPECT_TRUE(same()) << "and read again";
   EXPECT_EQ((*mesh)->id, id_of(bytes)) << "as in memory";
   EXPECT_EQ(store_.usage().bytes, 3'000'000u + 4096) << "nothing is reserved ahead";
@@ -211,7 +211,7 @@ TEST_F(MeshFolder, TakesMemoryWhereItIsGone) {
   const auto mesh = upload(nowhere, bytes);
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   EXPECT_TRUE(std::ranges::equal((*mesh)->bytes(), bytes));
-  (*mesh)->data.release_pages();
+  (*mesh)->release_pages();
   EXPECT_TRUE(std::ranges::equal((*mesh)->bytes(), bytes)) << "of which there is nothing to let go";
 }
 

@@ -120,11 +120,7 @@ class SessionStoreFixture : public ::testing::Test {
     return cancelled_;
   }
 
-  static MeshFiles mesh(const std::string& id) {
-    auto out = std::make_shared<Mesh>();
-    out->id = id;
-    return {out, {}};
-  }
+  static MeshFiles mesh(const std::string& id) { return {std::make_shared<const Mesh>(id, "", MeshBytes()), {}}; }
   /// Mesh "m" with one companion.
   static MeshFiles mesh_with(const std::string& name, const std::string& companion) {
     MeshFiles files = mesh("m");

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "server/session/session_jobs.h"
 
 namespace curvecast::server {
@@ -107,6 +109,20 @@ TEST(SessionTable, TakesOutWhatNobodyHasUsedForItsTimeToLive) {
   EXPECT_THAT(table.take_unused(now + seconds(250)), IsEmpty()) << "a was used until 200";
   EXPECT_THAT(table.used_since(now + seconds(201)), IsEmpty());
   EXPECT_EQ(table.take_unused(now + seconds(301)).size(), 1u);
+}
+
+TEST(SessionTable, WhatIsNotSavedYetStays) {
+  std::set<std::string> unsaved = {"a", "b"};
+  SessionTable table({.sessions = 3}, [&](const std::string& id) { return unsaved.contains(id); });
+  for (const char* id : {"a", "b", "c"}) table.insert(ready(id));
+  SessionTable::Sessions evicted;
+  EXPECT_TRUE(table.make_room(evicted).ok());
+  EXPECT_THAT(ids_of(evicted), ElementsAre("c"));
+  table.find("a")->info.time_to_live = table.find("b")->info.time_to_live = 1;
+  const auto later = SessionTable::Clock::now() + seconds(100);
+  EXPECT_THAT(table.take_unused(later), IsEmpty());
+  unsaved.erase("b");
+  EXPECT_THAT(ids_of(table.take_unused(later)), ElementsAre("b"));
 }
 
 TEST(SessionTable, ListsById) {

@@ -1,0 +1,78 @@
+// What lies where in the folder in which sessions survive the server: for each a file with the first revision of its curve and
+// what the session is, one with what refining the curve starts from, one with the points that first views show, and where the
+// curve was refined, one with the newest revision. An empty file marks one that was closed.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+
+namespace curvecast::server {
+
+/// Makes a folder for its owner only (mode 0700) if it is missing, those above it too, and returns its absolute path.
+/// FailedPrecondition where it cannot be used.
+absl::StatusOr<std::string> make_cache_folder(const std::string& folder);
+
+/// Whether it may be a session's or a mesh's id, 32 hexadecimal digits. Nothing else may become part of a path: ids come from
+/// clients.
+bool is_content_id(const std::string& id);
+
+/// Whether there is a file of that path.
+bool is_file(const std::string& path);
+
+/// Counts a file as used now.
+void touch_file(const std::string& path);
+
+/// Thread-safe. Several processes may share a folder.
+class CacheFolder {
+ public:
+  /// Precondition: the folder is there.
+  explicit CacheFolder(std::string folder) : folder_(std::move(folder)) {}
+
+  const std::string& path() const { return folder_; }
+  std::string curve_path(const std::string& id) const;
+  std::string refined_path(const std::string& id) const;
+  std::string surface_path(const std::string& id) const;
+  std::string ranks_path(const std::string& id) const;
+  /// All of these.
+  std::array<std::string, 4> paths(const std::string& id) const;
+  /// Removes a session's files. False where there was no curve.
+  bool remove_files(const std::string& id) const;
+
+  /// Whether some server has closed the session, and nobody has asked for it since.
+  bool is_closed(const std::string& id) const;
+  void mark_closed(const std::string& id) const;
+  void remove_mark(const std::string& id) const;
+  /// Removes the marks of sessions that were closed so long ago that no server has them in memory.
+  void remove_old_marks() const;
+
+  /// All files of sessions, of any version, whichever process wrote them.
+  struct Contents {
+    std::size_t sessions = 0;  // that can be loaded
+    std::size_t foreign = 0;   // files of other versions
+    std::uint64_t bytes = 0;
+  };
+  /// Looks at each file.
+  Contents contents() const;
+  /// Removes the least recently used sessions as long as all take more than `max_bytes`. Returns the bytes that the others take.
+  std::uint64_t make_room(std::uint64_t max_bytes, const std::function<void(const std::string& id)>& on_removed) const;
+
+  /// How often the files of a session were removed, and how often that failed.
+  std::pair<std::uint64_t, std::uint64_t> removals() const { return {removed_, not_removed_}; }
+
+ private:
+  std::string closed_path(const std::string& id) const;
+  template <typename Paths>
+  void remove_all(const Paths& paths) const;
+
+  const std::string folder_;
+  mutable std::atomic<std::uint64_t> removed_ = 0, not_removed_ = 0;
+};
+
+}  // namespace curvecast::server

@@ -1,0 +1,60 @@
+// The mesh files that survive the server: a folder in that of the cache, with a file ID.mesh for each. That holds the mesh file's
+// bytes, then its name and a trailer that says how long both are.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/storage/atomic_file.h"
+#include "server/session/mesh.h"
+
+namespace spdlog {
+class logger;
+}
+
+namespace curvecast::server {
+
+/// Thread-safe. Several processes may share a folder: files appear and go whole, and whoever has one open keeps it.
+class MeshFolder {
+ public:
+  /// Makes the folder in that of the cache, if it is missing, and removes what killed processes left half-written.
+  /// FailedPrecondition where it cannot be used.
+  static absl::StatusOr<std::unique_ptr<MeshFolder>> open(const std::string& cache, std::shared_ptr<spdlog::logger> log);
+
+  /// A file to write a mesh's bytes to, for store(). ResourceExhausted: the disk is full; Unavailable for all else.
+  absl::StatusOr<AtomicFile> create() const;
+  /// Makes a file with a mesh's bytes durable under the mesh's id, and returns the mesh. What is there of that id is replaced.
+  /// Waits for the disk. Errors as of create().
+  absl::StatusOr<std::shared_ptr<const Mesh>> store(AtomicFile file, const std::string& id, const std::string& name,
+                                                    std::size_t size) const;
+
+  /// Whether there is a file of this id.
+  bool holds(const std::string& id) const;
+  /// Looks a mesh up, whichever process stored it, without reading its bytes. NotFound, also where its file is damaged: then the
+  /// log says so, and it is removed.
+  absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id) const;
+  /// Counts a mesh as used now.
+  void touch(const std::string& id) const;
+  void remove(const std::string& id) const;
+
+  struct Stored {
+    std::string id;
+    std::int64_t last_used = 0;  // nanoseconds
+  };
+  /// All that are there, the most recently used first.
+  std::vector<Stored> list() const;
+
+ private:
+  MeshFolder(std::string folder, std::shared_ptr<spdlog::logger> log) : folder_(std::move(folder)), log_(std::move(log)) {}
+  std::string path_of(const std::string& id) const;
+  std::shared_ptr<const Mesh> make_mesh(const std::string& id, std::string name, std::size_t size) const;
+
+  const std::string folder_;
+  const std::shared_ptr<spdlog::logger> log_;
+};
+
+}  // namespace curvecast::server
