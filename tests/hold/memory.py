@@ -25,7 +25,7 @@ from hold.shapes import TETRAHEDRON, bumpy_ball, orbit_view, relief_stl
 
 LIMIT = 512 << 20
 CREATORS, MOST_POINTS, OMEGAS = 4, 4_000_000, (1.0, 10.0, 25.0)
-INSPECTED_MB, INSPECTIONS = 100, 3
+INSPECTIONS = 3
 VIEWS_A_SECOND, VIEW_POINTS = 5, 2000
 PATIENCE = 300.0  # of a create: one after the other is made
 CALM_SECONDS = 8.0  # before
@@ -69,7 +69,7 @@ def run(setting: Setting) -> Report:
             maker.upload("tetrahedron.off", TETRAHEDRON)
         has_budget = BUDGET_METRIC in server.metrics()
         tally = Tally(setting.pick(full=1000, quick=40))
-        reliefs = [relief_stl(INSPECTED_MB, seed) for seed in range(INSPECTIONS)]
+        reliefs = [relief_stl(setting.pick(full=100, quick=30), seed) for seed in range(INSPECTIONS)]
         load = Load(setting.history)
         seconds = setting.pick(full=240, quick=40)
         begin, until = asyncio.run(watch_views(setting, server, session, load, tally, reliefs, seconds))
@@ -149,4 +149,4 @@ def inspect(setting: Setting, server: Server, tally: Tally, mesh: bytes) -> None
         tally.callers.append(caller)
         uploaded = caller.upload("relief.stl", mesh)
         answer = caller.inspect(mesh_id_of(mesh), PATIENCE) if uploaded.is_ok else uploaded
-        tally.take(f"inspection of {INSPECTED_MB} MB", answer, tally.inspections)
+        tally.take(f"inspection of {len(mesh)} bytes", answer, tally.inspections)
