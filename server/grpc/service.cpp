@@ -100,7 +100,8 @@ grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context,
     return absl::OkStatus();
   };
   if (mesh.ok() && !(*mesh)->is_checked()) {
-    return answer_later(engine_, "GetMesh", *context, [&]() -> absl::StatusOr<UnaryJob::Work> { return tell; });
+    return answer_later(engine_, "GetMesh", *context,
+                        [&](const Caller& /*caller*/) -> absl::StatusOr<UnaryJob::Work> { return tell; });
   }
   return answer(engine_, "GetMesh", *context, [&] { return tell({}); });
 }
