@@ -65,14 +65,14 @@ class StreamOfViews:
         self._call = v1_grpc.CurvecastServiceStub(channel).StreamViews(metadata=who.metadata)
         self._opened = now()
 
-    async def run(self, next_view: NextView, interval: float, until: float, offset: float) -> None:
+    async def run(self, next_view: NextView, interval: float, is_over: Callable[[], bool], offset: float) -> None:
         """`interval`: seconds between views; `offset`: before the first one."""
 
         async def views() -> AsyncIterator[v1.SampleRequest]:
             await asyncio.sleep(offset)
             due = now()
             for sequence in itertools.count(1):
-                if now() >= until:
+                if is_over():
                     return
                 yield next_view(sequence)
                 due = max(due + interval, now())

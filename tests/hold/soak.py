@@ -120,7 +120,7 @@ async def one(load: Load, server: Server, channel: aio.Channel, sessions: list[s
     points, start = POINTS[number % len(POINTS)], 7 * number
     next_view: Callable[[int], v1.SampleRequest] = lambda sequence: view_of(points, start + sequence)  # noqa: E731
     stream = StreamOfViews(load, server, channel, sessions[number % len(sessions)], f"stream {number}", NOBODY)
-    await stream.run(next_view, INTERVAL, until, offset=INTERVAL * (number * 0.618 % 1))
+    await stream.run(next_view, INTERVAL, lambda: now() >= until, offset=INTERVAL * (number * 0.618 % 1))
 
 
 def visit(setting: Setting, server: Server, number: int, over: threading.Event) -> None:

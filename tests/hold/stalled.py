@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import hashlib
+import itertools
 
 from grpc import aio
 
@@ -27,7 +28,8 @@ SMALL = 2000
 SESSION_POINTS, VIEW_POINTS, INTERVAL = 4000, 2000, 1.0
 ON_ONE = 15  # streams that share a connection, of those who read
 RATIO, FLOOR_SECONDS = 1.5, 0.01  # the client's own loop is late by as much
-REST_SECONDS = 60.0
+REST_SECONDS, LOOK = 60.0, 0.5
+FULL_BYTES, FULL_SECONDS = 32e6, 120.0  # that are to wait for those who do not read; how long that may take
 LAZY, BUSY = Who("lazy", "lazy's"), Who("busy", "busy's")
 
 
@@ -68,7 +70,7 @@ def run(setting: Setting) -> Report:
     report.figure("calls ended for not reading", metrics["curvecast_stalled_calls_total"])
     report.require("views of others refused", load.refused, at_most=0)
     report.require("errors of others", len(load.errors), at_most=0)
-    report.require("MB queued while they slept", most / 1e6, at_least=(LARGEST * 28) / 1e6)
+    report.require("MB queued while they slept", most / 1e6, at_least=FULL_BYTES / 1e6)
     report.require("bytes queued at the end", metrics["curvecast_queued_bytes"], at_most=0)
     report.require("streams open at the end", metrics["curvecast_open_streams"], at_most=0)
     report.notes += load.errors[:5]
@@ -84,43 +86,42 @@ async def take_turns(
     """Streams all the time, beside nobody, sleepers with the largest frames, nobody, and sleepers with small ones."""
     load, spans, most = Load(setting.history), Spans(), 0.0
     turns = (("nobody", 0), ("the largest frames", LARGEST), ("nobody", 0), ("small frames", SMALL))
-    warm = now() + 2 * INTERVAL
-    until = warm + seconds * len(turns)
+    over = asyncio.Event()
     pulse = asyncio.create_task(heartbeat(load))
     async with contextlib.AsyncExitStack() as stack:
         channels = [await stack.enter_async_context(open_aio(server)) for _ in range(-(-readers // ON_ONE))]
-        streams = asyncio.gather(*(read(load, server, channels[n // ON_ONE], session, n, until) for n in range(readers)))
-        for number, (kind, points) in enumerate(turns):
-            begin, end = warm + seconds * number, warm + seconds * (number + 1)
-            await asyncio.sleep(max(0.0, begin - now()))
-            sleeping = [asyncio.create_task(sleep(server, session, points, end)) for _ in range(sleepers if points else 0)]
-            while now() < end:
-                await asyncio.sleep(min(0.5, max(0.0, end - now())))
+        streams = asyncio.gather(*(read(load, server, channels[n // ON_ONE], session, n, over) for n in range(readers)))
+        await asyncio.sleep(2 * INTERVAL)
+        for kind, points in turns:
+            begin = now()
+            sleeping = [asyncio.create_task(sleep(server, session, points)) for _ in range(sleepers if points else 0)]
+            while now() < begin + seconds or (points == LARGEST and most < FULL_BYTES and now() < begin + FULL_SECONDS):
+                await asyncio.sleep(LOOK)
                 metrics = await asyncio.to_thread(server.metrics)
                 most = max(most, metrics["curvecast_queued_bytes"])
-            await asyncio.gather(*sleeping)
-            spans.setdefault(kind, []).append((begin, end))
+            spans.setdefault(kind, []).append((begin, now()))
+            for task in sleeping:
+                task.cancel()
+            await asyncio.gather(*sleeping, return_exceptions=True)
+        over.set()
         await streams
     pulse.cancel()
     return load, spans, most
 
 
-async def read(load: Load, server: Server, channel: aio.Channel, session: str, number: int, until: float) -> None:
+async def read(load: Load, server: Server, channel: aio.Channel, session: str, number: int, over: asyncio.Event) -> None:
     stream = StreamOfViews(load, server, channel, session, f"reader {number}", BUSY)
     offset = INTERVAL * (number * 0.618 % 1)
-    await stream.run(lambda sequence: orbit_view(VIEW_POINTS, 7 * number + 3 * sequence), INTERVAL, until, offset)
+    await stream.run(lambda sequence: orbit_view(VIEW_POINTS, 7 * number + 3 * sequence), INTERVAL, over.is_set, offset)
 
 
-async def sleep(server: Server, session: str, points: int, until: float) -> None:
-    """Asks for views on a connection of its own, and never reads one. What becomes of it does not matter."""
+async def sleep(server: Server, session: str, points: int) -> None:
+    """Asks for views on a connection of its own, and never reads one, until it is cancelled. What becomes of it does not matter."""
     async with open_aio(server) as channel:
         call = v1_grpc.CurvecastServiceStub(channel).StreamViews(metadata=LAZY.metadata)
         with contextlib.suppress(aio.AioRpcError, asyncio.InvalidStateError):
             await call.write(v1.StreamViewsRequest(open=v1.OpenView(session_id=session)))
-            sequence = 0
-            while now() < until:
-                sequence += 1
+            for sequence in itertools.count(1):
                 view = View(points, sampler="equalised", seed=sequence).to_proto()
                 await call.write(v1.StreamViewsRequest(view=v1.ViewUpdate(sequence=sequence, sample=view)))
                 await asyncio.sleep(INTERVAL)
-        call.cancel()
