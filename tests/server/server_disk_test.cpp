@@ -229,7 +229,7 @@ grpc::Status look_around(Stub& stub, const std::string& id, const v1::SampleRequ
 
 TEST_F(ServerDisk, AFileThatIsCutShortEndsItsSessionOnly) {
   for (const std::string ending : {".curve", ".surface"}) {
-    for (const double part : {0.0, 0.1, 0.5, 0.9}) {
+    for (const double part : {0.0, 0.6}) {
       const auto stub = client();
       const v1::Session made = make(*stub, 5, 20'000);
       const std::string id = made.session_id(), other = make(*stub, 4, 500).session_id();
