@@ -83,7 +83,8 @@ class KillTest : public ::testing::Test {
 
   std::unique_ptr<cli::Process> serve() const {
     return std::make_unique<cli::Process>(std::vector<std::string>{"serve", "--listen", "127.0.0.1:0", "--http", "none",
-                                                                   "--max-curve-vertices", "0", "--cache", cache_.path()});
+                                                                   "--max-curve-vertices", "0", "--crash-pause", "0", "--cache",
+                                                                   cache_.path()});
   }
   std::unique_ptr<Stub> connect(cli::Process& server) const {
     const std::string address = server.rest_of_line("listening on ");

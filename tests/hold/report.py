@@ -19,8 +19,7 @@ class Requirement:
 
 @dataclasses.dataclass
 class Report:
-    """`timed`: a requirement on the machine's speed, `pending`: on what servers cannot do yet. Neither is judged in a quick run,
-    which is for machines that others use as well."""
+    """`timed`: a requirement on the machine's speed, not judged in a quick run, which is for machines that others use as well."""
 
     is_quick: bool
     figures: dict[str, Any] = dataclasses.field(default_factory=dict)
@@ -39,12 +38,11 @@ class Report:
         at_most: float | None = None,
         at_least: float | None = None,
         timed: bool = False,
-        pending: str = "",
     ) -> None:
         limits = [(at_most, "at most", value <= (at_most or 0)), (at_least, "at least", value >= (at_least or 0))]
         given = [(limit, words, holds) for limit, words, holds in limits if limit is not None]
         text = ", ".join(f"{words} {told(limit)}" for limit, words, _ in given)
-        why_not = (pending or ("speed is not judged in a quick run" if timed else "")) if self.is_quick else ""
+        why_not = "speed is not judged in a quick run" if timed and self.is_quick else ""
         holds = all(holds for _, _, holds in given)
         self.requirements.append(Requirement(name, round(value, 4), text, holds, not why_not, why_not))
 

@@ -63,7 +63,9 @@ class Server:
         self._ports: dict[str, str] = {}
         self._tells = {"store": str(cache) if cache is not None else name, **tells}
         command = [*prefix, "setpriv", "--pdeathsig", "KILL", str(setting.command), "serve", "--listen", "127.0.0.1:0"]
-        command += ["--http", "127.0.0.1:0", *(["--cache", str(cache)] if cache is not None else []), *options]
+        # Kills are not the sessions' fault.
+        command += ["--http", "127.0.0.1:0", "--crash-pause", "0"]
+        command += [*(["--cache", str(cache)] if cache is not None else []), *options]
         self.log = setting.folder / f"{name}.log"
         self.is_ended = False
         with open(self.log, "ab") as log:
