@@ -1,6 +1,7 @@
 #include "server/engine/engine.h"
 
 #include <absl/strings/str_cat.h>
+#include <spdlog/logger.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,6 +12,7 @@
 
 #include "core/base/machine.h"
 #include "core/base/random.h"
+#include "server/base/log.h"
 #include "server/base/memory_share.h"
 #include "server/base/options.h"
 #include "server/base/scratch_folder.h"

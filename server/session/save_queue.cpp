@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/base/status_from_exceptions.h"
+
 namespace curvecast::server {
 namespace {
 
@@ -85,7 +87,7 @@ std::map<std::string, SaveQueue::Entry>::iterator SaveQueue::first_due() {
 }
 
 void SaveQueue::run() {
-  MutexLock lock(mutex_);
+  const MutexLock lock(mutex_);
   for (;;) {
     const auto first = first_due();
     if (first == entries_.end()) {
@@ -94,20 +96,20 @@ void SaveQueue::run() {
     } else if (!is_stopping_ && first->second.due > Clock::now()) {
       changed_.wait_until(mutex_, first->second.due);
     } else {
-      try_next(first->first, lock);
+      try_next(first->first);
     }
   }
 }
 
-void SaveQueue::try_next(const std::string& id, MutexLock& lock) {
+void SaveQueue::try_next(const std::string& id) {
   auto node = entries_.extract(id);
   Entry entry = std::move(node.mapped());
   saving_ = node.key();
   is_withdrawn_ = false;
   is_let_go_ = entry.is_let_go;
-  lock.unlock();
-  const absl::Status status = hooks_.save(*entry.session);
-  lock.lock();
+  mutex_.unlock();
+  const absl::Status status = status_from_exceptions([&] { return hooks_.save(*entry.session); });
+  mutex_.lock();
   const std::string saved = std::exchange(saving_, {});
   if (is_withdrawn_) {
     hooks_.undo(saved);
@@ -124,9 +126,9 @@ void SaveQueue::try_next(const std::string& id, MutexLock& lock) {
   }
   changed_.notify_all();
   // What the copy keeps may take its time to go.
-  lock.unlock();
+  mutex_.unlock();
   entry.session.reset();
-  lock.lock();
+  mutex_.lock();
 }
 
 }  // namespace curvecast::server

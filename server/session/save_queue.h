@@ -72,7 +72,7 @@ class SaveQueue {
   };
 
   void run() ABSL_LOCKS_EXCLUDED(mutex_);
-  void try_next(const std::string& id, MutexLock& lock) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void try_next(const std::string& id) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// The one that is due first; end() where none waits.
   std::map<std::string, Entry>::iterator first_due() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
