@@ -288,6 +288,10 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
   if (options.threads < 0) {
     return absl::InvalidArgumentError(absl::StrCat("threads is ", options.threads, "; 0 means one per core"));
   }
+  if (options.isolate && options.tokens.empty() && options.tls_client_ca.empty()) {
+    return absl::InvalidArgumentError(
+        "isolate keeps callers apart by their names: it wants tokens, or certificates of clients, that give them some");
+  }
   for (const std::string* address : {&options.listen, &options.http, &options.admin}) {
     if (address->empty()) continue;
     if (const auto parsed = parse_address(*address); !parsed.ok()) return parsed.status();

@@ -340,6 +340,10 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       "--open-to-all", flags->open_to_all,
       "let everybody call who can connect, from other machines too; without tokens or certificates of clients, addresses "
       "that are not of the loopback are refused else");
+  app->add_flag("--isolate", flags->server.isolate,
+                "give each holder of a token, or of a certificate's name, meshes and sessions of his own, which nobody else "
+                "finds; those of "
+                "--open are for all");
   app->add_option("--mesh-folder", flags->server.mesh_folder, "of which clients may import meshes; without it, none")
       ->type_name("DIR");
   add_limit_flags(app, &flags->server, &flags->max_stream_age);

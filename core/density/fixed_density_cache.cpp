@@ -66,6 +66,13 @@ EarlierPaint FixedDensityCache::find_earlier(const std::shared_ptr<const Surface
   return found;
 }
 
+void FixedDensityCache::clear() {
+  std::list<Entry> gone;  // after the lock, as below
+  const MutexLock lock(mutex_);
+  gone.swap(entries_);
+  bytes_ = 0;
+}
+
 void FixedDensityCache::insert(Entry entry) {
   std::list<Entry> gone;  // after the lock, which takes its time
   const MutexLock lock(mutex_);

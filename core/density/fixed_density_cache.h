@@ -28,6 +28,8 @@ class FixedDensityCache {
 
   /// Returns the bytes of the densities that are kept.
   std::size_t byte_size() const;
+  /// Lets go of all that are kept.
+  void clear();
 
  private:
   struct Entry {

@@ -25,7 +25,7 @@ void MemoryBudget::Job::give_back(std::uint64_t bytes) {
 }
 
 absl::Status MemoryBudget::Job::take(std::uint64_t bytes, const std::string& what) {
-  const Clock::time_point end = Clock::now() + budget_.options_.patience;
+  const Clock::time_point end = Clock::now() + (waits_ ? budget_.options_.patience : Clock::duration::zero());
   for (;;) {
     const std::uint64_t most = budget_.options_.most();
     std::uint64_t held = budget_.options_.held();

@@ -33,8 +33,9 @@ class MemoryBudget {
   /// What one job takes. Its threads may ask side by side; the job must not go on without it. Gives all back when it goes.
   class Job final : public MemorySource {
    public:
-    /// `cancel` ends waiting; may be null.
-    Job(MemoryBudget& budget, const std::atomic<bool>* cancel) : budget_(budget), cancel_(cancel) {}
+    /// `cancel` ends waiting; may be null. `waits`: else what does not fit now is refused.
+    Job(MemoryBudget& budget, const std::atomic<bool>* cancel, bool waits = true)
+        : budget_(budget), cancel_(cancel), waits_(waits) {}
     ~Job() override;
 
     absl::Status take(std::uint64_t bytes, const std::string& what) override;
@@ -45,6 +46,7 @@ class MemoryBudget {
     friend class MemoryBudget;
     MemoryBudget& budget_;
     const std::atomic<bool>* const cancel_;
+    const bool waits_;
     std::uint64_t taken_ ABSL_GUARDED_BY(budget_.mutex_) = 0;
   };
 

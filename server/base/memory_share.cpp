@@ -19,7 +19,7 @@ std::uint64_t memory_share(const ServerOptions& options) {
 }
 
 std::uint64_t memory_with_file(const ServerOptions& options) {
-  constexpr std::uint64_t kMostInFile = 3;  // times the memory
+  constexpr std::uint64_t kMostInFile = 1;  // times the memory
   constexpr double kShareOfDisk = 0.9;
   const std::uint64_t memory = memory_share(options);
   struct statfs disk {};

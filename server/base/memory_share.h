@@ -11,7 +11,7 @@ struct ServerOptions;
 std::uint64_t memory_share(const ServerOptions& options);
 
 /// Returns the bytes that jobs may take together, at this moment: large blocks beyond memory_share() lie in a file, for which its
-/// disk has to have room. A server does not let its jobs take more of that than three times its memory, for what works in a file
+/// disk has to have room. A server does not let its jobs take more of that than as much as its memory, for what works in a file
 /// is slow and holds others up; a process that works for its user alone takes what there is.
 std::uint64_t memory_with_file(const ServerOptions& options);
 

@@ -25,6 +25,9 @@ struct ServerOptions {
   std::string tokens = {};  // file of those who may call, see Tokens; empty = everybody
   /// Networks ("10.0.0.0/8") and addresses of proxies, whose header x-forwarded-for says for whom they call.
   std::vector<std::string> trusted_proxies = {};
+  /// Each holder of a token, or of a certificate's name, finds the meshes and sessions that are his, and no others; those that
+  /// the server makes for itself are for all. Wants `tokens` or `tls_client_ca`.
+  bool isolate = false;
   std::string mesh_folder = {};  // of which clients may import meshes; empty = none
   /// Of the gRPC port, and no more than half of the descriptors that the process may have. For one more the oldest one gives way
   /// that has made no call.

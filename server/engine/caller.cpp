@@ -18,7 +18,6 @@ namespace {
 constexpr char kAddressKey[] = "curvecast-peer", kProxyKey[] = "curvecast-by-proxy";
 constexpr char kCertificateKey[] = "curvecast-certificate-bin";  // names may have any characters
 constexpr char kAuthorizationKey[] = "authorization", kForwardedKey[] = "x-forwarded-for";
-constexpr char kThisProcess[] = "this process";
 
 std::vector<std::string_view> all_metadata(const grpc::CallbackServerContext& context, const char* key) {
   std::vector<std::string_view> values;
@@ -50,7 +49,7 @@ Peer peer_of(const Engine& engine, const grpc::CallbackServerContext& context) {
   Peer peer{.address = context.peer(), .authorization = metadata(context, kAuthorizationKey)};
   if (is_own_call(engine, context)) {
     peer.address = metadata(context, kAddressKey);
-    if (peer.address.empty()) peer.address = kThisProcess;
+    if (peer.address.empty()) peer.address = kOperator;
     peer.comes_by_proxy = !metadata(context, kProxyKey).empty();
     peer.certificate = metadata(context, kCertificateKey);
     return peer;
@@ -72,14 +71,18 @@ void introduce(const Peer& peer, grpc::ClientContext& call) {
 
 absl::StatusOr<Caller> identify(const Engine& engine, const Peer& peer) {
   const std::shared_ptr<const Tokens> tokens = engine.tokens.get();
-  if (peer.address == kThisProcess) {
-    return Caller{.name = kThisProcess, .owner = engine.knows_callers() ? kThisProcess : "", .address = peer.address};
+  if (peer.address == kOperator) {
+    return Caller{.name = kOperator, .owner = engine.knows_callers() ? kOperator : "", .address = peer.address};
   }
   if (tokens != nullptr) {
     absl::StatusOr<Tokens::Holder> holder = tokens->authenticate(peer.authorization);
     if (!holder.ok()) return holder.status();
     return Caller{.name = holder->name, .owner = holder->name, .address = peer.address, .token = *std::move(holder)};
   }
+  if (engine.isolates && peer.certificate.empty()) {
+    return absl::UnauthenticatedError("your certificate has no name, and this server keeps what its clients have apart by name");
+  }
+  if (peer.certificate == kOperator) return absl::UnauthenticatedError("the name in your certificate is the server's own");
   const bool is_named = !peer.certificate.empty() && !peer.comes_by_proxy;
   return Caller{
       .name = is_named ? peer.certificate : client_of_peer(peer.address), .owner = peer.certificate, .address = peer.address};

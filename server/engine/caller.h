@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/base/tokens.h"
+#include "server/session/maker.h"
 
 namespace curvecast::server {
 
@@ -26,6 +27,9 @@ struct Caller {
   std::string owner = {};     // of what it makes; empty: nobody in particular
   std::string address = {};   // of the Peer: tells the connections of a caller apart
   Tokens::Holder token = {};  // that it is known by; without a name: it is not by one
+
+  /// As whom it has meshes kept and sessions made.
+  Maker maker() const { return {owner, name}; }
 };
 
 /// The metadata in which calls from this process send Engine::own_key: gRPC does not tell reliably where a call comes from.
@@ -37,7 +41,8 @@ Peer peer_of(const Engine& engine, const grpc::CallbackServerContext& context);
 /// Has a call over a channel that sends the key say for whom it is.
 void introduce(const Peer& peer, grpc::ClientContext& call);
 
-/// Who that is. Unauthenticated as of Tokens::authenticate(), where there are tokens.
+/// Who that is. Unauthenticated as of Tokens::authenticate(), where there are tokens; where owners are isolated, also without a
+/// name.
 absl::StatusOr<Caller> identify(const Engine& engine, const Peer& peer);
 /// Whether a caller may go on. Unauthenticated: its token is not known any more, or has expired.
 absl::Status check(const Engine& engine, const Caller& caller);

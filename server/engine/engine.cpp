@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <limits>
 #include <random>
 #include <thread>
 #include <utility>
@@ -28,6 +29,9 @@ using Clock = std::chrono::steady_clock;
 
 // Of the memory, what sessions and answers that wait may take at most, whatever the options say.
 constexpr std::uint64_t kSessionShare = 2, kQueuedShare = 8;
+// Densities that are the same in many views.
+constexpr std::uint64_t kDensityShare = 16, kMostDensityBytes = std::uint64_t{256} << 20;
+constexpr std::size_t kMostDensities = 16;
 
 int core_count(int threads) { return threads > 0 ? threads : machine_cores(); }
 
@@ -50,8 +54,17 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       threads(core_count(options.threads)),
       memory({.most = [options] { return memory_with_file(options); },
               .held = [this] { return held_bytes(); },
-              .make_room = [this](std::uint64_t bytes) { sessions.make_room(bytes); }}),
+              .make_room =
+                  [this](std::uint64_t bytes) {
+                    const std::uint64_t kept = view_cache.byte_size();
+                    view_cache.clear();
+                    sessions.make_room(bytes - std::min(bytes, kept));
+                  }}),
       queued(std::min(options.max_queued_bytes, memory_share(options) / kQueuedShare)),
+      sends(absl::ResourceExhaustedError(
+          "you have not read what was sent to you for too long, and the server needs its memory; read faster")),
+      receipts(absl::UnavailableError("nothing has come of the upload for too long; go on with it")),
+      view_cache{FixedDensityCache(kMostDensities, std::min(kMostDensityBytes, memory_share(options) / kDensityShare)), {}},
       views({.workers = threads,
              .max_waiting = kMaxWaiting,
              .max_waiting_of_one = kMaxWaitingOfOne,
@@ -74,7 +87,8 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       uploads(std::make_shared<Admission>("uploads", options.max_uploads, options.max_uploads_of_client)),
       connections(std::make_unique<ConnectionTable>(options.max_connections)),
       mesh_folder(options.mesh_folder),
-      meshes(options.max_mesh_bytes, options.max_upload_bytes, scratch_folder(options), std::move(kept_meshes)),
+      isolates(options.isolate),
+      meshes({options.max_mesh_bytes, options.max_upload_bytes, isolates}, scratch_folder(options), std::move(kept_meshes)),
       sessions(
           preprocessing,
           [this](const MeshFile& file, const PreprocessOptions& wanted, const ExecutionContext& context,
@@ -93,7 +107,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
           [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
             for (const auto& stream : all_streams()) stream->replace(preview, real);
           },
-          marks.get()),
+          marks.get(), isolates),
       refiner(
           options.max_curve_vertices,
           [this](const Session& session, bool is_finer) {
@@ -125,6 +139,7 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
     frame_cache.forget_before(now - kHousekeepingInterval);
     callers.end_refused();
     if (queued.is_half_full()) metrics.stalled(sends.end_begun_before(now - max_stall_));
+    receipts.end_begun_before(now - max_stall_);
     retire_old_streams(now);
     for (const auto& stream : all_streams()) stream->retry();
     warn_of_overdue();
@@ -141,12 +156,12 @@ void Engine::warn_of_overdue() {
   preprocessing.tell_overdue(warn);
 }
 
-absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport, const std::string& caller,
-                                                                  const std::string& connection) {
+absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::Transport* transport, const Caller& client) {
+  const std::string &caller = client.name, &connection = client.address;
   auto stream = std::make_shared<ClientStream>(
       transport,
       ClientStream::Hooks{
-          .find = [this](const std::string& id) { return sessions.find_for_views(id); },
+          .find = [this, owner = client.owner](const std::string& id) { return sessions.find_for_views(id, owner); },
           .answer =
               [this, source = new_source()](const std::shared_ptr<const Session>& session, const FrameRequest& request) {
                 const FrameCache::Key key{.curve = session->curve(),
@@ -155,7 +170,11 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                                           .reference = request.reference != nullptr ? request.reference->digest() : 0,
                                           .first_bytes = request.first_bytes};
                 const auto make = [&]() -> absl::StatusOr<Answer> {
-                  auto made = make_frame(*session, request, view_cache, improvement_requests(session, request.point_set, source));
+                  // A worker that waited would hold up others' views.
+                  MemoryBudget::Job counted(memory, request.context.cancel, false);
+                  FrameRequest bounded = request;
+                  bounded.context.memory = &counted;
+                  auto made = make_frame(*session, bounded, view_cache, improvement_requests(session, request.point_set, source));
                   if (absl::Status checked = sessions.check(*session); !checked.ok()) return checked;
                   return made;
                 };
@@ -192,7 +211,7 @@ ImprovementRequests Engine::improvement_requests(const std::shared_ptr<const Ses
       .more_ranks = [this, session, source](RankDemand demand) { return rank_jobs.request(session, source, std::move(demand)); }};
 }
 
-std::uint64_t Engine::held_bytes() { return sessions.memory_bytes() + queued.bytes(); }
+std::uint64_t Engine::held_bytes() { return sessions.memory_bytes() + queued.bytes() + view_cache.byte_size(); }
 
 Gauges Engine::gauges() {
   Gauges out;
@@ -214,7 +233,8 @@ Gauges Engine::gauges() {
                  {"waiting_calls", calls.refused()}, {"waiting_preprocessing", preprocessing.refused()},
                  {"memory", memory.refused()},       {"streams", streams->refused()},
                  {"uploads", uploads->refused()}};
-  for (const SessionInfo& info : sessions.list()) {
+  out.evicted = {{"sessions", sessions.evicted()}, {"meshes", meshes.usage().evicted}};
+  for (const SessionInfo& info : sessions.list({}, std::numeric_limits<std::size_t>::max(), kOperator)) {
     ++out.sessions;
     if (info.session != nullptr) out.session_bytes += info.session->memory_bytes();
   }
@@ -230,7 +250,7 @@ Gauges Engine::gauges() {
 }
 
 absl::Status Engine::close_session(const std::string& id, const std::string& who) {
-  const absl::StatusOr<SessionInfo> info = sessions.info(id);
+  const absl::StatusOr<SessionInfo> info = sessions.info(id, who);
   absl::Status closed = sessions.close(id, who);
   if (closed.ok() && info.ok() && info->session != nullptr) refiner.forget(*info->session);
   return closed;

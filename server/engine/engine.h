@@ -17,7 +17,7 @@
 #include "server/base/memory_budget.h"
 #include "server/base/queued_bytes.h"
 #include "server/base/replaceable.h"
-#include "server/base/send_watch.h"
+#include "server/base/stall_watch.h"
 #include "server/base/tokens.h"
 #include "server/base/view_workers.h"
 #include "server/engine/caller_watch.h"
@@ -69,8 +69,7 @@ class Engine {
 
   /// Makes a conversation that stop_streams() ends; Unavailable after stop_streams(). The caller's connections share what it has
   /// of the workers and of the bytes that wait.
-  absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, const std::string& caller,
-                                                            const std::string& connection);
+  absl::StatusOr<std::shared_ptr<ClientStream>> make_stream(ClientStream::Transport* transport, const Caller& client);
   /// Returns what make_frame() and make_point_blocks() call where an answer falls short of `request`: they have the session's
   /// curve refined, and more ranked candidates made.
   ImprovementRequests improvement_requests(const std::shared_ptr<const Session>& session, const PointSetRequest& request,
@@ -95,7 +94,8 @@ class Engine {
   const int threads;                          // of one preprocessing job, and workers for views
   MemoryBudget memory;                        // of all jobs
   QueuedBytes queued;                         // before all that sends
-  SendWatch sends;                            // as well
+  StallWatch sends;                           // as well
+  StallWatch receipts;                        // of the next bytes of uploads
   ViewCache view_cache;                       // of the jobs in `views` and `calls`
   FrameCache frame_cache;                     // of streams
   ViewWorkers views;                          // of streams: each takes milliseconds
@@ -111,6 +111,7 @@ class Engine {
   const std::shared_ptr<Admission> streams, uploads;
   const std::unique_ptr<ConnectionTable> connections;  // of the gRPC port
   const std::string mesh_folder;                       // of which clients may import meshes; empty: none
+  const bool isolates;                                 // owners from each other
   MeshStore meshes;
   SessionStore sessions;
   Refiner refiner;

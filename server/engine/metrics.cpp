@@ -130,6 +130,8 @@ struct Metrics::Families {
       gauges(registry, "curvecast_memory_held_bytes", "Of sessions and of answers that wait.").Add({});
   Gauge& reserved_bytes ABSL_GUARDED_BY(mutex) =
       gauges(registry, "curvecast_memory_reserved_bytes", "That running jobs have asked for.").Add({});
+  Family<Counter>& evicted ABSL_GUARDED_BY(mutex) = counters(
+      registry, "curvecast_evicted_total", "Sessions that left the memory, and meshes that went, to make room for others.");
   Family<Counter>& refused ABSL_GUARDED_BY(mutex) =
       counters(registry, "curvecast_refused_total", "Streams, views, calls and uploads refused, by the limit that they met.");
   Gauge& unsaved_sessions ABSL_GUARDED_BY(mutex) =
@@ -204,10 +206,7 @@ void Metrics::stalled(std::size_t count) { families_->stalls.Increment(static_ca
 std::string Metrics::text(const Gauges& values) {
   Families& f = *families_;
   const MutexLock lock(f.mutex);
-  f.frames_shared.Increment(static_cast<double>(values.shared_frames) - f.frames_shared.Value());
   f.connections.Set(static_cast<double>(values.connections));
-  f.ended_connections.Increment(static_cast<double>(values.ended_connections) - f.ended_connections.Value());
-  f.refused_connections.Increment(static_cast<double>(values.refused_connections) - f.refused_connections.Value());
   f.waiting_views.Set(static_cast<double>(values.waiting_views));
   f.waiting_calls.Set(static_cast<double>(values.waiting_calls));
   f.waiting_preprocessing.Set(static_cast<double>(values.waiting_preprocessing));
@@ -223,14 +222,17 @@ std::string Metrics::text(const Gauges& values) {
   f.memory_bytes.Set(static_cast<double>(values.memory_bytes));
   f.held_bytes.Set(static_cast<double>(values.held_bytes));
   f.reserved_bytes.Set(static_cast<double>(values.reserved_bytes));
-  for (const auto& [limit, count] : values.refused) {
-    Counter& counter = f.refused.Add({{"limit", limit}});
+  const auto count_up = [](Counter& counter, std::uint64_t count) {
     counter.Increment(static_cast<double>(count) - counter.Value());
-  }
+  };
+  count_up(f.frames_shared, values.shared_frames);
+  count_up(f.ended_connections, values.ended_connections);
+  count_up(f.refused_connections, values.refused_connections);
+  for (const auto& [limit, count] : values.refused) count_up(f.refused.Add({{"limit", limit}}), count);
+  for (const auto& [what, count] : values.evicted) count_up(f.evicted.Add({{"what", what}}), count);
   f.unsaved_sessions.Set(static_cast<double>(values.unsaved_sessions));
   for (const auto& [kind, count] : values.cache_operations) {
-    Counter& counter = f.cache_operations.Add({{"operation", kind.first}, {"result", kind.second}});
-    counter.Increment(static_cast<double>(count) - counter.Value());
+    count_up(f.cache_operations.Add({{"operation", kind.first}, {"result", kind.second}}), count);
   }
   const ProcessUsage usage = process_usage();
   f.resident.Set(static_cast<double>(usage.resident_bytes));

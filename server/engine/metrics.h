@@ -38,6 +38,8 @@ struct Gauges {
   std::uint64_t reserved_bytes = 0;  // ... and what running jobs have asked for
   // So far, by the name of the limit: what was refused.
   std::map<std::string, std::uint64_t> refused = {};
+  // So far, "sessions" (from memory) and "meshes": what had to make room for others.
+  std::map<std::string, std::uint64_t> evicted = {};
   std::size_t unsaved_sessions = 0;  // that wait to be written to the cache
   // So far, by operation and result: what was done with sessions in the cache.
   std::map<std::pair<std::string, std::string>, std::uint64_t> cache_operations = {};

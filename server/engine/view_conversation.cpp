@@ -11,7 +11,7 @@ absl::StatusOr<std::unique_ptr<ViewConversation>> ViewConversation::begin(Engine
                                                                           const Caller& caller) {
   absl::StatusOr<Admission::Ticket> ticket = engine.streams->admit(caller.name);
   if (!ticket.ok()) return ticket.status();
-  auto stream = engine.make_stream(transport, caller.name, caller.address);
+  auto stream = engine.make_stream(transport, caller);
   if (!stream.ok()) return stream.status();
   return std::unique_ptr<ViewConversation>(new ViewConversation(engine, caller, *std::move(ticket), *std::move(stream)));
 }
@@ -19,6 +19,7 @@ absl::StatusOr<std::unique_ptr<ViewConversation>> ViewConversation::begin(Engine
 ViewConversation::ViewConversation(Engine& engine, const Caller& caller, Admission::Ticket ticket,
                                    std::shared_ptr<ClientStream> stream)
     : engine_(engine),
+      owner_(caller.owner),
       ticket_(std::move(ticket)),
       stream_(std::move(stream)),
       watched_(engine.callers, caller,
@@ -33,7 +34,7 @@ void ViewConversation::receive(const v1::StreamViewsRequest& request, std::funct
   if (request.has_open() && engine_.sessions.must_load(request.open().session_id())) {
     // By a thread that may wait for the disk, before the stream hears of it.
     const auto submitted = engine_.cache->loading().submit([this, &request, on_received] {
-      const auto loaded = status_from_exceptions([&] { return engine_.sessions.find(request.open().session_id()); });
+      const auto loaded = status_from_exceptions([&] { return engine_.sessions.find(request.open().session_id(), owner_); });
       stream_->receive(request);  // finds it in memory, or an error
       on_received();
     });

@@ -47,6 +47,7 @@ class ViewConversation {
   void resume() ABSL_LOCKS_EXCLUDED(mutex_);
 
   Engine& engine_;
+  const std::string owner_;  // as of Caller
   std::optional<Admission::Ticket> ticket_;
   const std::shared_ptr<ClientStream> stream_;
   const CallerWatch::Ticket watched_;

@@ -100,7 +100,7 @@ absl::StatusOr<PackedFrame> pack_delta(Sampled selected, const PointSetRequest& 
   return out;
 }
 
-/// Packs as many points as the view's budget allows, or the next part of them.
+/// Packs as many points as the view's budget allows, or the next part of them. Errors as of make_frame().
 absl::StatusOr<PackedFrame> pack_view(SessionSampler& sampler, const FrameRequest& request, const ReferenceFrame* reference) {
   const PointSetRequest& point_set = request.point_set;
   const absl::StatusOr<std::uint64_t> whole = sampler.points();
@@ -112,6 +112,8 @@ absl::StatusOr<PackedFrame> pack_view(SessionSampler& sampler, const FrameReques
     const std::uint64_t more = reference != nullptr ? kPartGrowth * reference->selection().count : 0;
     part = std::min(*whole, std::max(more, static_cast<std::uint64_t>(std::max(first, 1.0))));
   }
+  MemoryClaim claim(request.context);
+  if (absl::Status status = claim_points(part, claim); !status.ok()) return status;
   const std::size_t least_bytes = least_point_bytes(sampler.curve(), point_set);
   if (reference == nullptr && !point_set.draco && part <= kMaxPoints && part > kMaxFrameBytes / least_bytes) {
     return too_large(part * least_bytes);

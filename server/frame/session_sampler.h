@@ -28,6 +28,14 @@ inline constexpr WorkLimit::Nanoseconds kMostViewWork = std::chrono::seconds(2);
 struct ViewCache {
   FixedDensityCache fixed_densities;
   Workspaces workspaces;
+
+  /// Returns the bytes that are kept and not in use.
+  std::size_t byte_size() const { return fixed_densities.byte_size() + workspaces.byte_size(); }
+  /// Frees what is kept, which is made again when it is needed.
+  void clear() {
+    fixed_densities.clear();
+    workspaces.clear();
+  }
 };
 
 /// Asks for what an answer lacked. Each function returns whether that is being made, so that a better answer can follow; an empty

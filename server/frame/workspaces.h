@@ -47,6 +47,20 @@ class Workspaces {
     return Lease(workspace.release(), Return{this});
   }
 
+  /// Returns the bytes of the workspaces that are kept and not lent.
+  std::size_t byte_size() const ABSL_LOCKS_EXCLUDED(mutex_) {
+    const MutexLock lock(mutex_);
+    std::size_t bytes = 0;
+    for (const auto& workspace : idle_) bytes += workspace->byte_size();
+    return bytes;
+  }
+  /// Frees those.
+  void clear() ABSL_LOCKS_EXCLUDED(mutex_) {
+    std::vector<std::unique_ptr<ViewWorkspace>> idle;  // outlives the lock
+    idle.reserve(kMostIdle);
+    const MutexLock lock(mutex_);
+    idle_.swap(idle);
+  }
   /// Returns how many workspaces are kept and not lent.
   std::size_t idle() const ABSL_LOCKS_EXCLUDED(mutex_) {
     const MutexLock lock(mutex_);

@@ -22,11 +22,11 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
 
  private:
   absl::Status begin(const v1::CreateSessionRequest& request) {
-    auto files = find_files(engine_.meshes, request.mesh_id(), request.companions());
+    auto files = find_files(engine_.meshes, request.mesh_id(), request.companions(), caller().owner);
     if (!files.ok()) return files.status();
     const auto options = to_preprocess_options(request.options());
     if (!options.ok()) return options.status();
-    auto id = engine_.sessions.join(*std::move(files), *options, this, {caller().owner, caller().name});
+    auto id = engine_.sessions.join(*std::move(files), *options, this, caller().maker());
     if (!id.ok()) return id.status();
     id_ = *std::move(id);
     return absl::OkStatus();

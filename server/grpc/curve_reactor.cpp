@@ -17,7 +17,7 @@ namespace {
 class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse> {
  public:
   CurveReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller, const v1::GetCurveRequest& request)
-      : sessions_(engine.sessions), log_(engine, "GetCurve", context, caller) {
+      : sessions_(engine.sessions), who_(caller.owner), log_(engine, "GetCurve", context, caller) {
     const std::string& id = request.session_id();
     if (engine.sessions.must_load(id)) {
       // A thread that may wait for the disk loads it.
@@ -31,7 +31,7 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
  private:
   void begin(const std::string& id) {
     const absl::Status begun = status_from_exceptions([&] {
-      const auto session = sessions_.find(id);
+      const auto session = sessions_.find(id, who_);
       if (!session.ok()) return session.status();
       session_ = **session;
       curve_ = session_.curve();
@@ -62,6 +62,7 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
   }
 
   SessionStore& sessions_;
+  const std::string who_;
   RequestLog log_;
   Session session_;
   std::shared_ptr<const SurfaceCurve> curve_;

@@ -9,6 +9,7 @@
 
 #include "server/base/grpc_status.h"
 #include "server/base/status_from_exceptions.h"
+#include "server/engine/caller.h"
 #include "server/engine/engine.h"
 
 namespace curvecast::server {
@@ -17,10 +18,10 @@ namespace curvecast::server {
 class HeldSession {
  public:
   /// Errors as of SessionStore::find() for what is in memory.
-  static absl::StatusOr<HeldSession> hold(Engine& engine, const std::string& id) {
-    HeldSession held(id);
+  static absl::StatusOr<HeldSession> hold(Engine& engine, const std::string& id, const Caller& caller) {
+    HeldSession held(id, caller.owner);
     if (engine.sessions.must_load(id)) return held;
-    absl::StatusOr<std::shared_ptr<const Session>> session = engine.sessions.find(id);
+    absl::StatusOr<std::shared_ptr<const Session>> session = engine.sessions.find(id, caller.owner);
     if (!session.ok()) return session.status();
     held.session_ = *std::move(session);
     return held;
@@ -42,13 +43,13 @@ class HeldSession {
  private:
   /// Gives the session away, after loading it where that is still to be done: may wait for the disk.
   absl::StatusOr<std::shared_ptr<const Session>> take(Engine& engine) {
-    if (session_ == nullptr) return engine.sessions.find(id_);
+    if (session_ == nullptr) return engine.sessions.find(id_, who_);
     return std::move(session_);
   }
 
-  explicit HeldSession(std::string id) : id_(std::move(id)) {}
+  HeldSession(std::string id, std::string who) : id_(std::move(id)), who_(std::move(who)) {}
 
-  std::string id_;
+  std::string id_, who_;
   std::shared_ptr<const Session> session_;  // null: it has to be loaded
 };
 

@@ -10,7 +10,7 @@ namespace curvecast::server {
 grpc::ServerUnaryReactor* inspect_mesh(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
                                        const v1::InspectMeshRequest& request, v1::InspectMeshResponse* response) {
   return new UnaryJob(engine, "InspectMesh", context, caller, [&]() -> absl::StatusOr<UnaryJob::Work> {
-    absl::StatusOr<MeshFiles> files = find_files(engine.meshes, request.mesh_id(), request.companions());
+    absl::StatusOr<MeshFiles> files = find_files(engine.meshes, request.mesh_id(), request.companions(), caller.owner);
     if (!files.ok()) return files.status();
     return [files = *std::move(files), response](const ExecutionContext& job) {
       const absl::StatusOr<MeshFile> file = files.file(job);
@@ -27,7 +27,7 @@ grpc::ServerUnaryReactor* list_mesh_references(Engine& engine, grpc::CallbackSer
                                                const v1::ListMeshReferencesRequest& request,
                                                v1::ListMeshReferencesResponse* response) {
   return new UnaryJob(engine, "ListMeshReferences", context, caller, [&]() -> absl::StatusOr<UnaryJob::Work> {
-    absl::StatusOr<MeshFiles> files = find_files(engine.meshes, request.mesh_id(), request.companions());
+    absl::StatusOr<MeshFiles> files = find_files(engine.meshes, request.mesh_id(), request.companions(), caller.owner);
     if (!files.ok()) return files.status();
     return [files = *std::move(files), response](const ExecutionContext& job) {
       const absl::StatusOr<MeshFile> file = files.file(job);

@@ -43,7 +43,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
 
  private:
   absl::Status begin(Engine& engine, const v1::MeasureRequest& request) {
-    auto mesh = find_files(engine.meshes, request.mesh_id(), request.companions());
+    auto mesh = find_files(engine.meshes, request.mesh_id(), request.companions(), caller().owner);
     if (!mesh.ok()) return mesh.status();
     const bool has_other = !request.other_mesh_id().empty();
     if (request.sets_size() < (has_other ? 0 : 1) || request.sets_size() > kMaxMeasuredSets) {
@@ -56,12 +56,12 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
     if (!distance.ok()) return distance.status();
     Work work{*std::move(mesh), std::nullopt, {}, *options, *distance, request};
     if (has_other) {
-      auto other = find_files(engine.meshes, request.other_mesh_id(), request.other_companions());
+      auto other = find_files(engine.meshes, request.other_mesh_id(), request.other_companions(), caller().owner);
       if (!other.ok()) return other.status();
       work.other = *std::move(other);
     }
     for (const v1::UploadedPoints& set : request.sets()) {
-      auto file = engine.meshes.find(set.points_id());
+      auto file = engine.meshes.find(set.points_id(), caller().owner);
       if (!file.ok()) return file.status();
       work.points.push_back(*std::move(file));
     }

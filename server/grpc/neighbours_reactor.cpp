@@ -19,7 +19,7 @@ class NeighboursReactor final : public WriteQueue<v1::FindNeighboursResponse> {
 
  private:
   absl::Status begin(Engine& engine, const v1::FindNeighboursRequest& request) {
-    auto held = HeldSession::hold(engine, request.session_id());
+    auto held = HeldSession::hold(engine, request.session_id(), caller());
     if (!held.ok()) return held.status();
     auto points = to_point_set_request(request.sample());
     if (!points.ok()) return points.status();

@@ -22,7 +22,7 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
 
  private:
   absl::Status begin(Engine& engine, const v1::GetParameterMeshRequest& request) {
-    auto files = find_files(engine.meshes, request.mesh_id(), request.companions());
+    auto files = find_files(engine.meshes, request.mesh_id(), request.companions(), caller().owner);
     if (!files.ok()) return files.status();
     const auto parameteriser = to_parameteriser("parameteriser", request.parameteriser());
     if (!parameteriser.ok()) return parameteriser.status();

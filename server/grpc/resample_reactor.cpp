@@ -18,7 +18,7 @@ class ResampleReactor final : public WriteQueue<v1::ResampleResponse> {
 
  private:
   absl::Status begin(Engine& engine, const v1::ResampleRequest& request) {
-    auto held = HeldSession::hold(engine, request.session_id());
+    auto held = HeldSession::hold(engine, request.session_id(), caller());
     if (!held.ok()) return held.status();
     auto point_set = to_point_set_request(request.sample());
     if (!point_set.ok()) return point_set.status();

@@ -17,16 +17,13 @@
 #include "server/frame/render_picture.h"
 #include "server/grpc/reactors.h"
 #include "server/grpc/unary_job.h"
+#include "server/session/cache_folder.h"
 #include "server/session/import_mesh.h"
 
 namespace curvecast::server {
 namespace {
 
 constexpr std::uint32_t kPageSize = 100, kMostOnPage = 1000;
-
-bool is_id(const std::string& text) {
-  return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
-}
 
 /// A call that ends as it begins.
 template <class Reactor>
@@ -52,12 +49,12 @@ std::invoke_result_t<Begin, const Caller&> check_caller(Engine& engine, const ch
   return new Refusal<std::remove_pointer_t<std::invoke_result_t<Begin, const Caller&>>>(to_grpc(caller.status()));
 }
 
-/// As check_caller(), and answers on the spot: `work` fills the response.
+/// As check_caller(), and answers on the spot: `work` is given the caller, and fills the response.
 template <class Work>
 grpc::ServerUnaryReactor* answer(Engine& engine, const char* method, grpc::CallbackServerContext& context, Work&& work) {
   return check_caller(engine, method, context, [&](const Caller& caller) -> grpc::ServerUnaryReactor* {
     RequestLog log(engine, method, context, caller);
-    const grpc::Status status = to_grpc(status_from_exceptions(work));
+    const grpc::Status status = to_grpc(status_from_exceptions([&] { return work(caller); }));
     log.finish(status);
     grpc::ServerUnaryReactor* reactor = context.DefaultReactor();
     reactor->Finish(status);
@@ -89,36 +86,33 @@ grpc::ServerReadReactor<v1::UploadMeshRequest>* Service::UploadMesh(grpc::Callba
 
 grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
                                            v1::GetMeshResponse* response) {
-  const auto mesh = engine_.meshes.find(request->mesh_id());
-  const auto tell = [response, mesh](const ExecutionContext& job) {
+  return answer_later(engine_, "GetMesh", *context, [&](const Caller& caller) -> absl::StatusOr<UnaryJob::Work> {
+    auto mesh = engine_.meshes.find(request->mesh_id(), caller.owner);
     if (!mesh.ok()) return mesh.status();
-    // Who is told that it is here does not upload it.
-    if (absl::Status opened = (*mesh)->open(job); !opened.ok()) return opened;
-    response->set_mesh_id((*mesh)->id);
-    response->set_name((*mesh)->name);
-    response->set_size((*mesh)->size());
-    return absl::OkStatus();
-  };
-  if (mesh.ok() && !(*mesh)->is_checked()) {
-    return answer_later(engine_, "GetMesh", *context,
-                        [&](const Caller& /*caller*/) -> absl::StatusOr<UnaryJob::Work> { return tell; });
-  }
-  return answer(engine_, "GetMesh", *context, [&] { return tell({}); });
+    return [response, mesh = *std::move(mesh)](const ExecutionContext& job) {
+      // Who is told that it is here does not upload it.
+      if (absl::Status opened = mesh->open(job); !opened.ok()) return opened;
+      response->set_mesh_id(mesh->id);
+      response->set_name(mesh->name);
+      response->set_size(mesh->size());
+      return absl::OkStatus();
+    };
+  });
 }
 
 grpc::ServerUnaryReactor* Service::GetUpload(grpc::CallbackServerContext* context, const v1::GetUploadRequest* request,
                                              v1::GetUploadResponse* response) {
-  return answer(engine_, "GetUpload", *context, [&] {
-    response->set_received(engine_.meshes.received(request->mesh_id()));
+  return answer(engine_, "GetUpload", *context, [&](const Caller& caller) {
+    response->set_received(engine_.meshes.received(request->mesh_id(), caller.maker()));
     return absl::OkStatus();
   });
 }
 
 grpc::ServerUnaryReactor* Service::ImportMesh(grpc::CallbackServerContext* context, const v1::ImportMeshRequest* request,
                                               v1::ImportMeshResponse* response) {
-  return answer_later(engine_, "ImportMesh", *context, [&](const Caller& /*caller*/) -> absl::StatusOr<UnaryJob::Work> {
-    return [this, path = request->path(), response](const ExecutionContext& job) {
-      const auto mesh = import_mesh(engine_.meshes, engine_.mesh_folder, path, job);
+  return answer_later(engine_, "ImportMesh", *context, [&](const Caller& caller) -> absl::StatusOr<UnaryJob::Work> {
+    return [this, maker = caller.maker(), path = request->path(), response](const ExecutionContext& job) {
+      const auto mesh = import_mesh(engine_.meshes, maker, engine_.mesh_folder, path, job);
       if (!mesh.ok()) return mesh.status();
       response->set_mesh_id((*mesh)->id);
       response->set_size((*mesh)->size());
@@ -156,16 +150,16 @@ grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* conte
                                               v1::GetSessionResponse* response) {
   const std::string& id = request->session_id();
   if (engine_.sessions.must_load(id)) {
-    return answer_later(engine_, "GetSession", *context, [&](const Caller& /*caller*/) -> absl::StatusOr<UnaryJob::Work> {
-      return [this, id, response](const ExecutionContext& /*job*/) {
-        const auto session = engine_.sessions.find(id);
+    return answer_later(engine_, "GetSession", *context, [&](const Caller& caller) -> absl::StatusOr<UnaryJob::Work> {
+      return [this, id, who = caller.owner, response](const ExecutionContext& /*job*/) {
+        const auto session = engine_.sessions.find(id, who);
         if (session.ok()) *response->mutable_session() = with_cached(to_proto(**session));
         return session.status();
       };
     });
   }
-  return answer(engine_, "GetSession", *context, [&] {
-    const auto info = engine_.sessions.info(id);
+  return answer(engine_, "GetSession", *context, [&](const Caller& caller) {
+    const auto info = engine_.sessions.info(id, caller.owner);
     if (info.ok()) *response->mutable_session() = with_cached(to_proto(*info));
     return info.status();
   });
@@ -173,14 +167,14 @@ grpc::ServerUnaryReactor* Service::GetSession(grpc::CallbackServerContext* conte
 
 grpc::ServerUnaryReactor* Service::ListSessions(grpc::CallbackServerContext* context, const v1::ListSessionsRequest* request,
                                                 v1::ListSessionsResponse* response) {
-  return answer(engine_, "ListSessions", *context, [&] {
+  return answer(engine_, "ListSessions", *context, [&](const Caller& caller) {
     // A token is the last session_id of the page before.
     const std::string& token = request->page_token();
-    if (!token.empty() && !is_id(token)) {
+    if (!token.empty() && !is_content_id(token)) {
       return absl::InvalidArgumentError(absl::StrCat("page_token \"", printable(token), "\" is none that this server has given"));
     }
     const std::size_t size = request->page_size() == 0 ? kPageSize : std::min(request->page_size(), kMostOnPage);
-    std::vector<SessionInfo> sessions = engine_.sessions.list(token, size + 1);
+    std::vector<SessionInfo> sessions = engine_.sessions.list(token, size + 1, caller.owner);
     if (sessions.size() > size) {
       sessions.pop_back();
       response->set_next_page_token(sessions.back().id);
@@ -218,9 +212,9 @@ grpc::ServerUnaryReactor* Service::CloseSession(grpc::CallbackServerContext* con
 
 grpc::ServerUnaryReactor* Service::Render(grpc::CallbackServerContext* context, const v1::RenderRequest* request,
                                           v1::RenderResponse* response) {
-  return answer_later(engine_, "Render", *context, [&](const Caller& /*caller*/) -> absl::StatusOr<UnaryJob::Work> {
-    return [this, request, response](const ExecutionContext& job) {
-      const auto session = engine_.sessions.find(request->session_id());
+  return answer_later(engine_, "Render", *context, [&](const Caller& caller) -> absl::StatusOr<UnaryJob::Work> {
+    return [this, request, who = caller.owner, response](const ExecutionContext& job) {
+      const auto session = engine_.sessions.find(request->session_id(), who);
       if (!session.ok()) return session.status();
       auto picture = render_picture(**session, *request, engine_.view_cache, job);
       if (absl::Status checked = engine_.sessions.check(**session); !checked.ok()) return checked;

@@ -111,7 +111,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   void OnDone() override { delete this; }
 
   RequestLog log_;
-  SendWatch& sends_;
+  StallWatch& sends_;
   grpc::CallbackServerContext& context_;
   std::unique_ptr<ViewConversation> conversation_;  // null: refused
   v1::StreamViewsRequest request_;

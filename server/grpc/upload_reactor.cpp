@@ -12,6 +12,7 @@
 #include "server/base/status_from_exceptions.h"
 #include "server/engine/caller.h"
 #include "server/engine/request_log.h"
+#include "server/grpc/end_call.h"
 #include "server/grpc/reactors.h"
 
 namespace curvecast::server {
@@ -22,25 +23,37 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   UploadReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller, v1::UploadMeshResponse* response)
       : engine_(engine),
         caller_(caller),
+        context_(context),
         log_(engine, "UploadMesh", context, caller),
-        upload_(engine.meshes),
+        upload_(engine.meshes, caller.maker()),
         response_(response) {
     absl::StatusOr<Admission::Ticket> ticket = engine.uploads->admit(caller.name);
     if (ticket.ok()) {
       ticket_.emplace(*std::move(ticket));
-      StartRead(&request_);
+      read();
     } else {
       finish(ticket.status());
     }
   }
 
  private:
+  /// Who sends nothing holds his place in the store for so long; then what has come is kept for a later upload.
+  void read() {
+    engine_.receipts.begin(this, [this](const absl::Status& status) {
+      stalled_ = status;
+      end_call(context_, status);
+    });
+    StartRead(&request_);
+  }
+
   void OnReadDone(bool ok) override {
+    engine_.receipts.done(this);
+    if (!stalled_.ok()) return finish(stalled_);
     const absl::Status status = ok ? status_from_exceptions([&] { return receive(); }) : submit_end();
     if (!status.ok()) {
       finish(status);
     } else if (ok) {
-      StartRead(&request_);
+      read();
     }
   }
 
@@ -92,11 +105,13 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
 
   Engine& engine_;
   const Caller caller_;
+  grpc::CallbackServerContext& context_;
   RequestLog log_;
   MeshUpload upload_;
   v1::UploadMeshRequest request_;
   v1::UploadMeshResponse* const response_;
   bool begun_ = false;
+  absl::Status stalled_;  // an error: the call was ended because nothing came; written within the watch
   std::optional<Admission::Ticket> ticket_;
 };
 

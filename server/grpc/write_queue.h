@@ -144,7 +144,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
 
   RequestLog log_;
   QueuedBytes& queued_;
-  SendWatch& sends_;
+  StallWatch& sends_;
   grpc::CallbackServerContext& context_;
   const Caller caller_;
   std::atomic<bool> cancelled_ = false;

@@ -26,8 +26,8 @@ bool is_within(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<const Mesh>> import_mesh(MeshStore& store, const std::string& folder, const std::string& path,
-                                                        const ExecutionContext& context) {
+absl::StatusOr<std::shared_ptr<const Mesh>> import_mesh(MeshStore& store, const Maker& maker, const std::string& folder,
+                                                        const std::string& path, const ExecutionContext& context) {
   if (folder.empty()) return absl::PermissionDeniedError("this server offers no folder of meshes; upload the file");
   if (path.find('\0') != std::string::npos) return denied(path);
   std::error_code error;
@@ -42,7 +42,7 @@ absl::StatusOr<std::shared_ptr<const Mesh>> import_mesh(MeshStore& store, const 
   const std::uintmax_t size = fs::file_size(file, error);
   std::ifstream in(file, std::ios::binary);
   if (error || !in) return absl::NotFoundError(absl::StrCat("\"", printable(path), "\" cannot be read"));
-  MeshUpload upload(store);
+  MeshUpload upload(store, maker);
   if (absl::Status status = upload.begin(file.filename().string(), size, ""); !status.ok()) return status;
   std::string chunk(kChunk, '\0');
   while (in) {

@@ -11,9 +11,9 @@
 
 namespace curvecast::server {
 
-/// Stores the file at `path`, relative to `folder`, as if a client had sent it. NotFound: there is no such file.
+/// Stores the file at `path`, relative to `folder`, as if the client had sent it. NotFound: there is no such file.
 /// PermissionDenied: `folder` is empty, or the path leads out of it, be it through a link. Other errors as of MeshUpload.
-absl::StatusOr<std::shared_ptr<const Mesh>> import_mesh(MeshStore& store, const std::string& folder, const std::string& path,
-                                                        const ExecutionContext& context);
+absl::StatusOr<std::shared_ptr<const Mesh>> import_mesh(MeshStore& store, const Maker& maker, const std::string& folder,
+                                                        const std::string& path, const ExecutionContext& context);
 
 }  // namespace curvecast::server

@@ -6,16 +6,13 @@
 
 namespace curvecast::server {
 
-Mesh::Mesh(std::string file_id, std::string file_name, MeshBytes bytes)
-    : id(std::move(file_id)),
-      name(std::move(file_name)),
-      size_(bytes.size()),
-      bytes_(std::move(bytes)),
-      is_open_(true),
-      is_checked_(true) {}
+Mesh::Mesh(MeshLabel label, MeshBytes bytes) : Mesh(std::move(label), bytes.size(), Load()) {
+  bytes_ = std::move(bytes);
+  is_open_ = is_checked_ = true;
+}
 
-Mesh::Mesh(std::string file_id, std::string file_name, std::size_t size, Load load)
-    : id(std::move(file_id)), name(std::move(file_name)), size_(size), load_(std::move(load)) {}
+Mesh::Mesh(MeshLabel label, std::size_t size, Load load)
+    : id(label.id), name(label.name), sender(label.sender), key(label.key()), size_(size), load_(std::move(load)) {}
 
 absl::Status Mesh::open(const ExecutionContext& context) const {
   const MutexLock one_at_a_time(opening_);

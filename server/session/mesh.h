@@ -15,6 +15,17 @@
 
 namespace curvecast::server {
 
+/// What is known of a file without its bytes.
+struct MeshLabel {
+  std::string id;           // hash of the bytes
+  std::string name = {};    // as first uploaded
+  std::string sender = {};  // whose share of the store it takes
+  std::string realm = {};   // of those who may find it, 32 hexadecimal digits; empty: all may
+
+  /// By which the file is looked up: the id, after the realm and a dash where there is one.
+  std::string key() const { return realm.empty() ? id : realm + "-" + id; }
+};
+
 /// Thread-safe. What it says of the file never changes; the bytes of one on the disk are brought in when they are first needed.
 class Mesh {
  public:
@@ -22,11 +33,11 @@ class Mesh {
   /// is gone then.
   using Load = std::function<absl::StatusOr<MeshBytes>(bool is_known_good, const ExecutionContext& context)>;
 
-  Mesh(std::string file_id, std::string file_name, MeshBytes bytes);
-  Mesh(std::string file_id, std::string file_name, std::size_t size, Load load);
+  Mesh(MeshLabel label, MeshBytes bytes);
+  Mesh(MeshLabel label, std::size_t size, Load load);
 
-  const std::string id;    // hash of the bytes
-  const std::string name;  // as first uploaded
+  // As of MeshLabel.
+  const std::string id, name, sender, key;
   std::size_t size() const { return size_; }
 
   /// Has the bytes at hand from now on, checked. May read all of the file the first time: for workers. Errors of `load`, and of

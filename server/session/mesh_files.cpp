@@ -47,13 +47,13 @@ void MeshFiles::release_pages() const {
 }
 
 absl::StatusOr<MeshFiles> find_files(MeshStore& store, const std::string& mesh_id,
-                                     const google::protobuf::Map<std::string, std::string>& companions) {
+                                     const google::protobuf::Map<std::string, std::string>& companions, const std::string& who) {
   if (companions.size() > kMaxCompanions) {
     return absl::InvalidArgumentError(
         absl::StrCat("companions has ", companions.size(), " entries; at most ", kMaxCompanions, " are taken"));
   }
   MeshFiles files;
-  absl::StatusOr<std::shared_ptr<const Mesh>> mesh = store.find(mesh_id);
+  absl::StatusOr<std::shared_ptr<const Mesh>> mesh = store.find(mesh_id, who);
   if (!mesh.ok()) return mesh.status();
   files.mesh = *std::move(mesh);
   for (const auto& [name, id] : companions) {
@@ -61,7 +61,7 @@ absl::StatusOr<MeshFiles> find_files(MeshStore& store, const std::string& mesh_i
       return absl::InvalidArgumentError(
           absl::StrCat("a name in companions has ", name.size(), " bytes; at most ", kMaxName, " are taken"));
     }
-    absl::StatusOr<std::shared_ptr<const Mesh>> companion = store.find(id);
+    absl::StatusOr<std::shared_ptr<const Mesh>> companion = store.find(id, who);
     if (!companion.ok()) {
       return of_companion(name, companion.status());
     }

@@ -27,9 +27,10 @@ struct MeshFiles {
   void release_pages() const;
 };
 
-/// Looks all files up. Names are only compared with those in the mesh, never with any file system. NotFound names the file that
-/// has to be uploaded (again); InvalidArgument for too many companions or names too long.
+/// Looks all files up that `who` may find: see MeshStore::find(). Names are only compared with those in the mesh, never with any
+/// file system. NotFound names the file that has to be uploaded (again); InvalidArgument for too many companions or names too
+/// long.
 absl::StatusOr<MeshFiles> find_files(MeshStore& store, const std::string& mesh_id,
-                                     const google::protobuf::Map<std::string, std::string>& companions);
+                                     const google::protobuf::Map<std::string, std::string>& companions, const std::string& who);
 
 }  // namespace curvecast::server

@@ -29,22 +29,38 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kEnding[] = ".mesh";
-constexpr char kMagic[8] = {'C', 'V', 'C', 'M', 'E', 'S', 'H', '1'};
-constexpr std::size_t kMaxName = 1 << 16;              // bytes
+constexpr char kMagic[8] = {'C', 'V', 'C', 'M', 'E', 'S', 'H', '2'};
+constexpr std::size_t kIdSize = 32;                    // digits, of a realm too
+constexpr std::size_t kMaxText = 1 << 16;              // bytes of name and sender
 constexpr std::size_t kHashed = std::size_t{8} << 20;  // bytes between two looks at the context
 
-/// The end of a file. Its bytes and name come before it.
+/// The end of a file. Its bytes, name and sender come before it.
 struct Trailer {
   std::uint64_t size = 0;  // of the mesh file
-  std::uint64_t name_size = 0;
-  std::uint64_t checksum = 0;  // XXH3-64 of the name and both sizes
+  std::uint64_t name_size = 0, sender_size = 0;
+  std::uint64_t checksum = 0;  // XXH3-64 of name, sender and sizes
   char magic[8] = {};
 };
-static_assert(sizeof(Trailer) == 32);
+static_assert(sizeof(Trailer) == 40);
 
-std::uint64_t checksum_of(const Trailer& trailer, std::string_view name) {
-  const std::uint64_t sizes[] = {trailer.size, trailer.name_size};
-  return XXH3_64bits_withSeed(name.data(), name.size(), XXH3_64bits(sizes, sizeof sizes));
+/// `text`: name and sender.
+std::uint64_t checksum_of(const Trailer& trailer, std::string_view text) {
+  const std::uint64_t sizes[] = {trailer.size, trailer.name_size, trailer.sender_size};
+  return XXH3_64bits_withSeed(text.data(), text.size(), XXH3_64bits(sizes, sizeof sizes));
+}
+
+/// Whether it may be one of MeshLabel::key(). Nothing else may become part of a path.
+bool is_key(const std::string& key) {
+  if (key.size() == kIdSize) return is_content_id(key);
+  return key.size() == 2 * kIdSize + 1 && key[kIdSize] == '-' && is_content_id(key.substr(0, kIdSize)) &&
+         is_content_id(key.substr(kIdSize + 1));
+}
+
+/// Precondition: is_key(key).
+MeshLabel label_of(const std::string& key) {
+  MeshLabel label{.id = key.substr(key.size() - kIdSize)};
+  if (key.size() > kIdSize) label.realm = key.substr(0, kIdSize);
+  return label;
 }
 
 int open_to_read(const std::string& path) { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY); }
@@ -61,7 +77,7 @@ bool read_at(int descriptor, std::uint64_t offset, std::span<char> out) {
 }
 
 struct Description {
-  std::string name;
+  std::string name, sender;
   std::uint64_t size = 0;
 };
 
@@ -75,13 +91,14 @@ absl::StatusOr<Description> describe(int descriptor, const std::string& path) {
   if (!S_ISREG(status.st_mode) || whole < sizeof trailer) return damaged;
   const std::uint64_t room = whole - sizeof trailer;
   if (!read_at(descriptor, room, {reinterpret_cast<char*>(&trailer), sizeof trailer})) return damaged;
-  if (std::memcmp(trailer.magic, kMagic, sizeof kMagic) != 0 || trailer.name_size > std::min<std::uint64_t>(room, kMaxName) ||
-      trailer.size == 0 || trailer.size != room - trailer.name_size) {
+  const std::uint64_t most = std::min<std::uint64_t>(room, kMaxText);
+  if (std::memcmp(trailer.magic, kMagic, sizeof kMagic) != 0 || trailer.name_size > most || trailer.sender_size > most ||
+      trailer.size == 0 || trailer.size + trailer.name_size + trailer.sender_size != room || trailer.size > room) {
     return damaged;
   }
-  Description out{std::string(trailer.name_size, '\0'), trailer.size};
-  if (!read_at(descriptor, trailer.size, out.name) || checksum_of(trailer, out.name) != trailer.checksum) return damaged;
-  return out;
+  std::string text(trailer.name_size + trailer.sender_size, '\0');
+  if (!read_at(descriptor, trailer.size, text) || checksum_of(trailer, text) != trailer.checksum) return damaged;
+  return Description{text.substr(0, trailer.name_size), text.substr(trailer.name_size), trailer.size};
 }
 
 /// OK where the bytes are those that the id promises, else DataLoss.
@@ -145,7 +162,7 @@ absl::StatusOr<std::unique_ptr<MeshFolder>> MeshFolder::open(const std::string& 
   return folder;
 }
 
-std::string MeshFolder::path_of(const std::string& id) const { return absl::StrCat(folder_, "/", id, kEnding); }
+std::string MeshFolder::path_of(const std::string& key) const { return absl::StrCat(folder_, "/", key, kEnding); }
 
 absl::StatusOr<AtomicFile> MeshFolder::create() const {
   absl::StatusOr<AtomicFile> file = AtomicFile::create_in(folder_);
@@ -153,46 +170,52 @@ absl::StatusOr<AtomicFile> MeshFolder::create() const {
   return absl::UnavailableError(absl::StrCat("the server cannot keep meshes: ", file.status().message()));
 }
 
-absl::StatusOr<std::shared_ptr<const Mesh>> MeshFolder::store(AtomicFile file, const std::string& id, const std::string& name,
-                                                              std::size_t size) const {
-  Trailer trailer{.size = size, .name_size = name.size()};
-  trailer.checksum = checksum_of(trailer, name);
+absl::StatusOr<std::shared_ptr<const Mesh>> MeshFolder::store(AtomicFile file, const MeshLabel& label, std::size_t size) const {
+  const std::string text = label.name + label.sender;
+  Trailer trailer{.size = size, .name_size = label.name.size(), .sender_size = label.sender.size()};
+  trailer.checksum = checksum_of(trailer, text);
   std::memcpy(trailer.magic, kMagic, sizeof kMagic);
-  absl::Status status = file.write_at(size, std::as_bytes(std::span(name)));
-  if (status.ok()) status = file.write_at(size + name.size(), std::as_bytes(std::span(&trailer, 1)));
-  if (status.ok()) status = file.commit_as(path_of(id));
-  if (status.ok()) return make_mesh(id, name, size);
-  log_->error("meshes: {} \"{}\" is not kept: {}", id, printable(name), std::string(status.message()));
+  absl::Status status = file.write_at(size, std::as_bytes(std::span(text)));
+  if (status.ok()) status = file.write_at(size + text.size(), std::as_bytes(std::span(&trailer, 1)));
+  if (status.ok()) status = file.commit_as(path_of(label.key()));
+  if (status.ok()) return make_mesh(label, size);
+  log_->error("meshes: {} \"{}\" is not kept: {}", label.id, printable(label.name), std::string(status.message()));
   if (absl::IsResourceExhausted(status)) return absl::ResourceExhaustedError("the server's disk is full; try again later");
   return absl::UnavailableError(absl::StrCat("the server cannot keep the mesh: ", status.message()));
 }
 
-std::shared_ptr<const Mesh> MeshFolder::make_mesh(const std::string& id, std::string name, std::size_t size) const {
-  return std::make_shared<const Mesh>(
-      id, std::move(name), size, [path = path_of(id), id, size, log = log_](bool is_known_good, const ExecutionContext& context) {
-        return load(path, id, size, is_known_good, *log, context);
-      });
+std::shared_ptr<const Mesh> MeshFolder::make_mesh(MeshLabel label, std::size_t size) const {
+  auto load_again = [path = path_of(label.key()), id = label.id, size, log = log_](bool is_known_good,
+                                                                                   const ExecutionContext& context) {
+    return load(path, id, size, is_known_good, *log, context);
+  };
+  return std::make_shared<const Mesh>(std::move(label), size, std::move(load_again));
 }
 
-bool MeshFolder::holds(const std::string& id) const { return is_content_id(id) && is_file(path_of(id)); }
+bool MeshFolder::holds(const std::string& key) const { return is_key(key) && is_file(path_of(key)); }
 
-absl::StatusOr<std::shared_ptr<const Mesh>> MeshFolder::find(const std::string& id) const {
-  if (!is_content_id(id)) return not_found(id);
-  const std::string path = path_of(id);
+absl::StatusOr<std::shared_ptr<const Mesh>> MeshFolder::find(const std::string& key) const {
+  if (!is_key(key)) return not_found(key);
+  MeshLabel label = label_of(key);
+  const std::string path = path_of(key);
   const int descriptor = open_to_read(path);
-  if (descriptor < 0) return not_found(id);
+  if (descriptor < 0) return not_found(label.id);
   const absl::Cleanup close = [descriptor] { ::close(descriptor); };
   absl::StatusOr<Description> described = describe(descriptor, path);
-  if (described.ok()) return make_mesh(id, std::move(described->name), described->size);
-  if (absl::IsDataLoss(described.status())) discard(*log_, path, std::string(described.status().message()));
-  return not_found(id);
+  if (!described.ok()) {
+    if (absl::IsDataLoss(described.status())) discard(*log_, path, std::string(described.status().message()));
+    return not_found(label.id);
+  }
+  label.name = std::move(described->name);
+  label.sender = std::move(described->sender);
+  return make_mesh(std::move(label), described->size);
 }
 
-void MeshFolder::touch(const std::string& id) const { touch_file(path_of(id)); }
+void MeshFolder::touch(const std::string& key) const { touch_file(path_of(key)); }
 
-void MeshFolder::remove(const std::string& id) const {
+void MeshFolder::remove(const std::string& key) const {
   std::error_code ignored;
-  fs::remove(path_of(id), ignored);
+  fs::remove(path_of(key), ignored);
 }
 
 std::vector<MeshFolder::Stored> MeshFolder::list() const {
@@ -202,8 +225,8 @@ std::vector<MeshFolder::Stored> MeshFolder::list() const {
     const std::string name = it->path().filename().string();
     struct stat status = {};
     if (!absl::EndsWith(name, kEnding) || ::lstat(it->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
-    std::string id = name.substr(0, name.size() - std::strlen(kEnding));
-    if (is_content_id(id)) out.push_back({std::move(id), status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec});
+    std::string key = name.substr(0, name.size() - std::strlen(kEnding));
+    if (is_key(key)) out.push_back({std::move(key), status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec});
   }
   std::ranges::sort(out, std::ranges::greater(), &Stored::last_used);
   return out;

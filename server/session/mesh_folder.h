@@ -1,5 +1,5 @@
-// The mesh files that survive the server: a folder in that of the cache, with a file ID.mesh for each. That holds the mesh file's
-// bytes, then its name and a trailer that says how long both are.
+// The mesh files that survive the server: a folder in that of the cache, with a file KEY.mesh for each. That holds the mesh
+// file's bytes, then its name, who sent it, and a trailer that says how long these are.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -27,22 +27,21 @@ class MeshFolder {
 
   /// A file to write a mesh's bytes to, for store(). ResourceExhausted: the disk is full; Unavailable for all else.
   absl::StatusOr<AtomicFile> create() const;
-  /// Makes a file with a mesh's bytes durable under the mesh's id, and returns the mesh. What is there of that id is replaced.
+  /// Makes a file with a mesh's bytes durable under the mesh's key, and returns the mesh. What is there of that key is replaced.
   /// Waits for the disk. Errors as of create().
-  absl::StatusOr<std::shared_ptr<const Mesh>> store(AtomicFile file, const std::string& id, const std::string& name,
-                                                    std::size_t size) const;
+  absl::StatusOr<std::shared_ptr<const Mesh>> store(AtomicFile file, const MeshLabel& label, std::size_t size) const;
 
-  /// Whether there is a file of this id.
-  bool holds(const std::string& id) const;
+  /// Whether there is a file of this key.
+  bool holds(const std::string& key) const;
   /// Looks a mesh up, whichever process stored it, without reading its bytes. NotFound, also where its file is damaged: then the
   /// log says so, and it is removed.
-  absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id) const;
+  absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& key) const;
   /// Counts a mesh as used now.
-  void touch(const std::string& id) const;
-  void remove(const std::string& id) const;
+  void touch(const std::string& key) const;
+  void remove(const std::string& key) const;
 
   struct Stored {
-    std::string id;
+    std::string key;
     std::int64_t last_used = 0;  // nanoseconds
   };
   /// All that are there, the most recently used first.
@@ -50,8 +49,8 @@ class MeshFolder {
 
  private:
   MeshFolder(std::string folder, std::shared_ptr<spdlog::logger> log) : folder_(std::move(folder)), log_(std::move(log)) {}
-  std::string path_of(const std::string& id) const;
-  std::shared_ptr<const Mesh> make_mesh(const std::string& id, std::string name, std::size_t size) const;
+  std::string path_of(const std::string& key) const;
+  std::shared_ptr<const Mesh> make_mesh(MeshLabel label, std::size_t size) const;
 
   const std::string folder_;
   const std::shared_ptr<spdlog::logger> log_;

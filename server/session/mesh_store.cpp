@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/base/log.h"
+#include "server/session/cache_folder.h"
 
 namespace curvecast::server {
 namespace {
@@ -15,56 +16,82 @@ constexpr std::uint64_t kCharge = 4096;  // for the records of a file, so that c
 constexpr std::size_t kMaxName = 1024;   // bytes
 constexpr std::size_t kMaxId = 32;
 constexpr std::size_t kFirstCapacity = std::size_t{1} << 20;
-constexpr std::size_t kMostParked = 16;
+constexpr std::ptrdiff_t kMostParked = 16, kMostParkedOfOne = 4;
+constexpr std::uint64_t kUnderWayShare = 2;  // of the store, which a caller's uploads may take: nothing of them can be pushed out
 
 }  // namespace
 
-MeshStore::MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes, std::string folder)
-    : MeshStore(max_bytes, max_file_bytes, std::move(folder), nullptr) {}
-
-MeshStore::MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes, std::string folder, std::unique_ptr<MeshFolder> kept)
-    : max_bytes_(max_bytes), max_file_bytes_(max_file_bytes), folder_(std::move(folder)), kept_(std::move(kept)) {
+MeshStore::MeshStore(const MeshLimits& limits, std::string folder, std::unique_ptr<MeshFolder> kept)
+    : limits_(limits), folder_(std::move(folder)), kept_(std::move(kept)) {
   const MutexLock lock(mutex_);
   look_into_folder();
 }
 
-absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find(const std::string& id) {
+std::string MeshStore::realm_of(const std::string& owner) const {
+  if (!limits_.isolate) return "";
+  Hasher hasher;
+  hasher.update("realm\n");
+  hasher.update(owner);
+  return hasher.hex();
+}
+
+std::string MeshStore::key_of(const std::string& id, const std::string& owner) const {
+  return MeshLabel{.id = id, .realm = realm_of(owner)}.key();
+}
+
+absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find(const std::string& id, const std::string& who) {
   const absl::Status not_held =
       absl::NotFoundError(absl::StrCat("mesh \"", printable(id), "\" is not held here; upload it first"));
+  if (!is_content_id(id)) return not_held;  // keys of others have more to them
+  const std::string key = key_of(id, who);
   const MutexLock lock(mutex_);
-  auto found = by_id_.find(id);
-  if (found != by_id_.end() && !(*found->second)->status().ok()) {
-    if (kept_ != nullptr) kept_->remove(id);
+  auto found = by_key_.find(key);
+  if (found != by_key_.end() && !(*found->second)->status().ok()) {
+    if (kept_ != nullptr) kept_->remove(key);
     drop(found->second);
     return not_held;
   }
   // Another server may have removed the file, or this one because it was damaged. Whoever uses it has it still.
-  if (kept_ != nullptr && found != by_id_.end() && found->second->use_count() == 1 && !kept_->holds(id)) {
+  if (kept_ != nullptr && found != by_key_.end() && found->second->use_count() == 1 && !kept_->holds(key)) {
     drop(found->second);
     return not_held;
   }
-  if (kept_ != nullptr && found == by_id_.end()) {
-    absl::StatusOr<std::shared_ptr<const Mesh>> stored = kept_->find(id);
+  if (kept_ != nullptr && found == by_key_.end()) {
+    absl::StatusOr<std::shared_ptr<const Mesh>> stored = kept_->find(key);
     if (!stored.ok()) return not_held;
     adopt(*std::move(stored));
-    found = by_id_.find(id);
+    found = by_key_.find(key);
   }
-  if (found == by_id_.end()) return not_held;
-  if (kept_ != nullptr) kept_->touch(id);
+  if (found == by_key_.end()) return not_held;
+  if (kept_ != nullptr) kept_->touch(key);
   recency_.splice(recency_.begin(), recency_, found->second);
   return *found->second;
 }
 
+void MeshStore::add(const std::string& caller, std::uint64_t held, std::uint64_t under_way) {
+  used_ += held;
+  Share& share = shares_[caller];
+  share.held += held;
+  share.under_way += under_way;
+}
+
+void MeshStore::subtract(const std::string& caller, std::uint64_t held, std::uint64_t under_way) {
+  used_ -= held;
+  const auto share = shares_.find(caller);
+  share->second.under_way -= under_way;
+  if ((share->second.held -= held) == 0) shares_.erase(share);
+}
+
 void MeshStore::adopt(std::shared_ptr<const Mesh> mesh) {
-  used_ += mesh->size() + kCharge;
-  const std::string id = mesh->id;
+  add(mesh->sender, mesh->size() + kCharge, 0);
+  const std::string key = mesh->key;
   recency_.push_front(std::move(mesh));
-  by_id_[id] = recency_.begin();
+  by_key_[key] = recency_.begin();
 }
 
 MeshStore::Recency::iterator MeshStore::drop(Recency::iterator mesh) {
-  used_ -= (*mesh)->size() + kCharge;
-  by_id_.erase((*mesh)->id);
+  subtract((*mesh)->sender, (*mesh)->size() + kCharge, 0);
+  by_key_.erase((*mesh)->key);
   return recency_.erase(mesh);
 }
 
@@ -72,12 +99,12 @@ void MeshStore::look_into_folder() {
   if (kept_ == nullptr) return;
   Recency stored;  // the most recently used first, as in the folder
   for (const MeshFolder::Stored& file : kept_->list()) {
-    if (!by_id_.contains(file.id)) {
-      absl::StatusOr<std::shared_ptr<const Mesh>> mesh = kept_->find(file.id);
+    if (!by_key_.contains(file.key)) {
+      absl::StatusOr<std::shared_ptr<const Mesh>> mesh = kept_->find(file.key);
       if (!mesh.ok()) continue;
       adopt(*std::move(mesh));
     }
-    stored.splice(stored.end(), recency_, by_id_.at(file.id));
+    stored.splice(stored.end(), recency_, by_key_.at(file.key));
   }
   // What is left has no file any more.
   for (auto it = recency_.begin(); it != recency_.end();) it = it->use_count() > 1 ? std::next(it) : drop(it);
@@ -86,38 +113,50 @@ void MeshStore::look_into_folder() {
 
 void MeshStore::run_housekeeping() {
   const MutexLock lock(mutex_);
-  // As in reserve(): nobody else can come to use them meanwhile.
+  // As in evict_for(): nobody else can come to use them meanwhile.
   for (const auto& mesh : recency_) {
     if (mesh.use_count() == 1) mesh->close();
   }
 }
 
-std::uint64_t MeshStore::received(const std::string& id) {
+MeshStore::Parts::iterator MeshStore::find_part(const std::string& id, const Maker& maker) {
+  return std::ranges::find_if(parked_, [&](const MeshPart& part) {
+    return part.expected_id == id && part.maker.caller == maker.caller && part.maker.owner == maker.owner;
+  });
+}
+
+void MeshStore::forget(Parts::iterator part) {
+  subtract(part->maker.caller, part->reserved, 0);
+  parked_.erase(part);
+}
+
+std::uint64_t MeshStore::received(const std::string& id, const Maker& maker) {
   const MutexLock lock(mutex_);
-  const auto found = std::ranges::find(parked_, id, &MeshPart::expected_id);
+  const auto found = find_part(id, maker);
   return found == parked_.end() ? 0 : found->data.size();
 }
 
 MeshStore::Usage MeshStore::usage() const {
   const MutexLock lock(mutex_);
-  return {recency_.size(), used_};
+  return {recency_.size(), used_, evicted_};
 }
 
 void MeshStore::park(MeshPart part) {
   const MutexLock lock(mutex_);
-  const auto forget = [this](std::list<MeshPart>::iterator old) {
-    mutex_.assert_held();
-    used_ -= old->reserved;
-    parked_.erase(old);
-  };
-  if (const auto same = std::ranges::find(parked_, part.expected_id, &MeshPart::expected_id); same != parked_.end()) forget(same);
+  const std::string caller = part.maker.caller;
+  const auto is_his = [&](const MeshPart& other) { return other.maker.caller == caller; };
+  shares_[caller].under_way -= part.reserved;
+  if (const auto same = find_part(part.expected_id, part.maker); same != parked_.end()) forget(same);
   parked_.push_front(std::move(part));
-  if (parked_.size() > kMostParked) forget(std::prev(parked_.end()));
+  if (std::ranges::count_if(parked_, is_his) > kMostParkedOfOne) {
+    forget(std::prev(std::ranges::find_if(parked_.rbegin(), parked_.rend(), is_his).base()));
+  }
+  if (std::ssize(parked_) > kMostParked) forget(std::prev(parked_.end()));
 }
 
-absl::StatusOr<MeshPart> MeshStore::resume(const std::string& id, std::uint64_t size, std::uint64_t offset) {
+absl::StatusOr<MeshPart> MeshStore::resume(const std::string& id, const Maker& maker, std::uint64_t size, std::uint64_t offset) {
   const MutexLock lock(mutex_);
-  const auto found = std::ranges::find(parked_, id, &MeshPart::expected_id);
+  const auto found = find_part(id, maker);
   const std::uint64_t there = found == parked_.end() ? 0 : found->data.size();
   if (there != offset) {
     return absl::FailedPreconditionError(
@@ -129,47 +168,68 @@ absl::StatusOr<MeshPart> MeshStore::resume(const std::string& id, std::uint64_t 
   }
   MeshPart part = std::move(*found);
   parked_.erase(found);
+  shares_[part.maker.caller].under_way += part.reserved;
   return part;
 }
 
-absl::Status MeshStore::reserve(std::uint64_t bytes) {
-  const MutexLock lock(mutex_);
-  if (used_ + bytes > max_bytes_) look_into_folder();
-  while (used_ + bytes > max_bytes_ && !parked_.empty()) {
-    used_ -= parked_.back().reserved;
-    parked_.pop_back();
-  }
-  // References to a mesh are only handed out under the lock, so a count of one cannot grow meanwhile.
-  for (auto it = recency_.end(); used_ + bytes > max_bytes_ && it != recency_.begin();) {
-    --it;
+bool MeshStore::evict_for(const std::string& caller, std::uint64_t bytes) {
+  const std::uint64_t fair = limits_.bytes / shares_.size();
+  const auto is_beyond = [&](const std::string& sender) {
+    mutex_.assert_held();
+    return shares_[sender].held + (sender == caller ? bytes : 0) > fair;
+  };
+  auto oldest = recency_.rend(), oldest_beyond = recency_.rend();
+  for (auto it = recency_.rbegin(); it != recency_.rend() && oldest_beyond == recency_.rend(); ++it) {
+    // References to a mesh are only handed out under the lock, so a count of one cannot grow meanwhile.
     if (it->use_count() > 1) continue;
-    if (kept_ != nullptr) kept_->remove((*it)->id);
-    it = drop(it);
+    if (oldest == recency_.rend()) oldest = it;
+    if (is_beyond((*it)->sender)) oldest_beyond = it;
   }
-  if (used_ + bytes > max_bytes_) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("no room for the mesh: the server holds at most ", max_bytes_, " bytes of mesh files; try again later"));
-  }
-  used_ += bytes;
-  return absl::OkStatus();
+  const auto victim = oldest_beyond != recency_.rend() || is_beyond(caller) ? oldest_beyond : oldest;
+  if (victim == recency_.rend()) return false;
+  if (kept_ != nullptr) kept_->remove((*victim)->key);
+  drop(std::prev(victim.base()));
+  ++evicted_;
+  return true;
 }
 
-void MeshStore::release(std::uint64_t bytes) {
+absl::Status MeshStore::reserve(const std::string& caller, std::uint64_t bytes) {
   const MutexLock lock(mutex_);
-  used_ -= bytes;
+  add(caller, 0, 0);  // for who holds nothing has a share, too
+  const std::uint64_t most_under_way = std::max(limits_.bytes / kUnderWayShare, limits_.file_bytes + kCharge);
+  absl::Status status;
+  if (shares_[caller].under_way + bytes > most_under_way) {
+    status = absl::ResourceExhaustedError(absl::StrCat("your uploads that are under way have ", shares_[caller].under_way,
+                                                       " bytes, as many as a client's may; let one of them end first"));
+  }
+  if (used_ + bytes > limits_.bytes) look_into_folder();
+  while (status.ok() && used_ + bytes > limits_.bytes && !parked_.empty()) forget(std::prev(parked_.end()));
+  while (status.ok() && used_ + bytes > limits_.bytes) {
+    if (evict_for(caller, bytes)) continue;
+    status = absl::ResourceExhaustedError(
+        absl::StrCat("no room for the mesh: the server holds at most ", limits_.bytes, " bytes of mesh files; try again later"));
+  }
+  status.ok() ? add(caller, bytes, bytes) : subtract(caller, 0, 0);
+  return status;
 }
 
-std::shared_ptr<const Mesh> MeshStore::keep(std::shared_ptr<const Mesh> mesh, std::uint64_t reserved) {
+void MeshStore::release(const std::string& caller, std::uint64_t bytes) {
+  if (bytes == 0) return;  // of an upload that was not begun, or given away
   const MutexLock lock(mutex_);
-  used_ -= reserved;
-  const auto found = by_id_.find(mesh->id);
-  const bool is_damaged = found != by_id_.end() && !(*found->second)->status().ok();
+  subtract(caller, bytes, bytes);
+}
+
+std::shared_ptr<const Mesh> MeshStore::keep(std::shared_ptr<const Mesh> mesh, const MeshPart& upload) {
+  const MutexLock lock(mutex_);
+  const auto found = by_key_.find(mesh->key);
+  const bool is_damaged = found != by_key_.end() && !(*found->second)->status().ok();
   if (is_damaged) drop(found->second);
-  if (is_damaged || found == by_id_.end()) {
+  if (is_damaged || found == by_key_.end()) {
     adopt(std::move(mesh));
   } else {
     recency_.splice(recency_.begin(), recency_, found->second);
   }
+  subtract(upload.maker.caller, upload.reserved, upload.reserved);
   return recency_.front();
 }
 
@@ -177,7 +237,7 @@ MeshUpload::~MeshUpload() {
   if (is_sound_ && !part_.expected_id.empty() && part_.data.size() > 0 && part_.reserved > 0) {
     store_.park(std::move(part_));
   } else {
-    store_.release(part_.reserved);
+    store_.release(part_.maker.caller, part_.reserved);
   }
 }
 
@@ -194,12 +254,12 @@ absl::Status MeshUpload::begin(std::string_view name, std::uint64_t size, std::s
         absl::StrCat("the file has ", size, " bytes; this server takes at most ", store_.max_file_bytes()));
   }
   if (offset > 0) {
-    absl::StatusOr<MeshPart> part = store_.resume(std::string(expected_id), size, offset);
+    absl::StatusOr<MeshPart> part = store_.resume(std::string(expected_id), part_.maker, size, offset);
     if (!part.ok()) return part.status();
     part_ = *std::move(part);
     return absl::OkStatus();
   }
-  if (absl::Status status = store_.reserve(kCharge); !status.ok()) return status;
+  if (absl::Status status = store_.reserve(part_.maker.caller, kCharge); !status.ok()) return status;
   part_.reserved = kCharge;
   if (store_.kept_ != nullptr) {
     absl::StatusOr<AtomicFile> file = store_.kept_->create();
@@ -226,7 +286,7 @@ absl::Status MeshUpload::append(std::string_view chunk) {
     const std::uint64_t ahead = std::max({needed, data.capacity() + data.capacity() / 2, kFirstCapacity});
     const std::size_t capacity = data.is_file() ? needed : static_cast<std::size_t>(std::min(part_.claimed, ahead));
     const std::size_t more = capacity - data.capacity();
-    if (absl::Status status = store_.reserve(more); !status.ok()) return status;
+    if (absl::Status status = store_.reserve(part_.maker.caller, more); !status.ok()) return status;
     part_.reserved += more;
     if (!data.is_file()) {
       if (absl::Status status = data.reserve(capacity); !status.ok()) return status;
@@ -251,17 +311,16 @@ absl::StatusOr<std::shared_ptr<const Mesh>> MeshUpload::finish() {
     return absl::InvalidArgumentError(absl::StrCat("the bytes received hash to ", id, ", not to header.mesh_id \"",
                                                    printable(part_.expected_id), "\"; send the file again"));
   }
+  const MeshLabel label{.id = id, .name = part_.name, .sender = part_.maker.caller, .realm = store_.realm_of(part_.maker.owner)};
   if (store_.kept_ != nullptr) {
     is_sound_ = false;  // what cannot be stored is not to be gone on with
-    auto stored = store_.kept_->store(part_.data.take_file(), id, part_.name, part_.claimed);
+    auto stored = store_.kept_->store(part_.data.take_file(), label, part_.claimed);
     if (!stored.ok()) return stored.status();
-    const MeshPart done = std::exchange(part_, MeshPart());
-    return store_.keep(*std::move(stored), done.reserved);
+    return store_.keep(*std::move(stored), std::exchange(part_, MeshPart()));
   }
   absl::StatusOr<MeshBytes> data = part_.data.finish();
   if (!data.ok()) return data.status();
-  MeshPart done = std::exchange(part_, MeshPart());
-  return store_.keep(std::make_shared<const Mesh>(id, std::move(done.name), *std::move(data)), done.reserved);
+  return store_.keep(std::make_shared<const Mesh>(label, *std::move(data)), std::exchange(part_, MeshPart()));
 }
 
 }  // namespace curvecast::server

@@ -5,13 +5,16 @@
 
 #include <cstdint>
 #include <list>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include "core/base/mutex.h"
 #include "server/base/hash.h"
+#include "server/session/maker.h"
 #include "server/session/mesh.h"
 #include "server/session/mesh_bytes.h"
 #include "server/session/mesh_folder.h"
@@ -21,6 +24,7 @@ namespace curvecast::server {
 /// The beginning of a file whose upload is under way or broke off.
 struct MeshPart {
   std::string name;
+  Maker maker;
   GrowingBytes data;
   Hasher hasher;
   std::string expected_id;     // empty: not known beforehand
@@ -28,27 +32,34 @@ struct MeshPart {
   std::uint64_t reserved = 0;  // bytes of the store's budget: the data's capacity and a fixed charge
 };
 
-/// Thread-safe. Holds whole files, uploads under way, and the beginnings of uploads that broke off, within one budget: for room,
-/// beginnings go first, then the least recently used files to which there are no references.
+/// What a store holds at most.
+struct MeshLimits {
+  std::uint64_t bytes = 0;       // of all files together
+  std::uint64_t file_bytes = 0;  // of one
+  bool isolate = false;          // each owner finds what was sent for him, and nothing else
+};
+
+/// Thread-safe. Holds whole files, uploads under way, and the beginnings of uploads that broke off, within one budget, of which
+/// each caller has the same share as soon as room is wanted: beginnings go first, then files to which there are no references,
+/// those of callers beyond their share before others, and of these the least recently used.
 class MeshStore {
  public:
-  /// Holds at most `max_bytes` of all files together, and takes files of at most `max_file_bytes`. They are kept in `folder`,
-  /// without names; where that is empty or cannot be used, in memory.
-  MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes, std::string folder = {});
-  /// The same with files that survive: what other stores, or one before, have kept there is held here too. `kept` may be null:
-  /// then as with `folder`.
-  MeshStore(std::uint64_t max_bytes, std::uint64_t max_file_bytes, std::string folder, std::unique_ptr<MeshFolder> kept);
+  /// Files are kept in `folder`, without names; where that is empty or cannot be used, in memory. With `kept`, which may be null,
+  /// they survive: what other stores, or one before, have kept there is held here too.
+  explicit MeshStore(const MeshLimits& limits, std::string folder = {}, std::unique_ptr<MeshFolder> kept = nullptr);
 
-  /// Finds a file by its hash, whose bytes may still have to be brought in: see Mesh::open(). NotFound says what to do.
-  absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id);
-  /// How many bytes are there of the file with this hash, whose upload broke off.
-  std::uint64_t received(const std::string& id);
+  /// Finds a file by its hash, whose bytes may still have to be brought in: see Mesh::open(). `who`: the owner who asks; matters
+  /// only where owners are isolated. NotFound says what to do.
+  absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id, const std::string& who = {});
+  /// How many bytes are there of the file with this hash, whose upload by the same client broke off.
+  std::uint64_t received(const std::string& id, const Maker& maker = {});
 
-  std::uint64_t max_file_bytes() const { return max_file_bytes_; }
+  std::uint64_t max_file_bytes() const { return limits_.file_bytes; }
 
   struct Usage {
     std::size_t meshes = 0;
-    std::uint64_t bytes = 0;  // of the meshes and of uploads under way
+    std::uint64_t bytes = 0;    // of the meshes and of uploads under way
+    std::uint64_t evicted = 0;  // meshes that went so far to make room for others
   };
   Usage usage() const;
   /// Puts the bytes of files that nobody uses back on the disk. To be called now and then.
@@ -64,36 +75,56 @@ class MeshStore {
   Recency::iterator drop(Recency::iterator mesh) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Takes up what others have stored or removed, and how recently they have used it.
   void look_into_folder() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  absl::Status reserve(std::uint64_t bytes);
-  void release(std::uint64_t bytes);
-  std::shared_ptr<const Mesh> keep(std::shared_ptr<const Mesh> mesh, std::uint64_t reserved);
+  /// What there is of one caller, bytes.
+  struct Share {
+    std::uint64_t held = 0;       // all
+    std::uint64_t under_way = 0;  // of uploads that are connected
+  };
+  /// Who may find what is for this owner: as MeshLabel::realm.
+  std::string realm_of(const std::string& owner) const;
+  std::string key_of(const std::string& id, const std::string& owner) const;
+  void add(const std::string& caller, std::uint64_t held, std::uint64_t under_way) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void subtract(const std::string& caller, std::uint64_t held, std::uint64_t under_way) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Makes room for more bytes of a caller by letting go of a file. False where there is none that he may push out.
+  bool evict_for(const std::string& caller, std::uint64_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status reserve(const std::string& caller, std::uint64_t bytes) ABSL_LOCKS_EXCLUDED(mutex_);
+  void release(const std::string& caller, std::uint64_t bytes) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Takes a file up that was an upload with so many bytes reserved.
+  std::shared_ptr<const Mesh> keep(std::shared_ptr<const Mesh> mesh, const MeshPart& upload) ABSL_LOCKS_EXCLUDED(mutex_);
+  using Parts = std::list<MeshPart>;
+  /// The part of that file that the client has sent; the end where there is none.
+  Parts::iterator find_part(const std::string& id, const Maker& maker) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void forget(Parts::iterator part) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Keeps a part for a later upload, instead of any other part of the same file.
-  void park(MeshPart part);
+  void park(MeshPart part) ABSL_LOCKS_EXCLUDED(mutex_);
   /// A part of which `offset` bytes have come, of a file of `size` bytes. FailedPrecondition where there is none.
-  absl::StatusOr<MeshPart> resume(const std::string& id, std::uint64_t size, std::uint64_t offset);
+  absl::StatusOr<MeshPart> resume(const std::string& id, const Maker& maker, std::uint64_t size, std::uint64_t offset)
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
-  const std::uint64_t max_bytes_;
-  const std::uint64_t max_file_bytes_;
+  const MeshLimits limits_;
   const std::string folder_;
   const std::unique_ptr<MeshFolder> kept_;  // null: no file survives
   mutable Mutex mutex_;
-  std::uint64_t used_ ABSL_GUARDED_BY(mutex_) = 0;  // bytes of `recency_` and of all uploads
+  std::uint64_t used_ ABSL_GUARDED_BY(mutex_) = 0;               // bytes of `recency_` and of all uploads
+  std::map<std::string, Share> shares_ ABSL_GUARDED_BY(mutex_);  // by caller; of whom there is something
+  std::uint64_t evicted_ ABSL_GUARDED_BY(mutex_) = 0;
   Recency recency_ ABSL_GUARDED_BY(mutex_);
-  std::unordered_map<std::string, Recency::iterator> by_id_ ABSL_GUARDED_BY(mutex_);
-  std::list<MeshPart> parked_ ABSL_GUARDED_BY(mutex_);  // the newest first; within used_ too
+  std::unordered_map<std::string, Recency::iterator> by_key_ ABSL_GUARDED_BY(mutex_);
+  Parts parked_ ABSL_GUARDED_BY(mutex_);  // the newest first; within used_ too
 };
 
 /// One file on its way into the store, which must outlive it. Not thread-safe.
 class MeshUpload {
  public:
-  explicit MeshUpload(MeshStore& store) : store_(store) {}
+  explicit MeshUpload(MeshStore& store, Maker maker = {}) : store_(store) { part_.maker = std::move(maker); }
   ~MeshUpload();  // keeps an unfinished file for another upload if the file's hash is known
   MeshUpload(const MeshUpload&) = delete;
   MeshUpload& operator=(const MeshUpload&) = delete;
 
   /// Begins a file of `size` bytes, which the client claims: it is checked, never allocated ahead. `expected_id` is the file's
   /// hash; empty: not known. Above 0, `offset` resumes an upload that broke off: FailedPrecondition where it is not
-  /// MeshStore::received(expected_id). ResourceExhausted where there is no room; InvalidArgument for the rest.
+  /// MeshStore::received(expected_id). ResourceExhausted where there is no room, or too much is under way of this caller;
+  /// InvalidArgument for the rest.
   absl::Status begin(std::string_view name, std::uint64_t size, std::string_view expected_id, std::uint64_t offset = 0);
   /// Takes the next bytes. InvalidArgument where there are more than announced; ResourceExhausted where there is no room.
   absl::Status append(std::string_view chunk);

@@ -16,7 +16,7 @@ constexpr std::size_t kHalf = 16;  // digits
 std::string session_id(const MeshFiles& files, const PreprocessOptions& options) {
   Hasher hasher;
   const std::string all_options = to_archive(options);
-  hasher.update(absl::StrFormat("%d\n%s\n%d\n", kAlgorithmVersion, files.mesh->id, all_options.size()));
+  hasher.update(absl::StrFormat("%d\n%s\n%d\n", kAlgorithmVersion, files.mesh->key, all_options.size()));
   hasher.update(all_options);
   for (const auto& [name, file] : files.companions) {
     hasher.update(absl::StrFormat("%d %s\n%s\n", name.size(), name, file->id));

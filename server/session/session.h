@@ -67,7 +67,7 @@ struct SessionInfo {
 };
 
 /// The id of a session, 32 hexadecimal digits: the first 16 of its mesh's id, so that whoever has either knows where both are,
-/// and 16 of a hash of the files, the names of the companions, all options and kAlgorithmVersion.
+/// and 16 of a hash of the files and those who may find them, the names of the companions, all options and kAlgorithmVersion.
 std::string session_id(const MeshFiles& files, const PreprocessOptions& options);
 
 /// The process's peak memory so far, bytes.

@@ -25,10 +25,12 @@ absl::Status not_yours(const std::string& id) {
 }  // namespace
 
 SessionStore::SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
-                           std::shared_ptr<spdlog::logger> log, SessionCache* cache, OnReplaced on_replaced, MakingMarks* marks)
+                           std::shared_ptr<spdlog::logger> log, SessionCache* cache, OnReplaced on_replaced, MakingMarks* marks,
+                           bool isolate)
     : log_(std::move(log)),
       cache_(cache),
       on_replaced_(std::move(on_replaced)),
+      isolates_(isolate),
       table_(limits, [cache](const std::string& id) { return cache != nullptr && cache->is_unsaved(id); }),
       jobs_(
           queue, std::move(preprocess), threads, cache, marks,
@@ -45,7 +47,7 @@ SessionStore::~SessionStore() {
 }
 
 absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter,
-                                               const SessionMaker& maker) {
+                                               const Maker& maker) {
   const std::string id = session_id(files, options);
   drop_closed(id);
   drop_damaged(id);
@@ -55,6 +57,7 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
   {
     const MutexLock lock(mutex_);
     if (const SessionTable::Entry* entry = table_.use(id)) {
+      if (!may_see(entry->owner, maker.owner)) return not_found(id);
       job = entry->job;
       ready = entry->info.session;
       if (job != nullptr) job->waiters.add(waiter);
@@ -74,7 +77,7 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
 
 absl::StatusOr<std::shared_ptr<SessionJob>> SessionStore::start_job(const std::string& id, MeshFiles files,
                                                                     const PreprocessOptions& options, SessionWaiter* waiter,
-                                                                    const SessionMaker& maker, SessionTable::Sessions& evicted) {
+                                                                    const Maker& maker, SessionTable::Sessions& evicted) {
   const bool is_made = cache_ == nullptr || !cache_->holds(id);
   if (absl::Status status = is_made ? table_.may_make(maker.caller) : absl::OkStatus(); !status.ok()) return status;
   const absl::Status has_room = table_.make_room(evicted);
@@ -168,23 +171,29 @@ bool SessionStore::leave(const std::string& id, SessionWaiter* waiter) {
   return true;
 }
 
-absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find(const std::string& id) {
-  drop_damaged(id);
-  return must_load(id) ? load(id) : find_here(id);
+bool SessionStore::may_see(const std::string& owner, const std::string& who) const {
+  return !isolates_ || owner == who || owner == kOperator || who == kOperator;
 }
 
-absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_for_views(const std::string& id) {
+absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find(const std::string& id, const std::string& who) {
+  drop_damaged(id);
+  return must_load(id) ? load(id, who) : find_here(id, who);
+}
+
+absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_for_views(const std::string& id, const std::string& who) {
   {
     const MutexLock lock(mutex_);
-    if (const SessionTable::Entry* entry = table_.find(id); entry != nullptr && entry->preview != nullptr) return entry->preview;
+    const SessionTable::Entry* entry = table_.find(id);
+    if (entry != nullptr && entry->preview != nullptr && may_see(entry->owner, who)) return entry->preview;
   }
-  return find(id);
+  return find(id, who);
 }
 
-absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_here(const std::string& id) {
+absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_here(const std::string& id, const std::string& who) {
   const MutexLock lock(mutex_);
-  const SessionTable::Entry* entry = table_.use(id);
-  if (entry == nullptr) return not_found(id);
+  const SessionTable::Entry* entry = table_.find(id);
+  if (entry == nullptr || !may_see(entry->owner, who)) return not_found(id);
+  table_.use(id);
   if (entry->info.session == nullptr) {
     return absl::FailedPreconditionError(
         absl::StrCat("session ", id, " is still being preprocessed; join it with CreateSession and wait until it is ready"));
@@ -197,9 +206,11 @@ bool SessionStore::must_load(const std::string& id) {
   return table_.find(id) == nullptr && cache_ != nullptr && cache_->holds(id);
 }
 
-absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::string& id) {
+absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::string& id, const std::string& who) {
+  // Nobody pushes out what is in memory by asking for what is not his.
+  if (isolates_ && !may_see(cache_->owner(id).value_or(""), who)) return not_found(id);
   const MutexLock one_at_a_time(load_mutex_);
-  if (!must_load(id)) return find_here(id);  // another thread was faster
+  if (!must_load(id)) return find_here(id, who);  // another thread was faster
   const Clock::time_point start = Clock::now();
   absl::StatusOr<std::shared_ptr<const Session>> loaded = cache_->load(id);
   if (!loaded.ok()) return not_found(id);
@@ -218,21 +229,21 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::str
   return *loaded;
 }
 
-absl::StatusOr<SessionInfo> SessionStore::info(const std::string& id) {
+absl::StatusOr<SessionInfo> SessionStore::info(const std::string& id, const std::string& who) {
   const MutexLock lock(mutex_);
   const SessionTable::Entry* entry = table_.find(id);
-  if (entry == nullptr) return not_found(id);
+  if (entry == nullptr || !may_see(entry->owner, who)) return not_found(id);
   return SessionTable::info_of(*entry);
 }
 
-std::vector<SessionInfo> SessionStore::list(const std::string& after, std::size_t most) {
+std::vector<SessionInfo> SessionStore::list(const std::string& after, std::size_t most, const std::string& who) {
   const MutexLock lock(mutex_);
-  return table_.list(after, most);
+  return table_.list(after, most, [&](const SessionTable::Entry& entry) { return may_see(entry.owner, who); });
 }
 
 absl::StatusOr<SessionInfo> SessionStore::update(const std::string& id, std::optional<bool> pinned,
                                                  std::optional<double> time_to_live, const std::string& who) {
-  const absl::StatusOr<std::shared_ptr<const Session>> ready = find(id);
+  const absl::StatusOr<std::shared_ptr<const Session>> ready = find(id, who);
   if (!ready.ok()) return ready.status();
   if (absl::Status status = check_owner(id, who); !status.ok()) return status;
   const MutexLock lock(mutex_);
@@ -257,7 +268,7 @@ std::vector<std::string> SessionStore::run_housekeeping(Clock::time_point now) {
     evicted = table_.evict_excess();
     note_evicted(evicted);
     used = table_.used_since(std::exchange(kept_house_, now));
-    for (const SessionInfo& info : table_.list({}, std::numeric_limits<std::size_t>::max())) held.push_back(info.id);
+    for (const SessionInfo& info : table_.list()) held.push_back(info.id);
   }
   if (cache_ != nullptr) {
     for (const std::string& id : used) cache_->touch(id);
@@ -311,6 +322,7 @@ absl::Status SessionStore::check_owner(const std::string& id, const std::string&
     owner = entry != nullptr ? entry->owner : std::string();
   }
   if (!owner.ok()) return owner.status();
+  if (!may_see(*owner, who)) return not_found(id);
   return owner->empty() || *owner == who ? absl::OkStatus() : not_yours(id);
 }
 
@@ -355,7 +367,8 @@ absl::Status SessionStore::close(const std::string& id, const std::string& who) 
   return absl::OkStatus();
 }
 
-void SessionStore::note_evicted(const SessionTable::Sessions& evicted) const {
+void SessionStore::note_evicted(const SessionTable::Sessions& evicted) {
+  evicted_ += evicted.size();
   for (const auto& session : evicted) {
     log_->info("session {} evicted: not used for longest", session->id);
     if (cache_ != nullptr) cache_->let_go(session->id);

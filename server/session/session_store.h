@@ -3,6 +3,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -15,6 +16,7 @@
 #include "core/base/mutex.h"
 #include "server/base/job_queue.h"
 #include "server/session/eviction.h"
+#include "server/session/maker.h"
 #include "server/session/mesh_files.h"
 #include "server/session/session.h"
 #include "server/session/session_cache.h"
@@ -28,13 +30,8 @@ class logger;
 
 namespace curvecast::server {
 
-/// Who has a session made.
-struct SessionMaker {
-  std::string owner = {};   // of what is made; empty: nobody in particular
-  std::string caller = {};  // whose share of the workers it takes, and of the sessions in the making
-};
-
-/// Thread-safe. Joins the table of sessions, the jobs that make them and their cache.
+/// Thread-safe. Joins the table of sessions, the jobs that make them and their cache. `who`: the owner who asks. Where owners are
+/// isolated, sessions of others are as if they were not there, but for those of kOperator; else `who` matters for changes only.
 class SessionStore {
  public:
   using Preprocess = SessionJobs::Preprocess;
@@ -44,10 +41,10 @@ class SessionStore {
 
   /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core). With a cache, which must
   /// outlive the store too, sessions are saved when they become ready, and loaded instead of made. `marks`, which must outlive it
-  /// as well, may be null.
+  /// as well, may be null. `isolate`: owners are.
   SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
                std::shared_ptr<spdlog::logger> log, SessionCache* cache = nullptr, OnReplaced on_replaced = {},
-               MakingMarks* marks = nullptr);
+               MakingMarks* marks = nullptr, bool isolate = false);
   ~SessionStore();  // cancels all preprocessing and waits until it has stopped. Waiters that are left are not called any more
 
   /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called,
@@ -56,22 +53,23 @@ class SessionStore {
   /// that is new belongs to its maker's owner: only he may change or close it; every client where that is empty. One that is in
   /// the cache, from whichever server, stays whose it was.
   absl::StatusOr<std::string> join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter,
-                                   const SessionMaker& maker = {});
+                                   const Maker& maker = {});
   /// Stops waiting: `waiter` is not called any more. When the last one leaves, the job is cancelled, and the session vanishes.
   /// False when on_done has been called.
   bool leave(const std::string& id, SessionWaiter* waiter);
 
   /// Finds a ready session, or loads it if it is only in the cache: see must_load(). NotFound, or FailedPrecondition while it is
   /// being made; ResourceExhausted as of join().
-  absl::StatusOr<std::shared_ptr<const Session>> find(const std::string& id);
+  absl::StatusOr<std::shared_ptr<const Session>> find(const std::string& id, const std::string& who = {});
   /// As find(), but finds the preview, if there is one, of a session that is being made.
-  absl::StatusOr<std::shared_ptr<const Session>> find_for_views(const std::string& id);
+  absl::StatusOr<std::shared_ptr<const Session>> find_for_views(const std::string& id, const std::string& who = {});
   /// Whether find() would read a file, which may take its time: for callers who must not wait.
   bool must_load(const std::string& id);
   /// Tells about a session in memory. NotFound, also where it is in the cache.
-  absl::StatusOr<SessionInfo> info(const std::string& id);
+  absl::StatusOr<SessionInfo> info(const std::string& id, const std::string& who = {});
   /// Lists sessions in memory by id, at most `most` of those after the id `after`.
-  std::vector<SessionInfo> list(const std::string& after = {}, std::size_t most = std::numeric_limits<std::size_t>::max());
+  std::vector<SessionInfo> list(const std::string& after = {}, std::size_t most = std::numeric_limits<std::size_t>::max(),
+                                const std::string& who = {});
   /// Changes the settings that are given, and returns all of them. NotFound, FailedPrecondition while the session is being made,
   /// or PermissionDenied where another client than `who` owns it; ResourceExhausted where pinned sessions would take more than
   /// half of the limits.
@@ -91,13 +89,15 @@ class SessionStore {
   /// be called now and then. Returns the ids of those whose time was over.
   std::vector<std::string> run_housekeeping(std::chrono::steady_clock::time_point now);
   std::uint64_t memory_bytes();  // of all sessions
+  /// How many have had to leave the memory.
+  std::uint64_t evicted() const { return evicted_; }
   /// Evicts idle sessions until they have freed so many bytes, or there are none left.
   void make_room(std::uint64_t bytes);
 
  private:
   /// Starts to make a session that is not there.
   absl::StatusOr<std::shared_ptr<SessionJob>> start_job(const std::string& id, MeshFiles files, const PreprocessOptions& options,
-                                                        SessionWaiter* waiter, const SessionMaker& maker,
+                                                        SessionWaiter* waiter, const Maker& maker,
                                                         SessionTable::Sessions& evicted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void take_in(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> made)
       ABSL_LOCKS_EXCLUDED(mutex_);
@@ -106,20 +106,26 @@ class SessionStore {
   /// Tells of a preview that is over, if there was one.
   void replace(const std::shared_ptr<const Session>& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) const
       ABSL_LOCKS_EXCLUDED(mutex_);
-  absl::StatusOr<std::shared_ptr<const Session>> find_here(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
-  absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id) ABSL_LOCKS_EXCLUDED(load_mutex_, mutex_);
-  /// PermissionDenied where another client than `who` owns the session; other errors where nobody can tell.
+  absl::StatusOr<std::shared_ptr<const Session>> find_here(const std::string& id, const std::string& who)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<std::shared_ptr<const Session>> load(const std::string& id, const std::string& who)
+      ABSL_LOCKS_EXCLUDED(load_mutex_, mutex_);
+  bool may_see(const std::string& owner, const std::string& who) const;
+  /// PermissionDenied where another client than `who` owns the session, NotFound where he may not see it; other errors where
+  /// nobody can tell.
   absl::Status check_owner(const std::string& id, const std::string& who) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Takes a session from memory that another server has closed.
   void drop_closed(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Takes a session from memory and cache that turns out to be damaged.
   void drop_damaged(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
   /// After sessions have had to go. Those that are not saved are lost.
-  void note_evicted(const SessionTable::Sessions& evicted) const;
+  void note_evicted(const SessionTable::Sessions& evicted);
 
   const std::shared_ptr<spdlog::logger> log_;
-  SessionCache* const cache_;                      // may be null
-  const OnReplaced on_replaced_;                   // may be empty
+  SessionCache* const cache_;     // may be null
+  const OnReplaced on_replaced_;  // may be empty
+  const bool isolates_;
+  std::atomic<std::uint64_t> evicted_ = 0;
   Mutex load_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);  // find() loads one at a time, so that nothing is loaded twice
   Mutex mutex_;
   SessionTable table_ ABSL_GUARDED_BY(mutex_);

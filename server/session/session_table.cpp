@@ -112,9 +112,12 @@ std::vector<std::string> SessionTable::used_since(Clock::time_point then) const 
   return used;
 }
 
-std::vector<SessionInfo> SessionTable::list(const std::string& after, std::size_t most) const {
+std::vector<SessionInfo> SessionTable::list(const std::string& after, std::size_t most,
+                                            const std::function<bool(const Entry&)>& is_wanted) const {
   std::vector<SessionInfo> out;
-  for (auto it = entries_.upper_bound(after); it != entries_.end() && out.size() < most; ++it) out.push_back(info_of(it->second));
+  for (auto it = entries_.upper_bound(after); it != entries_.end() && out.size() < most; ++it) {
+    if (is_wanted(it->second)) out.push_back(info_of(it->second));
+  }
   return out;
 }
 

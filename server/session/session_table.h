@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -69,8 +70,10 @@ class SessionTable {
   /// Ids of the sessions that are in use, or were since then.
   std::vector<std::string> used_since(Clock::time_point then) const;
 
-  /// By id, at most `most` of those after one with this id.
-  std::vector<SessionInfo> list(const std::string& after, std::size_t most) const;
+  /// By id, at most `most` of those after one with this id that are wanted.
+  std::vector<SessionInfo> list(
+      const std::string& after = {}, std::size_t most = std::numeric_limits<std::size_t>::max(),
+      const std::function<bool(const Entry&)>& is_wanted = [](const Entry&) { return true; }) const;
   static SessionInfo info_of(const Entry& entry);
   /// Jobs of all sessions that are being made.
   std::vector<std::shared_ptr<SessionJob>> jobs() const;

@@ -87,7 +87,7 @@ class WebViewsCall final : public WebCall, public ClientStream::Transport, publi
 
   const WebCallContext context_;
   RequestLog log_;
-  SendWatch& sends_;
+  StallWatch& sends_;
   std::unique_ptr<ViewConversation> conversation_;  // null: refused
   v1::StreamViewsRequest request_;
   Mutex mutex_;

@@ -1,7 +1,8 @@
 """Every call with every kind of credential, wherever the session is: nobody gets in who should not, and everybody who should.
 
 Tokens: none, wrong, malformed, expired, another's, revoked; over gRPC and WebSockets; certificates of the right and of another
-authority; with the session in memory, only in the cache, after a restart and on a second server of the folder.
+authority; with the session in memory, only in the cache, after a restart and on a second server of the folder. And callers who
+are kept apart, of whom one asks for all that is another's.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ CHANGES = ("UpdateSession", "CloseSession")  # last: after them there is nothing
 LOOK = ("--max-curve-vertices", "0")
 PATIENCE, RELOAD_SECONDS, CLOSED_SECONDS = 60.0, 5.0, 1.1
 ANNA, BERT, CARL = Who("anna", "anna's", "valid"), Who("bert", "bert's", "valid"), Who("carl", "carl's", "valid")
+APART = BERT._replace(token="bert's")  # where he finds only what is his own
+FOR_ALL = ("UploadMesh", "GetUpload", "ImportMesh", "ListSessions")  # what names nothing that is another's
 NOBODIES = (
     Who(credential="none"),
     Who("", "nobody's", "wrong"),
@@ -54,6 +57,9 @@ class Tally:
         is_refused = code in ("UNAUTHENTICATED", "UNAVAILABLE")
         if who.credential != "valid":
             wrong = not is_refused
+            self.let_in += wrong
+        elif who is APART:
+            wrong = code != ("OK" if method in FOR_ALL else "NOT_FOUND")
             self.let_in += wrong
         elif who is BERT and method in CHANGES:
             wrong = code != "PERMISSION_DENIED"
@@ -149,6 +155,7 @@ def run(setting: Setting) -> Report:
                 with Caller(server, setting.history, "afterwards", ANNA) as caller:
                     gone = caller.get(subject.session)
                 report.require("closed sessions found on another server", int(gone.is_ok), at_most=0)
+    try_apart(setting, messages, tokens, tally)
     try_certificates(setting, messages, tally)
     still = try_revoked(setting, tokens)
     report.require("cases", tally.cases, at_least=1000)
@@ -238,6 +245,34 @@ def ask_over_socket(
         **fields,
     )
     return code
+
+
+def try_apart(setting: Setting, messages: tuple[Any, Any], tokens: pathlib.Path, tally: Tally) -> None:
+    """Servers that keep callers apart: Bert asks for all that is Anna's, wherever it is."""
+    options = (*LOOK, "--isolate", "--tokens", str(tokens), "--mesh-folder", str(setting.folder), "--max-sessions", "1")
+
+    def start(name: str) -> Server:
+        return Server(setting, name, *options, cache=setting.folder / "apart", tokens=True, apart=True)
+
+    def try_it(server: Server, where: str) -> None:
+        with Caller(server, setting.history, where, APART, patience=PATIENCE) as caller:
+            for method in (*METHODS, *CHANGES):
+                if method in ("UploadMesh", "ImportMesh"):
+                    continue  # after which the mesh is his, too
+                tally.count(where, method, APART, ask(caller, method, subject))
+                code = ask_over_socket(setting, server, where, APART, method, subject, messages)
+                tally.count(f"{where}, WebSocket", method, APART, code)
+        with Caller(server, setting.history, "anna", ANNA) as caller:
+            tally.count(where, "GetMesh", ANNA, ask(caller, "GetMesh", subject))
+            tally.count(where, "Resample", ANNA, ask(caller, "Resample", subject))
+
+    with start("apart") as server:
+        subject = prepare(setting, server)
+        try_it(server, "apart, in memory")
+    with start("apart") as server:
+        try_it(server, "apart, after a restart")
+        with start("apart too") as second:
+            try_it(second, "apart, on a second server")
 
 
 def try_certificates(setting: Setting, messages: tuple[Any, Any], tally: Tally) -> None:

@@ -6,7 +6,8 @@
 Reads `history.jsonl`, an object a line. `kind` says what it tells; times are seconds of one clock:
 
   serve   a server is ready: server, store (servers of one folder share it), at; reference (calm, no cache, no refinement),
-          mesh_limit (bytes of meshes that it may hold), keeps_uploads (over restarts), tokens (it asks for them)
+          mesh_limit (bytes of meshes that it may hold), keeps_uploads (over restarts), tokens (it asks for them), apart (callers
+          find only what is theirs)
   end     a server was told to end, or found dead: server, at, how (stopped, killed, crashed)
   fault   calls may fail meanwhile: server, begin, end
   damage  somebody spoiled a session's files: store, session, at
@@ -81,6 +82,11 @@ class Facts:
     def store(self, event: Event) -> str:
         return str(self.settings(event).get("store", event["server"]))
 
+    def sent_by(self, caller: str, mesh: str, store: str) -> list[Span]:
+        """The uploads of a mesh that any server of the store has acknowledged to him."""
+        of_mesh = [span for (_, sent), spans in self.uploads.items() if sent == mesh for span in spans]
+        return [span for span in of_mesh if span.event["caller"] == caller and self.store(span.event) == store]
+
     def life(self, server: str, begin: float, end: float) -> Span | None:
         """The life of a server that spans all of this time."""
         return next((life for life in self.lives[server] if life.begin <= begin and end < life.end), None)
@@ -136,6 +142,7 @@ class Checker:
             "cached": self._cached,
             "closed": self._closed,
             "owners": self._owners,
+            "apart": self._apart,
             "credentials": self._credentials,
             "answers": self._answers,
         }
@@ -165,7 +172,11 @@ class Checker:
         if event["call"] not in READS_MESH or not mesh or event["code"] not in ("OK", "NOT_FOUND"):
             return None
         facts, server = self._facts, event["server"]
-        before = [span for span in facts.uploads[server, mesh] if span.end <= event["begin"]]
+        before = [
+            span
+            for span in facts.uploads[server, mesh]
+            if span.end <= event["begin"] and not (self._is_apart(event) and span.event["caller"] != event["caller"])
+        ]
         if not before:
             return None
         self.judged["uploads"] += 1
@@ -187,7 +198,7 @@ class Checker:
         facts, key = self._facts, (self._facts.store(event), event["session"])
         spans = facts.cached.get(key, [])
         at = bisect.bisect_right(spans, event["begin"], key=lambda span: span.end)
-        if at == 0:
+        if at == 0 or self._is_anothers(event):
             return None
         said = spans[at - 1]
         if any(close.end > said.begin and close.begin < event["end"] for close in facts.closes[key]):
@@ -230,6 +241,31 @@ class Checker:
         if event["code"] == "PERMISSION_DENIED" and owners == {event["caller"]}:
             return "it is his own"
         return None
+
+    def _apart(self, event: Event) -> str | None:
+        """Where callers are kept apart, nobody gets at what is another's, or hears that it is there."""
+        if event.get("credential", "valid") != "valid" or event["code"] not in ("OK", "NOT_FOUND", "PERMISSION_DENIED"):
+            return None
+        if event["call"] != "CreateSession" and self._is_anothers(event):
+            self.judged["apart"] += 1
+            return None if event["code"] == "NOT_FOUND" else "it is another's"
+        mesh = event.get("mesh")
+        if event["call"] not in READS_MESH or not mesh or not self._is_apart(event):
+            return None
+        if any(span.begin < event["end"] for span in self._facts.sent_by(event["caller"], mesh, self._facts.store(event))):
+            return None
+        self.judged["apart"] += 1
+        return None if event["code"] == "NOT_FOUND" else "he has not sent this mesh"
+
+    def _is_apart(self, event: Event) -> bool:
+        return bool(self._facts.settings(event).get("apart"))
+
+    def _is_anothers(self, event: Event) -> bool:
+        """Whether it is of a session that others have had made, where callers are kept apart."""
+        if not event.get("session") or not self._is_apart(event):
+            return False
+        owners = self._owners_at(event)
+        return bool(owners) and event["caller"] not in owners
 
     def _owners_at(self, event: Event) -> set[str]:
         """Those of whom one had the session made: more than one where their calls overlap."""

@@ -237,6 +237,29 @@ class CheckerTest(unittest.TestCase):
         self.story.call("CloseSession", session="s", caller="bert")
         self.assert_well()
 
+    def test_where_callers_are_apart_nothing_is_anothers(self) -> None:
+        self.story.serve(tokens=True, apart=True)
+        self.story.call("UploadMesh", mesh="m", size=10)
+        self.story.create()
+        self.story.call("GetSession", session="s", cached=True)
+        for call in ("GetSession", "Resample", "CloseSession"):
+            self.story.call(call, "NOT_FOUND", session="s", caller="bert")
+        self.story.call("GetMesh", "NOT_FOUND", mesh="m", caller="bert")
+        self.story.call("GetSession", session="s")
+        self.assert_well("apart", "cached")
+        for code in ("OK", "PERMISSION_DENIED"):
+            self.story.call("GetSession", code, session="s", caller="bert")
+            self.assert_found("apart", "another's")
+            self.story.events.pop()
+        self.story.call("GetMesh", mesh="m", caller="bert")
+        self.assert_found("apart", "not sent")
+        self.story.events.pop()
+        self.story.call("GetMesh", "NOT_FOUND", mesh="m")
+        self.assert_found("uploads", "acknowledged")
+        self.story.events.pop()
+        self.story.call("GetSession", "NOT_FOUND", session="s")
+        self.assert_found("cached", "reported")
+
     def test_nobody_gets_in_without_a_credential(self) -> None:
         self.story.serve(tokens=True)
         self.story.call("ListSessions", "UNAUTHENTICATED", credential="expired")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import itertools
+import os
 import statistics
 import threading
 import time
@@ -186,7 +187,8 @@ def tell_rest(report: Report, server: Server, before: Usage, after: Usage, strea
     for name in GRPC_POOLS:
         more.pop(name, None)
     report.figure("more threads", dict(more))
-    report.require("threads more than before", more.total(), at_most=0)
+    # oneTBB makes its own, fewer than there are cores, when they are first wanted; a leak would be one a visit.
+    report.require("threads more than before", more.total(), at_most=len(os.sched_getaffinity(0)) - 1)
     report.require("streams open", metrics["curvecast_open_streams"], at_most=0)
     report.require("bytes queued", metrics["curvecast_queued_bytes"], at_most=0)
     report.figure("streams", streams)

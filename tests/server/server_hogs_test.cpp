@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/hash.h"
 #include "tests/server/eventually.h"
 #include "tests/server/has_line.h"
 #include "tests/server/http_client.h"
@@ -120,6 +121,33 @@ TEST_F(ServerHogs, APointSetThatIsNotReadEndsWhereMemoryIsScarce) {
   v1::ResampleResponse block;
   while (lazy->Read(&block)) continue;
   EXPECT_EQ(lazy->Finish().error_code(), grpc::RESOURCE_EXHAUSTED);
+}
+
+TEST_F(ServerHogs, AnUploadThatBringsNothingIsPutAside) {
+  start({.max_uploads_of_client = 1, .max_stall = std::chrono::milliseconds(1500)});
+  const std::string bytes = sphere_off(3);
+  Hasher hasher;
+  hasher.update(bytes);
+  v1::UploadHeader header;
+  header.set_size(bytes.size());
+  header.set_mesh_id(hasher.hex());
+  grpc::ClientContext context;
+  set_patience(context);
+  v1::UploadMeshResponse response;
+  const auto writer = anna_->UploadMesh(&context, &response);
+  v1::UploadMeshRequest request;
+  *request.mutable_header() = header;
+  writer->Write(request);
+  request.set_chunk(bytes.substr(0, 1000));
+  writer->Write(request);
+  const grpc::Status status = writer->Finish();
+  EXPECT_EQ(status.error_code(), grpc::UNAVAILABLE);
+  EXPECT_THAT(status.error_message(), HasSubstr("nothing has come"));
+  header.set_offset(1000);
+  const auto go_on = [&](Stub& stub) { return upload(stub, header, bytes.substr(1000)).status; };
+  EXPECT_EQ(go_on(*bert_).error_code(), grpc::FAILED_PRECONDITION) << "it is not his";
+  grpc::Status last;
+  EXPECT_TRUE(eventually([&] { return (last = go_on(*anna_)).ok(); })) << last.error_message();
 }
 
 TEST_F(ServerHogs, SessionsInTheMakingAreNotOneCallersAlone) {

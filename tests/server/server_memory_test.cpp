@@ -69,6 +69,23 @@ TEST_F(ServerMemory, WhatDoesNotFitIsRefusedAndOthersGoOn) {
   EXPECT_GT(metric("curvecast_memory_held_bytes"), 0);
 }
 
+TEST_F(ServerMemory, AViewThatDoesNotFitIsRefusedAtOnce) {
+  start({.max_curve_vertices = 0, .memory_bytes = kLittle});
+  const std::string session = create(*client_, upload(*client_, sphere_off(3)), 2000).session.session_id();
+  OpenedStream stream(*client_, session);
+  const auto too_many = static_cast<std::uint64_t>(metric("curvecast_memory_budget_bytes") / 160) + 1;
+  v1::SampleRequest sample = view_of(too_many);
+  sample.set_sampler(v1::SAMPLER_EQUALISED);
+  stream.ask(1, sample);
+  const v1::PointFrame refused = stream.read();
+  EXPECT_EQ(refused.error().code(), static_cast<std::uint32_t>(grpc::RESOURCE_EXHAUSTED));
+  EXPECT_THAT(refused.error().message(), HasSubstr("points takes"));
+  stream.acknowledge(1);
+  stream.ask(2, 100);
+  EXPECT_EQ(stream.read().error().message(), "");
+  EXPECT_EQ(metric("curvecast_memory_reserved_bytes"), 0);
+}
+
 TEST_F(ServerMemory, AMeshThatDoesNotFitIsNotRead) {
   start({.memory_bytes = 1 << 20});
   v1::InspectMeshRequest request;

@@ -88,6 +88,18 @@ TEST(FixedDensityCache, ForgetsCurvesThatHaveGone) {
   EXPECT_EQ(fixed->density, make_fixed_density(*other, bends(1)).value()->density);
 }
 
+TEST(FixedDensityCache, LetsGoOfAllWhenItIsTold) {
+  FixedDensityCache cache;
+  const auto curve = bent_curve();
+  const auto first = get(cache, curve, bends(1));
+  cache.clear();
+  EXPECT_EQ(cache.byte_size(), 0u);
+  const auto again = get(cache, curve, bends(1));
+  EXPECT_NE(again, first);
+  EXPECT_EQ(again->density, first->density);
+  EXPECT_EQ(cache.byte_size(), again->byte_size());
+}
+
 TEST(FixedDensityCache, PassesErrorsOn) {
   FixedDensityCache cache;
   EXPECT_TRUE(absl::IsInvalidArgument(cache.get(bent_curve(), Terms{AttributeTerm{"none"}}).status()));

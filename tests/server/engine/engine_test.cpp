@@ -48,7 +48,8 @@ class Waiter final : public SessionWaiter {
 /// The far end of a conversation.
 class Client final : public ClientStream::Transport {
  public:
-  Client(Engine& engine, const std::string& session_id) : stream_(engine.make_stream(this, "caller", "client").value()) {
+  Client(Engine& engine, const std::string& session_id)
+      : stream_(engine.make_stream(this, {.name = "caller", .address = "client"}).value()) {
     v1::StreamViewsRequest request;
     request.mutable_open()->set_session_id(session_id);
     stream_->receive(request);

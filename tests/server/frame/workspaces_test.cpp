@@ -34,6 +34,20 @@ TEST(Workspaces, KeepNoLargeOnesAndNotMany) {
   EXPECT_LE(workspaces.idle(), 16u);
 }
 
+TEST(Workspaces, CountAndFreeWhatIsIdle) {
+  Workspaces workspaces;
+  {
+    const Workspaces::Lease lease = workspaces.lease();
+    lease->equalised.sequence.resize(1000);
+    EXPECT_EQ(workspaces.byte_size(), 0u) << "it is lent";
+  }
+  EXPECT_GE(workspaces.byte_size(), 1000 * sizeof(double));
+  const Workspaces::Lease lent = workspaces.lease();
+  workspaces.clear();
+  EXPECT_EQ(lent->equalised.sequence.size(), 1000u);
+  EXPECT_EQ(workspaces.byte_size(), 0u);
+}
+
 TEST(Workspaces, ServeManyThreads) {
   Workspaces workspaces;
   std::vector<std::jthread> threads;

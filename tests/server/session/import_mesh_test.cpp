@@ -24,17 +24,19 @@ class ImportMesh : public ::testing::Test {
     fs::create_symlink(folder_ / "ball.off", folder_ / "alias.off");
   }
   static void write(const fs::path& path, const std::string& content) { std::ofstream(path, std::ios::binary) << content; }
-  absl::StatusCode code_of(const std::string& path) { return import_mesh(store_, folder_.string(), path, {}).status().code(); }
+  absl::StatusCode code_of(const std::string& path) {
+    return import_mesh(store_, {}, folder_.string(), path, {}).status().code();
+  }
 
   testing::TemporaryFolder root_;
   fs::path folder_ = fs::path(root_.path()) / "meshes";
-  MeshStore store_{1 << 20, 100'000};
+  MeshStore store_{{1 << 20, 100'000}};
 };
 
 TEST_F(ImportMesh, TakesFilesOfTheFolder) {
   for (const auto& [path, content] : {std::pair("ball.off", "a ball"), std::pair("inner/cube.off", "a cube"),
                                       std::pair("inner/../ball.off", "a ball"), std::pair("alias.off", "a ball")}) {
-    const auto mesh = import_mesh(store_, folder_.string(), path, {});
+    const auto mesh = import_mesh(store_, {}, folder_.string(), path, {});
     ASSERT_TRUE(mesh.ok()) << path << ": " << mesh.status();
     EXPECT_EQ(std::string((*mesh)->bytes().begin(), (*mesh)->bytes().end()), content);
     EXPECT_TRUE(store_.find((*mesh)->id).ok());
@@ -49,7 +51,7 @@ TEST_F(ImportMesh, NeverLeavesTheFolder) {
   }
   EXPECT_EQ(code_of(fs::absolute(folder_ / "ball.off").string()), absl::StatusCode::kPermissionDenied);
   EXPECT_EQ(code_of(std::string("ball.off\0x", 10)), absl::StatusCode::kPermissionDenied);
-  EXPECT_TRUE(absl::IsPermissionDenied(import_mesh(store_, "", "ball.off", {}).status()));
+  EXPECT_TRUE(absl::IsPermissionDenied(import_mesh(store_, {}, "", "ball.off", {}).status()));
 }
 
 TEST_F(ImportMesh, SaysWhatIsMissingOrTooLarge) {
@@ -60,7 +62,7 @@ TEST_F(ImportMesh, SaysWhatIsMissingOrTooLarge) {
   EXPECT_EQ(code_of("large.off"), absl::StatusCode::kResourceExhausted);
   write(folder_ / "empty.off", "");
   EXPECT_EQ(code_of("empty.off"), absl::StatusCode::kInvalidArgument);
-  EXPECT_TRUE(absl::IsNotFound(import_mesh(store_, (folder_ / "gone").string(), "ball.off", {}).status()));
+  EXPECT_TRUE(absl::IsNotFound(import_mesh(store_, {}, (folder_ / "gone").string(), "ball.off", {}).status()));
 }
 
 }  // namespace

@@ -25,10 +25,10 @@ using Code = absl::StatusCode;
 /// Stores on one folder, as of servers that are started one after the other, or at once.
 class MeshFolderTest : public ::testing::Test {
  protected:
-  std::unique_ptr<MeshStore> store(std::uint64_t max_bytes = 1 << 26) const {
+  std::unique_ptr<MeshStore> store(std::uint64_t max_bytes = 1 << 26, bool isolate = false) const {
     auto folder = MeshFolder::open(cache_.path(), make_logger(false, false));
     EXPECT_TRUE(folder.ok()) << folder.status();
-    return std::make_unique<MeshStore>(max_bytes, 1 << 25, cache_.path(), *std::move(folder));
+    return std::make_unique<MeshStore>(MeshLimits{max_bytes, 1 << 25, isolate}, cache_.path(), *std::move(folder));
   }
   static absl::StatusOr<std::string> upload(MeshStore& store, const std::string& bytes, const std::string& name = "a mesh") {
     MeshUpload upload(store);
@@ -68,6 +68,27 @@ TEST_F(MeshFolderTest, WhatIsStoredIsThereAfterwards) {
   EXPECT_FALSE((*mesh)->is_checked());
   EXPECT_EQ(content(*again, id), bytes_);
   EXPECT_TRUE((*mesh)->is_checked());
+}
+
+TEST_F(MeshFolderTest, KeepsWhoSentWhatAndForWhom) {
+  const Maker anna{.owner = "anna", .caller = "her caller"};
+  const auto here = store(1 << 26, true);
+  MeshUpload upload(*here, anna);
+  ASSERT_TRUE(upload.begin("a mesh", bytes_.size(), "").ok());
+  ASSERT_TRUE(upload.append(bytes_).ok());
+  const std::string id = (*upload.finish())->id;
+  const auto again = store(1 << 26, true);
+  const auto mesh = again->find(id, "anna");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ((*mesh)->sender, "her caller");
+  EXPECT_EQ((*mesh)->name, "a mesh");
+  ASSERT_TRUE((*mesh)->open().ok());
+  EXPECT_EQ(std::string((*mesh)->bytes().begin(), (*mesh)->bytes().end()), bytes_);
+  EXPECT_FALSE(again->find(id, "bert").ok());
+  for (const std::string& any : {id, (*mesh)->key}) {
+    EXPECT_FALSE(store()->find(any).ok()) << "nor is it for all, where nobody is isolated";
+  }
+  EXPECT_THAT(names(), ElementsAre((*mesh)->key + ".mesh"));
 }
 
 TEST_F(MeshFolderTest, WhatIsUnderWayHasNoName) {

@@ -28,7 +28,7 @@ class SessionJobsTest : public ::testing::Test {
   static std::shared_ptr<SessionJob> make_job(const std::string& id) {
     auto job = std::make_shared<SessionJob>();
     job->id = id;
-    job->files.mesh = std::make_shared<const Mesh>("the mesh", "", MeshBytes());
+    job->files.mesh = std::make_shared<const Mesh>(MeshLabel{"the mesh"}, MeshBytes());
     return job;
   }
   void wait_for_first() { ASSERT_EQ(begun_.get_future().wait_for(kPatience), std::future_status::ready); }

@@ -120,7 +120,7 @@ class SessionStoreFixture : public ::testing::Test {
     return cancelled_;
   }
 
-  static MeshFiles mesh(const std::string& id) { return {std::make_shared<const Mesh>(id, "", MeshBytes()), {}}; }
+  static MeshFiles mesh(const std::string& id) { return {std::make_shared<const Mesh>(MeshLabel{id}, MeshBytes()), {}}; }
   /// Mesh "m" with one companion.
   static MeshFiles mesh_with(const std::string& name, const std::string& companion) {
     MeshFiles files = mesh("m");

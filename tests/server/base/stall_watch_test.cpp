@@ -1,25 +1,25 @@
-#include "server/base/send_watch.h"
+#include "server/base/stall_watch.h"
 
 #include <gtest/gtest.h>
 
 namespace curvecast::server {
 namespace {
 
-TEST(SendWatch, EndsWhatDoesNotGetOnOnce) {
-  SendWatch watch;
+TEST(StallWatch, EndsWhatDoesNotGetOnOnce) {
+  StallWatch watch(absl::ResourceExhaustedError("too slow"));
   int a = 0, b = 0;
   const auto note = [](int& ended) {
     return [&ended](const absl::Status& status) {
-      EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+      EXPECT_EQ(status, absl::ResourceExhaustedError("too slow"));
       ++ended;
     };
   };
-  const auto begin = SendWatch::Clock::now();
+  const auto begin = StallWatch::Clock::now();
   watch.begin(&a, note(a));
   watch.begin(&b, note(b));
   EXPECT_EQ(watch.end_begun_before(begin), 0u);
   watch.done(&b);
-  const auto later = SendWatch::Clock::now() + std::chrono::seconds(30);
+  const auto later = StallWatch::Clock::now() + std::chrono::seconds(30);
   EXPECT_EQ(watch.end_begun_before(later), 1u);
   EXPECT_EQ(watch.end_begun_before(later), 0u) << "it has been told";
   watch.done(&a);
