@@ -93,11 +93,11 @@ absl::StatusOr<std::vector<Vec2d>> map_to_square(const DiscMesh& disc, Parameter
     case Parameterisation::kCgal:
       return parameterise_cgal(disc, CgalPreconditioner::kIncompleteLu, nullptr, context);
     case Parameterisation::kMeanValue:
-      return parameterise(disc, {.weights = ParameterWeights::kMeanValue});
+      return parameterise(disc, {.weights = ParameterWeights::kMeanValue}, context);
     case Parameterisation::kUniform:
       break;
   }
-  return parameterise(disc, {.weights = ParameterWeights::kUniform});
+  return parameterise(disc, {.weights = ParameterWeights::kUniform}, context);
 }
 
 /// Splits of edges left room for twice as many in most arrays.

@@ -75,12 +75,13 @@ System assemble(const DiscMesh& disc, ParameterWeights weights, const std::vecto
 
 }  // namespace
 
-absl::StatusOr<std::vector<Vec2d>> parameterise(const DiscMesh& disc, const ParameteriseOptions& options) {
-  return parameterise_inside(disc, square_border(disc), options);
+absl::StatusOr<std::vector<Vec2d>> parameterise(const DiscMesh& disc, const ParameteriseOptions& options,
+                                                const ExecutionContext& context) {
+  return parameterise_inside(disc, square_border(disc), options, context);
 }
 
 absl::StatusOr<std::vector<Vec2d>> parameterise_inside(const DiscMesh& disc, std::vector<Vec2d> uv,
-                                                       const ParameteriseOptions& options) {
+                                                       const ParameteriseOptions& options, const ExecutionContext& context) {
   // Reweighting multiplies up; beyond this the system would lose its digits.
   constexpr double kSmallestStretch = 1e-3;
   constexpr double kLargestStretch = 1e15;
@@ -91,14 +92,17 @@ absl::StatusOr<std::vector<Vec2d>> parameterise_inside(const DiscMesh& disc, std
   // A direct solver: limbs shrink to 1e-9 of the square and smaller, where an iterative one's tolerance would fold them.
   Eigen::SparseLU<Matrix> factor;
   for (int round = 0; round <= reweightings; ++round) {
+    if (absl::Status status = context.check(); !status.ok()) return status;
     const System system = assemble(disc, options.weights, divisor, uv);
     if (system.inner.empty()) return uv;
+    if (absl::Status status = context.check(); !status.ok()) return status;
     if (round == 0) factor.analyzePattern(system.matrix);
     factor.factorize(system.matrix);
     if (factor.info() != Eigen::Success) {
       if (!best.empty()) break;
       return absl::InternalError("the parameterisation's matrix could not be factorised: " + factor.lastErrorMessage());
     }
+    if (absl::Status status = context.check(); !status.ok()) return status;
     const Solution solution = factor.solve(system.right);
     for (std::size_t i = 0; i < system.inner.size(); ++i) uv[system.inner[i]] = solution.row(static_cast<Eigen::Index>(i));
     const Stretch stretch = measure_stretch(disc, uv);

@@ -8,6 +8,7 @@
 
 #include <vector>
 
+#include "core/base/execution_context.h"
 #include "core/flatten/disc_mesh.h"
 
 namespace curvecast {
@@ -26,11 +27,14 @@ struct ParameteriseOptions {
 /// uv in [0, 1]^2 of every vertex of the disc. The border goes once around the square, spaced by arc length, with a vertex on
 /// each corner, so that the parameter mesh covers the square exactly. Positive weights make every inner vertex a mean of its
 /// neighbours, so no triangle flips but by rounding: the caller checks. Of the maps tried the one with the lowest stretch wins.
-/// Internal when the linear system cannot be solved.
-absl::StatusOr<std::vector<Vec2d>> parameterise(const DiscMesh& disc, const ParameteriseOptions& options = {});
+/// Internal when the linear system cannot be solved; Cancelled when the context says so, once a step under way is over: the
+/// assembly, the factorisation or the solution of one system.
+absl::StatusOr<std::vector<Vec2d>> parameterise(const DiscMesh& disc, const ParameteriseOptions& options = {},
+                                                const ExecutionContext& context = {});
 
 /// Does as parameterise() for a border that is there already: `uv` of its vertices counts, and is kept.
 absl::StatusOr<std::vector<Vec2d>> parameterise_inside(const DiscMesh& disc, std::vector<Vec2d> uv,
-                                                       const ParameteriseOptions& options = {});
+                                                       const ParameteriseOptions& options = {},
+                                                       const ExecutionContext& context = {});
 
 }  // namespace curvecast

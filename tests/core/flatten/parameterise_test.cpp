@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <set>
+#include <thread>
 
 #include "core/flatten/cut_to_disc.h"
 #include "core/flatten/distortion.h"
@@ -122,6 +124,19 @@ TEST(Parameterise, ReweightingLowersTheDistortion) {
     return *std::max_element(ratios.begin(), ratios.end()) / *std::min_element(ratios.begin(), ratios.end());
   };
   EXPECT_LT(worst(2), worst(0));
+}
+
+TEST(Parameterise, EndsWhenItIsCancelled) {
+  const DiscMesh disc = disc_of(testing::disc(60, 60));
+  std::atomic<bool> cancel = true;
+  const ExecutionContext context{.cancel = &cancel};
+  for (const ParameterWeights weights : {ParameterWeights::kMeanValue, ParameterWeights::kUniform}) {
+    EXPECT_TRUE(absl::IsCancelled(parameterise(disc, {.weights = weights}, context).status()));
+  }
+  cancel = false;
+  std::jthread canceller([&] { cancel = true; });
+  const absl::Status status = parameterise(disc, {.reweightings = 1'000, .good_stretch = 1}, context).status();
+  EXPECT_TRUE(status.ok() || absl::IsCancelled(status)) << status;
 }
 
 }  // namespace
