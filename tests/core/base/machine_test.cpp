@@ -22,6 +22,17 @@ class Groups : public ::testing::Test {
     std::filesystem::create_directories(file.parent_path());
     testing::write_file(file.string(), text);
   }
+  /// Limits a group of version 1, where memory and processors have trees of their own.
+  void limit_first(const std::string& cpu, const std::string& group, const std::string& memory, const std::string& quota) {
+    write("sys/fs/cgroup/memory" + group + "/memory.limit_in_bytes", memory + "\n");
+    write("sys/fs/cgroup/" + cpu + group + "/cpu.cfs_quota_us", quota + "\n");
+    write("sys/fs/cgroup/" + cpu + group + "/cpu.cfs_period_us", "100000\n");
+  }
+  /// Limits one of version 2.
+  void limit_second(const std::string& group, const std::string& memory, const std::string& quota) {
+    write("sys/fs/cgroup" + group + "/memory.max", memory + "\n");
+    write("sys/fs/cgroup" + group + "/cpu.max", quota + " 100000\n");
+  }
   std::string root() const { return folder_ / "root"; }
 
  private:
@@ -35,31 +46,23 @@ TEST_F(Groups, LimitNothingWhereThereAreNone) {
 
 TEST_F(Groups, OfTheSecondVersionLimitWithThoseAroundThem) {
   write("proc/self/cgroup", "0::/system/curvecast\n");
-  write("sys/fs/cgroup/system/curvecast/memory.max", "max\n");
-  write("sys/fs/cgroup/system/curvecast/cpu.max", "150000 100000\n");
-  write("sys/fs/cgroup/system/memory.max", "536870912\n");
-  write("sys/fs/cgroup/system/cpu.max", "max 100000\n");
+  limit_second("/system/curvecast", "max", "150000");
+  limit_second("/system", "536870912", "max");
   EXPECT_EQ(read_group_limits(root()).memory_bytes, 536870912u);
   EXPECT_EQ(read_group_limits(root()).cores, 1.5);
 }
 
 TEST_F(Groups, OfTheFirstVersionLimitToo) {
   write("proc/self/cgroup", "5:cpu,cpuacct:/docker/a\n3:memory:/docker/a\n2:cpuset:/x\n");
-  write("sys/fs/cgroup/memory/docker/a/memory.limit_in_bytes", "1000000000\n");
-  write("sys/fs/cgroup/memory/memory.limit_in_bytes", "9223372036854771712\n");
-  write("sys/fs/cgroup/cpu,cpuacct/docker/a/cpu.cfs_quota_us", "300000\n");
-  write("sys/fs/cgroup/cpu,cpuacct/docker/a/cpu.cfs_period_us", "100000\n");
-  write("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_quota_us", "-1\n");
-  write("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_period_us", "100000\n");
+  limit_first("cpu,cpuacct", "/docker/a", "1000000000", "300000");
+  limit_first("cpu,cpuacct", "", "9223372036854771712", "-1");
   EXPECT_EQ(read_group_limits(root()).memory_bytes, 1000000000u);
   EXPECT_EQ(read_group_limits(root()).cores, 3);
 }
 
 TEST_F(Groups, LimitAContainerThatSeesOnlyItsOwn) {
   write("proc/self/cgroup", "5:cpu:/docker/a\n3:memory:/docker/a\n");
-  write("sys/fs/cgroup/memory/memory.limit_in_bytes", "1000000000\n");
-  write("sys/fs/cgroup/cpu/cpu.cfs_quota_us", "50000\n");
-  write("sys/fs/cgroup/cpu/cpu.cfs_period_us", "100000\n");
+  limit_first("cpu", "", "1000000000", "50000");
   EXPECT_EQ(read_group_limits(root()).memory_bytes, 1000000000u);
   EXPECT_EQ(read_group_limits(root()).cores, 0.5);
 }
