@@ -126,43 +126,57 @@ absl::Status check_operations(const std::string& text, double operations, std::s
                                operations, places, kMaxExpressionOperations));
 }
 
-/// A formula, read, with a place for each of its variables.
+std::string names_of(const std::vector<Variable>& variables, const mu::Parser& parser) {
+  std::string names;
+  for (const Variable& variable : variables) {
+    const bool is_taken = parser.GetFunDef().contains(variable.name) || parser.GetConst().contains(variable.name);
+    if (!is_taken) absl::StrAppend(&names, names.empty() ? "" : ", ", variable.name);
+  }
+  return names;
+}
+
+/// A formula, read, with a place for each variable that it uses.
 class Program {
  public:
   /// Throws mu::ParserError. `variables` must outlive this.
-  Program(const std::string& text, const std::vector<Variable>& variables) : variables_(variables), slots_(variables.size()) {
-    for (std::size_t v = 0; v < variables.size(); ++v) parser_.DefineVar(variables[v].name, &slots_[v]);
+  Program(const std::string& text, const std::vector<Variable>& variables) : variables_(variables) {
+    parser_.SetVarFactory(define, this);
     parser_.SetExpr(text);
+    parser_.Eval();  // which reads it
+    expect_one_value(parser_);
   }
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
   double at(std::size_t l) {
-    for (std::size_t v = 0; v < slots_.size(); ++v) slots_[v] = variables_[v].at(l);
+    for (Slot& slot : slots_) slot.value = slot.variable->at(l);
     return parser_.Eval();
   }
-  /// Precondition: at() was called.
   double operations() const { return operations_of(parser_, slots_.size()); }
 
  private:
+  struct Slot {
+    const Variable* variable;
+    double value = 1;
+  };
+
+  /// Called by the parser for each name that means nothing to it, once.
+  static double* define(const char* name, void* program) {
+    auto& [variables, slots, parser] = *static_cast<Program*>(program);
+    const auto variable = std::ranges::find(variables, name, &Variable::name);
+    if (variable == variables.end()) {
+      throw mu::ParserError(absl::StrCat("there is no '", name, "'; there are: ", names_of(variables, parser)));
+    }
+    return &slots.emplace_back(Slot{&*variable}).value;
+  }
+
   const std::vector<Variable>& variables_;
-  std::vector<double> slots_;
+  std::deque<Slot> slots_;  // which stay where they are
   mu::Parser parser_;
 };
 
-/// Says whether the parser already means something by the name.
-bool is_reserved(const mu::Parser& parser, const std::string& name) {
-  return parser.GetFunDef().contains(name) || parser.GetConst().contains(name);
-}
-
 /// For names whose meaning is not known yet.
 double* any_variable(const char*, void* slots) { return &static_cast<std::deque<double>*>(slots)->emplace_back(1.0); }
-
-std::string names_of(const std::vector<Variable>& variables) {
-  std::string names;
-  for (const Variable& variable : variables) absl::StrAppend(&names, names.empty() ? "" : ", ", variable.name);
-  return names;
-}
 
 }  // namespace
 
@@ -180,30 +194,11 @@ absl::Status check_expression(const std::string& text) {
 
 absl::Status evaluate_expression(const SurfaceCurve& curve, const std::string& text, std::span<float> values,
                                  const ExecutionContext& context) {
-  if (absl::Status status = check_expression(text); !status.ok()) return status;
-  std::vector<Variable> variables = variables_of(curve);
-  absl::Status known = with_parser(text, [&] {
-    mu::Parser parser;
-    std::erase_if(variables, [&](const Variable& variable) { return is_reserved(parser, variable.name); });
-    parser.SetExpr(text);
-    std::vector<Variable> used;
-    for (const auto& [name, slot] : parser.GetUsedVar()) {
-      const auto variable =
-          std::find_if(variables.begin(), variables.end(), [&, n = name](const Variable& v) { return v.name == n; });
-      if (variable == variables.end()) {
-        throw mu::ParserError(absl::StrCat("there is no '", name, "'; there are: ", names_of(variables)));
-      }
-      used.push_back(*variable);
-    }
-    variables = std::move(used);
-  });
-  if (!known.ok() || values.empty()) return known;
+  absl::Status status = check_text(text);
+  if (!status.ok()) return status;
+  const std::vector<Variable> variables = variables_of(curve);
   double operations = 0;
-  absl::Status status = with_parser(text, [&] {
-    Program program(text, variables);
-    values[0] = static_cast<float>(program.at(0));
-    operations = program.operations();
-  });
+  status = with_parser(text, [&] { operations = Program(text, variables).operations(); });
   status.Update(check_operations(text, operations, values.size()));
   if (!status.ok()) return status;
   const auto step = static_cast<std::size_t>(std::max(1.0, kStepOperations / operations));
