@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -92,6 +91,17 @@ void touch_file(const std::string& path) {
   ::utimensat(AT_FDCWD, path.c_str(), times, 0);
 }
 
+void visit_old_marks(const std::string& folder, std::string_view ending, std::chrono::seconds age,
+                     const std::function<void(const std::string& path)>& visit) {
+  const fs::file_time_type oldest = fs::file_time_type::clock::now() - age;
+  std::error_code error, unknown;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    const bool is_mark = is_content_id(name.substr(0, kIdDigits)) && name.substr(kIdDigits) == ending;
+    if (is_mark && fs::last_write_time(it->path(), unknown) < oldest && !unknown) visit(it->path().string());
+  }
+}
+
 std::string CacheFolder::curve_path(const std::string& id) const {
   return absl::StrCat(folder_, "/", id, ".v", kCurveFileVersion, ".curve");
 }
@@ -142,13 +152,10 @@ void CacheFolder::remove_mark(const std::string& id) const {
 }
 
 void CacheFolder::remove_old_marks() const {
-  const fs::file_time_type oldest = fs::file_time_type::clock::now() - kMarkLife;
-  std::error_code error, ignored;
-  for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    const bool is_mark = is_content_id(name.substr(0, kIdDigits)) && name.substr(kIdDigits) == kMark;
-    if (is_mark && fs::last_write_time(it->path(), ignored) < oldest) fs::remove(it->path(), ignored);
-  }
+  visit_old_marks(folder_, kMark, kMarkLife, [](const std::string& path) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+  });
 }
 
 CacheFolder::Contents CacheFolder::contents() const {

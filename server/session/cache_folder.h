@@ -7,10 +7,12 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace curvecast::server {
@@ -28,6 +30,10 @@ bool is_file(const std::string& path);
 
 /// Counts a file as used now.
 void touch_file(const std::string& path);
+
+/// Calls visit(path) for the marks of sessions in a folder, files ID.ENDING, that nobody has touched for so long.
+void visit_old_marks(const std::string& folder, std::string_view ending, std::chrono::seconds age,
+                     const std::function<void(const std::string& path)>& visit);
 
 /// Thread-safe. Several processes may share a folder.
 class CacheFolder {

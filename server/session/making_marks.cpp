@@ -1,6 +1,5 @@
 #include "server/session/making_marks.h"
 
-#include <absl/strings/match.h>
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 #include <absl/time/time.h>
@@ -11,14 +10,12 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
-#include <system_error>
 #include <utility>
+
+#include "server/session/cache_folder.h"
 
 namespace curvecast::server {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr char kEnding[] = ".making";
 constexpr int kFactor = 4;        // from one pause to the next
@@ -63,16 +60,12 @@ int open_locked(const std::string& path) {
 
 MakingMarks::MakingMarks(std::string folder, std::chrono::seconds first_pause)
     : folder_(std::move(folder)), first_pause_(first_pause) {
-  std::error_code error;
-  for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
-    const std::string path = it->path().string();
-    if (!absl::EndsWith(path, kEnding)) continue;
+  visit_old_marks(folder_, kEnding, kMostPause, [](const std::string& path) {
     const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    if (file < 0) continue;
-    const bool is_over = changed_at(file) < absl::Now() - absl::FromChrono(kMostPause);
-    if (is_over && ::flock(file, LOCK_EX | LOCK_NB) == 0) ::unlink(path.c_str());
+    if (file < 0) return;
+    if (::flock(file, LOCK_EX | LOCK_NB) == 0) ::unlink(path.c_str());
     ::close(file);
-  }
+  });
 }
 
 MakingMarks::~MakingMarks() { forgive(); }
@@ -126,7 +119,7 @@ void MakingMarks::forgive() {
 
 void MakingMarks::touch() {
   const MutexLock lock(mutex_);
-  for (const auto& [id, file] : files_) ::futimens(file, nullptr);
+  for (const auto& [id, file] : files_) touch_file(path_of(id));
 }
 
 }  // namespace curvecast::server
