@@ -18,10 +18,9 @@ std::uint64_t memory_share(const ServerOptions& options) {
   return static_cast<std::uint64_t>(kShare * static_cast<double>(machine_memory_bytes()));
 }
 
-std::uint64_t memory_with_file(const ServerOptions& options) {
+std::uint64_t memory_with_file(const ServerOptions& options, std::uint64_t memory) {
   constexpr std::uint64_t kMostInFile = 1;  // times the memory
   constexpr double kShareOfDisk = 0.9;
-  const std::uint64_t memory = memory_share(options);
   struct statfs disk {};
   if (::statfs(scratch_folder(options).c_str(), &disk) != 0) return memory;
   if (disk.f_type == TMPFS_MAGIC || disk.f_type == RAMFS_MAGIC) return memory;  // files there are memory as well

@@ -49,10 +49,11 @@ double in_seconds(std::chrono::duration<double> duration) { return duration.coun
 
 Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
                std::shared_ptr<const Tokens> known, TrustedProxies trusted, std::unique_ptr<MeshFolder> kept_meshes)
-    : log(std::move(logger)),
+    : memory_share_(memory_share(options)),
+      log(std::move(logger)),
       own_key(random_key()),
       threads(core_count(options.threads)),
-      memory({.most = [options] { return memory_with_file(options); },
+      memory({.most = [this, options] { return memory_with_file(options, memory_share_); },
               .held = [this] { return held_bytes(); },
               .make_room =
                   [this](std::uint64_t bytes) {
@@ -60,11 +61,11 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
                     view_cache.clear();
                     sessions.make_room(bytes - std::min(bytes, kept));
                   }}),
-      queued(std::min(options.max_queued_bytes, memory_share(options) / kQueuedShare)),
+      queued(std::min(options.max_queued_bytes, memory_share_ / kQueuedShare)),
       sends(absl::ResourceExhaustedError(
           "you have not read what was sent to you for too long, and the server needs its memory; read faster")),
       receipts(absl::UnavailableError("nothing has come of the upload for too long; go on with it")),
-      view_cache{FixedDensityCache(kMostDensities, std::min(kMostDensityBytes, memory_share(options) / kDensityShare)), {}},
+      view_cache{FixedDensityCache(kMostDensities, std::min(kMostDensityBytes, memory_share_ / kDensityShare)), {}},
       views({.workers = threads,
              .max_waiting = kMaxWaiting,
              .max_waiting_of_one = kMaxWaitingOfOne,
@@ -101,7 +102,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
             metrics.preprocessing(made.status().raw_code(), in_seconds(std::chrono::steady_clock::now() - start));
             return made;
           },
-          {options.max_sessions, std::min(options.max_session_bytes, memory_share(options) / kSessionShare),
+          {options.max_sessions, std::min(options.max_session_bytes, memory_share_ / kSessionShare),
            options.max_sessions_in_making_of_client},
           threads, log, cache.get(),
           [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
@@ -115,7 +116,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
             if (is_finer) sessions.save(session);
             notify_streams(session);
           },
-          [this, share = memory_share(options)] { return share - std::min(share, held_bytes() + memory.reserved()); }, log),
+          [this] { return memory_share_ - std::min(memory_share_, held_bytes() + memory.reserved()); }, log),
       rank_jobs(
           threads, [this](const Session& session) { notify_streams(session); }, log),
       max_stall_(options.max_stall),
@@ -194,11 +195,15 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
     std::erase_if(streams_, [](const Stream& entry) { return entry.stream.expired(); });
     sweep_at_ = std::max<std::size_t>(64, 2 * streams_.size());
   }
+  streams_.push_back({stream, end_of_age()});
+  return stream;
+}
+
+Clock::time_point Engine::end_of_age() const {
+  if (max_stream_age_.count() == 0) return Clock::time_point::max();
   // Not all at once: those who came together would go together.
   const double jitter = 0.9 + 0.2 * random_unit(std::random_device()(), 0);
-  const auto age = std::chrono::duration_cast<Clock::duration>(jitter * max_stream_age_);
-  streams_.push_back({stream, age.count() > 0 ? Clock::now() + age : Clock::time_point::max()});
-  return stream;
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(jitter * max_stream_age_);
 }
 
 ImprovementRequests Engine::improvement_requests(const std::shared_ptr<const Session>& session, const PointSetRequest& request,
@@ -211,12 +216,18 @@ ImprovementRequests Engine::improvement_requests(const std::shared_ptr<const Ses
       .more_ranks = [this, session, source](RankDemand demand) { return rank_jobs.request(session, source, std::move(demand)); }};
 }
 
-std::uint64_t Engine::held_bytes() { return sessions.memory_bytes() + queued.bytes() + view_cache.byte_size(); }
+std::uint64_t Engine::held_bytes() { return held_bytes(sessions.memory_bytes()); }
+
+std::uint64_t Engine::held_bytes(std::uint64_t session_bytes) const {
+  return session_bytes + queued.bytes() + view_cache.byte_size();
+}
 
 Gauges Engine::gauges() {
   Gauges out;
   out.memory_bytes = memory.most();
-  out.held_bytes = held_bytes();
+  out.sessions = sessions.list({}, std::numeric_limits<std::size_t>::max(), kOperator).size();
+  out.session_bytes = sessions.memory_bytes();
+  out.held_bytes = held_bytes(out.session_bytes);
   out.reserved_bytes = memory.reserved();
   out.connections = connections->count();
   out.ended_connections = connections->ended();
@@ -234,10 +245,6 @@ Gauges Engine::gauges() {
                  {"memory", memory.refused()},       {"streams", streams->refused()},
                  {"uploads", uploads->refused()}};
   out.evicted = {{"sessions", sessions.evicted()}, {"meshes", meshes.usage().evicted}};
-  for (const SessionInfo& info : sessions.list({}, std::numeric_limits<std::size_t>::max(), kOperator)) {
-    ++out.sessions;
-    if (info.session != nullptr) out.session_bytes += info.session->memory_bytes();
-  }
   const MeshStore::Usage held = meshes.usage();
   out.meshes = held.meshes;
   out.mesh_bytes = held.bytes;
@@ -282,21 +289,20 @@ void Engine::notify_streams(const Session& session) {
   for (const auto& stream : all_streams()) stream->refined(session);
 }
 
+void Engine::refuse_streams() {
+  const MutexLock lock(mutex_);
+  stopped_ = true;
+}
+
 void Engine::retire_streams(const absl::Status& reason, std::chrono::milliseconds patience) {
-  {
-    const MutexLock lock(mutex_);
-    stopped_ = true;
-  }
+  refuse_streams();
   for (const auto& stream : all_streams()) stream->retire(reason);
   const Clock::time_point end = Clock::now() + patience;
   while (streams->count() > 0 && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
 void Engine::stop_streams(const absl::Status& reason) {
-  {
-    const MutexLock lock(mutex_);
-    stopped_ = true;
-  }
+  refuse_streams();
   for (const auto& stream : all_streams()) stream->stop(reason);
 }
 

@@ -53,6 +53,7 @@ class Engine {
   std::vector<Stream> streams_ ABSL_GUARDED_BY(mutex_);
   std::size_t sweep_at_ ABSL_GUARDED_BY(mutex_) = 64;  // number of streams at which those that have gone are forgotten
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
+  const std::uint64_t memory_share_;  // bytes that the process may take
 
  public:
   /// `session_cache`, `known` and `kept_meshes` may be null: without a cache; everybody may call; meshes are gone with the
@@ -120,6 +121,12 @@ class Engine {
  private:
   /// The conversations at this moment.
   std::vector<std::shared_ptr<ClientStream>> all_streams() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// From now on there are no new ones.
+  void refuse_streams() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// When a stream that is made now has reached its age.
+  std::chrono::steady_clock::time_point end_of_age() const;
+  /// What is held where sessions take so much.
+  std::uint64_t held_bytes(std::uint64_t session_bytes) const;
   /// Ends those that have reached their age.
   void retire_old_streams(std::chrono::steady_clock::time_point now) ABSL_LOCKS_EXCLUDED(mutex_);
   void notify_streams(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
