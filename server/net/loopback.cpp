@@ -1,11 +1,9 @@
 #include "server/net/loopback.h"
 
-#include <absl/cleanup/cleanup.h>
-#include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include "server/base/address.h"
+#include "server/net/resolve.h"
 
 namespace curvecast::server {
 namespace {
@@ -23,12 +21,9 @@ bool is_loopback(const sockaddr& address) {
 bool is_loopback(const std::string& address) {
   const absl::StatusOr<Address> parsed = parse_address(address);
   if (!parsed.ok()) return true;
-  addrinfo hints = {};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (::getaddrinfo(parsed->host.c_str(), nullptr, &hints, &found) != 0) return true;
-  const absl::Cleanup free = [found] { ::freeaddrinfo(found); };
-  for (const addrinfo* info = found; info != nullptr; info = info->ai_next) {
+  const absl::StatusOr<AddressList> found = resolve(*parsed);
+  if (!found.ok()) return true;
+  for (const addrinfo* info = found->get(); info != nullptr; info = info->ai_next) {
     if (!is_loopback(*info->ai_addr)) return false;
   }
   return true;

@@ -1,8 +1,7 @@
 #include "server/net/port_listener.h"
 
-#include <absl/cleanup/cleanup.h>
 #include <absl/strings/str_cat.h>
-#include <netdb.h>
+#include <absl/strings/string_view.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -12,9 +11,9 @@
 #include <cstring>
 #include <utility>
 
-#include "server/base/address.h"
 #include "server/base/status_from_exceptions.h"
 #include "server/net/peer_name.h"
+#include "server/net/resolve.h"
 
 namespace curvecast::server {
 namespace {
@@ -26,23 +25,24 @@ void switch_on(int descriptor, int level, int option, unsigned value = 1) {
   ::setsockopt(descriptor, level, option, &value, sizeof value);
 }
 
+/// Where an address has its port, in the byte order of the network.
+in_port_t& port_in(sockaddr_storage& address) {
+  return address.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6&>(address).sin6_port
+                                       : reinterpret_cast<sockaddr_in&>(address).sin_port;
+}
+
 int port_of(int descriptor) {
   sockaddr_storage address = {};
   socklen_t size = sizeof address;
   if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
-  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
-                                             : reinterpret_cast<const sockaddr_in&>(address).sin_port);
+  return ntohs(port_in(address));
 }
 
 /// A socket that listens on an address, on another port where that is not 0; or -1, and errno tells why.
 int listen_on(const addrinfo& info, int port) {
   sockaddr_storage address = {};
   std::memcpy(&address, info.ai_addr, info.ai_addrlen);
-  if (port != 0) {
-    auto& place = info.ai_family == AF_INET6 ? reinterpret_cast<sockaddr_in6&>(address).sin6_port
-                                             : reinterpret_cast<sockaddr_in&>(address).sin_port;
-    place = htons(static_cast<std::uint16_t>(port));
-  }
+  if (port != 0) port_in(address) = htons(static_cast<std::uint16_t>(port));
   const int descriptor = ::socket(info.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return -1;
   switch_on(descriptor, SOL_SOCKET, SO_REUSEADDR);  // by connections that have just gone
@@ -77,19 +77,13 @@ PortListener::~PortListener() { close(); }
 absl::Status PortListener::open(const std::string& address) {
   const absl::StatusOr<Address> parsed = parse_address(address);
   if (!parsed.ok()) return parsed.status();
-  const auto fail = [&](const char* why) {
+  const auto fail = [&](absl::string_view why) {
     return absl::UnavailableError(absl::StrCat("cannot listen on ", address, ": ", why));
   };
-  addrinfo hints = {};
-  hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (const int error = ::getaddrinfo(parsed->host.c_str(), absl::StrCat(parsed->port).c_str(), &hints, &found); error != 0) {
-    return fail(::gai_strerror(error));
-  }
-  const absl::Cleanup free = [&] { ::freeaddrinfo(found); };
+  const absl::StatusOr<AddressList> found = resolve(*parsed);
+  if (!found.ok()) return fail(found.status().message());
   int error = 0;
-  for (const addrinfo* info = found; info != nullptr; info = info->ai_next) {
+  for (const addrinfo* info = found->get(); info != nullptr; info = info->ai_next) {
     const int descriptor = listen_on(*info, port_);
     if (descriptor < 0) {
       error = errno;
