@@ -9,8 +9,8 @@
 #include "server/engine/request_log.h"
 #include "server/engine/view_conversation.h"
 #include "server/frame/client_stream.h"
-#include "server/grpc/end_call.h"
 #include "server/grpc/reactors.h"
+#include "server/grpc/watched_sends.h"
 
 namespace curvecast::server {
 namespace {
@@ -19,7 +19,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
                                  public ClientStream::Transport {
  public:
   StreamViewsReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller)
-      : log_(engine, "StreamViews", context, caller), sends_(engine.sends), context_(context) {
+      : log_(engine, "StreamViews", context, caller), sends_(engine, context) {
     auto conversation = ViewConversation::begin(engine, this, caller);
     if (conversation.ok()) {
       conversation_ = *std::move(conversation);
@@ -33,13 +33,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   void send(v1::StreamViewsResponse response) override {
     response_ = std::move(response);
     conversation_->count_sent(response_);
-    sends_.begin(this, [this](const absl::Status& status) {
-      {
-        const MutexLock lock(mutex_);
-        stalled_ = status;
-      }
-      end_call(context_, status);
-    });
+    sends_.begin();
     StartWrite(&response_);
   }
 
@@ -52,14 +46,11 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
     finish(status);
   }
 
-  void finish(absl::Status status) {
-    {
-      const MutexLock lock(mutex_);
-      if (!stalled_.ok()) status = stalled_;
-    }
+  void finish(const absl::Status& status) {
     if (conversation_ != nullptr) conversation_->release_admission();
-    log_.finish(to_grpc(status));
-    Finish(to_grpc(status));
+    const grpc::Status ended = sends_.end_of(to_grpc(status));
+    log_.finish(ended);
+    Finish(ended);
   }
 
   void OnReadDone(bool ok) override {
@@ -69,16 +60,19 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
       if (ended_) return;
       taking_ = true;
     }
-    const absl::Status received = status_from_exceptions([this] {
-      conversation_->receive(request_, [this] { resume(); });
-      return absl::OkStatus();
-    });
-    if (!received.ok()) fail(received);
+    go_on([this] { conversation_->receive(request_, [this] { resume(); }); }, true);
   }
 
-  /// Ends the call where a message could not be taken: gRPC would leave it open for ever.
-  void fail(const absl::Status& status) {
-    {
+  /// Does a step of the conversation, and ends the call where it throws: gRPC would leave it open for ever. `takes`: the step was
+  /// to take a message.
+  template <typename Step>
+  void go_on(const Step& step, bool takes = false) {
+    const absl::Status status = status_from_exceptions([&] {
+      step();
+      return absl::OkStatus();
+    });
+    if (status.ok()) return;
+    if (takes) {
       const MutexLock lock(mutex_);
       taking_ = false;
     }
@@ -98,12 +92,8 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   }
 
   void OnWriteDone(bool ok) override {
-    sends_.done(this);
-    const absl::Status status = status_from_exceptions([&] {
-      conversation_->stream().sent(ok);
-      return absl::OkStatus();
-    });
-    if (!status.ok()) conversation_->stream().stop(status);
+    sends_.done();
+    go_on([&] { conversation_->stream().sent(ok); });
   }
   void OnCancel() override {
     if (conversation_ != nullptr) conversation_->stream().stop(absl::CancelledError("the client has gone"));
@@ -111,14 +101,12 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   void OnDone() override { delete this; }
 
   RequestLog log_;
-  StallWatch& sends_;
-  grpc::CallbackServerContext& context_;
+  WatchedSends sends_;
   std::unique_ptr<ViewConversation> conversation_;  // null: refused
   v1::StreamViewsRequest request_;
   v1::StreamViewsResponse response_;
   Mutex mutex_;
   std::optional<absl::Status> ended_ ABSL_GUARDED_BY(mutex_);  // no operation may start any more
-  absl::Status stalled_ ABSL_GUARDED_BY(mutex_);               // an error: the call was ended because its client does not read
   bool taking_ ABSL_GUARDED_BY(mutex_) = false;                // a message; none is read meanwhile
 };
 

@@ -16,7 +16,7 @@
 #include "server/engine/caller.h"
 #include "server/engine/engine.h"
 #include "server/engine/request_log.h"
-#include "server/grpc/end_call.h"
+#include "server/grpc/watched_sends.h"
 
 namespace curvecast::server {
 
@@ -27,7 +27,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
  public:
   /// The engine counts the messages that wait, and ends the call where its client does not read them.
   WriteQueue(const char* method, Engine& engine, grpc::CallbackServerContext& context, const Caller& caller)
-      : log_(engine, method, context, caller), queued_(engine.queued), sends_(engine.sends), context_(context), caller_(caller) {}
+      : log_(engine, method, context, caller), queued_(engine.queued), sends_(engine, context), caller_(caller) {}
   ~WriteQueue() override {
     const MutexLock lock(mutex_);
     queued_.add(caller_.name, -waiting_);
@@ -97,7 +97,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     {
       const MutexLock lock(mutex_);
       writing_ = false;
-      sends_.done(this);
+      sends_.done();
       count(-bytes_of(current_));
       if (!ok) cancelled_ = true;
       if (cancelled()) {
@@ -123,10 +123,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     writing_ = true;
     current_ = std::move(queue_.front());
     queue_.pop_front();
-    sends_.begin(this, [this](const absl::Status& status) {
-      has_stalled_ = true;
-      end_call(context_, status);
-    });
+    sends_.begin();
     this->StartWrite(&current_);
   }
 
@@ -138,17 +135,16 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
 
   /// Without the lock, for the reactor may be gone before Finish() returns.
   void finish_now(const grpc::Status& status) ABSL_LOCKS_EXCLUDED(mutex_) {
-    log_.finish(has_stalled_ ? grpc::Status(grpc::RESOURCE_EXHAUSTED, "the client has not read for too long") : status);
-    this->Finish(status);
+    const grpc::Status ended = sends_.end_of(status);
+    log_.finish(ended);
+    this->Finish(ended);
   }
 
   RequestLog log_;
   QueuedBytes& queued_;
-  StallWatch& sends_;
-  grpc::CallbackServerContext& context_;
+  WatchedSends sends_;
   const Caller caller_;
   std::atomic<bool> cancelled_ = false;
-  std::atomic<bool> has_stalled_ = false;  // the call was ended for that
   Mutex mutex_;
   std::int64_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;  // bytes of the queue and of the message being written
   std::deque<Response> queue_ ABSL_GUARDED_BY(mutex_);
