@@ -2,37 +2,26 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/counting_source.h"
+
 namespace curvecast {
 namespace {
 
-class Source final : public MemorySource {
- public:
-  absl::Status take(std::uint64_t bytes, const std::string& what) override {
-    if (taken + bytes > 100) return absl::ResourceExhaustedError(what);
-    taken += bytes;
-    return absl::OkStatus();
-  }
-  void give_back(std::uint64_t bytes) override { taken -= bytes; }
-  std::uint64_t most() const override { return 100; }
-
-  std::uint64_t taken = 0;
-};
-
 TEST(MemoryClaim, TakesTheDifferenceAndGivesAllBack) {
-  Source source;
+  testing::CountingSource source(100);
   const ExecutionContext context{.memory = &source};
   {
     MemoryClaim a(context), b(context);
     EXPECT_TRUE(a.set(60, "a").ok());
     EXPECT_TRUE(b.set(20, "b").ok());
     EXPECT_TRUE(a.set(80, "a").ok());
-    EXPECT_EQ(source.taken, 100u);
+    EXPECT_EQ(source.taken(), 100u);
     EXPECT_EQ(b.set(21, "twenty-one").message(), "twenty-one");
     EXPECT_EQ(b.bytes(), 20u) << "as before";
     EXPECT_TRUE(a.set(10, "a").ok());
-    EXPECT_EQ(source.taken, 30u);
+    EXPECT_EQ(source.taken(), 30u);
   }
-  EXPECT_EQ(source.taken, 0u);
+  EXPECT_EQ(source.taken(), 0u);
 }
 
 TEST(MemoryClaim, TakesAllWhereNobodyCounts) {

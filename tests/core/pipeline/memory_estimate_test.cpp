@@ -8,36 +8,13 @@
 
 #include "core/pipeline/pipeline.h"
 #include "tests/support/counted_memory.h"
+#include "tests/support/counting_source.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast {
 namespace {
 
 using ::testing::HasSubstr;
-
-/// Has `most` bytes, and remembers the most that was taken at once.
-class Source final : public MemorySource {
- public:
-  explicit Source(std::uint64_t most) : most_(most) {}
-
-  absl::Status take(std::uint64_t bytes, const std::string& what) override {
-    if (taken_ + bytes > most_) return absl::ResourceExhaustedError(what);
-    taken_ += bytes;
-    peak = std::max(peak, taken_);
-    return absl::OkStatus();
-  }
-  void give_back(std::uint64_t bytes) override { taken_ -= bytes; }
-  std::uint64_t most() const override { return most_; }
-  std::uint64_t taken() const { return taken_; }
-
-  std::uint64_t peak = 0;
-
- private:
-  const std::uint64_t most_;
-  std::uint64_t taken_ = 0;
-};
-
-constexpr std::uint64_t kPlenty = std::uint64_t{1} << 50;
 
 struct Shape {
   std::string name;
@@ -69,10 +46,10 @@ TEST(MemoryEstimate, IsMoreThanIsTaken) {
     SCOPED_TRACE(shape.name);
     const std::string file = testing::to_ply(shape.soup);
     const PreprocessOptions options{.points = shape.points, .omega = shape.omega};
-    Source source(kPlenty);
+    testing::CountingSource source;
     const testing::CountedMemory memory;
     ASSERT_TRUE(preprocess({"shape.ply", file}, options, {.threads = 2, .memory = &source}).ok());
-    const double peak = static_cast<double>(memory.peak()), told = static_cast<double>(source.peak);
+    const double peak = static_cast<double>(memory.peak()), told = static_cast<double>(source.peak());
     std::printf("%-40s took %6.1f MB, told %6.1f MB, %.2f times\n", shape.name.c_str(), peak / 1e6, told / 1e6, told / peak);
     EXPECT_LE(peak, told);
     EXPECT_GT(4 * peak + (128 << 20), told) << "what is refused would have fit";
@@ -84,10 +61,10 @@ TEST(MemoryEstimate, OfInspectionIsMoreThanIsTaken) {
   for (const Shape& shape : shapes()) {
     SCOPED_TRACE(shape.name);
     const std::string file = testing::to_off(shape.soup);
-    Source source(kPlenty);
+    testing::CountingSource source;
     const testing::CountedMemory memory;
     ASSERT_TRUE(inspect_mesh({"shape.off", file}, {.threads = 2, .memory = &source}).ok());
-    const double peak = static_cast<double>(memory.peak()), told = static_cast<double>(source.peak);
+    const double peak = static_cast<double>(memory.peak()), told = static_cast<double>(source.peak());
     std::printf("%-40s took %6.1f MB, told %6.1f MB, %.2f times\n", shape.name.c_str(), peak / 1e6, told / 1e6, told / peak);
     EXPECT_LE(peak, told);
     EXPECT_GT(4 * peak + (4 << 20), told) << "what is refused would have fit";
@@ -97,7 +74,7 @@ TEST(MemoryEstimate, OfInspectionIsMoreThanIsTaken) {
 TEST(MemoryEstimate, SaysWhatWouldFit) {
   const std::string file = testing::to_off(testing::tetrahedron());
   const auto prepared = [&](std::uint64_t points, std::uint64_t most) {
-    Source source(most);
+    testing::CountingSource source(most);
     return preprocess({"t.off", file}, {.points = points, .omega = 25}, {.memory = &source}).status();
   };
   constexpr std::uint64_t kMost = 200'000'000;
@@ -113,7 +90,7 @@ TEST(MemoryEstimate, SaysWhatWouldFit) {
   EXPECT_TRUE(prepared(points, kMost).ok());
   EXPECT_FALSE(prepared(2 * points, kMost).ok());
   const std::string great = testing::to_off(testing::icosphere(7));
-  Source source(60'000'000);
+  testing::CountingSource source(60'000'000);
   EXPECT_THAT(std::string(preprocess({"great.off", great}, {.points = 1}, {.memory = &source}).status().message()),
               HasSubstr("triangles would fit"));
   EXPECT_THAT(std::string(prepared(1, 1'000).message()), HasSubstr("t.off: to read"));
