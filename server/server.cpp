@@ -7,6 +7,7 @@
 #include <spdlog/logger.h>
 
 #include <algorithm>
+#include <future>
 #include <optional>
 #include <string>
 #include <utility>
@@ -236,6 +237,15 @@ class GrpcServer final : public Server {
     });
   }
 
+  absl::Status shutdown_within(std::chrono::milliseconds drain, std::chrono::milliseconds patience) override {
+    end_ = std::async(std::launch::async, [this, drain] { shutdown(drain); });
+    if (end_.wait_for(drain + patience) == std::future_status::ready) return absl::OkStatus();
+    const std::vector<std::string> unsaved = engine_.cache != nullptr ? engine_.cache->unsaved_ids() : std::vector<std::string>();
+    for (const std::string& id : unsaved) engine_.log->error("session {} is not cached: there was no time left", id);
+    return absl::DeadlineExceededError(
+        absl::StrCat("the server could not end in time; sessions that are not in the cache: ", unsaved.size()));
+  }
+
  private:
   /// Why this server had better be started anew; empty where it need not.
   std::string dead() const { return port_ == nullptr || port_->answers() ? "" : "the gRPC port does not answer"; }
@@ -280,6 +290,7 @@ class GrpcServer final : public Server {
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   std::unique_ptr<WebGateway> web_, admin_;  // use all of the above
   std::once_flag shutdown_;
+  std::future<void> end_;  // of a shutdown() on a thread of its own
 };
 
 }  // namespace

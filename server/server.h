@@ -41,6 +41,10 @@ class Server {
   /// As retire(); streams of views end with UNAVAILABLE, other running calls get `drain` to end, then are cancelled;
   /// preprocessing stops; sessions on their way to the cache get there. Idempotent.
   virtual void shutdown(std::chrono::milliseconds drain) = 0;
+  /// As shutdown(), but waits no longer than `drain` and `patience` together: DeadlineExceeded where that was not enough, because
+  /// the disk of the cache does not get on, say. The log names the sessions that are not in the cache. What is under way goes on
+  /// as long as the process, and whoever destroys the server waits for it.
+  virtual absl::Status shutdown_within(std::chrono::milliseconds drain, std::chrono::milliseconds patience) = 0;
 };
 
 }  // namespace curvecast::server

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <condition_variable>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,6 +17,7 @@
 #include "client/cli/choice.h"
 #include "client/cli/commands.h"
 #include "client/cli/configuration.h"
+#include "client/cli/exit_status.h"
 #include "client/cli/session_flags.h"
 #include "client/cli/signals.h"
 #include "client/web/viewer_files.h"
@@ -44,6 +47,7 @@ struct Flags {
   std::uint32_t max_stream_age = 0;  // seconds
   double drain = 5;                  // seconds
   double lame_duck = 0;              // seconds
+  double max_stop_time = 30;         // seconds
   std::string log_format = "text";
   std::string config;  // path; empty: none
   bool print_config = false;
@@ -102,6 +106,8 @@ void warm_up(client::Client& client, const std::vector<std::string>& ids, const 
   }
 }
 
+std::chrono::milliseconds milliseconds(double seconds) { return std::chrono::milliseconds(std::lround(1000 * seconds)); }
+
 /// The lines in the log that say how the server was set up.
 std::vector<std::string> describe(const std::vector<Setting>& settings) {
   std::vector<std::string> lines;
@@ -150,7 +156,11 @@ absl::Status serve(const Flags& flags, const CommonOptions& options, const serve
       std::this_thread::sleep_for(std::chrono::duration<double>(flags.lame_duck));  // a second signal ends the process
     }
   }
-  (*server)->shutdown(std::chrono::milliseconds(std::lround(1000 * flags.drain)));
+  const absl::Status ended = (*server)->shutdown_within(milliseconds(flags.drain), milliseconds(flags.max_stop_time));
+  if (!ended.ok()) {
+    std::fprintf(stderr, "curvecast: %s\n", std::string(ended.message()).c_str());
+    std::_Exit(exit_status(ended, false));  // what holds the server up would hold up its destruction too
+  }
   // To be stopped is how a server ends well, even while it opens a mesh.
   return stop.stop_requested() ? absl::OkStatus() : status;
 }
@@ -254,8 +264,9 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       root, options, "serve",
       "Keeps meshes prepared for any number of clients, and shows them in browsers (gRPC, and HTTP for the viewer; both "
       "encrypted with --tls-cert and --tls-key). Prints its addresses when it is "
-      "ready and a line per opened mesh. SIGTERM or Ctrl-C: running calls get --drain seconds to end; status 0. A "
-      "second one ends it at once; status 130. SIGHUP: reads the files of tokens and certificates anew, where there are any.",
+      "ready and a line per opened mesh. SIGTERM or Ctrl-C: running calls get --drain seconds to end, and what goes to the "
+      "cache gets --max-stop-time; status 0. A second one ends it at once; status 130. SIGHUP: reads the files of tokens and "
+      "certificates anew, where there are any.",
       {"curvecast serve --open bunny.obj --open igea.ply",
        "curvecast serve --listen 0.0.0.0:50051 --tokens /etc/curvecast.tokens --cache /var/cache/curvecast --cache-size 50GB",
        "curvecast serve --config /etc/curvecast.toml --http 0.0.0.0:8080 --open-to-all",
@@ -314,6 +325,12 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
          "--lame-duck", flags->lame_duck,
          "that the server goes on when it is stopped, before --drain: health and /readyz say that it ends, so that balancers "
          "send their clients elsewhere")
+      ->check(CLI::Range(0.0, kMaxDrain))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  app->add_option("--max-stop-time", flags->max_stop_time,
+                  "that a stopped server takes beyond --drain, so that sessions get to the cache; then it names those in the log "
+                  "that have not, and ends with status 4")
       ->check(CLI::Range(0.0, kMaxDrain))
       ->type_name("SECONDS")
       ->capture_default_str();

@@ -76,6 +76,14 @@ bool SaveQueue::has(const std::string& id) const {
   return entries_.contains(id) || (saving_ == id && !id.empty());
 }
 
+std::vector<std::string> SaveQueue::ids() const {
+  const MutexLock lock(mutex_);
+  std::vector<std::string> ids;
+  for (const auto& [id, entry] : entries_) ids.push_back(id);
+  if (!saving_.empty() && !entries_.contains(saving_)) ids.push_back(saving_);
+  return ids;
+}
+
 std::size_t SaveQueue::size() const {
   const MutexLock lock(mutex_);
   return entries_.size() + (saving_.empty() || entries_.contains(saving_) ? 0 : 1);

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "core/base/mutex.h"
 #include "server/session/session.h"
@@ -57,6 +58,8 @@ class SaveQueue {
   void let_go(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Whether a session waits or is being saved.
   bool has(const std::string& id) const ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Which do.
+  std::vector<std::string> ids() const ABSL_LOCKS_EXCLUDED(mutex_);
   /// How many do.
   std::size_t size() const ABSL_LOCKS_EXCLUDED(mutex_);
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/mutex.h"
 #include "server/base/job_queue.h"
@@ -40,6 +41,8 @@ class SessionCache {
   void save(const Session& session);
   /// Whether a session waits to be saved, or is being saved.
   bool is_unsaved(const std::string& id) const { return saves_.has(id); }
+  /// Which do.
+  std::vector<std::string> unsaved_ids() const { return saves_.ids(); }
   /// How many do.
   std::size_t unsaved() const { return saves_.size(); }
   /// A session has had to leave the memory: where a try to save it has failed, it is given up.

@@ -1,8 +1,10 @@
 // `curvecast serve` as a process.
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <list>
 #include <sstream>
@@ -11,6 +13,7 @@
 #include "tests/proto/tls/certificate_files.h"
 #include "tests/server/eventually.h"
 #include "tests/server/http_client.h"
+#include "tests/support/temporary_folder.h"
 
 namespace curvecast::cli {
 namespace {
@@ -273,6 +276,39 @@ TEST_F(ServeTest, CallsThatTakeLongerThanTheDrainAreCancelled) {
   server.signal(SIGTERM);
   EXPECT_EQ(server.finish().status, 0);
   EXPECT_EQ(client.finish().status, 4);
+}
+
+TEST_F(ServeTest, ADiskThatDoesNotGetOnHoldsUpTheEndForAWhileOnly) {
+  const testing::TemporaryFolder cache;
+  const std::vector<std::string> arguments = {"serve", "--listen", "127.0.0.1:0", "--http",  "none",      "--open",
+                                              sphere_, "-n",       "1000",        "--cache", cache.path()};
+  const auto expect_end_with_all_saved = [&] {
+    Process server(arguments);
+    const std::string id = server.rest_of_line("session ").substr(0, 32);
+    server.signal(SIGTERM);
+    EXPECT_EQ(server.finish().status, 0);
+    const std::vector<std::string> names = cache.names();
+    EXPECT_TRUE(std::ranges::any_of(names, [&](auto& name) { return name.starts_with(id) && name.ends_with(".curve"); }));
+    EXPECT_TRUE(std::ranges::none_of(names, [](auto& name) { return name.ends_with("-tmp"); })) << "it had been killed";
+    return id;
+  };
+  const std::string id = expect_end_with_all_saved();
+  for (const std::string& name : cache.names()) {
+    if (name.starts_with(id)) std::filesystem::remove(cache / name);  // the mesh stays
+  }
+  std::vector<std::string> stuck = {"-c",
+                                    R"(export LD_PRELOAD="$0" ASAN_OPTIONS="$ASAN_OPTIONS:verify_asan_link_order=0"; exec "$@")",
+                                    CURVECAST_STUCK_DISK, CURVECAST_COMMAND};
+  stuck.insert(stuck.end(), arguments.begin(), arguments.end());
+  stuck.insert(stuck.end(), {"--drain", "0", "--max-stop-time", "0.2"});
+  Process server(stuck, "/bin/sh");
+  EXPECT_EQ(server.rest_of_line("session ").substr(0, 32), id) << server.err();
+  server.signal(SIGTERM);
+  const Finished finished = server.finish();
+  EXPECT_EQ(finished.status, 4) << finished.err;
+  EXPECT_THAT(finished.err, HasSubstr("session " + id + " is not cached: there was no time left"));
+  EXPECT_THAT(finished.err, HasSubstr("the server could not end in time; sessions that are not in the cache: 1"));
+  EXPECT_EQ(expect_end_with_all_saved(), id);
 }
 
 TEST_F(ServeTest, SettingsComeFromFlagsTheEnvironmentAndAFile) {

@@ -16,6 +16,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
 using Found = SaveQueue::Found;
 
 Session session(const std::string& id, const std::string& name = "") {
@@ -103,6 +104,7 @@ TEST_F(SaveQueueTest, WhatIsWithdrawnIsUndone) {
   begun.get_future().wait();
   queue_.put(session("b"));
   EXPECT_EQ(queue_.size(), 2u);
+  EXPECT_THAT(queue_.ids(), UnorderedElementsAre("a", "b"));
   EXPECT_EQ(queue_.withdraw("b"), Found::kWaiting);
   EXPECT_EQ(queue_.withdraw("b"), Found::kNothing);
   EXPECT_FALSE(queue_.is_withdrawn("a"));
