@@ -27,7 +27,7 @@ std::string describe_bytes(double bytes) {
   constexpr std::array kUnits = {"bytes", "kB", "MB", "GB", "TB"};
   std::size_t unit = 0;
   for (; bytes >= 999.5 && unit + 1 < kUnits.size(); ++unit) bytes /= 1000;
-  return absl::StrFormat(unit > 0 && bytes < 9.95 ? "%.1f %s" : "%.0f %s", bytes, kUnits[unit]);
+  return absl::StrFormat("%.*f %s", unit > 0 && bytes < 9.95 ? 1 : 0, bytes, kUnits[unit]);
 }
 
 }  // namespace curvecast
