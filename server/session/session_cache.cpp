@@ -25,8 +25,13 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxPendingLoads = 1024;
 constexpr std::chrono::seconds kLookInterval{5};
 
-absl::Status check_faces(const SurfaceCurve& curve, std::uint64_t faces, const std::string& path) {
-  if (*std::max_element(curve.triangle.begin(), curve.triangle.end()) < faces) return absl::OkStatus();
+/// Checks that a curve, which is sound by itself, can lie on a surface: it has all that the curve names of it.
+absl::Status check_lies_on(const CurveBase& surface, const SurfaceCurve& curve, const std::string& path) {
+  if (curve.disc_begin.size() != surface.charts.size() + 1 || curve.scalars.size() != surface.data.scalars.size() ||
+      curve.colour.empty() != (surface.data.colour == nullptr)) {
+    return absl::DataLossError(absl::StrCat(path, ": its curve is another surface's"));
+  }
+  if (*std::max_element(curve.triangle.begin(), curve.triangle.end()) < surface.triangle_of.size()) return absl::OkStatus();
   return absl::DataLossError(absl::StrCat(path, ": its curve lies on a face that is not there"));
 }
 
@@ -40,8 +45,6 @@ absl::StatusOr<std::shared_ptr<Session>> read_record(const std::string& note, co
 absl::StatusOr<std::shared_ptr<Session>> to_session(CurveFile file, const std::string& id, const std::string& path) {
   absl::StatusOr<std::shared_ptr<Session>> session = read_record(file.note, id, path);
   if (!session.ok()) return session;
-  if (absl::Status status = check_faces(*file.curve, (*session)->preprocessed.report.mesh.faces, path); !status.ok())
-    return status;
   (*session)->revisions->publish(std::move(file.curve));
   (*session)->files.push_back(std::move(file.file));
   (*session)->peak_bytes = peak_memory_bytes();
@@ -140,20 +143,25 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionCache::read(const std::str
   Session& session = **loaded;
   session.surface = std::make_shared<SessionSurface>([this, id](const ExecutionContext&) { return open_surface(id); });
   // Now, when the session can still be made anew: it is only mapped.
-  if (absl::Status status = session.curve_base().status(); !status.ok()) return status;
-  load_ranks(session);
-  load_refined(session);
+  const absl::StatusOr<std::shared_ptr<const CurveBase>> surface = session.curve_base();
+  if (!surface.ok()) return surface.status();
+  if (absl::Status status = check_lies_on(**surface, *session.curve(), path); !status.ok()) {
+    folder_.remove_files(id);  // either may be the wrong one
+    return status;
+  }
+  load_ranks(session, **surface);
+  load_refined(session, **surface);
   if (absl::Status status = session.status(); !status.ok()) return status;
   return *std::move(loaded);
 }
 
-void SessionCache::load_refined(Session& session) {
+void SessionCache::load_refined(Session& session, const CurveBase& surface) {
   const std::string path = folder_.refined_path(session.id);
   if (!is_file(path)) return;
   absl::StatusOr<CurveFile> file = load_curve(path);
   absl::Status status = file.status();
   if (file.ok() && file->note != session.id) status = absl::DataLossError(absl::StrCat(path, ": it is of another session"));
-  if (status.ok()) status = check_faces(*file->curve, session.preprocessed.report.mesh.faces, path);
+  if (status.ok()) status = check_lies_on(surface, *file->curve, path);
   if (status.ok()) {
     session.revisions->publish(std::move(file->curve));
     session.files.push_back(std::move(file->file));
@@ -162,14 +170,14 @@ void SessionCache::load_refined(Session& session) {
   }
 }
 
-void SessionCache::load_ranks(const Session& session) {
+void SessionCache::load_ranks(const Session& session, const CurveBase& surface) {
   const std::string path = folder_.ranks_path(session.id);
   if (!is_file(path)) return;
   const std::shared_ptr<const SurfaceCurve> curve = session.revisions->first();
-  absl::StatusOr<RankFile> file = curvecast::load_ranks(path, *curve, session.preprocessed.report.mesh.faces, session.id);
+  absl::StatusOr<RankFile> file = curvecast::load_ranks(path, *curve, surface.triangle_of.size(), session.id);
   if (!file.ok()) return discard(path, file.status());
   session.candidates->restore({curve, std::move(file->tree)}, file->level, session.options.seed,
-                              [surface = session.surface, curve] { return surface->leaves(curve); });
+                              [below = session.surface, curve] { return below->leaves(curve); });
 }
 
 void SessionCache::discard_surface(const std::string& id, const absl::Status& reason) const {

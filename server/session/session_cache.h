@@ -93,10 +93,10 @@ class SessionCache {
 
   SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log);
   absl::StatusOr<std::shared_ptr<const Session>> read(const std::string& id);
-  /// Takes up the points that first views show, if they are there.
-  void load_ranks(const Session& session);
+  /// Takes up the points that first views show, if they are there. `surface`: the session's.
+  void load_ranks(const Session& session, const CurveBase& surface);
   /// Takes up the newest revision of a session's curve, if it is there.
-  void load_refined(Session& session);
+  void load_refined(Session& session, const CurveBase& surface);
   void discard(const std::string& path, const absl::Status& reason) const;
   void discard_surface(const std::string& id, const absl::Status& reason) const;
   /// The surface in memory makes way for the file.

@@ -16,6 +16,7 @@
 #include "core/storage/section_file.h"
 #include "core/storage/surface_file.h"
 #include "server/base/log.h"
+#include "server/session/session_record.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
 
@@ -127,6 +128,37 @@ TEST_F(SessionCacheTest, AnothersSurfaceIsNotTaken) {
   EXPECT_FALSE(cache->holds(id_of('a'))) << "it is to be made anew";
   EXPECT_THAT(lines_.str(), HasSubstr("another session"));
   EXPECT_TRUE(cache->open_surface(id_of('b')).ok());
+}
+
+// Files that are sound, each by itself, as somebody who can write into the folder may put them together.
+TEST_F(SessionCacheTest, CurvesThatTheirSurfaceCannotCarryAreNotTaken) {
+  Session session = some_session(id_of('a'));
+  const auto first = session.curve();
+  save(session);
+  const auto is_refused = [&](const char* reason) {
+    lines_.str("");
+    EXPECT_EQ(open()->load(session.id).status().code(), Code::kDataLoss) << reason;
+    EXPECT_THAT(lines_.str(), HasSubstr(reason));
+    EXPECT_THAT(folder_.names(), IsEmpty()) << "it is made anew";
+    save(session);
+    lines_.str("");
+  };
+  const auto smaller = curve_base(curve_of(sphere_off(1)).flattened);
+  ASSERT_TRUE(smaller.ok() && save_surface(surface_path('a'), **smaller, session.id).ok());
+  is_refused("a face that is not there");
+  auto wrong = std::make_shared<SurfaceCurve>(*first);
+  wrong->disc_begin = {0, 1, wrong->disc_begin.back()};
+  wrong->key[1] = 0;  // of the second disc
+  ASSERT_TRUE(save_curve(curve_path('a'), *wrong, record_of(session)).ok());
+  is_refused("another surface's");
+
+  // Of a finer curve that is wrong, the one before is left.
+  wrong->revision = 2;
+  ASSERT_TRUE(save_curve(refined_path('a'), *wrong, session.id).ok());
+  const auto loaded = open()->load(session.id);
+  ASSERT_TRUE(loaded.ok()) << loaded.status();
+  EXPECT_EQ((*loaded)->curve()->revision, 1u);
+  EXPECT_THAT(lines_.str(), HasSubstr("another surface's"));
 }
 
 TEST_F(SessionCacheTest, RemoveTakesAllFilesAndWaitingSaves) {
