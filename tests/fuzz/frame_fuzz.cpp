@@ -9,6 +9,7 @@
 #include "client/lib/point_edits.h"
 #include "client/lib/protocol.h"
 #include "tests/fuzz/fuzz_expect.h"
+#include "tests/fuzz/fuzz_input.h"
 
 namespace curvecast::fuzzing {
 namespace {
@@ -38,15 +39,14 @@ void take(const v1::PointFrame& frame, client::Points& held) {
 }  // namespace curvecast::fuzzing
 
 /// Frames, each after its length as a varint.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+void curvecast::fuzzing::take_input(const std::uint8_t* data, std::size_t size) {
   google::protobuf::io::CodedInputStream input(data, static_cast<int>(size));
-  curvecast::client::Points held;
+  client::Points held;
   std::uint32_t length = 0;
   while (input.ReadVarint32(&length)) {
     std::string bytes;
     if (!input.ReadString(&bytes, static_cast<int>(std::min<std::uint32_t>(length, 1 << 20)))) break;
-    curvecast::v1::PointFrame frame;
-    if (frame.ParseFromString(bytes)) curvecast::fuzzing::take(frame, held);
+    v1::PointFrame frame;
+    if (frame.ParseFromString(bytes)) take(frame, held);
   }
-  return 0;
 }

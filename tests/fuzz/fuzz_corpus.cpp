@@ -1,4 +1,5 @@
-// Writes what the fuzzers start from: the good and the hostile files of the tests, those of each format into a folder of its own.
+// Writes what the fuzzers start from, for each into a folder of its own: the good and the hostile files of the tests, and the
+// seeds of fuzz_seeds.h.
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -7,6 +8,7 @@
 
 #include "core/mesh_io/mesh_io.h"
 #include "tests/fuzz/fuzz_mesh.h"
+#include "tests/fuzz/fuzz_seeds.h"
 #include "tests/support/hostile_files.h"
 #include "tests/support/mesh_samples.h"
 
@@ -40,7 +42,6 @@ class Corpus {
   }
   bool good() const { return good_; }
 
- private:
   void add(const std::string& target, const std::string& input) {
     std::filesystem::create_directories(folder_ / target);
     std::ofstream file(folder_ / target / std::to_string(count_++), std::ios::binary);
@@ -48,6 +49,7 @@ class Corpus {
     good_ = good_ && file.flush().good();
   }
 
+ private:
   std::filesystem::path folder_;
   int count_ = 0;
   bool good_ = true;
@@ -64,5 +66,6 @@ int main(int argc, char** argv) {
   for (const auto& sample : curvecast::testing::mesh_samples()) corpus.add_mesh(sample.name, sample.bytes, sample.companions);
   for (const auto& hostile : curvecast::testing::hostile_files())
     corpus.add_mesh(hostile.name, hostile.bytes, hostile.companions);
+  for (const auto& [target, input] : curvecast::fuzzing::seeds()) corpus.add(target, input);
   return corpus.good() ? 0 : 1;
 }

@@ -34,7 +34,7 @@ inline std::vector<std::vector<char>> parts_of(std::string_view input) {
 
 /// Reads the input as a file of this format (others are left alone: they have fuzzers of their own), whose name is `name`, asks
 /// for its companions, and repairs it. Aborts where a promise is broken.
-inline int fuzz_mesh(MeshFormat format, const char* name, const std::uint8_t* data, std::size_t size) {
+inline void fuzz_mesh(MeshFormat format, const char* name, const std::uint8_t* data, std::size_t size) {
   const std::vector<std::vector<char>> parts = parts_of({reinterpret_cast<const char*>(data), size});
   std::map<std::string, std::size_t, std::less<>> numbers;  // of the companions' parts
   const MeshFile file = {
@@ -45,7 +45,7 @@ inline int fuzz_mesh(MeshFormat format, const char* name, const std::uint8_t* da
         return std::span<const char>(parts[number]);
       }};
   const absl::StatusOr<MeshFormat> detected = detect_mesh_format(file.name, file.bytes);
-  if (!detected.ok() || *detected != format) return 0;
+  if (!detected.ok() || *detected != format) return;
   const absl::StatusOr<PolygonSoup> soup = read_mesh(file);
   for (const std::string& missing : mesh_companions(file).value_or(std::vector<std::string>())) {
     expect(testing::is_safe_name(missing), "an unsafe name is missing");
@@ -54,21 +54,20 @@ inline int fuzz_mesh(MeshFormat format, const char* name, const std::uint8_t* da
     expect(absl::IsInvalidArgument(soup.status()), soup.status().ToString());
     expect(std::string(soup.status().message()).starts_with(name),
            "a message without the file's name: " + soup.status().ToString());
-    return 0;
+    return;
   }
   const std::string read = testing::broken_promise(*soup);
   expect(read.empty(), "read_mesh: " + read);
   // A glTF may show a small mesh very often, which is no fault but takes its time.
   constexpr std::size_t kMostCorners = 300'000;
-  if (soup->indices.size() > kMostCorners || soup->positions.size() > kMostCorners) return 0;
+  if (soup->indices.size() > kMostCorners || soup->positions.size() > kMostCorners) return;
   const absl::StatusOr<RepairedMesh> repaired = repair(*soup);
   if (!repaired.ok()) {
     expect(absl::IsInvalidArgument(repaired.status()), repaired.status().ToString());
-    return 0;
+    return;
   }
   const std::string mended = testing::broken_promise(*repaired);
   expect(mended.empty(), "repair: " + mended);
-  return 0;
 }
 
 }  // namespace curvecast::fuzzing

@@ -1,5 +1,6 @@
+#include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/fuzz_mesh.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return curvecast::fuzzing::fuzz_mesh(curvecast::MeshFormat::kOff, "a.off", data, size);
+void curvecast::fuzzing::take_input(const std::uint8_t* data, std::size_t size) {
+  fuzz_mesh(MeshFormat::kOff, "a.off", data, size);
 }

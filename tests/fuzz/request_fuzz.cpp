@@ -11,6 +11,7 @@
 #include "server/convert/convert_measure.h"
 #include "server/frame/client_stream.h"
 #include "tests/fuzz/fuzz_expect.h"
+#include "tests/fuzz/fuzz_input.h"
 
 namespace curvecast::fuzzing {
 namespace {
@@ -96,20 +97,18 @@ void convert(const std::string& bytes, const Convert& to) {
 }  // namespace curvecast::fuzzing
 
 /// Messages, each after its length as a varint: of a conversation, and each also as every other request.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace curvecast;
+void curvecast::fuzzing::take_input(const std::uint8_t* data, std::size_t size) {
   google::protobuf::io::CodedInputStream input(data, static_cast<int>(size));
-  fuzzing::Conversation conversation;
+  Conversation conversation;
   std::uint32_t length = 0;
   while (input.ReadVarint32(&length)) {
     std::string bytes;
     if (!input.ReadString(&bytes, static_cast<int>(std::min<std::uint32_t>(length, 1 << 20)))) break;
     v1::StreamViewsRequest request;
     if (request.ParseFromString(bytes)) conversation.receive(request);
-    fuzzing::convert<v1::SampleRequest>(bytes, server::to_point_set_request);
-    fuzzing::convert<v1::SessionOptions>(bytes, server::to_preprocess_options);
-    fuzzing::convert<v1::MeasureRequest>(bytes, server::to_measure_options);
+    convert<v1::SampleRequest>(bytes, server::to_point_set_request);
+    convert<v1::SessionOptions>(bytes, server::to_preprocess_options);
+    convert<v1::MeasureRequest>(bytes, server::to_measure_options);
   }
   conversation.finish();
-  return 0;
 }

@@ -1,0 +1,16 @@
+// What those fuzzers start from whose inputs are no mesh files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace curvecast::fuzzing {
+
+struct Seed {
+  std::string target, input;
+};
+
+/// Of the fuzzers formula and preprocess, which say themselves what their inputs mean.
+std::vector<Seed> seeds();
+
+}  // namespace curvecast::fuzzing
