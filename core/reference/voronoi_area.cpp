@@ -5,6 +5,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -92,7 +93,7 @@ class Cells {
         ++side;
       } else if (here.leaf == kNone) {
         sum += triangle_area(q.place, corner(leaf, side), corner(leaf, side + 1));
-      } else if (!next.is_corner) {
+      } else if (!next.is_corner && next.leaf != kNone) {  // what lies beyond the beginning of a gap is not known
         sum += mixed_area(q, node(here.leaf, here.cell), node(next.leaf, next.cell));
       }
     }
@@ -122,14 +123,20 @@ class Cells {
 
   /// What q has of the dual face at the corner after the given side.
   double at_corner(const Node& q, int side, const RingEntry& before, const RingEntry& across, const RingEntry& after) const {
-    if (across.leaf == kNone) {
-      // On the border the face is a triangle with a corner that belongs to nobody: its two leaves share it.
-      const std::uint32_t other = before.leaf != kNone ? before.leaf : after.leaf;
-      return other != kNone ? 0.5 * triangle_area(q.place, corner(q.leaf, side + 1), place(other)) : 0;
+    std::array<Node, 3> others;  // the leaves that are there
+    std::size_t count = 0;
+    for (const RingEntry* entry : {&before, &across, &after}) {
+      const bool is_new = entry->leaf != kNone && (count == 0 || others[count - 1].leaf != entry->leaf);
+      if (is_new) others[count++] = node(entry->leaf, entry->cell);
     }
-    const Node p = node(before.leaf, before.cell), r = node(after.leaf, after.cell);
-    if (across.leaf == before.leaf || across.leaf == after.leaf) return mixed_area(q, p, r);
-    const Node d = node(across.leaf, across.cell);
+    if (count == 2) return mixed_area(q, others[0], others[1]);
+    if (count < 2) {
+      // On the border the face is a triangle with a corner that belongs to nobody: its two leaves share it. Leaves that only
+      // touch at the corner have none.
+      const bool is_beside = before.leaf != kNone || after.leaf != kNone;
+      return is_beside ? 0.5 * triangle_area(q.place, corner(q.leaf, side + 1), others[0].place) : 0;
+    }
+    const Node &p = others[0], &d = others[1], &r = others[2];
     return has_diagonal(q, p, d, r) ? mixed_area(q, p, d) + mixed_area(q, d, r) : mixed_area(q, p, r);
   }
 

@@ -10,7 +10,7 @@
 #include "server/engine/view_conversation.h"
 #include "server/frame/client_stream.h"
 #include "server/grpc/reactors.h"
-#include "server/grpc/watched_sends.h"
+#include "server/grpc/watched_messages.h"
 
 namespace curvecast::server {
 namespace {
@@ -19,7 +19,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
                                  public ClientStream::Transport {
  public:
   StreamViewsReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller)
-      : log_(engine, "StreamViews", context, caller), sends_(engine, context) {
+      : log_(engine, "StreamViews", context, caller), sends_(engine.sends, context) {
     auto conversation = ViewConversation::begin(engine, this, caller);
     if (conversation.ok()) {
       conversation_ = *std::move(conversation);
@@ -101,7 +101,7 @@ class StreamViewsReactor final : public grpc::ServerBidiReactor<v1::StreamViewsR
   void OnDone() override { delete this; }
 
   RequestLog log_;
-  WatchedSends sends_;
+  WatchedMessages sends_;
   std::unique_ptr<ViewConversation> conversation_;  // null: refused
   v1::StreamViewsRequest request_;
   v1::StreamViewsResponse response_;

@@ -12,8 +12,8 @@
 #include "server/base/status_from_exceptions.h"
 #include "server/engine/caller.h"
 #include "server/engine/request_log.h"
-#include "server/grpc/end_call.h"
 #include "server/grpc/reactors.h"
+#include "server/grpc/watched_messages.h"
 
 namespace curvecast::server {
 namespace {
@@ -23,8 +23,8 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   UploadReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller, v1::UploadMeshResponse* response)
       : engine_(engine),
         caller_(caller),
-        context_(context),
         log_(engine, "UploadMesh", context, caller),
+        receipts_(engine.receipts, context),
         upload_(engine.meshes, caller.maker()),
         response_(response) {
     absl::StatusOr<Admission::Ticket> ticket = engine.uploads->admit(caller.name);
@@ -32,26 +32,23 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
       ticket_.emplace(*std::move(ticket));
       read();
     } else {
-      finish(ticket.status());
+      finish(to_grpc(ticket.status()));
     }
   }
 
  private:
   /// Who sends nothing holds his place in the store for so long; then what has come is kept for a later upload.
   void read() {
-    engine_.receipts.begin(this, [this](const absl::Status& status) {
-      stalled_ = status;
-      end_call(context_, status);
-    });
+    receipts_.begin();
     StartRead(&request_);
   }
 
   void OnReadDone(bool ok) override {
-    engine_.receipts.done(this);
-    if (!stalled_.ok()) return finish(stalled_);
+    receipts_.done();
+    if (const grpc::Status ended = receipts_.end_of(grpc::Status::OK); !ended.ok()) return finish(ended);
     const absl::Status status = ok ? status_from_exceptions([&] { return receive(); }) : submit_end();
     if (!status.ok()) {
-      finish(status);
+      finish(to_grpc(status));
     } else if (ok) {
       read();
     }
@@ -59,15 +56,15 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
 
   absl::Status submit_end() {
     return engine_.calls
-        .submit([this] { finish(status_from_exceptions([&] { return complete(); })); },
+        .submit([this] { finish(to_grpc(status_from_exceptions([&] { return complete(); }))); },
                 {.caller = caller_.name, .connection = caller_.address})
         .status();
   }
 
-  void finish(const absl::Status& status) {
+  void finish(const grpc::Status& status) {
     ticket_.reset();  // who hears of the end may begin again at once
-    log_.finish(to_grpc(status));
-    Finish(to_grpc(status));
+    log_.finish(status);
+    Finish(status);
   }
 
   void OnDone() override { delete this; }
@@ -105,13 +102,12 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
 
   Engine& engine_;
   const Caller caller_;
-  grpc::CallbackServerContext& context_;
   RequestLog log_;
+  WatchedMessages receipts_;
   MeshUpload upload_;
   v1::UploadMeshRequest request_;
   v1::UploadMeshResponse* const response_;
   bool begun_ = false;
-  absl::Status stalled_;  // an error: the call was ended because nothing came; written within the watch
   std::optional<Admission::Ticket> ticket_;
 };
 

@@ -16,7 +16,7 @@
 #include "server/engine/caller.h"
 #include "server/engine/engine.h"
 #include "server/engine/request_log.h"
-#include "server/grpc/watched_sends.h"
+#include "server/grpc/watched_messages.h"
 
 namespace curvecast::server {
 
@@ -27,7 +27,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
  public:
   /// The engine counts the messages that wait, and ends the call where its client does not read them.
   WriteQueue(const char* method, Engine& engine, grpc::CallbackServerContext& context, const Caller& caller)
-      : log_(engine, method, context, caller), queued_(engine.queued), sends_(engine, context), caller_(caller) {}
+      : log_(engine, method, context, caller), queued_(engine.queued), sends_(engine.sends, context), caller_(caller) {}
   ~WriteQueue() override {
     const MutexLock lock(mutex_);
     queued_.add(caller_.name, -waiting_);
@@ -142,7 +142,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
 
   RequestLog log_;
   QueuedBytes& queued_;
-  WatchedSends sends_;
+  WatchedMessages sends_;
   const Caller caller_;
   std::atomic<bool> cancelled_ = false;
   Mutex mutex_;

@@ -4,6 +4,8 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <type_traits>
+#include <vector>
 
 #include "core/curve/surface_map.h"
 #include "tests/core/curve/charts.h"
@@ -72,6 +74,42 @@ TEST(VoronoiArea, OfLeavesWithoutNeighboursReachesTheBorder) {
     ASSERT_EQ(static_cast<double>(leaves.size()), demand);
     const Areas areas = voronoi_of(chart, leaves);
     for (const float area : areas.area) EXPECT_NEAR(area, 2 / demand, 1e-5);
+  }
+}
+
+/// All but one. Where no triangle lies beneath a leaf, a quadtree goes without it.
+QuadtreeLeaves without(const QuadtreeLeaves& leaves, std::size_t gone) {
+  const auto rest = [&](const auto& values) {
+    std::decay_t<decltype(values)> out;
+    out.resize(leaves.size() - 1);
+    for (std::size_t l = 0, to = 0; l < leaves.size(); ++l) {
+      if (l != gone) out[to++] = values[l];
+    }
+    return out;
+  };
+  std::vector<std::uint32_t> begin = {0}, triangles;
+  for (std::size_t l = 0; l < leaves.size(); ++l) {
+    if (l == gone) continue;
+    for (const std::uint32_t t : leaves.triangles_of(l)) triangles.push_back(t);
+    begin.push_back(static_cast<std::uint32_t>(triangles.size()));
+  }
+  return {rest(leaves.key), rest(leaves.level),           rest(leaves.x),
+          rest(leaves.y),   Column<std::uint32_t>(begin), Column<std::uint32_t>(triangles)};
+}
+
+TEST(VoronoiArea, GapsAmongLeavesBelongToNobody) {
+  const Chart chart = grid_chart(4, [](const Vec2d& uv) { return Vec3d(2 * uv.x() + 0.3 * uv.y(), uv.y(), 7); });
+  const QuadtreeLeaves even = leaves_of(chart, [](const Vec2d&) { return 16; });
+  ASSERT_EQ(even.size(), 16u);
+  for (std::size_t gone = 0; gone < even.size(); ++gone) {
+    EXPECT_NEAR(voronoi_of(chart, without(even, gone)).sum, 2 * 15 / 16.0, 1e-6) << gone;
+  }
+  const Chart finer = grid_chart(64, [](const Vec2d& uv) { return Vec3d(uv.x(), 3 * uv.y(), uv.x()); });
+  const QuadtreeLeaves graded = leaves_of(finer, graded_demand);
+  for (std::size_t gone = 0; gone < graded.size(); gone += 1 + graded.size() / 200) {
+    const Areas areas = voronoi_of(finer, without(graded, gone));
+    EXPECT_NEAR(areas.sum, surface_area(finer.disc), 0.1 * areas.sum) << gone;
+    for (const float area : areas.area) EXPECT_GE(area, 0);
   }
 }
 

@@ -1,4 +1,4 @@
-// The messages of one call, watched while they are being sent.
+// The messages of one call, watched while they are being sent, or waited for.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -7,17 +7,17 @@
 
 #include "core/base/mutex.h"
 #include "server/base/grpc_status.h"
-#include "server/engine/engine.h"
+#include "server/base/stall_watch.h"
 #include "server/grpc/end_call.h"
 
 namespace curvecast::server {
 
 /// Thread-safe.
-class WatchedSends {
+class WatchedMessages {
  public:
-  WatchedSends(Engine& engine, grpc::CallbackServerContext& context) : watch_(engine.sends), context_(context) {}
+  WatchedMessages(StallWatch& watch, grpc::CallbackServerContext& context) : watch_(watch), context_(context) {}
 
-  /// A message is being sent from now on: where its client does not read it, the call ends. Precondition: no other one is.
+  /// A message is on its way from now on: where its client does nothing for it, the call ends. Precondition: no other one is.
   void begin() {
     watch_.begin(this, [this](const absl::Status& status) {
       {
@@ -27,9 +27,9 @@ class WatchedSends {
       end_call(context_, status);
     });
   }
-  /// The message has left, or never will.
+  /// The message has left or come, or never will.
   void done() { watch_.done(this); }
-  /// How the call ends that would end with `status`: so, unless its client did not read.
+  /// How the call ends that would end with `status`: so, unless its client did nothing.
   grpc::Status end_of(grpc::Status status) const ABSL_LOCKS_EXCLUDED(mutex_) {
     const MutexLock lock(mutex_);
     return stalled_.ok() ? std::move(status) : to_grpc(stalled_);
@@ -39,7 +39,7 @@ class WatchedSends {
   StallWatch& watch_;
   grpc::CallbackServerContext& context_;
   mutable Mutex mutex_;
-  absl::Status stalled_ ABSL_GUARDED_BY(mutex_);  // an error: the call was ended because its client does not read
+  absl::Status stalled_ ABSL_GUARDED_BY(mutex_);  // an error: the call was ended because its client does nothing
 };
 
 }  // namespace curvecast::server
