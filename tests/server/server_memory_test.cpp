@@ -100,7 +100,7 @@ TEST_F(ServerMemory, AMeshThatDoesNotFitIsNotRead) {
 }
 
 TEST_F(ServerMemory, IdleSessionsMakeRoom) {
-  start({.memory_bytes = kLittle});
+  start({.memory_bytes = 2 * kLittle});
   // Less than half of the memory, which is all that sessions may have, but more than is left by the last.
   std::vector<std::string> ids;
   for (int levels = 2; levels <= 4; ++levels) {
