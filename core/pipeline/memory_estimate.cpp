@@ -53,9 +53,14 @@ double mesh_bytes(const Counts& counts, const PolygonSoup& soup, const Execution
   return std::max(repair_bytes(counts, soup), flattened);
 }
 
+/// How many points would fit.
+double fitting_points(double mesh, double per_leaf, double omega, double most) {
+  return std::floor((most - kCurve - mesh) / (per_leaf * kMostLeavesPerWanted * omega));
+}
+
 /// What would fit instead, as an error tells it.
 std::string what_fits(const Counts& counts, double mesh, double per_leaf, double omega, double most) {
-  const double points = std::floor((most - kCurve - mesh) / (per_leaf * kMostLeavesPerWanted * omega));
+  const double points = fitting_points(mesh, per_leaf, omega, most);
   if (points >= 1) return absl::StrFormat(", and %.0f points would fit", points);
   const double triangles = std::floor(counts.triangles * (most - kCurve) / mesh);
   return triangles >= 1 ? absl::StrFormat(", and about %.0f triangles would fit", triangles) : "";
@@ -104,6 +109,18 @@ absl::Status claim_preprocessing(const MeshFile& file, const PolygonSoup& soup, 
                                      counts.triangles, options.points, options.omega, describe_bytes(bytes));
   if (context.memory != nullptr && bytes > static_cast<double>(context.memory->most())) {
     what += what_fits(counts, mesh, per_leaf, options.omega, static_cast<double>(context.memory->most()));
+  }
+  return set(claim, bytes, what);
+}
+
+absl::Status claim_curve(const std::string& name, const PreprocessOptions& options, const ExecutionContext& context,
+                         MemoryClaim& claim) {
+  const double bytes = kCurve + kPerLeaf * wanted_leaves(options);
+  std::string what = absl::StrFormat("%s: a curve for %d points with omega %g takes %s of memory", name, options.points,
+                                     options.omega, describe_bytes(bytes));
+  if (context.memory != nullptr && bytes > static_cast<double>(context.memory->most())) {
+    const double points = fitting_points(0, kPerLeaf, options.omega, static_cast<double>(context.memory->most()));
+    if (points >= 1) what += absl::StrFormat(", and %.0f points would fit", points);
   }
   return set(claim, bytes, what);
 }

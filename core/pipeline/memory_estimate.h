@@ -5,6 +5,7 @@
 #include <absl/status/status.h>
 
 #include <cstdint>
+#include <string>
 
 #include "core/base/execution_context.h"
 #include "core/base/memory_claim.h"
@@ -26,6 +27,9 @@ absl::Status claim_repair(const MeshFile& file, const PolygonSoup& soup, MemoryC
 /// To repair, cut, parameterise and lay the curve that the options ask for.
 absl::Status claim_preprocessing(const MeshFile& file, const PolygonSoup& soup, const PreprocessOptions& options,
                                  const ExecutionContext& context, MemoryClaim& claim);
+/// To lay that curve, on whichever mesh: what can be told before anything has been read.
+absl::Status claim_curve(const std::string& name, const PreprocessOptions& options, const ExecutionContext& context,
+                         MemoryClaim& claim);
 /// For a curve of so many vertices: those beyond what claim_preprocessing() has foreseen.
 absl::Status claim_more_leaves(std::uint64_t leaves, const PreprocessOptions& options, MemoryClaim& claim);
 

@@ -98,26 +98,31 @@ void JobQueue::stop() {
   workers_.clear();
 }
 
-JobQueue::Order JobQueue::order_of(const Share& share, const Lane& lane) {
-  const auto& [place, job] = *lane.waiting.begin();
-  return {share.running, share.used + job.expected, place.second};
+JobQueue::Order JobQueue::order_of(const Share& share, Jobs::iterator job) {
+  return {share.running, share.used + job->second.expected, job->first.second};
 }
 
-JobQueue::Lane& JobQueue::next_lane(Caller& caller) {
-  Lane* best = nullptr;
+JobQueue::Turn JobQueue::next_of(const std::string& name, Caller& caller, bool may_be_long) {
+  Turn best;
   for (auto& [connection, lane] : caller.lanes) {
-    if (lane.waiting.empty()) continue;
-    if (best == nullptr || order_of(lane, lane) < order_of(*best, *best)) best = &lane;
+    const Jobs::iterator job = std::find_if(lane.waiting.begin(), lane.waiting.end(),
+                                            [&](const auto& entry) { return may_be_long || !is_long(entry.second.expected); });
+    if (job == lane.waiting.end()) continue;
+    if (best.lane == nullptr || order_of(lane, job) < order_of(*best.lane, best.job)) best = {name, &caller, &lane, job};
   }
-  return *best;
+  return best;
 }
 
 JobQueue::Turn JobQueue::next_turn() {
+  const auto long_ones =
+      std::count_if(running_.begin(), running_.end(), [&](const auto& entry) { return is_long(entry.second.expected); });
+  const bool may_be_long = long_ones < std::max(1, options_.workers - 1);
   Turn best;
   for (auto& [name, caller] : callers_) {
     if (caller.waiting == 0 || caller.running >= options_.max_running_of_one) continue;
-    Lane& lane = next_lane(caller);
-    if (best.caller == nullptr || order_of(caller, lane) < order_of(*best.caller, *best.lane)) best = {name, &caller, &lane};
+    Turn next = next_of(name, caller, may_be_long);
+    if (next.lane == nullptr) continue;
+    if (best.lane == nullptr || order_of(caller, next.job) < order_of(*best.caller, best.job)) best = std::move(next);
   }
   return best;
 }
@@ -148,7 +153,7 @@ void JobQueue::work() {
     // They stay where they are while they have a job running.
     Caller& caller = *turn.caller;
     Lane& lane = *turn.lane;
-    auto taken = lane.waiting.extract(lane.waiting.begin());
+    auto taken = lane.waiting.extract(turn.job);
     const std::uint64_t ticket = taken.key().second;
     std::function<void()> job = std::move(taken.mapped().run);
     places_.erase(ticket);
@@ -174,7 +179,8 @@ void JobQueue::work() {
       lanes_ = 0;
       turn_ = {};
     }
-    if (options_.max_running_of_one < options_.workers || stopped_) wake_.notify_all();
+    const bool others_waited_for_it = options_.max_running_of_one < options_.workers || is_long(taken.mapped().expected);
+    if (others_waited_for_it || stopped_) wake_.notify_all();
   }
 }
 

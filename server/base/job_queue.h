@@ -29,7 +29,8 @@ namespace curvecast::server {
 /// of which the same can be said. So jobs of one connection keep their order, but that short ones go before long ones, which
 /// wait until their caller has had as much time as they take. Nobody saves up time that he left to others (start-time fair
 /// queueing: Goyal, Vin and Cheng, IEEE/ACM Transactions on Networking 5, 1997). So a caller that wants everything, from however
-/// many connections, slows those that want little down by no more than the job that happens to be running.
+/// many connections, slows those that want little down by no more than the job that happens to be running; and where that one is
+/// expected to take as long as `Options::long_job` not even by that, for of several workers one takes no such jobs.
 class JobQueue {
  public:
   using Nanoseconds = std::chrono::nanoseconds;
@@ -40,6 +41,7 @@ class JobQueue {
     std::size_t max_waiting_of_one = std::numeric_limits<std::size_t>::max();  // jobs of one caller
     int max_running_of_one = std::numeric_limits<int>::max();                  // jobs of one caller
     bool low_priority = false;                                                 // workers call lower_priority()
+    Nanoseconds long_job = Nanoseconds::max();                                 // see below
     Nanoseconds patience = std::chrono::minutes(1);                            // see overdue()
     /// Time since any moment, never less than before. Called by all workers.
     std::function<Nanoseconds()> clock = [] { return Nanoseconds(std::chrono::steady_clock::now().time_since_epoch()); };
@@ -85,14 +87,16 @@ class JobQueue {
     Nanoseconds start, expected;
     bool was_told = false;  // that it is overdue
   };
+  /// Jobs that wait, by the time that their connection will have used after each, then by ticket.
+  using Jobs = std::map<std::pair<Nanoseconds, std::uint64_t>, Job>;
   /// What somebody has of the workers.
   struct Share {
     int running = 0;
     Nanoseconds used{};  // of their time, on the clock of the `turn` that all who share with him have in common
   };
-  /// A connection. Its jobs are in the order of the time that it will have used after each, then of their tickets.
+  /// A connection.
   struct Lane : Share {
-    std::map<std::pair<Nanoseconds, std::uint64_t>, Job> waiting;
+    Jobs waiting;
   };
   using Lanes = std::map<std::string, Lane, std::less<>>;
   struct Caller : Share {
@@ -110,17 +114,20 @@ class JobQueue {
   /// Compared first to last: who has the smaller one is next.
   using Order = std::tuple<int, Nanoseconds, std::uint64_t>;
 
-  /// The lane whose turn it is, and its caller; null where none has a job that may run.
+  /// The job whose turn it is, with its lane and caller; null where none may run.
   struct Turn {
     std::string name;  // the caller's
     Caller* caller = nullptr;
     Lane* lane = nullptr;
+    Jobs::iterator job;
   };
 
   void work() ABSL_LOCKS_EXCLUDED(mutex_);
   bool is_overdue(const Running& job, Nanoseconds now) const { return now - job.start > 10 * job.expected + options_.patience; }
-  static Order order_of(const Share& share, const Lane& lane);
-  static Lane& next_lane(Caller& caller);
+  bool is_long(Nanoseconds expected) const { return expected >= options_.long_job; }
+  static Order order_of(const Share& share, Jobs::iterator job);
+  /// The caller's next job, or the next of those that are not long.
+  Turn next_of(const std::string& name, Caller& caller, bool may_be_long);
   Turn next_turn() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   Lane& lane_of(const Claim& claim, Caller& caller) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Drops callers and lanes without jobs that have had no more than their share, once there are many.

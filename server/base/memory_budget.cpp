@@ -30,11 +30,7 @@ absl::Status MemoryBudget::Job::take(std::uint64_t bytes, const std::string& wha
     const std::uint64_t most = budget_.options_.most();
     std::uint64_t held = budget_.options_.held();
     if (budget_.try_take(*this, bytes, most, held)) return absl::OkStatus();
-    if (budget_.exceeds(*this, bytes, most)) {
-      ++budget_.refused_;
-      return absl::ResourceExhaustedError(
-          absl::StrCat(what, "; this server has ", describe_bytes(static_cast<double>(most)), " for all of its work"));
-    }
+    if (budget_.exceeds(*this, bytes, most)) return budget_.refuse(what, most);
     budget_.options_.make_room(bytes);
     held = budget_.options_.held();
     if (budget_.try_take(*this, bytes, most, held)) return absl::OkStatus();
@@ -45,6 +41,17 @@ absl::Status MemoryBudget::Job::take(std::uint64_t bytes, const std::string& wha
                                                        " that this server has, too many are in use; try again later"));
     }
   }
+}
+
+absl::Status MemoryBudget::Outlook::take(std::uint64_t bytes, const std::string& what) {
+  const std::uint64_t most = budget_.options_.most();
+  return bytes > most ? budget_.refuse(what, most) : absl::OkStatus();
+}
+
+absl::Status MemoryBudget::refuse(const std::string& what, std::uint64_t most) {
+  ++refused_;
+  return absl::ResourceExhaustedError(
+      absl::StrCat(what, "; this server has ", describe_bytes(static_cast<double>(most)), " for all of its work"));
 }
 
 std::uint64_t MemoryBudget::reserved() const {

@@ -50,6 +50,19 @@ class MemoryBudget {
     std::uint64_t taken_ ABSL_GUARDED_BY(budget_.mutex_) = 0;
   };
 
+  /// Refuses what could never be taken, before anybody waits for it. Takes nothing.
+  class Outlook final : public MemorySource {
+   public:
+    explicit Outlook(MemoryBudget& budget) : budget_(budget) {}
+
+    absl::Status take(std::uint64_t bytes, const std::string& what) override;
+    void give_back(std::uint64_t) override {}
+    std::uint64_t most() const override { return budget_.options_.most(); }
+
+   private:
+    MemoryBudget& budget_;
+  };
+
   std::uint64_t most() const { return options_.most(); }
   /// What running jobs have asked for.
   std::uint64_t reserved() const ABSL_LOCKS_EXCLUDED(mutex_);
@@ -57,6 +70,8 @@ class MemoryBudget {
   std::uint64_t refused() const { return refused_; }
 
  private:
+  /// The error of what is more than `most`.
+  absl::Status refuse(const std::string& what, std::uint64_t most);
   void release(Job& job, std::uint64_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Whether the job would take more than there may ever be.
   bool exceeds(const Job& job, std::uint64_t bytes, std::uint64_t most) const ABSL_LOCKS_EXCLUDED(mutex_);

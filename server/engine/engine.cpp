@@ -13,6 +13,7 @@
 
 #include "core/base/machine.h"
 #include "core/base/random.h"
+#include "core/pipeline/memory_estimate.h"
 #include "server/base/log.h"
 #include "server/base/memory_share.h"
 #include "server/base/options.h"
@@ -24,6 +25,9 @@ namespace {
 // Jobs that wait, in all and of one caller.
 constexpr std::size_t kMaxWaiting = 1024, kMaxWaitingOfOne = 256;
 constexpr std::chrono::seconds kHousekeepingInterval{1};
+// Two sessions in the making at once, of which one takes less than this: a great mesh does not hold up small ones.
+constexpr int kPreprocessingWorkers = 2;
+constexpr std::chrono::seconds kLongPreprocessing{5};
 
 using Clock = std::chrono::steady_clock;
 
@@ -75,7 +79,10 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
              .max_waiting_of_one = kMaxWaitingOfOne,
              .max_running_of_one = threads,
              .low_priority = true}),
-      preprocessing({.max_waiting = kMaxWaiting, .low_priority = has_other_clients(options)}),
+      preprocessing({.workers = kPreprocessingWorkers,
+                     .max_waiting = kMaxWaiting,
+                     .low_priority = has_other_clients(options),
+                     .long_job = kLongPreprocessing}),
       cache(std::move(session_cache)),
       marks(cache != nullptr && has_other_clients(options) ? std::make_unique<MakingMarks>(cache->folder(), options.crash_pause)
                                                            : nullptr),
@@ -90,25 +97,34 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       mesh_folder(options.mesh_folder),
       isolates(options.isolate),
       meshes({options.max_mesh_bytes, options.max_upload_bytes, isolates}, scratch_folder(options), std::move(kept_meshes)),
-      sessions(
-          preprocessing,
-          [this](const MeshFile& file, const PreprocessOptions& wanted, const ExecutionContext& context,
-                 const OnPreview& on_preview) {
-            const auto start = std::chrono::steady_clock::now();
-            MemoryBudget::Job job(memory, context.cancel);
-            ExecutionContext counted = context;
-            counted.memory = &job;
-            auto made = preprocess(file, wanted, counted, on_preview);
-            metrics.preprocessing(made.status().raw_code(), in_seconds(std::chrono::steady_clock::now() - start));
-            return made;
-          },
-          {options.max_sessions, std::min(options.max_session_bytes, memory_share_ / kSessionShare),
-           options.max_sessions_in_making_of_client},
-          threads, log, cache.get(),
-          [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
-            for (const auto& stream : all_streams()) stream->replace(preview, real);
-          },
-          marks.get(), isolates),
+      sessions(preprocessing,
+               [this](const MeshFile& file, const PreprocessOptions& wanted, const ExecutionContext& context,
+                      const OnPreview& on_preview) {
+                 const auto start = std::chrono::steady_clock::now();
+                 MemoryBudget::Job job(memory, context.cancel);
+                 ExecutionContext counted = context;
+                 counted.memory = &job;
+                 auto made = preprocess(file, wanted, counted, on_preview);
+                 metrics.preprocessing(made.status().raw_code(), in_seconds(std::chrono::steady_clock::now() - start));
+                 return made;
+               },
+               {options.max_sessions, std::min(options.max_session_bytes, memory_share_ / kSessionShare),
+                options.max_sessions_in_making_of_client},
+               threads, log,
+               {.cache = cache.get(),
+                .marks = marks.get(),
+                .on_replaced =
+                    [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
+                      for (const auto& stream : all_streams()) stream->replace(preview, real);
+                    },
+                .may_make =
+                    [this](const MeshFiles& files, const PreprocessOptions& wanted) {
+                      MemoryBudget::Outlook outlook(memory);
+                      const ExecutionContext counted{.memory = &outlook};
+                      MemoryClaim claim(counted);
+                      return claim_curve(files.mesh->name, wanted, counted, claim);
+                    },
+                .isolate = isolates}),
       refiner(
           options.max_curve_vertices,
           [this](const Session& session, bool is_finer) {

@@ -10,6 +10,7 @@
 #include "server/convert/convert_measure.h"
 #include "server/grpc/reactors.h"
 #include "server/grpc/write_queue.h"
+#include "server/session/expected_time.h"
 #include "server/session/mesh_files.h"
 
 namespace curvecast::server {
@@ -65,11 +66,14 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
       if (!file.ok()) return file.status();
       work.points.push_back(*std::move(file));
     }
+    std::uint64_t bytes = work.mesh.mesh->size() + (work.other.has_value() ? work.other->mesh->size() : 0);
+    for (const auto& points_file : work.points) bytes += points_file->size();
+    const auto expected = expected_time(bytes, {});
     push_progress("queued", 0);
     return engine.preprocessing
         .submit([this, work = std::move(work),
                  &engine] { finish(to_grpc(status_from_exceptions([&] { return answer(work, engine); }))); },
-                claim())
+                claim(expected))
         .status();
   }
 

@@ -5,6 +5,7 @@
 #include "server/convert/parameter_mesh_chunks.h"
 #include "server/grpc/reactors.h"
 #include "server/grpc/write_queue.h"
+#include "server/session/expected_time.h"
 #include "server/session/mesh_files.h"
 
 namespace curvecast::server {
@@ -30,10 +31,11 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
     const PreprocessOptions options{.parameteriser = *parameteriser,
                                     .chart_faces = to_chart_faces(check, "chart_faces", request.chart_faces())};
     if (!check.ok()) return check.status();
+    const auto expected = expected_time(files->mesh->size(), options);
     return engine.preprocessing
         .submit([this, &engine, files = *std::move(files),
                  options] { finish(to_grpc(status_from_exceptions([&] { return answer(engine, files, options); }))); },
-                claim())
+                claim(expected))
         .status();
   }
 

@@ -5,6 +5,7 @@
 #include "server/grpc/held_session.h"
 #include "server/grpc/reactors.h"
 #include "server/grpc/write_queue.h"
+#include "server/session/expected_time.h"
 
 namespace curvecast::server {
 namespace {
@@ -28,6 +29,7 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
     }
     const auto options = to_remesh_options(request);
     if (!options.ok()) return options.status();
+    const auto expected = expected_remesh_time(points->options.points);
     return engine.preprocessing
         .submit(
             [this, &engine, held = *std::move(held), points = *std::move(points), options = *options]() mutable {
@@ -35,7 +37,7 @@ class RemeshReactor final : public WriteQueue<v1::RemeshResponse> {
                 return answer(engine, *session, points, options);
               }));
             },
-            claim())
+            claim(expected))
         .status();
   }
 

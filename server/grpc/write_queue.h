@@ -86,7 +86,9 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   const std::atomic<bool>& cancel_flag() const { return cancelled_; }
   const Caller& caller() const { return caller_; }
   /// On the workers.
-  JobQueue::Claim claim() const { return {.caller = caller_.name, .connection = caller_.address}; }
+  JobQueue::Claim claim(JobQueue::Nanoseconds expected = {}) const {
+    return {.caller = caller_.name, .connection = caller_.address, .expected = expected};
+  }
 
  private:
   /// Whether the older message, which still waits, is not worth sending any more. Called with the queue locked.

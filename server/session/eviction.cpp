@@ -21,6 +21,7 @@ Eviction choose_evicted(std::vector<Resident> residents, const SessionLimits& li
     out.ids.push_back(std::move(oldest.id));
   }
   out.is_enough = sessions <= limits.sessions && bytes <= limits.bytes;
+  out.sessions = sessions, out.bytes = bytes;
   return out;
 }
 

@@ -28,6 +28,8 @@ struct Resident {
 struct Eviction {
   std::vector<std::string> ids;  // in the order in which they go
   bool is_enough = true;         // the rest is within the limits
+  std::size_t sessions = 0;      // that stay
+  std::uint64_t bytes = 0;       // of them
 };
 
 /// Chooses the least recently used of the sessions that may go, no more than it takes to bring the rest within the limits. Those

@@ -1,20 +1,32 @@
 #include "server/session/expected_time.h"
 
+#include <algorithm>
+
 namespace curvecast::server {
 namespace {
 
 // Seconds. Binary files have some twenty bytes a triangle, texts more, which take longer to read.
-constexpr double kPerByte = 0.1e-6, kPerVertex = 0.15e-6;
-constexpr double kCgalFactor = 6;  // times as long as with our own parameteriser
+constexpr double kPerByte = 0.1e-6, kPerVertex = 0.3e-6;
+constexpr double kCgalFactor = 6;                                  // times as long as with our own parameteriser
+constexpr double kPerCandidate = 30e-6, kMostCandidates = 65'536;  // of those that a session has at first
+constexpr double kPerRemeshed = 12e-6;
+
+std::chrono::nanoseconds to_time(double seconds) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(seconds));
+}
 
 }  // namespace
 
 std::chrono::nanoseconds expected_time(std::uint64_t mesh_bytes, const PreprocessOptions& options) {
   const double mesh = kPerByte * static_cast<double>(mesh_bytes);
-  const double curve = kPerVertex * options.omega * static_cast<double>(options.points);
+  const auto points = static_cast<double>(options.points);
+  const double curve = kPerVertex * options.omega * points + kPerCandidate * std::min(points, kMostCandidates);
   const bool is_cgal = options.parameteriser == Parameteriser::kCgal;
-  const std::chrono::duration<double> seconds((is_cgal ? kCgalFactor : 1) * mesh + curve);
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(seconds);
+  return to_time((is_cgal ? kCgalFactor : 1) * mesh + curve);
+}
+
+std::chrono::nanoseconds expected_remesh_time(std::uint64_t points) {
+  return to_time(kPerRemeshed * static_cast<double>(points));
 }
 
 }  // namespace curvecast::server

@@ -1,4 +1,4 @@
-// How long a session will take to be made, roughly: short ones go first.
+// How long great jobs will take, roughly: short ones go first.
 #pragma once
 
 #include <chrono>
@@ -8,8 +8,10 @@
 
 namespace curvecast::server {
 
-/// Returns about how long preprocess() takes on two cores, for a mesh file of so many bytes. The order of jobs hangs on it, and
-/// when one counts as overdue; no more.
+/// Returns about how long a session takes to be made on two cores, of a mesh file of so many bytes. The order of jobs hangs on
+/// it, and when one counts as overdue; no more.
 std::chrono::nanoseconds expected_time(std::uint64_t mesh_bytes, const PreprocessOptions& options);
+/// As well of remesh(), for a mesh of so many vertices.
+std::chrono::nanoseconds expected_remesh_time(std::uint64_t points);
 
 }  // namespace curvecast::server

@@ -7,8 +7,8 @@
 namespace curvecast::server {
 namespace {
 
-/// Returns the level with at least as many points. What a view needs beyond is made for it: 65,536 candidates take two cores half
-/// a second.
+/// Returns the level with at least as many points. What a view needs beyond is made for it: 65,536 candidates take two cores two
+/// seconds.
 int first_level(std::uint64_t max_points) {
   const int level = (std::bit_width(std::max<std::uint64_t>(max_points, 1) - 1) + 1) / 2;
   return std::clamp(level, kChunkLevels, RankedCandidates::kMostLevelsAtFirst);

@@ -25,15 +25,15 @@ absl::Status not_yours(const std::string& id) {
 }  // namespace
 
 SessionStore::SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
-                           std::shared_ptr<spdlog::logger> log, SessionCache* cache, OnReplaced on_replaced, MakingMarks* marks,
-                           bool isolate)
+                           std::shared_ptr<spdlog::logger> log, Options options)
     : log_(std::move(log)),
-      cache_(cache),
-      on_replaced_(std::move(on_replaced)),
-      isolates_(isolate),
-      table_(limits, [cache](const std::string& id) { return cache != nullptr && cache->is_unsaved(id); }),
+      cache_(options.cache),
+      on_replaced_(std::move(options.on_replaced)),
+      may_make_(std::move(options.may_make)),
+      isolates_(options.isolate),
+      table_(limits, [this](const std::string& id) { return cache_ != nullptr && cache_->is_unsaved(id); }),
       jobs_(
-          queue, std::move(preprocess), threads, cache, marks,
+          queue, std::move(preprocess), threads, options.cache, options.marks,
           [this](const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview) {
             take_in_preview(job, std::move(preview));
           },
@@ -51,6 +51,10 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
   const std::string id = session_id(files, options);
   drop_closed(id);
   drop_damaged(id);
+  // Before it waits for its turn, and of others.
+  if (may_make_ && !is_there(id)) {
+    if (absl::Status status = may_make_(files, options); !status.ok()) return status;
+  }
   SessionTable::Sessions evicted;  // outlives the lock
   std::shared_ptr<SessionJob> job;
   std::shared_ptr<const Session> ready;
@@ -199,6 +203,11 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_here(const std
         absl::StrCat("session ", id, " is still being preprocessed; join it with CreateSession and wait until it is ready"));
   }
   return entry->info.session;
+}
+
+bool SessionStore::is_there(const std::string& id) {
+  const MutexLock lock(mutex_);
+  return table_.find(id) != nullptr || (cache_ != nullptr && cache_->holds(id));
 }
 
 bool SessionStore::must_load(const std::string& id) {

@@ -39,19 +39,27 @@ class SessionStore {
   /// Called without locks when a preview gives way to the real session, or to the reason why there is none.
   using OnReplaced = std::function<void(const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real)>;
 
-  /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core). With a cache, which must
-  /// outlive the store too, sessions are saved when they become ready, and loaded instead of made. `marks`, which must outlive it
-  /// as well, may be null. `isolate`: owners are.
+  /// Called without locks before a session is made: refuses what will never be.
+  using MayMake = std::function<absl::Status(const MeshFiles& files, const PreprocessOptions& options)>;
+
+  struct Options {
+    SessionCache* cache = nullptr;  // where there is one, sessions are saved when they are ready, and loaded instead of made
+    MakingMarks* marks = nullptr;   // of the sessions that are made; may be null. Both must outlive the store
+    OnReplaced on_replaced = {};    // may be empty
+    MayMake may_make = {};          // may be empty
+    bool isolate = false;           // owners are
+  };
+
+  /// Jobs run on `queue`, which must outlive the store, each with `threads` threads (0 = one per core).
   SessionStore(JobQueue& queue, Preprocess preprocess, const SessionLimits& limits, int threads,
-               std::shared_ptr<spdlog::logger> log, SessionCache* cache = nullptr, OnReplaced on_replaced = {},
-               MakingMarks* marks = nullptr, bool isolate = false);
+               std::shared_ptr<spdlog::logger> log, Options options);
   ~SessionStore();  // cancels all preprocessing and waits until it has stopped. Waiters that are left are not called any more
 
   /// Joins the session for these files and options or starts to make it, and returns its id. From then on `waiter` is called,
   /// even before join() returns if the session is ready, until on_done or leave(). On an error it is never called:
-  /// ResourceExhausted when there are too many sessions that are in use or being made, or being made for this caller. A session
-  /// that is new belongs to its maker's owner: only he may change or close it; every client where that is empty. One that is in
-  /// the cache, from whichever server, stays whose it was.
+  /// ResourceExhausted when there are too many sessions that are in use or being made, or being made for this caller, and what
+  /// Options::may_make says. A session that is new belongs to its maker's owner: only he may change or close it; every client
+  /// where that is empty. One that is in the cache, from whichever server, stays whose it was.
   absl::StatusOr<std::string> join(MeshFiles files, const PreprocessOptions& options, SessionWaiter* waiter,
                                    const Maker& maker = {});
   /// Stops waiting: `waiter` is not called any more. When the last one leaves, the job is cancelled, and the session vanishes.
@@ -121,9 +129,13 @@ class SessionStore {
   /// After sessions have had to go. Those that are not saved are lost.
   void note_evicted(const SessionTable::Sessions& evicted);
 
+  /// Whether it is in memory, being made, or in the cache.
+  bool is_there(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
+
   const std::shared_ptr<spdlog::logger> log_;
   SessionCache* const cache_;     // may be null
   const OnReplaced on_replaced_;  // may be empty
+  const MayMake may_make_;        // may be empty
   const bool isolates_;
   std::atomic<std::uint64_t> evicted_ = 0;
   Mutex load_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);  // find() loads one at a time, so that nothing is loaded twice

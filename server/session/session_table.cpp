@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/base/memory_claim.h"
 #include "server/session/session_jobs.h"
 
 namespace curvecast::server {
@@ -42,33 +43,36 @@ SessionTable::Entry SessionTable::take(const std::string& id) {
 }
 
 absl::Status SessionTable::make_room(Sessions& evicted) {
-  if (evict({limits_.sessions - 1, limits_.bytes}, evicted)) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      absl::StrCat("the server holds ", limits_.sessions, " sessions or ", limits_.bytes,
-                   " bytes of them at most, and all of them are in use; close one or try again later"));
+  const Eviction eviction = choose({limits_.sessions - 1, limits_.bytes});
+  if (!eviction.is_enough) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("this server holds ", limits_.sessions, " sessions of ", describe_bytes(static_cast<double>(limits_.bytes)),
+                     " together at most, and those in use, pinned or in the making are ", eviction.sessions, " of ",
+                     describe_bytes(static_cast<double>(eviction.bytes)), "; close one or try again later"));
+  }
+  evicted = take(eviction);
+  return absl::OkStatus();
 }
 
-SessionTable::Sessions SessionTable::evict_excess() {
-  Sessions evicted;
-  evict(limits_, evicted);
-  return evicted;
-}
+SessionTable::Sessions SessionTable::evict_excess() { return take(choose(limits_)); }
 
-bool SessionTable::evict(const SessionLimits& limits, Sessions& evicted) {
+Eviction SessionTable::choose(const SessionLimits& limits) const {
   std::vector<Resident> residents;
   for (const auto& [id, entry] : entries_) {
     residents.push_back({id, entry.last_used, bytes_of(entry), entry.is_idle() && !entry.info.pinned, is_unsaved(id)});
   }
-  const Eviction eviction = choose_evicted(std::move(residents), limits);
+  return choose_evicted(std::move(residents), limits);
+}
+
+SessionTable::Sessions SessionTable::take(const Eviction& eviction) {
+  Sessions evicted;
   for (const std::string& id : eviction.ids) evicted.push_back(take(id).info.session);
-  return eviction.is_enough;
+  return evicted;
 }
 
 SessionTable::Sessions SessionTable::evict_bytes(std::uint64_t bytes) {
   const std::uint64_t all = memory_bytes();
-  Sessions evicted;
-  evict({.sessions = limits_.sessions, .bytes = all - std::min(all, bytes)}, evicted);
-  return evicted;
+  return take(choose({.sessions = limits_.sessions, .bytes = all - std::min(all, bytes)}));
 }
 
 absl::Status SessionTable::may_make(const std::string& caller) const {

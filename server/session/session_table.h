@@ -55,7 +55,7 @@ class SessionTable {
   Entry take(const std::string& id);
 
   /// Evicts as many idle sessions as it takes until one more fits. ResourceExhausted where too many are in use, pinned or being
-  /// made.
+  /// made; none goes then.
   absl::Status make_room(Sessions& evicted);
   /// Evicts idle sessions as long as those that have grown are too much together.
   Sessions evict_excess();
@@ -80,7 +80,8 @@ class SessionTable {
   std::uint64_t memory_bytes() const;  // of all sessions
 
  private:
-  bool evict(const SessionLimits& limits, Sessions& evicted);
+  Eviction choose(const SessionLimits& limits) const;
+  Sessions take(const Eviction& eviction);
 
   bool is_unsaved(const std::string& id) const { return is_unsaved_ && is_unsaved_(id); }
 

@@ -171,6 +171,31 @@ TEST_F(ServerHogs, SessionsInTheMakingAreNotOneCallersAlone) {
   EXPECT_TRUE(eventually([&] { return create(*anna_, mesh, 1000).status.ok(); }));
 }
 
+TEST_F(ServerHogs, AGreatMeshDoesNotHoldUpSmallOnes) {
+  start({});
+  v1::CreateSessionRequest request;
+  request.set_mesh_id(upload(*anna_, sphere_off(7)));
+  request.mutable_options()->set_parameteriser(v1::PARAMETERISER_CGAL);  // takes ten seconds
+  grpc::ClientContext context;
+  set_patience(context);
+  context.AddMetadata("authorization", "Bearer anna's");
+  const auto great = client()->CreateSession(&context, request);
+  v1::CreateSessionResponse response;
+  do {
+    ASSERT_TRUE(great->Read(&response));
+  } while (response.progress().stage() == "queued");
+  const std::string small = upload(*bert_, sphere_off(2));
+  for (std::uint64_t points = 1; points <= 50; ++points) EXPECT_TRUE(create(*bert_, small, points).status.ok());
+  v1::ListSessionsResponse sessions;
+  grpc::ClientContext listing;
+  set_patience(listing);
+  ASSERT_TRUE(anna_->ListSessions(&listing, {}, &sessions).ok());
+  int ready = 0;
+  for (const v1::Session& session : sessions.sessions()) ready += session.state() == v1::SESSION_STATE_READY ? 1 : 0;
+  EXPECT_EQ(ready, 50) << "the great one is still in the making";
+  context.TryCancel();
+}
+
 TEST_F(ServerHogs, StreamsEndAtTheirAge) {
   start({.max_stream_age = std::chrono::seconds(1)});
   OpenedStream stream(*anna_, make_session(2000));

@@ -19,6 +19,7 @@ namespace curvecast::server {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class ServerMemory : public ServerFixture {
  protected:
@@ -57,13 +58,17 @@ TEST_F(ServerMemory, WhatDoesNotFitIsRefusedAndOthersGoOn) {
   for (std::uint64_t i = 1; i <= 5; ++i) {
     const grpc::Status status = create_too_much().status;
     EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED);
-    EXPECT_THAT(status.error_message(), HasSubstr("to prepare 4 triangles for 4000000 points with omega 25 takes 2"));
+    EXPECT_THAT(status.error_message(), HasSubstr("a curve for 4000000 points with omega 25 takes 2"));
     EXPECT_THAT(status.error_message(), HasSubstr("points would fit"));
     stream.ask(i, 100);
     EXPECT_EQ(stream.read().error().message(), "");
     stream.acknowledge(i);
   }
   EXPECT_EQ(metric("curvecast_refused_total{limit=\"memory\"}"), 5);
+  EXPECT_EQ(metric("curvecast_preprocess_seconds_count{code=\"OK\"}"), 1);
+  EXPECT_THAT(HttpClient(server_->http_port()).get("/metrics").body,
+              Not(HasSubstr("curvecast_preprocess_seconds_count{code=\"RESOURCE_EXHAUSTED\"}")))
+      << "they have not waited for a worker";
   EXPECT_EQ(metric("curvecast_memory_reserved_bytes"), 0) << "all has been given back";
   EXPECT_GE(metric("curvecast_memory_budget_bytes"), static_cast<double>(kLittle));
   EXPECT_GT(metric("curvecast_memory_held_bytes"), 0);

@@ -96,5 +96,33 @@ TEST(MemoryEstimate, SaysWhatWouldFit) {
   EXPECT_THAT(std::string(prepared(1, 1'000).message()), HasSubstr("t.off: to read"));
 }
 
+TEST(MemoryEstimate, OfACurveIsToldBeforeAnythingIsRead) {
+  const std::string file = testing::to_off(testing::tetrahedron());
+  constexpr std::uint64_t kMost = 200'000'000;
+  const auto told = [](std::uint64_t points, std::uint64_t most, std::uint64_t* bytes = nullptr) {
+    testing::CountingSource source(most);
+    const ExecutionContext context{.memory = &source};
+    MemoryClaim claim(context);
+    const absl::Status status = claim_curve("t.off", {.points = points, .omega = 25}, context, claim);
+    if (bytes != nullptr) *bytes = claim.bytes();
+    return status;
+  };
+  const absl::Status refused = told(4'000'000, kMost);
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("t.off: a curve for 4000000 points with omega 25 takes 2"));
+  unsigned long points = 0;
+  const std::size_t at = refused.message().find(", and ");
+  ASSERT_NE(at, std::string::npos);
+  ASSERT_EQ(std::sscanf(refused.message().data() + at, ", and %lu points would fit", &points), 1);
+  EXPECT_TRUE(told(points, kMost).ok());
+  // Nothing is refused that would be made after all.
+  std::uint64_t bytes = 0;
+  ASSERT_TRUE(told(20'000, kMost, &bytes).ok());
+  testing::CountingSource source;
+  ASSERT_TRUE(preprocess({"t.off", file}, {.points = 20'000, .omega = 25}, {.memory = &source}).ok());
+  EXPECT_GT(bytes, 0u);
+  EXPECT_LE(bytes, source.peak());
+}
+
 }  // namespace
 }  // namespace curvecast

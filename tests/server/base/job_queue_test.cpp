@@ -229,6 +229,44 @@ TEST(JobQueue, ManyWhoComeOnceAreForgotten) {
   EXPECT_EQ(runs, 5'000);
 }
 
+TEST(JobQueue, LongJobsLeaveAWorkerToShortOnes) {
+  constexpr JobQueue::Nanoseconds kLong{1000}, kShort{1};
+  JobQueue queue({.workers = 2, .max_waiting = 10, .long_job = kLong});
+  std::promise<void> started, gate, all_short;
+  std::atomic<int> long_ones = 0, short_ones = 0;
+  std::atomic<bool> is_open = false, was_beside = false;
+  ASSERT_TRUE(queue
+                  .submit(
+                      [&] {
+                        started.set_value();
+                        gate.get_future().wait();
+                        is_open = true;
+                      },
+                      {.caller = "a", .expected = kLong})
+                  .ok());
+  started.get_future().wait();
+  // Of whichever caller, also where they come first.
+  for (const char* caller : {"a", "b"}) {
+    const auto job = [&] {
+      was_beside = was_beside || !is_open;
+      ++long_ones;
+    };
+    ASSERT_TRUE(queue.submit(job, {.caller = caller, .expected = kLong}).ok());
+  }
+  for (const char* caller : {"a", "a", "b", "c"}) {
+    const auto job = [&] {
+      if (++short_ones == 4) all_short.set_value();
+    };
+    ASSERT_TRUE(queue.submit(job, {.caller = caller, .expected = kShort}).ok());
+  }
+  all_short.get_future().wait();
+  EXPECT_EQ(long_ones, 0);
+  gate.set_value();
+  queue.stop();
+  EXPECT_EQ(long_ones, 2);
+  EXPECT_FALSE(was_beside);
+}
+
 TEST(JobQueue, OneDoesNotGetAllWorkers) {
   JobQueue queue({.workers = 2, .max_waiting = 10, .max_running_of_one = 1});
   std::promise<void> started, gate, other;

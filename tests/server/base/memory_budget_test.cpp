@@ -38,6 +38,17 @@ TEST_F(MemoryBudgetTest, RefusesWhatNeverFitsAndSaysWhatThereIs) {
   EXPECT_EQ(budget.reserved(), 600u);
 }
 
+TEST_F(MemoryBudgetTest, TellsWhatWillNeverFitWithoutTakingAnything) {
+  MemoryBudget::Job job(budget, nullptr);
+  ASSERT_TRUE(job.take(900, "").ok());
+  MemoryBudget::Outlook outlook(budget);
+  EXPECT_TRUE(outlook.take(1000, "").ok()) << "it may, later";
+  EXPECT_EQ(budget.reserved(), 900u);
+  EXPECT_THAT(std::string(outlook.take(1001, "ten triangles").message()),
+              HasSubstr("ten triangles; this server has 1.0 kB for all of its work"));
+  EXPECT_EQ(budget.refused(), 1u);
+}
+
 TEST_F(MemoryBudgetTest, GivesAllBackWithTheJob) {
   { EXPECT_TRUE(MemoryBudget::Job(budget, nullptr).take(900, "").ok()); }
   EXPECT_EQ(budget.reserved(), 0u);

@@ -36,6 +36,8 @@ TEST(Eviction, LeavesThoseInUseAndSaysThatItIsNotEnough) {
   const Eviction all = choose_evicted(kResidents, {0, 0});
   EXPECT_THAT(all.ids, ElementsAre("a", "b", "c"));
   EXPECT_FALSE(all.is_enough);
+  EXPECT_EQ(all.sessions, 1u);
+  EXPECT_EQ(all.bytes, 300u);
   EXPECT_FALSE(choose_evicted(kResidents, {10, 299}).is_enough);
   EXPECT_TRUE(choose_evicted({}, {0, 0}).is_enough);
 }

@@ -14,6 +14,11 @@ TEST(ExpectedTime, GrowsWithAllThatTakesTime) {
   EXPECT_GT(expected_time(1'000'000, {.parameteriser = Parameteriser::kCgal}), usual);
 }
 
+TEST(ExpectedTime, OfRemeshingGrowsWithThePoints) {
+  EXPECT_GT(expected_remesh_time(1000).count(), 0);
+  EXPECT_GT(expected_remesh_time(2000), expected_remesh_time(1000));
+}
+
 TEST(ExpectedTime, OfTheGreatestIsFinite) {
   EXPECT_LT(expected_time(std::uint64_t{8} << 30, {.points = 4'000'000, .omega = 25}), std::chrono::hours(24));
 }

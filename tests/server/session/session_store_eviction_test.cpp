@@ -29,11 +29,37 @@ TEST_F(SessionStoreEvictionTest, EvictsTheLeastRecentlyUsedThatIsIdle) {
   EXPECT_EQ(store_->info(c).status().code(), Code::kNotFound);
   auto also_b = store_->find(b), also_d = store_->find(d);
   Waiter waiter;
-  EXPECT_EQ(store_->join(mesh("e"), {}, &waiter).status().code(), Code::kResourceExhausted);
+  const absl::Status refused = store_->join(mesh("e"), {}, &waiter).status();
+  EXPECT_EQ(refused.code(), Code::kResourceExhausted);
+  EXPECT_THAT(std::string(refused.message()), ::testing::HasSubstr("holds 3 sessions of"));
+  EXPECT_THAT(std::string(refused.message()), ::testing::HasSubstr("in the making are 3 of"));
+  also_d = absl::CancelledError();
+  ASSERT_TRUE(store_->update(d, true, std::nullopt).ok());
+  EXPECT_FALSE(store_->join(mesh("e"), {}, &waiter).ok()) << "it is pinned";
+  ASSERT_TRUE(store_->update(d, false, std::nullopt).ok());
+  also_d = store_->find(d);
   held = absl::CancelledError();
   EXPECT_TRUE(store_->join(mesh("e"), {}, &waiter).ok());
   EXPECT_TRUE(waiter.wait().ok());
   EXPECT_EQ(store_->info(a).status().code(), Code::kNotFound);
+}
+
+TEST_F(SessionStoreEvictionTest, NoneGoesInVain) {
+  set_open(true);
+  SessionStore store(queue_,
+                     [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview&) {
+                       return preprocess(context);
+                     },
+                     {.sessions = 10, .bytes = 100'000}, 1, make_logger(false, false), {});
+  Waiter waiter, other, another;
+  const std::string great = *store.join(mesh("a"), {}, &waiter), small = *store.join(mesh("b"), {}, &other);
+  ASSERT_TRUE(waiter.wait().ok() && other.wait().ok());
+  const auto held = store.find(great);
+  auto curve = std::make_shared<SurfaceCurve>();
+  curve->x.resize(50'000);
+  (*held)->revisions->publish(std::move(curve));
+  EXPECT_EQ(store.join(mesh("c"), {}, &another).status().code(), Code::kResourceExhausted);
+  EXPECT_TRUE(store.info(small).ok());
 }
 
 TEST_F(SessionStoreEvictionTest, PinnedSessionsStay) {
@@ -80,12 +106,11 @@ TEST_F(SessionStoreEvictionTest, TimeToLiveCountsFromTheLastUse) {
 
 TEST_F(SessionStoreEvictionTest, EvictsWhatIsTooMuchTogether) {
   set_open(true);
-  SessionStore store(
-      queue_,
-      [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview&) {
-        return preprocess(context);
-      },
-      {.sessions = 10, .bytes = 100'000}, 1, make_logger(false, false));
+  SessionStore store(queue_,
+                     [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview&) {
+                       return preprocess(context);
+                     },
+                     {.sessions = 10, .bytes = 100'000}, 1, make_logger(false, false), {});
   std::vector<std::string> ids;
   for (const char* name : {"a", "b", "c"}) {
     Waiter waiter;

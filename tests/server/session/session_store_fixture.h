@@ -147,7 +147,8 @@ class SessionStoreFixture : public ::testing::Test {
                                             const OnPreview&) { return preprocess(context); },
                                      SessionLimits{.sessions = 3},
                                      1,
-                                     make_logger(false, false)};
+                                     make_logger(false, false),
+                                     SessionStore::Options{}};
 };
 
 }  // namespace curvecast::server

@@ -35,11 +35,12 @@ class SessionStorePreview : public SessionStoreFixture {
           on_preview([] { return tiny(); });
           return preprocess(context);
         },
-        SessionLimits{.sessions = 3}, 1, make_logger(false, false), nullptr,
-        [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
-          const std::lock_guard lock(mutex_);
-          replaced_.push_back({preview.revisions, real});
-        });
+        SessionLimits{.sessions = 3}, 1, make_logger(false, false),
+        SessionStore::Options{
+            .on_replaced = [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
+              const std::lock_guard lock(mutex_);
+              replaced_.push_back({preview.revisions, real});
+            }});
   }
 };
 

@@ -91,16 +91,16 @@ TEST_F(SessionStoreTest, OtherCompanionsAreAnotherSession) {
 
 TEST_F(SessionStoreTest, TellsStartAndEndOfEveryStage) {
   const auto start = std::chrono::steady_clock::now();
-  SessionStore store(
-      queue_,
-      [](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview&) {
-        for (const char* stage : {"read", "cut", "map"}) {
-          // "cut" never says that it is over.
-          for (int i = 0; i <= 1000; ++i) context.progress(stage, i / (stage == std::string("cut") ? 1001.0 : 1000.0));
-        }
-        return absl::StatusOr<Preprocessed>(tiny());
-      },
-      {.sessions = 3}, 1, make_logger(false, false));
+  SessionStore store(queue_,
+                     [](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview&) {
+                       for (const char* stage : {"read", "cut", "map"}) {
+                         // "cut" never says that it is over.
+                         for (int i = 0; i <= 1000; ++i)
+                           context.progress(stage, i / (stage == std::string("cut") ? 1001.0 : 1000.0));
+                       }
+                       return absl::StatusOr<Preprocessed>(tiny());
+                     },
+                     {.sessions = 3}, 1, make_logger(false, false), {});
   Waiter waiter;
   ASSERT_TRUE(store.join(mesh("m"), {}, &waiter).ok());
   ASSERT_TRUE(waiter.wait().ok());
@@ -115,6 +115,26 @@ TEST_F(SessionStoreTest, TellsStartAndEndOfEveryStage) {
   const std::vector<std::string> stages = {"queued", "read", "cut", "map"};
   EXPECT_EQ(starts, stages);
   EXPECT_EQ(ends, stages);
+}
+
+TEST_F(SessionStoreTest, WhatMayNotBeMadeIsRefusedUnlessItIsThere) {
+  set_open(true);
+  bool may = true;
+  SessionStore store(queue_,
+                     [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview&) {
+                       return preprocess(context);
+                     },
+                     {.sessions = 3}, 1, make_logger(false, false), {.may_make = [&](const MeshFiles&, const PreprocessOptions&) {
+                       return may ? absl::OkStatus() : absl::ResourceExhaustedError("never");
+                     }});
+  Waiter waiter, again, other;
+  const auto id = store.join(mesh("m"), {}, &waiter);
+  ASSERT_TRUE(waiter.wait().ok());
+  may = false;
+  EXPECT_EQ(store.join(mesh("m"), {}, &again).value_or(""), *id);
+  EXPECT_TRUE(again.wait().ok());
+  EXPECT_EQ(store.join(mesh("other"), {}, &other).status().message(), "never");
+  EXPECT_EQ(store.list().size(), 1u);
 }
 
 TEST_F(SessionStoreTest, TheLastWaiterToLeaveCancels) {
