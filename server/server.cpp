@@ -125,7 +125,7 @@ class GrpcServer final : public Server {
       health->SetServingStatus(v1::CurvecastService::service_full_name(), true);
       health->SetServingStatus(options_.ready);
     }
-    if (port_ != nullptr) port_->open();
+    if (port_ != nullptr) port_->open([this](const std::string& peer) { return engine_.proxies.trusts(peer); });
     engine_.log->info("serving on {}", port_ == nullptr ? "this process" : absl::StrCat(options_.listen, ", port ", port()));
     return absl::OkStatus();
   }

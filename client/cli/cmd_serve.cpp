@@ -349,8 +349,8 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       ->type_name("FILE");
   app->add_option(
          "--trusted-proxy", flags->server.trusted_proxies,
-         "network (10.0.0.0/8, fd00::/8) or address of proxies whose header x-forwarded-for names the client, for limits, "
-         "shares and the log; repeat for more")
+         "network (10.0.0.0/8, fd00::/8) or address of proxies whose header x-forwarded-for, or of the PROXY protocol, names "
+         "the client, for limits, shares and the log; repeat for more")
       ->type_name("CIDR")
       ->allow_extra_args(false);
   app->add_flag(

@@ -23,7 +23,8 @@ struct ServerOptions {
   /// Of all of them; the least recently used go first, to the cache. No more than half of the memory.
   std::uint64_t max_session_bytes = std::uint64_t{8} << 30;
   std::string tokens = {};  // file of those who may call, see Tokens; empty = everybody
-  /// Networks ("10.0.0.0/8") and addresses of proxies, whose header x-forwarded-for says for whom they call.
+  /// Networks ("10.0.0.0/8") and addresses of proxies, whose header x-forwarded-for, or of the PROXY protocol, says for whom they
+  /// call.
   std::vector<std::string> trusted_proxies = {};
   /// Each holder of a token, or of a certificate's name, finds the meshes and sessions that are his, and no others; those that
   /// the server makes for itself are for all. Wants `tokens` or `tls_client_ca`.

@@ -55,6 +55,7 @@ Peer peer_of(const Engine& engine, const grpc::CallbackServerContext& context) {
     return peer;
   }
   if (engine.asks_for_certificates) peer.certificate = certificate_of(context);
+  peer.address = engine.connections->client_of(peer.address);
   if (auto client = engine.proxies.client_of(peer.address, all_metadata(context, kForwardedKey))) {
     peer.address = *std::move(client);
     peer.comes_by_proxy = true;

@@ -22,8 +22,10 @@ void GrpcPort::add_to(grpc::ServerBuilder& builder, std::shared_ptr<grpc::Server
   acceptor_ = builder.experimental().AddExternalConnectionAcceptor(Type::FROM_FD, std::move(credentials));
 }
 
-void GrpcPort::open() {
-  listener_->accept([this](int listener, int descriptor, const std::string& peer) { take(listener, descriptor, peer); });
+void GrpcPort::open(PortListener::IsProxy is_proxy) {
+  listener_->accept([this](int listener, int descriptor, const std::string& peer,
+                           const std::string& client) { take(listener, descriptor, peer, client); },
+                    std::move(is_proxy));
   probe_ = std::make_unique<PortProbe>(listener_->descriptor());
 }
 
@@ -32,9 +34,9 @@ void GrpcPort::close() {
   listener_->close();
 }
 
-void GrpcPort::take(int listener, int descriptor, const std::string& peer) {
+void GrpcPort::take(int listener, int descriptor, const std::string& peer, const std::string& client) {
   absl::Cleanup refuse = [descriptor] { ::close(descriptor); };
-  if (static_cast<std::size_t>(descriptor) >= most_ || !connections_.add(descriptor, peer)) return;
+  if (static_cast<std::size_t>(descriptor) >= most_ || !connections_.add(descriptor, peer, client)) return;
   grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
   connection.listener_fd = listener;
   connection.fd = descriptor;

@@ -26,8 +26,8 @@ class GrpcPort {
 
   /// Before the server is built.
   void add_to(grpc::ServerBuilder& builder, std::shared_ptr<grpc::ServerCredentials> credentials);
-  /// Once it is.
-  void open();
+  /// Once it is. `is_proxy`: see PortListener.
+  void open(PortListener::IsProxy is_proxy);
   /// Accepts no more connections: before the server shuts down. Idempotent.
   void close();
 
@@ -37,7 +37,7 @@ class GrpcPort {
 
  private:
   GrpcPort(std::unique_ptr<PortListener> listener, ConnectionTable& connections, std::size_t most);
-  void take(int listener, int descriptor, const std::string& peer);
+  void take(int listener, int descriptor, const std::string& peer, const std::string& client);
 
   ConnectionTable& connections_;
   const std::size_t most_;

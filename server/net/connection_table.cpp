@@ -28,7 +28,7 @@ void end(int descriptor, ino_t inode) {
 
 }  // namespace
 
-bool ConnectionTable::add(int descriptor, const std::string& peer) {
+bool ConnectionTable::add(int descriptor, const std::string& peer, const std::string& client) {
   const ino_t inode = socket_inode(descriptor);
   const MutexLock lock(mutex_);
   // Whoever had its descriptor or its address has gone.
@@ -38,9 +38,15 @@ bool ConnectionTable::add(int descriptor, const std::string& peer) {
     ++refused_;
     return false;
   }
-  silent_.push_back({descriptor, inode, peer});
+  silent_.push_back({descriptor, inode, peer, client});
   by_descriptor_[descriptor] = by_peer_[peer] = std::prev(silent_.end());
   return true;
+}
+
+std::string ConnectionTable::client_of(const std::string& peer) const {
+  const MutexLock lock(mutex_);
+  const auto found = by_peer_.find(peer);
+  return found == by_peer_.end() || found->second->client.empty() ? peer : found->second->client;
 }
 
 void ConnectionTable::note_call(const std::string& peer) {

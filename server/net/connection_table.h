@@ -21,9 +21,11 @@ class ConnectionTable {
  public:
   explicit ConnectionTable(std::size_t most) : most_(most) {}
 
-  /// Counts the connection of a socket, from now until the socket is closed. False, and it is refused: all others have made
-  /// calls.
-  bool add(int descriptor, const std::string& peer) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Counts the connection of a socket, from now until the socket is closed. `client`: for whom its peer, a proxy, has opened it;
+  /// empty: for itself. False, and it is refused: all others have made calls.
+  bool add(int descriptor, const std::string& peer, const std::string& client = {}) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// The client for whom a peer has opened its connection: the peer itself, unless it is a proxy that said so.
+  std::string client_of(const std::string& peer) const ABSL_LOCKS_EXCLUDED(mutex_);
   /// The connection of this peer has made a call that was let in. Does nothing for peers that have none here.
   void note_call(const std::string& peer) ABSL_LOCKS_EXCLUDED(mutex_);
   /// How many there are at this moment: looks at each.
@@ -39,6 +41,7 @@ class ConnectionTable {
     int descriptor;
     ino_t inode;  // tells this socket from a later one with its descriptor
     std::string peer;
+    std::string client;  // empty: the peer
     bool has_called = false;
   };
   using Connections = std::list<Connection>;

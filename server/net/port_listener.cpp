@@ -13,6 +13,7 @@
 
 #include "server/base/status_from_exceptions.h"
 #include "server/net/peer_name.h"
+#include "server/net/proxy_queue.h"
 #include "server/net/resolve.h"
 
 namespace curvecast::server {
@@ -96,37 +97,46 @@ absl::Status PortListener::open(const std::string& address) {
   return descriptors_.empty() ? fail(std::strerror(error)) : absl::OkStatus();
 }
 
-void PortListener::accept(Take take) {
-  thread_ = std::thread([this, take = std::move(take)] { run(take); });
+void PortListener::accept(Take take, IsProxy is_proxy) {
+  thread_ = std::thread([this, take = std::move(take), is_proxy = std::move(is_proxy)] { run(take, is_proxy); });
 }
 
-void PortListener::run(const Take& take) const {
+void PortListener::run(const Take& take, const IsProxy& is_proxy) const {
   std::vector<pollfd> waits = {{wake_up_.descriptor(), POLLIN, 0}};
   for (const int descriptor : descriptors_) waits.push_back({descriptor, POLLIN, 0});
   bool lacks = false;
+  // What fails for one connection, be it for lack of memory, is no reason not to take the next.
+  const ProxyQueue::Give give = [&](const ProxyQueue::Connection& connection, const std::string& client) {
+    const absl::Status given = status_from_exceptions([&] {
+      take(connection.listener, connection.descriptor, connection.peer, client);
+      return absl::OkStatus();
+    });
+    lacks = lacks || !given.ok();
+  };
+  ProxyQueue proxies;
   while (true) {
     if (lacks) {
       ::poll(waits.data(), 1, kPauseMs);
     } else {
-      ::poll(waits.data(), waits.size(), -1);
+      ::poll(waits.data(), waits.size(), proxies.is_empty() ? -1 : static_cast<int>(kProxyLook.count()));
     }
     if ((waits[0].revents & POLLIN) != 0) return;
     lacks = false;
+    proxies.serve(give);
     for (std::size_t i = 1; i < waits.size(); ++i) {
       sockaddr_storage peer = {};
       socklen_t size = sizeof peer;
       auto* const address = reinterpret_cast<sockaddr*>(&peer);
       const int descriptor = ::accept4(waits[i].fd, address, &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
-      if (descriptor >= 0) {
-        // What fails for one connection, be it for lack of memory, is no reason not to take the next.
-        if (!status_from_exceptions([&] {
-               take(waits[i].fd, descriptor, peer_name(address));
-               return absl::OkStatus();
-             }).ok()) {
-          lacks = true;
-        }
-      } else {
+      if (descriptor < 0) {
         lacks = lacks || is_lack(errno);
+        continue;
+      }
+      ProxyQueue::Connection connection = {waits[i].fd, descriptor, peer_name(address)};
+      if (is_proxy && is_proxy(connection.peer)) {
+        proxies.add(std::move(connection), give);
+      } else {
+        give(connection, "");
       }
     }
   }

@@ -17,8 +17,11 @@ namespace curvecast::server {
 /// until there are some.
 class PortListener {
  public:
-  /// Takes a connection, with its socket, which does not block. `listener` is the descriptor that it came by.
-  using Take = std::function<void(int listener, int descriptor, const std::string& peer)>;
+  /// Takes a connection, with its socket, which does not block. `listener` is the descriptor that it came by. `client`: for whom
+  /// the peer, a proxy, has opened it; empty: for itself, or it does not say.
+  using Take = std::function<void(int listener, int descriptor, const std::string& peer, const std::string& client)>;
+  /// Whether a peer is a proxy that may say so: see proxy_header.h. Empty: none is.
+  using IsProxy = std::function<bool(const std::string& peer)>;
 
   /// Binds "host:port", every address that the host's name stands for; port 0 is any free one. Unavailable: an address is in use
   /// or not one of this machine's. InvalidArgument: it is none.
@@ -31,14 +34,14 @@ class PortListener {
   /// A descriptor whose address is listened on.
   int descriptor() const { return descriptors_.front(); }
   /// Begins to accept connections, for which clients may have waited since bind(). Called once.
-  void accept(Take take);
+  void accept(Take take, IsProxy is_proxy = {});
   /// Accepts no more, and refuses who tries. Idempotent; not thread-safe.
   void close();
 
  private:
   PortListener() = default;
   absl::Status open(const std::string& address);
-  void run(const Take& take) const;
+  void run(const Take& take, const IsProxy& is_proxy) const;
 
   std::vector<int> descriptors_;
   int port_ = 0;

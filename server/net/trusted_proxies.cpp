@@ -101,11 +101,15 @@ bool TrustedProxies::contain(const Bytes& address) const {
                      [&](const Network& network) { return masked(address, network.bits) == network.address; });
 }
 
+bool TrustedProxies::trusts(std::string_view peer) const {
+  if (networks_.empty()) return false;
+  const std::optional<Bytes> address = parse_peer(to_absl(peer));
+  return address && contain(*address);
+}
+
 std::optional<std::string> TrustedProxies::client_of(std::string_view peer,
                                                      const std::vector<std::string_view>& forwarded_for) const {
-  if (networks_.empty() || forwarded_for.empty()) return std::nullopt;
-  const std::optional<Bytes> proxy = parse_peer(to_absl(peer));
-  if (!proxy || !contain(*proxy)) return std::nullopt;
+  if (forwarded_for.empty() || !trusts(peer)) return std::nullopt;
   std::string hops;
   for (const std::string_view header : forwarded_for) absl::StrAppend(&hops, hops.empty() ? "" : ",", to_absl(header));
   std::optional<Bytes> client;

@@ -20,6 +20,8 @@ class TrustedProxies {
 
   TrustedProxies() = default;  // none
 
+  /// Whether `peer`, the other end of a connection as gRPC writes it, is one of these proxies.
+  bool trusts(std::string_view peer) const;
   /// Names the client for whom `peer`, the other end of a connection as gRPC writes it, calls: the last address in its
   /// `x-forwarded-for` headers that is not itself one of these proxies, with the port of the connection. What stands before an
   /// address that is none, anybody may have written: the last one after it counts. Nothing where the peer is none of these

@@ -19,6 +19,8 @@
 
 #include "proto/tls/certificate_name.h"
 #include "server/net/peer_name.h"
+#include "server/net/proxy_header.h"
+#include "server/net/proxy_queue.h"
 #include "server/web/web_socket_beast.h"
 
 namespace curvecast::server {
@@ -88,12 +90,33 @@ WebConnection::WebConnection(WebHub& hub, tcp::socket socket, std::function<void
       stream_(std::move(socket), hub.tls.get()),
       address_(name_of(stream_.next_layer().socket())),
       on_gone_(std::move(on_gone)),
-      buffer_(kMaxBuffered) {}
+      buffer_(kMaxBuffered),
+      timer_(*hub.io) {}
 
 WebConnection::~WebConnection() { on_gone_(this); }
 
 void WebConnection::begin() {
   waiting_since_ = Clock::now();  // for a handshake, too
+  const bool is_proxy = hub_.options.sockets && hub_.options.sockets->proxies.trusts(address_);
+  is_proxy ? meet_proxy(Clock::now() + kProxyPatience) : shake_hands();
+}
+
+void WebConnection::meet_proxy(Clock::time_point end) {
+  tcp::socket& socket = stream_.next_layer().socket();
+  if (!socket.is_open()) return;  // abort()
+  const ProxyHeader header = take_proxy_header(socket.native_handle());
+  if (header.state == ProxyHeader::State::kPart && Clock::now() < end) {
+    timer_.expires_after(kProxyLook);
+    timer_.async_wait([self = shared_from_this(), end](Error /*error*/) { self->meet_proxy(end); });
+    return;
+  }
+  const bool is_cut = header.state == ProxyHeader::State::kPart && header.size > 0;
+  if (header.state == ProxyHeader::State::kBroken || is_cut) return abort();
+  if (!header.client.empty()) address_ = header.client;
+  shake_hands();
+}
+
+void WebConnection::shake_hands() {
   if (stream_.tls() == nullptr) return read();
   stream_.next_layer().expires_after(hub_.options.time_out);
   stream_.tls()->async_handshake(asio::ssl::stream_base::server, [self = shared_from_this()](Error error) {

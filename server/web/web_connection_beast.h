@@ -4,6 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
@@ -55,6 +56,9 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
+  /// Waits, until `end` at most, for the header of a proxy: see server/net/proxy_header.h.
+  void meet_proxy(Clock::time_point end);
+  void shake_hands();
   void read();
   void receive(Error error);
   Response answer(const Request& request, bool has_body);
@@ -69,9 +73,10 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
 
   WebHub& hub_;
   WebStream stream_;
-  const std::string address_;  // of the other end, as gRPC writes it
+  std::string address_;  // of the other end, as gRPC writes it, or of the client for whom it says that it is
   const std::function<void(WebConnection*)> on_gone_;
   boost::beast::flat_buffer buffer_;
+  boost::asio::steady_timer timer_;
   std::optional<Clock::time_point> waiting_since_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;  // of the request that comes or is
                                                                                               // being answered

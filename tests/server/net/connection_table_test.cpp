@@ -47,6 +47,18 @@ TEST(ConnectionTable, TheOldestThatHasMadeNoCallGivesWay) {
   EXPECT_EQ(table.refused(), 0u);
 }
 
+TEST(ConnectionTable, KnowsForWhomAProxyConnects) {
+  ConnectionTable table(1);
+  Connection a, b;
+  EXPECT_TRUE(table.add(a.served(), "proxy:1", "client:1"));
+  EXPECT_EQ(table.client_of("proxy:1"), "client:1");
+  EXPECT_EQ(table.client_of("proxy:2"), "proxy:2");
+  table.note_call("proxy:1");
+  EXPECT_EQ(table.client_of("proxy:1"), "client:1");
+  EXPECT_FALSE(table.add(b.served(), "proxy:2", "client:2"));
+  EXPECT_EQ(table.client_of("proxy:2"), "proxy:2");
+}
+
 TEST(ConnectionTable, RefusesOneMoreWhereAllHaveMadeCalls) {
   ConnectionTable table(2);
   Connection a, b, c;

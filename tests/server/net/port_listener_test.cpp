@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <mutex>
 #include <stdexcept>
 #include <vector>
 
@@ -24,8 +25,9 @@ TEST(PortListener, GivesItsConnectionsAway) {
   ASSERT_TRUE(listener.ok()) << listener.status();
   HttpClient early((*listener)->port());  // waits
   std::atomic<int> taken = 0;
-  (*listener)->accept([&](int, int descriptor, const std::string& peer) {
+  (*listener)->accept([&](int, int descriptor, const std::string& peer, const std::string& client) {
     EXPECT_THAT(peer, ::testing::StartsWith("ipv4:127.0.0.1:"));
+    EXPECT_EQ(client, "");
     const bool is_second = ++taken == 2;
     ::close(descriptor);
     if (is_second) throw std::runtime_error("on purpose");
@@ -35,6 +37,31 @@ TEST(PortListener, GivesItsConnectionsAway) {
   EXPECT_EQ(taken, 6);
   (*listener)->close();
   (*listener)->close();  // harmless
+}
+
+TEST(PortListener, AsksProxiesWhoseTheirConnectionsAre) {
+  auto listener = PortListener::bind("127.0.0.1:0");
+  ASSERT_TRUE(listener.ok()) << listener.status();
+  std::mutex mutex;
+  std::vector<std::string> clients;
+  (*listener)->accept(
+      [&](int, int descriptor, const std::string& peer, const std::string& client) {
+        EXPECT_THAT(peer, ::testing::StartsWith("ipv4:127.0.0.1:"));
+        const std::lock_guard lock(mutex);
+        clients.push_back(client);
+        ::close(descriptor);
+      },
+      [](const std::string& peer) { return peer.starts_with("ipv4:127."); });
+  HttpClient slow((*listener)->port()), quick((*listener)->port()), plain((*listener)->port());
+  ASSERT_TRUE(slow.send("PROXY TCP4 198.51.100.1"));
+  ASSERT_TRUE(quick.send("PROXY TCP6 2001:db8::7 ::1 4711 443\r\n"));
+  EXPECT_TRUE(quick.is_closed()) << "it does not wait for the slow one";
+  ASSERT_TRUE(slow.send(" 10.0.0.2 4711 443\r\n"));
+  EXPECT_TRUE(slow.is_closed());
+  ASSERT_TRUE(plain.send("GET /"));
+  EXPECT_TRUE(plain.is_closed());
+  (*listener)->close();
+  EXPECT_EQ(clients, (std::vector<std::string>{"ipv6:%5B2001:db8::7%5D:4711", "ipv4:198.51.100.1:4711", ""}));
 }
 
 TEST(PortListener, SaysWhyItCannotListen) {
@@ -51,7 +78,7 @@ TEST(PortListener, SaysWhyItCannotListen) {
 TEST(PortListener, OutlivesTheLackOfDescriptors) {
   auto listener = PortListener::bind("localhost:0");  // more than one address, where there is IPv6
   ASSERT_TRUE(listener.ok()) << listener.status();
-  (*listener)->accept([](int, int descriptor, const std::string&) { ::close(descriptor); });
+  (*listener)->accept([](int, int descriptor, const std::string&, const std::string&) { ::close(descriptor); });
   const HttpClient first((*listener)->port()), second((*listener)->port());
   std::vector<int> taken;
   rlimit before = {};

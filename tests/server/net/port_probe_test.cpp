@@ -17,7 +17,7 @@ TEST(PortProbe, SeesThatSomebodyAnswersAndThatNobodyDoesAnyMore) {
   const auto listener = PortListener::bind("0.0.0.0:0");
   ASSERT_TRUE(listener.ok()) << listener.status();
   std::atomic<int> asked = 0;
-  (*listener)->accept([&](int, int descriptor, const std::string&) {
+  (*listener)->accept([&](int, int descriptor, const std::string&, const std::string&) {
     ++asked;
     ::close(descriptor);
   });
