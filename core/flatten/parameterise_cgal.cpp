@@ -14,6 +14,7 @@
 #include <new>
 
 #include "core/base/stopwatch.h"
+#include "core/flatten/watched_preconditioner.h"
 
 namespace curvecast {
 namespace {
@@ -28,33 +29,12 @@ using UvMap = Mesh::Property_map<Vertex, Kernel::Point_2>;
 using Border = smp::Square_border_arc_length_parameterizer_3<Mesh>;
 using Matrix = CGAL::Eigen_sparse_matrix<double>::EigenType;
 
-/// Ends from within what knows nothing of contexts.
-struct Cancelled {};
-
-void end_if_cancelled(const ExecutionContext& context) {
-  if (context.cancelled()) throw Cancelled();
-}
-
-/// Of the work of this thread: Eigen makes its preconditioners itself.
-thread_local const ExecutionContext* context_here = nullptr;
-
-/// A preconditioner that looks in each step of the solver whether it shall go on.
-template <typename Preconditioner>
-class Watched : public Preconditioner {
- public:
-  template <typename Right>
-  auto solve(const Right& right) const {
-    end_if_cancelled(*context_here);
-    return Preconditioner::solve(right);
-  }
-};
-
 /// CGAL's parameteriser, which looks while it makes the matrix whether it shall go on.
 template <typename Preconditioner>
 class WatchedParameteriser : public smp::Mean_value_coordinates_parameterizer_3<
                                  Mesh, Border, CGAL::Eigen_solver_traits<Eigen::BiCGSTAB<Matrix, Watched<Preconditioner>>>> {
   double compute_w_ij(const Mesh& mesh, Vertex v, CGAL::Vertex_around_target_circulator<Mesh> neighbour) const override {
-    end_if_cancelled(*context_here);
+    WatchedContext::end_if_cancelled();
     return WatchedParameteriser::Mean_value_coordinates_parameterizer_3::compute_w_ij(mesh, v, neighbour);
   }
 };
@@ -67,7 +47,7 @@ absl::StatusOr<Mesh> to_cgal(const DiscMesh& disc) {
                static_cast<Mesh::size_type>(disc.triangles.size()));
   for (const Vec3d& p : disc.positions) mesh.add_vertex({p.x(), p.y(), p.z()});
   for (std::size_t t = 0; t < disc.triangles.size(); ++t) {
-    end_if_cancelled(*context_here);
+    WatchedContext::end_if_cancelled();
     const auto& [a, b, c] = disc.triangles[t];
     if (mesh.add_face(Vertex(a), Vertex(b), Vertex(c)) == Mesh::null_face()) {
       return absl::InvalidArgumentError(
@@ -84,7 +64,7 @@ smp::Error_code solve(Mesh& mesh, Halfedge border, const UvMap& uv) {
 
 absl::StatusOr<std::vector<Vec2d>> run(const DiscMesh& disc, CgalPreconditioner preconditioner, double* solve_seconds,
                                        const ExecutionContext& context) {
-  context_here = &context;
+  const WatchedContext watched(context);
   if (disc.border.size() < 4) return absl::InvalidArgumentError("the disc's border has fewer than four vertices");
   absl::StatusOr<Mesh> mesh = to_cgal(disc);
   if (!mesh.ok()) return mesh.status();
