@@ -21,11 +21,15 @@ MemoryBudget::Job::~Job() {
 
 void MemoryBudget::Job::give_back(std::uint64_t bytes) {
   const MutexLock lock(budget_.mutex_);
-  budget_.release(*this, bytes);
+  if (terms_.keeps) {
+    spare_ += bytes;
+  } else {
+    budget_.release(*this, bytes);
+  }
 }
 
 absl::Status MemoryBudget::Job::take(std::uint64_t bytes, const std::string& what) {
-  const Clock::time_point end = Clock::now() + (waits_ ? budget_.options_.patience : Clock::duration::zero());
+  const Clock::time_point end = Clock::now() + (terms_.waits ? budget_.options_.patience : Clock::duration::zero());
   for (;;) {
     const std::uint64_t most = budget_.options_.most();
     std::uint64_t held = budget_.options_.held();
@@ -71,17 +75,18 @@ void MemoryBudget::release(Job& job, std::uint64_t bytes) {
 bool MemoryBudget::exceeds(const Job& job, std::uint64_t bytes, std::uint64_t most) const {
   const MutexLock lock(mutex_);
   job.budget_.mutex_.assert_held();
-  return bytes > most || job.taken_ > most - bytes;
+  return bytes > most || job.taken_ - job.spare_ > most - bytes;
 }
 
 bool MemoryBudget::try_take(Job& job, std::uint64_t bytes, std::uint64_t most, std::uint64_t held) {
   const MutexLock lock(mutex_);
   job.budget_.mutex_.assert_held();
-  const std::uint64_t in_use = held + reserved_;
-  if (in_use > most || bytes > most - in_use) return false;
-  if (job.taken_ == 0 && bytes > 0) ++active_;
-  job.taken_ += bytes;
-  reserved_ += bytes;
+  const std::uint64_t again = std::min(bytes, job.spare_), more = bytes - again, in_use = held + reserved_;
+  if (more > 0 && (in_use > most || more > most - in_use)) return false;
+  if (job.taken_ == 0 && more > 0) ++active_;
+  job.spare_ -= again;
+  job.taken_ += more;
+  reserved_ += more;
   return true;
 }
 

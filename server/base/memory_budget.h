@@ -14,6 +14,12 @@
 
 namespace curvecast::server {
 
+/// How a job takes memory.
+struct MemoryTerms {
+  bool waits = true;   // else what does not fit now is refused
+  bool keeps = false;  // what it gives back stays its own, to be taken again, until the job goes
+};
+
 /// Divides what there is between what is held (sessions, meshes, answers that wait), which others count, and what running jobs
 /// have asked for. A job that would fit if only others were done waits for them. Thread-safe.
 class MemoryBudget {
@@ -33,9 +39,9 @@ class MemoryBudget {
   /// What one job takes. Its threads may ask side by side; the job must not go on without it. Gives all back when it goes.
   class Job final : public MemorySource {
    public:
-    /// `cancel` ends waiting; may be null. `waits`: else what does not fit now is refused.
-    Job(MemoryBudget& budget, const std::atomic<bool>* cancel, bool waits = true)
-        : budget_(budget), cancel_(cancel), waits_(waits) {}
+    /// `cancel` ends waiting; may be null.
+    Job(MemoryBudget& budget, const std::atomic<bool>* cancel, MemoryTerms terms = {})
+        : budget_(budget), cancel_(cancel), terms_(terms) {}
     ~Job() override;
 
     absl::Status take(std::uint64_t bytes, const std::string& what) override;
@@ -46,8 +52,9 @@ class MemoryBudget {
     friend class MemoryBudget;
     MemoryBudget& budget_;
     const std::atomic<bool>* const cancel_;
-    const bool waits_;
+    const MemoryTerms terms_;
     std::uint64_t taken_ ABSL_GUARDED_BY(budget_.mutex_) = 0;
+    std::uint64_t spare_ ABSL_GUARDED_BY(budget_.mutex_) = 0;  // of that, given back and kept
   };
 
   /// Refuses what could never be taken, before anybody waits for it. Takes nothing.

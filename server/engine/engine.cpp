@@ -101,10 +101,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
                [this](const MeshFile& file, const PreprocessOptions& wanted, const ExecutionContext& context,
                       const OnPreview& on_preview) {
                  const auto start = std::chrono::steady_clock::now();
-                 MemoryBudget::Job job(memory, context.cancel);
-                 ExecutionContext counted = context;
-                 counted.memory = &job;
-                 auto made = preprocess(file, wanted, counted, on_preview);
+                 auto made = preprocess(file, wanted, context, on_preview);
                  metrics.preprocessing(made.status().raw_code(), in_seconds(std::chrono::steady_clock::now() - start));
                  return made;
                },
@@ -113,6 +110,10 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
                threads, log,
                {.cache = cache.get(),
                 .marks = marks.get(),
+                .memory =
+                    [this](const std::atomic<bool>* cancel) {
+                      return std::make_unique<MemoryBudget::Job>(memory, cancel, MemoryTerms{.keeps = true});
+                    },
                 .on_replaced =
                     [this](const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) {
                       for (const auto& stream : all_streams()) stream->replace(preview, real);
@@ -188,7 +189,7 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
                                           .first_bytes = request.first_bytes};
                 const auto make = [&]() -> absl::StatusOr<Answer> {
                   // A worker that waited would hold up others' views.
-                  MemoryBudget::Job counted(memory, request.context.cancel, false);
+                  MemoryBudget::Job counted(memory, request.context.cancel, {.waits = false});
                   FrameRequest bounded = request;
                   bounded.context.memory = &counted;
                   auto made = make_frame(*session, bounded, view_cache, improvement_requests(session, request.point_set, source));

@@ -32,12 +32,13 @@ std::shared_ptr<Session> make_session(const SessionJob& job, Preprocessed prepro
 }  // namespace
 
 SessionJobs::SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, MakingMarks* marks,
-                         OnStandIn on_stand_in, OnOver on_over)
+                         GetMemory get_memory, OnStandIn on_stand_in, OnOver on_over)
     : queue_(queue),
       preprocess_(std::move(preprocess)),
       threads_(threads),
       cache_(cache),
       marks_(marks),
+      get_memory_(std::move(get_memory)),
       on_stand_in_(std::move(on_stand_in)),
       on_over_(std::move(on_over)) {}
 
@@ -96,17 +97,19 @@ absl::Status SessionJobs::fall_back(const std::shared_ptr<SessionJob>& job) {
 
 void SessionJobs::preprocess(const std::shared_ptr<SessionJob>& job) {
   absl::StatusOr<std::shared_ptr<const Session>> result = absl::CancelledError("cancelled");
+  // Outlives finish(): until the session counts as held, the job answers for what it takes.
+  const std::unique_ptr<MemorySource> memory = get_memory_ ? get_memory_(&job->cancel) : nullptr;
   if (!job->cancel) {
     job->has_begun = true;
     report(*job, "queued", 1);
     const absl::Status may_begin = marks_ != nullptr ? marks_->begin(job->id) : absl::OkStatus();
-    result = may_begin.ok() ? make(job) : may_begin;
+    result = may_begin.ok() ? make(job, memory.get()) : may_begin;
     if (marks_ != nullptr) marks_->end(job->id);
   }
   finish(job, std::move(result));
 }
 
-absl::StatusOr<std::shared_ptr<const Session>> SessionJobs::make(const std::shared_ptr<SessionJob>& job) {
+absl::StatusOr<std::shared_ptr<const Session>> SessionJobs::make(const std::shared_ptr<SessionJob>& job, MemorySource* memory) {
   ExecutionContext context;
   context.on_progress = [&](std::string_view stage, double fraction) {
     if (stage == "read" && fraction >= 1) job->files.release_pages();
@@ -114,6 +117,7 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionJobs::make(const std::shar
   };
   context.cancel = &job->cancel;
   context.threads = threads_;
+  context.memory = memory;
   const OnPreview on_preview = [&](const MakePreview& make_preview) {
     if (!job->waiters.want_preview()) return;
     absl::StatusOr<Preprocessed> coarse = make_preview();

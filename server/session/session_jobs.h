@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/memory_claim.h"
 #include "core/base/mutex.h"
 #include "server/base/job_queue.h"
 #include "server/session/making_marks.h"
@@ -41,6 +42,8 @@ class SessionJobs {
   /// The signature of curvecast::preprocess.
   using Preprocess = std::function<absl::StatusOr<Preprocessed>(const MeshFile&, const PreprocessOptions&,
                                                                 const ExecutionContext&, const OnPreview&)>;
+  /// Where a job asks for memory, until its session is in the store; `cancel`, which outlives it, ends waiting.
+  using GetMemory = std::function<std::unique_ptr<MemorySource>(const std::atomic<bool>* cancel)>;
   /// Called without locks by the thread of a job that has a stand-in.
   using OnStandIn = std::function<void(const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview)>;
   /// Called without locks by the thread of a job that is over and was not cancelled before that.
@@ -48,9 +51,9 @@ class SessionJobs {
       std::function<void(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> session)>;
 
   /// Preprocesses on `queue`, with `threads` threads (0 = one per core), and loads on the cache's thread. Both queue and cache
-  /// must outlive this, and `marks`, of the sessions that it preprocesses; `cache` and `marks` may be null.
-  SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, MakingMarks* marks, OnStandIn on_stand_in,
-              OnOver on_over);
+  /// must outlive this, and `marks`, of the sessions that it preprocesses; `cache` and `marks` may be null, `get_memory` empty.
+  SessionJobs(JobQueue& queue, Preprocess preprocess, int threads, SessionCache* cache, MakingMarks* marks, GetMemory get_memory,
+              OnStandIn on_stand_in, OnOver on_over);
   /// Waits until the jobs are over. Precondition: all have been cancelled.
   ~SessionJobs();
 
@@ -70,7 +73,7 @@ class SessionJobs {
   absl::Status submit_preprocessing(const std::shared_ptr<SessionJob>& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void load(const std::shared_ptr<SessionJob>& job);
   void preprocess(const std::shared_ptr<SessionJob>& job);
-  absl::StatusOr<std::shared_ptr<const Session>> make(const std::shared_ptr<SessionJob>& job);
+  absl::StatusOr<std::shared_ptr<const Session>> make(const std::shared_ptr<SessionJob>& job, MemorySource* memory);
   /// Submits for preprocessing what could not be loaded. Cancelled where the job was, else errors as of JobQueue::submit().
   absl::Status fall_back(const std::shared_ptr<SessionJob>& job) ABSL_LOCKS_EXCLUDED(mutex_);
   void finish(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> session)
@@ -81,6 +84,7 @@ class SessionJobs {
   const int threads_;
   SessionCache* const cache_;  // may be null
   MakingMarks* const marks_;   // may be null
+  const GetMemory get_memory_;
   const OnStandIn on_stand_in_;
   const OnOver on_over_;
   Mutex mutex_;

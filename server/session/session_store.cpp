@@ -33,7 +33,7 @@ SessionStore::SessionStore(JobQueue& queue, Preprocess preprocess, const Session
       isolates_(options.isolate),
       table_(limits, [this](const std::string& id) { return cache_ != nullptr && cache_->is_unsaved(id); }),
       jobs_(
-          queue, std::move(preprocess), threads, options.cache, options.marks,
+          queue, std::move(preprocess), threads, options.cache, options.marks, std::move(options.memory),
           [this](const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview) {
             take_in_preview(job, std::move(preview));
           },

@@ -35,6 +35,7 @@ namespace curvecast::server {
 class SessionStore {
  public:
   using Preprocess = SessionJobs::Preprocess;
+  using GetMemory = SessionJobs::GetMemory;
 
   /// Called without locks when a preview gives way to the real session, or to the reason why there is none.
   using OnReplaced = std::function<void(const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real)>;
@@ -45,6 +46,7 @@ class SessionStore {
   struct Options {
     SessionCache* cache = nullptr;  // where there is one, sessions are saved when they are ready, and loaded instead of made
     MakingMarks* marks = nullptr;   // of the sessions that are made; may be null. Both must outlive the store
+    GetMemory memory = {};          // may be empty: there is enough
     OnReplaced on_replaced = {};    // may be empty
     MayMake may_make = {};          // may be empty
     bool isolate = false;           // owners are

@@ -54,6 +54,29 @@ TEST_F(MemoryBudgetTest, GivesAllBackWithTheJob) {
   EXPECT_EQ(budget.reserved(), 0u);
 }
 
+TEST_F(MemoryBudgetTest, WhatAJobKeepsIsItsOwnUntilItGoes) {
+  MemoryBudget::Job other(budget, nullptr, {.waits = false});
+  {
+    MemoryBudget::Job job(budget, nullptr, {.keeps = true});
+    ASSERT_TRUE(job.take(700, "").ok());
+    job.give_back(500);
+    EXPECT_EQ(budget.reserved(), 700u);
+    EXPECT_FALSE(other.take(400, "").ok());
+    held = 400;
+    EXPECT_TRUE(job.take(400, "").ok()) << "it has that much";
+    EXPECT_FALSE(job.take(200, "").ok());
+    held = 200;
+    EXPECT_TRUE(job.take(200, "").ok());
+    EXPECT_EQ(budget.reserved(), 800u);
+    job.give_back(800);
+    held = 0;
+    EXPECT_TRUE(job.take(1000, "").ok()) << "all that there is, none of which it uses now";
+    EXPECT_FALSE(job.take(1, "").ok());
+  }
+  EXPECT_EQ(budget.reserved(), 0u);
+  EXPECT_TRUE(other.take(1000, "").ok());
+}
+
 TEST_F(MemoryBudgetTest, MakesRoomFirst) {
   held = 800, idle = 500;
   MemoryBudget::Job job(budget, nullptr);

@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -115,6 +119,55 @@ TEST_F(SessionStoreTest, TellsStartAndEndOfEveryStage) {
   const std::vector<std::string> stages = {"queued", "read", "cut", "map"};
   EXPECT_EQ(starts, stages);
   EXPECT_EQ(ends, stages);
+}
+
+/// Counts what is asked for, and says when it goes.
+class Memory final : public MemorySource {
+ public:
+  explicit Memory(std::function<void(std::uint64_t taken)> on_gone) : on_gone_(std::move(on_gone)) {}
+  ~Memory() override { on_gone_(taken_); }
+  absl::Status take(std::uint64_t bytes, const std::string&) override {
+    taken_ += bytes;
+    return absl::OkStatus();
+  }
+  void give_back(std::uint64_t) override {}
+  std::uint64_t most() const override { return 1000; }
+
+ private:
+  const std::function<void(std::uint64_t taken)> on_gone_;
+  std::atomic<std::uint64_t> taken_ = 0;
+};
+
+TEST_F(SessionStoreTest, AJobAnswersForItsMemoryUntilTheSessionIsHeld) {
+  std::vector<std::uint64_t> gone;
+  std::vector<bool> was_held;
+  std::optional<SessionStore> store;
+  store.emplace(
+      queue_,
+      [this](const MeshFile&, const PreprocessOptions&, const ExecutionContext& context, const OnPreview&) {
+        MemoryClaim claim(context);
+        EXPECT_TRUE(claim.set(700, "").ok());
+        return preprocess(context);
+      },
+      SessionLimits{.sessions = 3}, 1, make_logger(false, false),
+      SessionStore::Options{.memory = [&](const std::atomic<bool>* cancel) {
+        EXPECT_FALSE(*cancel);
+        return std::make_unique<Memory>([&](std::uint64_t taken) {
+          const auto all = store->list();
+          const auto held = std::ranges::count_if(all, [](const SessionInfo& info) { return info.session != nullptr; });
+          was_held.push_back(static_cast<std::size_t>(held) == gone.size() + 1);
+          gone.push_back(taken);
+        });
+      }});
+  set_open(true);
+  for (const std::string id : {"a", "b"}) {
+    Waiter waiter;
+    ASSERT_TRUE(store->join(mesh(id), {}, &waiter).ok());
+    ASSERT_TRUE(waiter.wait().ok());
+  }
+  queue_.stop();  // the jobs are over
+  EXPECT_EQ(gone, (std::vector<std::uint64_t>{700, 700}));
+  EXPECT_EQ(was_held, (std::vector<bool>{true, true}));
 }
 
 TEST_F(SessionStoreTest, WhatMayNotBeMadeIsRefusedUnlessItIsThere) {
