@@ -47,6 +47,7 @@ class SessionJobsTest : public ::testing::Test {
       1,
       nullptr,
       nullptr,
+      SessionJobs::GetMemory(),
       [](const std::shared_ptr<SessionJob>&, const std::shared_ptr<const Session>&) {},
       [this](const std::shared_ptr<SessionJob>&, absl::StatusOr<std::shared_ptr<const Session>> session) {
         ++ends_;
