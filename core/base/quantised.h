@@ -1,4 +1,5 @@
 // Small number formats for values of which millions are kept and few digits matter. They convert to and from float by themselves.
+// What is no number becomes the least that there is, unless a format is not for it.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,7 @@ struct Snorm16 {
   constexpr Snorm16(float value) {
     // A float this large has steps of one: adding it rounds.
     constexpr float kRound = 12582912.0f;
-    const float rounded = std::min(std::max(value, -1.0f), 1.0f) * 32767.0f + kRound;
+    const float rounded = std::min(std::max(-1.0f, value), 1.0f) * 32767.0f + kRound;
     code = static_cast<std::int16_t>(std::bit_cast<std::int32_t>(rounded) - std::bit_cast<std::int32_t>(kRound));
   }
   constexpr operator float() const { return static_cast<float>(code) * (1 / 32767.0f); }
@@ -26,7 +27,7 @@ struct Unorm16 {
   std::uint16_t code = 0;
 
   Unorm16() = default;
-  constexpr Unorm16(float value) : code(static_cast<std::uint16_t>(std::clamp(value, 0.0f, 1.0f) * 65535.0f + 0.5f)) {}
+  constexpr Unorm16(float value) : code(static_cast<std::uint16_t>(std::min(std::max(0.0f, value), 1.0f) * 65535.0f + 0.5f)) {}
   constexpr operator float() const { return static_cast<float>(code) * (1 / 65535.0f); }
 };
 

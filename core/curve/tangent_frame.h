@@ -25,8 +25,8 @@ inline TangentFrame tangent_frame(const Vec3f& normal) {
 }
 
 /// Returns the code of the axis at angle t from `first`, from a positive multiple of (cos 2 t, sin 2 t): doubled, an axis has one
-/// angle, not two. A half turn has 65536 codes; 0 where both are 0. Only additions, products and one quotient: the same
-/// everywhere.
+/// angle, not two. A half turn has 65536 codes; 0 where both are 0, some code where one is no number. Only additions,
+/// products and one quotient: the same everywhere.
 inline std::uint16_t pack_axis(float cosine2, float sine2) {
   // Selections, no jumps: loops over this become vector code.
   const float c = std::abs(cosine2), s = std::abs(sine2);
@@ -40,7 +40,8 @@ inline std::uint16_t pack_axis(float cosine2, float sine2) {
   code = s > c ? 16384 - code : code;
   code = cosine2 < 0 ? 32768 - code : code;
   code = sine2 < 0 ? -code : code;
-  return static_cast<std::uint16_t>(static_cast<std::int32_t>(code + 65536.5f));
+  const float positive = code + 65536.5f;
+  return static_cast<std::uint16_t>(static_cast<std::int32_t>(positive > 0 ? positive : 0.0f));  // of no number, 0
 }
 
 /// Returns a unit vector in the tangent plane, in one of its two senses.

@@ -40,9 +40,10 @@ std::vector<std::uint8_t> levels_left(const SurfaceCurve& before, const SurfaceC
                                       std::span<const std::uint8_t> levels) {
   std::vector<std::uint8_t> left(raised.size());
   std::size_t i = 0;
-  for (std::size_t l = 0; l < before.size(); ++l) {
+  // A file of the curve that is cut meanwhile has zeros: nobody takes what comes of them, but it has to stay within bounds.
+  for (std::size_t l = 0; l < before.size() && i < left.size(); ++l) {
     const int gained = raised.level[i] - before.level[l];
-    const std::size_t children = std::size_t{1} << 2 * gained;
+    const std::size_t children = std::min(std::size_t{1} << 2 * gained, left.size() - i);
     std::fill_n(left.begin() + static_cast<std::ptrdiff_t>(i), children,
                 static_cast<std::uint8_t>(std::max(0, levels[l] - gained)));
     i += children;

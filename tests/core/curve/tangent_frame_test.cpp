@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/base/quantised.h"
 #include "core/base/random.h"
 
@@ -81,6 +83,16 @@ std::uint16_t mix(const Vec3f (&directions)[3], const Vec3f& weights, const Vec3
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += weights[i] * one[k];
   }
   return pack_axes(sum, normal.x(), normal.y(), normal.z());
+}
+
+TEST(TangentFrame, NoNumberHasACode) {
+  // As of a surface whose file was cut while it was read. UndefinedBehaviorSanitizer knows whether it is one.
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN(), kEndless = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(pack_axis(kNone, kNone), 0);
+  EXPECT_EQ(pack_axis(kNone, 1), 0);
+  EXPECT_EQ(pack_axis(-kEndless, kEndless), 0);
+  EXPECT_EQ(pack_axes(axis_tensor(Vec3f::Constant(kNone)), 0, 0, 1), 0);
+  EXPECT_EQ(pack_axis(1, kEndless), 16384);
 }
 
 TEST(TangentFrame, TheMeanOfDirectionsIgnoresTheirSense) {
