@@ -1,5 +1,6 @@
 #include "server/net/proxy_header.h"
 
+#include <absl/strings/ascii.h>
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_split.h>
 #include <arpa/inet.h>
@@ -49,11 +50,17 @@ std::string name_of(int family, const void* address, std::uint16_t port) {
   return peer_name(reinterpret_cast<const sockaddr*>(&peer));
 }
 
+/// What the words of a line with addresses are made of. inet_pton() and SimpleAtoi() would take a NUL, signs and tabs.
+bool is_plain(absl::string_view line) {
+  return std::all_of(line.begin(), line.end(),
+                     [](unsigned char c) { return absl::ascii_isalnum(c) || c == ' ' || c == '.' || c == ':'; });
+}
+
 /// Without its end of the line: "PROXY TCP4 192.0.2.1 192.0.2.9 56324 443".
 ProxyHeader read_line(absl::string_view line, std::size_t size) {
   const std::vector<std::string> words = absl::StrSplit(line, ' ');
   if (words.size() >= 2 && words[1] == "UNKNOWN") return {State::kWhole, size};
-  if (words.size() != 6 || (words[1] != "TCP4" && words[1] != "TCP6")) return {State::kBroken};
+  if (words.size() != 6 || !is_plain(line) || (words[1] != "TCP4" && words[1] != "TCP6")) return {State::kBroken};
   const int family = words[1] == "TCP4" ? AF_INET : AF_INET6;
   std::array<std::uint8_t, 16> address = {};
   std::uint32_t port = 0;

@@ -73,6 +73,9 @@ TEST(ProxyHeader, ThatIsBrokenIsToldApart) {
                                            "PROXY TCP4 2001:db8::7 ::1 4711 443\r\n",
                                            "PROXY TCP4 198.51.100.1 10.0.0.2 65536 443\r\n",
                                            "PROXY TCP4 198.51.100.1 10.0.0.2 -1 443\r\n",
+                                           "PROXY TCP4 198.51.100.1 10.0.0.2 +4711 443\r\n",
+                                           "PROXY TCP4 198.51.100.1 10.0.0.2 4711\t 443\r\n",
+                                           std::string("PROXY TCP4 198.51.100.1\0.7 10.0.0.2 4711 443\r\n", 46),
                                            "PROXY UDP4 198.51.100.1 10.0.0.2 4711 443\r\n",
                                            "PROXY UNKNOWN" + std::string(200, 'x') + "\r\n",
                                            binary(0x11, 0x11, kFour),                // version 1
