@@ -1,5 +1,6 @@
 // What a client takes from a server: frames of any bytes, one after the other, on the points that the good ones before left.
 #include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
 #include <optional>
@@ -13,6 +14,8 @@
 
 namespace curvecast::fuzzing {
 namespace {
+
+const google::protobuf::LogSilencer no_log;  // of each text that is no UTF-8
 
 bool is_whole(const client::Points& points) {
   const auto fits = [&](const auto&... columns) { return ((columns.empty() || columns.size() == points.size()) && ...); };

@@ -41,12 +41,6 @@ void on_freed(const volatile void* memory) {
   if (counts.load(std::memory_order_relaxed)) held -= static_cast<std::ptrdiff_t>(__sanitizer_get_allocated_size(memory));
 }
 
-double processor_time() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 /// Of all inputs. Printed when the program ends, in the form that deploy/fuzz reads.
 class Totals {
  public:
@@ -76,6 +70,13 @@ class Totals {
 Totals totals;
 
 }  // namespace
+
+double processor_time() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 }  // namespace curvecast::fuzzing
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

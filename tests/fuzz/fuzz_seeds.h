@@ -10,7 +10,8 @@ struct Seed {
   std::string target, input;
 };
 
-/// Of the fuzzers formula and preprocess, which say themselves what their inputs mean.
+/// Of the fuzzers cache, formula, frame, preprocess, proxy, request, settings and websocket, which say themselves what their
+/// inputs mean.
 std::vector<Seed> seeds();
 
 }  // namespace curvecast::fuzzing

@@ -1,5 +1,6 @@
 // What a server takes from a client: the converters of every request, and conversations of any messages.
 #include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/stubs/logging.h>
 
 #include <algorithm>
 #include <deque>
@@ -15,6 +16,8 @@
 
 namespace curvecast::fuzzing {
 namespace {
+
+const google::protobuf::LogSilencer no_log;  // of each text that is no UTF-8
 
 void expect_refused(const absl::Status& status) {
   expect(status.ok() || absl::IsInvalidArgument(status) || absl::IsOutOfRange(status), status.ToString());
