@@ -4,14 +4,21 @@
 
 #include <utility>
 
-#include "server/net/proxy_header.h"
-
 namespace curvecast::server {
 namespace {
 
 constexpr std::size_t kMostWaiting = 64;
 
 }  // namespace
+
+std::optional<ProxyHeader> take_proxy_header(int descriptor, std::chrono::steady_clock::time_point end) {
+  using State = ProxyHeader::State;
+  ProxyHeader header = take_proxy_header(descriptor);
+  if (header.state != State::kPart) return header;
+  if (std::chrono::steady_clock::now() < end) return std::nullopt;
+  header.state = header.size > 0 ? State::kBroken : State::kNone;
+  return header;
+}
 
 ProxyQueue::~ProxyQueue() {
   for (const Waiting& waiting : waiting_) ::close(waiting.connection.descriptor);
@@ -32,14 +39,12 @@ void ProxyQueue::serve(const Give& give) {
 }
 
 bool ProxyQueue::meet(const Waiting& waiting, const Give& give) {
-  const ProxyHeader header = take_proxy_header(waiting.connection.descriptor);
-  const bool is_late = Clock::now() >= waiting.end;
-  if (header.state == ProxyHeader::State::kPart && !is_late) return false;
-  const bool is_broken = header.state == ProxyHeader::State::kBroken;
-  if (is_broken || (header.state == ProxyHeader::State::kPart && header.size > 0)) {
+  const std::optional<ProxyHeader> header = take_proxy_header(waiting.connection.descriptor, waiting.end);
+  if (!header) return false;
+  if (header->state == ProxyHeader::State::kBroken) {
     ::close(waiting.connection.descriptor);
   } else {
-    give(waiting.connection, header.client);
+    give(waiting.connection, header->client);
   }
   return true;
 }

@@ -3,8 +3,11 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "server/net/proxy_header.h"
 
 namespace curvecast::server {
 
@@ -12,6 +15,10 @@ namespace curvecast::server {
 inline constexpr std::chrono::seconds kProxyPatience{5};
 /// How often to look whether the rest of a header has come.
 inline constexpr std::chrono::milliseconds kProxyLook{10};
+
+/// Takes the header with which a socket that does not block begins; nothing while it is to be waited for. At `end`, a connection
+/// that has brought nothing has none, and a part of a header is a broken one.
+std::optional<ProxyHeader> take_proxy_header(int descriptor, std::chrono::steady_clock::time_point end);
 
 /// Holds connections until their headers have come: see proxy_header.h. A proxy sends its header at once, so most never wait.
 /// Not thread-safe. Closes those that it still has when it goes.

@@ -19,7 +19,6 @@
 
 #include "proto/tls/certificate_name.h"
 #include "server/net/peer_name.h"
-#include "server/net/proxy_header.h"
 #include "server/net/proxy_queue.h"
 #include "server/web/web_socket_beast.h"
 
@@ -104,15 +103,14 @@ void WebConnection::begin() {
 void WebConnection::meet_proxy(Clock::time_point end) {
   tcp::socket& socket = stream_.next_layer().socket();
   if (!socket.is_open()) return;  // abort()
-  const ProxyHeader header = take_proxy_header(socket.native_handle());
-  if (header.state == ProxyHeader::State::kPart && Clock::now() < end) {
+  const std::optional<ProxyHeader> header = take_proxy_header(socket.native_handle(), end);
+  if (!header) {
     timer_.expires_after(kProxyLook);
     timer_.async_wait([self = shared_from_this(), end](Error /*error*/) { self->meet_proxy(end); });
     return;
   }
-  const bool is_cut = header.state == ProxyHeader::State::kPart && header.size > 0;
-  if (header.state == ProxyHeader::State::kBroken || is_cut) return abort();
-  if (!header.client.empty()) address_ = header.client;
+  if (header->state == ProxyHeader::State::kBroken) return abort();
+  if (!header->client.empty()) address_ = header->client;
   shake_hands();
 }
 
