@@ -12,10 +12,11 @@ import grpc
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 from hold.history import History, digest_of, now
-from hold.servers import Server
+from hold.servers import Server, eventually
 
 PATIENCE = 120.0  # seconds that a call may take, on a machine that does other things too
 CHUNK_BYTES = 1 << 19
+CACHED_SECONDS = 45.0  # that wait_until_cached() looks for
 # Not the client's own: it gives a connection a tenth of a second at first, which a busy machine does not keep.
 OPTIONS = [("grpc.use_local_subchannel_pool", 1), ("grpc.max_receive_message_length", -1)]
 LOOKS_UP = {"queued", "load"}  # stages of CreateSession that make nothing
@@ -159,6 +160,15 @@ class Caller:
     def is_cached(self, session: str) -> bool:
         answer = self.get(session)
         return answer.is_ok and bool(answer.value.cached)
+
+    def wait_until_cached(self, sessions: list[str]) -> int:
+        """How many are, after a while."""
+        saved = 0
+        for _ in eventually(CACHED_SECONDS):
+            saved = sum(self.is_cached(session) for session in sessions)
+            if saved == len(sessions):
+                break
+        return saved
 
     def sample(self, session: str, sample: v1.SampleRequest, patience: float | None = None) -> Answer:
         """The value is the digest of all points, as they came."""

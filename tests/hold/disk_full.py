@@ -13,12 +13,12 @@ from collections.abc import Iterator
 
 from hold.calls import Caller, mesh_id_of
 from hold.report import Report
-from hold.servers import Server, Setting, eventually, temporaries
+from hold.servers import Server, Setting, temporaries
 from hold.shapes import bumpy_ball, plain_view
 
 CALM = ("--max-curve-vertices", "0")
 DISK_BYTES, RINGS = 24 << 20, 12
-SAVED_SECONDS, LOOK_SECONDS = 30.0, 45.0
+SAVED_SECONDS = 30.0
 SIZES = (300, 500, 700, 900, 1100)  # points of the sessions: the first is made while there is room
 
 
@@ -40,7 +40,7 @@ def run(setting: Setting) -> Report:
         with Server(setting, "cramped", *CALM, cache=cache) as server, Caller(server, setting.history, "client") as caller:
             caller.upload("ball.off", mesh)
             caller.create(mesh_id_of(mesh), SIZES[0])
-            wait_until_cached(caller, ids[:1])
+            caller.wait_until_cached(ids[:1])
             ballast = fill(disk)
             made = [caller.create(mesh_id_of(mesh), points) for points in SIZES[1:]]
             seen = [caller.sample(session, view) for session in ids]
@@ -49,7 +49,7 @@ def run(setting: Setting) -> Report:
             seen += [caller.sample(session, view) for session in ids]
             ballast.unlink()
             begin = time.monotonic()
-            saved = wait_until_cached(caller, ids)
+            saved = caller.wait_until_cached(ids)
             seconds = time.monotonic() - begin
             left = temporaries(cache)
             uploaded = caller.upload("large.off", bumpy_ball(60))
@@ -88,13 +88,3 @@ def fill(disk: pathlib.Path) -> pathlib.Path:
         while True:
             file.write(bytes(1 << 16))
     return ballast
-
-
-def wait_until_cached(caller: Caller, sessions: list[str]) -> int:
-    """How many are, after a while."""
-    saved = 0
-    for _ in eventually(LOOK_SECONDS):
-        saved = sum(caller.is_cached(session) for session in sessions)
-        if saved == len(sessions):
-            break
-    return saved
