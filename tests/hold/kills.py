@@ -102,7 +102,7 @@ class Rounds:
             self.acknowledged.clear()  # that they are lost is what the last requirement is about
 
     def make_all(self, caller: Caller) -> None:
-        """Once in all phases: so there is something to lose however slow the machine, as no kill takes what was cached and not closed."""
+        """Once in all phases: something to lose, however slow the machine, as no kill takes what was cached and not closed."""
         for wanted in self.sessions:
             caller.upload("ball.off", wanted.data)
             caller.create(wanted.mesh, wanted.points)
