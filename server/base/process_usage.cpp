@@ -17,6 +17,18 @@ std::uint64_t count_entries(const char* folder) {
   return count;
 }
 
+struct Pages {
+  std::uint64_t resident = 0, shared = 0;  // bytes; what is shared with files is resident too
+};
+
+Pages pages() {
+  std::uint64_t total = 0;
+  Pages out;
+  if (!(std::ifstream("/proc/self/statm") >> total >> out.resident >> out.shared)) return {};
+  const auto size = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  return {out.resident * size, out.shared * size};
+}
+
 double seconds(const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); }
 
 }  // namespace
@@ -26,13 +38,15 @@ ProcessUsage process_usage() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
   out.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-  std::uint64_t total_pages = 0, resident_pages = 0;
-  if (std::ifstream("/proc/self/statm") >> total_pages >> resident_pages) {
-    out.resident_bytes = resident_pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  }
+  out.resident_bytes = pages().resident;
   out.open_files = count_entries("/proc/self/fd");
   out.threads = count_entries("/proc/self/task");
   return out;
+}
+
+std::uint64_t anonymous_bytes() {
+  const Pages now = pages();
+  return now.resident - now.shared;
 }
 
 }  // namespace curvecast::server

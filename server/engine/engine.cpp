@@ -18,6 +18,7 @@
 #include "server/base/memory_share.h"
 #include "server/base/options.h"
 #include "server/base/scratch_folder.h"
+#include "server/base/spare_memory.h"
 
 namespace curvecast::server {
 namespace {
@@ -148,6 +149,7 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
   Mutex mutex;
   std::condition_variable_any never;
   MutexLock lock(mutex);
+  SpareMemory spare;
   while (!never.wait_for(lock, stop, kHousekeepingInterval, [] { return false; }) && !stop.stop_requested()) {
     const auto now = std::chrono::steady_clock::now();
     sessions.run_housekeeping(now);
@@ -161,6 +163,7 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
     retire_old_streams(now);
     for (const auto& stream : all_streams()) stream->retry();
     warn_of_overdue();
+    spare.give_back(now);
   }
 }
 

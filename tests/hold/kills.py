@@ -24,6 +24,7 @@ CALM = ("--max-curve-vertices", "0")
 START_SECONDS, PATIENCE = 0.1, 60.0
 LOOKS = 30  # meshes that each round looks for
 PHASES = ("upload", "create", "load", "close", "start")
+REFILL = 4 * len(PHASES)  # rounds from one in which all sessions are made to the next
 
 
 class Wanted:
@@ -42,7 +43,7 @@ def run(setting: Setting) -> Report:
     rounds = Rounds(setting)
     number = setting.pick(full=300, quick=20)
     for at in range(number):
-        rounds.run_one(PHASES[at % len(PHASES)], f"round {at}")
+        rounds.run_one(PHASES[at % len(PHASES)], f"round {at}", makes_all=at % REFILL == 0)
     rounds.look_at_last()
     report.figure("kills", rounds.killed.total())
     report.figure("kills by phase", dict(rounds.killed))
@@ -50,7 +51,7 @@ def run(setting: Setting) -> Report:
     report.figure("uploads outlive restarts", rounds.keeps)
     report.require("temporaries after a start", rounds.left_over, at_most=0)
     report.require("acknowledged uploads lost", rounds.lost, at_most=0)
-    report.require("sessions served after kills", rounds.kept, at_least=len(SIZES) * (number // len(PHASES)))
+    report.require("sessions served after kills", rounds.kept, at_least=len(SIZES) * (number // REFILL))
     report.require("meshes lost by every restart", int(not rounds.keeps), at_most=0)
     return report
 
@@ -75,7 +76,7 @@ class Rounds:
     def start(self, ready: bool = True) -> Server:
         return Server(self.setting, "victim", *CALM, cache=self.cache, ready=ready, keeps_uploads=self.keeps)
 
-    def run_one(self, phase: str, name: str) -> None:
+    def run_one(self, phase: str, name: str, makes_all: bool) -> None:
         chance = random.Random(f"{self.setting.random.random()}")
         self.killed[phase] += 1
         if phase == "start":
@@ -87,7 +88,7 @@ class Rounds:
             self.left_over += len(temporaries(self.cache))
             if phase != "load":
                 self.look(caller, chance)
-            if phase == PHASES[0]:
+            if makes_all:
                 self.make_all(caller)
             busy = threading.Event()
             thread = threading.Thread(
@@ -102,7 +103,7 @@ class Rounds:
             self.acknowledged.clear()  # that they are lost is what the last requirement is about
 
     def make_all(self, caller: Caller) -> None:
-        """Once in all phases: something to lose, however slow the machine, as no kill takes what was cached and not closed."""
+        """Once in a while, in a round of uploads: something to lose, however slow the machine."""
         for wanted in self.sessions:
             caller.upload("ball.off", wanted.data)
             caller.create(wanted.mesh, wanted.points)

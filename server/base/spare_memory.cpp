@@ -1,0 +1,26 @@
+#include "server/base/spare_memory.h"
+
+#include <malloc.h>
+
+#include <algorithm>
+
+#include "server/base/process_usage.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr std::uint64_t kWorthwhile = 32 << 20;  // bytes
+constexpr std::chrono::seconds kPause{10};
+
+}  // namespace
+
+void SpareMemory::give_back(std::chrono::steady_clock::time_point now) {
+  const std::uint64_t bytes = anonymous_bytes();
+  if (least_ == 0 || bytes < least_) least_ = bytes;
+  if (bytes < least_ + kWorthwhile || now < gave_back_ + kPause) return;
+  ::malloc_trim(0);
+  gave_back_ = now;
+  least_ = anonymous_bytes();
+}
+
+}  // namespace curvecast::server

@@ -1,0 +1,22 @@
+// What bursts of work leave behind in the allocator.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace curvecast::server {
+
+/// glibc keeps what was freed in pieces for whoever comes next, of every thread's own: after a crowd, or calls that fail, that is
+/// memory for ever. Not thread-safe.
+class SpareMemory {
+ public:
+  /// Gives it back to the system, where the process has grown by 32 MiB since it was smallest; at most every ten seconds, for who
+  /// allocates then waits, for milliseconds. To be called now and then.
+  void give_back(std::chrono::steady_clock::time_point now);
+
+ private:
+  std::uint64_t least_ = 0;  // bytes; 0: not yet looked
+  std::chrono::steady_clock::time_point gave_back_ = {};
+};
+
+}  // namespace curvecast::server

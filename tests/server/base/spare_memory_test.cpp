@@ -1,0 +1,49 @@
+#include "server/base/spare_memory.h"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "server/base/process_usage.h"
+
+namespace curvecast::server {
+namespace {
+
+using Block = std::unique_ptr<char[]>;
+
+constexpr std::size_t kBlock = 1000, kBlocks = 64'000;  // 64 MB
+constexpr std::uint64_t kMegabyte = 1'000'000;
+
+/// Takes memory in small blocks and frees all but the last one, which keeps the heap from shrinking by itself.
+Block leave_some_behind() {
+  std::vector<Block> blocks;
+  for (std::size_t i = 0; i < kBlocks; ++i) {
+    blocks.push_back(std::make_unique<char[]>(kBlock));
+    blocks.back()[0] = blocks.back()[kBlock / 2] = 1;
+  }
+  return std::move(blocks.back());
+}
+
+TEST(SpareMemory, IsGivenBackNowAndThen) {
+  if (::mallinfo2().arena == 0) GTEST_SKIP() << "this allocator is not the one that is meant";
+  const auto time = std::chrono::steady_clock::now();
+  SpareMemory spare;
+  spare.give_back(time);
+  const std::uint64_t before = anonymous_bytes();
+  const Block pin = leave_some_behind();
+  ASSERT_GT(anonymous_bytes(), before + 50 * kMegabyte);
+  spare.give_back(time + std::chrono::hours(1));
+  EXPECT_LT(anonymous_bytes(), before + 10 * kMegabyte);
+
+  const Block second_pin = leave_some_behind();
+  spare.give_back(time + std::chrono::hours(1) + std::chrono::seconds(1));
+  EXPECT_GT(anonymous_bytes(), before + 50 * kMegabyte) << "given back at once, again";
+  spare.give_back(time + std::chrono::hours(2));
+  EXPECT_LT(anonymous_bytes(), before + 10 * kMegabyte);
+}
+
+}  // namespace
+}  // namespace curvecast::server
