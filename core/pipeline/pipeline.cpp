@@ -40,7 +40,7 @@ absl::Status check(const PreprocessOptions& options) {
   if (!(options.omega >= 1 && options.omega <= kMaxOmega)) {
     return absl::InvalidArgumentError(absl::StrFormat("omega = %g; it must lie in 1 .. %g", options.omega, kMaxOmega));
   }
-  return absl::OkStatus();
+  return options.mapper == Mapper::kIdBuffer ? IdBuffer::check() : absl::OkStatus();
 }
 
 /// A message that says which file it is about.

@@ -26,7 +26,9 @@ struct IdBufferCounts {
 /// Keeps its GL context and its textures for the next disc. One thread at a time.
 class IdBuffer {
  public:
-  /// Unavailable when OSMesa gives no context.
+  /// Unimplemented where OSMesa is not installed.
+  static absl::Status check();
+  /// As check(); Unavailable when OSMesa gives no context.
   static absl::StatusOr<std::unique_ptr<IdBuffer>> create();
   IdBuffer(const IdBuffer&) = delete;
   ~IdBuffer();

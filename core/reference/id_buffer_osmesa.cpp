@@ -16,9 +16,7 @@
 #include "core/base/column.h"
 #include "core/curve/deepest_triangle.h"
 #include "core/render/gl_context_osmesa.h"
-
-#define GL_GLEXT_PROTOTYPES
-#include <GL/osmesa.h>
+#include "core/render/gl_functions_osmesa.h"
 
 namespace curvecast {
 namespace {
@@ -71,14 +69,14 @@ class IdBuffer::Canvas {
       return program.status();
     }
     GLuint array = 0, buffer = 0;
-    glGenVertexArrays(1, &array);
-    glBindVertexArray(array);
-    glGenBuffers(1, &buffer);
-    glBindBuffer(GL_ARRAY_BUFFER, buffer);
-    glEnableVertexAttribArray(0);
-    glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(IdVertex), nullptr);
-    glEnableVertexAttribArray(1);
-    glVertexAttribIPointer(1, 1, GL_UNSIGNED_INT, sizeof(IdVertex), reinterpret_cast<const void*>(offsetof(IdVertex, number)));
+    gl.GenVertexArrays(1, &array);
+    gl.BindVertexArray(array);
+    gl.GenBuffers(1, &buffer);
+    gl.BindBuffer(GL_ARRAY_BUFFER, buffer);
+    gl.EnableVertexAttribArray(0);
+    gl.VertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(IdVertex), nullptr);
+    gl.EnableVertexAttribArray(1);
+    gl.VertexAttribIPointer(1, 1, GL_UNSIGNED_INT, sizeof(IdVertex), reinterpret_cast<const void*>(offsetof(IdVertex, number)));
     // Targets of whole numbers are never blended, dithered or smoothed.
     canvas->ids_.resize(std::size_t{1} << 2 * kMaxLogSide);
     absl::Status status = check_gl("its first calls");
@@ -107,11 +105,12 @@ class IdBuffer::Canvas {
     if (absl::Status status = bind_target(log_side); !status.ok()) return status;
     const int side = 1 << log_side;
     constexpr GLuint kNothing[4] = {};
-    glViewport(0, 0, side, side);
-    glClearBufferuiv(GL_COLOR, 0, kNothing);
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices_.size() * sizeof(IdVertex)), vertices_.data(), GL_STREAM_DRAW);
-    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices_.size()));
-    glReadPixels(0, 0, side, side, GL_RED_INTEGER, GL_UNSIGNED_INT, ids_.data());
+    gl.Viewport(0, 0, side, side);
+    gl.ClearBufferuiv(GL_COLOR, 0, kNothing);
+    gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices_.size() * sizeof(IdVertex)), vertices_.data(),
+                  GL_STREAM_DRAW);
+    gl.DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices_.size()));
+    gl.ReadPixels(0, 0, side, side, GL_RED_INTEGER, GL_UNSIGNED_INT, ids_.data());
     if (absl::Status status = check_gl("a picture of the parameter mesh"); !status.ok()) return status;
     return ids_.data();
   }
@@ -121,18 +120,18 @@ class IdBuffer::Canvas {
     GLuint& target = targets_[static_cast<std::size_t>(log_side)];
     if (target == 0) {
       GLuint texture = 0;
-      glGenTextures(1, &texture);
-      glBindTexture(GL_TEXTURE_2D, texture);
-      glTexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, 1 << log_side, 1 << log_side, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
-      glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-      glGenFramebuffers(1, &target);
-      glBindFramebuffer(GL_FRAMEBUFFER, target);
-      glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
-      if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+      gl.GenTextures(1, &texture);
+      gl.BindTexture(GL_TEXTURE_2D, texture);
+      gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, 1 << log_side, 1 << log_side, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+      gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+      gl.GenFramebuffers(1, &target);
+      gl.BindFramebuffer(GL_FRAMEBUFFER, target);
+      gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+      if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
         return absl::InternalError("OSMesa cannot draw into textures of 32-bit numbers");
       }
     }
-    glBindFramebuffer(GL_FRAMEBUFFER, target);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, target);
     return absl::OkStatus();
   }
 
@@ -290,6 +289,8 @@ class Locator {
 
 IdBuffer::IdBuffer(std::unique_ptr<Canvas> canvas) : canvas_(std::move(canvas)) {}
 IdBuffer::~IdBuffer() = default;
+
+absl::Status IdBuffer::check() { return load_osmesa(); }
 
 absl::StatusOr<std::unique_ptr<IdBuffer>> IdBuffer::create() {
   absl::StatusOr<std::unique_ptr<Canvas>> canvas = Canvas::create();

@@ -15,7 +15,7 @@ namespace curvecast {
 /// Thread-compatible; GL's calls go to the context that is current on the calling thread.
 class GlContext {
  public:
-  /// Current on this thread. Unavailable when OSMesa gives none.
+  /// Current on this thread. Unimplemented where there is no OSMesa, Unavailable when it gives none.
   static absl::StatusOr<std::unique_ptr<GlContext>> create();
   /// Makes it current on the calling thread. Precondition: it is not current on another one.
   absl::Status make_current();

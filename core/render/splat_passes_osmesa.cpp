@@ -7,12 +7,9 @@
 #include <memory>
 
 #include "core/render/gl_context_osmesa.h"
+#include "core/render/gl_functions_osmesa.h"
 #include "core/render/splat_scene.h"
 #include "core/render/splat_shaders.h"
-
-// libOSMesa exports the whole of GL 3.3: no table of function pointers to fill at run time.
-#define GL_GLEXT_PROTOTYPES
-#include <GL/osmesa.h>
 
 namespace curvecast {
 namespace {
@@ -33,41 +30,41 @@ float least_kernel() {
 GLuint make_texture(GLenum internal_format, int width, int height) {
   const bool is_depth = internal_format == GL_DEPTH_COMPONENT32F;
   GLuint texture = 0;
-  glGenTextures(1, &texture);
-  glBindTexture(GL_TEXTURE_2D, texture);
-  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal_format), width, height, 0, is_depth ? GL_DEPTH_COMPONENT : GL_RGBA,
-               GL_FLOAT, nullptr);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  gl.GenTextures(1, &texture);
+  gl.BindTexture(GL_TEXTURE_2D, texture);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal_format), width, height, 0, is_depth ? GL_DEPTH_COMPONENT : GL_RGBA,
+                GL_FLOAT, nullptr);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
   return texture;
 }
 
 absl::StatusOr<GLuint> make_target(std::initializer_list<GLuint> colors, GLuint depth) {
   GLuint framebuffer = 0;
-  glGenFramebuffers(1, &framebuffer);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  gl.GenFramebuffers(1, &framebuffer);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   GLenum attachments[3] = {};
   GLsizei count = 0;
   for (const GLuint color : colors) {
     attachments[count] = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(count);
-    glFramebufferTexture2D(GL_FRAMEBUFFER, attachments[count++], GL_TEXTURE_2D, color, 0);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, attachments[count++], GL_TEXTURE_2D, color, 0);
   }
-  glDrawBuffers(count, attachments);
-  if (depth != 0) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
+  gl.DrawBuffers(count, attachments);
+  if (depth != 0) gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
   if (absl::Status status = check_gl("its textures"); !status.ok()) return status;
-  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
     return absl::InternalError("OSMesa cannot draw into floating-point textures");
   }
   return framebuffer;
 }
 
-void set(GLuint program, const char* name, float x) { glUniform1f(glGetUniformLocation(program, name), x); }
-void set(GLuint program, const char* name, int x) { glUniform1i(glGetUniformLocation(program, name), x); }
-void set(GLuint program, const char* name, float x, float y) { glUniform2f(glGetUniformLocation(program, name), x, y); }
+void set(GLuint program, const char* name, float x) { gl.Uniform1f(gl.GetUniformLocation(program, name), x); }
+void set(GLuint program, const char* name, int x) { gl.Uniform1i(gl.GetUniformLocation(program, name), x); }
+void set(GLuint program, const char* name, float x, float y) { gl.Uniform2f(gl.GetUniformLocation(program, name), x, y); }
 
 void set(GLuint program, const char* name, const std::array<float, 4>& v) {
-  glUniform4fv(glGetUniformLocation(program, name), 1, v.data());
+  gl.Uniform4fv(gl.GetUniformLocation(program, name), 1, v.data());
 }
 
 // sRGB to linear light.
@@ -77,12 +74,12 @@ void set(GLuint program, const char* name, const std::array<std::uint8_t, 3>& co
     const float c = static_cast<float>(color[i]) / 255;
     linear[i] = c <= 0.04045F ? c / 12.92F : std::pow((c + 0.055F) / 1.055F, 2.4F);
   }
-  glUniform3fv(glGetUniformLocation(program, name), 1, linear.data());
+  gl.Uniform3fv(gl.GetUniformLocation(program, name), 1, linear.data());
 }
 
 void bind_texture(GLuint program, const char* name, int unit, GLuint texture) {
-  glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
-  glBindTexture(GL_TEXTURE_2D, texture);
+  gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+  gl.BindTexture(GL_TEXTURE_2D, texture);
   set(program, name, unit);
 }
 
@@ -95,17 +92,17 @@ struct Attribute {
 template <class Vertex>
 absl::Status upload(const std::vector<Vertex>& vertices, std::initializer_list<Attribute> attributes, GLuint divisor) {
   GLuint array = 0, buffer = 0;
-  glGenVertexArrays(1, &array);
-  glBindVertexArray(array);
-  glGenBuffers(1, &buffer);
-  glBindBuffer(GL_ARRAY_BUFFER, buffer);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(), GL_STATIC_DRAW);
+  gl.GenVertexArrays(1, &array);
+  gl.BindVertexArray(array);
+  gl.GenBuffers(1, &buffer);
+  gl.BindBuffer(GL_ARRAY_BUFFER, buffer);
+  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(), GL_STATIC_DRAW);
   GLuint index = 0;
   for (const Attribute& a : attributes) {
-    glEnableVertexAttribArray(index);
-    glVertexAttribPointer(index, a.components, a.type, a.type == GL_UNSIGNED_BYTE, sizeof(Vertex),
-                          reinterpret_cast<const void*>(a.offset));
-    glVertexAttribDivisor(index++, divisor);
+    gl.EnableVertexAttribArray(index);
+    gl.VertexAttribPointer(index, a.components, a.type, a.type == GL_UNSIGNED_BYTE, sizeof(Vertex),
+                           reinterpret_cast<const void*>(a.offset));
+    gl.VertexAttribDivisor(index++, divisor);
   }
   return check_gl("its vertices");
 }
@@ -136,23 +133,23 @@ class Passes {
                                   {4, GL_UNSIGNED_BYTE, offsetof(SplatVertex, color)}},
                                  1);
     if (!status.ok()) return status;
-    glViewport(0, 0, w, h);
-    glClearColor(0, 0, 0, 0);
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    gl.Viewport(0, 0, w, h);
+    gl.ClearColor(0, 0, 0, 0);
+    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
-    glEnable(GL_DEPTH_TEST);
-    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    gl.Enable(GL_DEPTH_TEST);
+    gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     status = draw_discs({kDepthFragmentShader}, kHidingExtent, scene_.has_normals ? kBlendDepth : kBlendDepthFacing);
     if (!status.ok()) return status;
 
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE);
+    gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl.DepthMask(GL_FALSE);
+    gl.Enable(GL_BLEND);
+    gl.BlendFunc(GL_ONE, GL_ONE);
     const char* const version = scene_.has_colors ? "#version 330 core\n#define HAS_COLORS\n" : "#version 330 core\n";
     status = draw_discs({version, kBlendFragmentShader}, kBlendExtent, 0);
-    glDisable(GL_BLEND);
-    glDisable(GL_DEPTH_TEST);
+    gl.Disable(GL_BLEND);
+    gl.Disable(GL_DEPTH_TEST);
     return status;
   }
 
@@ -196,18 +193,18 @@ class Passes {
     set(*program, "diameter", scene_.dot_diameter);
     set(*program, "least_kernel", least_kernel());
     set(*program, "tolerance", kBlendDepth * scene_.mean_radius);
-    glEnable(GL_PROGRAM_POINT_SIZE);
-    glEnable(GL_BLEND);
-    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
-    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(scene_.dots.size()));
-    glDisable(GL_BLEND);
+    gl.Enable(GL_PROGRAM_POINT_SIZE);
+    gl.Enable(GL_BLEND);
+    gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+    gl.DrawArrays(GL_POINTS, 0, static_cast<GLsizei>(scene_.dots.size()));
+    gl.Disable(GL_BLEND);
     return check_gl("the pass for the dots");
   }
 
   absl::StatusOr<Image> read() const {
     Image image{scene_.width, scene_.height, {}};
     image.rgba.resize(4 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-    glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
+    gl.ReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
     if (absl::Status status = check_gl("reading the picture"); !status.ok()) return status;
     return image;
   }
@@ -221,7 +218,7 @@ class Passes {
     set(*program, "extent", extent);
     // Half the diagonal of a sample's square: a disc of this radius holds a sample wherever it lies.
     set(*program, "min_extent", 0.7072F / kHidingExtent / samples_per_unit_);
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(scene_.splats.size()));
+    gl.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(scene_.splats.size()));
     return check_gl("a pass over the splats");
   }
 
@@ -252,8 +249,8 @@ class Passes {
     set(program, "samples_per_unit", samples_per_unit_);
     set(program, "least_kernel", least_kernel());
     set_more(program);
-    glViewport(0, 0, scene_.width, scene_.height);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    gl.Viewport(0, 0, scene_.width, scene_.height);
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
     return check_gl("a pass over the picture");
   }
 

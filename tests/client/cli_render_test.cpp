@@ -1,4 +1,5 @@
 // Runs the real command's `render` on a generated sphere.
+#include <cstdlib>
 #include <set>
 
 #include "tests/client/cli_fixture.h"
@@ -75,6 +76,20 @@ TEST_F(CliTest, RenderDrawsThePointsColoursUnlessToldNot) {
     EXPECT_NE(picture({"render", coloured, "--style", style}), plain);
     EXPECT_EQ(picture({"render", coloured, "--style", style, "--no-colour"}), plain);
   }
+}
+
+TEST_F(CliTest, WithoutOsmesaThereAreNoPicturesButAllElse) {
+  const std::string png = temporary("none.png"), ply = temporary("without.ply"), again = temporary("with.ply");
+  ASSERT_EQ(::setenv("CURVECAST_OSMESA", "/nowhere/libOSMesa.so.8", 1), 0);
+  expect_failure({"render", sphere_, "-o", png}, 4, "install libosmesa6");
+  EXPECT_FALSE(std::filesystem::exists(png));
+  expect_failure({"preprocess", sphere_, "-n", "500", "--mapper", "id-buffer"}, 4, "install libosmesa6");
+  run_json({"sample", sphere_, "-n", "1000", "-o", ply});
+  ASSERT_EQ(::setenv("CURVECAST_OSMESA", "libc.so.6", 1), 0);
+  expect_failure({"render", sphere_, "-o", png}, 4, "libc.so.6 lacks ");
+  ASSERT_EQ(::unsetenv("CURVECAST_OSMESA"), 0);
+  run_json({"sample", sphere_, "-n", "1000", "-o", again});
+  EXPECT_EQ(bytes_of(ply), bytes_of(again));
 }
 
 }  // namespace
