@@ -252,6 +252,7 @@ Gauges Engine::gauges() {
   out.connections = connections->count();
   out.ended_connections = connections->ended();
   out.refused_connections = connections->refused();
+  out.threads = threads;
   out.waiting_views = views.waiting();
   out.shared_frames = frame_cache.shared();
   out.waiting_calls = calls.waiting();

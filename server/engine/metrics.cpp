@@ -81,6 +81,9 @@ struct Metrics::Families {
 
   Histogram& view_wait =
       histograms(registry, "curvecast_view_wait_seconds", "How long views waited for a worker.").Add({}, kStageSeconds);
+  Histogram& view_seconds =
+      histograms(registry, "curvecast_view_seconds", "From when a view wanted a worker until the worker was done with it.")
+          .Add({}, kStageSeconds);
   Counter& view_busy =
       counters(registry, "curvecast_view_worker_busy_seconds_total", "What the workers for views have been at work.").Add({});
   Family<Histogram>& preprocess_seconds =
@@ -104,6 +107,8 @@ struct Metrics::Families {
       counters(registry, "curvecast_connections_ended_total", "Connections without a call that gave way to newer ones.").Add({});
   Counter& refused_connections ABSL_GUARDED_BY(mutex) =
       counters(registry, "curvecast_connections_refused_total", "Connections for which there was no room.").Add({});
+  Gauge& worker_threads ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_threads", "Cores that the server's work is meant for.").Add({});
   Family<Gauge>& waiting ABSL_GUARDED_BY(mutex) = gauges(registry, "curvecast_queue_depth", "Jobs that wait for a worker.");
   Gauge& waiting_views ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "views"}});
   Gauge& waiting_calls ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "calls"}});
@@ -193,6 +198,7 @@ void Metrics::refinement(bool is_finer) { (is_finer ? families_->finer : familie
 
 void Metrics::view_job(double waited_seconds, double busy_seconds) {
   families_->view_wait.Observe(waited_seconds);
+  families_->view_seconds.Observe(waited_seconds + busy_seconds);
   families_->view_busy.Increment(busy_seconds);
 }
 
@@ -207,6 +213,7 @@ std::string Metrics::text(const Gauges& values) {
   Families& f = *families_;
   const MutexLock lock(f.mutex);
   f.connections.Set(static_cast<double>(values.connections));
+  f.worker_threads.Set(values.threads);
   f.waiting_views.Set(static_cast<double>(values.waiting_views));
   f.waiting_calls.Set(static_cast<double>(values.waiting_calls));
   f.waiting_preprocessing.Set(static_cast<double>(values.waiting_preprocessing));

@@ -22,6 +22,7 @@ struct Gauges {
   std::size_t connections = 0;            // of the gRPC port
   std::uint64_t ended_connections = 0;    // so far: that had made no call and gave way to newer ones
   std::uint64_t refused_connections = 0;  // so far: there was no room for them
+  int threads = 0;                        // for the server's work
   std::size_t waiting_views = 0;          // jobs that wait for a worker
   std::size_t waiting_calls = 0;          // ... single point sets and inspection
   std::size_t waiting_preprocessing = 0;  // ... that take all cores

@@ -35,6 +35,7 @@ TEST_F(ServerMetrics, AreAllThereFromTheBeginning) {
         "curvecast_cache_bytes 0", "curvecast_session_bytes 0"}) {
     EXPECT_TRUE(has_line(text, line));
   }
+  EXPECT_GE(value_of(text, "curvecast_threads"), 1);
   for (const std::string queue : {"views", "calls", "preprocessing"}) {
     EXPECT_TRUE(has_line(text, "curvecast_queue_depth{queue=\"" + queue + "\"} 0"));
     EXPECT_TRUE(has_line(text, "curvecast_jobs_overdue{queue=\"" + queue + "\"} 0"));

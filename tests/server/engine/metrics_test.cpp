@@ -80,6 +80,19 @@ TEST(Metrics, LevelsAreThoseOfTheMoment) {
   EXPECT_TRUE(has_line(text, "curvecast_cache_bytes 123456789012"));
 }
 
+TEST(Metrics, ViewsTakeTheirWaitAndTheirWork) {
+  Metrics metrics;
+  metrics.view_job(0.002, 0.004);
+  metrics.view_job(0, 0.02);
+  const std::string text = metrics.text({.threads = 4});
+  EXPECT_TRUE(has_line(text, "curvecast_view_wait_seconds_bucket{le=\"0.0025\"} 2"));
+  EXPECT_TRUE(has_line(text, "curvecast_view_seconds_bucket{le=\"0.005\"} 0"));
+  EXPECT_TRUE(has_line(text, "curvecast_view_seconds_bucket{le=\"0.01\"} 1"));
+  EXPECT_TRUE(has_line(text, "curvecast_view_seconds_count 2"));
+  EXPECT_TRUE(has_line(text, "curvecast_view_worker_busy_seconds_total 0.024"));
+  EXPECT_TRUE(has_line(text, "curvecast_threads 4"));
+}
+
 TEST(Metrics, TellsOfMemoryLimitsAndTheCache) {
   Metrics metrics;
   metrics.stalled(2);
