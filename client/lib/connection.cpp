@@ -14,6 +14,7 @@
 #include "client/lib/point_limit.h"
 #include "client/lib/protocol.h"
 #include "client/lib/retry.h"
+#include "client/lib/routing_key.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
 #include "curvecast/v1/status.pb.h"
 #include "proto/tls/pem_files.h"
@@ -65,8 +66,11 @@ auto with_retry(const RetryPolicy& policy, const std::stop_token& stop, const At
 /// The context of one call, cancelled when `stop` is requested.
 class Call {
  public:
-  Call(const ConnectionOptions& options, const std::stop_token& stop, std::optional<milliseconds> timeout)
+  /// `about`: the request, or that which begins the call.
+  template <typename Request>
+  Call(const ConnectionOptions& options, const Request& about, const std::stop_token& stop, std::optional<milliseconds> timeout)
       : on_stop_(stop, Cancel{&context_}) {
+    if (const std::string_view key = routing_key(about); !key.empty()) context_.AddMetadata(kRoutingKey, std::string(key));
     if (!options.token.empty()) context_.AddMetadata("authorization", "Bearer " + options.token);
     if (timeout) context_.set_deadline(std::chrono::system_clock::now() + *timeout);
   }
@@ -83,8 +87,9 @@ class Call {
 
 class GrpcViewCall : public ViewCall {
  public:
-  GrpcViewCall(v1::CurvecastService::Stub& stub, const ConnectionOptions& options, const std::stop_token& stop)
-      : call_(options, stop, std::nullopt), stream_(stub.StreamViews(call_.context())) {}
+  GrpcViewCall(v1::CurvecastService::Stub& stub, const ConnectionOptions& options, const v1::OpenView& open,
+               const std::stop_token& stop)
+      : call_(options, open, stop, std::nullopt), stream_(stub.StreamViews(call_.context())) {}
   ~GrpcViewCall() override {
     if (finished_) return;
     GrpcViewCall::cancel();
@@ -185,7 +190,7 @@ class GrpcConnection : public Connection {
   absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> get_parameter_mesh(const v1::GetParameterMeshRequest& request,
                                                                                std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> {
-      Call call(options_, stop, std::nullopt);
+      Call call(options_, request, stop, std::nullopt);
       return read_all<v1::GetParameterMeshResponse>(*stub_->GetParameterMesh(call.context(), request), call, "a parameter mesh");
     });
   }
@@ -193,7 +198,7 @@ class GrpcConnection : public Connection {
   absl::StatusOr<v1::Session> create_session(const v1::CreateSessionRequest& request, const OnProgress& on_progress,
                                              std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<v1::Session> {
-      Call call(options_, stop, std::nullopt);
+      Call call(options_, request, stop, std::nullopt);
       std::optional<v1::Session> session;
       const absl::Status status = read_progress<v1::CreateSessionResponse>(*stub_->CreateSession(call.context(), request),
                                                                            on_progress, [&](auto& response) {
@@ -220,14 +225,14 @@ class GrpcConnection : public Connection {
   }
 
   absl::Status close_session(const v1::CloseSessionRequest& request, std::stop_token stop) override {
-    Call call(options_, stop, options_.short_timeout);
+    Call call(options_, request, stop, options_.short_timeout);
     v1::CloseSessionResponse response;
     return to_absl(stub_->CloseSession(call.context(), request, &response));
   }
 
   absl::StatusOr<std::vector<v1::ResampleResponse>> resample(const v1::ResampleRequest& request, std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::ResampleResponse>> {
-      Call call(options_, stop, options_.long_timeout);
+      Call call(options_, request, stop, options_.long_timeout);
       const auto reader = stub_->Resample(call.context(), request);
       std::vector<v1::ResampleResponse> responses;
       v1::ResampleResponse response;
@@ -255,7 +260,7 @@ class GrpcConnection : public Connection {
                                                                           const OnProgress& on_progress,
                                                                           std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::FindNeighboursResponse>> {
-      Call call(options_, stop, options_.long_timeout);
+      Call call(options_, request, stop, options_.long_timeout);
       return read_all<v1::FindNeighboursResponse>(*stub_->FindNeighbours(call.context(), request), call, "neighbours",
                                                   on_progress);
     });
@@ -263,7 +268,7 @@ class GrpcConnection : public Connection {
 
   absl::StatusOr<std::vector<v1::GetCurveResponse>> get_curve(const v1::GetCurveRequest& request, std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetCurveResponse>> {
-      Call call(options_, stop, options_.long_timeout);
+      Call call(options_, request, stop, options_.long_timeout);
       return read_all<v1::GetCurveResponse>(*stub_->GetCurve(call.context(), request), call, "a curve");
     });
   }
@@ -271,7 +276,7 @@ class GrpcConnection : public Connection {
   absl::StatusOr<std::vector<v1::RemeshResponse>> remesh(const v1::RemeshRequest& request, const OnProgress& on_progress,
                                                          std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::RemeshResponse>> {
-      Call call(options_, stop, options_.long_timeout);
+      Call call(options_, request, stop, options_.long_timeout);
       return read_all<v1::RemeshResponse>(*stub_->Remesh(call.context(), request), call, "a mesh", on_progress);
     });
   }
@@ -279,7 +284,7 @@ class GrpcConnection : public Connection {
   absl::StatusOr<v1::Measures> measure(const v1::MeasureRequest& request, const OnProgress& on_progress,
                                        std::stop_token stop) override {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<v1::Measures> {
-      Call call(options_, stop, std::nullopt);
+      Call call(options_, request, stop, std::nullopt);
       std::optional<v1::Measures> measures;
       const absl::Status status =
           read_progress<v1::MeasureResponse>(*stub_->Measure(call.context(), request), on_progress, [&](auto& response) {
@@ -291,15 +296,15 @@ class GrpcConnection : public Connection {
     });
   }
 
-  std::unique_ptr<ViewCall> stream_views(std::stop_token stop) override {
-    return std::make_unique<GrpcViewCall>(*stub_, options_, stop);
+  std::unique_ptr<ViewCall> stream_views(const v1::OpenView& open, std::stop_token stop) override {
+    return std::make_unique<GrpcViewCall>(*stub_, options_, open, stop);
   }
 
  private:
   template <typename Response, typename Request, typename Method>
   absl::StatusOr<Response> unary(Method method, const Request& request, milliseconds timeout, const std::stop_token& stop) {
     return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<Response> {
-      Call call(options_, stop, timeout);
+      Call call(options_, request, stop, timeout);
       Response response;
       if (absl::Status status = to_absl(((*stub_).*method)(call.context(), request, &response)); !status.ok()) return status;
       return response;
@@ -309,7 +314,7 @@ class GrpcConnection : public Connection {
   /// Bytes that the server has of a file, as far as it can tell.
   std::uint64_t received(const v1::UploadHeader& header, const std::stop_token& stop) {
     if (header.mesh_id().empty()) return 0;
-    Call call(options_, stop, options_.short_timeout);
+    Call call(options_, header, stop, options_.short_timeout);
     v1::GetUploadRequest request;
     request.set_mesh_id(header.mesh_id());
     v1::GetUploadResponse response;
@@ -319,7 +324,7 @@ class GrpcConnection : public Connection {
 
   absl::StatusOr<v1::UploadMeshResponse> upload_once(const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes,
                                                      const std::stop_token& stop) {
-    Call call(options_, stop, options_.long_timeout);
+    Call call(options_, header, stop, options_.long_timeout);
     v1::UploadMeshResponse response;
     const auto writer = stub_->UploadMesh(call.context(), &response);
     v1::UploadMeshRequest message;

@@ -89,7 +89,8 @@ class Connection {
                                                                  std::stop_token stop) = 0;
   virtual absl::StatusOr<v1::Measures> measure(const v1::MeasureRequest& request, const OnProgress& on_progress,
                                                std::stop_token stop) = 0;
-  virtual std::unique_ptr<ViewCall> stream_views(std::stop_token stop) = 0;
+  /// `open` is what the caller is going to write first.
+  virtual std::unique_ptr<ViewCall> stream_views(const v1::OpenView& open, std::stop_token stop) = 0;
 };
 
 /// A channel over TCP, without encryption; "host:port". Connects at the first call.

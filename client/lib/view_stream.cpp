@@ -148,8 +148,6 @@ ViewStream::~ViewStream() = default;
 
 std::unique_ptr<ViewStream> ViewStream::open(Connection& connection, const std::string& session_id, std::stop_token stop,
                                              const ViewStreamOptions& options) {
-  std::unique_ptr<ViewCall> call = connection.stream_views(stop);
-  auto state = std::make_unique<State>(std::move(call), std::move(stop), options);
   v1::StreamViewsRequest request;
   request.mutable_open()->set_session_id(session_id);
   request.mutable_open()->set_accept_deltas(options.deltas);
@@ -159,6 +157,8 @@ std::unique_ptr<ViewStream> ViewStream::open(Connection& connection, const std::
     held.set_points(options.held.points->size());
     held.set_digest(options.held.digest);
   }
+  std::unique_ptr<ViewCall> call = connection.stream_views(request.open(), stop);
+  auto state = std::make_unique<State>(std::move(call), std::move(stop), options);
   state->write(request);  // a failure shows in the stream's status
   return std::unique_ptr<ViewStream>(new ViewStream(std::move(state)));
 }

@@ -11,8 +11,10 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "client/lib/retry.h"
+#include "client/lib/routing_key.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
 #include "curvecast/v1/status.pb.h"
 #include "tests/server/eventually.h"
@@ -39,6 +41,11 @@ class ScriptedService : public v1::CurvecastService::Service {
   std::string uploaded() {
     const std::lock_guard lock(mutex_);
     return uploaded_;
+  }
+  /// The keys of the calls so far, "" where one has none.
+  std::vector<std::string> keys() {
+    const std::lock_guard lock(mutex_);
+    return keys_;
   }
   std::atomic<bool> hang = false;  // until cancelled, or out of patience
 
@@ -71,6 +78,13 @@ class ScriptedService : public v1::CurvecastService::Service {
     if (status.ok() && !without_session) writer->Write(response);
     return status;
   }
+  grpc::Status ListSessions(grpc::ServerContext* context, const v1::ListSessionsRequest*, v1::ListSessionsResponse*) override {
+    return next(context);
+  }
+  grpc::Status StreamViews(grpc::ServerContext* context,
+                           grpc::ServerReaderWriter<v1::StreamViewsResponse, v1::StreamViewsRequest>*) override {
+    return next(context);
+  }
   grpc::Status CloseSession(grpc::ServerContext* context, const v1::CloseSessionRequest*, v1::CloseSessionResponse*) override {
     return next(context);
   }
@@ -90,7 +104,10 @@ class ScriptedService : public v1::CurvecastService::Service {
   grpc::Status next(grpc::ServerContext* context) {
     ++calls_;
     EXPECT_TRUE(server::eventually([&] { return !hang || context->IsCancelled(); }));
+    const auto& metadata = context->client_metadata();
+    const auto key = metadata.find(kRoutingKey);
     const std::lock_guard lock(mutex_);
+    keys_.push_back(key == metadata.end() ? "" : std::string(key->second.data(), key->second.size()));
     if (script_.empty()) return grpc::Status::OK;
     grpc::Status status = script_.front();
     script_.pop_front();
@@ -101,6 +118,7 @@ class ScriptedService : public v1::CurvecastService::Service {
   std::deque<grpc::Status> script_;
   std::atomic<int> calls_ = 0;
   std::string uploaded_;
+  std::vector<std::string> keys_;
 };
 
 const grpc::Status kUnavailable(grpc::StatusCode::UNAVAILABLE, "gone");
@@ -158,6 +176,34 @@ TEST_F(ConnectionTest, DoesNotRepeatWhatStaysWrong) {
     EXPECT_EQ(status.message(), "why");
     EXPECT_EQ(service_.calls(), ++calls);
   }
+}
+
+TEST_F(ConnectionTest, CallsTellProxiesWhichMeshTheyAreAbout) {
+  const std::string mesh = "0123456789abcdef0000000000000000", session = "0123456789abcdef1111111111111111";
+  v1::UploadHeader header;
+  header.set_mesh_id(mesh);
+  v1::GetMeshRequest get;
+  get.set_mesh_id(mesh);
+  v1::CreateSessionRequest create;
+  create.set_mesh_id(mesh);
+  v1::ResampleRequest resample;
+  resample.set_session_id(session);
+  v1::CloseSessionRequest close;
+  close.set_session_id(session);
+  EXPECT_TRUE(connection_->upload_mesh(header, {}, {}, {}).ok());
+  EXPECT_TRUE(connection_->get_mesh(get, {}).ok());
+  EXPECT_TRUE(connection_->create_session(create, {}, {}).ok());
+  EXPECT_TRUE(connection_->resample(resample, {}).ok());
+  EXPECT_TRUE(connection_->close_session(close, {}).ok());
+  v1::OpenView open;
+  open.set_session_id(session);
+  v1::StreamViewsResponse none;
+  const std::unique_ptr<ViewCall> stream = connection_->stream_views(open, {});
+  EXPECT_FALSE(stream->read(&none));
+  EXPECT_TRUE(stream->finish().ok());
+  EXPECT_EQ(service_.keys(), std::vector<std::string>(6, "0123456789abcdef"));
+  EXPECT_TRUE(connection_->list_sessions({}, {}).ok());
+  EXPECT_EQ(service_.keys().back(), "");
 }
 
 TEST_F(ConnectionTest, TellsWhenToTryAgain) {

@@ -36,7 +36,7 @@ absl::Status with_retry_after(absl::Status status, milliseconds delay) {
 class LiveViewTest : public ::testing::Test {
  protected:
   LiveViewTest() {
-    ON_CALL(*connection_, stream_views).WillByDefault([this](const std::stop_token& stop) {
+    ON_CALL(*connection_, stream_views).WillByDefault([this](const v1::OpenView&, const std::stop_token& stop) {
       const std::lock_guard lock(mutex_);
       const std::shared_ptr<FakeServer> server = opened_ < servers_.size() ? servers_[opened_] : std::make_shared<FakeServer>();
       ++opened_;

@@ -20,7 +20,9 @@ using ::testing::NiceMock;
 class ViewStreamTest : public ::testing::Test {
  protected:
   ViewStreamTest() {
-    ON_CALL(connection_, stream_views).WillByDefault([this](std::stop_token) { return std::make_unique<FakeViewCall>(server_); });
+    ON_CALL(connection_, stream_views).WillByDefault([this](const v1::OpenView&, const std::stop_token&) {
+      return std::make_unique<FakeViewCall>(server_);
+    });
   }
   std::shared_ptr<FakeServer> server_ = std::make_shared<FakeServer>();
   NiceMock<FakeConnection> connection_;

@@ -19,6 +19,7 @@ T = TypeVar("T")
 OnProgress = Callable[[str, float], None]
 
 CHUNK_BYTES = MAX_CHUNK_BYTES // 2  # of an upload
+ROUTING_KEY, ROUTING_KEY_DIGITS = "curvecast-key", 16  # nobody has to look at it: every server can answer every call
 FIRST_DELAY, LONGEST_DELAY = 0.1, 2.0  # seconds between attempts; doubles, with jitter
 CHANNEL_OPTIONS = [
     ("grpc.max_receive_message_length", 2 * MAX_FRAME_BYTES),  # frames have more than their points
@@ -50,16 +51,21 @@ class Connection:
             self._channel = grpc.insecure_channel(address, CHANNEL_OPTIONS)
         else:
             self._channel = grpc.secure_channel(address, credentials, CHANNEL_OPTIONS)
-        self.metadata = (("authorization", f"Bearer {token}"),) if token else ()  # of every call
+        self._token = token
         self.stub = v1_grpc.CurvecastServiceStub(self._channel)
 
     def close(self) -> None:
         self._channel.close()
 
+    def metadata(self, about: Any) -> tuple[tuple[str, str], ...]:
+        """Returns what a call carries besides its messages. `about`: the request, or that which begins the call."""
+        key = routing_key(about)
+        return ((("authorization", f"Bearer {self._token}"),) if self._token else ()) + (((ROUTING_KEY, key),) if key else ())
+
     def call_once(self, method: str, request: Any, timeout: float | None) -> Any:
         """Makes a call with one answer, once. `timeout`: seconds, of the whole call; None: no limit."""
         with translate_errors():
-            return getattr(self.stub, method)(request, timeout=timeout, metadata=self.metadata)
+            return getattr(self.stub, method)(request, timeout=timeout, metadata=self.metadata(request))
 
     def call(self, method: str, request: Any, timeout: float | None) -> Any:
         """Makes a call with one answer, and repeats it. `timeout`: as of call_once(), for each attempt."""
@@ -71,7 +77,7 @@ class Connection:
 
         def attempt() -> T:
             with translate_errors():
-                messages = getattr(self.stub, method)(request, timeout=timeout, metadata=self.metadata)
+                messages = getattr(self.stub, method)(request, timeout=timeout, metadata=self.metadata(request))
                 try:
                     return take(messages)
                 finally:
@@ -115,7 +121,7 @@ class Connection:
 
         header.offset = self.call_once("GetUpload", v1.GetUploadRequest(mesh_id=header.mesh_id), self.short_timeout).received
         with translate_errors():
-            future = self.stub.UploadMesh.future(requests(), timeout=self.long_timeout, metadata=self.metadata)
+            future = self.stub.UploadMesh.future(requests(), timeout=self.long_timeout, metadata=self.metadata(header))
             try:
                 future.add_done_callback(lambda _: events.put(None))
                 sent = header.offset
@@ -141,6 +147,12 @@ class Connection:
             time.sleep(delay * random.uniform(0.5, 1.0))  # many clients may have lost the same server
             delay = min(2 * delay, LONGEST_DELAY)
         raise AssertionError("unreachable")
+
+
+def routing_key(about: Any) -> str:
+    """Returns the first digits of the session or mesh that a request is about, for proxies in front of several servers: those of a
+    session are those of its mesh. Empty where it is about none."""
+    return str(getattr(about, "session_id", "") or getattr(about, "mesh_id", ""))[:ROUTING_KEY_DIGITS]
 
 
 def told(messages: Iterator[Any], on_progress: OnProgress | None) -> Iterator[Any]:

@@ -71,7 +71,7 @@ class ViewStream:
         self._ended: Error | None = None
         self._points: Points | None = decode_blocks([]) if held is None else held.points  # None: a frame could not be decoded
         self._resumable = held  # the last frame decoded, if the next stream can go on from it
-        self._call = connection.stub.StreamViews(self._requests(), metadata=connection.metadata)
+        self._call = connection.stub.StreamViews(self._requests(), metadata=connection.metadata(open_view))
         self._reader = threading.Thread(target=self._read, name="curvecast frames", daemon=True)
         self._reader.start()
 

@@ -105,6 +105,23 @@ class ConnectionTest(FakeServerTest):
         self.client.session("s")
         self.assertIsNone(self.service.tokens[-1])
 
+    def test_calls_tell_proxies_which_mesh_they_are_about(self) -> None:
+        self.service.points = [block_of(10)]
+        self.service.frames = [v1.PointFrame(kind=v1.FRAME_KIND_KEY)]
+        session = self.client.session("0123456789abcdef1111111111111111")
+        session.sample(10)
+        with session.stream() as stream:
+            stream.send(curvecast.View(10))
+            stream.frame()
+        session.close()
+        self.assertEqual(self.service.keys, 4 * ["0123456789abcdef"])
+        mesh = self.client.upload_bytes("data", b"bytes")
+        self.assertEqual(self.service.keys[-1], mesh.id[:16])
+        self.client.open(mesh)
+        self.assertEqual(self.service.keys[-1], mesh.id[:16])
+        self.client.sessions()
+        self.assertIsNone(self.service.keys[-1])
+
     def test_nobody_there(self) -> None:
         with curvecast.connect("127.0.0.1:1", attempts=2) as client:
             self.assert_refused("UNAVAILABLE", client.sessions)

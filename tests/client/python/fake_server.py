@@ -20,6 +20,7 @@ class FakeService(v1_grpc.CurvecastServiceServicer):
         self.failures: list[grpc.StatusCode] = []
         self.calls = 0
         self.tokens: list[str | bytes | None] = []  # that each call came with
+        self.keys: list[str | bytes | None] = []
         self.frames: list[v1.PointFrame] = []  # that answer views, one after the other
         self.requests: list[v1.StreamViewsRequest] = []
         self.trailers: Sequence[tuple[str, str | bytes]] = []
@@ -30,6 +31,7 @@ class FakeService(v1_grpc.CurvecastServiceServicer):
     def _answer(self, context: grpc.ServicerContext) -> None:
         self.calls += 1
         self.tokens.append(dict(context.invocation_metadata()).get("authorization"))
+        self.keys.append(dict(context.invocation_metadata()).get("curvecast-key"))
         context.set_trailing_metadata(tuple(self.trailers))
         if self.failures:
             context.abort(self.failures.pop(0), "as the test wants")
@@ -55,7 +57,8 @@ class FakeService(v1_grpc.CurvecastServiceServicer):
             self._answer(context)
         return v1.UploadMeshResponse()
 
-    def ListSessions(self, request: v1.ListSessionsRequest, _: grpc.ServicerContext) -> v1.ListSessionsResponse:
+    def ListSessions(self, request: v1.ListSessionsRequest, context: grpc.ServicerContext) -> v1.ListSessionsResponse:
+        self._answer(context)
         page = int(request.page_token or 0)
         sessions = [v1.Session(session_id=f"{page}{i}") for i in range(2)]
         return v1.ListSessionsResponse(sessions=sessions, next_page_token=str(page + 1) if page < 2 else "")
