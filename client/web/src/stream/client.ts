@@ -12,6 +12,7 @@ import {
 } from "../gen/curvecast/v1/curvecast_pb";
 import { WorkerDecoder, type Decoder } from "./decoder";
 import { CurvecastError } from "./errors";
+import { KeyedSockets } from "./keyed_sockets";
 import { ReconnectingSocket } from "./reconnecting_socket";
 import { LiveView, type LiveViewEvents, type LiveViewOptions } from "./live_view";
 import { uploadMesh, type NamedFile, type UploadedMesh, type UploadOptions } from "./mesh_upload";
@@ -45,22 +46,22 @@ export interface RemeshOptions {
   signal?: AbortSignal;
 }
 
-/// Calls the service. All calls but uploads and meshes share a socket, which is opened when a call needs it, and again after it was
-/// lost. Calls reject with a CurvecastError.
+/// Calls the service. All calls about a mesh but uploads and remeshing share a socket, which is opened when a call needs it, and again
+/// after it was lost. Calls reject with a CurvecastError.
 export class Client {
   private readonly endpoint: Endpoint;
   private readonly decoder: Decoder;
-  private readonly connection: ReconnectingSocket;
-  private readonly meshConnection: ReconnectingSocket; // meshes are large: frames would wait behind them
+  private readonly connections: KeyedSockets;
+  private readonly meshConnections: KeyedSockets; // meshes are large: frames would wait behind them
   private readonly closing = new Set<{ close(): void }>(); // ends with the client
 
   constructor({ url, token, webSocket, decoder }: ClientOptions = {}) {
     this.endpoint = { url: url ?? socketUrl("."), token, ...(webSocket !== undefined && { webSocket }) };
-    this.connection = new ReconnectingSocket(this.endpoint);
-    this.meshConnection = new ReconnectingSocket(this.endpoint);
+    this.connections = new KeyedSockets(this.endpoint);
+    this.meshConnections = new KeyedSockets(this.endpoint);
     if (decoder === undefined) this.closing.add((decoder = new WorkerDecoder()));
     this.decoder = decoder;
-    this.closing.add(this.connection).add(this.meshConnection);
+    this.closing.add(this.connections).add(this.meshConnections);
   }
 
   /// Lists the sessions that the server has in memory, by id.
@@ -68,7 +69,7 @@ export class Client {
     const sessions: Session[] = [];
     let pageToken = "";
     do {
-      const page = await this.connection.socket().unary(methods.listSessions, { pageToken }, signal);
+      const page = await this.connections.socket().unary(methods.listSessions, { pageToken }, signal);
       sessions.push(...page.sessions);
       if (page.nextPageToken !== "" && page.nextPageToken === pageToken) {
         throw new CurvecastError("DATA_LOSS", "the server's pages of sessions do not end");
@@ -80,7 +81,7 @@ export class Client {
 
   /// Asks for one session. Rejects with NOT_FOUND where neither the server's memory nor its cache has it.
   async getSession(sessionId: string, signal?: AbortSignal): Promise<Session> {
-    return present((await this.connection.socket().unary(methods.getSession, { sessionId }, signal)).session);
+    return present((await this.connections.socket(sessionId).unary(methods.getSession, { sessionId }, signal)).session);
   }
 
   /// Has a mesh preprocessed, or joins the session that there is. Resolves when the session is ready. Joins again where the connection
@@ -90,7 +91,7 @@ export class Client {
     const request = { meshId, companions, ...(options !== undefined && { options }) };
     return repeat(async (resetFailures) => {
       let session: Session | undefined;
-      for await (const { update } of this.connection.socket().serverStream(methods.createSession, request, signal)) {
+      for await (const { update } of this.connections.socket(meshId).serverStream(methods.createSession, request, signal)) {
         resetFailures();
         if (update.case === "progress") wanted.onProgress?.(update.value);
         if (update.case === "preview") wanted.onPreview?.(update.value);
@@ -102,18 +103,18 @@ export class Client {
 
   /// Pins a session in the server's memory, or unpins it.
   async pinSession(sessionId: string, pinned: boolean, signal?: AbortSignal): Promise<Session> {
-    return present((await this.connection.socket().unary(methods.updateSession, { sessionId, pinned }, signal)).session);
+    return present((await this.connections.socket(sessionId).unary(methods.updateSession, { sessionId, pinned }, signal)).session);
   }
 
   /// Has the server forget a session, in its memory and in its cache.
   async closeSession(sessionId: string, signal?: AbortSignal): Promise<void> {
-    await this.connection.socket().unary(methods.closeSession, { sessionId }, signal);
+    await this.connections.socket(sessionId).unary(methods.closeSession, { sessionId }, signal);
   }
 
   /// Uploads a mesh, and the files among `others` that it refers to. Uses a socket apart from the other calls, so that these do not wait;
   /// see uploadFile() for what happens where that socket is lost.
   async upload(mesh: NamedFile, others: readonly NamedFile[] = [], options: UploadOptions = {}): Promise<UploadedMesh> {
-    this.connection.checkOpen();
+    this.connections.checkOpen();
     const connection = new ReconnectingSocket(this.endpoint);
     this.closing.add(connection);
     try {
@@ -132,7 +133,7 @@ export class Client {
   ): Promise<{ points: StreamedPoints; statistics: FrameStatistics | null }> {
     const blocks = [];
     let statistics: FrameStatistics | null = null;
-    for await (const response of this.connection.socket().serverStream(methods.resample, { sessionId, sample }, signal)) {
+    for await (const response of this.connections.socket(sessionId).serverStream(methods.resample, { sessionId, sample }, signal)) {
       if (response.points !== undefined) blocks.push(response.points);
       statistics = response.statistics ?? statistics;
     }
@@ -151,16 +152,16 @@ export class Client {
     const { relaxations, signal } = options;
     const request = { sessionId, sample, ...(relaxations !== undefined && { relaxations }) };
     return repeat((resetFailures) => {
-      const responses = this.meshConnection.socket().serverStream(methods.remesh, request, signal);
+      const responses = this.meshConnections.socket(sessionId).serverStream(methods.remesh, request, signal);
       return readMesh(responses, this.decoder, (progress) => (resetFailures(), options.onProgress?.(progress)));
     }, signal);
   }
 
   /// Opens a stream of views of a session: see LiveView.
   view(sessionId: string, events: LiveViewEvents = {}, options: LiveViewOptions = {}): LiveView {
-    this.connection.checkOpen();
+    this.connections.checkOpen();
     const view = new LiveView(
-      () => this.connection.socket(),
+      () => this.connections.socket(sessionId),
       this.decoder,
       sessionId,
       events,

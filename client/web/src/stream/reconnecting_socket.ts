@@ -24,6 +24,11 @@ export class ReconnectingSocket {
     return this.current;
   }
 
+  /// No call runs on it.
+  get isIdle(): boolean {
+    return this.current === null || this.current.isIdle;
+  }
+
   /// Throws CANCELLED after close().
   checkOpen(): void {
     if (this.isClosed) throw new CurvecastError("CANCELLED", "the client was closed");

@@ -99,6 +99,11 @@ export class Socket {
     return this.failure;
   }
 
+  /// No call runs on it.
+  get isIdle(): boolean {
+    return this.calls.size === 0;
+  }
+
   /// Bytes that were sent and still wait in the page or in the browser.
   get bufferedBytes(): number {
     return this.socket.bufferedAmount + (this.early ?? []).reduce((sum, bytes) => sum + bytes.length, 0);

@@ -283,3 +283,40 @@ describe("an upload whose connection is lost", () => {
     expect(sent).toBeLessThanOrEqual(9);
   });
 });
+
+describe("the sockets of a client", () => {
+  const mesh = "0123456789abcdef0000000000000000", session = "0123456789abcdef1111111111111111";
+
+  it("name the mesh that their calls are about", async () => {
+    const client = makeClient();
+    void follow(client.createSession({ meshId: mesh }));
+    void follow(client.getSession(session));
+    void follow(client.listSessions());
+    client.view(session).look(points(5));
+    await pass(0);
+    expect(FakeWebSocket.made.map(({ url }) => url)).toEqual(["ws://host?key=0123456789abcdef"]);
+    void follow(client.getSession("another"));
+    await pass(0);
+    expect(newest().url).toBe("ws://host?key=another");
+    expect(server().isClosed).toBe(false);
+    client.close();
+    await pass(0);
+    expect(FakeWebSocket.made.map(({ isClosed }) => isClosed)).toEqual([true, true]);
+  });
+
+  it("are closed when their calls are over and another is needed", async () => {
+    const client = new Client({ url: "ws://host/?a=b", webSocket: FakeWebSocket.make, decoder: { decode: () => Promise.resolve([]) } });
+    const list = follow(client.listSessions());
+    server().open().respond(ListSessionsResponseSchema, {});
+    server().end();
+    await pass(0);
+    expect(list.value).toEqual([]);
+    void follow(client.getSession(session));
+    await pass(0);
+    expect(FakeWebSocket.made.map(({ url, isClosed }) => [url, isClosed])).toEqual([
+      ["ws://host/?a=b", true],
+      ["ws://host/?a=b&key=0123456789abcdef", false],
+    ]);
+    client.close();
+  });
+});
