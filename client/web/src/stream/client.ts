@@ -12,9 +12,10 @@ import {
 } from "../gen/curvecast/v1/curvecast_pb";
 import { WorkerDecoder, type Decoder } from "./decoder";
 import { CurvecastError } from "./errors";
-import { KeyedSockets } from "./keyed_sockets";
+import { KeyedSockets, keyedEndpoint } from "./keyed_sockets";
 import { ReconnectingSocket } from "./reconnecting_socket";
 import { LiveView, type LiveViewEvents, type LiveViewOptions } from "./live_view";
+import { meshIdOf } from "./mesh_id";
 import { uploadMesh, type NamedFile, type UploadedMesh, type UploadOptions } from "./mesh_upload";
 import { StreamedPoints } from "./point_store";
 import { repeat } from "./repeat";
@@ -115,7 +116,9 @@ export class Client {
   /// see uploadFile() for what happens where that socket is lost.
   async upload(mesh: NamedFile, others: readonly NamedFile[] = [], options: UploadOptions = {}): Promise<UploadedMesh> {
     this.connections.checkOpen();
-    const connection = new ReconnectingSocket(this.endpoint);
+    const meshId = await meshIdOf(mesh.data);
+    this.connections.checkOpen();
+    const connection = new ReconnectingSocket(keyedEndpoint(this.endpoint, meshId));
     this.closing.add(connection);
     try {
       return await uploadMesh(() => connection.socket(), mesh, others, options);

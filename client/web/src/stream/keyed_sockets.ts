@@ -6,6 +6,13 @@ import type { Endpoint, Socket } from "./socket";
 
 const keyDigits = 16; // those of a session are those of its mesh
 
+/// The address that names what calls are about, the mesh or the session `id`; empty: nothing.
+export function keyedEndpoint(endpoint: Endpoint, id: string): Endpoint {
+  if (id === "") return endpoint;
+  const { url } = endpoint;
+  return { ...endpoint, url: `${url}${url.includes("?") ? "&" : "?"}key=${encodeURIComponent(id.slice(0, keyDigits))}` };
+}
+
 /// One socket for all calls about a mesh, whose address names it: a proxy in front of several servers may choose one by that. Nobody
 /// has to: every server can answer every call.
 export class KeyedSockets {
@@ -43,8 +50,6 @@ export class KeyedSockets {
       socket.close();
       this.sockets.delete(other);
     }
-    const { url } = this.endpoint;
-    const keyed = key === "" ? url : `${url}${url.includes("?") ? "&" : "?"}key=${encodeURIComponent(key)}`;
-    return new ReconnectingSocket({ ...this.endpoint, url: keyed });
+    return new ReconnectingSocket(keyedEndpoint(this.endpoint, key));
   }
 }
