@@ -27,6 +27,8 @@ bool is_lost(const absl::Status& status) {
       return true;
     case absl::StatusCode::kInternal:
       return absl::StrContains(status.message(), "RST_STREAM");
+    case absl::StatusCode::kUnknown:  // a proxy lost its server in the middle of an answer
+      return status.message() == "Stream removed";
     default:
       return false;
   }

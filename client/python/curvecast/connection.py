@@ -165,7 +165,9 @@ def told(messages: Iterator[Any], on_progress: OnProgress | None) -> Iterator[An
 
 def is_retryable(error: Error) -> bool:
     """Tells whether a call was lost on its way. CANCELLED comes from a proxy that lost its server: this client never waits for a
-    call that it has cancelled."""
+    call that it has cancelled. UNKNOWN: the proxy lost it in the middle of an answer."""
     if error.code is grpc.StatusCode.INTERNAL:
         return "RST_STREAM" in error.message
+    if error.code is grpc.StatusCode.UNKNOWN:
+        return error.message == "Stream removed"
     return error.code in (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED)

@@ -5,6 +5,7 @@ import unittest
 import grpc
 
 import curvecast
+from curvecast.connection import is_retryable
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import status_pb2
 from fake_server import FakeServerTest, block_of
@@ -19,6 +20,11 @@ class ConnectionTest(FakeServerTest):
         self.service.failures, self.service.calls = 3 * [grpc.StatusCode.UNAVAILABLE], 0
         self.assert_refused("UNAVAILABLE", self.client.session, "s")
         self.assertEqual(self.service.calls, 3)
+
+    def test_knows_what_a_proxy_has_lost(self) -> None:
+        self.assertTrue(is_retryable(curvecast.Error(grpc.StatusCode.UNKNOWN, "Stream removed")))
+        self.assertTrue(is_retryable(curvecast.Error(grpc.StatusCode.INTERNAL, "Received RST_STREAM with error code 2")))
+        self.assertFalse(is_retryable(curvecast.Error(grpc.StatusCode.UNKNOWN, "something else")))
 
     def test_refused_calls_are_not(self) -> None:
         for code in (grpc.StatusCode.NOT_FOUND, grpc.StatusCode.INTERNAL, grpc.StatusCode.RESOURCE_EXHAUSTED):
