@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 
 import grpc
 
+from curvecast.connection import ROUTING_KEY, ROUTING_KEY_DIGITS
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 from hold.history import History, digest_of, now
-from hold.servers import Server, eventually
+from hold.servers import Target, eventually
 
 PATIENCE = 120.0  # seconds that a call may take, on a machine that does other things too
 CHUNK_BYTES = 1 << 19
@@ -48,6 +49,11 @@ class Who(NamedTuple):
 NOBODY = Who()
 
 
+def key_of(about: str) -> tuple[tuple[str, str], ...]:
+    """What our clients tell proxies of a call about a mesh or a session."""
+    return ((ROUTING_KEY, about[:ROUTING_KEY_DIGITS]),) if about else ()
+
+
 def open_channel(address: str, credentials: grpc.ChannelCredentials | None = None) -> grpc.Channel:
     """A connection of its own, whoever else is connected."""
     if credentials is None:
@@ -56,11 +62,11 @@ def open_channel(address: str, credentials: grpc.ChannelCredentials | None = Non
 
 
 class Caller:
-    """Calls one server. Thread-safe."""
+    """Calls one server, or those behind one proxy. Thread-safe."""
 
     def __init__(
         self,
-        server: Server,
+        server: Target,
         history: History,
         client: str,
         who: Who = NOBODY,
@@ -98,7 +104,8 @@ class Caller:
         code, message = "OK", ""
         try:
             call = getattr(self.stub, method)
-            answer = call(request, timeout=patience or self.patience, metadata=self.who.metadata)
+            metadata = (*self.who.metadata, *key_of(fields.get("session") or fields.get("mesh") or ""))
+            answer = call(request, timeout=patience or self.patience, metadata=metadata)
             for value in answer if isinstance(answer, Iterator) else [answer]:  # noqa: B007: the last one is returned
                 fields |= take(value) if take is not None else {}
         except grpc.RpcError as error:

@@ -28,6 +28,11 @@ class History:
         with self._lock:
             self._file.close()
 
+    def flush(self) -> None:
+        """For who reads it before it is closed."""
+        with self._lock:
+            self._file.flush()
+
     def tell(self, kind: str, **fields: Any) -> None:
         line = json.dumps({"kind": kind, **fields}) + "\n"
         with self._lock:

@@ -16,9 +16,9 @@ from grpc import aio
 
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
-from hold.calls import OPTIONS, Who, request_key
+from hold.calls import OPTIONS, Who, key_of, request_key
 from hold.history import History, now
-from hold.servers import Server
+from hold.servers import Target
 
 FRAME_SECONDS = 300.0  # beyond which a frame is missing, on any machine
 HEARTBEAT = 0.02  # seconds
@@ -45,7 +45,7 @@ class Load:
         return [took for sent, took in self.seconds if begin <= sent < end]
 
 
-def open_aio(server: Server) -> aio.Channel:
+def open_aio(server: Target) -> aio.Channel:
     return aio.insecure_channel(server.address, OPTIONS)
 
 
@@ -60,9 +60,9 @@ async def heartbeat(load: Load) -> None:
 class StreamOfViews:
     """One client that sends a view, waits for its frame, acknowledges it, and goes on at a fixed rate."""
 
-    def __init__(self, load: Load, server: Server, channel: aio.Channel, session: str, name: str, who: Who) -> None:
+    def __init__(self, load: Load, server: Target, channel: aio.Channel, session: str, name: str, who: Who) -> None:
         self._load, self._server, self._session, self._name, self._who = load, server, session, name, who
-        self._call = v1_grpc.CurvecastServiceStub(channel).StreamViews(metadata=who.metadata)
+        self._call = v1_grpc.CurvecastServiceStub(channel).StreamViews(metadata=(*who.metadata, *key_of(session)))
         self._opened = now()
 
     async def run(self, next_view: NextView, interval: float, is_over: Callable[[], bool], offset: float) -> None:

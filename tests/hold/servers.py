@@ -15,11 +15,12 @@ import subprocess
 import time
 from collections.abc import Iterator
 from types import TracebackType
-from typing import IO, Any, NamedTuple, cast
+from typing import IO, Any, NamedTuple, Protocol, cast
 
 from hold.history import History, now
 
 READY_SECONDS, END_SECONDS = 60.0, 120.0
+ANY_PORT = "127.0.0.1:0"
 WAIT = 0.05  # between looks at what is to come
 
 
@@ -44,6 +45,17 @@ class Usage(NamedTuple):
     threads: collections.Counter[str]  # by name
 
 
+class Target(Protocol):
+    """Whom callers call: a server, or what stands before several."""
+
+    name: str
+
+    @property
+    def address(self) -> str: ...
+
+    def metrics(self) -> dict[str, float]: ...
+
+
 class Server:
     """A server under test, ready when it is constructed. Constructed by the main thread only: the kernel ends the server with the
     thread that started it. `cache`: its folder, which is also its store in the history. `tells`: what the history says of it."""
@@ -55,6 +67,8 @@ class Server:
         *options: str,
         cache: pathlib.Path | None = None,
         prefix: tuple[str, ...] = (),
+        listen: str = ANY_PORT,
+        http: str = ANY_PORT,
         ready: bool = True,
         **tells: Any,
     ) -> None:
@@ -62,9 +76,9 @@ class Server:
         self._history = setting.history
         self._ports: dict[str, str] = {}
         self._tells = {"store": str(cache) if cache is not None else name, **tells}
-        command = [*prefix, "setpriv", "--pdeathsig", "KILL", str(setting.command), "serve", "--listen", "127.0.0.1:0"]
+        command = [*prefix, "setpriv", "--pdeathsig", "KILL", str(setting.command), "serve", "--listen", listen]
         # Kills are not the sessions' fault.
-        command += ["--http", "127.0.0.1:0", "--crash-pause", "0"]
+        command += ["--http", http, "--crash-pause", "0"]
         command += [*(["--cache", str(cache)] if cache is not None else []), *options]
         self.log = setting.folder / f"{name}.log"
         self.is_ended = False
@@ -77,7 +91,11 @@ class Server:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None) -> None:
-        if kind is None and not self.is_ended:
+        self.close(kill=kind is not None)
+
+    def close(self, kill: bool) -> None:
+        """Ends it, in order or not, if it has not ended."""
+        if not kill and not self.is_ended:
             self.stop()
         elif self.process.poll() is None:
             self.process.kill()

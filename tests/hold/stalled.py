@@ -15,11 +15,11 @@ from grpc import aio
 from curvecast import View
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
-from hold.calls import Caller, Who, mesh_id_of
+from hold.calls import Caller, Who, key_of, mesh_id_of
 from hold.history import now
 from hold.load import Load, StreamOfViews, heartbeat, open_aio
 from hold.report import Report, quantile
-from hold.servers import Server, Setting, eventually
+from hold.servers import Server, Setting, Target, eventually
 from hold.shapes import bumpy_ball, orbit_view
 
 CALM = ("--max-curve-vertices", "0")
@@ -34,25 +34,40 @@ LAZY, BUSY = Who("lazy", "lazy's"), Who("busy", "busy's")
 
 
 def run(setting: Setting) -> Report:
-    report = Report(setting.is_quick)
-    readers, sleepers, seconds = setting.pick(150, 30), setting.pick(50, 10), setting.pick(20, 6)
-    tokens = setting.folder / "tokens"
-    tokens.write_text("".join(f"{who.name} {hashlib.sha256(who.token.encode()).hexdigest()}\n" for who in (LAZY, BUSY)))
-    mesh = bumpy_ball(24)
-    queued = ("--max-queued", str(setting.pick(1 << 30, 128 << 20)))  # bytes, less than those who sleep would take
     with (
-        Server(setting, "ignored", *CALM, *queued, "--tokens", str(tokens), tokens=True) as server,
+        Server(setting, "ignored", *CALM, *options(setting), tokens=True) as server,
         Caller(server, setting.history, "maker", BUSY) as maker,
     ):
-        maker.upload("ball.off", mesh)
-        session = maker.create(mesh_id_of(mesh), SESSION_POINTS).value.session_id
+        session = prepare(maker)
         before = server.usage().resident
-        load, spans, most = asyncio.run(take_turns(setting, server, session, readers, sleepers, seconds))
-        for _ in eventually(REST_SECONDS):
-            metrics = server.metrics()
-            if metrics["curvecast_queued_bytes"] == 0 and metrics["curvecast_open_streams"] == 0:
-                break
-        grown = server.usage().resident - before
+        report = measure(setting, server, session)
+        report.figure("MB grown", (server.usage().resident - before) / 1e6)
+    return report
+
+
+def options(setting: Setting) -> tuple[str, ...]:
+    """Of a server: who may call, and less that may wait to be read than those who sleep would take. Half of that, and what all
+    workers make at once, is less than all of it."""
+    tokens = setting.folder / "tokens"
+    tokens.write_text("".join(f"{who.name} {hashlib.sha256(who.token.encode()).hexdigest()}\n" for who in (LAZY, BUSY)))
+    return "--max-queued", str(setting.pick(1 << 30, 256 << 20)), "--tokens", str(tokens)
+
+
+def prepare(maker: Caller) -> str:
+    """Makes the session that all look at."""
+    mesh = bumpy_ball(24)
+    maker.upload("ball.off", mesh)
+    return str(maker.create(mesh_id_of(mesh), SESSION_POINTS).value.session_id)
+
+
+def measure(setting: Setting, target: Target, session: str) -> Report:
+    report = Report(setting.is_quick)
+    readers, sleepers, seconds = setting.pick(150, 30), setting.pick(50, 10), setting.pick(20, 6)
+    load, spans, most = asyncio.run(take_turns(setting, target, session, readers, sleepers, seconds))
+    for _ in eventually(REST_SECONDS):
+        metrics = target.metrics()
+        if metrics["curvecast_queued_bytes"] == 0 and metrics["curvecast_open_streams"] == 0:
+            break
     times = {kind: [took for span in turns for took in load.between(*span)] for kind, turns in spans.items()}
     calm = quantile(times["nobody"], 0.99)
     for kind, taken in times.items():
@@ -66,7 +81,6 @@ def run(setting: Setting) -> Report:
     report.figure("streams that read", readers)
     report.figure("streams that do not", sleepers)
     report.figure("MB queued at most", most / 1e6)
-    report.figure("MB grown", grown / 1e6)
     report.figure("calls ended for not reading", metrics["curvecast_stalled_calls_total"])
     report.require("views of others refused", load.refused, at_most=0)
     report.require("errors of others", len(load.errors), at_most=0)
@@ -81,7 +95,7 @@ Spans = dict[str, list[tuple[float, float]]]
 
 
 async def take_turns(
-    setting: Setting, server: Server, session: str, readers: int, sleepers: int, seconds: int
+    setting: Setting, target: Target, session: str, readers: int, sleepers: int, seconds: int
 ) -> tuple[Load, Spans, float]:
     """Streams all the time, beside nobody, sleepers with the largest frames, nobody, and sleepers with small ones."""
     load, spans, most = Load(setting.history), Spans(), 0.0
@@ -89,15 +103,15 @@ async def take_turns(
     over = asyncio.Event()
     pulse = asyncio.create_task(heartbeat(load))
     async with contextlib.AsyncExitStack() as stack:
-        channels = [await stack.enter_async_context(open_aio(server)) for _ in range(-(-readers // ON_ONE))]
-        streams = asyncio.gather(*(read(load, server, channels[n // ON_ONE], session, n, over) for n in range(readers)))
+        channels = [await stack.enter_async_context(open_aio(target)) for _ in range(-(-readers // ON_ONE))]
+        streams = asyncio.gather(*(read(load, target, channels[n // ON_ONE], session, n, over) for n in range(readers)))
         await asyncio.sleep(2 * INTERVAL)
         for kind, points in turns:
             begin = now()
-            sleeping = [asyncio.create_task(sleep(server, session, points)) for _ in range(sleepers if points else 0)]
+            sleeping = [asyncio.create_task(sleep(target, session, points)) for _ in range(sleepers if points else 0)]
             while now() < begin + seconds or (points == LARGEST and most < FULL_BYTES and now() < begin + FULL_SECONDS):
                 await asyncio.sleep(LOOK)
-                metrics = await asyncio.to_thread(server.metrics)
+                metrics = await asyncio.to_thread(target.metrics)
                 most = max(most, metrics["curvecast_queued_bytes"])
             spans.setdefault(kind, []).append((begin, now()))
             for task in sleeping:
@@ -109,16 +123,16 @@ async def take_turns(
     return load, spans, most
 
 
-async def read(load: Load, server: Server, channel: aio.Channel, session: str, number: int, over: asyncio.Event) -> None:
-    stream = StreamOfViews(load, server, channel, session, f"reader {number}", BUSY)
+async def read(load: Load, target: Target, channel: aio.Channel, session: str, number: int, over: asyncio.Event) -> None:
+    stream = StreamOfViews(load, target, channel, session, f"reader {number}", BUSY)
     offset = INTERVAL * (number * 0.618 % 1)
     await stream.run(lambda sequence: orbit_view(VIEW_POINTS, 7 * number + 3 * sequence), INTERVAL, over.is_set, offset)
 
 
-async def sleep(server: Server, session: str, points: int) -> None:
+async def sleep(target: Target, session: str, points: int) -> None:
     """Asks for views on a connection of its own, and never reads one, until it is cancelled. What becomes of it does not matter."""
-    async with open_aio(server) as channel:
-        call = v1_grpc.CurvecastServiceStub(channel).StreamViews(metadata=LAZY.metadata)
+    async with open_aio(target) as channel:
+        call = v1_grpc.CurvecastServiceStub(channel).StreamViews(metadata=(*LAZY.metadata, *key_of(session)))
         with contextlib.suppress(aio.AioRpcError, asyncio.InvalidStateError):
             await call.write(v1.StreamViewsRequest(open=v1.OpenView(session_id=session)))
             for sequence in itertools.count(1):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import base64
+import http.client
+import io
 import os
 import socket
 import ssl
@@ -10,7 +12,7 @@ import struct
 import subprocess
 import tempfile
 from types import TracebackType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
@@ -19,12 +21,12 @@ WEB_SOCKET_PROTO = "curvecast/v1/web_socket.proto"
 PROTOCOL, BEARER = "curvecast.v1", "curvecast.bearer."
 
 
-def opening(address: str, token: str = "") -> bytes:
+def opening(address: str, token: str = "", query: str = "") -> bytes:
     """The request that opens a socket."""
     protocols = PROTOCOL + (f", {BEARER}{base64.urlsafe_b64encode(token.encode()).decode().rstrip('=')}" if token else "")
     key = base64.b64encode(os.urandom(16)).decode()
     lines = [
-        "GET /v1/socket HTTP/1.1",
+        f"GET /v1/socket{query} HTTP/1.1",
         f"Host: {address}",
         "Upgrade: websocket",
         "Connection: Upgrade",
@@ -69,43 +71,66 @@ class WebSocket:
     """Open when it is constructed. ClosedError: the server will not have it."""
 
     def __init__(
-        self, address: str, messages: tuple[Any, Any], token: str = "", tls: ssl.SSLContext | None = None, timeout: float = 30
+        self,
+        address: str,
+        messages: tuple[Any, Any],
+        token: str = "",
+        tls: ssl.SSLContext | None = None,
+        timeout: float = 30,
+        query: str = "",
     ) -> None:
         self._request, self._response = messages
         self._call = 0
+        self._ended: Ended | None = None
         host, _, port = address.rpartition(":")
         plain = socket.create_connection((host, int(port)), timeout=timeout)
         self._socket = tls.wrap_socket(plain, server_hostname=host) if tls is not None else plain
         self._buffer = b""
-        self._socket.sendall(opening(address, token))
+        self._socket.sendall(opening(address, token, query))
         while b"\r\n\r\n" not in self._buffer:
             self._receive()
         head, _, self._buffer = self._buffer.partition(b"\r\n\r\n")
         status = int(head.split()[1])
         if status != 101:
             raise ClosedError(status, head.decode(errors="replace"))
+        self.headers = http.client.parse_headers(io.BytesIO(head.partition(b"\r\n")[2] + b"\r\n\r\n"))
 
     def __enter__(self) -> WebSocket:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
         self._socket.close()
 
     def call(self, method: str, *requests: bytes) -> Ended:
         """Makes a call and waits for its end."""
-        self._call += 1
         for number, request in enumerate(requests):
-            is_last = number == len(requests) - 1
-            self._send(self._request(call=self._call, method="" if number else method, message=request, half_close=is_last))
+            self.send(request, "" if number else method, is_last=number == len(requests) - 1)
         messages = []
-        while True:
+        while not isinstance(answer := self.receive(), Ended):
+            messages.append(answer)
+        return answer._replace(messages=messages)
+
+    def send(self, request: bytes, method: str = "", is_last: bool = False) -> None:
+        """Sends a message of the last call. `method`: it begins the next one."""
+        if method:
+            self._call += 1
+            self._ended = None
+        self._send(self._request(call=self._call, method=method, message=request, half_close=is_last))
+
+    def receive(self) -> bytes | Ended:
+        """The next message of the last call, or how that ended, without messages."""
+        while self._ended is None:
             response = self._response.FromString(self._message())
             if response.call != self._call:
                 continue
-            if response.HasField("message"):
-                messages.append(response.message)
             if response.HasField("status"):
-                return Ended(response.status.code, response.status.message, messages)
+                self._ended = Ended(response.status.code, response.status.message, [])
+            if response.HasField("message"):
+                return cast(bytes, response.message)
+        return self._ended
 
     def _send(self, message: Any) -> None:
         self._send_frame(BINARY, message.SerializeToString())
