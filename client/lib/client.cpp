@@ -24,32 +24,14 @@ namespace curvecast::client {
 namespace {
 
 constexpr std::size_t kHashBlock = 1 << 20;     // bytes read at a time
+constexpr std::size_t kIdDigits = 32;           // of a mesh_id
 constexpr int kReferenceRounds = 8;             // a mesh names material libraries, these name textures: two, as a rule
 constexpr std::size_t kMostSessions = 100'000;  // that a server may list
 
 using Digest = std::array<unsigned char, SHA256_DIGEST_LENGTH>;
 
-std::string to_mesh_id(const Digest& digest) {
-  return absl::BytesToHexString({reinterpret_cast<const char*>(digest.data()), digest.size() / 2});
-}
-
-absl::StatusOr<std::string> hash_file(const InputFile& file, const std::stop_token& stop) {
-  struct Free {
-    void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
-  };
-  const std::unique_ptr<EVP_MD_CTX, Free> context(EVP_MD_CTX_new());
-  bool is_sound = context != nullptr && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
-  std::string block;
-  for (std::uint64_t offset = 0; offset < file.size(); offset += block.size()) {
-    if (stop.stop_requested()) return absl::CancelledError("cancelled");
-    block.resize(std::min<std::uint64_t>(kHashBlock, file.size() - offset));
-    if (absl::Status status = file.read_at(offset, block); !status.ok()) return status;
-    is_sound = is_sound && EVP_DigestUpdate(context.get(), block.data(), block.size()) == 1;
-  }
-  Digest digest;
-  is_sound = is_sound && EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) == 1;
-  if (!is_sound) return absl::ResourceExhaustedError("out of memory for hashing");
-  return to_mesh_id(digest);
+std::string to_hex(const Digest& digest) {
+  return absl::BytesToHexString({reinterpret_cast<const char*>(digest.data()), digest.size()});
 }
 
 google::protobuf::Map<std::string, std::string> to_proto(const std::map<std::string, std::string>& companions) {
@@ -71,7 +53,28 @@ OnProgress forward(const StageProgress& on_progress) {
 std::string mesh_id_of(std::span<const char> bytes) {
   Digest digest;
   SHA256(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), digest.data());
-  return to_mesh_id(digest);
+  return mesh_id_of_sha256(to_hex(digest));
+}
+
+std::string mesh_id_of_sha256(std::string_view sha256) { return std::string(sha256.substr(0, kIdDigits)); }
+
+absl::StatusOr<std::string> sha256_of(const InputFile& file, const std::stop_token& stop) {
+  struct Free {
+    void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
+  };
+  const std::unique_ptr<EVP_MD_CTX, Free> context(EVP_MD_CTX_new());
+  bool is_sound = context != nullptr && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
+  std::string block;
+  for (std::uint64_t offset = 0; offset < file.size(); offset += block.size()) {
+    if (stop.stop_requested()) return absl::CancelledError("cancelled");
+    block.resize(std::min<std::uint64_t>(kHashBlock, file.size() - offset));
+    if (absl::Status status = file.read_at(offset, block); !status.ok()) return status;
+    is_sound = is_sound && EVP_DigestUpdate(context.get(), block.data(), block.size()) == 1;
+  }
+  Digest digest;
+  is_sound = is_sound && EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) == 1;
+  if (!is_sound) return absl::ResourceExhaustedError("out of memory for hashing");
+  return to_hex(digest);
 }
 
 absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample) {
@@ -95,12 +98,12 @@ absl::StatusOr<std::string> Client::upload_mesh(const std::string& path, const S
 
 absl::StatusOr<std::string> Client::upload_file(const InputFile& file, const std::string& name, const StageProgress& on_progress,
                                                 std::stop_token stop) {
-  absl::StatusOr<std::string> hash = hash_file(file, stop);
+  const absl::StatusOr<std::string> hash = sha256_of(file, stop);
   if (!hash.ok()) return hash.status();
   v1::UploadHeader header;
   header.set_name(name);
   header.set_size(file.size());
-  header.set_mesh_id(*hash);
+  header.set_mesh_id(mesh_id_of_sha256(*hash));
   return upload_if_missing(
       header, [&](std::uint64_t offset, std::span<char> out) { return file.read_at(offset, out); }, on_progress, stop);
 }
@@ -124,6 +127,7 @@ absl::StatusOr<UploadedMesh> Client::upload_with_companions(const std::string& p
       if (!seen.insert(name).second) continue;
       absl::StatusOr<InputFile> file = open_companion(path, name);
       if (!file.ok()) {
+        mesh.missing.push_back(name);
         if (!absl::IsNotFound(file.status())) mesh.refused.emplace_back(file.status().message());
         continue;
       }

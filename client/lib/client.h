@@ -43,7 +43,8 @@ struct UploadedMesh {
 
   std::string mesh_id;
   std::map<std::string, std::string> companions;  // name in the mesh -> mesh_id of that file
-  std::vector<std::string> refused;               // why other files that it names were not sent, though some may be there
+  std::vector<std::string> missing;               // names of other files in the mesh, which were not sent
+  std::vector<std::string> refused;               // why some of these were not, though they may be there
 };
 
 struct DecodedSample {
@@ -54,6 +55,10 @@ struct DecodedSample {
 
 /// The 32 hexadecimal digits by which servers know a mesh file: the first half of SHA-256 of its bytes.
 std::string mesh_id_of(std::span<const char> bytes);
+/// SHA-256 of a file, 64 hexadecimal digits, of which the first 32 are the id. Cancelled; errors of InputFile::read_at.
+absl::StatusOr<std::string> sha256_of(const InputFile& file, const std::stop_token& stop = {});
+/// The id of a file with this SHA-256.
+std::string mesh_id_of_sha256(std::string_view sha256);
 /// Decodes the blocks and joins them.
 absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample);
 

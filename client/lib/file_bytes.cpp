@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_cat.h>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,6 +26,43 @@ absl::Status write_all(int descriptor, std::string_view bytes) {
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
   return absl::OkStatus();
+}
+
+/// A descriptor that closes itself.
+struct Descriptor {
+  explicit Descriptor(int opened) : number(opened) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (number >= 0) ::close(number);
+  }
+  const int number;
+};
+
+/// Whether an open file still has that name: who wrote it before may have renamed or removed it.
+bool has_name(int descriptor, const std::string& name) {
+  struct stat file = {}, named = {};
+  return ::fstat(descriptor, &file) == 0 && ::lstat(name.c_str(), &named) == 0 && file.st_dev == named.st_dev &&
+         file.st_ino == named.st_ino;
+}
+
+absl::Status fill(int descriptor, std::string_view bytes) {
+  if (::ftruncate(descriptor, 0) != 0) return absl::FailedPreconditionError(reason(errno));
+  if (absl::Status status = write_all(descriptor, bytes); !status.ok()) return status;
+  return ::fsync(descriptor) == 0 ? absl::OkStatus() : absl::FailedPreconditionError(reason(errno));
+}
+
+std::string folder_of(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
+/// Makes the names in a folder durable.
+absl::Status sync_folder(const std::string& path) {
+  const Descriptor folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // It may be one that nobody may list. EINVAL: this file system has no need for it.
+  if (folder.number < 0 || ::fsync(folder.number) == 0 || errno == EINVAL) return absl::OkStatus();
+  return absl::FailedPreconditionError(reason(errno));
 }
 
 }  // namespace
@@ -85,18 +123,26 @@ absl::Status write_bytes(const std::string& path, std::string_view bytes) {
   const auto failure = [&](absl::string_view why) {
     return absl::FailedPreconditionError(absl::StrCat(path, ": cannot be written: ", why));
   };
-  // Under another name first, so that a full disk does not cost the file that was there.
-  const std::string temporary = absl::StrCat(path, ".", ::getpid(), ".tmp");
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) return failure(reason(errno));
-  absl::Status status = write_all(descriptor, bytes);
-  if (::close(descriptor) != 0 && status.ok()) status = absl::FailedPreconditionError(reason(errno));
-  if (status.ok() && std::rename(temporary.c_str(), path.c_str()) != 0) {
-    status = absl::FailedPreconditionError(reason(errno));
+  // Under another name first, so that a full disk does not cost the file that was there: always the same one, so that what a
+  // killed process left does not stay.
+  const std::string temporary = absl::StrCat(path, ".curvecast-tmp");
+  while (true) {
+    const Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
+    if (file.number < 0) return failure(reason(errno));
+    // The lock ends with its process. On a file system without locks writers are not told apart.
+    if (::flock(file.number, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      return absl::UnavailableError(absl::StrCat(path, ": another process is writing it"));
+    }
+    if (!has_name(file.number, temporary)) continue;
+    absl::Status status = fill(file.number, bytes);
+    if (status.ok() && std::rename(temporary.c_str(), path.c_str()) != 0) status = absl::FailedPreconditionError(reason(errno));
+    if (!status.ok()) {
+      ::unlink(temporary.c_str());
+    } else {
+      status = sync_folder(folder_of(path));
+    }
+    return status.ok() ? status : failure(status.message());
   }
-  if (status.ok()) return status;
-  ::unlink(temporary.c_str());
-  return failure(status.message());
 }
 
 absl::Status check_writable(const std::string& path) {
@@ -105,9 +151,8 @@ absl::Status check_writable(const std::string& path) {
   };
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return failure("is a directory");
-  std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  if (folder.empty()) folder = ".";
-  if (!std::filesystem::is_directory(folder, error)) return failure(absl::StrCat("there is no folder ", folder.string()));
+  const std::string folder = folder_of(path);
+  if (!std::filesystem::is_directory(folder, error)) return failure(absl::StrCat("there is no folder ", folder));
   // The file is written under another name in its folder and then renamed.
   if (::access(folder.c_str(), W_OK | X_OK) != 0) return failure(reason(errno));
   if (std::filesystem::exists(path, error) && ::access(path.c_str(), W_OK) != 0) return failure(reason(errno));

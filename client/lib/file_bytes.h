@@ -34,7 +34,9 @@ class InputFile {
 /// The whole file. InvalidArgument above `limit` bytes, else as InputFile.
 absl::StatusOr<std::string> read_bytes(const std::string& path, std::uint64_t limit);
 
-/// Replaces the file. FailedPrecondition, and nothing new at `path`, when that fails.
+/// Replaces the file, whole or not at all and durably, whatever becomes of the process or the machine meanwhile; what a process
+/// that was killed has left half-written is written over. Nothing new at `path` when that fails: FailedPrecondition, or
+/// Unavailable while another process writes the same file.
 absl::Status write_bytes(const std::string& path, std::string_view bytes);
 
 /// FailedPrecondition when `path` cannot be written. Found out without touching what is there.

@@ -53,6 +53,20 @@ TEST_F(ClientTest, MeshIdsAreSha256) {
   EXPECT_EQ(mesh_id_of(std::string("abc")), "ba7816bf8f01cfea414140de5dae2223");
 }
 
+TEST_F(ClientTest, FilesAreHashedWhole) {
+  const std::string path = ::testing::TempDir() + "/curvecast_client_hash_test", bytes(3'000'000, 'h');
+  ASSERT_TRUE(write_bytes(path, bytes).ok());
+  const auto file = InputFile::open(path);
+  ASSERT_TRUE(file.ok()) << file.status();
+  const auto sha256 = sha256_of(*file);
+  ASSERT_TRUE(sha256.ok()) << sha256.status();
+  EXPECT_EQ(sha256->size(), 64U);
+  EXPECT_EQ(mesh_id_of_sha256(*sha256), mesh_id_of(bytes));
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_TRUE(absl::IsCancelled(sha256_of(*file, stop.get_token()).status()));
+}
+
 TEST_F(ClientTest, UploadsOnlyWhatIsNotThereYet) {
   EXPECT_CALL(*connection_, get_mesh).WillOnce(Return(v1::GetMeshResponse()));
   EXPECT_CALL(*connection_, upload_mesh).Times(0);
@@ -128,6 +142,7 @@ TEST_F(ReferenceTest, FollowsReferencesToReferences) {
   EXPECT_EQ(mesh->mesh_id, mesh_id_of(std::string("content of mesh/a.obj")));
   EXPECT_THAT(mesh->companions, ElementsAre(Pair("a.mtl", mesh_id_of(std::string("content of mesh/a.mtl"))),
                                             Pair("t.png", mesh_id_of(std::string("content of mesh/t.png")))));
+  EXPECT_THAT(mesh->missing, ElementsAre("missing.mtl"));
   ASSERT_EQ(requests_.size(), 3U);
   EXPECT_EQ(requests_[2].companions().size(), 2U);
 
@@ -150,6 +165,7 @@ TEST_F(ReferenceTest, SendsNothingFromElsewhereWhateverTheServerAsksFor) {
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   EXPECT_THAT(uploads_, ElementsAre("content of mesh/a.obj"));
   EXPECT_TRUE(mesh->companions.empty());
+  EXPECT_EQ(mesh->missing, rounds_[0]);
   ASSERT_EQ(mesh->refused.size(), 7U);
   EXPECT_THAT(mesh->refused[0], HasSubstr("../secret.png"));
   EXPECT_CALL(*connection_, inspect_mesh).WillOnce(Return(v1::InspectMeshResponse()));

@@ -1,12 +1,16 @@
 #include "client/lib/file_bytes.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 namespace curvecast::client {
@@ -24,6 +28,34 @@ TEST(FileBytes, ReadsWhatWasWritten) {
   EXPECT_TRUE(absl::IsInvalidArgument(read_bytes(path, 3).status()));
   ASSERT_TRUE(write_bytes(path, "shorter").ok());
   EXPECT_EQ(*read_bytes(path, 100), "shorter");
+}
+
+TEST(FileBytes, WritesOverWhatAKilledProcessLeft) {
+  const std::string path = temporary("left"), half_written = path + ".curvecast-tmp";
+  std::ofstream(half_written) << "longer than what comes now";
+  ASSERT_TRUE(write_bytes(path, "whole").ok());
+  EXPECT_EQ(*read_bytes(path, 100), "whole");
+  EXPECT_FALSE(std::filesystem::exists(half_written));
+}
+
+TEST(FileBytes, OneWritesAFileAtATime) {
+  const std::string path = temporary("contended"), half_written = path + ".curvecast-tmp";
+  const int other = ::open(half_written.c_str(), O_WRONLY | O_CREAT, 0600);
+  ASSERT_GE(other, 0);
+  ASSERT_EQ(::flock(other, LOCK_EX), 0);
+  const absl::Status status = write_bytes(path, "bytes");
+  EXPECT_TRUE(absl::IsUnavailable(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr(path + ": another process is writing it"));
+  EXPECT_TRUE(std::filesystem::exists(half_written)) << "it is the other one's";
+  ASSERT_EQ(::close(other), 0);
+  EXPECT_TRUE(write_bytes(path, "bytes").ok());
+}
+
+TEST(FileBytes, LeavesNothingWhereItFails) {
+  const std::string path = temporary("folder_there");
+  std::filesystem::create_directories(path);
+  EXPECT_TRUE(absl::IsFailedPrecondition(write_bytes(path, "bytes")));
+  EXPECT_FALSE(std::filesystem::exists(path + ".curvecast-tmp"));
 }
 
 TEST(FileBytes, ReadsAtAnOffset) {
