@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "client/cli/camera_path.h"
@@ -56,9 +55,7 @@ std::string frame_file(const std::string& folder, std::size_t frame) {
 }
 
 absl::Status prepare_folder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return absl::FailedPreconditionError(absl::StrCat(folder, ": the folder cannot be made: ", error.message()));
+  if (absl::Status status = make_folder(folder); !status.ok()) return status;
   return client::check_writable(frame_file(folder, 0));
 }
 

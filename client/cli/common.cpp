@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "client/cli/progress_bar.h"
@@ -120,6 +121,13 @@ absl::Status check_ending(const std::string& path, const std::vector<std::string
   return absl::InvalidArgumentError(absl::StrCat("'", path, "' must end in ", absl::StrJoin(endings, ", ")));
 }
 
+absl::Status make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(folder, ": the folder cannot be made: ", error.message()));
+}
+
 Host::Host(std::unique_ptr<server::Server> server, std::shared_ptr<client::Connection> connection)
     : server_(std::move(server)), client_(std::move(connection)) {}
 
@@ -138,10 +146,14 @@ absl::StatusOr<std::unique_ptr<Host>> Host::open(const CommonOptions& options, S
   server::ServerOptions server_options;
   server_options.threads = options.threads;
   server_options.memory_bytes = options.memory;
-  server_options.max_upload_bytes = server_options.max_mesh_bytes = std::uint64_t{1} << 62;  // they are the user's own
+  constexpr std::uint64_t kNoLimit = std::uint64_t{1} << 62;
+  server_options.max_upload_bytes = server_options.max_mesh_bytes = kNoLimit;  // they are the user's own
   server_options.log = options.verbose;
   if (caching == SessionCaching::kKeep && !options.no_cache) {
     server_options.cache = options.cache.empty() ? default_cache() : options.cache;
+  } else if (caching == SessionCaching::kKeepAll) {
+    server_options.cache = options.cache;
+    server_options.cache_bytes = kNoLimit;
   }
   absl::StatusOr<std::unique_ptr<server::Server>> server = server::Server::start(server_options);
   if (absl::IsFailedPrecondition(server.status()) && options.cache.empty() && !server_options.cache.empty()) {
@@ -155,16 +167,21 @@ absl::StatusOr<std::unique_ptr<Host>> Host::open(const CommonOptions& options, S
 }
 
 absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, const v1::SessionOptions& session_options,
-                                     bool quiet, std::stop_token stop) {
+                                     const client::StageProgress& on_progress, std::stop_token stop) {
   const auto start = std::chrono::steady_clock::now();
-  ProgressBar bar(progress_style(quiet), std::filesystem::path(path).filename().string());
-  const client::StageProgress on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
   absl::StatusOr<client::UploadedMesh> mesh = client.upload_with_companions(path, on_progress, stop);
   if (!mesh.ok()) return mesh.status();
   absl::StatusOr<v1::Session> session = client.create_session(*mesh, session_options, on_progress, stop);
   if (!session.ok()) return session.status();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return OpenedMesh{*std::move(mesh), *std::move(session), seconds};
+}
+
+absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, const v1::SessionOptions& session_options,
+                                     bool quiet, std::stop_token stop) {
+  ProgressBar bar(progress_style(quiet), std::filesystem::path(path).filename().string());
+  const client::StageProgress on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };
+  return open_mesh(client, path, session_options, on_progress, std::move(stop));
 }
 
 std::uint64_t session_points(std::uint64_t points) { return std::max(points, kDefaultSessionPoints); }

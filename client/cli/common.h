@@ -67,9 +67,15 @@ CLI::Validator point_count_range();
 /// OK when the ending of `path` is one of `endings` (lower case, with the dot).
 absl::Status check_ending(const std::string& path, const std::vector<std::string>& endings);
 
-/// Whether a server within this process keeps its sessions in a folder, for commands to come: the one given, or
-/// $XDG_CACHE_HOME/curvecast, or ~/.cache/curvecast.
-enum class SessionCaching { kNone, kKeep };
+/// Makes a folder where there is none, and those above it. FailedPrecondition names it.
+absl::Status make_folder(const std::string& folder);
+
+/// Whether a server within this process keeps its sessions in a folder, for commands to come.
+enum class SessionCaching {
+  kNone,
+  kKeep,     // in the one given, or $XDG_CACHE_HOME/curvecast, or ~/.cache/curvecast
+  kKeepAll,  // in the one given, and none makes room for others
+};
 
 /// A client of --server or, without it, of a server that lives and ends with this object: one code path for both.
 class Host {
@@ -92,7 +98,10 @@ struct OpenedMesh {
   double seconds = 0;   // that it took, upload included
 };
 
-/// Uploads a mesh with what it refers to, and waits for its session, with progress.
+/// Uploads a mesh with what it refers to, and waits for its session.
+absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, const v1::SessionOptions& session_options,
+                                     const client::StageProgress& on_progress, std::stop_token stop);
+/// The same, and shows progress unless `quiet`.
 absl::StatusOr<OpenedMesh> open_mesh(client::Client& client, const std::string& path, const v1::SessionOptions& session_options,
                                      bool quiet, std::stop_token stop);
 

@@ -100,8 +100,14 @@ void add_budget_flags(CLI::App* command, SampleFlags* flags, CLI::Option* count)
           ->type_name("BYTES");
   count->excludes(error)->excludes(bytes);
   error->excludes(bytes);
-  command->parse_complete_callback([=] {
-    if (!*count && !*error && !*bytes) throw CLI::RequiredError("-n, --pixel-error or --max-bytes");
+}
+
+void require_budget(CLI::App* command) {
+  command->parse_complete_callback([command] {
+    for (const char* name : {"--points", "--pixel-error", "--max-bytes"}) {
+      if (command->count(name) > 0) return;
+    }
+    throw CLI::RequiredError("-n, --pixel-error or --max-bytes");
   });
 }
 

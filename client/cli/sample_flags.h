@@ -39,8 +39,10 @@ std::string sequence_of(const SampleFlags& flags);
 CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags);
 /// --density alone.
 void add_density_flag(CLI::App* command, SampleFlags* flags, const std::string& help);
-/// --pixel-error and --max-bytes, which exclude -n and one another; one of the three is needed.
+/// --pixel-error and --max-bytes, which exclude -n and one another.
 void add_budget_flags(CLI::App* command, SampleFlags* flags, CLI::Option* count);
+/// Has the command refuse to run without one of these three.
+void require_budget(CLI::App* command);
 /// --camera; with `several` it may be repeated.
 void add_camera_flag(CLI::App* command, SampleFlags* flags, bool several);
 

@@ -20,7 +20,7 @@ using ::testing::StartsWith;
 TEST_F(CliTest, HelpTellsAboutEveryCommand) {
   const Finished help = run({"--help"});
   EXPECT_EQ(help.status, 0);
-  for (const std::string command : {"serve", "info", "preprocess", "sample", "stream", "measure", "render", "bench"}) {
+  for (const std::string command : {"serve", "info", "preprocess", "sample", "batch", "stream", "measure", "render", "bench"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
     const Finished own = run({command, "--help"});
     EXPECT_EQ(own.status, 0);

@@ -1,37 +1,21 @@
 #include <absl/strings/str_format.h>
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <memory>
-#include <optional>
-#include <string_view>
 
-#include "client/cli/choice.h"
 #include "client/cli/commands.h"
 #include "client/cli/points_io.h"
 #include "client/cli/report.h"
-#include "client/cli/sample_flags.h"
-#include "client/cli/session_flags.h"
+#include "client/cli/sample/mesh_sampling.h"
 #include "client/lib/file_bytes.h"
 
 namespace curvecast::cli {
 namespace {
 
-constexpr std::array<std::string_view, 5> kAttributes = {"curvatures", "rank", "surface", "directions", "scalars"};
-constexpr std::array<v1::PointAttribute, kAttributes.size()> kAttributeValues = {
-    v1::POINT_ATTRIBUTE_CURVATURES, v1::POINT_ATTRIBUTE_RANK, v1::POINT_ATTRIBUTE_SURFACE, v1::POINT_ATTRIBUTE_DIRECTIONS,
-    v1::POINT_ATTRIBUTE_SCALARS};
-
 struct Flags {
   std::string mesh, output;
-  std::vector<std::string> attributes;
-  SampleFlags sample;
-  SessionFlags session;
-  std::optional<int> position_bits;
-  client::DrcOptions drc;  // all but position_bits
-  bool first_answer = false;
+  SamplingFlags sampling;
 };
 
 constexpr std::chrono::minutes kPatience{5};  // with the refinement of the curve
@@ -61,8 +45,8 @@ absl::Status report(const Flags& flags, const CommonOptions& options, const Open
                  {"equalise", statistics.equalise_seconds()},
                  {"encode", statistics.encode_seconds()},
                  {"total", total}}},
-               {"sampler", sampler_of(flags.sample)},
-               {"sequence", sequence_of(flags.sample)},
+               {"sampler", sampler_of(flags.sampling.sample)},
+               {"sequence", sequence_of(flags.sampling.sample)},
                {"seed", options.seed},
                {"session_id", opened.session.session_id()}};
   if (!flags.output.empty()) json["output"] = flags.output;
@@ -74,43 +58,19 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   if (!flags.output.empty()) {
     if (absl::Status status = client::check_writable(flags.output); !status.ok()) return status;
   }
-  v1::ResampleRequest request;
-  absl::StatusOr<v1::SampleRequest> wanted = make_request(flags.sample, options.seed);
-  if (!wanted.ok()) return wanted.status();
-  const absl::StatusOr<v1::SessionOptions> session_options =
-      make_session_options(flags.session, session_points(flags.sample.points), ranks_seed(flags.sample, options.seed));
-  if (!session_options.ok()) return session_options.status();
+  const absl::StatusOr<SamplingRequests> requests = make_sampling_requests(flags.sampling, options.seed);
+  if (!requests.ok()) return requests.status();
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   client::Client& client = (*host)->client();
-  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, *session_options, options.quiet, stop);
+  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, requests->session, options.quiet, stop);
   if (!opened.ok()) return opened.status();
-  const absl::StatusOr<Cameras> cameras = cameras_of(flags.sample, box_of(opened->session.report().mesh()));
-  if (!cameras.ok()) return cameras.status();
-  request.set_session_id(opened->session.session_id());
-  *request.mutable_sample() = *std::move(wanted);
-  *request.mutable_sample()->mutable_cameras() = {cameras->all.begin(), cameras->all.end()};
-  *request.mutable_sample()->mutable_viewport() = cameras->viewport();
-  for (const std::string& attribute : flags.attributes) {
-    const auto choice = std::find(kAttributes.begin(), kAttributes.end(), attribute) - kAttributes.begin();
-    request.mutable_sample()->add_attributes(kAttributeValues[static_cast<std::size_t>(choice)]);
-  }
-  if (flags.sample.max_bytes == 0) {
-    // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
-    request.mutable_sample()->mutable_encoding()->mutable_raw();
-  } else {
-    request.mutable_sample()->mutable_encoding()->mutable_draco()->set_position_bits(flags.position_bits.value_or(0));
-    request.mutable_sample()->mutable_encoding()->mutable_draco()->set_normal_bits(flags.drc.normal_bits);
-  }
   absl::StatusOr<client::DecodedSample> sample =
-      flags.first_answer ? client.resample(request, stop) : client.resample_refined(request, kPatience, stop);
+      sample_session(client, opened->session, flags.sampling, requests->sample, kPatience, stop);
   if (!sample.ok()) return sample.status();
-  if (stop.stop_requested()) return absl::CancelledError("cancelled");
   if (!flags.output.empty()) {
     const Clock::time_point encode_start = Clock::now();
-    client::DrcOptions drc = flags.drc;
-    drc.position_bits = flags.position_bits.value_or(drc.position_bits);
-    if (absl::Status status = save_points(flags.output, sample->points, drc); !status.ok()) return status;
+    if (absl::Status status = save_sample(flags.output, sample->points, flags.sampling); !status.ok()) return status;
     sample->statistics.set_encode_seconds(sample->statistics.encode_seconds() + seconds_since(encode_start));
   }
   return report(flags, options, *opened, *sample, seconds_since(start));
@@ -130,30 +90,12 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
   add_cache_flags(app, options);
   const auto flags = std::make_shared<Flags>();
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
-  CLI::Option* count = add_sample_flags(app, &flags->sample);
-  add_budget_flags(app, &flags->sample, count);
-  add_camera_flag(app, &flags->sample, true);
-  add_session_flags(app, &flags->session);
   app->add_option("-o,--output", flags->output,
                   "the points' file: .ply, .xyz, .pcd (lossless) or .drc (Draco); without it, only statistics")
       ->check(validator(check_points_ending, ""))
       ->type_name("FILE");
-  app->add_option(
-         "--attributes", flags->attributes,
-         "more of each point, in a .ply file: curvatures (principal), directions (of the least curvature; across it runs the "
-         "largest), scalars (the mesh's named values), rank (of the progressive sampler), surface (face of the repaired mesh and "
-         "place in it); separated by commas")
-      ->delimiter(',')
-      ->check(validator([](const std::string& text) { return check_choice("attribute", text, kAttributes); }, ""))
-      ->type_name("NAME");
-  app->add_flag("--first-answer", flags->first_answer,
-                "take the first point set, even where the curve is too coarse for the density and a finer one is being made");
-  app->add_option(
-         "--position-bits", flags->position_bits,
-         "of a .drc file and of an answer within --max-bytes, per coordinate; without it 16 in a file, and in an answer as "
-         "many as the camera's pixels ask for")
-      ->check(CLI::Range(1, 30));
-  app->add_option("--normal-bits", flags->drc.normal_bits, "of a .drc file")->check(CLI::Range(2, 30))->capture_default_str();
+  add_sampling_flags(app, &flags->sampling);
+  require_budget(app);
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
 }
 

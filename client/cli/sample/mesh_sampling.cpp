@@ -1,0 +1,93 @@
+#include "client/cli/sample/mesh_sampling.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "client/cli/choice.h"
+#include "client/cli/common.h"
+#include "client/cli/points_io.h"
+#include "client/cli/report.h"
+
+namespace curvecast::cli {
+namespace {
+
+constexpr std::array<std::string_view, 5> kAttributes = {"curvatures", "rank", "surface", "directions", "scalars"};
+constexpr std::array<v1::PointAttribute, kAttributes.size()> kAttributeValues = {
+    v1::POINT_ATTRIBUTE_CURVATURES, v1::POINT_ATTRIBUTE_RANK, v1::POINT_ATTRIBUTE_SURFACE, v1::POINT_ATTRIBUTE_DIRECTIONS,
+    v1::POINT_ATTRIBUTE_SCALARS};
+
+}  // namespace
+
+void add_sampling_flags(CLI::App* command, SamplingFlags* flags) {
+  CLI::Option* count = add_sample_flags(command, &flags->sample);
+  add_budget_flags(command, &flags->sample, count);
+  add_camera_flag(command, &flags->sample, true);
+  add_session_flags(command, &flags->session);
+  command
+      ->add_option(
+          "--attributes", flags->attributes,
+          "more of each point, in a .ply file: curvatures (principal), directions (of the least curvature; across it runs the "
+          "largest), scalars (the mesh's named values), rank (of the progressive sampler), surface (face of the repaired mesh "
+          "and "
+          "place in it); separated by commas")
+      ->delimiter(',')
+      ->check(validator([](const std::string& text) { return check_choice("attribute", text, kAttributes); }, ""))
+      ->type_name("NAME");
+  command->add_flag("--first-answer", flags->first_answer,
+                    "take the first point set, even where the curve is too coarse for the density and a finer one is being made");
+  command
+      ->add_option(
+          "--position-bits", flags->position_bits,
+          "of a .drc file and of an answer within --max-bytes, per coordinate; without it 16 in a file, and in an answer as "
+          "many as the camera's pixels ask for")
+      ->check(CLI::Range(1, 30));
+  command->add_option("--normal-bits", flags->drc.normal_bits, "of a .drc file")->check(CLI::Range(2, 30))->capture_default_str();
+}
+
+absl::StatusOr<SamplingRequests> make_sampling_requests(const SamplingFlags& flags, std::uint64_t seed) {
+  absl::StatusOr<v1::SampleRequest> sample = make_request(flags.sample, seed);
+  if (!sample.ok()) return sample.status();
+  const std::uint64_t points = flags.max_points > 0 ? flags.max_points : session_points(flags.sample.points);
+  absl::StatusOr<v1::SessionOptions> session = make_session_options(flags.session, points, ranks_seed(flags.sample, seed));
+  if (!session.ok()) return session.status();
+  for (const std::string& attribute : flags.attributes) {
+    const auto choice = std::find(kAttributes.begin(), kAttributes.end(), attribute) - kAttributes.begin();
+    sample->add_attributes(kAttributeValues[static_cast<std::size_t>(choice)]);
+  }
+  if (flags.sample.max_bytes == 0) {
+    // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
+    sample->mutable_encoding()->mutable_raw();
+  } else {
+    sample->mutable_encoding()->mutable_draco()->set_position_bits(flags.position_bits.value_or(0));
+    sample->mutable_encoding()->mutable_draco()->set_normal_bits(flags.drc.normal_bits);
+  }
+  return SamplingRequests{*std::move(session), *std::move(sample)};
+}
+
+absl::StatusOr<client::DecodedSample> sample_session(client::Client& client, const v1::Session& session,
+                                                     const SamplingFlags& flags, v1::SampleRequest request,
+                                                     std::chrono::milliseconds patience, const std::stop_token& stop) {
+  const absl::StatusOr<Cameras> cameras = cameras_of(flags.sample, box_of(session.report().mesh()));
+  if (!cameras.ok()) return cameras.status();
+  *request.mutable_cameras() = {cameras->all.begin(), cameras->all.end()};
+  *request.mutable_viewport() = cameras->viewport();
+  v1::ResampleRequest resample;
+  resample.set_session_id(session.session_id());
+  *resample.mutable_sample() = std::move(request);
+  absl::StatusOr<client::DecodedSample> sample =
+      flags.first_answer ? client.resample(resample, stop) : client.resample_refined(resample, patience, stop);
+  if (sample.ok() && stop.stop_requested()) return absl::CancelledError("cancelled");
+  return sample;
+}
+
+absl::Status save_sample(const std::string& path, const client::Points& points, const SamplingFlags& flags) {
+  client::DrcOptions drc = flags.drc;
+  drc.position_bits = flags.position_bits.value_or(drc.position_bits);
+  return save_points(path, points, drc);
+}
+
+}  // namespace curvecast::cli

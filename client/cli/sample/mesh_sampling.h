@@ -1,0 +1,51 @@
+// What `sample` does to one mesh and `batch` to each of many: the flags, the points, their file.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "client/cli/sample_flags.h"
+#include "client/cli/session_flags.h"
+#include "client/lib/client.h"
+#include "client/lib/drc_file.h"
+
+namespace curvecast::cli {
+
+struct SamplingFlags {
+  SampleFlags sample;
+  SessionFlags session;
+  std::uint64_t max_points = 0;  // N that the session is made for; 0: as many as are wanted, see session_points()
+  std::vector<std::string> attributes;
+  std::optional<int> position_bits;
+  client::DrcOptions drc;  // all but position_bits
+  bool first_answer = false;
+};
+
+/// Adds all of them but max_points; values are checked while parsing.
+void add_sampling_flags(CLI::App* command, SamplingFlags* flags);
+
+/// What a server is asked for.
+struct SamplingRequests {
+  v1::SessionOptions session;
+  v1::SampleRequest sample;  // all but cameras and viewport
+};
+
+/// Returns the requests that the flags, which have been checked, stand for.
+absl::StatusOr<SamplingRequests> make_sampling_requests(const SamplingFlags& flags, std::uint64_t seed);
+
+/// Returns the points that a ready session gives: where its curve is too coarse for them those of a finer one, for which it
+/// waits, `patience` at most, unless the flags want the first answer.
+absl::StatusOr<client::DecodedSample> sample_session(client::Client& client, const v1::Session& session,
+                                                     const SamplingFlags& flags, v1::SampleRequest request,
+                                                     std::chrono::milliseconds patience, const std::stop_token& stop);
+
+/// Writes the points as save_points() does, with the flags' bits.
+absl::Status save_sample(const std::string& path, const client::Points& points, const SamplingFlags& flags);
+
+}  // namespace curvecast::cli
