@@ -134,7 +134,7 @@ class Edge:
             )
         if ready:
             self.wait_until_up()
-        self._setting.history.tell("serve", server=self.name, at=now(), store=str(self.cache), keeps_uploads=True)
+        self._setting.history.tell("serve", server=self.name, at=now(), store=str(self.cache), keeps_uploads=True, is_proxy=True)
 
     def stop_proxy(self) -> None:
         """At once, with all that goes through it."""

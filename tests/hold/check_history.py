@@ -37,7 +37,7 @@ CLOSE_SECONDS = 1.0  # after which a closed session has to be gone everywhere
 CHANGES = ("CloseSession", "UpdateSession")
 REFUSED = ("UNAUTHENTICATED", "PERMISSION_DENIED", "NOT_FOUND", "INVALID_ARGUMENT")  # what changes nothing
 READS_MESH = ("GetMesh", "InspectMesh", "CreateSession", "ListMeshReferences")
-REMOVED = "Stream removed"  # what gRPC makes of an answer whose rest a proxy has lost: UNKNOWN, but UNAVAILABLE is meant
+REMOVED = "Stream removed"  # what gRPC makes of an answer whose rest a proxy has lost: UNAVAILABLE is meant
 AGES = float("inf")
 
 
@@ -295,9 +295,11 @@ class Checker:
         """Every call ends, with an answer, unless the server was down meanwhile."""
         self.judged["answers"] += 1
         code = event["code"]
-        if code == "UNKNOWN" and event.get("message") != REMOVED:
+        if code == "UNKNOWN" and event.get("message") == REMOVED and self._facts.settings(event).get("is_proxy"):
+            code = "UNAVAILABLE"
+        if code == "UNKNOWN":
             return "an error that the API does not have"
-        if code not in ("UNAVAILABLE", "UNKNOWN", "DEADLINE_EXCEEDED") or event.get("credential", "valid") != "valid":
+        if code not in ("UNAVAILABLE", "DEADLINE_EXCEEDED") or event.get("credential", "valid") != "valid":
             return None
         server = event["server"]
         if self._facts.life(server, event["begin"], event["end"]) is None:

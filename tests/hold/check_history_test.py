@@ -311,6 +311,21 @@ class CheckerTest(unittest.TestCase):
         self.story.call("Render", "UNKNOWN")
         self.assert_found("answers")
 
+    def test_a_proxy_may_lose_an_answer_while_it_has_no_server(self) -> None:
+        self.story.serve("edge", is_proxy=True)
+        self.story.fault(10, "edge")
+        self.story.call("Render", "UNKNOWN", "edge", message=check_history.REMOVED)
+        self.assert_well("answers")
+        self.story.now += 10
+        self.story.call("Render", "UNKNOWN", "edge", message=check_history.REMOVED)
+        self.assert_found("answers", "was up")
+
+    def test_no_server_loses_an_answer(self) -> None:
+        self.story.serve()
+        self.story.fault(10)
+        self.story.call("Render", "UNKNOWN", message=check_history.REMOVED)
+        self.assert_found("answers", "does not have")
+
 
 class ProgramTest(unittest.TestCase):
     def run_on(self, text: str) -> tuple[int, str]:
