@@ -9,7 +9,7 @@ import asyncio
 import dataclasses
 
 from cluster.edge import Edge
-from cluster.scene import Scene, until
+from cluster.scene import Scene, all_see, until
 from cluster.traffic import Traffic, made_again
 from hold.history import now
 from hold.kills import CALM
@@ -61,8 +61,7 @@ async def kill_all(scene: Scene, traffic: Traffic, kills: int, found: Found) -> 
         with traffic.running():
             for _ in range(kills):
                 await asyncio.sleep(MOMENT * chance.random())
-                if await until(lambda: all(viewer.replica for viewer in viewers)) == float("inf"):
-                    raise RuntimeError("viewers without points")
+                await all_see(viewers, crowd)
                 victim = chance.choice(viewers).replica
                 hit = [viewer for viewer in viewers if viewer.replica == victim]
                 breaks, at = len(crowd.breaks), now()

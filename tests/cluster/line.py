@@ -10,24 +10,22 @@ import grpc
 from grpc import aio
 
 from cluster.edge import REPLICA
-from curvecast.connection import ROUTING_KEY_DIGITS
+from curvecast.connection import ROUTING_KEY_DIGITS, is_retryable
+from curvecast.errors import Error, error_of
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 from hold.calls import OPTIONS, key_of
 from hold.load import END
 from hold.web_socket import ClosedError, Ended, WebSocket
 
-REMOVED = "Stream removed"  # what gRPC makes of an answer whose rest a proxy has lost
 FRAME_SECONDS = 60.0  # beyond which a frame is missing, on any machine
 # As our clients do; a connection that is being made gets more time, since the machine does other things too.
 CHANNEL_OPTIONS = [*OPTIONS, ("grpc.initial_reconnect_backoff_ms", 100), ("grpc.max_reconnect_backoff_ms", 2000)]
 
 
 def is_passing(code: str, message: str) -> bool:
-    """Whether our clients make such a call again."""
-    if code == "INTERNAL":
-        return "RST_STREAM" in message
-    return code in ("UNAVAILABLE", "CANCELLED") or (code == "UNKNOWN" and message == REMOVED)
+    """Whether our clients make such a call again. code: the name of a gRPC status code."""
+    return is_retryable(Error(grpc.StatusCode[code], message))
 
 
 class BrokenError(Exception):
@@ -97,8 +95,7 @@ class WebSocketLine:
     async def receive(self) -> v1.PointFrame:
         answer = await in_thread(self._threads, self._socket.receive)
         if isinstance(answer, Ended):
-            code = next((code.name for code in grpc.StatusCode if code.value[0] == answer.code), "UNKNOWN")
-            raise BrokenError(code, answer.message)
+            raise BrokenError(error_of(answer.code, answer.message).code.name, answer.message)
         return v1.StreamViewsResponse.FromString(answer).frame
 
     async def close(self) -> None:

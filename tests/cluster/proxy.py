@@ -8,8 +8,8 @@ from __future__ import annotations
 import asyncio
 
 from cluster.edge import Edge
-from cluster.scene import Scene, until
-from cluster.viewers import Crowd, Viewer
+from cluster.scene import Scene, all_see, until
+from cluster.viewers import Crowd
 from hold.history import now
 from hold.kills import CALM
 from hold.report import Report, quantile
@@ -49,7 +49,7 @@ async def run_all(scene: Scene, times: int) -> tuple[Crowd, list[float], list[fl
             reloads += await gaps_of(crowd, breaks)
             await asyncio.to_thread(edge.wait_until_up)
             scene.setting.history.tell("fault", server=edge.name, begin=at, end=now())
-            await all_see(viewers)
+            await all_see(viewers, crowd)
 
             at = now()
             edge.stop_proxy()
@@ -58,7 +58,7 @@ async def run_all(scene: Scene, times: int) -> tuple[Crowd, list[float], list[fl
             restarts += [viewer.arrival_after(at) - at for viewer in viewers]
             await asyncio.to_thread(edge.wait_until_up)
             scene.setting.history.tell("fault", server=edge.name, begin=at, end=now())
-            await all_see(viewers)
+            await all_see(viewers, crowd)
     return crowd, reloads, restarts
 
 
@@ -67,8 +67,3 @@ async def gaps_of(crowd: Crowd, first: int) -> list[float]:
     broken = crowd.breaks[first:]
     await until(lambda: all(one.viewer.arrival_after(one.at) < float("inf") for one in broken))
     return [one.viewer.arrival_after(one.at) - one.at for one in broken]
-
-
-async def all_see(viewers: list[Viewer]) -> None:
-    if await until(lambda: all(viewer.replica for viewer in viewers)) == float("inf"):
-        raise RuntimeError("viewers without points")

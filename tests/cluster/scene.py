@@ -82,8 +82,7 @@ class Scene:
                 tasks.append(asyncio.create_task(viewer.run(self._next_view(7 * number), INTERVAL, over.is_set, offset)))
                 viewers.append(viewer)
             try:
-                if await until(lambda: all(viewer.replica for viewer in viewers)) == math.inf:
-                    raise RuntimeError(f"viewers without points: {crowd.breaks[-1].error if crowd.breaks else crowd.failed}")
+                await all_see(viewers, crowd)
                 yield crowd, viewers
             finally:
                 over.set()
@@ -107,6 +106,12 @@ def make(caller: Caller, wanted: Wanted) -> None:
     """Asks for a session, and notes its id."""
     caller.upload("ball.off", wanted.data)
     wanted.session = caller.create(wanted.mesh, wanted.points).value.session_id
+
+
+async def all_see(viewers: list[Viewer], crowd: Crowd) -> None:
+    """Waits until every viewer has points over the stream that he has now. RuntimeError: somebody stays without."""
+    if await until(lambda: all(viewer.replica for viewer in viewers)) == math.inf:
+        raise RuntimeError(f"viewers without points: {crowd.breaks[-1].error if crowd.breaks else crowd.failed}")
 
 
 async def until(happened: Callable[[], bool], seconds: float = PATIENCE) -> float:

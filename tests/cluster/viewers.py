@@ -10,9 +10,8 @@ import random
 from collections.abc import Awaitable, Callable
 from typing import Any, NamedTuple
 
-import grpc
-
 from cluster.line import BrokenError, Line, is_passing
+from curvecast.errors import error_of
 from curvecast.v1 import curvecast_pb2 as v1
 from hold.calls import request_key
 from hold.history import History, now
@@ -127,7 +126,7 @@ class Viewer:
 
     def _take(self, frame: v1.PointFrame, sample: v1.SampleRequest, begin: float) -> None:
         if frame.HasField("error"):
-            code = next((c.name for c in grpc.StatusCode if c.value[0] == frame.error.code), "UNKNOWN")
+            code = error_of(frame.error.code, frame.error.message).code.name
             self._crowd.failed.append(f"{self._name}: {code}: {frame.error.message}")
             self._tell(sample, begin, code, message=frame.error.message)
             return

@@ -11,9 +11,9 @@ import itertools
 from collections.abc import AsyncIterator, Callable
 from typing import Any
 
-import grpc
 from grpc import aio
 
+from curvecast.errors import error_of
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.v1 import curvecast_pb2_grpc as v1_grpc
 from hold.calls import OPTIONS, Who, key_of, request_key
@@ -116,7 +116,7 @@ class StreamOfViews:
         fields: dict[str, Any] = {}
         code = "OK"
         if frame.HasField("error"):
-            code = next((c.name for c in grpc.StatusCode if c.value[0] == frame.error.code), "UNKNOWN")
+            code = error_of(frame.error.code, frame.error.message).code.name
             fields["message"] = frame.error.message
             if code == "RESOURCE_EXHAUSTED":
                 self._load.refused += 1
