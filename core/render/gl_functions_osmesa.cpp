@@ -4,12 +4,19 @@
 #include <dlfcn.h>
 
 #include <cstdlib>
+#include <string>
 #include <type_traits>
 
 namespace curvecast {
 namespace {
 
 constexpr char kLibrary[] = "libOSMesa.so.8";  // its number is that of its interface, the same since 2012
+
+/// The one that is looked for.
+std::string osmesa_library() {
+  const char* const other = std::getenv("CURVECAST_OSMESA");
+  return other != nullptr && *other != '\0' ? other : kLibrary;
+}
 
 absl::Status load_from(const std::string& path) {
   // To be bound at once: a call must not end the process. Its symbols, LLVM's among them, are nobody else's.
@@ -38,11 +45,6 @@ absl::Status load_from(const std::string& path) {
 
 GlFunctions gl;
 OsmesaFunctions osmesa;
-
-std::string osmesa_library() {
-  const char* const other = std::getenv("CURVECAST_OSMESA");
-  return other != nullptr && *other != '\0' ? other : kLibrary;
-}
 
 absl::Status load_osmesa() {
   static const absl::Status status = load_from(osmesa_library());

@@ -4,8 +4,6 @@
 
 #include <absl/status/status.h>
 
-#include <string>
-
 // For the types of the functions alone; nothing is linked.
 #define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
@@ -44,10 +42,8 @@ struct OsmesaFunctions {
 extern GlFunctions gl;
 extern OsmesaFunctions osmesa;
 
-/// The library that is looked for: CURVECAST_OSMESA of the environment, or Debian 12's.
-std::string osmesa_library();
-
-/// Loads OSMesa, once; it stays for as long as the process. Unimplemented where it is not there, or lacks a function: the message
+/// Loads OSMesa, once: the library that CURVECAST_OSMESA of the environment names, or Debian 12's. It stays for as long as the
+/// process. Unimplemented where it is not there, or lacks a function: the message
 /// says what to install. Thread-safe.
 absl::Status load_osmesa();
 
