@@ -205,8 +205,10 @@ absl::StatusOr<std::shared_ptr<ClientStream>> Engine::make_stream(ClientStream::
           .restore = [this](const Session& session, const ResumeClaim& claim,
                             const ExecutionContext& context) { return restore_reference(session, claim, view_cache, context); },
           .has_room = [this, caller] { return queued.check(caller); },
-          .submit = [this, caller,
-                     connection](std::function<void()> job) { return views.submit(std::move(job), caller, connection); },
+          .submit =
+              [this, caller, connection](std::function<void()> job, std::chrono::nanoseconds expected) {
+                return views.submit(std::move(job), {.caller = caller, .connection = connection, .expected = expected});
+              },
           .count_queued = [this, caller](std::int64_t bytes) { queued.add(caller, bytes); },
       });
   const MutexLock lock(mutex_);

@@ -17,6 +17,8 @@ constexpr int kMaxImprovements = 8;
 constexpr int kMaxInVain = 8;
 // What an answer may take of the processors once a newer view has come.
 constexpr WorkLimit::Nanoseconds kMostOutdatedWork = std::chrono::milliseconds(100);
+// What a point takes of them, about.
+constexpr std::chrono::nanoseconds kWorkOfPoint(60);
 
 ViewEvent event_of(FollowUp follow_up) {
   switch (follow_up) {
@@ -198,9 +200,17 @@ void ClientStream::end_when_idle() {
   transport_->end(end_status_);
 }
 
+std::chrono::nanoseconds ClientStream::expected_work() const {
+  if (!view_ || !view_->request.ok()) return {};
+  const PointSetRequest& request = *view_->request;
+  const std::uint64_t points = request.automatic ? pace_.points(*request.automatic) : request.options.points;
+  if (points == 0) return last_work_;  // a budget of bytes or pixels
+  return std::min<std::chrono::nanoseconds>(static_cast<std::int64_t>(points) * kWorkOfPoint, kMostViewWork);
+}
+
 void ClientStream::ask_for_worker() {
   absl::Status accepted = hooks_.has_room();
-  if (accepted.ok()) accepted = hooks_.submit([self = shared_from_this()] { self->run_worker(); });
+  if (accepted.ok()) accepted = hooks_.submit([self = shared_from_this()] { self->run_worker(); }, expected_work());
   has_worker_ = accepted.ok();
   // A better frame is asked for again with the next event or retry(): its promise stands.
   if (!accepted.ok() && view_state_ == ViewState::kWaiting) refuse_waiting_view(accepted);
@@ -267,6 +277,7 @@ ClientStream::View ClientStream::begin_answer() {
 }
 
 void ClientStream::finish_answer(View view, absl::StatusOr<Answer> answer) {
+  last_work_ = Clock::now() - view.started;
   if (is_over()) return;
   if (absl::IsDataLoss(answer.status())) return fail(answer.status());
   const bool is_overtaken = view_state_ == ViewState::kWaiting;

@@ -4,6 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -49,9 +50,10 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     /// Whether a frame may be made for the client, who may have too many that wait. Called with the lock held. An error refuses a
     /// view as one of submit() does.
     std::function<absl::Status()> has_room;
-    /// Has a worker run the job later, never within the call. Called with the lock held. An error refuses a view that has no
-    /// frame yet; a better frame of a view is tried again with the next event, retry() at the latest.
-    std::function<absl::Status(std::function<void()> job)> submit;
+    /// Has a worker run the job, which will take about as long as is expected, later, never within the call. Called with the
+    /// lock held. An error refuses a view that has no frame yet; a better frame of a view is tried again with the next event,
+    /// retry() at the latest.
+    std::function<absl::Status(std::function<void()> job, std::chrono::nanoseconds expected)> submit;
     /// Counts bytes of frames that are queued or being sent from now on or, below 0, no more. Called with the lock held.
     std::function<void(std::int64_t bytes)> count_queued;
   };
@@ -122,6 +124,8 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
 
   /// Does what is due after an event: asks for a worker, gives the next message to the transport, or ends the stream.
   void dispatch() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// What the view that is due will take of a worker.
+  std::chrono::nanoseconds expected_work() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ask_for_worker() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void end_when_idle() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -159,6 +163,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   std::optional<ResumeClaim> claim_ ABSL_GUARDED_BY(mutex_);  // what the client holds of another stream; until a frame is queued
   bool wants_key_ ABSL_GUARDED_BY(mutex_) = false;            // until a key frame is queued
 
+  std::chrono::nanoseconds last_work_ ABSL_GUARDED_BY(mutex_){};  // what the last answer took
   FramePace pace_ ABSL_GUARDED_BY(mutex_);
   SendWindow window_ ABSL_GUARDED_BY(mutex_);
 };

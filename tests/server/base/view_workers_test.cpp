@@ -24,7 +24,8 @@ int low(int normal) { return std::min(normal + 10, 19); }
 
 class ViewWorkersTest : public ::testing::Test {
  protected:
-  void submit(const std::string& connection, std::function<void()> job, const std::string& caller = "all") {
+  void submit(const std::string& connection, std::function<void()> job, const std::string& caller = "all",
+              milliseconds expected = {}) {
     ASSERT_TRUE(workers_
                     .submit(
                         [this, job = std::move(job)] {
@@ -33,7 +34,7 @@ class ViewWorkersTest : public ::testing::Test {
                           ++done_;
                           changed_.notify_all();
                         },
-                        caller, connection)
+                        {.caller = caller, .connection = connection, .expected = expected})
                     .ok());
     ++submitted_;
   }
@@ -42,11 +43,14 @@ class ViewWorkersTest : public ::testing::Test {
     EXPECT_TRUE(changed_.wait_for(lock, kPatience, condition)) << "a job did not run, or not to its end";
   }
   /// Runs a job that takes so long, to its end.
-  void run(const std::string& connection, milliseconds takes) {
-    submit(connection, [this, takes] {
-      now_ += takes.count();
-      priority_ = getpriority(PRIO_PROCESS, 0);
-    });
+  void run(const std::string& connection, milliseconds takes, const std::string& caller = "all", milliseconds expected = {}) {
+    submit(
+        connection,
+        [this, takes] {
+          now_ += takes.count();
+          priority_ = getpriority(PRIO_PROCESS, 0);
+        },
+        caller, expected);
     // And another one of the same caller, before which the worker of normal priority books what it did.
     wait_until([this] { return done_ == submitted_; });
     submit("nobody " + std::to_string(submitted_), [] {});
@@ -92,6 +96,38 @@ TEST_F(ViewWorkersTest, WhoStaysWithinItsShareIsServedAtOnceForEver) {
   }
 }
 
+TEST_F(ViewWorkersTest, WhoHasManyConnectionsHasNoMoreOfTheWorkersAtOnce) {
+  const int normal = getpriority(PRIO_PROCESS, 0);
+  const milliseconds takes(100);
+  for (int i = 0; i < 20; ++i) {
+    run("new " + std::to_string(i), takes, "crowd", takes);
+    // Half a worker's time, beyond what he had saved up: 500 ms, then 50 of each 100.
+    EXPECT_EQ(priority_, i < 11 ? normal : low(normal)) << i;
+  }
+  run("frugal", milliseconds(1), "crowd", milliseconds(1));
+  EXPECT_EQ(priority_, normal) << "short jobs hold up nobody";
+  run("another's", takes, "another", takes);
+  EXPECT_EQ(priority_, normal);
+}
+
+TEST_F(ViewWorkersTest, WhatWaitsIsPaidAlready) {
+  const int normal = getpriority(PRIO_PROCESS, 0);
+  bool is_open = false;
+  submit("first", [&] { wait_until([&] { return is_open; }); });
+  std::atomic<int> lowered = 0;
+  for (int i = 0; i < 8; ++i) {
+    submit(
+        "new " + std::to_string(i), [&] { lowered += getpriority(PRIO_PROCESS, 0) != normal ? 1 : 0; }, "all", milliseconds(200));
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    is_open = true;
+    changed_.notify_all();
+  }
+  wait_until([&] { return done_ == submitted_; });
+  EXPECT_EQ(lowered, low(normal) == normal ? 0 : 5) << "500 ms pay for three";
+}
+
 TEST_F(ViewWorkersTest, LongJobsOfOneDoNotHoldUpAnother) {
   run("greedy", kBurst + milliseconds(100));
   const int before = done_;
@@ -124,11 +160,11 @@ TEST_F(ViewWorkersTest, WhoHasManyConnectionsDoesNotHoldUpAnother) {
 TEST_F(ViewWorkersTest, RunsAllThatWasTaken) {
   std::atomic<int> runs = 0;
   for (int i = 0; i < 90; ++i) {
-    ASSERT_TRUE(workers_.submit([&] { ++runs; }, std::to_string(i % 2), std::to_string(i)).ok());
+    ASSERT_TRUE(workers_.submit([&] { ++runs; }, {.caller = std::to_string(i % 2), .connection = std::to_string(i)}).ok());
   }
   workers_.stop();
   EXPECT_EQ(runs, 90);
-  EXPECT_EQ(workers_.submit([] {}, "", "late").code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(workers_.submit([] {}, {.connection = "late"}).code(), absl::StatusCode::kUnavailable);
 }
 
 }  // namespace

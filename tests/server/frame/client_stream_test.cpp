@@ -328,17 +328,18 @@ TEST(ClientStreamThreads, SurvivesAnyInterleaving) {
     std::atomic<std::int64_t> queued = 0;
     JobQueue queue({.workers = 2, .max_waiting = 100});
     auto stream = std::make_shared<ClientStream>(
-        &transport, ClientStream::Hooks{
-                        .find = [](const std::string&) -> absl::StatusOr<std::shared_ptr<const Session>> {
-                          return std::make_shared<const Session>();
-                        },
-                        .answer = [](const auto&, const FrameRequest&) { return absl::StatusOr<Answer>(Answer()); },
-                        .restore = [](const auto&, const auto&,
-                                      const auto&) { return absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(nullptr); },
-                        .has_room = [] { return absl::OkStatus(); },
-                        .submit = [&](std::function<void()> job) { return queue.submit(std::move(job)).status(); },
-                        .count_queued = [&](std::int64_t bytes) { queued += bytes; },
-                    });
+        &transport,
+        ClientStream::Hooks{
+            .find = [](const std::string&) -> absl::StatusOr<std::shared_ptr<const Session>> {
+              return std::make_shared<const Session>();
+            },
+            .answer = [](const auto&, const FrameRequest&) { return absl::StatusOr<Answer>(Answer()); },
+            .restore = [](const auto&, const auto&,
+                          const auto&) { return absl::StatusOr<std::shared_ptr<const ReferenceFrame>>(nullptr); },
+            .has_room = [] { return absl::OkStatus(); },
+            .submit = [&](std::function<void()> job, std::chrono::nanoseconds) { return queue.submit(std::move(job)).status(); },
+            .count_queued = [&](std::int64_t bytes) { queued += bytes; },
+        });
     stream->receive(open_request("any"));
     std::thread sender([&] { transport.deliver(*stream); });
     std::thread client([&] {

@@ -133,7 +133,7 @@ class Conversation : public ClientStream::Transport {
             return claim.digest == kKnownDigest ? restored_ : nullptr;
           },
           .has_room = [this]() -> absl::Status { return is_full_ ? absl::ResourceExhaustedError("full") : absl::OkStatus(); },
-          .submit = [this](std::function<void()> job) -> absl::Status {
+          .submit = [this](std::function<void()> job, std::chrono::nanoseconds) -> absl::Status {
             if (busy_) return absl::ResourceExhaustedError("busy");
             jobs_.push_back(std::move(job));
             return absl::OkStatus();
