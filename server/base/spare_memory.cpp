@@ -10,17 +10,19 @@ namespace curvecast::server {
 namespace {
 
 constexpr std::uint64_t kWorthwhile = 32 << 20;  // bytes
-constexpr std::chrono::seconds kPause{10};
 
 }  // namespace
 
 void SpareMemory::give_back(std::chrono::steady_clock::time_point now) {
   const std::uint64_t bytes = anonymous_bytes();
   if (least_ == 0 || bytes < least_) least_ = bytes;
-  if (bytes < least_ + kWorthwhile || now < gave_back_ + kPause) return;
+  if (bytes < least_ + kWorthwhile) return;
+  if (bytes >= left_ + kWorthwhile) pause_ = kPause;
+  if (now < gave_back_ + pause_) return;
   ::malloc_trim(0);
   gave_back_ = now;
-  least_ = anonymous_bytes();
+  left_ = anonymous_bytes();
+  pause_ = bytes >= left_ + kWorthwhile ? kPause : std::min(2 * pause_, kLongestPause);
 }
 
 }  // namespace curvecast::server

@@ -22,7 +22,7 @@ from hold.calls import Caller, mesh_id_of
 from hold.history import History, digest_of, now
 from hold.load import open_aio
 from hold.report import Report, quantile
-from hold.servers import Server, Setting, eventually
+from hold.servers import Server, Setting
 from hold.shapes import bumpy_ball, plain_view
 
 WORKERS = 24
@@ -30,7 +30,6 @@ SIZES = (100, 400)  # points of the sessions that there are
 LEAST_WARMTH = 10_000  # requests
 ON_ONE_STREAM = 40  # messages of a conversation, at most
 PATIENCE = 120.0  # seconds
-GIVES_BACK = 12.0  # seconds: a server's pause, and some
 GROWTH = 64 << 20  # bytes
 SERVICE = "/curvecast.v1.CurvecastService/"
 LIMITS = ("--max-sessions", "16", "--max-meshes", "16MB", "--cache-size", "50MB", "--max-curve-vertices", "200000")
@@ -65,10 +64,10 @@ def run(setting: Setting) -> Report:
         tally = Tally(wanted)
         with silence():
             asyncio.run(attack(server, setting, mesh, names, Tally(max(wanted // 10, LEAST_WARMTH))))  # buffers that stay
-            base = unaccounted(server)
+            base = server.unaccounted()
             asyncio.run(attack(server, setting, mesh, names, tally))
         is_alive = server.is_alive()
-        growth = unaccounted(server) - base if is_alive else 0.0
+        growth = server.growth(base, GROWTH) if is_alive else 0.0
         caller.upload("ball.off", kept)  # where absurd ones took its place
         again = caller.create(mesh_id_of(kept), 1000)
         after = caller.sample(session, plain_view(500)).value if again.is_ok else ""
@@ -82,16 +81,6 @@ def run(setting: Setting) -> Report:
     report.require("bytes grown beside what is held", growth, at_most=GROWTH)
     report.require("wrong points afterwards", int(before != after), at_most=0)
     return report
-
-
-def unaccounted(server: Server) -> float:
-    """Bytes that it takes when all calls are over, beside what it holds: sessions that absurd calls make are within a limit. What
-    is freed goes back to the system now and then only."""
-    for _ in eventually(30):
-        metrics = server.metrics()
-        if not any(metrics.get(f"curvecast_{name}") for name in ("open_streams", "queue_depth", "memory_reserved_bytes")):
-            break
-    return min(server.usage().resident - server.metrics()["curvecast_memory_held_bytes"] for _ in eventually(GIVES_BACK))
 
 
 @contextlib.contextmanager

@@ -6,6 +6,7 @@ import collections
 import contextlib
 import dataclasses
 import http.client
+import math
 import os
 import pathlib
 import random
@@ -22,6 +23,7 @@ from hold.history import History, now
 READY_SECONDS, END_SECONDS = 60.0, 120.0
 ANY_PORT = "127.0.0.1:0"
 WAIT = 0.05  # between looks at what is to come
+GIVES_BACK = 40.0  # seconds: pauses of a server that gives back what it has to spare, and some
 
 
 @dataclasses.dataclass
@@ -189,6 +191,23 @@ class Server:
         lines = dict(line.split(":", 1) for line in (folder / "status").read_text().splitlines() if ":" in line)
         threads = collections.Counter(task.read_text().strip() for task in folder.glob("task/*/comm"))
         return Usage(1024 * int(lines["VmRSS"].split()[0]), len(list((folder / "fd").iterdir())), threads)
+
+    def unaccounted(self) -> float:
+        """Bytes that it takes when all calls are over, beside what it holds."""
+        for _ in eventually(30):
+            metrics = self.metrics()
+            if not any(metrics.get(f"curvecast_{name}") for name in ("open_streams", "queue_depth", "memory_reserved_bytes")):
+                break
+        return self.usage().resident - self.metrics()["curvecast_memory_held_bytes"]
+
+    def growth(self, base: float, allowed: float) -> float:
+        """How much larger unaccounted() is than it was: what is freed goes back to the system now and then only."""
+        least = math.inf
+        for _ in eventually(GIVES_BACK):
+            least = min(least, self.unaccounted() - base)
+            if least <= allowed:
+                break
+        return least
 
     def log_lines(self, *words: str) -> list[str]:
         """Those of its log that hold all of these words."""

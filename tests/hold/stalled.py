@@ -30,6 +30,7 @@ ON_ONE = 15  # streams that share a connection, of those who read
 RATIO, FLOOR_SECONDS = 1.5, 0.01  # the client's own loop is late by as much
 REST_SECONDS, LOOK = 60.0, 0.5
 FULL_BYTES, FULL_SECONDS = 32e6, 120.0  # that are to wait for those who do not read; how long that may take
+GROWTH = 64e6  # bytes
 LAZY, BUSY = Who("lazy", "lazy's"), Who("busy", "busy's")
 
 
@@ -39,9 +40,9 @@ def run(setting: Setting) -> Report:
         Caller(server, setting.history, "maker", BUSY) as maker,
     ):
         session = prepare(maker)
-        before = server.usage().resident
+        base = server.unaccounted()
         report = measure(setting, server, session)
-        report.figure("MB grown", (server.usage().resident - before) / 1e6)
+        report.require("MB grown beside what is held", server.growth(base, GROWTH) / 1e6, at_most=GROWTH / 1e6)
     return report
 
 

@@ -17,15 +17,18 @@ using Block = std::unique_ptr<char[]>;
 constexpr std::size_t kBlock = 1000, kBlocks = 64'000;  // 64 MB
 constexpr std::uint64_t kMegabyte = 1'000'000;
 
-/// Takes memory in small blocks and frees all but the last one, which keeps the heap from shrinking by itself.
-Block leave_some_behind() {
+/// Takes memory in small blocks.
+std::vector<Block> take_some() {
   std::vector<Block> blocks;
   for (std::size_t i = 0; i < kBlocks; ++i) {
     blocks.push_back(std::make_unique<char[]>(kBlock));
     blocks.back()[0] = blocks.back()[kBlock / 2] = 1;
   }
-  return std::move(blocks.back());
+  return blocks;
 }
+
+/// ... and frees all but the last one, which keeps the heap from shrinking by itself.
+Block leave_some_behind() { return std::move(take_some().back()); }
 
 TEST(SpareMemory, IsGivenBackNowAndThen) {
   if (::mallinfo2().arena == 0) GTEST_SKIP() << "this allocator is not the one that is meant";
@@ -42,6 +45,21 @@ TEST(SpareMemory, IsGivenBackNowAndThen) {
   spare.give_back(time + std::chrono::hours(1) + std::chrono::seconds(1));
   EXPECT_GT(anonymous_bytes(), before + 50 * kMegabyte) << "given back at once, again";
   spare.give_back(time + std::chrono::hours(2));
+  EXPECT_LT(anonymous_bytes(), before + 10 * kMegabyte);
+}
+
+TEST(SpareMemory, WhatIsFreedLaterIsGivenBackLater) {
+  if (::mallinfo2().arena == 0) GTEST_SKIP() << "this allocator is not the one that is meant";
+  auto time = std::chrono::steady_clock::now();
+  SpareMemory spare;
+  spare.give_back(time);
+  const std::uint64_t before = anonymous_bytes();
+  std::vector<Block> blocks = take_some();
+  for (int i = 0; i < 100; ++i) spare.give_back(time += std::chrono::seconds(10));
+  ASSERT_GT(anonymous_bytes(), before + 50 * kMegabyte);
+  const Block pin = std::move(blocks.back());
+  blocks.clear();
+  for (int i = 0; i < 20; ++i) spare.give_back(time += std::chrono::seconds(10));
   EXPECT_LT(anonymous_bytes(), before + 10 * kMegabyte);
 }
 
