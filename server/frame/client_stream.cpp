@@ -17,7 +17,9 @@ constexpr int kMaxImprovements = 8;
 constexpr int kMaxInVain = 8;
 // What an answer may take of the processors once a newer view has come.
 constexpr WorkLimit::Nanoseconds kMostOutdatedWork = std::chrono::milliseconds(100);
-// What a point takes of them, about.
+// How long somebody who came back with points of another view waits until they can be gone on from.
+constexpr std::chrono::milliseconds kResumePatience(200);
+// What a point takes of the processors, about.
 constexpr std::chrono::nanoseconds kWorkOfPoint(60);
 
 ViewEvent event_of(FollowUp follow_up) {
@@ -231,7 +233,9 @@ void ClientStream::run_worker() {
       if (view.request->automatic) view.request->options.points = pace_.points(*view.request->automatic);
       if (wants_key_) claim_.reset();
       // No frame is queued before this one, unless with an error.
-      const auto claim = claim_;
+      auto claim = claim_;
+      // The points that are claimed are no answer to another view: rather a few new ones at once than all of them after a second.
+      if (claim && claim->point_set.fingerprint != view.request->fingerprint) claim->patience = kResumePatience;
       auto reference = wants_key_ ? nullptr : reference_;
       const std::uint64_t first_bytes = accepts_deltas_ ? view.first_bytes : 0;
       const ExecutionContext context{.cancel = &cancel_, .limit = &*work_};

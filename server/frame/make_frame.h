@@ -3,6 +3,7 @@
 
 #include <absl/status/statusor.h>
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 
@@ -46,10 +47,11 @@ struct ResumeClaim {
   PointSetRequest point_set;
   std::uint64_t points = 0;
   std::uint64_t digest = 0;
+  std::chrono::nanoseconds patience = std::chrono::hours(1);  // how long to wait for ranked candidates
 };
 
-/// Selects again the points that a client claims to hold; null where their digest is another. Waits for ranked candidates. Errors
-/// as of SessionSampler::open().
+/// Selects again the points that a client claims to hold; null where their digest is another, or patience ends before there are
+/// all candidates that it takes. Errors as of SessionSampler::open().
 absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Session& session, const ResumeClaim& claim,
                                                                         ViewCache& cache, const ExecutionContext& context);
 

@@ -81,7 +81,7 @@ class Conversation : public server::ClientStream::Transport {
                               const auto&) { return absl::StatusOr<std::shared_ptr<const server::ReferenceFrame>>(nullptr); },
                 .has_room = [] { return absl::OkStatus(); },
                 .submit =
-                    [this](std::function<void()> job) {
+                    [this](std::function<void()> job, std::chrono::nanoseconds) {
                       jobs_.push_back(std::move(job));
                       expect(jobs_.size() == 1, "more than one view is answered at a time");
                       return absl::OkStatus();

@@ -94,6 +94,21 @@ TEST_F(ClientStreamDelta, WhatAnotherStreamLeftIsBuiltUpon) {
   EXPECT_THAT(claims_, ElementsAre(kKnownDigest)) << "made again once only";
 }
 
+TEST_F(ClientStreamDelta, OnlyWhoHasMovedOnHasNoTimeToWaitForPoints) {
+  const auto patience = [](std::uint64_t points) {
+    Conversation other;
+    other.receive(claiming_open(kKnownDigest));
+    v1::StreamViewsRequest view = ranked_request(1);
+    view.mutable_view()->mutable_sample()->set_points(points);
+    other.receive(view);
+    other.run_all();
+    return other.patience_;
+  };
+  const std::uint64_t claimed = ranked_request(1).view().sample().points();
+  EXPECT_GE(patience(claimed), std::chrono::minutes(1));
+  EXPECT_LT(patience(claimed + 1), std::chrono::seconds(1));
+}
+
 TEST_F(ClientStreamDelta, AFalseClaimGetsAKeyFrame) {
   for (const std::uint64_t digest : {kKnownDigest + 1, std::uint64_t{98}}) {
     Conversation other;

@@ -95,6 +95,7 @@ class Conversation : public ClientStream::Transport {
   int parts_ = 0;                                   // before the whole, of views that may come in parts
   bool stuck_ = false;                              // parts bring no points beyond those of the one before
   static constexpr std::uint64_t kKnownDigest = 7;  // what a client may claim to have
+  std::chrono::nanoseconds patience_{};             // of the last claim
   std::vector<std::uint64_t> claims_;
   std::shared_ptr<const ReferenceFrame> restored_ = std::make_shared<const ReferenceFrame>();
   std::shared_ptr<ClientStream> stream_ = std::make_shared<ClientStream>(
@@ -130,6 +131,7 @@ class Conversation : public ClientStream::Transport {
                             const ExecutionContext&) -> absl::StatusOr<std::shared_ptr<const ReferenceFrame>> {
             if (claim.digest == 98) throw std::runtime_error("98");
             claims_.push_back(claim.digest);
+            patience_ = claim.patience;
             return claim.digest == kKnownDigest ? restored_ : nullptr;
           },
           .has_room = [this]() -> absl::Status { return is_full_ ? absl::ResourceExhaustedError("full") : absl::OkStatus(); },

@@ -61,7 +61,7 @@ class ZoomedView : public Conversation {
                   .restore = [](const Session&, const auto&, const auto&) { return nullptr; },
                   .has_room = [] { return absl::OkStatus(); },
                   .submit =
-                      [this](std::function<void()> job) {
+                      [this](std::function<void()> job, std::chrono::nanoseconds) {
                         jobs_.push_back(std::move(job));
                         return absl::OkStatus();
                       },

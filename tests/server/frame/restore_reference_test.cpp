@@ -1,0 +1,89 @@
+// What a client holds of another server is selected again where there is time to make the candidates.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "server/convert/convert_points.h"
+#include "server/frame/make_frame.h"
+#include "tests/server/ball_session.h"
+
+namespace curvecast::server {
+namespace {
+
+constexpr std::uint64_t kPoints = 20'000;
+
+v1::SampleRequest close_view() {
+  v1::SampleRequest sample;
+  sample.set_points(kPoints);
+  sample.set_sampler(v1::SAMPLER_PROGRESSIVE);
+  sample.add_density()->mutable_screen();
+  sample.add_density()->mutable_frustum();
+  v1::Camera& camera = *sample.add_cameras();
+  camera.mutable_eye()->set_z(1.1);
+  camera.mutable_target()->set_z(0);
+  camera.mutable_up()->set_y(1);
+  camera.set_vertical_fov_degrees(40);
+  sample.mutable_viewport()->set_width(1000);
+  sample.mutable_viewport()->set_height(1000);
+  return sample;
+}
+
+/// The session as a server has it that has just read it.
+std::shared_ptr<const Session> fresh() {
+  static const std::shared_ptr<const Session> made = make_session(500);
+  auto session = std::make_shared<Session>();
+  session->options = made->options;
+  session->preprocessed = made->preprocessed;
+  session->surface = made->surface;
+  session->revisions->publish(made->curve());
+  return session;
+}
+
+class RestoreReference : public ::testing::Test {
+ protected:
+  /// A view of a server that has made all candidates for it.
+  Answer settled(const Session& session) {
+    RankDemand demand;
+    const ImprovementRequests improvements{.finer_curve = [](const auto&, std::uint64_t) { return false; },
+                                           .more_ranks =
+                                               [&](RankDemand next) {
+                                                 demand = std::move(next);
+                                                 return true;
+                                               }};
+    for (;;) {
+      demand = nullptr;
+      absl::StatusOr<Answer> answer = make_frame(session, {.point_set = request_, .may_refine = true}, cache_, improvements);
+      EXPECT_TRUE(answer.ok()) << answer.status();
+      if (!demand) return *std::move(answer);
+      EXPECT_TRUE(session.candidates->grow(demand(session.ranks({})->tree).chunks, {}).ok());
+    }
+  }
+
+  ViewCache cache_;
+  const PointSetRequest request_ = *to_point_set_request(close_view());
+};
+
+TEST_F(RestoreReference, TakesTheTimeThatItIsGiven) {
+  const Answer held = settled(*fresh());
+  ASSERT_NE(held.reference, nullptr);
+  ASSERT_EQ(held.frame.held_points(), kPoints);
+  ResumeClaim claim{.point_set = request_, .points = kPoints, .digest = held.reference->digest()};
+  const std::shared_ptr<const Session> another = fresh();
+
+  claim.patience = std::chrono::nanoseconds(0);
+  absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restored = restore_reference(*another, claim, cache_, {});
+  ASSERT_TRUE(restored.ok()) << restored.status();
+  EXPECT_EQ(*restored, nullptr);
+
+  claim.patience = std::chrono::hours(1);
+  restored = restore_reference(*another, claim, cache_, {});
+  ASSERT_TRUE(restored.ok()) << restored.status();
+  ASSERT_NE(*restored, nullptr);
+  EXPECT_EQ((*restored)->digest(), claim.digest);
+
+  claim.patience = std::chrono::nanoseconds(0);
+  EXPECT_NE(*restore_reference(*another, claim, cache_, {}), nullptr) << "what there is takes no time";
+}
+
+}  // namespace
+}  // namespace curvecast::server
