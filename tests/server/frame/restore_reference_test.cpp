@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "server/convert/convert_points.h"
+#include "server/convert/convert.h"
 #include "server/frame/make_frame.h"
 #include "tests/server/ball_session.h"
 
