@@ -1,4 +1,5 @@
-"""deploy/helm: what Helm makes of it with every option, beside what Kubernetes, HAProxy and the server take. deploy/check_helm runs it."""
+"""deploy/helm: what Helm makes of it with every option, beside what Kubernetes, HAProxy and the server take. deploy/check_helm runs
+it."""
 
 from __future__ import annotations
 
@@ -25,8 +26,8 @@ UNUSED = {"color", "seed"}
 
 
 def kubeconform(*files: pathlib.Path) -> dict[str, Any]:
-    command = [TOOLS / "kubeconform", "-strict", "-summary", "-output", "json"]
-    command += ["-schema-location", f"{SCHEMAS}/{{{{.ResourceKind}}}}{{{{.KindSuffix}}}}.json", *files]
+    command = [str(TOOLS / "kubeconform"), "-strict", "-summary", "-output", "json"]
+    command += ["-schema-location", f"{SCHEMAS}/{{{{.ResourceKind}}}}{{{{.KindSuffix}}}}.json", *map(str, files)]
     return dict(json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout))
 
 
@@ -139,7 +140,7 @@ class HelmTest(unittest.TestCase):
         }
         folder = folder_of(self)
         for name, (kind, spoil) in spoilt.items():
-            thing = copy.deepcopy(next(it for it in self.objects["everything"] if it["kind"] == kind))
+            thing = copy.deepcopy(next(it for objects in self.objects.values() for it in objects if it["kind"] == kind))
             (folder / f"{name}-good.yaml").write_text(yaml.safe_dump(thing))
             spoil(thing)
             (folder / f"{name}-bad.yaml").write_text(yaml.safe_dump(thing))
@@ -219,11 +220,7 @@ class HelmTest(unittest.TestCase):
                 self.assertEqual(context["seccompProfile"], {"type": "RuntimeDefault"})
                 self.assertEqual(
                     container(work)["securityContext"],
-                    {
-                        "allowPrivilegeEscalation": False,
-                        "readOnlyRootFilesystem": True,
-                        "capabilities": {"drop": ["ALL"]},
-                    },
+                    {"allowPrivilegeEscalation": False, "readOnlyRootFilesystem": True, "capabilities": {"drop": ["ALL"]}},
                 )
                 self.assertFalse(any("hostPath" in volume for volume in pod["volumes"]))
 
@@ -321,6 +318,13 @@ class HelmTest(unittest.TestCase):
         stateful = find(objects, "StatefulSet")
         scaler = [it["spec"]["maxReplicas"] for it in objects if it["kind"] == "HorizontalPodAutoscaler"]
         count = scaler[0] if scaler else stateful["spec"]["replicas"]
+        # Only with one cache for all may the next server help.
+        is_shared = any(
+            "persistentVolumeClaim" in volume
+            for volume in stateful["spec"]["template"]["spec"]["volumes"]
+            if volume["name"] == "cache"
+        )
+        self.assertEqual(config.count("hash-balance-factor 0"), 0 if is_shared else 2, name)
         domain = f"{stateful['spec']['serviceName']}.{NAMESPACE}.svc."
         for port, part in zip(("50051", "8080"), (servers[:count], servers[count:]), strict=True):
             self.assertEqual([each[0] for each in part], [f"{stateful['metadata']['name']}-{i}" for i in range(count)])

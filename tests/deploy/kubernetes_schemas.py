@@ -1,6 +1,5 @@
-"""Strict JSON schemas for kubeconform, from what Kubernetes and other projects publish: a field that is not described is an error, and
-so is null. Usage: kubernetes_schemas.py OUT SWAGGER CRD... (OpenAPI 2 of Kubernetes, files of CustomResourceDefinitions).
-"""
+"""Strict JSON schemas for kubeconform, from what Kubernetes and other projects publish: a field that is not described is an error,
+and so is null. Usage: kubernetes_schemas.py OUT SWAGGER CRD... (OpenAPI 2 of Kubernetes, files of CustomResourceDefinitions)."""
 
 from __future__ import annotations
 

@@ -130,6 +130,9 @@ securityContext:
 {{- if and $values.tls.clientCaSecret (not $values.tls.secret) }}
 {{- fail "tls.clientCaSecret needs tls.secret, the servers' own certificate" }}
 {{- end }}
+{{- if and $values.autoscaling.enabled (not $values.cache.sharedClaim) }}
+{{- fail "autoscaling.enabled needs cache.sharedClaim: sessions that go to another server have to be found there" }}
+{{- end }}
 {{- if and $values.autoscaling.enabled (gt (int $values.autoscaling.minReplicas) (int $values.autoscaling.maxReplicas)) }}
 {{- fail "autoscaling.minReplicas is more than autoscaling.maxReplicas" }}
 {{- end }}
