@@ -8,7 +8,9 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
+import tempfile
 import unittest
 from typing import IO, Any, ClassVar, cast
 
@@ -26,13 +28,30 @@ MESH = "\n".join(
 ).encode()
 MESH_ID = hashlib.sha256(MESH).hexdigest()[:32]
 
+#: gRPC's C++ library serves it without a description.
+HEALTH = """
+syntax = "proto3";
+package grpc.health.v1;
+message HealthCheckRequest { string service = 1; }
+message HealthCheckResponse {
+  enum ServingStatus { UNKNOWN = 0; SERVING = 1; NOT_SERVING = 2; SERVICE_UNKNOWN = 3; }
+  ServingStatus status = 1;
+}
+service Health { rpc Check(HealthCheckRequest) returns (HealthCheckResponse); }
+"""
+
 
 class GrpcTest(unittest.TestCase):
     address: ClassVar[str]
     session_id: ClassVar[str]
+    health: ClassVar[pathlib.Path]
 
     @classmethod
     def setUpClass(cls) -> None:
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="curvecast-grpc-"))
+        cls.addClassCleanup(shutil.rmtree, folder)
+        cls.health = folder / "health.proto"
+        cls.health.write_text(HEALTH)
         # It ends with this process, however that ends.
         command = ["setpriv", "--pdeathsig", "TERM", os.environ["CURVECAST_COMMAND"], "serve"]
         command += ["--listen", "127.0.0.1:0", "--http", "none", "--quiet"]
@@ -46,12 +65,12 @@ class GrpcTest(unittest.TestCase):
         cls.address = line.split()[-1]
         header = {"header": {"name": "octahedron.obj", "size": len(MESH), "mesh_id": MESH_ID}}
         (uploaded,) = call("UploadMesh", cls.address, header, {"chunk": base64.b64encode(MESH).decode()})
-        if uploaded != {"meshId": MESH_ID, "size": str(len(MESH))}:
+        if uploaded != {"mesh_id": MESH_ID, "size": str(len(MESH))}:
             raise AssertionError(uploaded)
         *progress, ready = call("CreateSession", cls.address, {"mesh_id": MESH_ID, "options": {"max_points": 10_000}})
         if not all("progress" in update for update in progress):
             raise AssertionError(progress)
-        cls.session_id = ready["session"]["sessionId"]
+        cls.session_id = ready["session"]["session_id"]
 
     @staticmethod
     def stop(server: subprocess.Popen[str]) -> None:
@@ -76,8 +95,9 @@ class GrpcTest(unittest.TestCase):
 
     def test_the_server_is_well(self) -> None:
         for service in ("", SERVICE):
-            (answer,) = call("grpc.health.v1.Health/Check", self.address, {"service": service})
-            self.assertEqual(answer, {"status": "SERVING"})
+            options = ("-import-path", str(self.health.parent), "-proto", self.health.name)
+            text = grpcurl(*options, self.address, "grpc.health.v1.Health/Check", given=json.dumps({"service": service}))
+            self.assertEqual(json.loads(text), {"status": "SERVING"})
 
     def test_a_mesh_is_inspected(self) -> None:
         (answer,) = call("InspectMesh", self.address, {"mesh_id": MESH_ID})
@@ -87,20 +107,24 @@ class GrpcTest(unittest.TestCase):
         """Without acknowledgements, as the tool sends all it has at once: one frame, and the end."""
         answers = call("StreamViews", self.address, *self.conversation(2_000))
         self.assertEqual(answers[0]["frame"]["sequence"], "1")
-        self.assertEqual(answers[0]["frame"]["heldPoints"], "2000")
+        self.assertEqual(answers[0]["frame"]["held_points"], "2000")
         self.assertNotIn("error", answers[0]["frame"])
 
     def test_mistakes_have_codes(self) -> None:
-        for message, code in (({"session_id": "0" * 32}, "NotFound"), ({"session_id": "x"}, "InvalidArgument")):
-            done = run("grpcurl", "-plaintext", "-d", json.dumps(message), self.address, f"{SERVICE}/GetSession")
+        mistakes: dict[str, tuple[str, Message]] = {
+            "NotFound": ("GetSession", {"session_id": "0" * 32}),
+            "InvalidArgument": ("CreateSession", {"mesh_id": MESH_ID, "options": {"omega": 1001}}),
+        }
+        for code, (name, message) in mistakes.items():
+            done = run("grpcurl", "-plaintext", "-d", json.dumps(message), self.address, f"{SERVICE}/{name}")
             self.assertNotEqual(done.returncode, 0)
             self.assertIn(f"Code: {code}", done.stderr)
 
     # ghz
 
     def test_hundreds_of_calls_have_no_error(self) -> None:
+        self.check_load(ghz(self.address, "grpc.health.v1.Health.Check", 500, {}, "--proto", str(self.health)), 500)
         calls: dict[str, Message] = {
-            "grpc.health.v1.Health.Check": {},
             f"{SERVICE}.GetSession": {"session_id": self.session_id},
             f"{SERVICE}.GetMesh": {"mesh_id": MESH_ID},
             f"{SERVICE}.ListSessions": {},
@@ -145,9 +169,8 @@ def grpcurl(*arguments: str, given: str | None = None) -> str:
 
 
 def call(name: str, address: str, *messages: Message) -> list[Message]:
-    """The answers of one call; `name` with a service, or of ours."""
-    full = name if "/" in name else f"{SERVICE}/{name}"
-    text = grpcurl(address, full, given="\n".join(json.dumps(message) for message in messages))
+    """The answers of one call of ours."""
+    text = grpcurl(address, f"{SERVICE}/{name}", given="\n".join(json.dumps(message) for message in messages))
     answers: list[Message] = []
     decoder = json.JSONDecoder()
     place = 0
@@ -158,10 +181,10 @@ def call(name: str, address: str, *messages: Message) -> list[Message]:
     return answers
 
 
-def ghz(address: str, name: str, count: int, message: Message | list[Message]) -> Message:
+def ghz(address: str, name: str, count: int, message: Message | list[Message], *more: str) -> Message:
     """What it reports of so many calls over four connections, eight at a time."""
     options = ["--insecure", "--format", "json", "--total", str(count), "--concurrency", "8", "--connections", "4"]
-    done = run("ghz", *options, "--timeout", "60s", "--call", name, "--data", json.dumps(message), address)
+    done = run("ghz", *options, *more, "--timeout", "60s", "--call", name, "--data", json.dumps(message), address)
     if done.returncode != 0:
         raise AssertionError(done.stderr)
     return dict(json.loads(done.stdout))
