@@ -6,9 +6,12 @@ import copy
 import dataclasses
 import os
 import pathlib
+import shutil
 import subprocess
+import tempfile
+import unittest
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, ClassVar
 
 import yaml
 
@@ -116,3 +119,26 @@ def environment(workload: Object) -> dict[str, str]:
     if len(set(names)) != len(names):
         raise AssertionError(f"a variable stands twice in {names}")
     return {variable["name"]: variable["value"] for variable in variables}
+
+
+def folder_of(test: unittest.TestCase) -> pathlib.Path:
+    path = pathlib.Path(tempfile.mkdtemp(prefix="curvecast-helm-"))
+    test.addCleanup(shutil.rmtree, path)
+    return path
+
+
+class Rendered(unittest.TestCase):
+    """What Helm makes of the chart with each file of options."""
+
+    options: ClassVar[dict[str, Values]]
+    rendered: ClassVar[dict[str, Outcome]]
+    objects: ClassVar[dict[str, list[Object]]]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.options = options()
+        cls.rendered = {name: template(values) for name, values in cls.options.items()}
+        for name, outcome in cls.rendered.items():
+            if outcome.status != 0:
+                raise AssertionError(f"{name}: {outcome.errors}")
+        cls.objects = {name: outcome.objects() for name, outcome in cls.rendered.items()}

@@ -1,28 +1,23 @@
-"""deploy/helm: what Helm makes of it with every option, beside what Kubernetes, HAProxy and the server take. deploy/check_helm runs
+"""deploy/helm: what Helm makes of it with every option, beside what Kubernetes takes; and what it refuses. deploy/check_helm runs
 it."""
 
 from __future__ import annotations
 
 import copy
 import json
-import os
 import pathlib
 import re
-import shutil
 import subprocess
-import tempfile
 import unittest
-from collections.abc import Callable, Iterator
-from typing import Any, ClassVar
+from collections.abc import Callable
+from typing import Any
 
 import yaml
 
 import helm_chart
-from helm_chart import CHART, NAMESPACE, SOURCE, TOOLS, Object, Values, at, container, environment, find, workloads
+from helm_chart import CHART, NAMESPACE, SOURCE, TOOLS, Object, at, container, environment, find, folder_of, workloads
 
 SCHEMAS = SOURCE / "build/helm/schemas"
-#: Settings of `serve` that an operator of the chart has no use for.
-UNUSED = {"color", "seed"}
 
 
 def kubeconform(*files: pathlib.Path) -> dict[str, Any]:
@@ -31,32 +26,7 @@ def kubeconform(*files: pathlib.Path) -> dict[str, Any]:
     return dict(json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout))
 
 
-def folder_of(test: unittest.TestCase) -> pathlib.Path:
-    path = pathlib.Path(tempfile.mkdtemp(prefix="curvecast-helm-"))
-    test.addCleanup(shutil.rmtree, path)
-    return path
-
-
-class HelmTest(unittest.TestCase):
-    options: ClassVar[dict[str, Values]]
-    #: What Helm makes of each.
-    rendered: ClassVar[dict[str, helm_chart.Outcome]]
-    objects: ClassVar[dict[str, list[Object]]]
-
-    @classmethod
-    def setUpClass(cls) -> None:
-        cls.options = helm_chart.options()
-        cls.rendered = {name: helm_chart.template(values) for name, values in cls.options.items()}
-        for name, outcome in cls.rendered.items():
-            if outcome.status != 0:
-                raise AssertionError(f"{name}: {outcome.errors}")
-        cls.objects = {name: outcome.objects() for name, outcome in cls.rendered.items()}
-
-    def each(self) -> Iterator[tuple[str, list[Object]]]:
-        for name, objects in self.objects.items():
-            with self.subTest(name):
-                yield name, objects
-
+class HelmTest(helm_chart.Rendered):
     # What is covered
 
     def test_helm_finds_nothing(self) -> None:
@@ -148,7 +118,7 @@ class HelmTest(unittest.TestCase):
         self.assertEqual(found, {f"{name}-bad.yaml" for name in spoilt})
 
     def test_names_lead_somewhere(self) -> None:
-        for _, objects in self.each():
+        for objects in self.objects.values():
             names = [(thing["kind"], thing["metadata"]["name"]) for thing in objects]
             self.assertEqual(len(set(names)), len(names))
             pods = [work["spec"]["template"]["metadata"]["labels"] for work in workloads(objects)]
@@ -210,7 +180,7 @@ class HelmTest(unittest.TestCase):
 
     def test_pods_may_do_nothing_that_they_need_not(self) -> None:
         """Kubernetes' Pod Security Standard "restricted", and more."""
-        for _, objects in self.each():
+        for objects in self.objects.values():
             for work in workloads(objects):
                 pod = work["spec"]["template"]["spec"]
                 self.assertIs(pod["automountServiceAccountToken"], False)
@@ -225,7 +195,7 @@ class HelmTest(unittest.TestCase):
                 self.assertFalse(any("hostPath" in volume for volume in pod["volumes"]))
 
     def test_pods_get_the_time_that_they_need_to_end(self) -> None:
-        for _, objects in self.each():
+        for objects in self.objects.values():
             for work in workloads(objects):
                 variables = environment(work)
                 grace = work["spec"]["template"]["spec"]["terminationGracePeriodSeconds"]
@@ -262,102 +232,6 @@ class HelmTest(unittest.TestCase):
         (version,) = re.findall(r"project\(curvecast\s+VERSION ([0-9.]+)", (SOURCE / "CMakeLists.txt").read_text())
         self.assertEqual((chart["version"], chart["appVersion"]), (version, version))
 
-    def test_metrics_of_the_autoscaler_are_there(self) -> None:
-        adapter = yaml.safe_load((CHART / "examples/prometheus-adapter.yaml").read_text())
-        (rule,) = adapter["rules"]["custom"]
-        self.assertEqual(rule["name"]["as"], helm_chart.defaults()["autoscaling"]["viewWait"]["metric"])
-        told = (SOURCE / "server/engine/metrics.cpp").read_text()
-        for name in re.findall(r"curvecast_\w+?_seconds(?=_bucket|_count)", rule["seriesQuery"] + rule["metricsQuery"]):
-            self.assertIn(f'"{name}"', told)
-
-    # HAProxy
-
-    def test_haproxy_takes_its_settings(self) -> None:
-        haproxy = shutil.which("haproxy") or "/usr/sbin/haproxy"
-        if not os.access(haproxy, os.X_OK):
-            self.skipTest("there is no haproxy: deploy/setup --cluster installs it")
-        gateways = 0
-        for name, objects in self.each():
-            for work in workloads(objects):
-                if work["kind"] == "Deployment":
-                    gateways += 1
-                    self.run_haproxy(haproxy, folder_of(self), work, objects, name)
-        self.assertGreaterEqual(gateways, 2)
-
-    def run_haproxy(self, haproxy: str, folder: pathlib.Path, work: Object, objects: list[Object], name: str) -> None:
-        """With what its pod would find, at other places."""
-        only = container(work)
-        places: dict[str, str] = {}
-        for mount in only["volumeMounts"]:
-            place = folder / mount["name"]
-            place.mkdir()
-            places[mount["mountPath"]] = str(place)
-            volume = next(it for it in work["spec"]["template"]["spec"]["volumes"] if it["name"] == mount["name"])
-            if "configMap" in volume:
-                for file, text in find(objects, "ConfigMap", volume["configMap"]["name"])["data"].items():
-                    (place / file).write_text(text)
-            if "secret" in volume:
-                certificate = {"tls.crt": folder / "tls.crt", "tls.key": folder / "tls.key"}
-                make_certificate(*certificate.values())
-                for item in volume["secret"]["items"]:
-                    shutil.copy(certificate[item["key"]], place / item["path"])
-
-        def here(text: str) -> str:
-            for path, place in sorted(places.items(), reverse=True):
-                text = re.sub(rf"^{path}(?=/|$)", place, text)
-            return text
-
-        command = [haproxy, "-c", *(here(argument) for argument in only["command"][1:])]
-        variables = {key: here(value) for key, value in environment(work).items()}
-        done = subprocess.run(command, env=variables, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
-        self.assertEqual(done.returncode, 0, f"{name}: {done.stdout}")
-        self.assertNotRegex(done.stdout, "WARNING|ALERT")
-        # The same servers with the same places in both, as many as there may be.
-        config = find(objects, "ConfigMap", work["metadata"]["name"])["data"]["replicas.cfg"]
-        servers = re.findall(r"^  server (\S+) (\S+):(\d+) id (\d+)$", config, re.MULTILINE)
-        stateful = find(objects, "StatefulSet")
-        scaler = [it["spec"]["maxReplicas"] for it in objects if it["kind"] == "HorizontalPodAutoscaler"]
-        count = scaler[0] if scaler else stateful["spec"]["replicas"]
-        # Only with one cache for all may the next server help.
-        is_shared = any(
-            "persistentVolumeClaim" in volume
-            for volume in stateful["spec"]["template"]["spec"]["volumes"]
-            if volume["name"] == "cache"
-        )
-        self.assertEqual(config.count("hash-balance-factor 0"), 0 if is_shared else 2, name)
-        domain = f"{stateful['spec']['serviceName']}.{NAMESPACE}.svc."
-        for port, part in zip(("50051", "8080"), (servers[:count], servers[count:]), strict=True):
-            self.assertEqual([each[0] for each in part], [f"{stateful['metadata']['name']}-{i}" for i in range(count)])
-            for pod, address, to, place in part:
-                self.assertTrue(address.startswith(f"{pod}.{domain}"), address)
-                self.assertEqual((to, int(place)), (port, int(pod.rpartition("-")[2]) + 1))
-
-    # The server
-
-    def test_the_server_takes_its_settings(self) -> None:
-        command = self.command()
-        named = set()
-        for name, objects in self.each():
-            variables = environment(find(objects, "StatefulSet"))
-            printed = settings(command, variables)
-            self.assertEqual(container(find(objects, "StatefulSet"))["args"], ["serve"])
-            for variable, value in variables.items():
-                setting = variable.removeprefix("CURVECAST_").lower().replace("_", "-")
-                named.add(setting)
-                self.assertIn(setting, printed, name)
-                self.assertEqual(printed[setting], expected(value), f"{name}: {setting}")
-        schema = json.loads((CHART / "values.schema.json").read_text())["properties"]["settings"]["properties"]
-        known = set(settings(command, {}))
-        self.assertEqual(known - named - UNUSED, set(), "no option of the chart sets them")
-        self.assertEqual(set(schema) - known, set())
-        self.assertEqual(set(schema) - named, set(), "no file of tests/deploy/helm sets them")
-
-    def command(self) -> str:
-        command = os.environ.get("CURVECAST_COMMAND")
-        if not command:
-            self.skipTest("there is no built curvecast: CURVECAST_BUILD names the folder of a build")
-        return command
-
 
 def matching(selector: dict[str, str], labels: list[dict[str, str]]) -> list[dict[str, str]]:
     return [each for each in labels if selector.items() <= each.items()]
@@ -367,27 +241,6 @@ def chosen(objects: list[Object], selector: dict[str, str]) -> Object:
     """The only one whose pods `selector` means."""
     (work,) = [it for it in workloads(objects) if selector.items() <= it["spec"]["template"]["metadata"]["labels"].items()]
     return work
-
-
-def make_certificate(certificate: pathlib.Path, key: pathlib.Path) -> None:
-    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj", "/CN=localhost"]
-    subprocess.run([*command, "-keyout", key, "-out", certificate], check=True, capture_output=True)
-
-
-def settings(command: str, variables: dict[str, str]) -> dict[str, str]:
-    """What `serve` takes from the environment, and what it has else."""
-    done = subprocess.run([command, "serve", "--print-config"], env=variables, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise AssertionError(done.stderr)
-    found = dict(re.findall(r"^([a-z-]+)=(.*)$", done.stdout, re.MULTILINE))
-    return {name: re.sub(r'^\["|"\]$|^"|"$', "", value).replace('", "', ";") for name, value in found.items()}
-
-
-def expected(value: str) -> str:
-    """As the server prints it."""
-    if size := re.fullmatch(r"(\d+)([KMGT])B", value):
-        return str(int(size[1]) * 1024 ** ("KMGT".index(size[2]) + 1))
-    return value
 
 
 if __name__ == "__main__":
