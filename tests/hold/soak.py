@@ -34,7 +34,7 @@ VISIT_PAUSE = 0.2  # seconds
 CALM = ("--max-curve-vertices", "0")
 P99_SECONDS = 0.1
 WARM_SECONDS = 6
-GRPC_POOLS = ("default-executo", "event_engine")  # threads that gRPC makes as it likes, a few for each core
+GRPC_POOLS = ("default-executo", "event_engine", "grpc_global_tim")  # threads that gRPC makes as it likes, a few for each core
 
 
 def view_of(points: int, number: int) -> v1.SampleRequest:
