@@ -122,7 +122,11 @@ absl::Status serve(const Flags& flags, const CommonOptions& options, const serve
                    const std::stop_token& stop) {
   std::signal(SIGPIPE, SIG_IGN);  // where its lines go to may end before it
   const bool has_files = !server_options.tokens.empty() || !server_options.tls_cert.empty();
-  if (has_files) HangUpWatcher::hold_back();
+  if (has_files) {
+    HangUpWatcher::hold_back();
+  } else if (!has_terminal()) {
+    std::signal(SIGHUP, SIG_IGN);  // a reload, with nothing to read
+  }
   absl::StatusOr<std::unique_ptr<server::Server>> server = server::Server::start(server_options);
   if (!server.ok()) return server.status();
   std::optional<HangUpWatcher> hang_ups;
@@ -266,7 +270,8 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
       "encrypted with --tls-cert and --tls-key). Prints its addresses when it is "
       "ready and a line per opened mesh. SIGTERM or Ctrl-C: running calls get --drain seconds to end, and what goes to the "
       "cache gets --max-stop-time; status 0. A second one ends it at once; status 130. SIGHUP: reads the files of tokens and "
-      "certificates anew, where there are any.",
+      "certificates anew, where there are any; else it ends a server whose terminal closes, and is nothing to one without a "
+      "terminal.",
       {"curvecast serve --open bunny.obj --open igea.ply",
        "curvecast serve --listen 0.0.0.0:50051 --tokens /etc/curvecast.tokens --cache /var/cache/curvecast --cache-size 50GB",
        "curvecast serve --config /etc/curvecast.toml --http 0.0.0.0:8080 --open-to-all",

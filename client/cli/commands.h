@@ -15,6 +15,7 @@ Command add_measure(CLI::App& root, CommonOptions& options);
 Command add_remesh(CLI::App& root, CommonOptions& options);
 Command add_render(CLI::App& root, CommonOptions& options);
 Command add_sessions(CLI::App& root, CommonOptions& options);
+Command add_health(CLI::App& root, CommonOptions& options);
 Command add_bench(CLI::App& root, CommonOptions& options);
 
 }  // namespace curvecast::cli

@@ -1,5 +1,6 @@
 #include "client/cli/signals.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <unistd.h>
 
@@ -40,6 +41,13 @@ SignalWatcher::~SignalWatcher() {
   // Wakes it: the signal is blocked, and sigwait() takes it.
   pthread_kill(thread_.native_handle(), SIGTERM);  // NOLINT(bugprone-bad-signal-to-kill-thread)
   thread_.join();
+}
+
+bool has_terminal() {
+  const int terminal = ::open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC);
+  if (terminal < 0) return false;
+  ::close(terminal);
+  return true;
 }
 
 void HangUpWatcher::hold_back() { block(set_of({SIGHUP})); }

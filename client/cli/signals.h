@@ -26,6 +26,9 @@ class SignalWatcher {
   std::thread thread_;
 };
 
+/// Whether this process belongs to a terminal, whose end SIGHUP tells then. Services have none; to them it is a word of others.
+bool has_terminal();
+
 /// Calls a function with each SIGHUP, on a thread of its own, where otherwise that would end the process.
 class HangUpWatcher {
  public:

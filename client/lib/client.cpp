@@ -90,6 +90,10 @@ absl::StatusOr<DecodedSample> decode_sample(const EncodedSample& sample) {
   return decoded;
 }
 
+absl::StatusOr<Health> Client::check_health(std::chrono::milliseconds timeout, std::stop_token stop) {
+  return connection_->check_health(timeout, std::move(stop));
+}
+
 absl::StatusOr<std::string> Client::upload_mesh(const std::string& path, const StageProgress& on_progress, std::stop_token stop) {
   absl::StatusOr<InputFile> file = InputFile::open(path);
   if (!file.ok()) return file.status();

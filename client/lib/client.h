@@ -68,6 +68,9 @@ class Client {
  public:
   explicit Client(std::shared_ptr<Connection> connection) : connection_(std::move(connection)) {}
 
+  /// What a probe asks; at most for `timeout`. See Connection::check_health().
+  absl::StatusOr<Health> check_health(std::chrono::milliseconds timeout, std::stop_token stop = {});
+
   /// Makes the server hold a mesh file, sent only if it does not yet, and returns its mesh_id. The file is read twice (hash,
   /// upload) and never held in memory. NotFound, PermissionDenied or InvalidArgument name a file that cannot be read.
   absl::StatusOr<std::string> upload_mesh(const std::string& path, const StageProgress& on_progress = {},

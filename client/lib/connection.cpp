@@ -1,6 +1,5 @@
 #include "client/lib/connection.h"
 
-#include <absl/strings/cord.h>
 #include <absl/strings/str_cat.h>
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
@@ -11,12 +10,13 @@
 #include <optional>
 #include <utility>
 
+#include "client/lib/health.h"
 #include "client/lib/point_limit.h"
 #include "client/lib/protocol.h"
 #include "client/lib/retry.h"
 #include "client/lib/routing_key.h"
+#include "client/lib/rpc_status.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
-#include "curvecast/v1/status.pb.h"
 #include "proto/tls/pem_files.h"
 
 namespace curvecast::client {
@@ -32,18 +32,6 @@ constexpr int kKeepaliveTimeoutMs = 10'000;  // until a silent server counts as 
 // Between attempts to reach a server that is not there. gRPC's own are up to two minutes long: until then all calls fail, though
 // the server be back.
 constexpr int kFirstReconnectMs = 100, kLongestReconnectMs = 2'000;
-
-/// The codes of gRPC and of Abseil have the same numbers. Of the details, when to try again.
-absl::Status to_absl(const grpc::Status& status) {
-  if (status.ok()) return absl::OkStatus();
-  absl::Status out(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
-  v1::Status rich;
-  if (!rich.ParseFromString(status.error_details())) return out;
-  for (const google::protobuf::Any& detail : rich.details()) {
-    if (detail.type_url() == kRetryInfo) out.SetPayload(kRetryInfo, absl::Cord(detail.value()));
-  }
-  return out;
-}
 
 template <typename T>
 absl::Status status_of(const absl::StatusOr<T>& result) {
@@ -156,7 +144,7 @@ absl::Status read_progress(grpc::ClientReader<Response>& reader, const OnProgres
 class GrpcConnection : public Connection {
  public:
   GrpcConnection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options)
-      : stub_(v1::CurvecastService::NewStub(std::move(channel))), options_(options) {}
+      : stub_(v1::CurvecastService::NewStub(channel)), health_(std::move(channel)), options_(options) {}
 
   absl::StatusOr<v1::UploadMeshResponse> upload_mesh(const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes,
                                                      std::stop_token stop) override {
@@ -296,6 +284,11 @@ class GrpcConnection : public Connection {
     });
   }
 
+  absl::StatusOr<Health> check_health(milliseconds timeout, std::stop_token stop) override {
+    Call call(options_, google::protobuf::StringValue(), stop, timeout);
+    return health_.check(call.context());
+  }
+
   std::unique_ptr<ViewCall> stream_views(const v1::OpenView& open, std::stop_token stop) override {
     return std::make_unique<GrpcViewCall>(*stub_, options_, open, stop);
   }
@@ -348,6 +341,7 @@ class GrpcConnection : public Connection {
   }
 
   std::unique_ptr<v1::CurvecastService::Stub> stub_;
+  HealthStub health_;
   ConnectionOptions options_;
 };
 

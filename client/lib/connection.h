@@ -33,6 +33,12 @@ struct ConnectionOptions {
   std::chrono::milliseconds long_timeout{600'000};  // calls that compute or move data; preprocessing has no deadline
 };
 
+/// What gRPC's standard health service says of a server.
+enum class Health {
+  kServing,
+  kNotServing,  // its meshes are being prepared, or it is about to end
+};
+
 /// Fills `out` with the bytes from `offset` on. Called again from where the server has lost track when an upload is repeated.
 using ReadAt = std::function<absl::Status(std::uint64_t offset, std::span<char> out)>;
 using OnBytes = std::function<void(std::uint64_t sent)>;
@@ -89,6 +95,8 @@ class Connection {
                                                                  std::stop_token stop) = 0;
   virtual absl::StatusOr<v1::Measures> measure(const v1::MeasureRequest& request, const OnProgress& on_progress,
                                                std::stop_token stop) = 0;
+  /// How the server is now: not repeated. Unimplemented when it is another server than Curvecast's.
+  virtual absl::StatusOr<Health> check_health(std::chrono::milliseconds timeout, std::stop_token stop) = 0;
   /// `open` is what the caller is going to write first.
   virtual std::unique_ptr<ViewCall> stream_views(const v1::OpenView& open, std::stop_token stop) = 0;
 };
@@ -109,7 +117,7 @@ struct TlsFiles {
 /// turns out at the first call (Unavailable).
 absl::StatusOr<std::shared_ptr<grpc::Channel>> tls_channel(const std::string& address, const TlsFiles& files);
 
-/// Repeats idempotent calls (all but close_session and stream_views) that were lost, see is_lost() in retry.h.
+/// Repeats idempotent calls (all but close_session, check_health and stream_views) that were lost, see is_lost() in retry.h.
 std::shared_ptr<Connection> make_connection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options = {});
 
 }  // namespace curvecast::client

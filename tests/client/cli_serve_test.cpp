@@ -197,13 +197,6 @@ TEST_F(ServeTest, ReadsTokensAnewWhenItIsTold) {
   EXPECT_EQ(server.finish().status, 0);
 }
 
-TEST_F(ServeTest, EndsWithItsTerminalWhereThereIsNothingToRead) {
-  Process server({"serve", "--listen", "127.0.0.1:0", "--http", "none"});
-  EXPECT_NE(server.rest_of_line("listening on "), "");
-  server.signal(SIGHUP);
-  EXPECT_EQ(server.finish().status, 128 + SIGHUP);
-}
-
 TEST_F(ServeTest, IsReadyWhenItsMeshesAreOpen) {
   Process server({"serve", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--open", write_sphere("slow_served.off", 300)});
   const std::string address = server.rest_of_line("http on ");

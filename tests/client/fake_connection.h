@@ -36,6 +36,7 @@ class FakeConnection : public Connection {
   MOCK_METHOD(absl::StatusOr<std::vector<v1::RemeshResponse>>, remesh,
               (const v1::RemeshRequest&, const OnProgress&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<v1::Measures>, measure, (const v1::MeasureRequest&, const OnProgress&, std::stop_token), (override));
+  MOCK_METHOD(absl::StatusOr<Health>, check_health, (std::chrono::milliseconds, std::stop_token), (override));
   MOCK_METHOD(std::unique_ptr<ViewCall>, stream_views, (const v1::OpenView&, std::stop_token), (override));
 };
 
