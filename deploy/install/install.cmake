@@ -1,6 +1,6 @@
 # What `cmake --install build/release --prefix FOLDER` puts into FOLDER: the command, and the C++ client with what it takes to build
-# programs against it, through find_package(curvecast) or pkg-config. With --component command or client only one of these. The
-# folder may be moved afterwards.
+# programs against it, through find_package(curvecast) or pkg-config. With --component command or client only one of these;
+# proto has the .proto files alone, which client has too. The folder may be moved afterwards.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/curvecast)
@@ -19,8 +19,10 @@ install(TARGETS curvecast_proto EXPORT curvecast COMPONENT client
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   PUBLIC_HEADER DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/curvecast/v1 COMPONENT client)
 # Where protoc finds them by the path by which they import each other.
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/proto/curvecast DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT client
-  FILES_MATCHING PATTERN *.proto)
+foreach(component client proto)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/proto/curvecast DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${component}
+    FILES_MATCHING PATTERN *.proto)
+endforeach()
 
 install(EXPORT curvecast NAMESPACE curvecast:: FILE curvecastTargets.cmake DESTINATION ${package_folder} COMPONENT client)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/curvecastConfig.cmake.in ${PROJECT_BINARY_DIR}/curvecastConfig.cmake
