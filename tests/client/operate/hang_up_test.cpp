@@ -28,7 +28,7 @@ TEST_F(HangUpTest, IsNothingToAServerWithoutATerminal) {
 TEST_F(HangUpTest, EndsAServerWhoseTerminalCloses) {
   int terminal = -1;
   const pid_t pid = ::forkpty(&terminal, nullptr, nullptr, nullptr);
-  ASSERT_GE(pid, 0);
+  if (pid < 0) GTEST_SKIP() << "there are no terminals here";
   if (pid == 0) {
     std::signal(SIGHUP, SIG_DFL);  // whatever these tests run under
     ::execl(CURVECAST_COMMAND, CURVECAST_COMMAND, "serve", "--listen", "127.0.0.1:0", "--http", "none", nullptr);
