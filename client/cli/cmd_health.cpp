@@ -36,11 +36,12 @@ absl::Status run(const Flags& flags, const CommonOptions& options, const std::st
 }  // namespace
 
 Command add_health(CLI::App& root, CommonOptions& options) {
-  CLI::App* app = add_command(root, options, "health",
-                              "Asks a server whether it serves, through gRPC's health service (grpc.health.v1), which needs no "
-                              "token: for probes, where there is no shell. Prints SERVING; else says why not, and the status is 4.",
-                              {"curvecast health", "curvecast health localhost:50051 --deadline 1",
-                               "curvecast health replica-0.example.org:50051 --tls-ca ca.pem --json"});
+  CLI::App* app =
+      add_command(root, options, "health",
+                  "Asks a server whether it serves, through gRPC's health service (grpc.health.v1), which needs no "
+                  "token: for probes, where there is no shell. Prints SERVING; else says why not, and the status is 4.",
+                  {"curvecast health", "curvecast health localhost:50051 --deadline 1",
+                   "curvecast health replica-0.example.org:50051 --tls-ca ca.pem --json"});
   const auto flags = std::make_shared<Flags>();
   app->remove_option(app->get_option("--server"));
   app->add_option("ADDRESS,--server", options.server, absl::StrCat("host:port of the server; default: ", kDefaultServer));

@@ -48,6 +48,23 @@ TEST(SpareMemory, IsGivenBackNowAndThen) {
   EXPECT_LT(anonymous_bytes(), before + 10 * kMegabyte);
 }
 
+TEST(SpareMemory, MuchIsGivenBackSoon) {
+  if (::mallinfo2().arena == 0) GTEST_SKIP() << "this allocator is not the one that is meant";
+  auto time = std::chrono::steady_clock::now();
+  SpareMemory spare;
+  spare.give_back(time);
+  const std::uint64_t before = anonymous_bytes();
+  const Block pin = leave_some_behind();
+  spare.give_back(time += std::chrono::hours(1));
+  std::vector<std::vector<Block>> taken;
+  for (int i = 0; i < 3; ++i) taken.push_back(take_some());
+  const Block second_pin = std::move(taken.back().back());
+  taken.clear();
+  ASSERT_GT(anonymous_bytes(), before + 150 * kMegabyte);
+  spare.give_back(time += std::chrono::seconds(1));
+  EXPECT_LT(anonymous_bytes(), before + 10 * kMegabyte);
+}
+
 TEST(SpareMemory, WhatIsFreedLaterIsGivenBackLater) {
   if (::mallinfo2().arena == 0) GTEST_SKIP() << "this allocator is not the one that is meant";
   auto time = std::chrono::steady_clock::now();
