@@ -1,5 +1,5 @@
-# What CPack makes of the folder that deploy/package has filled. On its command line stand the version, the maintainer,
-# CURVECAST_ROOT (the folder that becomes /) and CURVECAST_CONTROL (that of the scripts).
+# What CPack makes of the folder that deploy/package has filled. On its command line stand the version and the maintainer, in its
+# environment CURVECAST_ROOT (the folder that becomes /) and CURVECAST_CONTROL (that of the scripts).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME curvecast)
 set(CPACK_PACKAGE_VENDOR Curvecast)
@@ -13,7 +13,7 @@ view to its clients: browsers, commands, programs in any language with gRPC.
 
 This is the command with its server, which has the viewer for browsers in it,
 and the definition of the API.")
-set(CPACK_INSTALLED_DIRECTORIES "${CURVECAST_ROOT}" /)
+set(CPACK_INSTALLED_DIRECTORIES "$ENV{CURVECAST_ROOT}" /)
 set(CPACK_PACKAGING_INSTALL_PREFIX /)
 
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -26,5 +26,5 @@ set(CPACK_DEBIAN_PACKAGE_RECOMMENDS libosmesa6)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS bash-completion)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 foreach(file conffiles postinst prerm postrm)
-  list(APPEND CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA "${CURVECAST_CONTROL}/${file}")
+  list(APPEND CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA "$ENV{CURVECAST_CONTROL}/${file}")
 endforeach()
