@@ -5,7 +5,7 @@
 
 #include "server/convert/convert.h"
 #include "server/frame/make_frame.h"
-#include "tests/server/ball_session.h"
+#include "tests/server/frame/ball_view.h"
 
 namespace curvecast::server {
 namespace {
@@ -16,27 +16,8 @@ v1::SampleRequest close_view() {
   v1::SampleRequest sample;
   sample.set_points(kPoints);
   sample.set_sampler(v1::SAMPLER_PROGRESSIVE);
-  sample.add_density()->mutable_screen();
-  sample.add_density()->mutable_frustum();
-  v1::Camera& camera = *sample.add_cameras();
-  camera.mutable_eye()->set_z(1.1);
-  camera.mutable_target()->set_z(0);
-  camera.mutable_up()->set_y(1);
-  camera.set_vertical_fov_degrees(40);
-  sample.mutable_viewport()->set_width(1000);
-  sample.mutable_viewport()->set_height(1000);
+  look_at_ball(0.1, sample);
   return sample;
-}
-
-/// The session as a server has it that has just read it.
-std::shared_ptr<const Session> fresh() {
-  static const std::shared_ptr<const Session> made = make_session(500);
-  auto session = std::make_shared<Session>();
-  session->options = made->options;
-  session->preprocessed = made->preprocessed;
-  session->surface = made->surface;
-  session->revisions->publish(made->curve());
-  return session;
 }
 
 class RestoreReference : public ::testing::Test {
@@ -64,11 +45,11 @@ class RestoreReference : public ::testing::Test {
 };
 
 TEST_F(RestoreReference, TakesTheTimeThatItIsGiven) {
-  const Answer held = settled(*fresh());
+  const Answer held = settled(*fresh_ball());
   ASSERT_NE(held.reference, nullptr);
   ASSERT_EQ(held.frame.held_points(), kPoints);
   ResumeClaim claim{.point_set = request_, .points = kPoints, .digest = held.reference->digest()};
-  const std::shared_ptr<const Session> another = fresh();
+  const std::shared_ptr<const Session> another = fresh_ball();
 
   claim.patience = std::chrono::nanoseconds(0);
   absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restored = restore_reference(*another, claim, cache_, {});

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/ball_session.h"
+#include "tests/server/frame/ball_view.h"
 #include "tests/server/frame/conversation.h"
 #include "tests/server/frame/frame_points.h"
 
@@ -37,22 +37,11 @@ struct Zoom {
   }
 };
 
-/// A session of a ball with ranked candidates of its own.
-std::shared_ptr<const Session> ball() {
-  static const std::shared_ptr<const Session> made = make_session(500);
-  auto session = std::make_shared<Session>();
-  session->options = made->options;
-  session->preprocessed = made->preprocessed;
-  session->surface = made->surface;
-  session->revisions->publish(made->curve());
-  return session;
-}
-
 /// A client of a ball that few curve vertices are made for.
 class ZoomedView : public Conversation {
  public:
   explicit ZoomedView(const Zoom& zoom) : zoom_(zoom) {
-    session_ = ball();
+    session_ = fresh_ball();
     stream_ = std::make_shared<ClientStream>(
         this, ClientStream::Hooks{
                   .find = [this](const std::string&) -> absl::StatusOr<std::shared_ptr<const Session>> { return session_; },
@@ -79,15 +68,7 @@ class ZoomedView : public Conversation {
     view.set_first_bytes(zoom_.first_bytes);
     v1::SampleRequest& sample = *view.mutable_sample();
     sample.set_sampler(zoom_.sampler);
-    sample.add_density()->mutable_screen();
-    sample.add_density()->mutable_frustum();
-    v1::Camera& camera = *sample.add_cameras();
-    camera.mutable_eye()->set_z(1 + zoom_.distance);
-    camera.mutable_target()->set_z(0);
-    camera.mutable_up()->set_y(1);
-    camera.set_vertical_fov_degrees(40);
-    sample.mutable_viewport()->set_width(1000);
-    sample.mutable_viewport()->set_height(1000);
+    look_at_ball(zoom_.distance, sample);
     receive(request);
     while (frames_.size() <= kMostFrames) {
       if (!jobs_.empty()) {
