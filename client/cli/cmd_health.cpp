@@ -10,8 +10,7 @@
 namespace curvecast::cli {
 namespace {
 
-constexpr char kDefaultServer[] = "127.0.0.1:50051";  // where `serve` listens if it is told nothing
-constexpr double kMaxDeadline = 3600;                 // seconds
+constexpr double kMaxDeadline = 3600;  // seconds
 
 struct Flags {
   double deadline = 3;  // seconds
@@ -44,13 +43,13 @@ Command add_health(CLI::App& root, CommonOptions& options) {
                    "curvecast health replica-0.example.org:50051 --tls-ca ca.pem --json"});
   const auto flags = std::make_shared<Flags>();
   app->remove_option(app->get_option("--server"));
-  app->add_option("ADDRESS,--server", options.server, absl::StrCat("host:port of the server; default: ", kDefaultServer));
+  app->add_option("ADDRESS,--server", options.server, absl::StrCat("host:port of the server; default: ", kDefaultAddress));
   app->add_option("--deadline", flags->deadline, "for the answer; none within it is as bad as a bad one")
       ->check(CLI::Range(0.001, kMaxDeadline))
       ->type_name("SECONDS")
       ->capture_default_str();
   app->parse_complete_callback([&options] {
-    if (options.server.empty()) options.server = kDefaultServer;
+    if (options.server.empty()) options.server = kDefaultAddress;
   });
   return {app, [flags](const CommonOptions& common, std::stop_token stop) { return run(*flags, common, stop); }};
 }

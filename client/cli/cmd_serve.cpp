@@ -39,7 +39,7 @@ constexpr char kNone[] = "none";
 constexpr std::uint64_t kWarmPoints = 32'768;  // as many as a view is first answered with
 
 struct Flags {
-  server::ServerOptions server = {.listen = "127.0.0.1:50051", .http = kHttp};
+  server::ServerOptions server = {.listen = kDefaultAddress, .http = kHttp};
   std::vector<std::string> meshes;
   SessionFlags session;
   std::uint64_t points = 65'536;     // for which the sessions of `meshes` are made

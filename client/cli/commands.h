@@ -5,6 +5,9 @@
 
 namespace curvecast::cli {
 
+/// Where `serve` listens, and whom `health` asks, if they are told nothing.
+inline constexpr char kDefaultAddress[] = "127.0.0.1:50051";
+
 Command add_serve(CLI::App& root, CommonOptions& options);
 Command add_info(CLI::App& root, CommonOptions& options);
 Command add_preprocess(CLI::App& root, CommonOptions& options);
