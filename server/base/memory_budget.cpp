@@ -31,7 +31,7 @@ void MemoryBudget::Job::give_back(std::uint64_t bytes) {
 absl::Status MemoryBudget::Job::take(std::uint64_t bytes, const std::string& what) {
   const Clock::time_point end = Clock::now() + (terms_.waits ? budget_.options_.patience : Clock::duration::zero());
   for (;;) {
-    const std::uint64_t most = budget_.options_.most();
+    const std::uint64_t most = budget_.most(terms_);
     std::uint64_t held = budget_.options_.held();
     if (budget_.try_take(*this, bytes, most, held)) return absl::OkStatus();
     if (budget_.exceeds(*this, bytes, most)) return budget_.refuse(what, most);
@@ -48,8 +48,13 @@ absl::Status MemoryBudget::Job::take(std::uint64_t bytes, const std::string& wha
 }
 
 absl::Status MemoryBudget::Outlook::take(std::uint64_t bytes, const std::string& what) {
-  const std::uint64_t most = budget_.options_.most();
+  const std::uint64_t most = budget_.most({});
   return bytes > most ? budget_.refuse(what, most) : absl::OkStatus();
+}
+
+std::uint64_t MemoryBudget::most(const MemoryTerms& terms) const {
+  const std::uint64_t all = options_.most();
+  return terms.waits ? all - static_cast<std::uint64_t>(options_.left_by_waiting * static_cast<double>(all)) : all;
 }
 
 absl::Status MemoryBudget::refuse(const std::string& what, std::uint64_t most) {

@@ -16,7 +16,7 @@ namespace curvecast::server {
 
 /// How a job takes memory.
 struct MemoryTerms {
-  bool waits = true;   // else what does not fit now is refused
+  bool waits = true;   // else what does not fit now is refused: it may use what waiting jobs leave, see MemoryBudget::Options
   bool keeps = false;  // what it gives back stays its own, to be taken again, until the job goes
 };
 
@@ -31,6 +31,9 @@ class MemoryBudget {
     std::function<std::uint64_t()> held;
     /// Frees as much as can be of what is held and not in use, of so many bytes. Called without locks.
     std::function<void(std::uint64_t bytes)> make_room;
+    /// The part of `most` that jobs which wait leave to those which do not: a great session in the making must not have a view of
+    /// some hundred kilobytes refused.
+    double left_by_waiting = 0;
     std::chrono::milliseconds patience = std::chrono::seconds(60);  // how long a job waits for others
   };
 
@@ -46,7 +49,7 @@ class MemoryBudget {
 
     absl::Status take(std::uint64_t bytes, const std::string& what) override;
     void give_back(std::uint64_t bytes) override;
-    std::uint64_t most() const override { return budget_.options_.most(); }
+    std::uint64_t most() const override { return budget_.most(terms_); }
 
    private:
     friend class MemoryBudget;
@@ -64,13 +67,15 @@ class MemoryBudget {
 
     absl::Status take(std::uint64_t bytes, const std::string& what) override;
     void give_back(std::uint64_t) override {}
-    std::uint64_t most() const override { return budget_.options_.most(); }
+    std::uint64_t most() const override { return budget_.most({}); }
 
    private:
     MemoryBudget& budget_;
   };
 
   std::uint64_t most() const { return options_.most(); }
+  /// What jobs of such terms may take together, with what is held.
+  std::uint64_t most(const MemoryTerms& terms) const;
   /// What running jobs have asked for.
   std::uint64_t reserved() const ABSL_LOCKS_EXCLUDED(mutex_);
   /// How often there was too little.

@@ -34,6 +34,7 @@ using Clock = std::chrono::steady_clock;
 
 // Of the memory, what sessions and answers that wait may take at most, whatever the options say.
 constexpr std::uint64_t kSessionShare = 2, kQueuedShare = 8;
+constexpr double kLeftToViews = 1.0 / 32;  // by what waits for memory, such as sessions in the making
 // Densities that are the same in many views.
 constexpr std::uint64_t kDensityShare = 16, kMostDensityBytes = std::uint64_t{256} << 20;
 constexpr std::size_t kMostDensities = 16;
@@ -65,7 +66,8 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
                     const std::uint64_t kept = view_cache.byte_size();
                     view_cache.clear();
                     sessions.make_room(bytes - std::min(bytes, kept));
-                  }}),
+                  },
+              .left_by_waiting = kLeftToViews}),
       queued(std::min(options.max_queued_bytes, memory_share_ / kQueuedShare)),
       sends(absl::ResourceExhaustedError(
           "you have not read what was sent to you for too long, and the server needs its memory; read faster")),

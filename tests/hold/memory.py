@@ -23,6 +23,7 @@ from hold.load import Load, StreamOfViews, heartbeat, open_aio
 from hold.report import Report, quantile
 from hold.servers import Server, Setting
 from hold.shapes import TETRAHEDRON, bumpy_ball, orbit_view, relief_stl
+from hold.warm_memory import warm_memory
 
 LIMIT = 512 << 20
 CREATORS, LEAST_POINTS, OMEGAS = 4, 1000, (1.0, 10.0, 25.0)
@@ -63,6 +64,7 @@ def run(setting: Setting) -> Report:
         except OSError as error:
             report.skipped = f"no control group can be made here: {error}"
             return report
+        warm_memory(report)
         server = stack.enter_context(Server(setting, "bounded", cache=setting.folder / "cache", prefix=group.prefix))
         with Caller(server, setting.history, "maker") as maker:
             mesh = bumpy_ball(24)

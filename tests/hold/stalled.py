@@ -21,6 +21,7 @@ from hold.load import Load, StreamOfViews, heartbeat, open_aio
 from hold.report import Report, quantile
 from hold.servers import Server, Setting, Target, eventually
 from hold.shapes import bumpy_ball, orbit_view
+from hold.warm_memory import warm_memory
 
 CALM = ("--max-curve-vertices", "0")
 LARGEST = (32 << 20) // 28  # points of which a frame of raw ones has MAX_FRAME_BYTES
@@ -63,6 +64,7 @@ def prepare(maker: Caller) -> str:
 
 def measure(setting: Setting, target: Target, session: str) -> Report:
     report = Report(setting.is_quick)
+    warm_memory(report)
     readers, sleepers, seconds = setting.pick(150, 30), setting.pick(50, 10), setting.pick(20, 6)
     load, spans, most = asyncio.run(take_turns(setting, target, session, readers, sleepers, seconds))
     for _ in eventually(REST_SECONDS):

@@ -77,6 +77,22 @@ TEST_F(MemoryBudgetTest, WhatAJobKeepsIsItsOwnUntilItGoes) {
   EXPECT_TRUE(other.take(1000, "").ok());
 }
 
+TEST_F(MemoryBudgetTest, WhatWaitsLeavesAPartToWhatDoesNot) {
+  MemoryBudget shared({.most = [] { return std::uint64_t{1000}; },
+                       .held = [this] { return held.load(); },
+                       .make_room = [](std::uint64_t) {},
+                       .left_by_waiting = 0.25});
+  MemoryBudget::Job session(shared, nullptr, {.keeps = true}), view(shared, nullptr, {.waits = false});
+  EXPECT_EQ(session.most(), 750u) << "clients are told what would fit";
+  EXPECT_THAT(std::string(session.take(751, "a session").message()), HasSubstr("this server has 750 bytes for all of its work"));
+  EXPECT_FALSE(MemoryBudget::Outlook(shared).take(751, "a session").ok());
+  ASSERT_TRUE(session.take(650, "").ok());
+  held = 100;
+  EXPECT_TRUE(view.take(250, "a view").ok());
+  EXPECT_FALSE(view.take(1, "another").ok());
+  EXPECT_EQ(view.most(), 1000u);
+}
+
 TEST_F(MemoryBudgetTest, MakesRoomFirst) {
   held = 800, idle = 500;
   MemoryBudget::Job job(budget, nullptr);
