@@ -126,6 +126,7 @@ void ClientStream::receive_open(const v1::OpenView& request) {
   absl::StatusOr<PointSetRequest> held = to_point_set_request(request.held().sample());
   if (!held.ok()) return fail(absl::InvalidArgumentError(absl::StrCat("open.held: ", held.status().message())));
   claim_ = ResumeClaim{*std::move(held), request.held().points(), request.held().digest()};
+  claimed_ = Clock::now();
 }
 
 void ClientStream::receive_view(const v1::ViewUpdate& update) {
@@ -235,7 +236,8 @@ void ClientStream::run_worker() {
       // No frame is queued before this one, unless with an error.
       auto claim = claim_;
       // The points that are claimed are no answer to another view: rather a few new ones at once than all of them after a second.
-      if (claim && claim->point_set.fingerprint != view.request->fingerprint) claim->patience = kResumePatience;
+      // Where a server has ended, all of its clients come at once, and the last of them has waited for the workers already.
+      if (claim && claim->point_set.fingerprint != view.request->fingerprint) claim->end = claimed_ + kResumePatience;
       auto reference = wants_key_ ? nullptr : reference_;
       const std::uint64_t first_bytes = accepts_deltas_ ? view.first_bytes : 0;
       const ExecutionContext context{.cancel = &cancel_, .limit = &*work_};

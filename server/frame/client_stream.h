@@ -161,6 +161,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   std::shared_ptr<const ReferenceFrame> reference_
       ABSL_GUARDED_BY(mutex_);                                // held by the client once it has received all that was queued
   std::optional<ResumeClaim> claim_ ABSL_GUARDED_BY(mutex_);  // what the client holds of another stream; until a frame is queued
+  Clock::time_point claimed_ ABSL_GUARDED_BY(mutex_);         // when it said so
   bool wants_key_ ABSL_GUARDED_BY(mutex_) = false;            // until a key frame is queued
 
   std::chrono::nanoseconds last_work_ ABSL_GUARDED_BY(mutex_){};  // what the last answer took

@@ -184,7 +184,7 @@ absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Se
       SessionSampler::open(session, claim.point_set, cache, SessionSampler::Wait::kForAll, context);
   if (!sampler.ok()) return sampler.status();
   if (!sampler->is_ranked()) return nullptr;
-  sampler->wait_until(std::chrono::steady_clock::now() + claim.patience);
+  sampler->wait_until(claim.end);
   const absl::StatusOr<Sampled> selected = sampler->select(claim.points, claim.points);
   if (!selected.ok()) return selected.status();
   if (selected->lacks_ranks) return nullptr;

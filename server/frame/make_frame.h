@@ -47,10 +47,10 @@ struct ResumeClaim {
   PointSetRequest point_set;
   std::uint64_t points = 0;
   std::uint64_t digest = 0;
-  std::chrono::nanoseconds patience = std::chrono::hours(1);  // how long to wait for ranked candidates
+  std::chrono::steady_clock::time_point end = std::chrono::steady_clock::time_point::max();  // of waiting for ranked candidates
 };
 
-/// Selects again the points that a client claims to hold; null where their digest is another, or patience ends before there are
+/// Selects again the points that a client claims to hold; null where their digest is another, or waiting ends before there are
 /// all candidates that it takes. Errors as of SessionSampler::open().
 absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Session& session, const ResumeClaim& claim,
                                                                         ViewCache& cache, const ExecutionContext& context);

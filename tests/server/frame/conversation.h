@@ -92,10 +92,10 @@ class Conversation : public ClientStream::Transport {
   bool is_answered_ = false;                                       // for on_answer_ to set
   ExecutionContext context_;                                       // of that
   std::int64_t queued_bytes_ = 0;
-  int parts_ = 0;                                   // before the whole, of views that may come in parts
-  bool stuck_ = false;                              // parts bring no points beyond those of the one before
-  static constexpr std::uint64_t kKnownDigest = 7;  // what a client may claim to have
-  std::chrono::nanoseconds patience_{};             // of the last claim
+  int parts_ = 0;                                    // before the whole, of views that may come in parts
+  bool stuck_ = false;                               // parts bring no points beyond those of the one before
+  static constexpr std::uint64_t kKnownDigest = 7;   // what a client may claim to have
+  std::chrono::steady_clock::time_point claim_end_;  // of the last claim
   std::vector<std::uint64_t> claims_;
   std::shared_ptr<const ReferenceFrame> restored_ = std::make_shared<const ReferenceFrame>();
   std::shared_ptr<ClientStream> stream_ = std::make_shared<ClientStream>(
@@ -131,7 +131,7 @@ class Conversation : public ClientStream::Transport {
                             const ExecutionContext&) -> absl::StatusOr<std::shared_ptr<const ReferenceFrame>> {
             if (claim.digest == 98) throw std::runtime_error("98");
             claims_.push_back(claim.digest);
-            patience_ = claim.patience;
+            claim_end_ = claim.end;
             return claim.digest == kKnownDigest ? restored_ : nullptr;
           },
           .has_room = [this]() -> absl::Status { return is_full_ ? absl::ResourceExhaustedError("full") : absl::OkStatus(); },
