@@ -29,7 +29,7 @@ class AtomicFile {
   absl::Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Makes the file durable and gives it its name; what had that name before is replaced.
   absl::Status commit();
-  /// The same, with a name that is given now. Precondition: `path` is in the folder in which it was created.
+  /// The same, with a name that is given now. Precondition: `path` is in the file system in which it was created.
   absl::Status commit_as(const std::string& path);
 
   /// To read and map what has been written.
