@@ -28,13 +28,20 @@ Hasher::Hasher() : context_(EVP_MD_CTX_new()) {
 
 void Hasher::update(std::string_view bytes) { check(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size())); }
 
-std::string Hasher::hex() const {
+std::array<unsigned char, SHA256_DIGEST_LENGTH> Hasher::digest() const {
   const Hasher copy;  // the end of a digest takes no more bytes
   check(EVP_MD_CTX_copy_ex(copy.context_.get(), context_.get()));
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest;
   check(EVP_DigestFinal_ex(copy.context_.get(), digest.data(), nullptr));
-  return absl::BytesToHexString({reinterpret_cast<const char*>(digest.data()), kBytes});
+  return digest;
 }
+
+std::string Hasher::sha256() const {
+  const auto all = digest();
+  return absl::BytesToHexString({reinterpret_cast<const char*>(all.data()), all.size()});
+}
+
+std::string Hasher::hex() const { return sha256().substr(0, 2 * kBytes); }
 
 std::array<std::uint64_t, 2> hash_of(std::string_view bytes) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest;

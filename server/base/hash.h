@@ -19,8 +19,11 @@ class Hasher {
   void update(std::string_view bytes);
   /// Hash of all bytes so far: 32 hexadecimal digits, lower case, the first half of what `sha256sum` prints.
   std::string hex() const;
+  /// All 64 digits of it.
+  std::string sha256() const;
 
  private:
+  std::array<unsigned char, 32> digest() const;
   struct Free {
     void operator()(evp_md_ctx_st* context) const;
   };

@@ -174,10 +174,12 @@ class FileStore final : public Store {
       : folder_(std::make_shared<SharedFolder>(std::move(folder))), calls_(patience) {}
 
   absl::Status put(const std::string& name, const std::string& path, const std::atomic<bool>* cancel) override {
-    return run(name, cancel, [folder = folder_, name, path](CallProgress& progress) { return folder->put(name, path, progress); });
+    return run(name, cancel,
+               [folder = folder_, name, path](CallProgress& progress) { return folder->put(name, path, progress); });
   }
   absl::Status get(const std::string& name, const std::string& path, const std::atomic<bool>* cancel) override {
-    return run(name, cancel, [folder = folder_, name, path](CallProgress& progress) { return folder->get(name, path, progress); });
+    return run(name, cancel,
+               [folder = folder_, name, path](CallProgress& progress) { return folder->get(name, path, progress); });
   }
   absl::StatusOr<std::uint64_t> size(const std::string& name, const std::atomic<bool>* cancel) override {
     const auto size = std::make_shared<std::uint64_t>(0);

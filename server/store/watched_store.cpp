@@ -36,11 +36,9 @@ const absl::Status& status_of(const absl::StatusOr<T>& result) {
 
 WatchedStore::WatchedStore(std::unique_ptr<Store> store, std::shared_ptr<spdlog::logger> log, Clock::duration first_pause,
                            Clock::duration longest_pause)
-    : store_(std::move(store)),
-      log_(std::move(log)),
-      first_pause_(first_pause),
-      longest_pause_(longest_pause),
-      asking_([this] { ask_again(); }) {}
+    : store_(std::move(store)), log_(std::move(log)), first_pause_(first_pause), longest_pause_(longest_pause), asking_([this] {
+        ask_again();
+      }) {}
 
 WatchedStore::~WatchedStore() {
   cancel_ = true;

@@ -17,8 +17,8 @@ class logger;
 
 namespace curvecast::server {
 
-/// Thread-safe. After a call that was Unavailable others are at once, with the same words, until a thread of its own has found the
-/// store answering again: where it hangs, few have to wait for that.
+/// Thread-safe. After a call that was Unavailable others are at once, with the same words, until a thread of its own has found
+/// the store answering again: where it hangs, few have to wait for that.
 class WatchedStore final : public Store {
  public:
   using Clock = std::chrono::steady_clock;
@@ -27,7 +27,8 @@ class WatchedStore final : public Store {
 
   /// It is asked again after `first_pause`, then after twice as long each time, but never more than `longest_pause`.
   WatchedStore(std::unique_ptr<Store> store, std::shared_ptr<spdlog::logger> log,
-               Clock::duration first_pause = std::chrono::milliseconds(100), Clock::duration longest_pause = std::chrono::seconds(2));
+               Clock::duration first_pause = std::chrono::milliseconds(100),
+               Clock::duration longest_pause = std::chrono::seconds(2));
   ~WatchedStore() override;
 
   /// Who is told of calls from now on; empty: nobody. Returns when nobody else is told any more.
@@ -43,8 +44,7 @@ class WatchedStore final : public Store {
  private:
   template <typename Call>
   auto watch(std::string_view operation, const Call& call) -> decltype(call());
-  void count(std::string_view operation, const absl::Status& status, double seconds)
-      ABSL_LOCKS_EXCLUDED(mutex_, observer_mutex_);
+  void count(std::string_view operation, const absl::Status& status, double seconds) ABSL_LOCKS_EXCLUDED(mutex_, observer_mutex_);
   void ask_again() ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::unique_ptr<Store> store_;
