@@ -16,6 +16,7 @@ import yaml
 
 import helm_chart
 from helm_chart import CHART, NAMESPACE, SOURCE, Object, container, environment, find, folder_of, workloads
+from serve_settings import expected, setting_name, settings
 
 #: Settings of `serve` that an operator of the chart has no use for.
 UNUSED = {"seed"}
@@ -94,7 +95,7 @@ class ReadersTest(helm_chart.Rendered):
             printed = settings(command, variables)
             self.assertEqual(container(find(objects, "StatefulSet"))["args"], ["serve"])
             for variable, value in variables.items():
-                setting = variable.removeprefix("CURVECAST_").lower().replace("_", "-")
+                setting = setting_name(variable)
                 named.add(setting)
                 self.assertIn(setting, printed, name)
                 self.assertEqual(printed[setting], expected(value), f"{name}: {setting}")
@@ -169,22 +170,6 @@ class ReadersTest(helm_chart.Rendered):
 def make_certificate(certificate: pathlib.Path, key: pathlib.Path) -> None:
     command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj", "/CN=localhost"]
     subprocess.run([*command, "-keyout", key, "-out", certificate], check=True, capture_output=True)
-
-
-def settings(command: str, variables: dict[str, str]) -> dict[str, str]:
-    """What `serve` takes from the environment, and what it has else."""
-    done = subprocess.run([command, "serve", "--print-config"], env=variables, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise AssertionError(done.stderr)
-    found = dict(re.findall(r"^([a-z-]+)=(.*)$", done.stdout, re.MULTILINE))
-    return {name: re.sub(r'^\["|"\]$|^"|"$', "", value).replace('", "', ";") for name, value in found.items()}
-
-
-def expected(value: str) -> str:
-    """As the server prints it."""
-    if size := re.fullmatch(r"(\d+)([KMGT])B", value):
-        return str(int(size[1]) * 1024 ** ("KMGT".index(size[2]) + 1))
-    return value
 
 
 if __name__ == "__main__":
