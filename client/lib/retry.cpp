@@ -28,7 +28,7 @@ bool is_lost(const absl::Status& status) {
     case absl::StatusCode::kInternal:
       return absl::StrContains(status.message(), "RST_STREAM");
     case absl::StatusCode::kUnknown:  // a proxy lost its server in the middle of an answer
-      return status.message() == "Stream removed";
+      return status.message() == "Stream removed" || status.message() == "No status received";
     default:
       return false;
   }

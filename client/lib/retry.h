@@ -10,8 +10,8 @@
 
 namespace curvecast::client {
 
-/// Whether a call was lost on the way: Unavailable, Cancelled that nobody here asked for (a proxy lost its server), and Internal
-/// for a reset HTTP/2 stream.
+/// Whether a call was lost on the way: Unavailable, Cancelled that nobody here asked for (a proxy lost its server), Internal for
+/// a reset HTTP/2 stream, and Unknown for an answer that broke off without a status.
 bool is_lost(const absl::Status& status);
 
 /// The payload of a status that says when to try again: a v1::RetryInfo.

@@ -16,6 +16,7 @@ TEST(Retry, KnowsWhatWasLost) {
   EXPECT_TRUE(is_lost(absl::CancelledError("")));
   EXPECT_TRUE(is_lost(absl::InternalError("Received RST_STREAM with error code 2")));
   EXPECT_TRUE(is_lost(absl::UnknownError("Stream removed")));
+  EXPECT_TRUE(is_lost(absl::UnknownError("No status received")));
   EXPECT_FALSE(is_lost(absl::UnknownError("something else")));
   EXPECT_FALSE(is_lost(absl::InternalError("the server is broken")));
   EXPECT_FALSE(is_lost(absl::NotFoundError("")));

@@ -169,5 +169,5 @@ def is_retryable(error: Error) -> bool:
     if error.code is grpc.StatusCode.INTERNAL:
         return "RST_STREAM" in error.message
     if error.code is grpc.StatusCode.UNKNOWN:
-        return error.message == "Stream removed"
+        return error.message in ("Stream removed", "No status received")
     return error.code in (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED)

@@ -22,7 +22,8 @@ class ConnectionTest(FakeServerTest):
         self.assertEqual(self.service.calls, 3)
 
     def test_knows_what_a_proxy_has_lost(self) -> None:
-        self.assertTrue(is_retryable(curvecast.Error(grpc.StatusCode.UNKNOWN, "Stream removed")))
+        for message in ("Stream removed", "No status received"):
+            self.assertTrue(is_retryable(curvecast.Error(grpc.StatusCode.UNKNOWN, message)))
         self.assertTrue(is_retryable(curvecast.Error(grpc.StatusCode.INTERNAL, "Received RST_STREAM with error code 2")))
         self.assertFalse(is_retryable(curvecast.Error(grpc.StatusCode.UNKNOWN, "something else")))
 
