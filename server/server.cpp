@@ -87,11 +87,12 @@ class KeySender final : public grpc::experimental::ClientInterceptorFactoryInter
 class GrpcServer final : public Server {
  public:
   GrpcServer(const ServerOptions& options, std::shared_ptr<spdlog::logger> log, std::unique_ptr<SessionCache> cache,
-             std::unique_ptr<MeshFolder> meshes, std::shared_ptr<const Tokens> tokens, TrustedProxies proxies,
-             std::optional<ServerTls> tls)
+             std::unique_ptr<MeshFolder> meshes, std::unique_ptr<WatchedStore> store, std::shared_ptr<const Tokens> tokens,
+             TrustedProxies proxies, std::optional<ServerTls> tls)
       : options_(options),
         tls_(tls ? std::make_shared<Replaceable<ServerTls>>(std::make_shared<ServerTls>(*std::move(tls))) : nullptr),
-        engine_(options, std::move(log), std::move(cache), std::move(tokens), std::move(proxies), std::move(meshes)),
+        engine_(options, std::move(log), std::move(cache), std::move(tokens), std::move(proxies), std::move(meshes),
+                std::move(store)),
         service_(engine_),
         unready_(options.ready ? "" : "meshes are being prepared") {
     if (options.ready && engine_.marks != nullptr) engine_.marks->enforce();
@@ -228,12 +229,14 @@ class GrpcServer final : public Server {
         if (web_ != nullptr) web_->close_sockets(kCloseTime);
         engine_.log->info("stopped");
       }
+      if (engine_.store != nullptr) engine_.store->end();  // jobs do not wait for it any more
       engine_.refiner.stop();
       engine_.rank_jobs.stop();
       engine_.views.stop();
       engine_.calls.stop();
       engine_.preprocessing.stop();
       if (engine_.cache != nullptr) engine_.cache->stop();
+      note_unstored();
     });
   }
 
@@ -242,11 +245,20 @@ class GrpcServer final : public Server {
     if (end_.wait_for(drain + patience) == std::future_status::ready) return absl::OkStatus();
     const std::vector<std::string> unsaved = engine_.cache != nullptr ? engine_.cache->unsaved_ids() : std::vector<std::string>();
     for (const std::string& id : unsaved) engine_.log->error("session {} is not cached: there was no time left", id);
+    note_unstored();
     return absl::DeadlineExceededError(
         absl::StrCat("the server could not end in time; sessions that are not in the cache: ", unsaved.size()));
   }
 
  private:
+  /// Of sessions that are in the cache alone, until this server is started anew.
+  void note_unstored() {
+    if (engine_.cache == nullptr) return;
+    for (const std::string& id : engine_.cache->unstored_ids()) {
+      engine_.log->warn("session {} is not in the store: the next start with this cache puts it there", id);
+    }
+  }
+
   /// Why this server had better be started anew; empty where it need not.
   std::string dead() const { return port_ == nullptr || port_->answers() ? "" : "the gRPC port does not answer"; }
 
@@ -303,6 +315,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     return absl::InvalidArgumentError(
         "isolate keeps callers apart by their names: it wants tokens, or certificates of clients, that give them some");
   }
+  if (!options.store.empty() && options.cache.empty()) {
+    return absl::InvalidArgumentError("a store wants a cache, from which sessions are used: give a folder for that, too");
+  }
   for (const std::string* address : {&options.listen, &options.http, &options.admin}) {
     if (address->empty()) continue;
     if (const auto parsed = parse_address(*address); !parsed.ok()) return parsed.status();
@@ -323,13 +338,19 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     for (const std::string& note : options.notes) log->info("{}", note);
     if (tokens != nullptr && options.tls_cert.empty())
       log->warn("tokens come in clear text: without TLS whoever listens has them");
+    std::unique_ptr<WatchedStore> store;
+    if (!options.store.empty()) {
+      absl::StatusOr<std::unique_ptr<Store>> opened = open_store(options.store);
+      if (!opened.ok()) return opened.status();
+      store = std::make_unique<WatchedStore>(options.store, *std::move(opened), log);
+    }
     std::unique_ptr<SessionCache> cache;
     std::unique_ptr<MeshFolder> meshes;
     if (!options.cache.empty()) {
-      absl::StatusOr<std::unique_ptr<SessionCache>> opened = SessionCache::open(options.cache, options.cache_bytes, log);
+      auto opened = SessionCache::open(options.cache, options.cache_bytes, log, store.get());
       if (!opened.ok()) return opened.status();
       cache = *std::move(opened);
-      absl::StatusOr<std::unique_ptr<MeshFolder>> folder = MeshFolder::open(cache->folder(), log);
+      absl::StatusOr<std::unique_ptr<MeshFolder>> folder = MeshFolder::open(cache->folder(), log, store.get());
       if (!folder.ok()) return folder.status();
       meshes = *std::move(folder);
     }
@@ -340,8 +361,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
     const std::size_t descriptors = raise_descriptor_limit();
     ServerOptions bounded = options;
     bounded.max_connections = std::min(options.max_connections, share_descriptors(descriptors).connections);
-    auto server = std::make_unique<GrpcServer>(bounded, std::move(log), std::move(cache), std::move(meshes), std::move(tokens),
-                                               *std::move(proxies), *std::move(tls));
+    auto server = std::make_unique<GrpcServer>(bounded, std::move(log), std::move(cache), std::move(meshes), std::move(store),
+                                               std::move(tokens), *std::move(proxies), *std::move(tls));
     absl::Status status = server->listen(descriptors);
     if (status.ok() && !options.http.empty()) status = server->listen_http(descriptors);
     if (status.ok() && !options.admin.empty()) status = server->listen_admin();

@@ -18,7 +18,8 @@ namespace curvecast::server {
 class Server {
  public:
   /// Listens, or fails with Unavailable (an address in use), InvalidArgument (malformed address, negative threads, TLS files,
-  /// proxies), NotFound (a TLS file) or FailedPrecondition (the cache's folder cannot be used).
+  /// proxies, a store without a cache or with no such URL), NotFound (a TLS file) or FailedPrecondition (the cache's folder
+  /// cannot be used).
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options);
   virtual ~Server() = default;  // shuts down at once where shutdown() was not called
 

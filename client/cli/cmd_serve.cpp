@@ -310,6 +310,10 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
          "--cache", flags->server.cache,
          "folder where sessions and uploads survive a restart; made if missing; several servers may share one; without it, none")
       ->type_name("DIR");
+  app->add_option("--store", flags->server.store,
+                  "where servers share sessions and uploads, behind the --cache that each has for itself: file:///DIR, a folder "
+                  "that all of them mount, or s3://BUCKET/PREFIX; an upload counts once it is there")
+      ->type_name("URL");
   app->add_option("--open", flags->meshes, "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) to prepare at once; repeat for more")
       ->type_name("MESH")
       ->allow_extra_args(false);

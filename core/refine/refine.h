@@ -21,8 +21,8 @@ struct RefineOptions {
 };
 
 struct RefinedCurve {
-  std::shared_ptr<const SurfaceCurve> curve;  // revision + 1; null: no leaf can be divided, by its key or by the limit
-  double divisor = 1;                         // above 1: the demands were lowered by this to stay within the limit
+  std::shared_ptr<SurfaceCurve> curve;  // revision + 1; null: no leaf can be divided, by its key or by the limit
+  double divisor = 1;                   // above 1: the demands were lowered by this to stay within the limit
 };
 
 /// Makes the next revision of a curve, fine enough for all of the demands as far as that goes; never coarser anywhere. Where

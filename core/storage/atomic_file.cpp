@@ -126,14 +126,27 @@ absl::Status AtomicFile::commit_as(const std::string& path) {
   return commit();
 }
 
-absl::Status AtomicFile::commit() {
+absl::StatusOr<std::string> AtomicFile::sync() {
   if (::fsync(descriptor_) != 0) return failed(path_, "make it durable");
+  if (temporary_.empty()) {
+    if (absl::Status named = take_name(); !named.ok()) return named;
+  }
+  return temporary_;
+}
+
+absl::Status AtomicFile::commit() {
+  if (absl::Status synced = sync().status(); !synced.ok()) return synced;
+  if (absl::Status named = publish(); !named.ok()) return named;
+  return sync_folder(path_);
+}
+
+absl::Status AtomicFile::publish() {
   if (temporary_.empty()) {
     if (absl::Status named = take_name(); !named.ok()) return named;
   }
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return failed(path_, "give a new file this name");
   temporary_.clear();
-  return sync_folder(path_);
+  return absl::OkStatus();
 }
 
 bool is_temporary(const std::string& name) { return absl::EndsWith(name, kEnding); }

@@ -27,9 +27,14 @@ class AtomicFile {
   /// Sets the length. Bytes that are never written are zero.
   absl::Status resize(std::uint64_t size);
   absl::Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+  /// Makes the file durable, and returns the temporary name under which others may read it until then.
+  absl::StatusOr<std::string> sync();
   /// Makes the file durable and gives it its name; what had that name before is replaced.
   absl::Status commit();
-  /// The same, with a name that is given now. Precondition: `path` is in the file system in which it was created.
+  /// Gives it its name without waiting for the disk: other processes see it whole, but after a crash of the machine bytes may
+  /// lack. For what can be had again and is checked when it is used.
+  absl::Status publish();
+  /// As commit(), with a name that is given now. Precondition: `path` is in the file system in which it was created.
   absl::Status commit_as(const std::string& path);
 
   /// To read and map what has been written.

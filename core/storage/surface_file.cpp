@@ -336,4 +336,6 @@ absl::StatusOr<std::shared_ptr<const CurveBase>> open_surface(const std::string&
   return std::shared_ptr<const CurveBase>(surface, &surface->base());
 }
 
+absl::Status check_surface_file(const std::string& path) { return SectionFile::open(path, kKind, FileAccess::kMap).status(); }
+
 }  // namespace curvecast

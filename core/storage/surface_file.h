@@ -27,4 +27,7 @@ absl::Status save_surface(const std::string& path, const CurveBase& surface, std
 absl::StatusOr<std::shared_ptr<const CurveBase>> open_surface(const std::string& path, std::string_view note = {},
                                                               std::function<void(const absl::Status&)> on_damage = {});
 
+/// Reads all of such a file. OK where every byte is as it was saved; errors as of SectionFile::open.
+absl::Status check_surface_file(const std::string& path);
+
 }  // namespace curvecast

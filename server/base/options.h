@@ -55,6 +55,9 @@ struct ServerOptions {
   /// what the machine or its container has.
   std::uint64_t memory_bytes = 0;
   std::string cache = {};  // folder where sessions survive a restart; made if missing; empty = none
+  /// Behind the cache, which it wants: where servers share meshes and sessions, as of open_store(): "file:///DIR" or
+  /// "s3://BUCKET/PREFIX". An upload is acknowledged when it is there. Empty = none.
+  std::string store = {};
   /// A session whose making ended the process is not made again for so long, by any server of the cache's folder; four times as
   /// long after each further time, up to an hour.
   std::chrono::seconds crash_pause{60};

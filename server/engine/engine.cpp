@@ -54,7 +54,8 @@ double in_seconds(std::chrono::duration<double> duration) { return duration.coun
 }  // namespace
 
 Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
-               std::shared_ptr<const Tokens> known, TrustedProxies trusted, std::unique_ptr<MeshFolder> kept_meshes)
+               std::shared_ptr<const Tokens> known, TrustedProxies trusted, std::unique_ptr<MeshFolder> kept_meshes,
+               std::unique_ptr<WatchedStore> shared)
     : memory_share_(memory_share(options)),
       log(std::move(logger)),
       own_key(random_key()),
@@ -86,6 +87,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
                      .max_waiting = kMaxWaiting,
                      .low_priority = has_other_clients(options),
                      .long_job = kLongPreprocessing}),
+      store(std::move(shared)),
       cache(std::move(session_cache)),
       marks(cache != nullptr && has_other_clients(options) ? std::make_unique<MakingMarks>(cache->folder(), options.crash_pause)
                                                            : nullptr),
@@ -142,6 +144,11 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
       max_stall_(options.max_stall),
       max_stream_age_(options.max_stream_age),
       housekeeper_([this](const std::stop_token& stop) { run_housekeeping(stop); }) {
+  if (store != nullptr) {
+    store->observe([this](std::string_view operation, std::string_view result, double seconds) {
+      metrics.store_call(operation, result, seconds);
+    });
+  }
   // Workers started before what they use was there. They take the lock of their queue once more before they use it.
   for (const JobQueue* const queue : {&calls, &preprocessing}) static_cast<void>(queue->waiting());
   static_cast<void>(views.waiting());
@@ -276,6 +283,7 @@ Gauges Engine::gauges() {
   if (cache != nullptr) {
     out.cache_bytes = cache->used_bytes();
     out.unsaved_sessions = cache->unsaved();
+    out.unstored = cache->unstored();
     out.cache_operations = cache->operations();
   }
   return out;

@@ -34,6 +34,7 @@
 #include "server/session/refiner.h"
 #include "server/session/session_cache.h"
 #include "server/session/session_store.h"
+#include "server/store/watched_store.h"
 
 namespace curvecast::server {
 
@@ -56,17 +57,17 @@ class Engine {
   const std::uint64_t memory_share_;  // bytes that the process may take
 
  public:
-  /// `session_cache`, `known` and `kept_meshes` may be null: without a cache; everybody may call; meshes are gone with the
-  /// server.
+  /// `session_cache`, `known`, `kept_meshes` and `shared` may be null: without a cache; everybody may call; meshes are gone with
+  /// the server; there is no store behind the cache and the meshes, which use it.
   Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> logger, std::unique_ptr<SessionCache> session_cache,
          std::shared_ptr<const Tokens> known = nullptr, TrustedProxies trusted = {},
-         std::unique_ptr<MeshFolder> kept_meshes = nullptr);
+         std::unique_ptr<MeshFolder> kept_meshes = nullptr, std::unique_ptr<WatchedStore> shared = nullptr);
 
   /// Whether callers must prove who they are.
   bool knows_callers() const { return asks_for_certificates || tokens.get() != nullptr; }
 
-  /// Whether the session would survive a restart.
-  bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->holds(session_id); }
+  /// Whether the session would survive a restart and, where there is a store, this server.
+  bool is_cached(const std::string& session_id) const { return cache != nullptr && cache->is_safe(session_id); }
 
   /// Makes a conversation that stop_streams() ends; Unavailable after stop_streams(). The caller's connections share what it has
   /// of the workers and of the bytes that wait.
@@ -102,6 +103,7 @@ class Engine {
   ViewWorkers views;                          // of streams: each takes milliseconds
   JobQueue calls;                             // single point sets, neighbours, inspection: views go before them
   JobQueue preprocessing;                     // one at a time: each uses all cores by itself
+  const std::unique_ptr<WatchedStore> store;  // before all that uses it; null: none
   const std::unique_ptr<SessionCache> cache;  // null: none
   const std::unique_ptr<MakingMarks> marks;   // null: no cache, or nobody else to protect
   Replaceable<Tokens> tokens;                 // of those who may call; null, for ever: everybody

@@ -91,6 +91,10 @@ struct Metrics::Families {
   Counter& stalls =
       counters(registry, "curvecast_stalled_calls_total", "Calls ended because their client did not read what was sent.").Add({});
 
+  Family<Counter>& store_operations =
+      counters(registry, "curvecast_store_operations_total", "Calls of the store that servers share, by how they ended.");
+  Family<Histogram>& store_seconds = histograms(registry, "curvecast_store_seconds", "Of one call of the store.");
+
   Family<Counter>& refinements = counters(registry, "curvecast_refinements_total", "Refinements of curves that are over.");
   Counter& finer = refinements.Add({{"result", "finer"}});
   Counter& unchanged = refinements.Add({{"result", "unchanged"}});
@@ -141,6 +145,8 @@ struct Metrics::Families {
       counters(registry, "curvecast_refused_total", "Streams, views, calls and uploads refused, by the limit that they met.");
   Gauge& unsaved_sessions ABSL_GUARDED_BY(mutex) =
       gauges(registry, "curvecast_unsaved_sessions", "Sessions that wait to be written to the cache.").Add({});
+  Gauge& unstored ABSL_GUARDED_BY(mutex) =
+      gauges(registry, "curvecast_unstored", "Sessions that wait to be put into the store that servers share.").Add({});
   Family<Counter>& cache_operations ABSL_GUARDED_BY(mutex) =
       counters(registry, "curvecast_cache_operations_total", "Sessions loaded, saved and removed, and tries that failed.");
   Gauge& resident ABSL_GUARDED_BY(mutex) =
@@ -207,6 +213,13 @@ void Metrics::preprocessing(int code, double seconds) {
   families_->preprocess_seconds.Add({{"code", name}}, kRequestSeconds).Observe(seconds);
 }
 
+void Metrics::store_call(std::string_view operation, std::string_view result, double seconds) {
+  const std::string name(operation);
+  families_->store_operations.Add({{"operation", name}, {"result", "error"}});  // so that its first one is an increase
+  families_->store_operations.Add({{"operation", name}, {"result", std::string(result)}}).Increment();
+  families_->store_seconds.Add({{"operation", name}}, kRequestSeconds).Observe(seconds);
+}
+
 void Metrics::stalled(std::size_t count) { families_->stalls.Increment(static_cast<double>(count)); }
 
 std::string Metrics::text(const Gauges& values) {
@@ -238,6 +251,7 @@ std::string Metrics::text(const Gauges& values) {
   for (const auto& [limit, count] : values.refused) count_up(f.refused.Add({{"limit", limit}}), count);
   for (const auto& [what, count] : values.evicted) count_up(f.evicted.Add({{"what", what}}), count);
   f.unsaved_sessions.Set(static_cast<double>(values.unsaved_sessions));
+  f.unstored.Set(static_cast<double>(values.unstored));
   for (const auto& [kind, count] : values.cache_operations) {
     count_up(f.cache_operations.Add({{"operation", kind.first}, {"result", kind.second}}), count);
   }

@@ -42,6 +42,7 @@ struct Gauges {
   // So far, "sessions" (from memory) and "meshes": what had to make room for others.
   std::map<std::string, std::uint64_t> evicted = {};
   std::size_t unsaved_sessions = 0;  // that wait to be written to the cache
+  std::size_t unstored = 0;          // sessions that wait to be put into the store
   // So far, by operation and result: what was done with sessions in the cache.
   std::map<std::pair<std::string, std::string>, std::uint64_t> cache_operations = {};
 };
@@ -72,6 +73,8 @@ class Metrics {
   void view_job(double waited_seconds, double busy_seconds);
   /// Counts a session that was preprocessed, or failed to be. `code` is a canonical status code.
   void preprocessing(int code, double seconds);
+  /// Counts a call of the store: see WatchedStore::OnCall.
+  void store_call(std::string_view operation, std::string_view result, double seconds);
   /// Counts calls that were ended because their client did not read.
   void stalled(std::size_t count);
 

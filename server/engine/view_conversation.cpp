@@ -32,8 +32,8 @@ ViewConversation::ViewConversation(Engine& engine, const Caller& caller, Admissi
 void ViewConversation::receive(const v1::StreamViewsRequest& request, std::function<void()> on_received) {
   if (request.has_view()) tally_.received(request.view().sequence());
   if (request.has_open() && engine_.sessions.must_load(request.open().session_id())) {
-    // By a thread that may wait for the disk, before the stream hears of it.
-    const auto submitted = engine_.cache->loading().submit([this, &request, on_received] {
+    // By a thread that may wait for the disk, or the store, before the stream hears of it.
+    const auto submitted = engine_.cache->loading(request.open().session_id()).submit([this, &request, on_received] {
       const auto loaded = status_from_exceptions([&] { return engine_.sessions.find(request.open().session_id(), owner_); });
       stream_->receive(request);  // finds it in memory, or an error
       on_received();

@@ -16,8 +16,9 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
   CreateSessionReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
                        const v1::CreateSessionRequest& request)
       : WriteQueue("CreateSession", engine, context, caller), engine_(engine), wants_preview_(!request.without_preview()) {
-    // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor.
-    begin_with([&] { return begin(request); });
+    // Whatever join() sets off, gRPC holds back until the reactor is bound, which is after this constructor; the queue, until
+    // another thread has begun.
+    begin_with_meshes(engine, [this, &request] { return begin(request); });
   }
 
  private:
@@ -28,7 +29,11 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
     if (!options.ok()) return options.status();
     auto id = engine_.sessions.join(*std::move(files), *options, this, caller().maker());
     if (!id.ok()) return id.status();
-    id_ = *std::move(id);
+    {
+      const MutexLock lock(id_mutex_);
+      id_ = *std::move(id);
+    }
+    if (cancelled()) leave();  // before it was known what to leave
     return absl::OkStatus();
   }
 
@@ -67,12 +72,22 @@ class CreateSessionReactor final : public WriteQueue<v1::CreateSessionResponse>,
 
   void OnCancel() override {
     WriteQueue::OnCancel();
-    if (engine_.sessions.leave(id_, this)) finish(grpc::Status::CANCELLED);
+    leave();
+  }
+
+  void leave() ABSL_LOCKS_EXCLUDED(id_mutex_) {
+    std::string id;
+    {
+      const MutexLock lock(id_mutex_);
+      id = id_;
+    }
+    if (engine_.sessions.leave(id, this)) finish(grpc::Status::CANCELLED);
   }
 
   Engine& engine_;
   const bool wants_preview_;
-  std::string id_;
+  Mutex id_mutex_;
+  std::string id_ ABSL_GUARDED_BY(id_mutex_);  // empty: it has not joined
 };
 
 }  // namespace

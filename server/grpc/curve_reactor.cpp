@@ -20,8 +20,8 @@ class CurveReactor final : public grpc::ServerWriteReactor<v1::GetCurveResponse>
       : sessions_(engine.sessions), who_(caller.owner), log_(engine, "GetCurve", context, caller) {
     const std::string& id = request.session_id();
     if (engine.sessions.must_load(id)) {
-      // A thread that may wait for the disk loads it.
-      const auto submitted = engine.cache->loading().submit([this, id] { begin(id); });
+      // A thread that may wait for the disk, or the store, loads it.
+      const auto submitted = engine.cache->loading(id).submit([this, id] { begin(id); });
       if (!submitted.ok()) end(submitted.status());
     } else {
       begin(id);

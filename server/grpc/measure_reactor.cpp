@@ -39,7 +39,7 @@ class MeasureReactor final : public WriteQueue<v1::MeasureResponse> {
  public:
   MeasureReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller, const v1::MeasureRequest& request)
       : WriteQueue("Measure", engine, context, caller) {
-    begin_with([&] { return begin(engine, request); });
+    begin_with_meshes(engine, [this, &engine, &request] { return begin(engine, request); });
   }
 
  private:

@@ -18,7 +18,7 @@ class ParameterMeshReactor final : public WriteQueue<v1::GetParameterMeshRespons
   ParameterMeshReactor(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
                        const v1::GetParameterMeshRequest& request)
       : WriteQueue("GetParameterMesh", engine, context, caller) {
-    begin_with([&] { return begin(engine, request); });
+    begin_with_meshes(engine, [this, &engine, &request] { return begin(engine, request); });
   }
 
  private:

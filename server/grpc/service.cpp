@@ -87,14 +87,14 @@ grpc::ServerReadReactor<v1::UploadMeshRequest>* Service::UploadMesh(grpc::Callba
 grpc::ServerUnaryReactor* Service::GetMesh(grpc::CallbackServerContext* context, const v1::GetMeshRequest* request,
                                            v1::GetMeshResponse* response) {
   return answer_later(engine_, "GetMesh", *context, [&](const Caller& caller) -> absl::StatusOr<UnaryJob::Work> {
-    auto mesh = engine_.meshes.find(request->mesh_id(), caller.owner);
-    if (!mesh.ok()) return mesh.status();
-    return [response, mesh = *std::move(mesh)](const ExecutionContext& job) {
+    return [this, response, id = request->mesh_id(), owner = caller.owner](const ExecutionContext& job) {
+      const auto mesh = engine_.meshes.find(id, owner);
+      if (!mesh.ok()) return mesh.status();
       // Who is told that it is here does not upload it.
-      if (absl::Status opened = mesh->open(job); !opened.ok()) return opened;
-      response->set_mesh_id(mesh->id);
-      response->set_name(mesh->name);
-      response->set_size(mesh->size());
+      if (absl::Status opened = (*mesh)->open(job); !opened.ok()) return opened;
+      response->set_mesh_id((*mesh)->id);
+      response->set_name((*mesh)->name);
+      response->set_size((*mesh)->size());
       return absl::OkStatus();
     };
   });

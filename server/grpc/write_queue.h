@@ -42,6 +42,26 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     if (const absl::Status begun = status_from_exceptions(work); !begun.ok()) finish(to_grpc(begun));
   }
 
+  /// As begin_with(), for work that looks meshes up: where that may wait for a store, by a thread that may. The call does not end
+  /// before the work has returned.
+  template <typename Work>
+  void begin_with_meshes(Engine& engine, const Work& work) ABSL_LOCKS_EXCLUDED(mutex_) {
+    if (!engine.meshes.is_shared()) return begin_with(work);
+    {
+      const MutexLock lock(mutex_);
+      beginning_ = true;
+    }
+    const auto submitted = engine.cache->fetching().submit(
+        [this, work] {
+          begin_with(work);
+          end_beginning();
+        },
+        caller_.name);
+    if (submitted.ok()) return;
+    finish(to_grpc(submitted.status()));
+    end_beginning();
+  }
+
   /// Queues a message; dropped once the client has gone.
   void push(Response message) ABSL_LOCKS_EXCLUDED(mutex_) {
     const MutexLock lock(mutex_);
@@ -114,6 +134,16 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
 
   void OnDone() final { delete this; }
 
+  void end_beginning() ABSL_LOCKS_EXCLUDED(mutex_) {
+    std::optional<grpc::Status> ended;
+    {
+      const MutexLock lock(mutex_);
+      beginning_ = false;
+      ended = take_end();
+    }
+    if (ended) finish_now(*ended);
+  }
+
   static std::int64_t bytes_of(const Response& message) { return static_cast<std::int64_t>(message.ByteSizeLong()); }
   void count(std::int64_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     waiting_ += bytes;
@@ -129,9 +159,9 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
     this->StartWrite(&current_);
   }
 
-  /// The status to end with, once: where it is known and all messages have been written.
+  /// The status to end with, once: where it is known, all messages have been written, and the beginning is over.
   std::optional<grpc::Status> take_end() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    if (writing_) return std::nullopt;
+    if (writing_ || beginning_) return std::nullopt;
     return std::exchange(status_, std::nullopt);
   }
 
@@ -152,6 +182,7 @@ class WriteQueue : public grpc::ServerWriteReactor<Response> {
   std::deque<Response> queue_ ABSL_GUARDED_BY(mutex_);
   Response current_ ABSL_GUARDED_BY(mutex_);  // being written
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool beginning_ ABSL_GUARDED_BY(mutex_) = false;              // on another thread
   std::optional<grpc::Status> status_ ABSL_GUARDED_BY(mutex_);  // set between finish() and Finish()
 };
 

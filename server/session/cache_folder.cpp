@@ -11,6 +11,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <system_error>
 #include <vector>
@@ -26,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kIdDigits = 32;
-constexpr char kMark[] = ".closed";
+constexpr char kMark[] = ".closed", kStored[] = ".stored";
 constexpr std::chrono::hours kMarkLife{24};
 
 /// A session's files, of any version.
@@ -120,6 +121,8 @@ std::string CacheFolder::surface_path(const std::string& id) const {
 
 std::string CacheFolder::closed_path(const std::string& id) const { return absl::StrCat(folder_, "/", id, kMark); }
 
+std::string CacheFolder::stored_path(const std::string& id) const { return absl::StrCat(folder_, "/", id, kStored); }
+
 std::array<std::string, 4> CacheFolder::paths(const std::string& id) const {
   return {curve_path(id), refined_path(id), ranks_path(id), surface_path(id)};
 }
@@ -138,6 +141,7 @@ void CacheFolder::remove_all(const Paths& paths) const {
 
 bool CacheFolder::remove_files(const std::string& id) const {
   const bool was_there = is_file(curve_path(id));
+  unmark_stored(id);
   remove_all(paths(id));
   return was_there;
 }
@@ -158,6 +162,28 @@ void CacheFolder::remove_old_marks() const {
   });
 }
 
+bool CacheFolder::is_stored(const std::string& id, const std::string& url) const {
+  std::ifstream mark(stored_path(id), std::ios::binary);
+  return mark && std::string(std::istreambuf_iterator<char>(mark), {}) == url;
+}
+
+void CacheFolder::mark_stored(const std::string& id, const std::string& url) const {
+  std::ofstream(stored_path(id), std::ios::binary | std::ios::trunc) << url;
+}
+
+void CacheFolder::unmark_stored(const std::string& id) const {
+  std::error_code ignored;
+  fs::remove(stored_path(id), ignored);
+}
+
+std::vector<std::string> CacheFolder::unstored(const std::string& url) const {
+  std::vector<std::string> ids;
+  for (const auto& [id, stored] : scan(folder_)) {
+    if (std::ranges::find(stored.paths, curve_path(id)) != stored.paths.end() && !is_stored(id, url)) ids.push_back(id);
+  }
+  return ids;
+}
+
 CacheFolder::Contents CacheFolder::contents() const {
   Contents out;
   for (const auto& [id, stored] : scan(folder_)) {
@@ -171,7 +197,7 @@ CacheFolder::Contents CacheFolder::contents() const {
   return out;
 }
 
-std::uint64_t CacheFolder::make_room(std::uint64_t max_bytes,
+std::uint64_t CacheFolder::make_room(std::uint64_t max_bytes, const std::function<bool(const std::string& id)>& may_go,
                                      const std::function<void(const std::string& id)>& on_removed) const {
   const std::map<std::string, Stored> sessions = scan(folder_);
   std::uint64_t used = 0;
@@ -183,6 +209,8 @@ std::uint64_t CacheFolder::make_room(std::uint64_t max_bytes,
   std::sort(by_age.begin(), by_age.end(), [](const auto* a, const auto* b) { return a->second.last_used < b->second.last_used; });
   for (const auto* entry : by_age) {
     if (used <= max_bytes) break;
+    if (!may_go(entry->first)) continue;
+    unmark_stored(entry->first);
     remove_all(entry->second.paths);
     used -= entry->second.bytes;
     on_removed(entry->first);

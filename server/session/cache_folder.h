@@ -1,6 +1,7 @@
 // What lies where in the folder in which sessions survive the server: for each a file with the first revision of its curve and
 // what the session is, one with what refining the curve starts from, one with the points that first views show, and where the
-// curve was refined, one with the newest revision. An empty file marks one that was closed.
+// curve was refined, one with the newest revision. An empty file marks one that was closed; one with the store's URL those whose
+// files are in a store that servers share, too.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -14,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace curvecast::server {
 
@@ -48,7 +50,7 @@ class CacheFolder {
   std::string ranks_path(const std::string& id) const;
   /// All of these.
   std::array<std::string, 4> paths(const std::string& id) const;
-  /// Removes a session's files. False where there was no curve.
+  /// Removes a session's files, also the mark of those in a store. False where there was no curve.
   bool remove_files(const std::string& id) const;
 
   /// Whether some server has closed the session, and nobody has asked for it since.
@@ -58,6 +60,13 @@ class CacheFolder {
   /// Removes the marks of sessions that were closed so long ago that no server has them in memory.
   void remove_old_marks() const;
 
+  /// Whether the session's files are in that store, as they are here.
+  bool is_stored(const std::string& id, const std::string& url) const;
+  void mark_stored(const std::string& id, const std::string& url) const;
+  void unmark_stored(const std::string& id) const;
+  /// Ids of the sessions that can be loaded and are not in that store.
+  std::vector<std::string> unstored(const std::string& url) const;
+
   /// All files of sessions, of any version, whichever process wrote them.
   struct Contents {
     std::size_t sessions = 0;  // that can be loaded
@@ -66,14 +75,17 @@ class CacheFolder {
   };
   /// Looks at each file.
   Contents contents() const;
-  /// Removes the least recently used sessions as long as all take more than `max_bytes`. Returns the bytes that the others take.
-  std::uint64_t make_room(std::uint64_t max_bytes, const std::function<void(const std::string& id)>& on_removed) const;
+  /// Removes the least recently used sessions that may go as long as all take more than `max_bytes`. Returns the bytes that the
+  /// others take.
+  std::uint64_t make_room(std::uint64_t max_bytes, const std::function<bool(const std::string& id)>& may_go,
+                          const std::function<void(const std::string& id)>& on_removed) const;
 
   /// How often the files of a session were removed, and how often that failed.
   std::pair<std::uint64_t, std::uint64_t> removals() const { return {removed_, not_removed_}; }
 
  private:
   std::string closed_path(const std::string& id) const;
+  std::string stored_path(const std::string& id) const;
   template <typename Paths>
   void remove_all(const Paths& paths) const;
 

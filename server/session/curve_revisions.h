@@ -10,6 +10,14 @@
 
 namespace curvecast::server {
 
+/// The number of a revision that is made of the one with the number `before`. It counts, above 16 bits that tell what it is:
+/// servers that refine the same curve differently do not call both the same. The first revision, 1, is the same everywhere.
+constexpr std::uint64_t next_revision_number(std::uint64_t before, std::uint64_t digest) {
+  constexpr int kDigestBits = 16;
+  const std::uint64_t count = before >> kDigestBits > 0 ? before >> kDigestBits : before;
+  return (count + 1) << kDigestBits | digest >> (64 - kDigestBits);
+}
+
 /// Thread-safe.
 class CurveRevisions {
  public:

@@ -10,6 +10,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -29,6 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kEnding[] = ".mesh";
+// Of what is got from the store, until it is known to be good; removed by the next start where the process is killed meanwhile.
+constexpr char kFetched[] = ".curvecast-tmp";
 constexpr char kMagic[8] = {'C', 'V', 'C', 'M', 'E', 'S', 'H', '2'};
 constexpr std::size_t kIdSize = 32;                    // digits, of a realm too
 constexpr std::size_t kMaxText = 1 << 16;              // bytes of name and sender
@@ -118,6 +121,19 @@ absl::Status not_found(const std::string& id) {
   return absl::NotFoundError(absl::StrCat("mesh \"", printable(id), "\" is not held here any more; upload it again"));
 }
 
+/// Of the file in the store.
+std::string name_of(const std::string& key) { return "meshes/" + key; }
+
+std::uint64_t next_number() {
+  static std::atomic<std::uint64_t> number = 0;
+  return ++number;
+}
+
+void remove_path(const std::string& path) {
+  std::error_code ignored;
+  fs::remove(path, ignored);
+}
+
 void discard(spdlog::logger& log, const std::string& path, const std::string& reason) {
   std::error_code ignored;
   const bool removed = fs::remove(path, ignored);
@@ -151,13 +167,24 @@ absl::StatusOr<MeshBytes> load(const std::string& path, const std::string& id, s
   return not_found(id);
 }
 
+/// OK where a file's bytes are those of a mesh of this id, else DataLoss.
+absl::Status check_file(const std::string& path, const std::string& id) {
+  const int descriptor = open_to_read(path);
+  if (descriptor < 0) return absl::ErrnoToStatus(errno, absl::StrCat(path, ": cannot open"));
+  const absl::Cleanup close = [descriptor] { ::close(descriptor); };
+  const absl::StatusOr<Description> described = describe(descriptor, path);
+  if (!described.ok()) return described.status();
+  return read(descriptor, path, id, described->size, false, {}).status();
+}
+
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<MeshFolder>> MeshFolder::open(const std::string& cache, std::shared_ptr<spdlog::logger> log) {
+absl::StatusOr<std::unique_ptr<MeshFolder>> MeshFolder::open(const std::string& cache, std::shared_ptr<spdlog::logger> log,
+                                                             WatchedStore* store) {
   const absl::StatusOr<std::string> path = make_cache_folder(cache + "/meshes");
   if (!path.ok()) return path.status();
   const std::size_t stale = remove_stale_temporaries(*path);
-  std::unique_ptr<MeshFolder> folder(new MeshFolder(*path, std::move(log)));
+  std::unique_ptr<MeshFolder> folder(new MeshFolder(*path, std::move(log), store));
   folder->log_->info("meshes {}: {} files, {} unfinished ones removed", *path, folder->list().size(), stale);
   return folder;
 }
@@ -177,11 +204,44 @@ absl::StatusOr<std::shared_ptr<const Mesh>> MeshFolder::store(AtomicFile file, c
   std::memcpy(trailer.magic, kMagic, sizeof kMagic);
   absl::Status status = file.write_at(size, std::as_bytes(std::span(text)));
   if (status.ok()) status = file.write_at(size + text.size(), std::as_bytes(std::span(&trailer, 1)));
+  if (status.ok() && store_ != nullptr) {
+    const absl::StatusOr<std::string> written = file.sync();
+    status = written.ok() ? store_->put(name_of(label.key()), *written, store_->ending()) : written.status();
+    if (!status.ok()) status = absl::UnavailableError(status.message());
+  }
   if (status.ok()) status = file.commit_as(path_of(label.key()));
   if (status.ok()) return make_mesh(label, size);
   log_->error("meshes: {} \"{}\" is not kept: {}", label.id, printable(label.name), std::string(status.message()));
   if (absl::IsResourceExhausted(status)) return absl::ResourceExhaustedError("the server's disk is full; try again later");
   return absl::UnavailableError(absl::StrCat("the server cannot keep the mesh: ", status.message()));
+}
+
+absl::Status MeshFolder::may_store() const {
+  const absl::Status state = store_ != nullptr ? store_->state() : absl::OkStatus();
+  return state.ok() ? state : absl::UnavailableError(absl::StrCat("meshes cannot be taken now: ", state.message()));
+}
+
+absl::StatusOr<std::uint64_t> MeshFolder::stored_size(const std::string& key) const {
+  if (store_ == nullptr || !is_key(key)) return not_found(key);
+  const absl::StatusOr<std::uint64_t> size = store_->size(name_of(key), store_->ending());
+  return size.ok() || absl::IsNotFound(size.status()) ? size : absl::UnavailableError(size.status().message());
+}
+
+absl::Status MeshFolder::get(const std::string& key) const {
+  const std::string path = path_of(key), fetched = absl::StrCat(path, ".", next_number(), kFetched);
+  const absl::Cleanup clean_up = [&] { remove_path(fetched); };
+  absl::Status status = store_->get(name_of(key), fetched, store_->ending());
+  if (status.ok()) status = check_file(fetched, label_of(key).id);
+  if (absl::IsDataLoss(status)) {
+    log_->warn("store: {}; removed", std::string(status.message()));
+    store_->remove(name_of(key), store_->ending()).IgnoreError();
+    return not_found(label_of(key).id);
+  }
+  if (absl::IsNotFound(status) || absl::IsResourceExhausted(status)) return status;
+  if (!status.ok()) return absl::UnavailableError(status.message());
+  std::error_code error;
+  fs::rename(fetched, path, error);
+  return error ? absl::UnavailableError(absl::StrCat(path, ": ", error.message())) : absl::OkStatus();
 }
 
 std::shared_ptr<const Mesh> MeshFolder::make_mesh(MeshLabel label, std::size_t size) const {
@@ -213,10 +273,7 @@ absl::StatusOr<std::shared_ptr<const Mesh>> MeshFolder::find(const std::string& 
 
 void MeshFolder::touch(const std::string& key) const { touch_file(path_of(key)); }
 
-void MeshFolder::remove(const std::string& key) const {
-  std::error_code ignored;
-  fs::remove(path_of(key), ignored);
-}
+void MeshFolder::remove(const std::string& key) const { remove_path(path_of(key)); }
 
 std::vector<MeshFolder::Stored> MeshFolder::list() const {
   std::vector<Stored> out;

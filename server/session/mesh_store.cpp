@@ -15,6 +15,7 @@ namespace {
 constexpr std::uint64_t kCharge = 4096;  // for the records of a file, so that countless tiny ones are bounded too
 constexpr std::size_t kMaxName = 1024;   // bytes
 constexpr std::size_t kMaxId = 32;
+constexpr std::uint64_t kMostBesides = 1 << 20;  // bytes of name and sender, in a file in the store
 constexpr std::size_t kFirstCapacity = std::size_t{1} << 20;
 constexpr std::ptrdiff_t kMostParked = 16, kMostParkedOfOne = 4;
 constexpr std::uint64_t kUnderWayShare = 2;  // of the store, which a caller's uploads may take: nothing of them can be pushed out
@@ -40,6 +41,37 @@ std::string MeshStore::key_of(const std::string& id, const std::string& owner) c
 }
 
 absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find(const std::string& id, const std::string& who) {
+  absl::StatusOr<std::shared_ptr<const Mesh>> found = find_here(id, who);
+  if (found.ok() || !is_shared() || !is_content_id(id)) return found;
+  const absl::Status fetched = fetch(key_of(id, who));
+  if (absl::IsNotFound(fetched)) return found;
+  if (!fetched.ok()) return absl::Status(fetched.code(), absl::StrCat("mesh ", id, " is not held here, and ", fetched.message()));
+  return find_here(id, who);
+}
+
+absl::Status MeshStore::fetch(const std::string& key) {
+  {
+    const MutexLock lock(mutex_);
+    while (fetching_.contains(key)) fetched_.wait(mutex_);  // another thread gets it
+    if (kept_->holds(key)) return absl::OkStatus();
+    fetching_.insert(key);
+  }
+  absl::StatusOr<std::uint64_t> size = kept_->stored_size(key);
+  absl::Status status = size.status();
+  if (status.ok() && *size > limits_.file_bytes + kMostBesides) status = absl::NotFoundError("it is larger than files may be");
+  const std::uint64_t bytes = std::min(size.value_or(0), limits_.file_bytes) + kCharge;
+  if (status.ok()) status = reserve("", bytes);
+  if (status.ok()) {
+    status = kept_->get(key);
+    release("", bytes);
+  }
+  const MutexLock lock(mutex_);
+  fetching_.erase(key);
+  fetched_.notify_all();
+  return status;
+}
+
+absl::StatusOr<std::shared_ptr<const Mesh>> MeshStore::find_here(const std::string& id, const std::string& who) {
   const absl::Status not_held =
       absl::NotFoundError(absl::StrCat("mesh \"", printable(id), "\" is not held here; upload it first"));
   if (!is_content_id(id)) return not_held;  // keys of others have more to them
@@ -252,6 +284,9 @@ absl::Status MeshUpload::begin(std::string_view name, std::uint64_t size, std::s
   if (size > store_.max_file_bytes()) {
     return absl::ResourceExhaustedError(
         absl::StrCat("the file has ", size, " bytes; this server takes at most ", store_.max_file_bytes()));
+  }
+  if (store_.kept_ != nullptr) {
+    if (absl::Status may = store_.kept_->may_store(); !may.ok()) return may;  // rather now than after all of it
   }
   if (offset > 0) {
     absl::StatusOr<MeshPart> part = store_.resume(std::string(expected_id), part_.maker, size, offset);

@@ -7,6 +7,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -49,10 +50,14 @@ class MeshStore {
   explicit MeshStore(const MeshLimits& limits, std::string folder = {}, std::unique_ptr<MeshFolder> kept = nullptr);
 
   /// Finds a file by its hash, whose bytes may still have to be brought in: see Mesh::open(). `who`: the owner who asks; matters
-  /// only where owners are isolated. NotFound says what to do.
+  /// only where owners are isolated. NotFound says what to do. Where is_shared(), what is not here is got from the store that
+  /// servers share, which may take its time: Unavailable where that is away, ResourceExhausted where there is no room.
   absl::StatusOr<std::shared_ptr<const Mesh>> find(const std::string& id, const std::string& who = {});
   /// How many bytes are there of the file with this hash, whose upload by the same client broke off.
   std::uint64_t received(const std::string& id, const Maker& maker = {});
+
+  /// Whether find() may wait for a store.
+  bool is_shared() const { return kept_ != nullptr && kept_->is_shared(); }
 
   std::uint64_t max_file_bytes() const { return limits_.file_bytes; }
 
@@ -69,6 +74,10 @@ class MeshStore {
   friend class MeshUpload;
   using Recency = std::list<std::shared_ptr<const Mesh>>;  // most recently used first
 
+  absl::StatusOr<std::shared_ptr<const Mesh>> find_here(const std::string& id, const std::string& who)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Gets a file from the store into the folder. Errors as of find().
+  absl::Status fetch(const std::string& key) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Takes a mesh up that is in the folder.
   void adopt(std::shared_ptr<const Mesh> mesh) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Forgets a mesh; its file stays. Returns what follows it.
@@ -111,6 +120,8 @@ class MeshStore {
   Recency recency_ ABSL_GUARDED_BY(mutex_);
   std::unordered_map<std::string, Recency::iterator> by_key_ ABSL_GUARDED_BY(mutex_);
   Parts parked_ ABSL_GUARDED_BY(mutex_);  // the newest first; within used_ too
+  CondVar fetched_;
+  std::set<std::string> fetching_ ABSL_GUARDED_BY(mutex_);  // keys
 };
 
 /// One file on its way into the store, which must outlive it. Not thread-safe.

@@ -2,6 +2,7 @@
 
 #include <absl/strings/str_cat.h>
 #include <spdlog/logger.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <utility>
@@ -15,6 +16,12 @@ namespace {
 bool is_uniform(const std::vector<DensityTerm>& density) {
   return std::all_of(density.begin(), density.end(),
                      [](const DensityTerm& term) { return std::holds_alternative<UniformTerm>(term); });
+}
+
+/// Of the leaves: with its surface they make a curve what it is.
+std::uint64_t digest_of(const SurfaceCurve& curve) {
+  const std::uint64_t keys = XXH3_64bits(curve.key.data(), curve.key.size() * sizeof(*curve.key.data()));
+  return XXH3_64bits_withSeed(curve.level.data(), curve.level.size() * sizeof(*curve.level.data()), keys);
 }
 
 }  // namespace
@@ -52,8 +59,9 @@ Improvement Refiner::improve(const Session& session, const Demands<CurveDemand>&
     session.refinement->is_over = true;
     return {.is_last = true};
   }
-  const std::shared_ptr<const SurfaceCurve>& curve = refined->curve;
+  const std::shared_ptr<SurfaceCurve>& curve = refined->curve;
   if (curve != nullptr) {
+    curve->revision = next_revision_number(session.curve()->revision, digest_of(*curve));
     session.revisions->publish(curve);
     log_->info("session {} refined in {:.3f} s: revision {}, {} curve vertices, {} MiB", session.id, watch.lap(), curve->revision,
                curve->size(), curve->byte_size() >> 20);

@@ -23,6 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxPendingLoads = 1024;
+constexpr int kFetchThreads = 8;  // which mostly wait
+constexpr std::size_t kMaxFetchesOfOne = 256;
 constexpr std::chrono::seconds kLookInterval{5};
 
 /// Checks that a curve, which is sound by itself, can lie on a surface: it has all that the curve names of it.
@@ -54,11 +56,11 @@ absl::StatusOr<std::shared_ptr<Session>> to_session(CurveFile file, const std::s
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<SessionCache>> SessionCache::open(const std::string& folder, std::uint64_t max_bytes,
-                                                                 std::shared_ptr<spdlog::logger> log) {
+                                                                 std::shared_ptr<spdlog::logger> log, WatchedStore* store) {
   const absl::StatusOr<std::string> path = make_cache_folder(folder);
   if (!path.ok()) return path.status();
   const std::size_t stale = remove_stale_temporaries(*path);
-  std::unique_ptr<SessionCache> cache(new SessionCache(*path, max_bytes, std::move(log)));
+  std::unique_ptr<SessionCache> cache(new SessionCache(*path, max_bytes, std::move(log), store));
   cache->folder_.remove_old_marks();
   const CacheFolder::Contents contents = cache->folder_.contents();
   cache->used_bytes_ = contents.bytes;
@@ -67,13 +69,18 @@ absl::StatusOr<std::unique_ptr<SessionCache>> SessionCache::open(const std::stri
   return cache;
 }
 
-SessionCache::SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log)
+SessionCache::SessionCache(std::string folder, std::uint64_t max_bytes, std::shared_ptr<spdlog::logger> log, WatchedStore* store)
     : folder_(std::move(folder)),
       max_bytes_(max_bytes),
       log_(std::move(log)),
+      shared_(store != nullptr ? std::make_unique<SharedSessions>(*store, folder_, max_bytes, log_) : nullptr),
       loading_({.max_waiting = kMaxPendingLoads}),
-      saves_({.save = [this](const Session& session) { return write_and_move(session); },
-              .undo = [this](const std::string& id) { folder_.remove_files(id); },
+      fetching_(store != nullptr ? std::make_unique<JobQueue>(JobQueue::Options{.workers = kFetchThreads,
+                                                                                .max_waiting = kMaxPendingLoads,
+                                                                                .max_waiting_of_one = kMaxFetchesOfOne,
+                                                                                .max_running_of_one = kFetchThreads / 2})
+                                 : nullptr),
+      saves_({.undo = [this](const std::string& id) { folder_.remove_files(id); },
               .on_tried = [this](const std::string& id, const absl::Status& status,
                                  bool is_lost) { note_saved(id, status, is_lost); }}) {}
 
@@ -81,15 +88,47 @@ SessionCache::~SessionCache() { stop(); }
 
 void SessionCache::stop() {
   loading_.stop();
+  if (fetching_ != nullptr) fetching_->stop();
   saves_.stop();
+  if (shared_ != nullptr) shared_->stop();
+}
+
+absl::Status SessionCache::fetch(const std::string& id) {
+  if (!is_content_id(id) || shared_ == nullptr) return absl::NotFoundError("it is not in the cache");
+  absl::Status status = shared_->fetch(id);
+  if (status.ok()) make_room();
+  return status;
+}
+
+absl::Status SessionCache::why_missing(const std::string& id) const {
+  return shared_ != nullptr ? shared_->why_missing(id) : absl::NotFoundError("it is not in the cache");
+}
+
+std::vector<std::string> SessionCache::unstored_ids() const {
+  return shared_ != nullptr ? shared_->unstored_ids() : std::vector<std::string>();
+}
+
+void SessionCache::watch(const std::vector<std::string>& ids, std::chrono::steady_clock::duration interval) const {
+  if (shared_ != nullptr) shared_->watch(ids, interval);
+}
+
+absl::Status SessionCache::close_for_all(const std::string& id) const {
+  return shared_ != nullptr ? shared_->close(id) : absl::OkStatus();
+}
+
+void SessionCache::reopen(const std::string& id) const {
+  if (shared_ != nullptr && !holds(id)) shared_->reopen(id);
+  folder_.remove_mark(id);
 }
 
 bool SessionCache::holds(const std::string& id) const {
   return is_content_id(id) && is_file(folder_.curve_path(id)) && !saves_.is_withdrawn(id) && !is_closed(id);
 }
 
-absl::StatusOr<std::string> SessionCache::owner(const std::string& id) const {
-  if (!holds(id)) return absl::NotFoundError("it is not in the cache");
+absl::StatusOr<std::string> SessionCache::owner(const std::string& id) {
+  if (!holds(id)) {
+    if (absl::Status fetched = fetch(id); !fetched.ok()) return fetched;
+  }
   const std::string path = folder_.curve_path(id);
   const absl::StatusOr<std::string> note = load_note(path);
   const absl::StatusOr<std::shared_ptr<Session>> session = note.ok() ? read_record(*note, id, path) : note.status();
@@ -100,13 +139,13 @@ absl::StatusOr<std::string> SessionCache::owner(const std::string& id) const {
 
 bool SessionCache::remove(const std::string& id) {
   if (!is_content_id(id)) return false;
-  const SaveQueue::Found found = saves_.withdraw(id);
+  const RetryQueue::Found found = saves_.withdraw(id);
   const bool is_there = is_file(folder_.curve_path(id));
   // First the mark: what another server writes meanwhile does not count, and goes.
-  if (found != SaveQueue::Found::kNothing || is_there) folder_.mark_closed(id);
+  if (found != RetryQueue::Found::kNothing || is_there) folder_.mark_closed(id);
   folder_.remove_files(id);
-  if (found == SaveQueue::Found::kNothing) return is_there;
-  return found != SaveQueue::Found::kWithdrawn;
+  if (found == RetryQueue::Found::kNothing) return is_there;
+  return found != RetryQueue::Found::kWithdrawn;
 }
 
 void SessionCache::remove_damaged(const std::string& id) {
@@ -114,27 +153,38 @@ void SessionCache::remove_damaged(const std::string& id) {
   folder_.remove_files(id);
 }
 
-void SessionCache::discard(const std::string& path, const absl::Status& reason) const {
+void SessionCache::discard(const std::string& path, const absl::Status& reason, bool is_fetched) const {
   if (absl::IsNotFound(reason)) return;
   const bool is_useless = absl::IsDataLoss(reason) || absl::IsFailedPrecondition(reason);
+  if (is_useless && is_fetched) shared_->remove_file(path);
   std::error_code ignored;
   const bool removed = is_useless && fs::remove(path, ignored);
   log_->warn("cache: {}{}", std::string(reason.message()), removed ? "; removed" : "");
 }
 
 absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load(const std::string& id) {
-  if (!holds(id)) return absl::NotFoundError("it is not in the cache");
-  auto session = status_from_exceptions([&] { return read(id); });
+  absl::StatusOr<std::shared_ptr<const Session>> session = absl::NotFoundError("it is not in the cache");
+  if (holds(id)) session = load_here(id);
+  // What was damaged here may be sound there.
+  if (session.ok() || shared_ == nullptr || holds(id)) return session;
+  if (absl::Status fetched = fetch(id); !fetched.ok()) return absl::IsNotFound(fetched) ? session : fetched;
+  return load_here(id);
+}
+
+absl::StatusOr<std::shared_ptr<const Session>> SessionCache::load_here(const std::string& id) {
+  const bool is_fetched = shared_ != nullptr && shared_->take_fresh(id);
+  auto session = status_from_exceptions([&] { return read(id, is_fetched); });
   loads_.add(session.ok());
   if (session.ok()) {
     touch(id);
   } else {
     discard(folder_.curve_path(id), session.status());
+    if (is_fetched && !is_file(folder_.curve_path(id))) shared_->remove_damaged(id);
   }
   return session;
 }
 
-absl::StatusOr<std::shared_ptr<const Session>> SessionCache::read(const std::string& id) {
+absl::StatusOr<std::shared_ptr<const Session>> SessionCache::read(const std::string& id, bool is_fetched) {
   const std::string path = folder_.curve_path(id);
   absl::StatusOr<CurveFile> file = load_curve(path);
   if (!file.ok()) return file.status();
@@ -149,13 +199,13 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionCache::read(const std::str
     folder_.remove_files(id);  // either may be the wrong one
     return status;
   }
-  load_ranks(session, **surface);
-  load_refined(session, **surface);
+  load_ranks(session, **surface, is_fetched);
+  load_refined(session, **surface, is_fetched);
   if (absl::Status status = session.status(); !status.ok()) return status;
   return *std::move(loaded);
 }
 
-void SessionCache::load_refined(Session& session, const CurveBase& surface) {
+void SessionCache::load_refined(Session& session, const CurveBase& surface, bool is_fetched) {
   const std::string path = folder_.refined_path(session.id);
   if (!is_file(path)) return;
   absl::StatusOr<CurveFile> file = load_curve(path);
@@ -166,16 +216,16 @@ void SessionCache::load_refined(Session& session, const CurveBase& surface) {
     session.revisions->publish(std::move(file->curve));
     session.files.push_back(std::move(file->file));
   } else {
-    discard(path, status);
+    discard(path, status, is_fetched);
   }
 }
 
-void SessionCache::load_ranks(const Session& session, const CurveBase& surface) {
+void SessionCache::load_ranks(const Session& session, const CurveBase& surface, bool is_fetched) {
   const std::string path = folder_.ranks_path(session.id);
   if (!is_file(path)) return;
   const std::shared_ptr<const SurfaceCurve> curve = session.revisions->first();
   absl::StatusOr<RankFile> file = curvecast::load_ranks(path, *curve, surface.triangle_of.size(), session.id);
-  if (!file.ok()) return discard(path, file.status());
+  if (!file.ok()) return discard(path, file.status(), is_fetched);
   session.candidates->restore({curve, std::move(file->tree)}, file->level, session.options.seed,
                               [below = session.surface, curve] { return below->leaves(curve); });
 }
@@ -199,7 +249,9 @@ void SessionCache::save(const Session& session) {
   if (session.revisions->first()->byte_size() > max_bytes_) {
     note_failure(session.id, "it alone is larger than the cache may be", false);
   } else {
-    saves_.put(session);
+    saves_.put(session.id, [this, copy = std::make_shared<const Session>(session)](const std::atomic<bool>& /*cancel*/) {
+      return write_and_move(*copy);
+    });
   }
 }
 
@@ -220,8 +272,13 @@ absl::Status SessionCache::write_and_move(const Session& session) {
     folder_.remove_files(session.id);
     status = absl::CancelledError("it was closed");
   }
+  if (status.ok() && shared_ != nullptr) shared_->put(session.id);
   make_room();
   return status;
+}
+
+void SessionCache::will_change(const std::string& id) const {
+  if (shared_ != nullptr) folder_.unmark_stored(id);
 }
 
 void SessionCache::move_to_file(const Session& session) {
@@ -251,6 +308,7 @@ absl::Status SessionCache::write(const Session& session) const {
   }
   if (absl::Status status = check_wanted(id); !status.ok()) return status;
   if (!is_file(folder_.curve_path(id))) {
+    will_change(id);
     if (absl::Status status = save_curve(folder_.curve_path(id), *first, record_of(session)); !status.ok()) {
       folder_.remove_files(id);
       return status;
@@ -259,11 +317,13 @@ absl::Status SessionCache::write(const Session& session) const {
   // Those of the lowest ranks, which first views show: the surface's file is read only when views come nearer.
   if (absl::Status status = check_wanted(id); !status.ok()) return status;
   if (const auto ranks = session.candidates->made(); ranks.tree != nullptr && !is_file(folder_.ranks_path(id))) {
+    will_change(id);
     absl::Status status = save_ranks(folder_.ranks_path(id), *ranks.tree, RankedCandidates::kMostLevelsAtFirst, id);
     if (!status.ok()) return status;
   }
   if (newest != first) {
     if (absl::Status status = check_wanted(id); !status.ok()) return status;
+    will_change(id);
     if (absl::Status status = save_curve(folder_.refined_path(id), *newest, id); !status.ok()) return status;
   }
   // What was written may have been taken from files that are gone.
@@ -288,7 +348,9 @@ void SessionCache::note_failure(const std::string& id, const std::string& reason
 }
 
 void SessionCache::make_room() {
-  used_bytes_ = folder_.make_room(max_bytes_, [this](const std::string& id) {
+  // What is not in the store yet would be lost.
+  const auto may_go = [this](const std::string& id) { return shared_ == nullptr || shared_->is_stored(id); };
+  used_bytes_ = folder_.make_room(max_bytes_, may_go, [this](const std::string& id) {
     log_->info("session {} removed from the cache: the least recently used", id);
   });
 }

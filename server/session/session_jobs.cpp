@@ -49,12 +49,13 @@ SessionJobs::~SessionJobs() {
 
 absl::Status SessionJobs::start(const std::shared_ptr<SessionJob>& job) {
   const MutexLock lock(mutex_);  // the job, which may run at once, is not over before its place is known
-  return cache_ != nullptr && cache_->holds(job->id) ? submit_load(job) : submit_preprocessing(job);
+  return job->is_made ? submit_preprocessing(job) : submit_load(job);
 }
 
 absl::Status SessionJobs::submit_load(const std::shared_ptr<SessionJob>& job) {
-  const absl::StatusOr<std::uint64_t> ticket = cache_->loading().submit([this, job] { load(job); });
-  if (ticket.ok()) places_[job.get()] = {&cache_->loading(), *ticket};
+  JobQueue& queue = cache_->loading(job->id);
+  const absl::StatusOr<std::uint64_t> ticket = queue.submit([this, job] { load(job); }, job->caller);
+  if (ticket.ok()) places_[job.get()] = {&queue, *ticket};
   return ticket.status();
 }
 
@@ -91,6 +92,7 @@ void SessionJobs::load(const std::shared_ptr<SessionJob>& job) {
 }
 
 absl::Status SessionJobs::fall_back(const std::shared_ptr<SessionJob>& job) {
+  if (absl::Status may = job->may_make ? job->may_make() : absl::OkStatus(); !may.ok()) return may;
   const MutexLock lock(mutex_);
   return job->cancel ? absl::CancelledError("cancelled") : submit_preprocessing(job);
 }

@@ -33,7 +33,10 @@ struct SessionJob {
   SessionWaiters waiters = {};
   std::atomic<bool> cancel = false;     // set by SessionJobs::cancel()
   std::atomic<bool> has_begun = false;  // to preprocess
-  bool is_loaded = false;               // from the cache; written and read by the job's thread
+  std::atomic<bool> is_made = true;     // rather than loaded, as far as is known
+  /// Refuses to make what was to be loaded; may be empty. Called without locks.
+  std::function<absl::Status()> may_make = {};
+  bool is_loaded = false;  // from the cache; written and read by the job's thread
 };
 
 /// Thread-safe.
@@ -74,7 +77,8 @@ class SessionJobs {
   void load(const std::shared_ptr<SessionJob>& job);
   void preprocess(const std::shared_ptr<SessionJob>& job);
   absl::StatusOr<std::shared_ptr<const Session>> make(const std::shared_ptr<SessionJob>& job, MemorySource* memory);
-  /// Submits for preprocessing what could not be loaded. Cancelled where the job was, else errors as of JobQueue::submit().
+  /// Submits for preprocessing what could not be loaded. Cancelled where the job was, else errors as of JobQueue::submit() and
+  /// SessionJob::may_make.
   absl::Status fall_back(const std::shared_ptr<SessionJob>& job) ABSL_LOCKS_EXCLUDED(mutex_);
   void finish(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> session)
       ABSL_LOCKS_EXCLUDED(mutex_);

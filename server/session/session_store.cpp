@@ -12,6 +12,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// How often a store is asked whether another server has closed a session that is in use, or in memory.
+constexpr std::chrono::seconds kWatchUsed{5}, kWatchHeld{60};
+
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 absl::Status not_found(const std::string& id) {
@@ -51,7 +54,7 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
   const std::string id = session_id(files, options);
   drop_closed(id);
   drop_damaged(id);
-  // Before it waits for its turn, and of others.
+  // Before it waits for its turn, and of others. Of what may be in the store later: see may_make_after_all().
   if (may_make_ && !is_there(id)) {
     if (absl::Status status = may_make_(files, options); !status.ok()) return status;
   }
@@ -82,7 +85,7 @@ absl::StatusOr<std::string> SessionStore::join(MeshFiles files, const Preprocess
 absl::StatusOr<std::shared_ptr<SessionJob>> SessionStore::start_job(const std::string& id, MeshFiles files,
                                                                     const PreprocessOptions& options, SessionWaiter* waiter,
                                                                     const Maker& maker, SessionTable::Sessions& evicted) {
-  const bool is_made = cache_ == nullptr || !cache_->holds(id);
+  const bool is_made = !may_load(id);
   if (absl::Status status = is_made ? table_.may_make(maker.caller) : absl::OkStatus(); !status.ok()) return status;
   const absl::Status has_room = table_.make_room(evicted);
   note_evicted(evicted);
@@ -94,7 +97,9 @@ absl::StatusOr<std::shared_ptr<SessionJob>> SessionStore::start_job(const std::s
   job->options = options;
   job->files = std::move(files);
   job->waiters.add(waiter);
+  job->is_made = is_made;
   if (cache_ != nullptr) cache_->reopen(id);
+  if (!is_made && !cache_->holds(id)) job->may_make = [this, &unmade = *job] { return may_make_after_all(unmade); };
   if (absl::Status status = jobs_.start(job); !status.ok()) return status;
   const Mesh& mesh = *job->files.mesh;
   table_.insert({.info = {.id = id, .mesh_id = mesh.id, .options = options}, .job = job, .owner = maker.owner});
@@ -196,7 +201,8 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_for_views(cons
 absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_here(const std::string& id, const std::string& who) {
   const MutexLock lock(mutex_);
   const SessionTable::Entry* entry = table_.find(id);
-  if (entry == nullptr || !may_see(entry->owner, who)) return not_found(id);
+  if (entry == nullptr) return missing(id);
+  if (!may_see(entry->owner, who)) return not_found(id);
   table_.use(id);
   if (entry->info.session == nullptr) {
     return absl::FailedPreconditionError(
@@ -205,24 +211,46 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::find_here(const std
   return entry->info.session;
 }
 
+absl::Status SessionStore::missing(const std::string& id) const {
+  const absl::Status why = cache_ != nullptr ? cache_->why_missing(id) : absl::NotFoundError("");
+  return absl::IsNotFound(why) ? not_found(id) : why;
+}
+
+absl::Status SessionStore::may_make_after_all(SessionJob& job) {
+  if (absl::Status status = may_make_ ? may_make_(job.files, job.options) : absl::OkStatus(); !status.ok()) return status;
+  const MutexLock lock(mutex_);
+  absl::Status status = table_.may_make(job.caller);
+  if (status.ok()) job.is_made = true;
+  return status;
+}
+
 bool SessionStore::is_there(const std::string& id) {
   const MutexLock lock(mutex_);
-  return table_.find(id) != nullptr || (cache_ != nullptr && cache_->holds(id));
+  return table_.find(id) != nullptr || may_load(id);
+}
+
+bool SessionStore::is_here(const std::string& id) {
+  const MutexLock lock(mutex_);
+  return table_.find(id) != nullptr || cache_->holds(id);
 }
 
 bool SessionStore::must_load(const std::string& id) {
   const MutexLock lock(mutex_);
-  return table_.find(id) == nullptr && cache_ != nullptr && cache_->holds(id);
+  return table_.find(id) == nullptr && may_load(id);
 }
 
 absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::string& id, const std::string& who) {
   // Nobody pushes out what is in memory by asking for what is not his.
   if (isolates_ && !may_see(cache_->owner(id).value_or(""), who)) return not_found(id);
+  // Who waits for the store does not hold up those who wait for the disk.
+  if (!cache_->holds(id)) {
+    if (absl::Status fetched = cache_->fetch(id); !fetched.ok()) return absl::IsNotFound(fetched) ? not_found(id) : fetched;
+  }
   const MutexLock one_at_a_time(load_mutex_);
   if (!must_load(id)) return find_here(id, who);  // another thread was faster
   const Clock::time_point start = Clock::now();
   absl::StatusOr<std::shared_ptr<const Session>> loaded = cache_->load(id);
-  if (!loaded.ok()) return not_found(id);
+  if (!loaded.ok()) return absl::IsUnavailable(loaded.status()) ? loaded : not_found(id);
   SessionTable::Sessions evicted;  // outlives the lock
   const MutexLock lock(mutex_);
   if (!cache_->holds(id)) return not_found(id);  // it was closed meanwhile
@@ -241,7 +269,9 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::str
 absl::StatusOr<SessionInfo> SessionStore::info(const std::string& id, const std::string& who) {
   const MutexLock lock(mutex_);
   const SessionTable::Entry* entry = table_.find(id);
-  if (entry == nullptr || !may_see(entry->owner, who)) return not_found(id);
+  if (entry == nullptr) return missing(id);
+  if (!may_see(entry->owner, who)) return not_found(id);
+  if (cache_ != nullptr && entry->job == nullptr) cache_->watch({id}, kWatchUsed);
   return SessionTable::info_of(*entry);
 }
 
@@ -281,6 +311,8 @@ std::vector<std::string> SessionStore::run_housekeeping(Clock::time_point now) {
   }
   if (cache_ != nullptr) {
     for (const std::string& id : used) cache_->touch(id);
+    cache_->watch(used, kWatchUsed);
+    cache_->watch(held, kWatchHeld);
     for (const std::string& id : held) drop_closed(id);
     for (const std::string& id : held) drop_damaged(id);
   }
@@ -357,6 +389,10 @@ void SessionStore::save(const Session& session) {
 absl::Status SessionStore::close(const std::string& id, const std::string& who) {
   const absl::Status was_closed = absl::AbortedError(absl::StrCat("session ", id, " was closed before it was ready"));
   if (absl::Status status = check_owner(id, who); !status.ok()) return status;
+  if (cache_ != nullptr && cache_->is_shared()) {
+    if (!is_here(id)) return not_found(id);
+    if (absl::Status status = cache_->close_for_all(id); !status.ok()) return status;
+  }
   SessionTable::Entry closed;  // outlives the lock
   {
     const MutexLock lock(mutex_);

@@ -68,12 +68,12 @@ class SessionStore {
   /// False when on_done has been called.
   bool leave(const std::string& id, SessionWaiter* waiter);
 
-  /// Finds a ready session, or loads it if it is only in the cache: see must_load(). NotFound, or FailedPrecondition while it is
-  /// being made; ResourceExhausted as of join().
+  /// Finds a ready session, or loads it if it is only in the cache, or in the store behind that: see must_load(). NotFound, or
+  /// FailedPrecondition while it is being made; Unavailable where the store is away; ResourceExhausted as of join().
   absl::StatusOr<std::shared_ptr<const Session>> find(const std::string& id, const std::string& who = {});
   /// As find(), but finds the preview, if there is one, of a session that is being made.
   absl::StatusOr<std::shared_ptr<const Session>> find_for_views(const std::string& id, const std::string& who = {});
-  /// Whether find() would read a file, which may take its time: for callers who must not wait.
+  /// Whether find() would read a file, or ask the store, which may take its time: for callers who must not wait.
   bool must_load(const std::string& id);
   /// Tells about a session in memory. NotFound, also where it is in the cache.
   absl::StatusOr<SessionInfo> info(const std::string& id, const std::string& who = {});
@@ -91,8 +91,9 @@ class SessionStore {
   /// Saves a session whose curve has become finer to the cache. Does nothing for one that has been closed or evicted, even if a
   /// new one for the same files and options has been made.
   void save(const Session& session);
-  /// Removes a session from memory and cache; waiters get Aborted. NotFound when it is in neither, PermissionDenied where another
-  /// client than `who` owns it. Reads and removes files, and waits for one that is being written.
+  /// Removes a session from memory and cache, and for all servers that share a store; waiters get Aborted. NotFound when it is
+  /// nowhere, PermissionDenied where another client than `who` owns it, Unavailable where the store is away. Reads and removes
+  /// files, and waits for one that is being written.
   absl::Status close(const std::string& id, const std::string& who = {});
   /// Takes from memory the sessions that have not been used for their time to live, those that another server has closed, and
   /// those that are damaged; evicts some where those that have grown are too much together. Tells the cache which are in use. To
@@ -105,6 +106,12 @@ class SessionStore {
   void make_room(std::uint64_t bytes);
 
  private:
+  /// Whether a session may be loaded that is not in memory.
+  bool may_load(const std::string& id) const { return cache_ != nullptr && (cache_->holds(id) || cache_->may_fetch(id)); }
+  /// Why a session is not there: NotFound, or Unavailable where nobody can tell.
+  absl::Status missing(const std::string& id) const;
+  /// Whether a job for what could not be loaded may make it.
+  absl::Status may_make_after_all(SessionJob& job) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Starts to make a session that is not there.
   absl::StatusOr<std::shared_ptr<SessionJob>> start_job(const std::string& id, MeshFiles files, const PreprocessOptions& options,
                                                         SessionWaiter* waiter, const Maker& maker,
@@ -131,8 +138,10 @@ class SessionStore {
   /// After sessions have had to go. Those that are not saved are lost.
   void note_evicted(const SessionTable::Sessions& evicted);
 
-  /// Whether it is in memory, being made, or in the cache.
+  /// Whether it is in memory, being made, or in the cache, or may be in the store behind that.
   bool is_there(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Whether it is in memory, being made, or in the cache. Precondition: there is one.
+  bool is_here(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::shared_ptr<spdlog::logger> log_;
   SessionCache* const cache_;     // may be null

@@ -76,8 +76,9 @@ SessionTable::Sessions SessionTable::evict_bytes(std::uint64_t bytes) {
 }
 
 absl::Status SessionTable::may_make(const std::string& caller) const {
-  const auto count = std::ranges::count_if(
-      entries_, [&](const auto& entry) { return entry.second.job != nullptr && entry.second.job->caller == caller; });
+  const auto count = std::ranges::count_if(entries_, [&](const auto& entry) {
+    return entry.second.job != nullptr && entry.second.job->is_made && entry.second.job->caller == caller;
+  });
   if (static_cast<std::size_t>(count) < limits_.in_making_of_one) return absl::OkStatus();
   return absl::ResourceExhaustedError(
       absl::StrCat("you have ", count, " sessions in the making, as many as a client may; wait until one is ready"));

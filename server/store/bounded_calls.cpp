@@ -28,6 +28,7 @@ struct Call {
 }  // namespace
 
 absl::Status BoundedCalls::run(Work work, const std::atomic<bool>* cancel) const {
+  if (cancel != nullptr && *cancel) return absl::CancelledError("cancelled");
   if (*stuck_ >= most_stuck_) return absl::UnavailableError(absl::StrCat("it does not answer: ", most_stuck_, " calls hang"));
   const auto call = std::make_shared<Call>();
   auto run_to_end = [call, work = std::move(work), stuck = stuck_] {

@@ -126,7 +126,7 @@ class SharedFolder {
     const auto [read, written] = copy(*from, *to, progress);
     if (!read.ok()) return or_away(read);
     if (!written.ok()) return written;
-    return progress.is_given_up() ? given_up() : to->commit();
+    return progress.is_given_up() ? given_up() : to->publish();
   }
 
   absl::StatusOr<std::uint64_t> size(const std::string& name) const {

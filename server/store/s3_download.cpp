@@ -100,7 +100,7 @@ absl::Status get_s3_object(S3Client& client, const std::string& key, const std::
     absl::Status status = response.status();
     if (response.ok()) {
       status = download.finish(*response);
-      if (status.ok()) return of_disk(file->commit());
+      if (status.ok()) return of_disk(file->publish());
       status = absl::Status(status.code(), absl::StrCat(client.name_of(key), ": ", status.message()));
     } else if (before > 0 && absl::IsPermissionDenied(status)) {
       // HTTP 412 or 416: it is another object by now. What else it may be, comes again.

@@ -14,8 +14,8 @@ namespace curvecast::server {
 /// Whole files by name, such as "sessions/ID.v7.curve" and "meshes/KEY": parts of letters, digits, '.', '-' and '_', with slashes
 /// between them. Thread-safe. Calls wait for disk or network, each for a bounded time, and end early with Cancelled once `cancel`
 /// is set, which may be null. Other errors than those named here: ResourceExhausted: the store is full; PermissionDenied: it does
-/// not let this server in; Unavailable: what may pass by itself, such as a network that is away. What is in the store is not
-/// trusted: who gets a file checks it.
+/// not let this server in; DataLoss: what it gives is not what it says it has; Unavailable: what may pass by itself, such as a
+/// network that is away. What is in the store is not trusted: who gets a file checks it.
 class Store {
  public:
   virtual ~Store() = default;
@@ -23,7 +23,8 @@ class Store {
   /// Puts the file at `path` under a name, whole or not at all, instead of what is there. Durable when it returns OK. NotFound
   /// where there is no file at `path`.
   virtual absl::Status put(const std::string& name, const std::string& path, const std::atomic<bool>* cancel) = 0;
-  /// Gets a file into `path`, which appears whole or not at all, instead of what is there. NotFound where the store has none.
+  /// Gets a file into `path`, which appears whole or not at all, instead of what is there; not durable, for it can be got again.
+  /// NotFound where the store has none.
   virtual absl::Status get(const std::string& name, const std::string& path, const std::atomic<bool>* cancel) = 0;
   /// Bytes of a file. NotFound where the store has none.
   virtual absl::StatusOr<std::uint64_t> size(const std::string& name, const std::atomic<bool>* cancel) = 0;

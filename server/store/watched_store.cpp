@@ -34,17 +34,20 @@ const absl::Status& status_of(const absl::StatusOr<T>& result) {
 
 }  // namespace
 
-WatchedStore::WatchedStore(std::unique_ptr<Store> store, std::shared_ptr<spdlog::logger> log, Clock::duration first_pause,
-                           Clock::duration longest_pause)
-    : store_(std::move(store)), log_(std::move(log)), first_pause_(first_pause), longest_pause_(longest_pause), asking_([this] {
-        ask_again();
-      }) {}
+WatchedStore::WatchedStore(std::string url, std::unique_ptr<Store> store, std::shared_ptr<spdlog::logger> log,
+                           Clock::duration first_pause, Clock::duration longest_pause)
+    : url_(std::move(url)),
+      store_(std::move(store)),
+      log_(std::move(log)),
+      first_pause_(first_pause),
+      longest_pause_(longest_pause),
+      asking_([this] { ask_again(); }) {}
 
 WatchedStore::~WatchedStore() {
-  cancel_ = true;
+  end();
   {
     const MutexLock lock(mutex_);
-    is_ending_ = true;
+    is_over_ = true;
     changed_.notify_all();
   }
   asking_.join();
@@ -63,18 +66,18 @@ absl::Status WatchedStore::state() const {
 void WatchedStore::ask_again() {
   const MutexLock lock(mutex_);
   Clock::duration pause = first_pause_;
-  while (!is_ending_) {
+  while (!is_over_) {
     if (away_.ok()) {
       pause = first_pause_;
       changed_.wait(mutex_);
       continue;
     }
     const Clock::time_point next = Clock::now() + pause;
-    while (!is_ending_ && Clock::now() < next) changed_.wait_until(mutex_, next);
-    if (is_ending_) return;
+    while (!is_over_ && Clock::now() < next) changed_.wait_until(mutex_, next);
+    if (is_over_) return;
     mutex_.unlock();
     Stopwatch stopwatch;
-    const absl::Status status = store_->size(kProbe, &cancel_).status();
+    const absl::Status status = store_->size(kProbe, ending()).status();
     count("size", status, stopwatch.lap());
     mutex_.lock();
     pause = std::min(2 * pause, longest_pause_);

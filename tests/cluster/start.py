@@ -1,4 +1,4 @@
-"""From the start of a replica whose cache holds 20 sessions until it is ready: less than a second."""
+"""From the start of a replica whose cache holds 20 sessions until it is ready: less than a second, before a store too."""
 
 from __future__ import annotations
 
@@ -24,9 +24,13 @@ def run(setting: Setting) -> Report:
             make(caller, wanted)
         saved = caller.wait_until_cached([wanted.session for wanted in sessions])
     seconds, served = [], 0
+    store = setting.folder / "store"
+    store.mkdir()
+    plain = setting.pick(full=15, quick=2)
     for number in range(setting.pick(full=20, quick=3)):
+        before = ("--store", f"file://{store}") if number >= plain else ()
         begin = now()
-        with Server(setting, f"again {number}", *CALM, cache=cache) as server:
+        with Server(setting, f"again {number}", *CALM, *before, cache=cache) as server:
             while server.get("/readyz")[0] != 200:
                 if now() > begin + READY_SECONDS:
                     raise RuntimeError("it is never ready")

@@ -67,7 +67,9 @@ class MonitoringTest(unittest.TestCase):
     def setUpClass(cls) -> None:
         folder = pathlib.Path(tempfile.mkdtemp(prefix="curvecast-monitoring-"))
         cls.addClassCleanup(shutil.rmtree, folder)
-        server = Server("--http", "none", "--admin", "127.0.0.1:0", "--cache", str(folder / "cache"))
+        (folder / "store").mkdir()
+        places = ("--cache", str(folder / "cache"), "--store", f"file://{folder}/store")
+        server = Server("--http", "none", "--admin", "127.0.0.1:0", *places)
         cls.addClassCleanup(server.stop)
         admin = server.output.readline().split()[-1]
         mesh = folder / "sphere.obj"

@@ -51,21 +51,25 @@ void ServerFixture::start(ServerOptions options) {
   ASSERT_GT(server_->port(), 0);
 }
 
-std::string ServerFixture::address() const { return absl::StrCat("127.0.0.1:", server_->port()); }
+std::string address_of(const Server& server) { return absl::StrCat("127.0.0.1:", server.port()); }
 
-std::shared_ptr<grpc::Channel> ServerFixture::connect() const {
+std::string ServerFixture::address() const { return address_of(*server_); }
+
+std::shared_ptr<grpc::Channel> ServerFixture::connect() const { return connect_to(*server_); }
+
+std::shared_ptr<grpc::Channel> connect_to(const Server& server) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // else channels to one address share a connection
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 50);
-  auto channel = grpc::CreateCustomChannel(address(), grpc::InsecureChannelCredentials(), arguments);
+  auto channel = grpc::CreateCustomChannel(address_of(server), grpc::InsecureChannelCredentials(), arguments);
   // gRPC 1.51 looks at errno of connect() only after allocating memory, which may change it: once in a while it gives
   // up a connection that is under way (with whatever error is there), and makes it with its next try.
   channel->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(30));
   return channel;
 }
 
-std::unique_ptr<Stub> ServerFixture::client_sending(const std::string& key, const std::string& value) const {
+std::unique_ptr<Stub> client_sending(const Server& server, const std::string& key, const std::string& value) {
   class Sender final : public grpc::experimental::Interceptor, public grpc::experimental::ClientInterceptorFactoryInterface {
    public:
     Sender(std::string key, std::string value) : key_(std::move(key)), value_(std::move(value)) {}
@@ -86,8 +90,8 @@ std::unique_ptr<Stub> ServerFixture::client_sending(const std::string& key, cons
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // a connection of its own, as above
   std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> interceptors;
   interceptors.push_back(std::make_unique<Sender>(key, value));
-  auto channel = grpc::experimental::CreateCustomChannelWithInterceptors(address(), grpc::InsecureChannelCredentials(), arguments,
-                                                                         std::move(interceptors));
+  auto channel = grpc::experimental::CreateCustomChannelWithInterceptors(address_of(server), grpc::InsecureChannelCredentials(),
+                                                                         arguments, std::move(interceptors));
   channel->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(30));
   return v1::CurvecastService::NewStub(channel);
 }

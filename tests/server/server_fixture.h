@@ -19,6 +19,12 @@ std::string sphere_off(int levels);
 
 using Stub = v1::CurvecastService::StubInterface;
 
+std::string address_of(const Server& server);
+/// With a connection of its own.
+std::shared_ptr<grpc::Channel> connect_to(const Server& server);
+/// Sends such metadata with every call.
+std::unique_ptr<Stub> client_sending(const Server& server, const std::string& key, const std::string& value);
+
 class ServerFixture : public ::testing::Test {
  protected:
   void SetUp() override { start({}); }
@@ -30,7 +36,9 @@ class ServerFixture : public ::testing::Test {
   /// Sends a token with every call.
   std::unique_ptr<Stub> client_with(const std::string& token) const { return client_sending("authorization", "Bearer " + token); }
   /// Sends such metadata with every call.
-  std::unique_ptr<Stub> client_sending(const std::string& key, const std::string& value) const;
+  std::unique_ptr<Stub> client_sending(const std::string& key, const std::string& value) const {
+    return server::client_sending(*server_, key, value);
+  }
 
   std::unique_ptr<Server> server_;
 };

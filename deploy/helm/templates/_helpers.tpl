@@ -113,6 +113,10 @@ securityContext:
 {{- end }}
 
 {{/* What no schema can say. */}}
+{{- define "curvecast.shared" -}}
+{{- if or .Values.cache.sharedClaim .Values.store.url }}true{{ end }}
+{{- end }}
+
 {{- define "curvecast.check" -}}
 {{- $values := .Values }}
 {{- if not (or $values.tokens.secret $values.tokens.lines $values.tls.clientCaSecret $values.openToAll) }}
@@ -130,8 +134,17 @@ securityContext:
 {{- if and $values.tls.clientCaSecret (not $values.tls.secret) }}
 {{- fail "tls.clientCaSecret needs tls.secret, the servers' own certificate" }}
 {{- end }}
-{{- if and $values.autoscaling.enabled (not $values.cache.sharedClaim) }}
-{{- fail "autoscaling.enabled needs cache.sharedClaim: sessions that go to another server have to be found there" }}
+{{- if and $values.autoscaling.enabled (not (include "curvecast.shared" .)) }}
+{{- fail "autoscaling.enabled needs store.url or cache.sharedClaim: sessions that go to another server have to be found there" }}
+{{- end }}
+{{- if and $values.store.url $values.cache.sharedClaim }}
+{{- fail "store.url together with cache.sharedClaim: behind a store each server has a cache of its own" }}
+{{- end }}
+{{- if ne (eq $values.store.url "file:///store") (ne $values.store.claim "") }}
+{{- fail "store.claim and store.url=file:///store need each other: the claim is mounted there" }}
+{{- end }}
+{{- if and (or $values.store.secret $values.store.environment $values.store.egress) (not (hasPrefix "s3://" $values.store.url)) }}
+{{- fail "store.secret, store.environment and store.egress are for a store.url of s3://BUCKET/PREFIX" }}
 {{- end }}
 {{- if and $values.autoscaling.enabled (gt (int $values.autoscaling.minReplicas) (int $values.autoscaling.maxReplicas)) }}
 {{- fail "autoscaling.minReplicas is more than autoscaling.maxReplicas" }}

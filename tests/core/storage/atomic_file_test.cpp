@@ -69,6 +69,37 @@ TEST(AtomicFile, MayGetItsNameAtTheEnd) {
   EXPECT_EQ(AtomicFile::create_in(folder / "nowhere").status().code(), absl::StatusCode::kNotFound);
 }
 
+TEST(AtomicFile, MayBeReadBeforeItHasItsName) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "file";
+  {
+    absl::StatusOr<AtomicFile> file = AtomicFile::create_in(folder.path());
+    ASSERT_TRUE(file.ok()) << file.status();
+    EXPECT_TRUE(file->write_at(0, as_bytes("whole")).ok());
+    const absl::StatusOr<std::string> temporary = file->sync();
+    ASSERT_TRUE(temporary.ok()) << temporary.status();
+    EXPECT_TRUE(is_temporary(*temporary));
+    EXPECT_EQ(bytes_of(*temporary), "whole");
+    EXPECT_FALSE(std::filesystem::exists(path));
+    EXPECT_TRUE(file->commit_as(path).ok());
+    EXPECT_EQ(bytes_of(path), "whole");
+    absl::StatusOr<AtomicFile> given_up = AtomicFile::create_in(folder.path());
+    ASSERT_TRUE(given_up.ok() && given_up->sync().ok());
+    EXPECT_EQ(folder.names().size(), 2u);
+  }
+  EXPECT_THAT(folder.names(), ElementsAre("file"));
+}
+
+TEST(AtomicFile, IsPublishedWithoutWaitingForTheDisk) {
+  const TemporaryFolder folder;
+  absl::StatusOr<AtomicFile> file = AtomicFile::create(folder / "file");
+  ASSERT_TRUE(file.ok()) << file.status();
+  EXPECT_TRUE(file->write_at(0, as_bytes("whole")).ok());
+  EXPECT_TRUE(file->publish().ok());
+  EXPECT_EQ(bytes_of(folder / "file"), "whole");
+  EXPECT_THAT(folder.names(), ElementsAre("file"));
+}
+
 TEST(AtomicFile, LeavesNothingWhenGivenUp) {
   const TemporaryFolder folder;
   {

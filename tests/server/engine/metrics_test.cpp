@@ -99,6 +99,7 @@ TEST(Metrics, TellsOfMemoryLimitsAndTheCache) {
   metrics.stalled(1);
   metrics.unauthenticated();
   metrics.preprocessing(8, 3);
+  metrics.store_call("put", "ok", 0.2);
   const Gauges earlier = {.shared_frames = 2, .refused = {{"memory", 1}}, .cache_operations = {{{"save", "ok"}, 4}}};
   metrics.text(earlier);
   const std::string text = metrics.text({.shared_frames = 5,
@@ -113,17 +114,31 @@ TEST(Metrics, TellsOfMemoryLimitsAndTheCache) {
                                          .reserved_bytes = 30,
                                          .refused = {{"memory", 3}, {"streams", 1}},
                                          .unsaved_sessions = 4,
+                                         .unstored = 5,
                                          .cache_operations = {{{"save", "ok"}, 6}, {{"load", "error"}, 1}}});
-  for (const char* line :
-       {"curvecast_stalled_calls_total 3", "curvecast_unauthenticated_total 1",
-        "curvecast_preprocess_seconds_count{code=\"RESOURCE_EXHAUSTED\"} 1", "curvecast_frames_shared_total 5",
-        "curvecast_connections 6", "curvecast_connections_ended_total 7", "curvecast_connections_refused_total 8",
-        "curvecast_jobs_overdue{queue=\"views\"} 1", "curvecast_jobs_overdue{queue=\"calls\"} 0",
-        "curvecast_jobs_overdue{queue=\"preprocessing\"} 2", "curvecast_queued_bytes 9", "curvecast_memory_budget_bytes 1000",
-        "curvecast_memory_held_bytes 200", "curvecast_memory_reserved_bytes 30", "curvecast_refused_total{limit=\"memory\"} 3",
-        "curvecast_refused_total{limit=\"streams\"} 1", "curvecast_unsaved_sessions 4",
-        "curvecast_cache_operations_total{operation=\"save\",result=\"ok\"} 6",
-        "curvecast_cache_operations_total{operation=\"load\",result=\"error\"} 1"}) {
+  for (const char* line : {"curvecast_stalled_calls_total 3",
+                           "curvecast_unauthenticated_total 1",
+                           "curvecast_preprocess_seconds_count{code=\"RESOURCE_EXHAUSTED\"} 1",
+                           "curvecast_frames_shared_total 5",
+                           "curvecast_connections 6",
+                           "curvecast_connections_ended_total 7",
+                           "curvecast_connections_refused_total 8",
+                           "curvecast_jobs_overdue{queue=\"views\"} 1",
+                           "curvecast_jobs_overdue{queue=\"calls\"} 0",
+                           "curvecast_jobs_overdue{queue=\"preprocessing\"} 2",
+                           "curvecast_queued_bytes 9",
+                           "curvecast_memory_budget_bytes 1000",
+                           "curvecast_memory_held_bytes 200",
+                           "curvecast_memory_reserved_bytes 30",
+                           "curvecast_refused_total{limit=\"memory\"} 3",
+                           "curvecast_refused_total{limit=\"streams\"} 1",
+                           "curvecast_unsaved_sessions 4",
+                           "curvecast_unstored 5",
+                           "curvecast_store_operations_total{operation=\"put\",result=\"ok\"} 1",
+                           "curvecast_store_operations_total{operation=\"put\",result=\"error\"} 0",
+                           "curvecast_store_seconds_count{operation=\"put\"} 1",
+                           "curvecast_cache_operations_total{operation=\"save\",result=\"ok\"} 6",
+                           "curvecast_cache_operations_total{operation=\"load\",result=\"error\"} 1"}) {
     EXPECT_TRUE(has_line(text, line));
   }
 }

@@ -35,6 +35,18 @@ std::shared_ptr<const SurfaceCurve> strip(std::size_t n, std::uint64_t revision)
   return curve;
 }
 
+TEST(CurveRevisions, NumbersGrowWhateverTheirCurvesAre) {
+  std::uint64_t revision = 1;
+  for (std::uint64_t count = 2; count < 100; ++count) {
+    const std::uint64_t low = next_revision_number(revision, 0), high = next_revision_number(revision, ~std::uint64_t{0});
+    EXPECT_GT(low, revision);
+    EXPECT_GT(high, low);
+    EXPECT_EQ(low >> 16, count);
+    EXPECT_EQ(high >> 16, count);
+    revision = count % 2 == 0 ? high : low;
+  }
+}
+
 TEST(CurveRevisions, ReadersKeepTheRevisionThatTheyTook) {
   constexpr std::uint64_t kRevisions = 200;
   constexpr int kReaders = 4;

@@ -29,7 +29,7 @@ TEST(Refiner, PublishesAFinerRevision) {
   ASSERT_TRUE(ask(refiner, session, 10'000));
   ASSERT_TRUE(ends.wait_for(1));
   const std::shared_ptr<const SurfaceCurve> second = session->curve();
-  EXPECT_EQ(second->revision, 2u);
+  EXPECT_EQ(second->revision >> 16, 2u);
   EXPECT_GE(second->size(), 100'000u);
   EXPECT_EQ(second->max_points, 10'000u);
   EXPECT_FALSE(session->revisions->refining());
@@ -37,6 +37,20 @@ TEST(Refiner, PublishesAFinerRevision) {
   // One who found the old revision too coarse learns that there is another.
   EXPECT_TRUE(refiner.request(session, *first, 2, {.points = 10'000}));
   EXPECT_FALSE(session->revisions->refining());
+}
+
+TEST(Refiner, NumbersTellCurvesApart) {
+  const auto revision_after = [](std::uint64_t points) {
+    Ends ends;
+    const auto session = make_session(300);
+    Refiner refiner(20'000'000, ends.counter(), enough_room, make_logger(false, false));
+    EXPECT_TRUE(ask(refiner, session, points));
+    EXPECT_TRUE(ends.wait_for(1));
+    return session->curve()->revision;
+  };
+  const std::uint64_t revision = revision_after(10'000);
+  EXPECT_EQ(revision_after(10'000), revision) << "the same curve, on another server";
+  EXPECT_NE(revision_after(40'000), revision) << "refined as often, for something else";
 }
 
 TEST(Refiner, StopsAtTheLimit) {
@@ -61,10 +75,10 @@ TEST(Refiner, TakesTheSurfaceFromTheHookWhereItIsNotAtHand) {
       });
   ASSERT_TRUE(ask(refiner, session, 5'000));
   ASSERT_TRUE(ends.wait_for(1));
-  EXPECT_EQ(session->curve()->revision, 2u);
+  EXPECT_EQ(session->curve()->revision >> 16, 2u);
   ASSERT_TRUE(ask(refiner, session, 30'000));
   ASSERT_TRUE(ends.wait_for(2));
-  EXPECT_EQ(session->curve()->revision, 3u);
+  EXPECT_EQ(session->curve()->revision >> 16, 3u);
   EXPECT_EQ(loads, 1);
 }
 

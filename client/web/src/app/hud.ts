@@ -15,6 +15,11 @@ const words: Record<LiveViewState, string> = {
   failed: "ended",
 };
 
+/// Which revision a curve is: of its number what counts, without what tells servers' curves apart.
+function revisionText(revision: number): string {
+  return (revision < 0x10000 ? revision : Math.floor(revision / 0x10000)).toString();
+}
+
 /// Shows the figures of the streams. Folded, it shows the state alone.
 export class Hud {
   private readonly state = element("span", { class: "state" });
@@ -75,7 +80,7 @@ export class Hud {
     const resized = last.resized > 0 ? ` ~${count(last.resized)}` : "";
     this.set("update", `+${count(last.added)} −${count(last.removed)}${resized}, ${bytes(last.bytes)}`);
     this.set("server", `${seconds(last.serverSeconds)}, decoding ${seconds(last.decodeSeconds)}`);
-    this.set("curve", `${count(last.curveVertices)} vertices, revision ${last.curveRevision}`);
+    this.set("curve", `${count(last.curveVertices)} vertices, revision ${revisionText(last.curveRevision)}`);
   }
 
   private setAsked(name: string, text: string | null): void {

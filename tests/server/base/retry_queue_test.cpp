@@ -1,4 +1,4 @@
-#include "server/session/save_queue.h"
+#include "server/base/retry_queue.h"
 
 #include <absl/strings/str_cat.h>
 #include <gmock/gmock.h>
@@ -17,21 +17,18 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
-using Found = SaveQueue::Found;
+using Found = RetryQueue::Found;
 
-Session session(const std::string& id, const std::string& name = "") {
-  Session out;
-  out.id = id;
-  out.mesh_name = name;
-  return out;
-}
-
-class SaveQueueTest : public ::testing::Test {
+class RetryQueueTest : public ::testing::Test {
  protected:
-  absl::Status save(const Session& session) {
+  absl::Status attempt(const std::string& id) {
     const std::lock_guard lock(mutex_);
-    tried_.push_back(session.id + session.mesh_name);
+    tried_.push_back(id);
     return result_;
+  }
+  /// `state`: of what is done.
+  void put(const std::string& id, const std::string& state = "") {
+    queue_.put(id, [this, id, state](const std::atomic<bool>& cancel) { return attempt_(id + state, cancel); });
   }
   void set_result(absl::Status result) {
     const std::lock_guard lock(mutex_);
@@ -46,27 +43,27 @@ class SaveQueueTest : public ::testing::Test {
   std::mutex mutex_;
   absl::Status result_;
   std::vector<std::string> tried_, undone_, lost_;
-  std::function<absl::Status(const Session&)> save_ = [this](const Session& session) { return save(session); };
-  SaveQueue queue_{{.save = [this](const Session& session) { return save_(session); },
-                    .undo = [this](const std::string& id) { undone_.push_back(id); },
-                    .on_tried =
-                        [this](const std::string& id, const absl::Status& /*status*/, bool is_lost) {
-                          if (is_lost) lost_.push_back(id);
-                        }},
-                   std::chrono::milliseconds(1),
-                   std::chrono::milliseconds(4)};
+  std::function<absl::Status(const std::string&, const std::atomic<bool>&)> attempt_ =
+      [this](const std::string& id, const std::atomic<bool>& /*cancel*/) { return attempt(id); };
+  RetryQueue queue_{{.undo = [this](const std::string& id) { undone_.push_back(id); },
+                     .on_tried =
+                         [this](const std::string& id, const absl::Status& /*status*/, bool is_lost) {
+                           if (is_lost) lost_.push_back(id);
+                         }},
+                    std::chrono::milliseconds(1),
+                    std::chrono::milliseconds(4)};
 };
 
-TEST_F(SaveQueueTest, SavesEachOnce) {
-  for (const char* id : {"a", "b", "c"}) queue_.put(session(id));
+TEST_F(RetryQueueTest, DoesEachOnce) {
+  for (const char* id : {"a", "b", "c"}) put(id);
   EXPECT_TRUE(eventually([&] { return queue_.size() == 0; }));
   EXPECT_THAT(tried(), ElementsAre("a", "b", "c"));
   EXPECT_FALSE(queue_.has("a"));
 }
 
-TEST_F(SaveQueueTest, TriesAgainUntilItSucceeds) {
+TEST_F(RetryQueueTest, TriesAgainUntilItSucceeds) {
   set_result(absl::ResourceExhaustedError("the disk is full"));
-  for (int i = 0; i < 40; ++i) queue_.put(session(absl::StrCat("s", i)));
+  for (int i = 0; i < 40; ++i) put(absl::StrCat("s", i));
   EXPECT_TRUE(eventually([&] { return tries() > 400; }));
   EXPECT_EQ(queue_.size(), 40u) << "however many wait";
   EXPECT_TRUE(queue_.has("s39"));
@@ -75,40 +72,41 @@ TEST_F(SaveQueueTest, TriesAgainUntilItSucceeds) {
   EXPECT_THAT(lost_, IsEmpty());
 }
 
-TEST_F(SaveQueueTest, TheNewestStateIsSaved) {
+TEST_F(RetryQueueTest, TheNewestStateIsDone) {
   set_result(absl::ResourceExhaustedError("the disk is full"));
-  queue_.put(session("a", "1"));
+  put("a", "1");
   EXPECT_TRUE(eventually([&] { return tries() > 2; }));
-  queue_.put(session("a", "2"));
+  put("a", "2");
   EXPECT_TRUE(eventually([&] { return tried().back() == "a2"; }));
   EXPECT_EQ(queue_.size(), 1u);
 }
 
-TEST_F(SaveQueueTest, WhatNeverWillBeIsNotTriedAgain) {
+TEST_F(RetryQueueTest, WhatNeverWillBeIsNotTriedAgain) {
   set_result(absl::DataLossError("damaged"));
-  queue_.put(session("a"));
+  put("a");
   EXPECT_TRUE(eventually([&] { return queue_.size() == 0; }));
   queue_.stop();
   EXPECT_EQ(tries(), 1u);
   EXPECT_THAT(lost_, ElementsAre("a"));
 }
 
-TEST_F(SaveQueueTest, WhatIsWithdrawnIsUndone) {
+TEST_F(RetryQueueTest, WhatIsWithdrawnIsUndone) {
   std::promise<void> begun, go_on;
-  save_ = [&](const Session&) {
+  attempt_ = [&](const std::string&, const std::atomic<bool>& cancel) {
     begun.set_value();
     go_on.get_future().wait();
+    EXPECT_TRUE(cancel);
     return absl::OkStatus();
   };
-  queue_.put(session("a"));
+  put("a");
   begun.get_future().wait();
-  queue_.put(session("b"));
+  put("b");
   EXPECT_EQ(queue_.size(), 2u);
   EXPECT_THAT(queue_.ids(), UnorderedElementsAre("a", "b"));
   EXPECT_EQ(queue_.withdraw("b"), Found::kWaiting);
   EXPECT_EQ(queue_.withdraw("b"), Found::kNothing);
   EXPECT_FALSE(queue_.is_withdrawn("a"));
-  EXPECT_EQ(queue_.withdraw("a"), Found::kBeingSaved);
+  EXPECT_EQ(queue_.withdraw("a"), Found::kBeingTried);
   EXPECT_EQ(queue_.withdraw("a"), Found::kWithdrawn);
   EXPECT_TRUE(queue_.is_withdrawn("a"));
   go_on.set_value();
@@ -118,24 +116,24 @@ TEST_F(SaveQueueTest, WhatIsWithdrawnIsUndone) {
   EXPECT_THAT(undone_, ElementsAre("a"));
 }
 
-TEST_F(SaveQueueTest, WhatHasLeftTheMemoryIsTriedOnce) {
+TEST_F(RetryQueueTest, WhatIsLetGoIsTriedOnce) {
   std::promise<void> begun, go_on;
   std::atomic<int> tries = 0;
-  save_ = [&](const Session&) {
+  attempt_ = [&](const std::string&, const std::atomic<bool>&) {
     if (++tries == 1) {
       begun.set_value();
       go_on.get_future().wait();
     }
     return absl::ResourceExhaustedError("the disk is full");
   };
-  queue_.put(session("a"));
+  put("a");
   begun.get_future().wait();
-  queue_.put(session("b"));
+  put("b");
   queue_.let_go("a");
   queue_.let_go("b");
   go_on.set_value();
   EXPECT_TRUE(eventually([&] { return queue_.size() == 0; }));
-  queue_.put(session("c"));
+  put("c");
   EXPECT_TRUE(eventually([&] { return tries > 4; }));
   queue_.let_go("c");
   EXPECT_TRUE(eventually([&] { return queue_.size() == 0; })) << "it had been tried";
@@ -143,15 +141,15 @@ TEST_F(SaveQueueTest, WhatHasLeftTheMemoryIsTriedOnce) {
   EXPECT_THAT(lost_, ElementsAre("a", "b", "c"));
 }
 
-TEST_F(SaveQueueTest, TriesOnceMoreAtTheEnd) {
+TEST_F(RetryQueueTest, TriesOnceMoreAtTheEnd) {
   set_result(absl::ResourceExhaustedError("the disk is full"));
-  queue_.put(session("a"));
+  put("a");
   EXPECT_TRUE(eventually([&] { return tries() > 0; }));
   set_result(absl::OkStatus());
   queue_.stop();
   EXPECT_EQ(queue_.size(), 0u);
   EXPECT_THAT(lost_, IsEmpty());
-  queue_.put(session("b"));
+  put("b");
   EXPECT_EQ(queue_.size(), 0u) << "too late";
 }
 

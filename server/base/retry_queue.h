@@ -1,8 +1,9 @@
-// Has sessions saved, one after the other, each again and again until that succeeds.
+// Has things done in the background, one after the other, each again and again until that succeeds.
 #pragma once
 
 #include <absl/status/status.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <functional>
@@ -13,50 +14,46 @@
 #include <vector>
 
 #include "core/base/mutex.h"
-#include "server/session/session.h"
 
 namespace curvecast::server {
 
-/// Thread-safe. Sessions that wait are held by copies, which keep what they share from being freed, but not the sessions from
-/// being evicted.
-class SaveQueue {
+/// Thread-safe. Things are known by an id, such as that of a session which is to be saved.
+class RetryQueue {
  public:
   using Clock = std::chrono::steady_clock;
+  /// Tries it. An error that passes by itself, such as a full disk, has it tried again; Cancelled, DataLoss and InvalidArgument
+  /// do not. `cancel` is set when it is withdrawn. Called without locks, by the queue's thread.
+  using Attempt = std::function<absl::Status(const std::atomic<bool>& cancel)>;
 
-  /// Called by the queue's thread.
+  /// Called by the queue's thread with the lock held.
   struct Hooks {
-    /// Saves a session. An error that passes by itself, such as a full disk, has it tried again; Cancelled, DataLoss and
-    /// InvalidArgument do not. Called without locks.
-    std::function<absl::Status(const Session& session)> save;
-    /// Removes what was saved of a session that was withdrawn meanwhile. Called with the lock held.
+    /// Removes what was done by an attempt that was withdrawn meanwhile. May be empty.
     std::function<void(const std::string& id)> undo;
-    /// Tells how a try went, of a session that nobody has withdrawn. Called with the lock held. `is_lost`: it will not be tried
-    /// again, nor can it be saved any more.
+    /// Tells how an attempt went that nobody has withdrawn. `is_lost`: there will be no other. May be empty.
     std::function<void(const std::string& id, const absl::Status& status, bool is_lost)> on_tried;
   };
 
   /// After a failure the next try is after `first_wait`, then after twice as long each time, but never more than `longest_wait`.
-  explicit SaveQueue(Hooks hooks, Clock::duration first_wait = std::chrono::seconds(1),
-                     Clock::duration longest_wait = std::chrono::seconds(10));
-  ~SaveQueue();  // stop()
-  SaveQueue(const SaveQueue&) = delete;
-  SaveQueue& operator=(const SaveQueue&) = delete;
+  explicit RetryQueue(Hooks hooks, Clock::duration first_wait = std::chrono::seconds(1),
+                      Clock::duration longest_wait = std::chrono::seconds(10));
+  ~RetryQueue();  // stop()
+  RetryQueue(const RetryQueue&) = delete;
+  RetryQueue& operator=(const RetryQueue&) = delete;
 
-  /// Has a session saved as it will be then, now or after those that wait. Does nothing after stop().
-  void put(const Session& session) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Has it tried, now or after those that wait, instead of the attempt that waits for this id. Does nothing after stop().
+  void put(const std::string& id, Attempt attempt) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  enum class Found { kNothing, kWaiting, kBeingSaved, kWithdrawn };
-  /// Has a session not saved after all; one that is being saved is undone. Returns where it was: kWithdrawn where it is being
-  /// undone already.
+  enum class Found { kNothing, kWaiting, kBeingTried, kWithdrawn };
+  /// Has it not done after all; what is being tried is undone. Returns where it was: kWithdrawn where it is being undone already.
   Found withdraw(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
-  /// Whether a session is being saved that has been withdrawn.
+  /// Whether it is being tried, and has been withdrawn.
   bool is_withdrawn(const std::string& id) const ABSL_LOCKS_EXCLUDED(mutex_);
   /// Waits until it is not, and undone.
   void wait_until_undone(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The session has left the memory: it is tried once, where it has not been, and then given up.
+  /// It is tried once, where it has not been, and then given up.
   void let_go(const std::string& id) ABSL_LOCKS_EXCLUDED(mutex_);
-  /// Whether a session waits or is being saved.
+  /// Whether it waits or is being tried.
   bool has(const std::string& id) const ABSL_LOCKS_EXCLUDED(mutex_);
   /// Which do.
   std::vector<std::string> ids() const ABSL_LOCKS_EXCLUDED(mutex_);
@@ -68,7 +65,7 @@ class SaveQueue {
 
  private:
   struct Entry {
-    std::shared_ptr<const Session> session;
+    Attempt attempt;
     Clock::time_point due = {};
     Clock::duration wait = {};  // until then, the last time; 0: it has not been tried
     bool is_let_go = false;     // no further try
@@ -84,8 +81,8 @@ class SaveQueue {
   mutable Mutex mutex_;
   CondVar changed_;
   std::map<std::string, Entry> entries_ ABSL_GUARDED_BY(mutex_);  // that wait
-  std::string saving_ ABSL_GUARDED_BY(mutex_);                    // the session that is being saved; empty: none
-  bool is_withdrawn_ ABSL_GUARDED_BY(mutex_) = false;             // that one
+  std::string trying_ ABSL_GUARDED_BY(mutex_);                    // what is being tried; empty: nothing
+  std::atomic<bool> is_withdrawn_ = false;                        // that; written with the lock held
   bool is_let_go_ ABSL_GUARDED_BY(mutex_) = false;                // as well
   bool is_stopping_ ABSL_GUARDED_BY(mutex_) = false;
   Mutex join_mutex_;

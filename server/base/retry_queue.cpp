@@ -1,4 +1,4 @@
-#include "server/session/save_queue.h"
+#include "server/base/retry_queue.h"
 
 #include <algorithm>
 #include <utility>
@@ -15,12 +15,12 @@ bool may_pass(const absl::Status& status) {
 
 }  // namespace
 
-SaveQueue::SaveQueue(Hooks hooks, Clock::duration first_wait, Clock::duration longest_wait)
+RetryQueue::RetryQueue(Hooks hooks, Clock::duration first_wait, Clock::duration longest_wait)
     : hooks_(std::move(hooks)), first_wait_(first_wait), longest_wait_(longest_wait), thread_([this] { run(); }) {}
 
-SaveQueue::~SaveQueue() { stop(); }
+RetryQueue::~RetryQueue() { stop(); }
 
-void SaveQueue::stop() {
+void RetryQueue::stop() {
   {
     const MutexLock lock(mutex_);
     is_stopping_ = true;
@@ -30,71 +30,70 @@ void SaveQueue::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void SaveQueue::put(const Session& session) {
-  std::shared_ptr<const Session> copy = std::make_shared<const Session>(session);
+void RetryQueue::put(const std::string& id, Attempt attempt) {
   const MutexLock lock(mutex_);
   if (is_stopping_) return;
-  const auto [entry, is_new] = entries_.try_emplace(session.id);
-  entry->second.session.swap(copy);  // one that has failed is tried when it would have been
+  const auto [entry, is_new] = entries_.try_emplace(id);
+  entry->second.attempt.swap(attempt);  // one that has failed is tried when it would have been
   entry->second.is_let_go = false;
   if (is_new) entry->second.due = Clock::now();
   changed_.notify_all();
-}
+}  // the old attempt is destroyed after the lock is released, for what it holds may take its time to go
 
-SaveQueue::Found SaveQueue::withdraw(const std::string& id) {
+RetryQueue::Found RetryQueue::withdraw(const std::string& id) {
   const MutexLock lock(mutex_);
   const bool was_waiting = entries_.erase(id) > 0;
-  if (saving_ != id) return was_waiting ? Found::kWaiting : Found::kNothing;
-  return std::exchange(is_withdrawn_, true) && !was_waiting ? Found::kWithdrawn : Found::kBeingSaved;
+  if (trying_ != id) return was_waiting ? Found::kWaiting : Found::kNothing;
+  return is_withdrawn_.exchange(true) && !was_waiting ? Found::kWithdrawn : Found::kBeingTried;
 }
 
-bool SaveQueue::is_withdrawn(const std::string& id) const {
+bool RetryQueue::is_withdrawn(const std::string& id) const {
   const MutexLock lock(mutex_);
-  return saving_ == id && is_withdrawn_;
+  return trying_ == id && is_withdrawn_;
 }
 
-void SaveQueue::wait_until_undone(const std::string& id) {
+void RetryQueue::wait_until_undone(const std::string& id) {
   const MutexLock lock(mutex_);
-  while (saving_ == id && is_withdrawn_) changed_.wait(mutex_);
+  while (trying_ == id && is_withdrawn_) changed_.wait(mutex_);
 }
 
-void SaveQueue::let_go(const std::string& id) {
+void RetryQueue::let_go(const std::string& id) {
   const MutexLock lock(mutex_);
-  if (saving_ == id) is_let_go_ = true;
+  if (trying_ == id) is_let_go_ = true;
   const auto entry = entries_.find(id);
   if (entry == entries_.end()) return;
   entry->second.is_let_go = true;
   // That it failed has been told.
   if (entry->second.wait > Clock::duration::zero()) {
-    hooks_.on_tried(id, absl::UnavailableError("it had to leave the memory"), true);
+    if (hooks_.on_tried) hooks_.on_tried(id, absl::UnavailableError("it had to leave the memory"), true);
     entries_.erase(entry);
   }
 }
 
-bool SaveQueue::has(const std::string& id) const {
+bool RetryQueue::has(const std::string& id) const {
   const MutexLock lock(mutex_);
-  return entries_.contains(id) || (saving_ == id && !id.empty());
+  return entries_.contains(id) || (trying_ == id && !id.empty());
 }
 
-std::vector<std::string> SaveQueue::ids() const {
+std::vector<std::string> RetryQueue::ids() const {
   const MutexLock lock(mutex_);
   std::vector<std::string> ids;
   for (const auto& [id, entry] : entries_) ids.push_back(id);
-  if (!saving_.empty() && !entries_.contains(saving_)) ids.push_back(saving_);
+  if (!trying_.empty() && !entries_.contains(trying_)) ids.push_back(trying_);
   return ids;
 }
 
-std::size_t SaveQueue::size() const {
+std::size_t RetryQueue::size() const {
   const MutexLock lock(mutex_);
-  return entries_.size() + (saving_.empty() || entries_.contains(saving_) ? 0 : 1);
+  return entries_.size() + (trying_.empty() || entries_.contains(trying_) ? 0 : 1);
 }
 
-std::map<std::string, SaveQueue::Entry>::iterator SaveQueue::first_due() {
+std::map<std::string, RetryQueue::Entry>::iterator RetryQueue::first_due() {
   return std::min_element(entries_.begin(), entries_.end(),
                           [](const auto& a, const auto& b) { return a.second.due < b.second.due; });
 }
 
-void SaveQueue::run() {
+void RetryQueue::run() {
   const MutexLock lock(mutex_);
   for (;;) {
     const auto first = first_due();
@@ -109,33 +108,33 @@ void SaveQueue::run() {
   }
 }
 
-void SaveQueue::try_next(const std::string& id) {
+void RetryQueue::try_next(const std::string& id) {
   auto node = entries_.extract(id);
   Entry entry = std::move(node.mapped());
-  saving_ = node.key();
+  trying_ = node.key();
   is_withdrawn_ = false;
   is_let_go_ = entry.is_let_go;
   mutex_.unlock();
-  const absl::Status status = status_from_exceptions([&] { return hooks_.save(*entry.session); });
+  const absl::Status status = status_from_exceptions([&] { return entry.attempt(is_withdrawn_); });
   mutex_.lock();
-  const std::string saved = std::exchange(saving_, {});
+  const std::string tried = std::exchange(trying_, {});
   if (is_withdrawn_) {
-    hooks_.undo(saved);
+    if (hooks_.undo) hooks_.undo(tried);
   } else {
-    const auto newer = entries_.find(saved);
+    const auto newer = entries_.find(tried);
     const bool is_tried_again = !status.ok() && may_pass(status) && !is_stopping_ && !is_let_go_;
-    hooks_.on_tried(saved, status, !status.ok() && !is_tried_again && newer == entries_.end());
+    if (hooks_.on_tried) hooks_.on_tried(tried, status, !status.ok() && !is_tried_again && newer == entries_.end());
     if (is_tried_again) {
       entry.wait = std::clamp(2 * entry.wait, first_wait_, longest_wait_);
       entry.due = Clock::now() + entry.wait;
-      if (newer != entries_.end()) entry.session.swap(newer->second.session);
-      entries_.insert_or_assign(saved, std::move(entry));
+      if (newer != entries_.end()) entry.attempt.swap(newer->second.attempt);
+      entries_.insert_or_assign(tried, std::move(entry));
     }
   }
   changed_.notify_all();
-  // What the copy keeps may take its time to go.
+  // What the attempt keeps may take its time to go.
   mutex_.unlock();
-  entry.session.reset();
+  entry.attempt = nullptr;
   mutex_.lock();
 }
 
