@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -36,6 +37,10 @@ class HttpTransferTest : public ::testing::Test {
     const std::lock_guard lock(mutex_);
     requests_.push_back(request);
     return reply_;
+  }
+  void change_reply(const std::function<void(Reply& reply)>& change) {
+    const std::lock_guard lock(mutex_);
+    change(reply_);
   }
   HttpServer::Request last_request() {
     const std::lock_guard lock(mutex_);
@@ -92,8 +97,10 @@ TEST_F(HttpTransferTest, ConnectsAgainWhereAKeptConnectionIsClosed) {
   const TemporaryFolder folder;
   write_file(folder / "file", "bytes of a file");
   const int file = ::open((folder / "file").c_str(), O_RDONLY);
-  reply_.end = End::kCut;
-  reply_.body = "";  // so that the answer is whole
+  change_reply([](Reply& reply) {
+    reply.end = End::kCut;
+    reply.body = "";  // so that the answer is whole
+  });
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(status_of({.method = "PUT", .url = server_.url() + "/", .file = file, .size = 15}), absl::OkStatus());
     EXPECT_EQ(last_request().body, "bytes of a file");
@@ -146,12 +153,12 @@ TEST_F(HttpTransferTest, GivesBodiesOfSuccessToWhoTakesThemAndKeepsOthers) {
     taken += bytes;
     return absl::OkStatus();
   }};
-  reply_.body = std::string(1'000'000, 'y');
+  change_reply([](Reply& reply) { reply.body = std::string(1'000'000, 'y'); });
   const auto response = transfer_.run({.url = server_.url() + "/"}, hooks);
   ASSERT_TRUE(response.ok()) << response.status();
   EXPECT_EQ(taken.size(), 1'000'000u);
   EXPECT_EQ(response->body, "");
-  reply_.status = 404;
+  change_reply([](Reply& reply) { reply.status = 404; });
   const auto missing = transfer_.run({.url = server_.url() + "/"}, hooks);
   ASSERT_TRUE(missing.ok()) << missing.status();
   EXPECT_EQ(missing->status, 404);
@@ -174,7 +181,7 @@ TEST_F(HttpTransferTest, IsUnavailableWhereNobodyAnswers) {
 
 TEST_F(HttpTransferTest, IsUnavailableWhereAnAnswerBreaksOff) {
   for (const End end : {End::kCut, End::kReset, End::kStall, End::kHang}) {
-    reply_.end = end;
+    change_reply([end](Reply& reply) { reply.end = end; });
     const auto begin = std::chrono::steady_clock::now();
     const HttpRequest request{
         .url = server_.url() + "/", .headers = {absl::StrCat("x-amz-content-sha256: ", kEmptySha256)}, .signature = &kSignature};
@@ -186,7 +193,7 @@ TEST_F(HttpTransferTest, IsUnavailableWhereAnAnswerBreaksOff) {
 }
 
 TEST_F(HttpTransferTest, EndsWhenItsCheckSaysSo) {
-  reply_.end = End::kHang;
+  change_reply([](Reply& reply) { reply.end = End::kHang; });
   HttpTransfer patient({.stall_timeout = std::chrono::seconds(1000)});
   std::atomic<bool> is_cancelled = false;
   std::thread canceller([&] {
@@ -199,7 +206,7 @@ TEST_F(HttpTransferTest, EndsWhenItsCheckSaysSo) {
 }
 
 TEST_F(HttpTransferTest, FollowsNoRedirection) {
-  reply_ = {.status = 307, .headers = {{"Location", server_.url() + "/elsewhere"}}};
+  change_reply([&](Reply& reply) { reply = {.status = 307, .headers = {{"Location", server_.url() + "/elsewhere"}}}; });
   const auto response = transfer_.run({.url = server_.url() + "/"});
   ASSERT_TRUE(response.ok()) << response.status();
   EXPECT_EQ(response->status, 307);
