@@ -71,8 +71,8 @@ class ReadersTest(helm_chart.Rendered):
         stateful = find(objects, "StatefulSet")
         scaler = [it["spec"]["maxReplicas"] for it in objects if it["kind"] == "HorizontalPodAutoscaler"]
         count = scaler[0] if scaler else stateful["spec"]["replicas"]
-        # Only with one cache for all may the next server help.
-        is_shared = any(
+        # Only with a store, or one cache for all, may the next server help.
+        is_shared = "CURVECAST_STORE" in environment(stateful) or any(
             "persistentVolumeClaim" in volume
             for volume in stateful["spec"]["template"]["spec"]["volumes"]
             if volume["name"] == "cache"
@@ -91,7 +91,8 @@ class ReadersTest(helm_chart.Rendered):
         command = self.command()
         named = set()
         for name, objects in self.objects.items():
-            variables = environment(find(objects, "StatefulSet"))
+            every = environment(find(objects, "StatefulSet"))  # those of the store too, which are no settings
+            variables = {variable: value for variable, value in every.items() if variable.startswith("CURVECAST_")}
             printed = settings(command, variables)
             self.assertEqual(container(find(objects, "StatefulSet"))["args"], ["serve"])
             for variable, value in variables.items():
