@@ -19,6 +19,7 @@ from serve_settings import expected, setting_name, settings
 
 DEPLOY = pathlib.Path(os.environ["CURVECAST_SOURCE"]) / "deploy"
 COMPOSE = DEPLOY / "compose"
+STORE_SETTINGS = DEPLOY.parent / "server" / "store" / "s3_settings.cpp"
 COMMAND = os.environ["CURVECAST_COMMAND"]
 SERVERS = ["curvecast-1", "curvecast-2", "curvecast-3"]
 
@@ -99,9 +100,13 @@ class ComposeTest(unittest.TestCase):
         for name in SERVERS:
             given = self.environment(name)
             self.assertFalse(own.keys() & given.keys(), "said twice")
-            printed = settings(COMMAND, {**own, **given})
-            for variable, value in {**own, **given}.items():
-                self.assertEqual(printed[setting_name(variable)], expected(value), variable)
+            every = {**own, **given}
+            printed = settings(COMMAND, every)
+            for variable, value in every.items():
+                if variable.startswith("AWS_"):  # the store's, which are no options
+                    self.assertIn(f'"{variable}"', STORE_SETTINGS.read_text())
+                else:
+                    self.assertEqual(printed[setting_name(variable)], expected(value), variable)
             # It has the time to end well.
             grace = int(self.services[name]["stop_grace_period"].removesuffix("s"))
             self.assertGreater(grace, sum(float(printed[part]) for part in ("lame-duck", "drain", "max-stop-time")))
