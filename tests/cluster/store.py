@@ -97,7 +97,9 @@ def look_while_it_is_away(setting: Setting, report: Report, store: pathlib.Path,
     store.rename(away)
     try:
         end = time.monotonic() + setting.pick(full=60, quick=3)
+        begin = now()
         refused = caller.upload("other.off", bumpy_ball(6))
+        setting.history.tell("fault", server=caller.server.name, begin=begin, end=now())
         later = caller.create(mesh, 1000)
         while time.monotonic() < end:
             looks += 1
