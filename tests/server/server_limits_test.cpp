@@ -117,7 +117,7 @@ TEST_F(ServerLimits, AFloodOfViewsIsSlowedDownAndTheNewestAnswered) {
 }
 
 TEST_F(ServerLimits, PointSetsThatNobodyReadsDoNotPileUp) {
-  start({.max_queued_bytes = 100'000});
+  start({.max_queued_bytes = 100'000, .admin = "127.0.0.1:0"});
   const std::string session = make_session();
   const auto stub = client();
   v1::ResampleRequest request;
@@ -126,9 +126,12 @@ TEST_F(ServerLimits, PointSetsThatNobodyReadsDoNotPileUp) {
   request.mutable_sample()->mutable_encoding()->mutable_raw();
   grpc::ClientContext context;
   set_patience(context);
-  // 13 MB in blocks of 400 KB. Several blocks are encoded and queued at once, so that the next finds one that still waits however
-  // fast the connection takes them.
+  // 13 MB in blocks of 400 KB, of which the connection takes but a few as long as nobody reads them.
   const auto lazy = stub->Resample(&context, request);
+  EXPECT_TRUE(eventually([&] {
+    const std::string page = HttpClient(server_->admin_port()).get("/metrics").body;
+    return value_of(page, "curvecast_refused_total{limit=\"queued_bytes\"}") == 1;
+  }));
   v1::ResampleResponse block;
   while (lazy->Read(&block)) {
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -20,7 +21,10 @@ namespace fs = std::filesystem;
 
 class KillStoreTest : public ::testing::Test {
  protected:
-  void SetUp() override { fs::create_directory(root_); }
+  void SetUp() override {
+    ASSERT_EQ(::setenv("XDG_CACHE_HOME", folder_.path().c_str(), 1), 0);
+    fs::create_directory(root_);
+  }
   std::unique_ptr<cli::Process> serve() const {
     return std::make_unique<cli::Process>(std::vector<std::string>{"serve", "--listen", "127.0.0.1:0", "--http", "none",
                                                                    "--cache", folder_ / "cache", "--store", "file://" + root_});
@@ -48,14 +52,14 @@ TEST_F(KillStoreTest, TheNextStartPutsWhatTheLastOneCouldNot) {
     const auto server = serve();
     const auto stub = connect(*server);
     const std::string mesh = upload(*stub, sphere_off(3));
-    fs::rename(root_, folder_ / "elsewhere");
+    fs::rename(root_, folder_ / "away");
     const Created created = create(*stub, mesh, 500);
     ASSERT_TRUE(created.status.ok()) << created.status.error_message();
     EXPECT_TRUE(eventually([&] { return count(folder_ / "cache") == 1; }));
     server->signal(SIGKILL);
     EXPECT_EQ(server->finish().status, 128 + SIGKILL);
   }
-  fs::rename(folder_ / "elsewhere", root_);
+  fs::rename(folder_ / "away", root_);
   EXPECT_EQ(count(root_ + "/sessions"), 0u);
   const auto server = serve();
   EXPECT_TRUE(eventually([&] { return count(root_ + "/sessions") == 1; }));
