@@ -43,9 +43,14 @@ std::string Hasher::sha256() const {
 
 std::string Hasher::hex() const { return sha256().substr(0, 2 * kBytes); }
 
-std::array<std::uint64_t, 2> hash_of(std::string_view bytes) {
+std::string sha256(std::string_view bytes) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest;
   SHA256(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), digest.data());
+  return {reinterpret_cast<const char*>(digest.data()), digest.size()};
+}
+
+std::array<std::uint64_t, 2> hash_of(std::string_view bytes) {
+  const std::string digest = sha256(bytes);
   std::array<std::uint64_t, 2> hash;
   static_assert(sizeof hash == kBytes);
   std::memcpy(hash.data(), digest.data(), kBytes);

@@ -30,7 +30,9 @@ class Hasher {
   std::unique_ptr<evp_md_ctx_st, Free> context_;
 };
 
-/// Hashes bytes, and returns the hash as numbers.
+/// SHA-256 of bytes: 32 of them.
+std::string sha256(std::string_view bytes);
+/// Hashes bytes as Hasher::hex(), and returns the hash as numbers.
 std::array<std::uint64_t, 2> hash_of(std::string_view bytes);
 
 }  // namespace curvecast::server

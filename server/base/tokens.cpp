@@ -8,23 +8,18 @@
 #include <absl/strings/str_split.h>
 #include <openssl/sha.h>
 
-#include <array>
 #include <fstream>
 #include <sstream>
 #include <utility>
 #include <vector>
+
+#include "server/base/hash.h"
 
 namespace curvecast::server {
 namespace {
 
 constexpr std::size_t kMaxFile = std::size_t{16} << 20;
 constexpr std::string_view kScheme = "Bearer ";
-
-std::string sha256(std::string_view bytes) {
-  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest;
-  SHA256(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), digest.data());
-  return {reinterpret_cast<const char*>(digest.data()), digest.size()};
-}
 
 }  // namespace
 

@@ -85,6 +85,11 @@ bool is_file(const std::string& path) {
   return ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
 }
 
+void remove_path(const std::string& path) {
+  std::error_code ignored;
+  fs::remove(path, ignored);
+}
+
 void touch_file(const std::string& path) {
   // The kernel's own idea of now is milliseconds old.
   timespec times[2] = {{.tv_sec = 0, .tv_nsec = UTIME_OMIT}, {}};
@@ -150,17 +155,9 @@ bool CacheFolder::is_closed(const std::string& id) const { return is_content_id(
 
 void CacheFolder::mark_closed(const std::string& id) const { std::ofstream(closed_path(id), std::ios::app); }
 
-void CacheFolder::remove_mark(const std::string& id) const {
-  std::error_code ignored;
-  fs::remove(closed_path(id), ignored);
-}
+void CacheFolder::remove_mark(const std::string& id) const { remove_path(closed_path(id)); }
 
-void CacheFolder::remove_old_marks() const {
-  visit_old_marks(folder_, kMark, kMarkLife, [](const std::string& path) {
-    std::error_code ignored;
-    fs::remove(path, ignored);
-  });
-}
+void CacheFolder::remove_old_marks() const { visit_old_marks(folder_, kMark, kMarkLife, remove_path); }
 
 bool CacheFolder::is_stored(const std::string& id, const std::string& url) const {
   std::ifstream mark(stored_path(id), std::ios::binary);
@@ -171,10 +168,7 @@ void CacheFolder::mark_stored(const std::string& id, const std::string& url) con
   std::ofstream(stored_path(id), std::ios::binary | std::ios::trunc) << url;
 }
 
-void CacheFolder::unmark_stored(const std::string& id) const {
-  std::error_code ignored;
-  fs::remove(stored_path(id), ignored);
-}
+void CacheFolder::unmark_stored(const std::string& id) const { remove_path(stored_path(id)); }
 
 std::vector<std::string> CacheFolder::unstored(const std::string& url) const {
   std::vector<std::string> ids;

@@ -29,6 +29,8 @@ bool is_content_id(const std::string& id);
 
 /// Whether there is a file of that path.
 bool is_file(const std::string& path);
+/// Removes it, if there is one.
+void remove_path(const std::string& path);
 
 /// Counts a file as used now.
 void touch_file(const std::string& path);

@@ -129,11 +129,6 @@ std::uint64_t next_number() {
   return ++number;
 }
 
-void remove_path(const std::string& path) {
-  std::error_code ignored;
-  fs::remove(path, ignored);
-}
-
 void discard(spdlog::logger& log, const std::string& path, const std::string& reason) {
   std::error_code ignored;
   const bool removed = fs::remove(path, ignored);

@@ -37,11 +37,6 @@ std::uint64_t size_of(const std::string& path) {
   return error ? 0 : size;
 }
 
-void remove_path(const std::string& path) {
-  std::error_code ignored;
-  fs::remove(path, ignored);
-}
-
 absl::Status rename_file(const std::string& from, const std::string& to) {
   std::error_code error;
   fs::rename(from, to, error);

@@ -1,8 +1,6 @@
 #include "server/store/file_store.h"
 
-#include <absl/cleanup/cleanup.h>
 #include <absl/strings/str_cat.h>
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,13 +8,13 @@
 #include <cerrno>
 #include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "core/storage/atomic_file.h"
 #include "server/store/bounded_calls.h"
+#include "server/store/source_file.h"
 
 namespace curvecast::server {
 namespace {
@@ -29,52 +27,25 @@ absl::Status failed(const std::string& path, const char* what) {
 
 absl::Status given_up() { return absl::CancelledError("nobody waits for it any more"); }
 
-/// An open file to be read.
-class Source {
- public:
-  /// NotFound also for what is not a file.
-  static absl::StatusOr<Source> open(const std::string& path) {
-    // Non-blocking: nothing is to be waited for that is not a file.
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (descriptor < 0) return failed(path, "open");
-    Source source(descriptor, path);
-    struct stat status = {};
-    if (::fstat(descriptor, &status) != 0) return failed(path, "look at");
-    if (!S_ISREG(status.st_mode)) return absl::NotFoundError(absl::StrCat(path, ": is no file"));
-    return source;
+/// The next bytes, none at the end.
+absl::StatusOr<std::span<const std::byte>> read(const SourceFile& file, std::span<std::byte> room) {
+  for (;;) {
+    const ssize_t got = ::read(file.descriptor(), room.data(), room.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return failed(file.path(), "read");
+    return room.first(static_cast<std::size_t>(got));
   }
-  Source(Source&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)), path_(std::move(other.path_)) {}
-  Source& operator=(Source&&) = delete;
-  ~Source() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-
-  /// The next bytes, none at the end.
-  absl::StatusOr<std::span<const std::byte>> read(std::span<std::byte> room) {
-    for (;;) {
-      const ssize_t got = ::read(descriptor_, room.data(), room.size());
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) return failed(path_, "read");
-      return room.first(static_cast<std::size_t>(got));
-    }
-  }
-
- private:
-  Source(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {}
-
-  int descriptor_;
-  std::string path_;
-};
+}
 
 /// What a copy says of where it failed: errors of the store's side and of the other one mean different things.
 struct Copied {
   absl::Status read, written;
 };
 
-Copied copy(Source& from, AtomicFile& to, CallProgress& progress) {
+Copied copy(const SourceFile& from, AtomicFile& to, CallProgress& progress) {
   std::vector<std::byte> room(kChunk);
   for (std::uint64_t at = 0;;) {
-    const auto bytes = from.read(room);
+    const auto bytes = read(from, room);
     if (!bytes.ok()) return {bytes.status(), absl::OkStatus()};
     if (bytes->empty()) return {};
     if (absl::Status written = to.write_at(at, *bytes); !written.ok()) return {absl::OkStatus(), written};
@@ -104,7 +75,7 @@ class SharedFolder {
   explicit SharedFolder(std::string path) : path_(std::move(path)) {}
 
   absl::Status put(const std::string& name, const std::string& path, CallProgress& progress) {
-    absl::StatusOr<Source> from = Source::open(path);
+    const absl::StatusOr<SourceFile> from = SourceFile::open(path);
     if (!from.ok()) return from.status();
     const std::string target = path_of(name);
     if (absl::Status made = make_folders(target); !made.ok()) return made;
@@ -119,7 +90,7 @@ class SharedFolder {
   }
 
   absl::Status get(const std::string& name, const std::string& path, CallProgress& progress) const {
-    absl::StatusOr<Source> from = Source::open(path_of(name));
+    const absl::StatusOr<SourceFile> from = SourceFile::open(path_of(name));
     if (!from.ok()) return or_away(from.status());
     absl::StatusOr<AtomicFile> to = AtomicFile::create(path);
     if (!to.ok()) return absl::UnavailableError(to.status().message());

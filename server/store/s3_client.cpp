@@ -1,5 +1,6 @@
 #include "server/store/s3_client.h"
 
+#include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
 #include <absl/strings/str_split.h>
@@ -23,12 +24,6 @@ HttpOptions with_certificates(HttpOptions options, const S3Endpoint& endpoint) {
 std::string encoded_path(const std::string& key) {
   return absl::StrJoin(absl::StrSplit(key, '/'), "/",
                        [](std::string* out, absl::string_view part) { *out += percent_encoded(std::string(part)); });
-}
-
-std::string sha256_of(std::string_view bytes) {
-  Hasher hasher;
-  hasher.update(bytes);
-  return hasher.sha256();
 }
 
 }  // namespace
@@ -87,8 +82,8 @@ absl::StatusOr<HttpResponse> S3Client::send_with(const S3Keys& keys, const S3Req
       .file = request.file,
       .offset = request.offset,
       .size = request.size};
-  http.headers.push_back(
-      absl::StrCat("x-amz-content-sha256: ", request.sha256.empty() ? sha256_of(request.body) : request.sha256));
+  http.headers.push_back(absl::StrCat("x-amz-content-sha256: ",
+                                      request.sha256.empty() ? absl::BytesToHexString(sha256(request.body)) : request.sha256));
   if (!keys.session_token.empty()) http.headers.push_back(absl::StrCat("x-amz-security-token: ", keys.session_token));
   absl::StatusOr<HttpResponse> response =
       transfer_.run(http, {.take = request.take, .check = [&deadline] { return deadline.check(); }});

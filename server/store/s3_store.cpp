@@ -1,21 +1,17 @@
 #include "server/store/s3_store.h"
 
-#include <absl/cleanup/cleanup.h>
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_split.h>
 #include <absl/strings/strip.h>
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <utility>
 
 #include "server/store/s3_download.h"
 #include "server/store/s3_error.h"
 #include "server/store/s3_upload.h"
+#include "server/store/source_file.h"
 
 namespace curvecast::server {
 namespace {
@@ -46,20 +42,13 @@ absl::StatusOr<std::string> S3Store::key_of(const std::string& name) const {
 absl::Status S3Store::put(const std::string& name, const std::string& path, const std::atomic<bool>* cancel) {
   const absl::StatusOr<std::string> key = key_of(name);
   if (!key.ok()) return key.status();
-  // Non-blocking: nothing is to be waited for that is not a file.
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-  if (descriptor < 0) {
-    const absl::Status status = absl::ErrnoToStatus(errno, absl::StrCat(path, ": cannot open"));
-    return absl::IsNotFound(status) ? status : absl::UnavailableError(status.message());
+  const absl::StatusOr<SourceFile> source = SourceFile::open(path);
+  if (!source.ok()) {
+    return absl::IsNotFound(source.status()) ? source.status() : absl::UnavailableError(source.status().message());
   }
-  const absl::Cleanup close = [descriptor] { ::close(descriptor); };
-  struct stat status = {};
-  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
-    return absl::NotFoundError(absl::StrCat(path, ": is no file"));
-  const auto size = static_cast<std::uint64_t>(status.st_size);
   Deadline deadline(client_->options().time, cancel);
-  deadline.allow(size, client_->options().rate);
-  const absl::StatusOr<S3File> file = read_s3_file(descriptor, size, client_->options().part_size, deadline);
+  deadline.allow(source->size(), client_->options().rate);
+  const absl::StatusOr<S3File> file = read_s3_file(source->descriptor(), source->size(), client_->options().part_size, deadline);
   if (!file.ok()) return absl::Status(file.status().code(), absl::StrCat(path, ": ", file.status().message()));
   return upload_.put(*key, *file, deadline);
 }
