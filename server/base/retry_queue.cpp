@@ -101,7 +101,8 @@ void RetryQueue::run() {
       if (is_stopping_) return;
       changed_.wait(mutex_);
     } else if (!is_stopping_ && first->second.due > Clock::now()) {
-      changed_.wait_until(mutex_, first->second.due);
+      const Clock::time_point due = first->second.due;  // a copy: the entry may be erased meanwhile
+      changed_.wait_until(mutex_, due);
     } else {
       try_next(first->first);
     }
