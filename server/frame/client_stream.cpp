@@ -2,8 +2,10 @@
 
 #include <absl/strings/str_cat.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "core/sample/point_set.h"
 #include "server/base/protocol.h"
 #include "server/base/status_from_exceptions.h"
 #include "server/convert/convert.h"
@@ -208,7 +210,9 @@ std::chrono::nanoseconds ClientStream::expected_work() const {
   const PointSetRequest& request = *view_->request;
   const std::uint64_t points = request.automatic ? pace_.points(*request.automatic) : request.options.points;
   if (points == 0) return last_work_;  // a budget of bytes or pixels
-  return std::min<std::chrono::nanoseconds>(static_cast<std::int64_t>(points) * kWorkOfPoint, kMostViewWork);
+  // Anything may be asked for; more points than there may be are refused later.
+  return std::min<std::chrono::nanoseconds>(static_cast<std::int64_t>(std::min(points, kMaxPoints)) * kWorkOfPoint,
+                                            kMostViewWork);
 }
 
 void ClientStream::ask_for_worker() {

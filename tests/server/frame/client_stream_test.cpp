@@ -53,6 +53,21 @@ TEST_F(ClientStreamTest, TheNewestViewWins) {
   EXPECT_THAT(sequences(), ElementsAre(500, 501, 600));
 }
 
+TEST_F(ClientStreamTest, NoNumberOfPointsIsExpectedToTakeLittle) {
+  receive(open_request("known"));
+  receive(view_request(1, kMaxPoints));
+  run_all();
+  const auto most = expected_;
+  EXPECT_GT(most, std::chrono::nanoseconds(0));
+  std::uint64_t sequence = 1;
+  for (const std::uint64_t points : {kMaxPoints + 1, std::uint64_t{1} << 32, std::uint64_t{1} << 63, ~std::uint64_t{0}}) {
+    receive(ack_request(sequence));
+    receive(view_request(++sequence, points));
+    EXPECT_GE(expected_, most) << points;
+    run_all();
+  }
+}
+
 TEST_F(ClientStreamTest, WhoHasGoneIsNotAnswered) {
   receive(open_request("known"));
   receive(view_request(1));

@@ -77,6 +77,7 @@ class Conversation : public ClientStream::Transport {
   }
 
   std::deque<std::function<void()>> jobs_;
+  std::chrono::nanoseconds expected_{};  // of the last one
   std::vector<v1::PointFrame> frames_;
   std::optional<absl::Status> ended_;
   bool sending_ = false, slow_ = false, busy_ = false;
@@ -135,7 +136,8 @@ class Conversation : public ClientStream::Transport {
             return claim.digest == kKnownDigest ? restored_ : nullptr;
           },
           .has_room = [this]() -> absl::Status { return is_full_ ? absl::ResourceExhaustedError("full") : absl::OkStatus(); },
-          .submit = [this](std::function<void()> job, std::chrono::nanoseconds) -> absl::Status {
+          .submit = [this](std::function<void()> job, std::chrono::nanoseconds expected) -> absl::Status {
+            expected_ = expected;
             if (busy_) return absl::ResourceExhaustedError("busy");
             jobs_.push_back(std::move(job));
             return absl::OkStatus();
