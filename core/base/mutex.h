@@ -61,9 +61,10 @@ class CondVar {
     changed_.wait(lock);
     lock.release();  // the caller goes on holding it
   }
-  /// False: `deadline` has passed.
+  /// False: `deadline` has passed. By value: std::condition_variable reads it again after the wait, when what it was read from
+  /// may be gone.
   template <class Clock, class Duration>
-  bool wait_until(Mutex& mutex, const std::chrono::time_point<Clock, Duration>& deadline) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
+  bool wait_until(Mutex& mutex, std::chrono::time_point<Clock, Duration> deadline) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
     std::unique_lock<std::mutex> lock(mutex.mutex_, std::adopt_lock);
     const std::cv_status status = changed_.wait_until(lock, deadline);
     lock.release();

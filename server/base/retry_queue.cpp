@@ -101,8 +101,7 @@ void RetryQueue::run() {
       if (is_stopping_) return;
       changed_.wait(mutex_);
     } else if (!is_stopping_ && first->second.due > Clock::now()) {
-      const Clock::time_point due = first->second.due;  // a copy: the entry may be erased meanwhile
-      changed_.wait_until(mutex_, due);
+      changed_.wait_until(mutex_, first->second.due);
     } else {
       try_next(first->first);
     }
