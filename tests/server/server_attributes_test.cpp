@@ -1,26 +1,19 @@
 // What the mesh has at the points, over TCP.
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "server_fixture.h"
 
+#include "tests/server/convert/values_of.h"
 #include "tests/server/eventually.h"
 #include "tests/support/analytic_directions.h"
 #include "tests/support/temporary_folder.h"
 
 namespace curvecast::server {
 namespace {
-
-template <typename T>
-std::vector<T> values_of(const std::string& bytes) {
-  std::vector<T> values(bytes.size() / sizeof(T));
-  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
-  return values;
-}
 
 double heat_at(const Vec3d& p) { return 2 * p.x() - p.y() + 3 * p.z(); }
 

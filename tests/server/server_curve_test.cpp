@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "core/curve/hilbert.h"
 #include "server_fixture.h"
+#include "tests/server/convert/values_of.h"
 
 namespace curvecast::server {
 namespace {
@@ -32,13 +32,6 @@ class ServerCurve : public ServerFixture {
     return answer;
   }
 };
-
-template <typename T>
-std::vector<T> values_of(const std::string& bytes) {
-  std::vector<T> values(bytes.size() / sizeof(T));
-  std::memcpy(values.data(), bytes.data(), bytes.size());
-  return values;
-}
 
 /// All chunks together.
 struct Joined {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <set>
 #include <string>
@@ -13,6 +12,7 @@
 
 #include "server_fixture.h"
 
+#include "tests/server/convert/values_of.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast::server {
@@ -21,13 +21,6 @@ namespace {
 using ::testing::HasSubstr;
 
 using Point = std::array<float, 3>;
-
-template <typename T>
-std::vector<T> values_of(const std::string& bytes) {
-  std::vector<T> values(bytes.size() / sizeof(T));
-  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
-  return values;
-}
 
 class ServerNeighbours : public ServerFixture {
  protected:

@@ -1,9 +1,8 @@
 // GetParameterMesh, over TCP.
 #include <gmock/gmock.h>
 
-#include <cstring>
-
 #include "server_fixture.h"
+#include "tests/server/convert/values_of.h"
 
 namespace curvecast::server {
 namespace {
@@ -33,13 +32,6 @@ class ServerParameterMesh : public ServerFixture {
     return answer;
   }
 };
-
-template <typename T>
-std::vector<T> values_of(const std::string& bytes) {
-  std::vector<T> values(bytes.size() / sizeof(T));
-  std::memcpy(values.data(), bytes.data(), bytes.size());
-  return values;
-}
 
 TEST_F(ServerParameterMesh, SendsTheWholeSurfaceInBoundedChunks) {
   const auto stub = client();

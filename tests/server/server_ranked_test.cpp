@@ -9,6 +9,7 @@
 
 #include "server_fixture.h"
 
+#include "tests/server/convert/values_of.h"
 #include "tests/server/frame/frame_points.h"
 
 namespace curvecast::server {
@@ -35,10 +36,7 @@ class ServerRanked : public ServerFixture {
   }
 
   static std::vector<std::uint32_t> ranks_of(const v1::PointBlock& block) {
-    const std::string& bytes = block.attributes().ranks();
-    std::vector<std::uint32_t> ranks(bytes.size() / sizeof(std::uint32_t));
-    std::memcpy(ranks.data(), bytes.data(), bytes.size());
-    return ranks;
+    return values_of<std::uint32_t>(block.attributes().ranks());
   }
 
   std::set<std::uint32_t> ranks_of(const v1::SampleRequest& sample) {
