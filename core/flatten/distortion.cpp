@@ -123,9 +123,13 @@ Distortion DistortionSummary::distortion() const {
 }
 
 Distortion measure_distortion(std::span<const Chart> charts, const ExecutionContext& context) {
-  // A sum of summaries takes as long as adding thousands of triangles: so there are few, whatever the number of charts and
-  // threads.
-  const std::size_t grain = charts.size() / 64 + 1;
+  // A summary is a megabyte, and summing two takes as long as adding thousands of triangles: so there are few, whatever the
+  // number of threads, and one for a small mesh.
+  constexpr std::size_t kMostSummaries = 64, kLeastFaces = 16'384;
+  std::size_t faces = 0;
+  for (const Chart& chart : charts) faces += chart.disc.face_count();
+  const std::size_t summaries = std::clamp<std::size_t>(faces / kLeastFaces, 1, kMostSummaries);
+  const std::size_t grain = charts.size() / summaries + 1;
   return tbb::parallel_deterministic_reduce(
              tbb::blocked_range<std::size_t>(0, charts.size(), grain), DistortionSummary{},
              [&](const tbb::blocked_range<std::size_t>& range, DistortionSummary summary) {
