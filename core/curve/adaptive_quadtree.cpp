@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "core/base/simd.h"
 #include "core/curve/triangle_bins.h"
 
@@ -123,8 +124,8 @@ CURVECAST_WIDE void distribute(const ParameterTriangle* triangles, const std::ui
 class Builder {
  public:
   Builder(std::span<const ParameterTriangle> triangles, std::span<const double> demand, std::size_t max_leaves,
-          const ExecutionContext& context)
-      : triangles_(triangles), max_leaves_(max_leaves), context_(context), wanted_(triangles.size()) {
+          const ExecutionContext& context, const LeavesClaim& claim)
+      : triangles_(triangles), max_leaves_(max_leaves), context_(context), claim_(claim), wanted_(triangles.size()) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 4096), [&](const auto& range) {
       for (std::size_t t = range.begin(); t < range.end(); ++t) wanted_[t] = level_for(demand[t]);
     });
@@ -140,6 +141,7 @@ class Builder {
         parts[i].triangles = {};
       });
       if (absl::Status status = context_.check(); !status.ok()) return status;
+      if (absl::Status status = refusal(); !status.ok()) return status;
       if (leaf_count_ <= max_leaves_) return join(parts);
       // One level less for those that want the most.
       const std::uint8_t cap = static_cast<std::uint8_t>(*std::max_element(wanted_.begin(), wanted_.end()) - 1);
@@ -232,11 +234,33 @@ class Builder {
     return parts;
   }
 
-  /// False when there are too many, or nobody wants them any more.
+  /// False when there are too many, there is no memory for them, or nobody wants them any more.
   bool count_leaves(std::size_t n) {
     if (context_.cancelled()) leaf_count_ = max_leaves_ + 1;
     n = std::min(n, max_leaves_ + 1);  // so that the sum cannot overflow
-    return leaf_count_.fetch_add(n, std::memory_order_relaxed) + n <= max_leaves_;
+    const std::size_t count = leaf_count_.fetch_add(n, std::memory_order_relaxed) + n;
+    if (count > max_leaves_) return false;
+    if (count > claimed_.load(std::memory_order_relaxed)) claim_more(count);
+    return leaf_count_.load(std::memory_order_relaxed) <= max_leaves_;
+  }
+
+  void claim_more(std::size_t count) {
+    if (!claim_) return;
+    constexpr std::size_t kLeast = 1 << 16;
+    const MutexLock lock(mutex_);
+    if (count <= claimed_ || !refusal_.ok()) return;
+    const std::size_t leaves = std::min(count + std::max(kLeast, count / 8), max_leaves_);
+    refusal_ = claim_(leaves);
+    if (refusal_.ok()) {
+      claimed_ = leaves;
+    } else {
+      leaf_count_ = max_leaves_ + 1;  // which ends it
+    }
+  }
+
+  absl::Status refusal() {
+    const MutexLock lock(mutex_);
+    return refusal_;
   }
 
   void emit(const Node& node, const Near& near, Piece& piece) {
@@ -322,7 +346,11 @@ class Builder {
   std::span<const ParameterTriangle> triangles_;
   std::size_t max_leaves_;
   const ExecutionContext& context_;
-  std::vector<std::uint8_t> wanted_;  // level that each triangle wants of the leaves that it touches
+  const LeavesClaim& claim_;
+  Mutex mutex_;
+  absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
+  std::atomic<std::size_t> claimed_ = 0;  // leaves; grows under the mutex
+  std::vector<std::uint8_t> wanted_;      // level that each triangle wants of the leaves that it touches
   std::atomic<std::size_t> leaf_count_ = 0;
 };
 
@@ -335,8 +363,8 @@ Quad leaf_quad(std::uint64_t key, std::uint8_t level) {
 }
 
 absl::StatusOr<QuadtreeLeaves> build_quadtree(std::span<const ParameterTriangle> triangles, std::span<const double> demand,
-                                              std::size_t max_leaves, const ExecutionContext& context) {
-  return Builder(triangles, demand, max_leaves, context).build();
+                                              std::size_t max_leaves, const ExecutionContext& context, const LeavesClaim& claim) {
+  return Builder(triangles, demand, max_leaves, context, claim).build();
 }
 
 }  // namespace curvecast

@@ -6,6 +6,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "core/base/column.h"
@@ -44,11 +45,16 @@ struct QuadtreeLeaves {
   }
 };
 
+/// Asked, by one thread at a time, before there are more leaves than it was asked for before; an error ends the division.
+using LeavesClaim = std::function<absl::Status(std::size_t leaves)>;
+
 /// Divides the square until each leaf, as one curve vertex, is enough for every triangle that it overlaps: a triangle t wants
 /// demand[t] curve vertices per unit of uv area. Leaves that meet no triangle are left out. At most `max_leaves` (>= 1024):
 /// where more are wanted the highest demands are lowered until they fit. The same leaves for any number of threads.
-/// Cancelled when the context says so. ResourceExhausted: the lists of triangles would hold more than 2^32 entries.
+/// Cancelled when the context says so. ResourceExhausted: the lists of triangles would hold more than 2^32 entries. `claim`, if
+/// not empty: its errors.
 absl::StatusOr<QuadtreeLeaves> build_quadtree(std::span<const ParameterTriangle> triangles, std::span<const double> demand,
-                                              std::size_t max_leaves, const ExecutionContext& context = {});
+                                              std::size_t max_leaves, const ExecutionContext& context = {},
+                                              const LeavesClaim& claim = {});
 
 }  // namespace curvecast

@@ -152,7 +152,8 @@ class Demand {
 
 /// Divides a chart's square until its triangles have the leaves that their faces want, and a few more at most.
 absl::StatusOr<QuadtreeLeaves> divide_chart(const Chart& chart, const Column<ParameterTriangle>& triangles,
-                                            const Demand& demand_of_face, const ExecutionContext& context) {
+                                            const Demand& demand_of_face, const ExecutionContext& context,
+                                            const LeavesClaim& claim) {
   std::vector<double> demand(chart.disc.face_count());
   double share = 0;
   for (std::size_t t = 0; t < demand.size(); ++t) {
@@ -160,7 +161,7 @@ absl::StatusOr<QuadtreeLeaves> divide_chart(const Chart& chart, const Column<Par
     share += triangles[t].uv_area() * demand[t];
   }
   const auto most = static_cast<std::size_t>(std::min(kLeavesPerVertex * share + 1e6, kMostLeaves));
-  return build_quadtree(triangles, demand, most, context);
+  return build_quadtree(triangles, demand, most, context, claim);
 }
 
 absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions& options, const Demand& demand_of_face,
@@ -175,7 +176,8 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
   for (const Chart& chart : charts) {
     context.progress("curve", static_cast<double>(leaves.size()) / static_cast<double>(charts.size()));
     // Triangles are made again for the map: those of all charts at once would take much memory.
-    absl::StatusOr<QuadtreeLeaves> built = divide_chart(chart, parameter_triangles(chart), demand_of_face, context);
+    const auto claim = [&](std::size_t of_chart) { return claim_more_leaves(count + of_chart, options, more); };
+    absl::StatusOr<QuadtreeLeaves> built = divide_chart(chart, parameter_triangles(chart), demand_of_face, context, claim);
     if (!built.ok()) return built.status();
     leaves.push_back(*std::move(built));
     count += leaves.back().size();

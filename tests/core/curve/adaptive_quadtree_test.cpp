@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <vector>
 
 #include "tests/core/curve/charts.h"
 
@@ -117,6 +119,30 @@ TEST(AdaptiveQuadtree, StaysWithinItsLimit) {
   const QuadtreeLeaves leaves = build(chart, demand, 100'000);
   EXPECT_LE(leaves.size(), 120'000u);
   EXPECT_GE(leaves.size(), 10'000u);
+}
+
+TEST(AdaptiveQuadtree, AsksBeforeThereAreMoreLeaves) {
+  const Chart chart = std::move(charts_of(make_mesh(testing::sphere(20, 30)))[0]);
+  const Column<ParameterTriangle> triangles = parameter_triangles(chart);
+  const std::vector<double> demand = even_demand(chart, 500'000);
+  std::vector<std::size_t> asked;
+  const auto note = [&](std::size_t leaves) {
+    asked.push_back(leaves);
+    return absl::OkStatus();
+  };
+  const absl::StatusOr<QuadtreeLeaves> all = build_quadtree(triangles, demand, kNoLimit, {}, note);
+  ASSERT_TRUE(all.ok()) << all.status();
+  ASSERT_GT(asked.size(), 1u) << "step by step";
+  EXPECT_EQ(std::ranges::adjacent_find(asked, std::ranges::greater_equal()), asked.end());
+  EXPECT_GE(asked.back(), all->size());
+  EXPECT_LE(static_cast<double>(asked.back()), 1.2 * static_cast<double>(all->size()));
+  std::size_t most = 0;
+  const auto refuse = [&](std::size_t leaves) {
+    most = leaves;
+    return leaves > 200'000 ? absl::ResourceExhaustedError("no more") : absl::OkStatus();
+  };
+  EXPECT_EQ(build_quadtree(triangles, demand, kNoLimit, {}, refuse).status(), absl::ResourceExhaustedError("no more"));
+  EXPECT_LT(most, 400'000u) << "it was not asked again";
 }
 
 TEST(AdaptiveQuadtree, StopsWhenCancelled) {
