@@ -13,7 +13,6 @@ namespace {
 
 class ServerConnections : public ServerFixture {
  protected:
-  std::string metrics() const { return HttpClient(server_->http_port()).get("/metrics").body; }
   static grpc::Status call(Stub& stub) {
     grpc::ClientContext context;
     set_patience(context);
@@ -69,10 +68,10 @@ TEST_F(ServerConnections, AreCountedWhileTheyAreThere) {
   {
     const auto one = client(), other = client();
     EXPECT_TRUE(call(*one).ok() && call(*other).ok());
-    EXPECT_GE(value_of(metrics(), "curvecast_connections"), 2);
+    EXPECT_GE(metric("curvecast_connections"), 2);
   }
   // But for the one that asks whether the port answers.
-  EXPECT_TRUE(eventually([&] { return value_of(metrics(), "curvecast_connections") == 0; }));
+  EXPECT_TRUE(eventually([&] { return metric("curvecast_connections") == 0; }));
   EXPECT_TRUE(has_line(metrics(), "curvecast_connections_refused_total 0"));
 }
 

@@ -13,7 +13,6 @@
 #include "server_fixture.h"
 #include "tests/server/eventually.h"
 #include "tests/server/has_line.h"
-#include "tests/server/http_client.h"
 #include "tests/server/opened_stream.h"
 #include "tests/support/temporary_folder.h"
 
@@ -59,7 +58,6 @@ class ServerDisk : public ServerFixture {
     EXPECT_TRUE(created.status.ok()) << created.status.error_message();
     return created.session;
   }
-  std::string metrics() const { return HttpClient(server_->admin_port()).get("/metrics").body; }
   std::string mesh_path(const std::string& id) const { return folder_ / ("meshes/" + id + ".mesh"); }
   /// Of the session's file with this ending.
   std::string path_of(const std::string& id, const std::string& ending) const {
@@ -169,8 +167,8 @@ TEST_F(ServerDisk, WhatTheFullDiskDidNotTakeIsSavedOnceThereIsRoom) {
       ids.push_back(created.session.session_id());
     }
     EXPECT_TRUE(eventually([&] { return has_line(metrics(), "curvecast_unsaved_sessions 18"); }));
-    EXPECT_TRUE(eventually(
-        [&] { return value_of(metrics(), "curvecast_cache_operations_total{operation=\"save\",result=\"error\"}") >= 18; }));
+    EXPECT_TRUE(
+        eventually([&] { return metric("curvecast_cache_operations_total{operation=\"save\",result=\"error\"}") >= 18; }));
     for (const std::string& id : ids) EXPECT_FALSE(is_cached(*stub, id));
     v1::UploadHeader header;
     const std::string off = sphere_off(4);

@@ -8,6 +8,8 @@
 #include <map>
 #include <utility>
 
+#include "http_client.h"
+
 namespace curvecast::server {
 
 std::string sphere_off(int levels) {
@@ -52,6 +54,11 @@ void ServerFixture::start(ServerOptions options) {
 }
 
 std::string address_of(const Server& server) { return absl::StrCat("127.0.0.1:", server.port()); }
+
+std::string metrics_of(const Server& server) {
+  const bool has_admin = server.admin_port() > 0;
+  return HttpClient(has_admin ? server.admin_port() : server.http_port()).get("/metrics").body;
+}
 
 std::string ServerFixture::address() const { return address_of(*server_); }
 

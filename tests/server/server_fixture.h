@@ -11,6 +11,7 @@
 
 #include "curvecast/v1/curvecast.grpc.pb.h"
 #include "server/server.h"
+#include "tests/server/has_line.h"
 
 namespace curvecast::server {
 
@@ -22,6 +23,8 @@ using Stub = v1::CurvecastService::StubInterface;
 std::string address_of(const Server& server);
 /// With a connection of its own.
 std::shared_ptr<grpc::Channel> connect_to(const Server& server);
+/// What its page for Prometheus says, on whichever of its ports has it.
+std::string metrics_of(const Server& server);
 /// Sends such metadata with every call.
 std::unique_ptr<Stub> client_sending(const Server& server, const std::string& key, const std::string& value);
 
@@ -39,6 +42,9 @@ class ServerFixture : public ::testing::Test {
   std::unique_ptr<Stub> client_sending(const std::string& key, const std::string& value) const {
     return server::client_sending(*server_, key, value);
   }
+  std::string metrics() const { return metrics_of(*server_); }
+  /// Of one metric, with its labels.
+  double metric(const std::string& name) const { return value_of(metrics(), name); }
 
   std::unique_ptr<Server> server_;
 };

@@ -10,8 +10,6 @@
 
 #include "server/base/hash.h"
 #include "tests/server/eventually.h"
-#include "tests/server/has_line.h"
-#include "tests/server/http_client.h"
 #include "tests/server/opened_stream.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
@@ -43,7 +41,6 @@ class ServerHogs : public ServerFixture {
   std::string make_session(std::uint64_t points) {
     return create(*anna_, upload(*anna_, sphere_off(3)), points).session.session_id();
   }
-  double metric(const std::string& name) const { return value_of(HttpClient(server_->http_port()).get("/metrics").body, name); }
 
   const testing::TemporaryFolder folder_;
   std::unique_ptr<Stub> anna_, bert_;

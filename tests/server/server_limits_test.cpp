@@ -11,8 +11,6 @@
 #include "server/base/hash.h"
 #include "tests/server/eventually.h"
 #include "tests/server/frame/frame_points.h"
-#include "tests/server/has_line.h"
-#include "tests/server/http_client.h"
 #include "tests/server/opened_stream.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
@@ -128,10 +126,7 @@ TEST_F(ServerLimits, PointSetsThatNobodyReadsDoNotPileUp) {
   set_patience(context);
   // 13 MB in blocks of 400 KB, of which the connection takes but a few as long as nobody reads them.
   const auto lazy = stub->Resample(&context, request);
-  EXPECT_TRUE(eventually([&] {
-    const std::string page = HttpClient(server_->admin_port()).get("/metrics").body;
-    return value_of(page, "curvecast_refused_total{limit=\"queued_bytes\"}") == 1;
-  }));
+  EXPECT_TRUE(eventually([&] { return metric("curvecast_refused_total{limit=\"queued_bytes\"}") == 1; }));
   v1::ResampleResponse block;
   while (lazy->Read(&block)) {
   }
@@ -155,7 +150,6 @@ TEST_F(ServerLimits, AnUploadGoesOnWhereItBrokeOff) {
     EXPECT_TRUE(stub->GetUpload(&context, request, &response).ok());
     return response.received();
   };
-  const auto mesh_bytes = [&] { return value_of(HttpClient(server_->http_port()).get("/metrics").body, "curvecast_mesh_bytes"); };
   v1::UploadHeader header;
   header.set_name("ball.off");
   header.set_size(bytes.size());
@@ -170,7 +164,7 @@ TEST_F(ServerLimits, AnUploadGoesOnWhereItBrokeOff) {
     request.set_chunk(bytes.substr(0, 12'345));
     writer->Write(request);
     // The server has room for it when it has come; until then it is on its way.
-    ASSERT_TRUE(eventually([&] { return mesh_bytes() > 12'345; }));
+    ASSERT_TRUE(eventually([&] { return metric("curvecast_mesh_bytes") > 12'345; }));
     context.TryCancel();
     EXPECT_FALSE(writer->Finish().ok());
   }

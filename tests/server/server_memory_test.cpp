@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "tests/server/eventually.h"
-#include "tests/server/has_line.h"
-#include "tests/server/http_client.h"
 #include "tests/server/opened_stream.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/shapes.h"
@@ -29,7 +27,6 @@ class ServerMemory : public ServerFixture {
     ServerFixture::start(options);
     client_ = client();
   }
-  double metric(const std::string& name) const { return value_of(HttpClient(server_->http_port()).get("/metrics").body, name); }
   /// The most that the API takes: 17 GB, from 230 bytes.
   Created create_too_much() {
     v1::CreateSessionRequest request;
@@ -66,8 +63,7 @@ TEST_F(ServerMemory, WhatDoesNotFitIsRefusedAndOthersGoOn) {
   }
   EXPECT_EQ(metric("curvecast_refused_total{limit=\"memory\"}"), 5);
   EXPECT_EQ(metric("curvecast_preprocess_seconds_count{code=\"OK\"}"), 1);
-  EXPECT_THAT(HttpClient(server_->http_port()).get("/metrics").body,
-              Not(HasSubstr("curvecast_preprocess_seconds_count{code=\"RESOURCE_EXHAUSTED\"}")))
+  EXPECT_THAT(metrics(), Not(HasSubstr("curvecast_preprocess_seconds_count{code=\"RESOURCE_EXHAUSTED\"}")))
       << "they have not waited for a worker";
   EXPECT_EQ(metric("curvecast_memory_reserved_bytes"), 0) << "all has been given back";
   EXPECT_GE(metric("curvecast_memory_budget_bytes"), static_cast<double>(kLittle));

@@ -4,7 +4,6 @@
 #include "server_fixture.h"
 #include "tests/server/eventually.h"
 #include "tests/server/has_line.h"
-#include "tests/server/http_client.h"
 #include "tests/server/opened_stream.h"
 #include "tests/support/temporary_folder.h"
 
@@ -15,11 +14,9 @@ class ServerMetrics : public ServerFixture {
  protected:
   void SetUp() override { start({.max_streams = 1, .memory_bytes = kMemory, .cache = folder_.path(), .admin = "127.0.0.1:0"}); }
 
-  std::string page() const { return HttpClient(server_->admin_port()).get("/metrics").body; }
-  double value(const std::string& metric) const { return value_of(page(), metric); }
-  double refused(const std::string& limit) const { return value("curvecast_refused_total{limit=\"" + limit + "\"}"); }
+  double refused(const std::string& limit) const { return metric("curvecast_refused_total{limit=\"" + limit + "\"}"); }
   double cached(const std::string& operation) const {
-    return value("curvecast_cache_operations_total{operation=\"" + operation + "\",result=\"ok\"}");
+    return metric("curvecast_cache_operations_total{operation=\"" + operation + "\",result=\"ok\"}");
   }
 
   static constexpr std::uint64_t kMemory = std::uint64_t{512} << 20;
@@ -27,7 +24,7 @@ class ServerMetrics : public ServerFixture {
 };
 
 TEST_F(ServerMetrics, AreAllThereFromTheBeginning) {
-  const std::string text = page();
+  const std::string text = metrics();
   for (const char* line :
        {"curvecast_stalled_calls_total 0", "curvecast_unauthenticated_total 0", "curvecast_frames_shared_total 0",
         "curvecast_connections_ended_total 0", "curvecast_connections_refused_total 0", "curvecast_queued_bytes 0",
@@ -58,8 +55,8 @@ TEST_F(ServerMetrics, CountWhatSessionsTakeAndWhereTheyAre) {
   const Created created = create(*stub, upload(*stub, sphere_off(4)), 2'000);
   ASSERT_TRUE(created.status.ok()) << created.status.error_message();
   EXPECT_TRUE(eventually([&] { return cached("save") == 1; }));
-  EXPECT_TRUE(eventually([&] { return value("curvecast_memory_reserved_bytes") == 0; }));
-  const std::string text = page();
+  EXPECT_TRUE(eventually([&] { return metric("curvecast_memory_reserved_bytes") == 0; }));
+  const std::string text = metrics();
   EXPECT_GT(value_of(text, "curvecast_session_bytes"), 0);
   EXPECT_GE(value_of(text, "curvecast_memory_held_bytes"), value_of(text, "curvecast_session_bytes"));
   EXPECT_LT(value_of(text, "curvecast_memory_held_bytes"), value_of(text, "curvecast_memory_budget_bytes"));
@@ -72,7 +69,7 @@ TEST_F(ServerMetrics, CountWhatSessionsTakeAndWhereTheyAre) {
   v1::CloseSessionResponse closed;
   ASSERT_TRUE(stub->CloseSession(&context, close, &closed).ok());
   EXPECT_EQ(cached("remove"), 1);
-  EXPECT_EQ(value("curvecast_session_bytes"), 0);
+  EXPECT_EQ(metric("curvecast_session_bytes"), 0);
 }
 
 TEST_F(ServerMetrics, CountWhatIsRefusedByItsLimit) {
@@ -86,7 +83,7 @@ TEST_F(ServerMetrics, CountWhatIsRefusedByItsLimit) {
   OpenedStream second(*stub, created.session.session_id());
   EXPECT_EQ(second.answer().error_code(), grpc::RESOURCE_EXHAUSTED);
   EXPECT_EQ(refused("streams"), 1);
-  EXPECT_EQ(value("curvecast_open_streams"), 1);
+  EXPECT_EQ(metric("curvecast_open_streams"), 1);
   stream.stream->WritesDone();
   EXPECT_TRUE(stream.stream->Finish().ok());
 }

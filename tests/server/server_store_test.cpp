@@ -46,7 +46,7 @@ struct Replica {
     server = *std::move(started);
     stub = v1::CurvecastService::NewStub(connect_to(*server));
   }
-  std::string metrics() const { return HttpClient(server->admin_port()).get("/metrics").body; }
+  std::string metrics() const { return metrics_of(*server); }
   double preprocessed() const { return value_of(metrics(), "curvecast_preprocess_seconds_count{code=\"OK\"}"); }
   double unstored() const { return value_of(metrics(), "curvecast_unstored"); }
 

@@ -50,7 +50,7 @@ TEST_F(ServerWebAbuse, AStreamThatWasSlowedDownLeavesNothingBehind) {
     v1::CallResponse response;
     ASSERT_TRUE(socket.receive(response));
     // A second's worth is taken at once. Each message after it ends a pause and begins another: the connection goes amidst one.
-    ASSERT_TRUE(eventually([&] { return value_of(metrics(), "curvecast_views_received_total") >= 22; }));
+    ASSERT_TRUE(eventually([&] { return metric("curvecast_views_received_total") >= 22; }));
   }
   wait_for("curvecast_open_streams 0");
   server_.reset();  // ends

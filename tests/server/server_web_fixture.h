@@ -39,7 +39,6 @@ class ServerWebSocket : public ServerFixture {
     return WebSocketClient(server_->http_port(), options);
   }
 
-  std::string metrics() const { return HttpClient(server_->http_port()).get("/metrics").body; }
   /// Waits until the metrics have that line.
   void wait_for(const std::string& line) const {
     EXPECT_TRUE(eventually([&] { return static_cast<bool>(has_line(metrics(), line)); })) << "the metrics never said " << line;

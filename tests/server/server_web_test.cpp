@@ -21,7 +21,6 @@ class ServerWeb : public ServerFixture {
  protected:
   void SetUp() override { start({.http = "127.0.0.1:0"}); }
   HttpClient::Response get(const std::string& path) const { return HttpClient(server_->http_port()).get(path); }
-  std::string metrics() const { return get("/metrics").body; }
 };
 
 TEST_F(ServerWeb, IsReadyWhenItSaysSo) {
