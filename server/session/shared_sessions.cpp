@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::chrono::seconds kMissLife{1};
 constexpr std::size_t kMostMisses = 4096;
 constexpr std::size_t kMostLooked = 100'000;
+constexpr std::size_t kMostKnown = 100'000;
 // Of what is got, until it is known to be good; removed by the next start where the process is killed meanwhile.
 constexpr char kFetched[] = ".fetched.curvecast-tmp";
 constexpr char kEmpty[] = "empty";
@@ -203,6 +204,7 @@ absl::StatusOr<bool> SharedSessions::is_closed(const std::string& id, const std:
 
 void SharedSessions::forget_closed(const std::string& id) {
   const MutexLock lock(mutex_);
+  curves_known_.erase(id);
   if (reopened_.contains(id)) return;  // meanwhile
   folder_.mark_closed(id);
   folder_.remove_files(id);
@@ -241,7 +243,21 @@ absl::Status SharedSessions::put_if_other(const std::string& path, const std::at
   return store_.put(name_of(path), path, &cancel);
 }
 
-absl::Status SharedSessions::put_curve(const std::string& id, const std::atomic<bool>& cancel) const {
+absl::Status SharedSessions::put_curve(const std::string& id, const std::atomic<bool>& cancel) {
+  bool is_known = false;
+  {
+    const MutexLock lock(mutex_);
+    is_known = curves_known_.contains(id);
+  }
+  // To see whose it is in the store takes all of it: once, not after each refinement.
+  const absl::Status status = is_known ? put_if_other(folder_.curve_path(id), cancel) : put_curve_or_take(id, cancel);
+  const MutexLock lock(mutex_);
+  if (curves_known_.size() >= kMostKnown) curves_known_.clear();
+  if (status.ok()) curves_known_.insert(id);
+  return status;
+}
+
+absl::Status SharedSessions::put_curve_or_take(const std::string& id, const std::atomic<bool>& cancel) const {
   const std::string path = folder_.curve_path(id), other = path + kFetched;
   const absl::Cleanup clean_up = [&] { remove_path(other); };
   const absl::Status got = store_.get(name_of(path), other, &cancel);
@@ -265,6 +281,7 @@ absl::Status SharedSessions::put_refined(const std::string& id, const std::atomi
 
 void SharedSessions::reopen(const std::string& id) {
   const MutexLock lock(mutex_);
+  curves_known_.erase(id);
   reopened_.insert(id);
 }
 
@@ -272,6 +289,7 @@ absl::Status SharedSessions::close(const std::string& id) {
   {
     const MutexLock lock(mutex_);
     reopened_.erase(id);
+    curves_known_.erase(id);
   }
   const std::string empty = absl::StrCat(folder_.path(), "/", kEmpty);
   std::ofstream(empty, std::ios::trunc);

@@ -238,16 +238,27 @@ TEST_F(SharedSessionsTest, WhoWasFirstOwnsIt) {
   EXPECT_EQ(a_.cache->owner(kId).value_or(""), "anna");
 }
 
+/// A ball whose curve was refined for so many points.
+Session refined_ball(std::uint64_t points) {
+  Session session = ball();
+  session.revisions = std::make_shared<CurveRevisions>();
+  session.revisions->publish(ball().curve());
+  const std::vector<CurveDemand> demands = {{.points = points}};
+  session.revisions->publish(refine(*session.curve_base().value(), *session.curve(), demands, {}, {}).value().curve);
+  return session;
+}
+
+TEST_F(SharedSessionsTest, ARefinementDoesNotGetTheCurveAgain) {
+  a_.save(ball());
+  const int before = files_->gets();
+  a_.save(refined_ball(1000));
+  a_.save(refined_ball(4000));
+  EXPECT_THAT(files_->names(), Contains(name("refined")));
+  EXPECT_EQ(files_->gets(), before);
+}
+
 TEST_F(SharedSessionsTest, TheGreaterCurveStays) {
-  Session small = ball(), great = ball();
-  const auto finer = [](const Session& session, std::uint64_t points) {
-    const std::vector<CurveDemand> demands = {{.points = points}};
-    return refine(*session.curve_base().value(), *session.curve(), demands, {}, {}).value().curve;
-  };
-  small.revisions = std::make_shared<CurveRevisions>(), great.revisions = std::make_shared<CurveRevisions>();
-  for (Session* session : {&small, &great}) session->revisions->publish(ball().curve());
-  small.revisions->publish(finer(small, 1000));
-  great.revisions->publish(finer(great, 4000));
+  const Session small = refined_ball(1000), great = refined_ball(4000);
   ASSERT_LT(small.curve()->size(), great.curve()->size());
   b_.save(great);
   a_.save(small);

@@ -54,6 +54,11 @@ class FakeFiles {
     const std::lock_guard lock(mutex_);
     return calls_;
   }
+  /// How many files were got.
+  int gets() {
+    const std::lock_guard lock(mutex_);
+    return gets_;
+  }
 
  private:
   friend class FakeStore;
@@ -61,7 +66,7 @@ class FakeFiles {
   Files files_;
   absl::Status failure_;
   bool hangs_ = false;
-  int calls_ = 0;
+  int calls_ = 0, gets_ = 0;
 };
 
 class FakeStore final : public Store {
@@ -80,6 +85,8 @@ class FakeStore final : public Store {
     const auto found = files.find(name);
     if (found == files.end()) return absl::NotFoundError(name);
     testing::write_file(path, found->second);
+    const std::lock_guard lock(files_->mutex_);
+    ++files_->gets_;
     return absl::OkStatus();
   }
   absl::StatusOr<std::uint64_t> size(const std::string& name, const std::atomic<bool>* cancel) override {
