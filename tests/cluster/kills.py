@@ -23,6 +23,8 @@ MOMENT = 0.5  # seconds within which a kill comes
 @dataclasses.dataclass
 class Found:
     gaps: list[float] = dataclasses.field(default_factory=list)  # seconds from a kill to new points, of each viewer of the killed
+    noticed: list[float] = dataclasses.field(default_factory=list)  # seconds from a kill to the end of a stream with the killed
+    tries: int = 0  # streams with others that came to nothing before one had points
     elsewhere: list[str] = dataclasses.field(default_factory=list)  # breaks of streams with others
     ready: list[float] = dataclasses.field(default_factory=list)  # seconds from a start until the proxy sends calls there
 
@@ -40,6 +42,8 @@ def run(setting: Setting) -> Report:
     report.figure("views", views)
     report.figure("streams that broke with their replica", len(found.gaps))
     report.figure("ms median from a kill to new points", 1000 * quantile(found.gaps, 0.5))
+    report.figure("ms median from a kill to the end of a stream", 1000 * quantile(found.noticed, 0.5))
+    report.figure("streams that came to nothing before others had points", found.tries)
     report.figure("ms median until a replica was back", 1000 * quantile(found.ready, 0.5))
     report.figure("uploads acknowledged", len(traffic.uploads))
     report.figure("sessions made", len(traffic.sessions))
@@ -70,6 +74,9 @@ async def kill_all(scene: Scene, traffic: Traffic, kills: int, found: Found) -> 
                 server = edge.start_replica(victim, ready=False)
                 await until(lambda at=at, hit=hit: all(viewer.arrival_after(at) < float("inf") for viewer in hit))  # type: ignore[misc]
                 found.gaps += [viewer.arrival_after(at) - at for viewer in hit]
+                broken = [one for one in crowd.breaks[breaks:] if one.viewer in hit]
+                found.noticed += [one.at - at for one in broken if one.replica]
+                found.tries += sum(not one.replica for one in broken)
                 await asyncio.to_thread(server.wait_until_ready)
                 await asyncio.to_thread(edge.wait_until_up)
                 found.ready.append(now() - began)
