@@ -139,6 +139,7 @@ class Builder {
         Scratch scratch;
         grow(parts[i].node, parts[i].near(), scratch, parts[i].piece);
         parts[i].triangles = {};
+        count_leaves(parts[i].piece.uncounted);
       });
       if (absl::Status status = context_.check(); !status.ok()) return status;
       if (absl::Status status = refusal(); !status.ok()) return status;
