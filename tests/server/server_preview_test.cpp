@@ -44,6 +44,8 @@ std::string waves_ply(std::uint32_t n) {
 
 class ServerPreview : public ServerFixture {
  protected:
+  void SetUp() override { start({.max_stall = std::chrono::minutes(10)}); }  // however slowly the mesh comes
+
   static constexpr std::uint32_t kSide = 720;
   static_assert(std::size_t{2} * kSide * kSide > kMostWithoutPreview);
 
