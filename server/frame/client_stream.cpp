@@ -19,8 +19,8 @@ constexpr int kMaxImprovements = 8;
 constexpr int kMaxInVain = 8;
 // What an answer may take of the processors once a newer view has come.
 constexpr WorkLimit::Nanoseconds kMostOutdatedWork = std::chrono::milliseconds(100);
-// How long somebody who came back with points of another view waits until they can be gone on from, for each of them and of so many
-// at most: new ones in their place take as long on a line of 8 Mbit/s.
+// How long somebody who came back with points of another view waits until they can be gone on from, for each of them and of so
+// many at most: new ones in their place take as long on a line of 8 Mbit/s.
 constexpr std::chrono::microseconds kResumePatience(4);
 constexpr std::uint64_t kMostPatience = 50'000;  // 200 ms
 // What a point takes of the processors, about.
