@@ -247,13 +247,11 @@ class Builder {
 
   void claim_more(std::size_t count) {
     if (!claim_) return;
-    constexpr std::size_t kLeast = 1 << 16;
     const MutexLock lock(mutex_);
     if (count <= claimed_ || !refusal_.ok()) return;
-    const std::size_t leaves = std::min(count + std::max(kLeast, count / 8), max_leaves_);
-    refusal_ = claim_(leaves);
+    refusal_ = claim_(count);
     if (refusal_.ok()) {
-      claimed_ = leaves;
+      claimed_ = count;
     } else {
       leaf_count_ = max_leaves_ + 1;  // which ends it
     }

@@ -45,7 +45,7 @@ struct QuadtreeLeaves {
   }
 };
 
-/// Asked, by one thread at a time, before there are more leaves than it was asked for before; an error ends the division.
+/// Asked, by one thread at a time, for as many leaves as there are about to be, each time for more; an error ends the division.
 using LeavesClaim = std::function<absl::Status(std::size_t leaves)>;
 
 /// Divides the square until each leaf, as one curve vertex, is enough for every triangle that it overlaps: a triangle t wants
