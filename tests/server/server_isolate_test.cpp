@@ -212,8 +212,8 @@ TEST_F(ServerIsolate, APreviewIsItsMakersToo) {
   // Both ask for it at the same time; neither joins the other's.
   const std::string mesh = upload(*anna_, sphere_off(4));
   upload(*bert_, sphere_off(4));
-  create_cached(*anna_, mesh);  // what is not saved yet makes no room
-  create_cached(*bert_, mesh);
+  EXPECT_TRUE(create(*anna_, mesh, 1000).status.ok());
+  EXPECT_TRUE(create(*bert_, mesh, 1000).status.ok());
   EXPECT_EQ(list(*anna_).size() + list(*bert_).size(), 1u) << "max_sessions";
 }
 
