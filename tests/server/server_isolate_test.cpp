@@ -213,7 +213,8 @@ TEST_F(ServerIsolate, APreviewIsItsMakersToo) {
   const std::string mesh = upload(*anna_, sphere_off(4));
   upload(*bert_, sphere_off(4));
   EXPECT_TRUE(create(*anna_, mesh, 1000).status.ok());
-  EXPECT_TRUE(create(*bert_, mesh, 1000).status.ok());
+  // There is room for one, and anna's gives way once it is saved and nobody works on it.
+  EXPECT_TRUE(eventually([&] { return create(*bert_, mesh, 1000).status.ok(); }));
   EXPECT_EQ(list(*anna_).size() + list(*bert_).size(), 1u) << "max_sessions";
 }
 
