@@ -180,7 +180,7 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
     absl::StatusOr<QuadtreeLeaves> built = divide_chart(chart, parameter_triangles(chart), demand_of_face, context, claim);
     if (!built.ok()) return built.status();
     leaves.push_back(*std::move(built));
-    count += leaves.back().size();
+    count += leaves.back().size();  // of which there may have been more at first
     if (absl::Status status = claim_more_leaves(count, options, more); !status.ok()) return status;
     if (count >= kNone) return absl::ResourceExhaustedError("the curve would need more than 2^32 vertices: ask for fewer points");
     curve.disc_begin.push_back(static_cast<std::uint32_t>(count));

@@ -23,8 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::seconds kMissLife{1};
 constexpr std::size_t kMostMisses = 4096;
-constexpr std::size_t kMostLooked = 100'000;
-constexpr std::size_t kMostKnown = 100'000;
+constexpr std::size_t kMostKnown = 100'000;  // sessions of which something is remembered
 // Of what is got, until it is known to be good; removed by the next start where the process is killed meanwhile.
 constexpr char kFetched[] = ".fetched.curvecast-tmp";
 constexpr char kEmpty[] = "empty";
@@ -127,7 +126,10 @@ absl::Status SharedSessions::fetch(const std::string& id) {
   const bool is_there = is_file(folder_.curve_path(id)) && !folder_.is_closed(id);
   const absl::Status status = is_there ? absl::OkStatus() : for_caller(fetch_files(id));
   const MutexLock lock(mutex_);
-  if (!is_there && status.ok()) fresh_.insert(id);
+  if (!is_there && status.ok()) {
+    fresh_.insert(id);
+    know_curve(id);
+  }
   fetching_.erase(id);
   changed_.notify_all();
   if (misses_.size() >= kMostMisses) misses_.clear();
@@ -252,9 +254,13 @@ absl::Status SharedSessions::put_curve(const std::string& id, const std::atomic<
   // To see whose it is in the store takes all of it: once, not after each refinement.
   const absl::Status status = is_known ? put_if_other(folder_.curve_path(id), cancel) : put_curve_or_take(id, cancel);
   const MutexLock lock(mutex_);
-  if (curves_known_.size() >= kMostKnown) curves_known_.clear();
-  if (status.ok()) curves_known_.insert(id);
+  if (status.ok()) know_curve(id);
   return status;
+}
+
+void SharedSessions::know_curve(const std::string& id) {
+  if (curves_known_.size() >= kMostKnown) curves_known_.clear();
+  curves_known_.insert(id);
 }
 
 absl::Status SharedSessions::put_curve_or_take(const std::string& id, const std::atomic<bool>& cancel) const {
@@ -317,7 +323,7 @@ void SharedSessions::remove_file(const std::string& path) const { store_.remove(
 void SharedSessions::watch(const std::vector<std::string>& ids, Clock::duration interval) {
   const MutexLock lock(mutex_);
   const Clock::time_point now = Clock::now();
-  if (looked_.size() > kMostLooked) looked_.clear();
+  if (looked_.size() > kMostKnown) looked_.clear();
   for (const std::string& id : ids) {
     const auto [looked, is_new] = looked_.try_emplace(id, now);
     if (!is_new && now - looked->second < interval) continue;

@@ -89,6 +89,7 @@ class SharedSessions {
   absl::Status put_curve(const std::string& id, const std::atomic<bool>& cancel) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Puts it, or takes the store's where another server was first and the session is somebody else's there.
   absl::Status put_curve_or_take(const std::string& id, const std::atomic<bool>& cancel) const;
+  void know_curve(const std::string& id) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status put_refined(const std::string& id, const std::atomic<bool>& cancel) const;
   /// OK, or Cancelled where the session was closed by any server after it was asked for; then it is from the folder, too.
   absl::Status check_open(const std::string& id, const std::atomic<bool>* cancel) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -109,7 +110,7 @@ class SharedSessions {
   CondVar changed_;
   std::set<std::string> fetching_ ABSL_GUARDED_BY(mutex_);
   std::set<std::string> fresh_ ABSL_GUARDED_BY(mutex_);  // fetched, and not loaded yet
-  /// Whose curve was put, or compared with the store's, since the start.
+  /// Whose curve was got, put, or compared with the store's, since the start.
   std::set<std::string> curves_known_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, Miss> misses_ ABSL_GUARDED_BY(mutex_);
   std::set<std::string> reopened_ ABSL_GUARDED_BY(mutex_);                   // asked for anew, and the store does not know yet

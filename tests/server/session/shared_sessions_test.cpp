@@ -255,6 +255,10 @@ TEST_F(SharedSessionsTest, ARefinementDoesNotGetTheCurveAgain) {
   a_.save(refined_ball(4000));
   EXPECT_THAT(files_->names(), Contains(name("refined")));
   EXPECT_EQ(files_->gets(), before);
+  ASSERT_TRUE(b_.cache->load(kId).ok());
+  const int got = files_->gets();
+  b_.save(refined_ball(16'000));
+  EXPECT_EQ(files_->gets(), got) << "it came from there";
 }
 
 TEST_F(SharedSessionsTest, TheGreaterCurveStays) {
