@@ -32,23 +32,11 @@ constexpr int kKeepaliveTimeoutMs = 10'000;  // until a silent server counts as 
 // Between attempts to reach a server that is not there. gRPC's own are up to two minutes long: until then all calls fail, though
 // the server be back.
 constexpr int kFirstReconnectMs = 100, kLongestReconnectMs = 2'000;
+constexpr milliseconds kStopLook{20};  // while gRPC waits, which cannot be stopped
 
 template <typename T>
 absl::Status status_of(const absl::StatusOr<T>& result) {
   return result.status();
-}
-
-/// Calls `attempt` until it succeeds, fails for good, or the policy is exhausted.
-template <typename Attempt>
-auto with_retry(const RetryPolicy& policy, const std::stop_token& stop, const Attempt& attempt) -> decltype(attempt()) {
-  Backoff backoff(policy.first_delay, policy.longest_delay);
-  for (int i = 1;; ++i) {
-    auto result = attempt();
-    if (result.ok()) return result;
-    if (stop.stop_requested()) return absl::CancelledError("cancelled");
-    if (i >= policy.attempts || !is_lost(status_of(result))) return result;
-    if (!sleep_for(backoff.next(), stop)) return absl::CancelledError("cancelled");
-  }
 }
 
 /// The context of one call, cancelled when `stop` is requested.
@@ -144,13 +132,13 @@ absl::Status read_progress(grpc::ClientReader<Response>& reader, const OnProgres
 class GrpcConnection : public Connection {
  public:
   GrpcConnection(std::shared_ptr<grpc::Channel> channel, const ConnectionOptions& options)
-      : stub_(v1::CurvecastService::NewStub(channel)), health_(std::move(channel)), options_(options) {}
+      : stub_(v1::CurvecastService::NewStub(channel)), health_(channel), channel_(std::move(channel)), options_(options) {}
 
   absl::StatusOr<v1::UploadMeshResponse> upload_mesh(const v1::UploadHeader& header, const ReadAt& read, const OnBytes& on_bytes,
                                                      std::stop_token stop) override {
     v1::UploadHeader rest = header;
     bool is_first = true;
-    return with_retry(options_.retry, stop, [&] {
+    return with_retry(stop, [&] {
       // What has come before the connection broke need not be sent again.
       if (!std::exchange(is_first, false)) rest.set_offset(received(header, stop));
       return upload_once(rest, read, on_bytes, stop);
@@ -177,7 +165,7 @@ class GrpcConnection : public Connection {
 
   absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> get_parameter_mesh(const v1::GetParameterMeshRequest& request,
                                                                                std::stop_token stop) override {
-    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> {
+    return with_retry(stop, [&]() -> absl::StatusOr<std::vector<v1::GetParameterMeshResponse>> {
       Call call(options_, request, stop, std::nullopt);
       return read_all<v1::GetParameterMeshResponse>(*stub_->GetParameterMesh(call.context(), request), call, "a parameter mesh");
     });
@@ -185,7 +173,7 @@ class GrpcConnection : public Connection {
 
   absl::StatusOr<v1::Session> create_session(const v1::CreateSessionRequest& request, const OnProgress& on_progress,
                                              std::stop_token stop) override {
-    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<v1::Session> {
+    return with_retry(stop, [&]() -> absl::StatusOr<v1::Session> {
       Call call(options_, request, stop, std::nullopt);
       std::optional<v1::Session> session;
       const absl::Status status = read_progress<v1::CreateSessionResponse>(*stub_->CreateSession(call.context(), request),
@@ -219,7 +207,7 @@ class GrpcConnection : public Connection {
   }
 
   absl::StatusOr<std::vector<v1::ResampleResponse>> resample(const v1::ResampleRequest& request, std::stop_token stop) override {
-    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::ResampleResponse>> {
+    return with_retry(stop, [&]() -> absl::StatusOr<std::vector<v1::ResampleResponse>> {
       Call call(options_, request, stop, options_.long_timeout);
       const auto reader = stub_->Resample(call.context(), request);
       std::vector<v1::ResampleResponse> responses;
@@ -247,7 +235,7 @@ class GrpcConnection : public Connection {
   absl::StatusOr<std::vector<v1::FindNeighboursResponse>> find_neighbours(const v1::FindNeighboursRequest& request,
                                                                           const OnProgress& on_progress,
                                                                           std::stop_token stop) override {
-    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::FindNeighboursResponse>> {
+    return with_retry(stop, [&]() -> absl::StatusOr<std::vector<v1::FindNeighboursResponse>> {
       Call call(options_, request, stop, options_.long_timeout);
       return read_all<v1::FindNeighboursResponse>(*stub_->FindNeighbours(call.context(), request), call, "neighbours",
                                                   on_progress);
@@ -255,7 +243,7 @@ class GrpcConnection : public Connection {
   }
 
   absl::StatusOr<std::vector<v1::GetCurveResponse>> get_curve(const v1::GetCurveRequest& request, std::stop_token stop) override {
-    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::GetCurveResponse>> {
+    return with_retry(stop, [&]() -> absl::StatusOr<std::vector<v1::GetCurveResponse>> {
       Call call(options_, request, stop, options_.long_timeout);
       return read_all<v1::GetCurveResponse>(*stub_->GetCurve(call.context(), request), call, "a curve");
     });
@@ -263,7 +251,7 @@ class GrpcConnection : public Connection {
 
   absl::StatusOr<std::vector<v1::RemeshResponse>> remesh(const v1::RemeshRequest& request, const OnProgress& on_progress,
                                                          std::stop_token stop) override {
-    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<std::vector<v1::RemeshResponse>> {
+    return with_retry(stop, [&]() -> absl::StatusOr<std::vector<v1::RemeshResponse>> {
       Call call(options_, request, stop, options_.long_timeout);
       return read_all<v1::RemeshResponse>(*stub_->Remesh(call.context(), request), call, "a mesh", on_progress);
     });
@@ -271,7 +259,7 @@ class GrpcConnection : public Connection {
 
   absl::StatusOr<v1::Measures> measure(const v1::MeasureRequest& request, const OnProgress& on_progress,
                                        std::stop_token stop) override {
-    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<v1::Measures> {
+    return with_retry(stop, [&]() -> absl::StatusOr<v1::Measures> {
       Call call(options_, request, stop, std::nullopt);
       std::optional<v1::Measures> measures;
       const absl::Status status =
@@ -293,15 +281,42 @@ class GrpcConnection : public Connection {
     return std::make_unique<GrpcViewCall>(*stub_, options_, open, stop);
   }
 
+  // gRPC sees that a connection has come about only while somebody waits for it (1.51: every five seconds otherwise), and until
+  // then all calls fail at once.
+  bool pause(milliseconds delay, const std::stop_token& stop) override {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point end = Clock::now() + delay;
+    const auto rest = [end] { return std::max(milliseconds(0), std::chrono::ceil<milliseconds>(end - Clock::now())); };
+    while (!stop.stop_requested() && rest() > milliseconds(0)) {
+      const grpc_connectivity_state state = channel_->GetState(false);
+      if (state != GRPC_CHANNEL_CONNECTING && state != GRPC_CHANNEL_TRANSIENT_FAILURE) break;
+      channel_->WaitForStateChange(state, std::chrono::system_clock::now() + std::min(rest(), kStopLook));
+    }
+    return sleep_for(rest(), stop);
+  }
+
  private:
   template <typename Response, typename Request, typename Method>
   absl::StatusOr<Response> unary(Method method, const Request& request, milliseconds timeout, const std::stop_token& stop) {
-    return with_retry(options_.retry, stop, [&]() -> absl::StatusOr<Response> {
+    return with_retry(stop, [&]() -> absl::StatusOr<Response> {
       Call call(options_, request, stop, timeout);
       Response response;
       if (absl::Status status = to_absl(((*stub_).*method)(call.context(), request, &response)); !status.ok()) return status;
       return response;
     });
+  }
+
+  /// Calls `attempt` until it succeeds, fails for good, or the policy is exhausted.
+  template <typename Attempt>
+  auto with_retry(const std::stop_token& stop, const Attempt& attempt) -> decltype(attempt()) {
+    Backoff backoff(options_.retry.first_delay, options_.retry.longest_delay);
+    for (int i = 1;; ++i) {
+      auto result = attempt();
+      if (result.ok()) return result;
+      if (stop.stop_requested()) return absl::CancelledError("cancelled");
+      if (i >= options_.retry.attempts || !is_lost(status_of(result))) return result;
+      if (!pause(backoff.next(), stop)) return absl::CancelledError("cancelled");
+    }
   }
 
   /// Bytes that the server has of a file, as far as it can tell.
@@ -342,6 +357,7 @@ class GrpcConnection : public Connection {
 
   std::unique_ptr<v1::CurvecastService::Stub> stub_;
   HealthStub health_;
+  const std::shared_ptr<grpc::Channel> channel_;
   ConnectionOptions options_;
 };
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "client/lib/retry.h"
 #include "curvecast/v1/curvecast.pb.h"
 
 namespace grpc {
@@ -99,6 +100,9 @@ class Connection {
   virtual absl::StatusOr<Health> check_health(std::chrono::milliseconds timeout, std::stop_token stop) = 0;
   /// `open` is what the caller is going to write first.
   virtual std::unique_ptr<ViewCall> stream_views(const v1::OpenView& open, std::stop_token stop) = 0;
+  /// Before what was lost is tried again: for `delay`, in which a lost connection is made again. False when `stop` was requested
+  /// meanwhile.
+  virtual bool pause(std::chrono::milliseconds delay, const std::stop_token& stop) { return sleep_for(delay, stop); }
 };
 
 /// A channel over TCP, without encryption; "host:port". Connects at the first call.

@@ -91,7 +91,7 @@ void LiveView::State::run(const std::stop_token& stop) {
     if (stop.stop_requested()) return;
     if (!may_pass(status)) return tell(LiveViewState::kEnded, status);
     tell(LiveViewState::kWaiting, status);
-    sleep_for(std::max(backoff.next(), retry_after(status).value_or(std::chrono::milliseconds(0))), stop);
+    connection->pause(std::max(backoff.next(), retry_after(status).value_or(std::chrono::milliseconds(0))), stop);
   }
 }
 

@@ -19,8 +19,8 @@ namespace curvecast::server {
 /// (1.51, grpc#20418). Thread-safe but for add_to(), open() and close().
 class GrpcPort {
  public:
-  /// Errors as of PortListener::bind(). `connections` counts them, and must outlive the port; one whose descriptor is `most` or
-  /// higher is closed at once.
+  /// Errors as of PortListener::bind(). `connections` counts them, and must outlive the port; one whose descriptor would be
+  /// `most` or higher waits for a lower one, and so do those behind it; after a second it is closed.
   static absl::StatusOr<std::unique_ptr<GrpcPort>> bind(const std::string& address, ConnectionTable& connections,
                                                         std::size_t most);
 
@@ -38,6 +38,8 @@ class GrpcPort {
  private:
   GrpcPort(std::unique_ptr<PortListener> listener, ConnectionTable& connections, std::size_t most);
   void take(int listener, int descriptor, const std::string& peer, const std::string& client);
+  /// Waits until a connection can have a descriptor below `most`, and gives it that. False: there is none.
+  bool lower(int& descriptor) const;
 
   ConnectionTable& connections_;
   const std::size_t most_;

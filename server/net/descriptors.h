@@ -14,7 +14,7 @@ struct DescriptorShares {
   std::size_t connections = 0;   // of gRPC: a half
   std::size_t sockets = 0;       // WebSockets: an eighth
   std::size_t pages = 0;         // connections of an HTTP port that are no WebSockets: a sixteenth
-  std::size_t reserve_from = 0;  // a connection whose descriptor has this number or a higher one is closed at once
+  std::size_t reserve_from = 0;  // a connection waits for a descriptor below this
 };
 DescriptorShares share_descriptors(std::size_t limit);
 

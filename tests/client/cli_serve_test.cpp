@@ -13,6 +13,7 @@
 #include "tests/proto/tls/certificate_files.h"
 #include "tests/server/eventually.h"
 #include "tests/server/http_client.h"
+#include "tests/server/net/proxy_relay.h"
 #include "tests/support/temporary_folder.h"
 
 namespace curvecast::cli {
@@ -147,6 +148,17 @@ TEST_F(ServeTest, ACrowdOfConnectionsKeepsNobodyOut) {
   }
   run_json({"info", sphere_, "--server", address});
   EXPECT_EQ(readiness(), 200);
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.finish().status, 0);
+}
+
+// gRPC makes a connection again while somebody waits for it, and fails all calls until then. That is for a process of its own to
+// show: the wait of any other gRPC in this one would do.
+TEST_F(ServeTest, AConnectionThatWasResetIsMadeAgain) {
+  Process server({"serve", "--listen", "127.0.0.1:0", "--http", "none"});
+  const std::string address = server.rest_of_line("listening on ");
+  const server::ProxyRelay relay(std::stoi(address.substr(address.rfind(':') + 1)), "", 2);
+  run_json({"info", sphere_, "--server", "127.0.0.1:" + std::to_string(relay.port())});
   server.signal(SIGTERM);
   EXPECT_EQ(server.finish().status, 0);
 }

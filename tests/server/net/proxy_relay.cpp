@@ -34,8 +34,8 @@ void pump(int from, int to) {
 
 }  // namespace
 
-ProxyRelay::ProxyRelay(int target, std::string header)
-    : target_(target), header_(std::move(header)), listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+ProxyRelay::ProxyRelay(int target, std::string header, int resets)
+    : target_(target), header_(std::move(header)), resets_(resets), listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   sockaddr_in address = loopback(0);
   socklen_t size = sizeof address;
   EXPECT_EQ(::bind(listener_, reinterpret_cast<const sockaddr*>(&address), size), 0);
@@ -56,6 +56,13 @@ ProxyRelay::~ProxyRelay() {
 
 void ProxyRelay::run() {
   for (int client = -1; (client = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC)) >= 0;) {
+    if (resets_ > 0) {
+      --resets_;
+      const linger at_once = {.l_onoff = 1, .l_linger = 0};
+      EXPECT_EQ(::setsockopt(client, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once), 0);
+      ::close(client);
+      continue;
+    }
     const int server = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const sockaddr_in address = loopback(target_);
     sockets_.insert(sockets_.end(), {client, server});

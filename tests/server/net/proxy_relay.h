@@ -9,8 +9,9 @@ namespace curvecast::server {
 
 class ProxyRelay {
  public:
-  /// Listens on the loopback, and connects each client to `target`, a port of it, to which it first sends `header`.
-  ProxyRelay(int target, std::string header);
+  /// Listens on the loopback, and connects each client to `target`, a port of it, to which it first sends `header`. The first
+  /// `resets` connections are reset instead.
+  explicit ProxyRelay(int target, std::string header = {}, int resets = 0);
   ProxyRelay(const ProxyRelay&) = delete;
   ProxyRelay& operator=(const ProxyRelay&) = delete;
   ~ProxyRelay();
@@ -22,6 +23,7 @@ class ProxyRelay {
 
   const int target_;
   const std::string header_;
+  int resets_;
   int listener_ = -1, port_ = 0;
   // The thread's alone until it ends.
   std::vector<int> sockets_;
