@@ -17,12 +17,10 @@ namespace {
 constexpr int kMaxImprovements = 8;
 // Work for other clients makes a view's answer anew too, which may bring it nothing.
 constexpr int kMaxInVain = 8;
+// Frames of less than somebody holds who came back, while more is being made; each takes a tenth of a second or more.
+constexpr int kMaxHeldBack = 8;
 // What an answer may take of the processors once a newer view has come.
 constexpr WorkLimit::Nanoseconds kMostOutdatedWork = std::chrono::milliseconds(100);
-// How long somebody who came back with points of another view waits until they can be gone on from, for each of them and of so
-// many at most: new ones in their place take as long on a line of 8 Mbit/s.
-constexpr std::chrono::microseconds kResumePatience(4);
-constexpr std::uint64_t kMostPatience = 50'000;  // 200 ms
 // What a point takes of the processors, about.
 constexpr std::chrono::nanoseconds kWorkOfPoint(60);
 
@@ -130,7 +128,6 @@ void ClientStream::receive_open(const v1::OpenView& request) {
   absl::StatusOr<PointSetRequest> held = to_point_set_request(request.held().sample());
   if (!held.ok()) return fail(absl::InvalidArgumentError(absl::StrCat("open.held: ", held.status().message())));
   claim_ = ResumeClaim{*std::move(held), request.held().points(), request.held().digest()};
-  claimed_ = Clock::now();
 }
 
 void ClientStream::receive_view(const v1::ViewUpdate& update) {
@@ -241,11 +238,6 @@ void ClientStream::run_worker() {
       if (wants_key_) claim_.reset();
       // No frame is queued before this one, unless with an error.
       auto claim = claim_;
-      // The points that are claimed are no answer to another view: rather a few new ones at once than all of them after a second.
-      // Where a server has ended, all of its clients come at once, and the last of them has waited for the workers already.
-      if (claim && claim->point_set.fingerprint != view.request->fingerprint) {
-        claim->end = claimed_ + kResumePatience * std::min(claim->points, kMostPatience);
-      }
       auto reference = wants_key_ ? nullptr : reference_;
       const std::uint64_t first_bytes = accepts_deltas_ ? view.first_bytes : 0;
       const ExecutionContext context{.cancel = &cancel_, .limit = &*work_};
@@ -306,6 +298,11 @@ void ClientStream::finish_answer(View view, absl::StatusOr<Answer> answer) {
   if (answer.ok() && follow_up == FollowUp::kNone && session_->is_preview) {
     answer->follow_up = follow_up = FollowUp::kAfterImprovement;  // the real session follows
   }
+  if (answer.ok() && keeps_claimed(view, *answer)) {
+    view_state_ = next(view_state_, event_of(follow_up));
+    if (!is_overtaken) view_ = std::move(view);
+    return;
+  }
   const bool has_progress = !view.shown || view.shown->is_surpassed_by(progress);
   if (!has_progress && !view.is_in_parts) ++view.in_vain;
   // Ranks come to an end by themselves.
@@ -319,6 +316,11 @@ void ClientStream::finish_answer(View view, absl::StatusOr<Answer> answer) {
   if (has_progress) view.shown = progress;
   view.is_in_parts = follow_up == FollowUp::kNextPart;
   view_ = std::move(view);
+}
+
+bool ClientStream::keeps_claimed(View& view, const Answer& answer) const {
+  return claim_ && claim_->point_set.fingerprint == view.request->fingerprint && claim_->points > answer.frame.held_points() &&
+         answer.follow_up == FollowUp::kAfterImprovement && view.held_back++ < kMaxHeldBack;
 }
 
 void ClientStream::refuse_waiting_view(const absl::Status& reason) {

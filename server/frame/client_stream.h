@@ -102,6 +102,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     bool is_in_parts = false;                 // its last frame was a part
     int improvements = 0;                     // how often it was answered again on a finer curve
     int in_vain = 0;                          // how often without getting better: the work was for others, or failed
+    int held_back = 0;                        // how many frames of less than the client holds were not sent
     Clock::time_point started = {};
 
     /// Whether a better answer may follow the next one.
@@ -135,6 +136,9 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   void answer_anew(View view) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   View begin_answer() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void finish_answer(View view, absl::StatusOr<Answer> answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Whether an answer to the view that the client holds from another stream is worse than that, for the time being: rather none
+  /// yet. Counts how often.
+  bool keeps_claimed(View& view, const Answer& answer) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void refuse_waiting_view(const absl::Status& reason) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Queues a frame: the one place that sets FrameStatistics.refining in a stream.
   void queue_frame(const View& view, absl::StatusOr<Answer> answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -161,7 +165,6 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   std::shared_ptr<const ReferenceFrame> reference_
       ABSL_GUARDED_BY(mutex_);                                // held by the client once it has received all that was queued
   std::optional<ResumeClaim> claim_ ABSL_GUARDED_BY(mutex_);  // what the client holds of another stream; until a frame is queued
-  Clock::time_point claimed_ ABSL_GUARDED_BY(mutex_);         // when it said so
   bool wants_key_ ABSL_GUARDED_BY(mutex_) = false;            // until a key frame is queued
 
   std::chrono::nanoseconds last_work_ ABSL_GUARDED_BY(mutex_){};  // what the last answer took

@@ -181,10 +181,9 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
 absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Session& session, const ResumeClaim& claim,
                                                                         ViewCache& cache, const ExecutionContext& context) {
   absl::StatusOr<SessionSampler> sampler =
-      SessionSampler::open(session, claim.point_set, cache, SessionSampler::Wait::kForAll, context);
+      SessionSampler::open(session, claim.point_set, cache, SessionSampler::Wait::kForFirst, context);
   if (!sampler.ok()) return sampler.status();
   if (!sampler->is_ranked()) return nullptr;
-  sampler->wait_until(claim.end);
   const absl::StatusOr<Sampled> selected = sampler->select(claim.points, claim.points);
   if (!selected.ok()) return selected.status();
   if (selected->lacks_ranks) return nullptr;

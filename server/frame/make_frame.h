@@ -3,7 +3,6 @@
 
 #include <absl/status/statusor.h>
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 
@@ -47,11 +46,10 @@ struct ResumeClaim {
   PointSetRequest point_set;
   std::uint64_t points = 0;
   std::uint64_t digest = 0;
-  std::chrono::steady_clock::time_point end = std::chrono::steady_clock::time_point::max();  // of waiting for ranked candidates
 };
 
-/// Selects again the points that a client claims to hold; null where their digest is another, or waiting ends before there are
-/// all candidates that it takes. Errors as of SessionSampler::open().
+/// Selects again the points that a client claims to hold; null where their digest is another, or where there are not yet all
+/// candidates that it takes. Errors as of SessionSampler::open().
 absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Session& session, const ResumeClaim& claim,
                                                                         ViewCache& cache, const ExecutionContext& context);
 

@@ -110,7 +110,7 @@ absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points, std::uint64
     const absl::Status status =
         select_ranked(*curve_, ranks_, fixed_.get(), density, points, out.workspace->ranked, expected_scale_);
     if (!status.ok()) return status;
-    if (selection.lacking.empty() || wait_ == Wait::kForFirst || std::chrono::steady_clock::now() >= wait_end_) break;
+    if (selection.lacking.empty() || wait_ == Wait::kForFirst) break;
     const absl::StatusOr<RankedCurve> grown = session_->candidates->grow(selection.most_lacking(), {.cancel = cancel_});
     if (!grown.ok()) return grown.status();
     ranks_ = grown->tree;

@@ -89,8 +89,6 @@ class SessionSampler {
   absl::StatusOr<Sampled> select(std::uint64_t points, std::uint64_t whole);
   /// Expects the scale of an earlier view, which is likely to be near.
   void expect_scale(double scale) { expected_scale_ = scale; }
-  /// Has select() and sample() wait for ranked candidates no longer than until then, from where on they take what there is.
-  void wait_until(std::chrono::steady_clock::time_point time) { wait_end_ = time; }
   /// Lists the points that select() selected.
   static void list(Sampled& selected, const PointAttributes& attributes);
 
@@ -113,7 +111,6 @@ class SessionSampler {
   std::shared_ptr<const SurfaceCurve> curve_;
   std::shared_ptr<const RankTree> ranks_;  // null: the equalised sampler
   std::shared_ptr<const FixedDensity> fixed_;
-  std::chrono::steady_clock::time_point wait_end_ = std::chrono::steady_clock::time_point::max();
   double expected_scale_ = 0;  // not known
   double fixed_seconds_ = 0;
 };

@@ -1,15 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <thread>
-
 #include "tests/server/frame/conversation.h"
 
 namespace curvecast::server {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 class ClientStreamDelta : public ::testing::Test, public Conversation {};
 
@@ -97,25 +95,53 @@ TEST_F(ClientStreamDelta, WhatAnotherStreamLeftIsBuiltUpon) {
   EXPECT_THAT(claims_, ElementsAre(kKnownDigest)) << "made again once only";
 }
 
-TEST_F(ClientStreamDelta, OnlyWhoHasMovedOnHasNoTimeToWaitForPoints) {
-  using std::chrono::steady_clock;
-  const steady_clock::time_point begin = steady_clock::now();
-  steady_clock::time_point claimed_at;
-  const auto end_of_waiting = [&](std::uint64_t points) {
+TEST_F(ClientStreamDelta, WhoStandsStillKeepsWhatHeHasUntilItIsThere) {
+  lacks_ = short_ = true;
+  shown_ = 9;
+  receive(claiming_open(kKnownDigest));
+  receive(ranked_request(1));
+  for (int i = 0; i < 3; ++i) {
+    run_all();
+    EXPECT_THAT(sequences(), IsEmpty()) << "nine points instead of ten";
+    EXPECT_TRUE(jobs_.empty()) << "waits for the points";
+    stream_->refined(*session_);
+  }
+  lacks_ = short_ = false;
+  shown_ = 10;
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1));
+  EXPECT_EQ(given_.back(), restored_.get());
+}
+
+TEST_F(ClientStreamDelta, NobodyKeepsWhatHeHasForEver) {
+  lacks_ = short_ = true;
+  shown_ = 9;
+  receive(claiming_open(kKnownDigest));
+  receive(ranked_request(1));
+  for (int i = 0; i < 8; ++i) {
+    run_all();
+    EXPECT_THAT(sequences(), IsEmpty());
+    stream_->refined(*session_);
+  }
+  run_all();
+  EXPECT_THAT(sequences(), ElementsAre(1));
+  EXPECT_TRUE(frames_.at(0).statistics().refining()) << "better ones follow as ever";
+}
+
+TEST_F(ClientStreamDelta, WhoHasMovedOnOrHasLessGetsAFrameAtOnce) {
+  const auto frames = [](std::uint64_t there, std::uint64_t asked) {
     Conversation other;
+    other.lacks_ = other.short_ = true;
+    other.shown_ = there;
     other.receive(claiming_open(kKnownDigest));
-    claimed_at = steady_clock::now();
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // for a worker
-    v1::StreamViewsRequest view = ranked_request(1);
-    view.mutable_view()->mutable_sample()->set_points(points);
-    other.receive(view);
+    other.receive(ranked_request(1, asked));
     other.run_all();
-    return other.claim_end_;
+    EXPECT_THAT(other.given_, ElementsAre(nullptr));
+    return other.frames_.size();
   };
-  const std::uint64_t claimed = ranked_request(1).view().sample().points();
-  EXPECT_GE(end_of_waiting(claimed), begin + std::chrono::minutes(1));
-  const steady_clock::time_point end = end_of_waiting(claimed + 1);
-  EXPECT_LE(end, claimed_at + std::chrono::milliseconds(200)) << "waiting for a worker is waiting";
+  EXPECT_EQ(frames(9, 10), 0u);
+  EXPECT_EQ(frames(9, 11), 1u) << "another view";
+  EXPECT_EQ(frames(10, 10), 1u) << "as many points";
 }
 
 TEST_F(ClientStreamDelta, AFalseClaimGetsAKeyFrame) {

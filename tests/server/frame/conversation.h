@@ -85,6 +85,7 @@ class Conversation : public ClientStream::Transport {
   std::shared_ptr<const Session> session_ = std::make_shared<const Session>();
   std::uint64_t revision_ = 1;
   bool fails_ = false;                                             // no view can be answered
+  bool lacks_ = false;                                             // what a client claims to hold is not there yet
   bool short_ = false;                                             // the curve is too coarse for every view
   std::uint64_t shown_ = 0;                                        // points that a frame says that there are
   std::vector<const ReferenceFrame*> given_;                       // what the client was said to hold, answer by answer
@@ -93,10 +94,9 @@ class Conversation : public ClientStream::Transport {
   bool is_answered_ = false;                                       // for on_answer_ to set
   ExecutionContext context_;                                       // of that
   std::int64_t queued_bytes_ = 0;
-  int parts_ = 0;                                    // before the whole, of views that may come in parts
-  bool stuck_ = false;                               // parts bring no points beyond those of the one before
-  static constexpr std::uint64_t kKnownDigest = 7;   // what a client may claim to have
-  std::chrono::steady_clock::time_point claim_end_;  // of the last claim
+  int parts_ = 0;                                   // before the whole, of views that may come in parts
+  bool stuck_ = false;                              // parts bring no points beyond those of the one before
+  static constexpr std::uint64_t kKnownDigest = 7;  // what a client may claim to have
   std::vector<std::uint64_t> claims_;
   std::shared_ptr<const ReferenceFrame> restored_ = std::make_shared<const ReferenceFrame>();
   std::shared_ptr<ClientStream> stream_ = std::make_shared<ClientStream>(
@@ -132,8 +132,7 @@ class Conversation : public ClientStream::Transport {
                             const ExecutionContext&) -> absl::StatusOr<std::shared_ptr<const ReferenceFrame>> {
             if (claim.digest == 98) throw std::runtime_error("98");
             claims_.push_back(claim.digest);
-            claim_end_ = claim.end;
-            return claim.digest == kKnownDigest ? restored_ : nullptr;
+            return claim.digest == kKnownDigest && !lacks_ ? restored_ : nullptr;
           },
           .has_room = [this]() -> absl::Status { return is_full_ ? absl::ResourceExhaustedError("full") : absl::OkStatus(); },
           .submit = [this](std::function<void()> job, std::chrono::nanoseconds expected) -> absl::Status {
