@@ -42,6 +42,13 @@ CURVECAST_WIDE void mark_spheres(const float* xs, const float* ys, const float* 
   }
 }
 
+/// The first of the candidates' values that is this one; 0 where none is: of a damaged surface they may be no numbers.
+std::size_t index_of(float value, const float* values) {
+  const float* const end = values + kCandidates;
+  const float* const found = std::find(values, end, value);
+  return found == end ? 0 : static_cast<std::size_t>(found - values);
+}
+
 }  // namespace
 
 float lattice_distance(double area, double n) { return static_cast<float>(std::sqrt(2 * area / (std::numbers::sqrt3 * n))); }
@@ -54,9 +61,7 @@ CURVECAST_WIDE BestCandidate best_candidate(const float* nearest_lower, const fl
     value[k] = b < nearest_higher[k] ? b : nearest_higher[k];
     most = value[k] > most ? value[k] : most;
   }
-  BestCandidate best{most, 0};
-  while (value[best.index] != most) ++best.index;
-  return best;
+  return {most, index_of(most, value)};
 }
 
 CURVECAST_WIDE std::size_t central_candidate(const CandidatePoints& candidates, const float* nearest_higher, float n,
@@ -69,9 +74,7 @@ CURVECAST_WIDE std::size_t central_candidate(const CandidatePoints& candidates, 
     away[k] = value >= enough ? candidates.from_centre[k] : kFar;
     least = away[k] < least ? away[k] : least;
   }
-  std::size_t index = 0;
-  while (away[index] != least) ++index;
-  return index;
+  return index_of(least, away);
 }
 
 CURVECAST_WIDE float largest_of(const float* values) {

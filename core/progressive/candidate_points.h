@@ -48,8 +48,8 @@ struct BestCandidate {
 
 /// Returns the candidate with the largest min(nearest_lower n, nearest_higher), and that value.
 BestCandidate best_candidate(const float* nearest_lower, const float* nearest_higher, float n);
-/// Returns, of the candidates whose value (as above) is at least `enough`, the one nearest to the centre. Precondition: there is
-/// such a candidate.
+/// Returns, of the candidates whose value (as above) is at least `enough`, the one nearest to the centre. Any where there
+/// is none.
 std::size_t central_candidate(const CandidatePoints& candidates, const float* nearest_higher, float n, float enough);
 
 /// Returns the largest of kCandidates values.

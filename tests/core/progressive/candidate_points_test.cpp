@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "core/base/random.h"
 #include "tests/support/flat_curve.h"
@@ -80,6 +81,23 @@ TEST(CandidatePoints, TheBestIsFarthestAndTheCentralOneIsFarEnough) {
     }
     const float* const lower = candidates.nearest_lower;
     EXPECT_EQ(largest_of(lower), *std::max_element(lower, lower + kCandidates));
+  }
+}
+
+// As of a file that somebody has cut while it is read.
+TEST(CandidatePoints, AreFoundAmongThemselvesWhateverTheirNumbersAre) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  CandidatePoints candidates;
+  for (const float from_centre : {kNone, kFar, 2 * kFar}) {
+    std::fill_n(candidates.from_centre, kCandidates, from_centre);
+    for (const float nearest : {kNone, -2.F, 1.F}) {
+      std::fill_n(candidates.nearest_lower, kCandidates, nearest);
+      std::fill_n(candidates.nearest_higher, kCandidates, nearest);
+      for (const float enough : {kNone, -1.F, 0.5F, kFar}) {
+        EXPECT_LT(central_candidate(candidates, candidates.nearest_higher, 1, enough), kCandidates);
+      }
+      EXPECT_LT(best_candidate(candidates.nearest_lower, candidates.nearest_higher, 1).index, kCandidates);
+    }
   }
 }
 
