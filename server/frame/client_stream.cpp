@@ -17,8 +17,6 @@ namespace {
 constexpr int kMaxImprovements = 8;
 // Work for other clients makes a view's answer anew too, which may bring it nothing.
 constexpr int kMaxInVain = 8;
-// Frames of less than somebody holds who came back, while more is being made; each takes a tenth of a second or more.
-constexpr int kMaxHeldBack = 8;
 // What an answer may take of the processors once a newer view has come.
 constexpr WorkLimit::Nanoseconds kMostOutdatedWork = std::chrono::milliseconds(100);
 // What a point takes of the processors, about.
@@ -100,6 +98,7 @@ void ClientStream::replace(const Session& preview, const absl::StatusOr<std::sha
 
 void ClientStream::retry() {
   const MutexLock lock(mutex_);
+  if (claim_ && view_ && Clock::now() >= claimed_ + hooks_.patience) view_state_ = next(view_state_, ViewEvent::kImproved);
   dispatch();
 }
 
@@ -128,6 +127,7 @@ void ClientStream::receive_open(const v1::OpenView& request) {
   absl::StatusOr<PointSetRequest> held = to_point_set_request(request.held().sample());
   if (!held.ok()) return fail(absl::InvalidArgumentError(absl::StrCat("open.held: ", held.status().message())));
   claim_ = ResumeClaim{*std::move(held), request.held().points(), request.held().digest()};
+  claimed_ = Clock::now();
 }
 
 void ClientStream::receive_view(const v1::ViewUpdate& update) {
@@ -318,9 +318,9 @@ void ClientStream::finish_answer(View view, absl::StatusOr<Answer> answer) {
   view_ = std::move(view);
 }
 
-bool ClientStream::keeps_claimed(View& view, const Answer& answer) const {
+bool ClientStream::keeps_claimed(const View& view, const Answer& answer) const {
   return claim_ && claim_->point_set.fingerprint == view.request->fingerprint && claim_->points > answer.frame.held_points() &&
-         answer.follow_up == FollowUp::kAfterImprovement && view.held_back++ < kMaxHeldBack;
+         answer.follow_up == FollowUp::kAfterImprovement && Clock::now() < claimed_ + hooks_.patience;
 }
 
 void ClientStream::refuse_waiting_view(const absl::Status& reason) {

@@ -56,6 +56,9 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     std::function<absl::Status(std::function<void()> job, std::chrono::nanoseconds expected)> submit;
     /// Counts bytes of frames that are queued or being sent from now on or, below 0, no more. Called with the lock held.
     std::function<void(std::int64_t bytes)> count_queued;
+    /// For so long, somebody who came back and looks at what he holds gets no frame of fewer points while others are made;
+    /// then he gets one with the next event, retry() at the latest.
+    std::chrono::milliseconds patience{500};
   };
 
   ClientStream(Transport* transport, Hooks hooks);
@@ -72,7 +75,8 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   /// A preview gives way to the real session: if it is this stream's, the newest view is answered anew, from a key frame on; or
   /// the stream ends with the reason why there is none.
   void replace(const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) ABSL_LOCKS_EXCLUDED(mutex_);
-  /// Asks for a worker again where the server was too busy to make a better frame; else does nothing. To be called now and then,
+  /// Asks for a worker again where the server was too busy to make a better frame, or a frame was kept back for long enough; else
+  /// does nothing. To be called now and then,
   /// for a client that has all its frames says nothing more.
   void retry() ABSL_LOCKS_EXCLUDED(mutex_);
   /// Ends the stream once the frame that is being made or sent has left, if there is one; a view that waits is dropped.
@@ -102,7 +106,6 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
     bool is_in_parts = false;                 // its last frame was a part
     int improvements = 0;                     // how often it was answered again on a finer curve
     int in_vain = 0;                          // how often without getting better: the work was for others, or failed
-    int held_back = 0;                        // how many frames of less than the client holds were not sent
     Clock::time_point started = {};
 
     /// Whether a better answer may follow the next one.
@@ -137,8 +140,8 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   View begin_answer() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void finish_answer(View view, absl::StatusOr<Answer> answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Whether an answer to the view that the client holds from another stream is worse than that, for the time being: rather none
-  /// yet. Counts how often.
-  bool keeps_claimed(View& view, const Answer& answer) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// yet.
+  bool keeps_claimed(const View& view, const Answer& answer) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void refuse_waiting_view(const absl::Status& reason) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Queues a frame: the one place that sets FrameStatistics.refining in a stream.
   void queue_frame(const View& view, absl::StatusOr<Answer> answer) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -165,6 +168,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   std::shared_ptr<const ReferenceFrame> reference_
       ABSL_GUARDED_BY(mutex_);                                // held by the client once it has received all that was queued
   std::optional<ResumeClaim> claim_ ABSL_GUARDED_BY(mutex_);  // what the client holds of another stream; until a frame is queued
+  Clock::time_point claimed_ ABSL_GUARDED_BY(mutex_);         // when it said so
   bool wants_key_ ABSL_GUARDED_BY(mutex_) = false;            // until a key frame is queued
 
   std::chrono::nanoseconds last_work_ ABSL_GUARDED_BY(mutex_){};  // what the last answer took

@@ -99,50 +99,50 @@ class Conversation : public ClientStream::Transport {
   static constexpr std::uint64_t kKnownDigest = 7;  // what a client may claim to have
   std::vector<std::uint64_t> claims_;
   std::shared_ptr<const ReferenceFrame> restored_ = std::make_shared<const ReferenceFrame>();
-  std::shared_ptr<ClientStream> stream_ = std::make_shared<ClientStream>(
-      this,
-      ClientStream::Hooks{
-          .find = [this](const std::string& id) -> absl::StatusOr<std::shared_ptr<const Session>> {
-            if (id != "known") return absl::NotFoundError("no such session");
-            return session_;
-          },
-          .answer = [this](const std::shared_ptr<const Session>&, const FrameRequest& request) -> absl::StatusOr<Answer> {
-            const std::uint64_t points = request.point_set.options.points;
-            if (points == 99) return absl::OutOfRangeError("99 is too many");
-            if (points == 98) throw std::runtime_error("98");
-            if (fails_) return absl::ResourceExhaustedError("too large");
-            Answer answer;
-            v1::PointFrame& frame = answer.frame;
-            frame.set_kind(request.reference != nullptr ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
-            given_.push_back(request.reference);
-            if (request.point_set.sampler == Sampler::kProgressive) answer.reference = std::make_shared<const ReferenceFrame>();
-            references_.push_back(answer.reference);
-            frame.add_points()->set_count(static_cast<std::uint32_t>(points));
-            frame.set_curve_revision(revision_);
-            if (request.first_bytes > 0 && !stuck_) shown_ += points;
-            frame.set_held_points(shown_);
-            if (short_ && request.may_refine) answer.follow_up = FollowUp::kAfterImprovement;
-            if (request.first_bytes > 0 && parts_-- > 0) answer.follow_up = FollowUp::kNextPart;
-            context_ = request.context;
-            if (on_answer_) on_answer_();
-            if (const absl::Status left = context_.check_limit(); absl::IsDeadlineExceeded(left)) return left;
-            return answer;
-          },
-          .restore = [this](const Session&, const ResumeClaim& claim,
-                            const ExecutionContext&) -> absl::StatusOr<std::shared_ptr<const ReferenceFrame>> {
-            if (claim.digest == 98) throw std::runtime_error("98");
-            claims_.push_back(claim.digest);
-            return claim.digest == kKnownDigest && !lacks_ ? restored_ : nullptr;
-          },
-          .has_room = [this]() -> absl::Status { return is_full_ ? absl::ResourceExhaustedError("full") : absl::OkStatus(); },
-          .submit = [this](std::function<void()> job, std::chrono::nanoseconds expected) -> absl::Status {
-            expected_ = expected;
-            if (busy_) return absl::ResourceExhaustedError("busy");
-            jobs_.push_back(std::move(job));
-            return absl::OkStatus();
-          },
-          .count_queued = [this](std::int64_t bytes) { queued_bytes_ += bytes; },
-      });
+  ClientStream::Hooks hooks_ = {
+      .find = [this](const std::string& id) -> absl::StatusOr<std::shared_ptr<const Session>> {
+        if (id != "known") return absl::NotFoundError("no such session");
+        return session_;
+      },
+      .answer = [this](const std::shared_ptr<const Session>&, const FrameRequest& request) -> absl::StatusOr<Answer> {
+        const std::uint64_t points = request.point_set.options.points;
+        if (points == 99) return absl::OutOfRangeError("99 is too many");
+        if (points == 98) throw std::runtime_error("98");
+        if (fails_) return absl::ResourceExhaustedError("too large");
+        Answer answer;
+        v1::PointFrame& frame = answer.frame;
+        frame.set_kind(request.reference != nullptr ? v1::FRAME_KIND_DELTA : v1::FRAME_KIND_KEY);
+        given_.push_back(request.reference);
+        if (request.point_set.sampler == Sampler::kProgressive) answer.reference = std::make_shared<const ReferenceFrame>();
+        references_.push_back(answer.reference);
+        frame.add_points()->set_count(static_cast<std::uint32_t>(points));
+        frame.set_curve_revision(revision_);
+        if (request.first_bytes > 0 && !stuck_) shown_ += points;
+        frame.set_held_points(shown_);
+        if (short_ && request.may_refine) answer.follow_up = FollowUp::kAfterImprovement;
+        if (request.first_bytes > 0 && parts_-- > 0) answer.follow_up = FollowUp::kNextPart;
+        context_ = request.context;
+        if (on_answer_) on_answer_();
+        if (const absl::Status left = context_.check_limit(); absl::IsDeadlineExceeded(left)) return left;
+        return answer;
+      },
+      .restore = [this](const Session&, const ResumeClaim& claim,
+                        const ExecutionContext&) -> absl::StatusOr<std::shared_ptr<const ReferenceFrame>> {
+        if (claim.digest == 98) throw std::runtime_error("98");
+        claims_.push_back(claim.digest);
+        return claim.digest == kKnownDigest && !lacks_ ? restored_ : nullptr;
+      },
+      .has_room = [this]() -> absl::Status { return is_full_ ? absl::ResourceExhaustedError("full") : absl::OkStatus(); },
+      .submit = [this](std::function<void()> job, std::chrono::nanoseconds expected) -> absl::Status {
+        expected_ = expected;
+        if (busy_) return absl::ResourceExhaustedError("busy");
+        jobs_.push_back(std::move(job));
+        return absl::OkStatus();
+      },
+      .count_queued = [this](std::int64_t bytes) { queued_bytes_ += bytes; },
+      .patience = std::chrono::hours(1),
+  };
+  std::shared_ptr<ClientStream> stream_ = std::make_shared<ClientStream>(this, hooks_);
 };
 
 }  // namespace curvecast::server
