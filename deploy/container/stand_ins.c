@@ -1,5 +1,5 @@
-// What libcurl asks of librtmp and libldap, for addresses that nobody gives it here: nothing is ever called. Debian's own bring GnuTLS
-// and its libraries, a tenth of the image. libcurl is the only one that looks for them, when the command starts.
+// What libcurl asks of librtmp and libldap, for addresses that nobody gives it here: nothing is ever called. Debian's own bring
+// GnuTLS and its libraries, a tenth of the image. libcurl is the only one that looks for them, when the command starts.
 //
 //   gcc -shared -DRTMP -Wl,-soname,librtmp.so.1 ...
 //   gcc -shared -DLDAP -Wl,-soname,libldap-2.5.so.0 ... with all symbols of the version OPENLDAP_2.5

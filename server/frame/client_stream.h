@@ -76,8 +76,7 @@ class ClientStream : public std::enable_shared_from_this<ClientStream> {
   /// the stream ends with the reason why there is none.
   void replace(const Session& preview, const absl::StatusOr<std::shared_ptr<const Session>>& real) ABSL_LOCKS_EXCLUDED(mutex_);
   /// Asks for a worker again where the server was too busy to make a better frame, or a frame was kept back for long enough; else
-  /// does nothing. To be called now and then,
-  /// for a client that has all its frames says nothing more.
+  /// does nothing. To be called now and then, for a client that has all its frames says nothing more.
   void retry() ABSL_LOCKS_EXCLUDED(mutex_);
   /// Ends the stream once the frame that is being made or sent has left, if there is one; a view that waits is dropped.
   void retire(const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
