@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "client/lib/retry.h"
 #include "curvecast/v1/curvecast.pb.h"
+#include "retry.h"
 
 namespace grpc {
 class Channel;
