@@ -233,6 +233,7 @@ class GrpcServer final : public Server {
       engine_.refiner.stop();
       engine_.rank_jobs.stop();
       engine_.views.stop();
+      engine_.chunks.stop();
       engine_.calls.stop();
       engine_.preprocessing.stop();
       if (engine_.cache != nullptr) engine_.cache->stop();

@@ -29,6 +29,7 @@ constexpr std::chrono::seconds kHousekeepingInterval{1};
 // Two sessions in the making at once, of which one takes less than this: a great mesh does not hold up small ones.
 constexpr int kPreprocessingWorkers = 2;
 constexpr std::chrono::seconds kLongPreprocessing{5};
+constexpr int kChunkWorkers = 2;  // one may wait for the disk
 
 using Clock = std::chrono::steady_clock;
 
@@ -83,6 +84,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
              .max_waiting_of_one = kMaxWaitingOfOne,
              .max_running_of_one = threads,
              .low_priority = true}),
+      chunks({.workers = kChunkWorkers, .max_waiting = options.max_uploads, .low_priority = true}),
       preprocessing({.workers = kPreprocessingWorkers,
                      .max_waiting = kMaxWaiting,
                      .low_priority = has_other_clients(options),
@@ -150,7 +152,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
     });
   }
   // Workers started before what they use was there. They take the lock of their queue once more before they use it.
-  for (const JobQueue* const queue : {&calls, &preprocessing}) static_cast<void>(queue->waiting());
+  for (const JobQueue* const queue : {&calls, &chunks, &preprocessing}) static_cast<void>(queue->waiting());
   static_cast<void>(views.waiting());
 }
 
@@ -183,6 +185,7 @@ void Engine::warn_of_overdue() {
   };
   views.tell_overdue(warn);
   calls.tell_overdue(warn);
+  chunks.tell_overdue(warn);
   preprocessing.tell_overdue(warn);
 }
 
@@ -267,9 +270,11 @@ Gauges Engine::gauges() {
   out.waiting_views = views.waiting();
   out.shared_frames = frame_cache.shared();
   out.waiting_calls = calls.waiting();
+  out.waiting_chunks = chunks.waiting();
   out.waiting_preprocessing = preprocessing.waiting();
   out.overdue_views = views.overdue();
   out.overdue_calls = calls.overdue();
+  out.overdue_chunks = chunks.overdue();
   out.overdue_preprocessing = preprocessing.overdue();
   out.queued_bytes = queued.bytes();
   out.refused = {{"queued_bytes", queued.refused()}, {"waiting_views", views.refused()},

@@ -102,6 +102,7 @@ class Engine {
   FrameCache frame_cache;                     // of streams
   ViewWorkers views;                          // of streams: each takes milliseconds
   JobQueue calls;                             // single point sets, neighbours, inspection: views go before them
+  JobQueue chunks;                            // of uploads: each takes a millisecond, or waits for the disk
   JobQueue preprocessing;                     // one at a time: each uses all cores by itself
   const std::unique_ptr<WatchedStore> store;  // before all that uses it; null: none
   const std::unique_ptr<SessionCache> cache;  // null: none

@@ -116,11 +116,13 @@ struct Metrics::Families {
   Family<Gauge>& waiting ABSL_GUARDED_BY(mutex) = gauges(registry, "curvecast_queue_depth", "Jobs that wait for a worker.");
   Gauge& waiting_views ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "views"}});
   Gauge& waiting_calls ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "calls"}});
+  Gauge& waiting_chunks ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "chunks"}});
   Gauge& waiting_preprocessing ABSL_GUARDED_BY(mutex) = waiting.Add({{"queue", "preprocessing"}});
   Family<Gauge>& overdue ABSL_GUARDED_BY(mutex) = gauges(registry, "curvecast_jobs_overdue",
                                                          "Jobs that take far longer than expected, and may be stuck.");
   Gauge& overdue_views ABSL_GUARDED_BY(mutex) = overdue.Add({{"queue", "views"}});
   Gauge& overdue_calls ABSL_GUARDED_BY(mutex) = overdue.Add({{"queue", "calls"}});
+  Gauge& overdue_chunks ABSL_GUARDED_BY(mutex) = overdue.Add({{"queue", "chunks"}});
   Gauge& overdue_preprocessing ABSL_GUARDED_BY(mutex) = overdue.Add({{"queue", "preprocessing"}});
   Gauge& sessions ABSL_GUARDED_BY(mutex) =
       gauges(registry, "curvecast_sessions", "Sessions in memory, those being made too.").Add({});
@@ -229,6 +231,7 @@ std::string Metrics::text(const Gauges& values) {
   f.worker_threads.Set(values.threads);
   f.waiting_views.Set(static_cast<double>(values.waiting_views));
   f.waiting_calls.Set(static_cast<double>(values.waiting_calls));
+  f.waiting_chunks.Set(static_cast<double>(values.waiting_chunks));
   f.waiting_preprocessing.Set(static_cast<double>(values.waiting_preprocessing));
   f.sessions.Set(static_cast<double>(values.sessions));
   f.session_bytes.Set(static_cast<double>(values.session_bytes));
@@ -237,6 +240,7 @@ std::string Metrics::text(const Gauges& values) {
   f.cache_bytes.Set(static_cast<double>(values.cache_bytes));
   f.overdue_views.Set(static_cast<double>(values.overdue_views));
   f.overdue_calls.Set(static_cast<double>(values.overdue_calls));
+  f.overdue_chunks.Set(static_cast<double>(values.overdue_chunks));
   f.overdue_preprocessing.Set(static_cast<double>(values.overdue_preprocessing));
   f.queued_bytes.Set(static_cast<double>(values.queued_bytes));
   f.memory_bytes.Set(static_cast<double>(values.memory_bytes));

@@ -25,6 +25,7 @@ struct Gauges {
   int threads = 0;                        // for the server's work
   std::size_t waiting_views = 0;          // jobs that wait for a worker
   std::size_t waiting_calls = 0;          // ... single point sets and inspection
+  std::size_t waiting_chunks = 0;         // ... of uploads
   std::size_t waiting_preprocessing = 0;  // ... that take all cores
   std::size_t sessions = 0;               // in memory, those being made too
   std::uint64_t session_bytes = 0;        // of their curves and ranked candidates
@@ -32,7 +33,7 @@ struct Gauges {
   std::uint64_t mesh_bytes = 0;  // of uploads under way too
   std::uint64_t cache_bytes = 0;
   // Jobs that take far longer than expected.
-  std::size_t overdue_views = 0, overdue_calls = 0, overdue_preprocessing = 0;
+  std::size_t overdue_views = 0, overdue_calls = 0, overdue_chunks = 0, overdue_preprocessing = 0;
   std::uint64_t queued_bytes = 0;    // of answers that wait to be read
   std::uint64_t memory_bytes = 0;    // that all work may take, see MemoryBudget
   std::uint64_t held_bytes = 0;      // of it, what sessions and answers take

@@ -1,5 +1,5 @@
-// UploadMesh: the chunks of a file, straight into the store's file. gRPC calls a read reactor from one thread at a time; the end,
-// which waits for the disk, is a worker's.
+// UploadMesh: the chunks of a file, straight into the store's file, by workers: gRPC's own threads, which carry everybody's
+// views, neither hash megabytes nor wait for a disk. One step is under way at a time: a read, what came, or the end.
 #include <absl/strings/str_cat.h>
 #include <spdlog/logger.h>
 
@@ -46,19 +46,19 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   void OnReadDone(bool ok) override {
     receipts_.done();
     if (const grpc::Status ended = receipts_.end_of(grpc::Status::OK); !ended.ok()) return finish(ended);
-    const absl::Status status = ok ? status_from_exceptions([&] { return receive(); }) : submit_end();
-    if (!status.ok()) {
-      finish(to_grpc(status));
-    } else if (ok) {
-      read();
-    }
+    const JobQueue::Claim claim{.caller = caller_.name, .connection = caller_.address};
+    const auto submitted = ok ? engine_.chunks.submit([this] { take(); }, claim) : engine_.calls.submit([this] { end(); }, claim);
+    if (!submitted.ok()) finish(to_grpc(submitted.status()));
   }
 
-  absl::Status submit_end() {
-    return engine_.calls
-        .submit([this] { finish(to_grpc(status_from_exceptions([&] { return complete(); }))); },
-                {.caller = caller_.name, .connection = caller_.address})
-        .status();
+  void take() {
+    const absl::Status status = status_from_exceptions([&] { return receive(); });
+    if (status.ok()) return read();
+    finish(to_grpc(status));
+  }
+
+  void end() {
+    finish(to_grpc(status_from_exceptions([&] { return complete(); })));
   }
 
   void finish(const grpc::Status& status) {

@@ -33,7 +33,7 @@ TEST_F(ServerMetrics, AreAllThereFromTheBeginning) {
     EXPECT_TRUE(has_line(text, line));
   }
   EXPECT_GE(value_of(text, "curvecast_threads"), 1);
-  for (const std::string queue : {"views", "calls", "preprocessing"}) {
+  for (const std::string queue : {"views", "calls", "chunks", "preprocessing"}) {
     EXPECT_TRUE(has_line(text, "curvecast_queue_depth{queue=\"" + queue + "\"} 0"));
     EXPECT_TRUE(has_line(text, "curvecast_jobs_overdue{queue=\"" + queue + "\"} 0"));
   }

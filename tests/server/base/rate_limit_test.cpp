@@ -19,6 +19,19 @@ TEST(RateLimit, LetsASecondsWorthThroughAndThenKeepsTheRate) {
   EXPECT_NEAR(duration<double>(now - start).count(), 10, 0.05);
 }
 
+TEST(RateLimit, HoldsUpWhoWantsMoreRarely) {
+  RateLimit limit(1000);
+  auto now = RateLimit::Clock::now();
+  int times = 0, waits = 0;
+  for (const auto end = now + std::chrono::seconds(10); now < end; ++times) {
+    const auto wait = limit.take(now);
+    if (wait > RateLimit::Clock::duration::zero()) ++waits;
+    now += wait;
+  }
+  EXPECT_NEAR(times, 11'000, 50);  // the first second's worth at once
+  EXPECT_LE(waits, 500);
+}
+
 TEST(RateLimit, DoesNotSaveUpMoreThanASecond) {
   RateLimit limit(100);
   const auto later = RateLimit::Clock::now() + std::chrono::hours(1);
