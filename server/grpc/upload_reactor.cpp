@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/mutex.h"
 #include "server/base/grpc_status.h"
 #include "server/base/log.h"
 #include "server/base/protocol.h"
@@ -40,11 +41,13 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   /// Who sends nothing holds his place in the store for so long; then what has come is kept for a later upload.
   void read() {
     receipts_.begin();
+    const MutexLock lock(mutex_);
     StartRead(&request_);
   }
 
   void OnReadDone(bool ok) override {
     receipts_.done();
+    { const MutexLock lock(mutex_); }  // the next worker sees all that the last one did, whatever locks gRPC takes in between
     if (const grpc::Status ended = receipts_.end_of(grpc::Status::OK); !ended.ok()) return finish(ended);
     const JobQueue::Claim claim{.caller = caller_.name, .connection = caller_.address};
     const auto submitted = ok ? engine_.chunks.submit([this] { take(); }, claim) : engine_.calls.submit([this] { end(); }, claim);
@@ -109,6 +112,7 @@ class UploadReactor final : public grpc::ServerReadReactor<v1::UploadMeshRequest
   v1::UploadMeshResponse* const response_;
   bool begun_ = false;
   std::optional<Admission::Ticket> ticket_;
+  Mutex mutex_;
 };
 
 }  // namespace
