@@ -33,6 +33,9 @@ put server/frame/frame.h '#include "server/base/log.h"'
 put server/server.h '#include "server/frame/frame.h"'
 put client/lib/draco/reader.h '#pragma once'
 put client/lib/client.h '#include "client/lib/draco/reader.h"'
+put client/lib/CMakeLists.txt $'set(headers view.h\n    points.h)'
+put client/lib/points.h '#pragma once'
+put client/lib/view.h '#include "points.h"'
 put client/cli/main.cpp '#include "client/lib/client.h"'
 put client/lib/view.cpp '#include "core/base/mutex.h"'
 put client/examples/orbit.cpp '#include <curvecast/client/client.h>'
@@ -54,6 +57,10 @@ found 'the same by another path' client/lib/draco/hidden.h '#include "../client.
 found 'a command that knows the benchmarks' client/cli/bench.cpp '#include "client/bench/bench.h"'
 found 'libcurl outside of its door' server/base/fetch.cpp '#include <curl/curl.h>'
 found 'a heavy header in a header' core/curve/heavy.h '#include <CGAL/Simple_cartesian.h>'
+put client/lib/view.h '#include "client/lib/points.h"'
+! "$check" "$tree" 2>/dev/null || { echo 'not found: an installed header that another finds in the source tree alone' && exit 1; }
+put client/lib/view.h '#include "points.h"'
+"$check" "$tree"
 for i in {1..51}; do put "core/curve/file_$i.h" '#pragma once'; done
 ! "$check" "$tree" 2>/dev/null || { echo 'not found: a folder of too many files' && exit 1; }
 echo 'layering: every breach is found'
