@@ -27,8 +27,8 @@ absl::Status ViewWorkers::submit(std::function<void()> job, const JobQueue::Clai
   bool is_quick;
   {
     const MutexLock lock(mutex_);
-    const bool may_be_long = callers_.left(claim.caller, now) >= Nanoseconds::zero();
-    is_quick = connections_.left(claim.connection, now) >= Nanoseconds::zero() && (may_be_long || claim.expected < kShort);
+    const Nanoseconds longest = callers_.left(claim.caller, now) >= Nanoseconds::zero() ? kLong : kShort;
+    is_quick = connections_.left(claim.connection, now) >= Nanoseconds::zero() && claim.expected < longest;
     pay(payer, payer.paid, now);
   }
   const absl::Status accepted =

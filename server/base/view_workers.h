@@ -19,6 +19,8 @@ namespace curvecast::server {
 /// worker's time go to the first queue; jobs of one that takes more go to the second, whose workers are of low priority: they run
 /// at full speed on an idle machine and yield under load. So do jobs of kShort and more of a caller whose connections take more
 /// than half of all workers' time together: from however many connections, he has the first queue for kCallerBurst and no longer.
+/// And so does each job of kLong and more, whoever asks: what takes so long is not missed for what goes before it, and what goes
+/// before it would be.
 /// In both the callers share the workers, and their connections what their caller has; and there is one worker more than a caller
 /// gets at once, so that nobody waits for the end of another's long jobs.
 class ViewWorkers {
@@ -29,6 +31,7 @@ class ViewWorkers {
   static constexpr Nanoseconds kBurst = std::chrono::milliseconds(250);        // of work that a connection may have saved up
   static constexpr Nanoseconds kCallerBurst = std::chrono::milliseconds(500);  // ... a caller
   static constexpr Nanoseconds kShort = std::chrono::milliseconds(5);
+  static constexpr Nanoseconds kLong = std::chrono::milliseconds(25);
 
   struct Options {
     int workers = 1;                     // of each queue, for one caller; >= 1

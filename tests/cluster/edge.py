@@ -130,7 +130,7 @@ class Edge:
                 stderr=log,
                 stdout=log,
                 env={**os.environ, **environment},
-                start_new_session=True,
+                process_group=0,  # as for servers
             )
         if ready:
             self.wait_until_up()

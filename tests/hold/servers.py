@@ -84,8 +84,10 @@ class Server:
         command += [*(["--cache", str(cache)] if cache is not None else []), *options]
         self.log = setting.folder / f"{name}.log"
         self.is_ended = False
+        # Not a session of its own, to which Linux gives as large a share of the cores as to all others together (sched(7), autogroup):
+        # nice values, and so what yields to what, would end at the process.
         with open(self.log, "ab") as log:
-            self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, start_new_session=True)
+            self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, process_group=0)
         if ready:
             self.wait_until_ready()
 

@@ -98,11 +98,11 @@ TEST_F(ViewWorkersTest, WhoStaysWithinItsShareIsServedAtOnceForEver) {
 
 TEST_F(ViewWorkersTest, WhoHasManyConnectionsHasNoMoreOfTheWorkersAtOnce) {
   const int normal = getpriority(PRIO_PROCESS, 0);
-  const milliseconds takes(100);
-  for (int i = 0; i < 20; ++i) {
+  const milliseconds takes(20);
+  for (int i = 0; i < 80; ++i) {
     run("new " + std::to_string(i), takes, "crowd", takes);
-    // Half a worker's time, beyond what he had saved up: 500 ms, then 50 of each 100.
-    EXPECT_EQ(priority_, i < 11 ? normal : low(normal)) << i;
+    // Half a worker's time, beyond what he had saved up: 500 ms, then 10 of each 20.
+    EXPECT_EQ(priority_, i < 51 ? normal : low(normal)) << i;
   }
   run("frugal", milliseconds(1), "crowd", milliseconds(1));
   EXPECT_EQ(priority_, normal) << "short jobs hold up nobody";
@@ -115,9 +115,9 @@ TEST_F(ViewWorkersTest, WhatWaitsIsPaidAlready) {
   bool is_open = false;
   submit("first", [&] { wait_until([&] { return is_open; }); });
   std::atomic<int> lowered = 0;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < 40; ++i) {
     submit(
-        "new " + std::to_string(i), [&] { lowered += getpriority(PRIO_PROCESS, 0) != normal ? 1 : 0; }, "all", milliseconds(200));
+        "new " + std::to_string(i), [&] { lowered += getpriority(PRIO_PROCESS, 0) != normal ? 1 : 0; }, "all", milliseconds(20));
   }
   {
     const std::lock_guard lock(mutex_);
@@ -125,7 +125,16 @@ TEST_F(ViewWorkersTest, WhatWaitsIsPaidAlready) {
     changed_.notify_all();
   }
   wait_until([&] { return done_ == submitted_; });
-  EXPECT_EQ(lowered, low(normal) == normal ? 0 : 5) << "500 ms pay for three";
+  EXPECT_EQ(lowered, low(normal) == normal ? 0 : 14) << "500 ms pay for 26";
+}
+
+TEST_F(ViewWorkersTest, WhatTakesLongYieldsFromTheFirst) {
+  const int normal = getpriority(PRIO_PROCESS, 0);
+  const milliseconds takes = std::chrono::duration_cast<milliseconds>(ViewWorkers::kLong);
+  run("first", takes, "all", takes);
+  EXPECT_EQ(priority_, low(normal));
+  run("second", takes, "all", takes - milliseconds(1));
+  EXPECT_EQ(priority_, normal);
 }
 
 TEST_F(ViewWorkersTest, LongJobsOfOneDoNotHoldUpAnother) {
