@@ -93,6 +93,7 @@ void SessionJobs::load(const std::shared_ptr<SessionJob>& job) {
 
 absl::Status SessionJobs::fall_back(const std::shared_ptr<SessionJob>& job) {
   if (absl::Status may = job->may_make ? job->may_make() : absl::OkStatus(); !may.ok()) return may;
+  job->is_made = true;
   const MutexLock lock(mutex_);
   return job->cancel ? absl::CancelledError("cancelled") : submit_preprocessing(job);
 }

@@ -36,7 +36,7 @@ struct SessionJob {
   std::atomic<bool> is_made = true;     // rather than loaded, as far as is known
   /// Refuses to make what was to be loaded; may be empty. Called without locks.
   std::function<absl::Status()> may_make = {};
-  bool is_loaded = false;  // from the cache; written and read by the job's thread
+  std::atomic<bool> is_loaded = false;  // from the cache; set before the session is handed over
 };
 
 /// Thread-safe.

@@ -111,13 +111,18 @@ absl::StatusOr<std::shared_ptr<SessionJob>> SessionStore::start_job(const std::s
 void SessionStore::take_in_preview(const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview) {
   {
     const MutexLock lock(mutex_);
-    if (job->cancel) return;  // it is not in the table any more
+    if (!is_current(*job)) return;
     log_->info("session {} has a preview after {:.3f} s: {} faces", job->id, seconds_since(job->created),
                preview->preprocessed.report.mesh.faces);
     table_.find(job->id)->preview = preview;
     job->waiters.preview(std::move(preview));
   }
   job->waiters.deliver();
+}
+
+bool SessionStore::is_current(const SessionJob& job) {
+  const SessionTable::Entry* entry = table_.find(job.id);
+  return !job.cancel && entry != nullptr && entry->job.get() == &job;
 }
 
 void SessionStore::replace(const std::shared_ptr<const Session>& preview,
@@ -130,7 +135,7 @@ void SessionStore::take_in(const std::shared_ptr<SessionJob>& job, absl::StatusO
   absl::StatusOr<std::shared_ptr<const Session>> real = absl::CancelledError();
   {
     const MutexLock lock(mutex_);
-    if (job->cancel) return;  // it is not in the table any more
+    if (!is_current(*job)) return;
     job->waiters.finish(made);
     if (made.ok()) {
       std::shared_ptr<const Session> session = *std::exchange(made, absl::CancelledError());
@@ -236,7 +241,9 @@ bool SessionStore::is_here(const std::string& id) {
 
 bool SessionStore::must_load(const std::string& id) {
   const MutexLock lock(mutex_);
-  return table_.find(id) == nullptr && may_load(id);
+  const SessionTable::Entry* entry = table_.find(id);
+  // Who does not care how it is made does not wait for a job that is to load it, either: that may be behind others.
+  return (entry == nullptr || (entry->job != nullptr && !entry->job->is_made)) && may_load(id);
 }
 
 absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::string& id, const std::string& who) {
@@ -244,26 +251,37 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::str
   if (isolates_ && !may_see(cache_->owner(id).value_or(""), who)) return not_found(id);
   // Who waits for the store does not hold up those who wait for the disk.
   if (!cache_->holds(id)) {
-    if (absl::Status fetched = cache_->fetch(id); !fetched.ok()) return absl::IsNotFound(fetched) ? not_found(id) : fetched;
+    if (absl::Status fetched = cache_->fetch(id); !fetched.ok()) return absl::IsNotFound(fetched) ? find_here(id, who) : fetched;
   }
-  const MutexLock one_at_a_time(load_mutex_);
-  if (!must_load(id)) return find_here(id, who);  // another thread was faster
-  const Clock::time_point start = Clock::now();
-  absl::StatusOr<std::shared_ptr<const Session>> loaded = cache_->load(id);
-  if (!loaded.ok()) return absl::IsUnavailable(loaded.status()) ? loaded : not_found(id);
-  SessionTable::Sessions evicted;  // outlives the lock
-  const MutexLock lock(mutex_);
-  if (!cache_->holds(id)) return not_found(id);  // it was closed meanwhile
-  // A job for it that has begun meanwhile goes on: it will give the same.
-  if (table_.find(id) != nullptr) return *loaded;
-  const absl::Status has_room = table_.make_room(evicted);
-  note_evicted(evicted);
-  if (!has_room.ok()) return has_room;
-  const Session& session = **loaded;
-  table_.insert(
-      {.info = {.id = id, .mesh_id = session.mesh_id, .options = session.options, .session = *loaded}, .owner = session.owner});
-  log_->info("session {} loaded from the cache in {:.3f} s", id, seconds_since(start));
-  return *loaded;
+  std::shared_ptr<SessionJob> job;
+  absl::StatusOr<std::shared_ptr<const Session>> loaded = absl::CancelledError();
+  {
+    SessionTable::Sessions evicted;  // outlives the locks
+    const MutexLock one_at_a_time(load_mutex_);
+    if (!must_load(id)) return find_here(id, who);  // another thread was faster
+    const Clock::time_point start = Clock::now();
+    loaded = cache_->load(id);
+    if (!loaded.ok()) return absl::IsUnavailable(loaded.status()) ? loaded : find_here(id, who);
+    const MutexLock lock(mutex_);
+    if (!cache_->holds(id)) return not_found(id);  // it was closed meanwhile
+    if (const SessionTable::Entry* entry = table_.find(id)) {
+      job = entry->job;
+    } else {
+      const absl::Status has_room = table_.make_room(evicted);
+      note_evicted(evicted);
+      if (!has_room.ok()) return has_room;
+      const Session& session = **loaded;
+      table_.insert({.info = {.id = id, .mesh_id = session.mesh_id, .options = session.options, .session = *loaded},
+                     .owner = session.owner});
+      log_->info("session {} loaded from the cache in {:.3f} s", id, seconds_since(start));
+    }
+  }
+  if (job != nullptr) {  // it was to load the session, for those who have joined it
+    job->is_loaded = true;
+    take_in(job, *std::exchange(loaded, absl::CancelledError()));
+    jobs_.cancel(*job);
+  }
+  return find_here(id, who);
 }
 
 absl::StatusOr<SessionInfo> SessionStore::info(const std::string& id, const std::string& who) {

@@ -116,6 +116,8 @@ class SessionStore {
   absl::StatusOr<std::shared_ptr<SessionJob>> start_job(const std::string& id, MeshFiles files, const PreprocessOptions& options,
                                                         SessionWaiter* waiter, const Maker& maker,
                                                         SessionTable::Sessions& evicted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Whether what the job makes is still wanted: it was not cancelled, nor did somebody else load the session meanwhile.
+  bool is_current(const SessionJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void take_in(const std::shared_ptr<SessionJob>& job, absl::StatusOr<std::shared_ptr<const Session>> made)
       ABSL_LOCKS_EXCLUDED(mutex_);
   void take_in_preview(const std::shared_ptr<SessionJob>& job, std::shared_ptr<const Session> preview)
