@@ -130,7 +130,6 @@ class Edge:
                 stderr=log,
                 stdout=log,
                 env={**os.environ, **environment},
-                process_group=0,  # as for servers
             )
         if ready:
             self.wait_until_up()

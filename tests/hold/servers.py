@@ -84,10 +84,10 @@ class Server:
         command += [*(["--cache", str(cache)] if cache is not None else []), *options]
         self.log = setting.folder / f"{name}.log"
         self.is_ended = False
-        # Not a session of its own, to which Linux gives as large a share of the cores as to all others together (sched(7), autogroup):
-        # nice values, and so what yields to what, would end at the process.
+        # Not in a session of its own: Linux gives each as much of the cores as any other (sched(7), autogroup), so that work of low
+        # priority would yield to its own server's alone, and not to the proxy, or to other servers.
         with open(self.log, "ab") as log:
-            self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, process_group=0)
+            self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log)
         if ready:
             self.wait_until_ready()
 
