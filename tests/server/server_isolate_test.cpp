@@ -34,9 +34,15 @@ class ServerIsolate : public ServerFixture {
     bert_ = client_with("bert's");
   }
 
-  /// Makes a session, and waits until it is cached.
+  /// Makes a session, once nobody works any more on the one that it takes the place of, and waits until it is cached.
   static std::string create_cached(Stub& stub, const std::string& mesh) {
-    const std::string id = create(stub, mesh, 100).session.session_id();
+    Created created;
+    EXPECT_TRUE(eventually([&] {
+      created = create(stub, mesh, 100);
+      return created.status.error_code() != grpc::RESOURCE_EXHAUSTED;
+    }));
+    const std::string id = created.session.session_id();
+    EXPECT_TRUE(created.status.ok()) << created.status.error_message();
     EXPECT_TRUE(eventually([&] {
       grpc::ClientContext context;
       set_patience(context);
