@@ -19,8 +19,8 @@ namespace curvecast::server {
 /// worker's time go to the first queue; jobs of one that takes more go to the second, whose workers are of low priority: they run
 /// at full speed on an idle machine and yield under load. So do jobs of kShort and more of a caller whose connections take more
 /// than half of all workers' time together: from however many connections, he has the first queue for kCallerBurst and no longer.
-/// And so does each job of kLong and more, whoever asks: what takes so long is not missed for what goes before it, and what goes
-/// before it would be.
+/// So does each job of kLong and more, whoever asks: it is hardly later for yielding to short ones, and they are much later for
+/// waiting.
 /// In both the callers share the workers, and their connections what their caller has; and there is one worker more than a caller
 /// gets at once, so that nobody waits for the end of another's long jobs.
 class ViewWorkers {
