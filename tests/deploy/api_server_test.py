@@ -7,7 +7,6 @@ import json
 import os
 import pathlib
 import shutil
-import socket
 import ssl
 import subprocess
 import tempfile
@@ -20,18 +19,12 @@ from typing import Any, ClassVar
 import yaml
 
 import helm_chart
-from helm_chart import CHART, OPTIONS, TOOLS, Object, Outcome, workloads
+from helm_chart import CHART, OPTIONS, TOOLS, Object, Outcome, free_port, workloads
 
 PATIENCE = 180.0  # seconds; only a broken server takes that long to be ready
 TOKEN = "nobody-else-reaches-it"
 CLASSES = "/apis/scheduling.k8s.io/v1/priorityclasses"
 RESTRICTED = {"pod-security.kubernetes.io/enforce": "restricted", "pod-security.kubernetes.io/enforce-version": "v1.30"}
-
-
-def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
 
 
 class ApiServer:
@@ -156,9 +149,9 @@ class ApiServerTest(helm_chart.Rendered):
         self.server.make_namespace("strict")
         for name, objects in self.objects.items():
             for thing in objects:
-                thing = {**thing, "metadata": {**thing["metadata"], "namespace": "strict"}}
                 path = self.path_of(thing, "strict") + "?dryRun=All&fieldValidation=Strict"
-                status, answer = self.server.ask("POST", path, thing)
+                here = {**thing, "metadata": {**thing["metadata"], "namespace": "strict"}}
+                status, answer = self.server.ask("POST", path, here)
                 self.assertEqual(status, 201, f"{name}: {thing['kind']} {thing['metadata']['name']}: {answer}")
 
     def test_pods_are_restricted(self) -> None:

@@ -7,6 +7,7 @@ import dataclasses
 import os
 import pathlib
 import shutil
+import socket
 import subprocess
 import tempfile
 import unittest
@@ -119,6 +120,12 @@ def environment(workload: Object) -> dict[str, str]:
     if len(set(names)) != len(names):
         raise AssertionError(f"a variable stands twice in {names}")
     return {variable["name"]: variable["value"] for variable in variables}
+
+
+def free_port() -> int:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
 
 
 def folder_of(test: unittest.TestCase) -> pathlib.Path:
