@@ -36,11 +36,12 @@ class Crowd:
     views: int = 0
     failed: list[str] = dataclasses.field(default_factory=list)  # views that got an error
     breaks: list[Break] = dataclasses.field(default_factory=list)
-    seconds: list[tuple[float, float]] = dataclasses.field(default_factory=list)  # of a view: when asked for, until its first frame
+    # Of a view: since when a viewer had waited for points of it, and how long.
+    seconds: list[tuple[float, float]] = dataclasses.field(default_factory=list)
 
     def longest(self, begin: float, end: float) -> float:
-        """Seconds that a view took that was asked for or waited for in that time."""
-        return max((took for sent, took in self.seconds if sent < end and sent + took >= begin), default=0.0)
+        """Seconds that somebody waited, at any moment of that time."""
+        return max((took for since, took in self.seconds if since < end and since + took >= begin), default=0.0)
 
 
 class Viewer:
@@ -53,6 +54,7 @@ class Viewer:
         self._opened = 0.0
         self._sequence = 0  # of the last view of this stream
         self._held: v1.HeldPoints | None = None
+        self._waits_since = 0.0
 
     def arrival_after(self, at: float) -> float:
         """When the first frame came over a stream that was opened after that; infinite: none has."""
@@ -73,10 +75,14 @@ class Viewer:
     async def look(self, sample: v1.SampleRequest) -> None:
         """Asks for a view until its last frame is there, over as many streams as it takes."""
         begin, delay = now(), FIRST_DELAY
+        self._waits_since = begin
         while True:
+            frames = len(self.arrivals)
             error = await self._try(sample, begin)
             if error is None:
                 return
+            if len(self.arrivals) > frames:  # it had points, though not the last of them
+                self._waits_since = now()
             self._tell(sample, begin, error.code, message=error.message)
             self._crowd.breaks.append(Break(now(), self, self.replica, error))
             await self._hang_up()
@@ -101,7 +107,7 @@ class Viewer:
         while not is_final:
             frame = await line.receive()
             if is_first:
-                self._crowd.seconds.append((begin, now() - begin))
+                self._crowd.seconds.append((self._waits_since, now() - self._waits_since))
                 self.arrivals.append((now(), self._opened))
                 self.replica = line.replica
             is_first, is_final = False, not frame.statistics.refining
