@@ -26,6 +26,7 @@ namespace {
 // Jobs that wait, in all and of one caller.
 constexpr std::size_t kMaxWaiting = 1024, kMaxWaitingOfOne = 256;
 constexpr std::chrono::seconds kHousekeepingInterval{1};
+constexpr std::chrono::milliseconds kRetryInterval{100};  // what a view waits for longer than it has to
 // Two sessions in the making at once, of which one takes less than this: a great mesh does not hold up small ones.
 constexpr int kPreprocessingWorkers = 2;
 constexpr std::chrono::seconds kLongPreprocessing{5};
@@ -161,8 +162,12 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
   std::condition_variable_any never;
   MutexLock lock(mutex);
   SpareMemory spare;
-  while (!never.wait_for(lock, stop, kHousekeepingInterval, [] { return false; }) && !stop.stop_requested()) {
+  auto next = std::chrono::steady_clock::now() + kHousekeepingInterval;
+  while (!never.wait_for(lock, stop, kRetryInterval, [] { return false; }) && !stop.stop_requested()) {
+    for (const auto& stream : all_streams()) stream->retry();
     const auto now = std::chrono::steady_clock::now();
+    if (now < next) continue;
+    next = now + kHousekeepingInterval;
     sessions.run_housekeeping(now);
     if (marks != nullptr) marks->touch();
     meshes.run_housekeeping();
@@ -172,7 +177,6 @@ void Engine::run_housekeeping(const std::stop_token& stop) {
     if (queued.is_half_full()) metrics.stalled(sends.end_begun_before(now - max_stall_));
     receipts.end_begun_before(now - max_stall_);
     retire_old_streams(now);
-    for (const auto& stream : all_streams()) stream->retry();
     warn_of_overdue();
     spare.give_back(now);
   }
