@@ -276,12 +276,12 @@ absl::StatusOr<std::shared_ptr<const Session>> SessionStore::load(const std::str
       log_->info("session {} loaded from the cache in {:.3f} s", id, seconds_since(start));
     }
   }
-  if (job == nullptr) return loaded;
-  // It was to load the session, for those who have joined it.
-  job->is_loaded = true;
-  take_in(job, loaded);
-  jobs_.cancel(*job);
-  const absl::StatusOr<std::shared_ptr<const Session>> held = find_here(id, who);  // the job's own, if that was faster
+  if (job != nullptr) {  // it was to load the session, for those who have joined it
+    job->is_loaded = true;
+    take_in(job, loaded);
+    jobs_.cancel(*job);
+  }
+  const absl::StatusOr<std::shared_ptr<const Session>> held = find_here(id, who);  // a job's own, if that was faster
   return held.ok() ? held : loaded;
 }
 
