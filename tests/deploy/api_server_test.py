@@ -10,16 +10,16 @@ import shutil
 import ssl
 import subprocess
 import tempfile
-import time
 import unittest
 import urllib.error
 import urllib.request
 from typing import Any, ClassVar
 
 import yaml
+from free_port import free_port
 
 import helm_chart
-from helm_chart import CHART, OPTIONS, TOOLS, Object, Outcome, free_port, workloads
+from helm_chart import CHART, OPTIONS, TOOLS, Object, Outcome, eventually, workloads
 
 PATIENCE = 180.0  # seconds; only a broken server takes that long to be ready
 TOKEN = "nobody-else-reaches-it"
@@ -76,17 +76,14 @@ class ApiServer:
         shutil.rmtree(self.folder)
 
     def _wait_until_ready(self) -> None:
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
+        for _ in eventually(PATIENCE):
             try:
                 if self.ask("GET", "/readyz", raw=True)[0] == 200:
                     return
             except OSError:
                 pass  # it does not listen yet, or has no certificate
             if self._process.poll() is not None:
-                break
-            time.sleep(0.2)
-        raise RuntimeError("the API server is not ready:\n" + (self.folder / "log").read_text()[-4000:])
+                raise RuntimeError("the API server has ended:\n" + (self.folder / "log").read_text()[-4000:])
 
     def ask(self, method: str, path: str, body: Object | None = None, raw: bool = False) -> tuple[int, Any]:
         """The status and the answer, which is JSON unless `raw`. Also where that is an error."""
@@ -131,8 +128,7 @@ class ApiServerTest(helm_chart.Rendered):
         """Where things of its kind are."""
         group, kind = thing["apiVersion"], thing["kind"]
         base = f"/apis/{group}" if "/" in group else f"/api/{group}"
-        end = time.monotonic() + PATIENCE
-        while True:
+        for _ in eventually(PATIENCE):  # what a definition brings is there a moment after it
             _, found = self.server.ask("GET", base)
             for resource in found.get("resources", []):
                 if resource["kind"] == kind and "/" not in resource["name"]:
@@ -141,9 +137,7 @@ class ApiServerTest(helm_chart.Rendered):
                         if resource["namespaced"]
                         else f"{base}/{resource['name']}"
                     )
-            # What a definition brings is there a moment after it.
-            self.assertLess(time.monotonic(), end, f"no {kind} of {group}")
-            time.sleep(0.1)
+        raise AssertionError(f"no {kind} of {group}")
 
     def test_every_object_is_taken_without_an_unknown_field(self) -> None:
         self.server.make_namespace("strict")

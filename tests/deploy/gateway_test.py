@@ -15,26 +15,15 @@ import struct
 import subprocess
 import tempfile
 import threading
-import time
 import unittest
-from collections.abc import Iterator
 from typing import ClassVar
 
 import helm_chart
-from helm_chart import NAMESPACE, container, environment, find
+from helm_chart import NAMESPACE, container, environment, eventually, find
 
 REPLICAS = 3
 KEYS = [f"{number * 0x9E3779B97F4A7C15 % 2**64:016x}" for number in range(1, 91)]
 HAPROXY = shutil.which("haproxy") or "/usr/sbin/haproxy"
-
-
-def eventually(seconds: float = 60) -> Iterator[None]:
-    """Goes on until the loop ends, or the time has passed."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        yield
-        time.sleep(0.05)
-    raise AssertionError(f"not within {seconds} s")
 
 
 class Names:

@@ -7,9 +7,9 @@ import dataclasses
 import os
 import pathlib
 import shutil
-import socket
 import subprocess
 import tempfile
+import time
 import unittest
 from collections.abc import Iterator
 from typing import Any, ClassVar
@@ -122,10 +122,20 @@ def environment(workload: Object) -> dict[str, str]:
     return {variable["name"]: variable["value"] for variable in variables}
 
 
-def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
+def eventually(seconds: float = 60) -> Iterator[None]:
+    """Goes on until the loop ends, or the time has passed."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        yield
+        time.sleep(0.05)
+    raise AssertionError(f"not within {seconds} s")
+
+
+def command_of(test: unittest.TestCase) -> str:
+    command = os.environ.get("CURVECAST_COMMAND")
+    if not command:
+        test.skipTest("there is no built curvecast: CURVECAST_BUILD names the folder of a build")
+    return command
 
 
 def folder_of(test: unittest.TestCase) -> pathlib.Path:

@@ -88,7 +88,7 @@ class ReadersTest(helm_chart.Rendered):
     # The server
 
     def test_the_server_takes_its_settings(self) -> None:
-        command = self.command()
+        command = helm_chart.command_of(self)
         named = set()
         for name, objects in self.objects.items():
             every = environment(find(objects, "StatefulSet"))  # those of the store too, which are no settings
@@ -110,7 +110,7 @@ class ReadersTest(helm_chart.Rendered):
         file = folder_of(self) / "tokens"
         file.write_text(find(self.objects["everything"], "Secret")["stringData"]["tokens"])
         # It ends with this process, however that ends.
-        command = ["setpriv", "--pdeathsig", "TERM", self.command(), "serve", "--tokens", str(file)]
+        command = ["setpriv", "--pdeathsig", "TERM", helm_chart.command_of(self), "serve", "--tokens", str(file)]
         command += ["--listen", "127.0.0.1:0", "--http", "none"]
         server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert server.stdout is not None
@@ -119,12 +119,6 @@ class ReadersTest(helm_chart.Rendered):
         errors = server.communicate(timeout=60)[1]
         self.assertTrue(line.startswith("listening on "), errors)
         self.assertEqual(server.returncode, 0, errors)
-
-    def command(self) -> str:
-        command = os.environ.get("CURVECAST_COMMAND")
-        if not command:
-            self.skipTest("there is no built curvecast: CURVECAST_BUILD names the folder of a build")
-        return command
 
     # Prometheus
 

@@ -13,9 +13,10 @@ import unittest
 from typing import Any
 
 import yaml
+from free_port import free_port
 
 import helm_chart
-from helm_chart import Object, Values, find, folder_of
+from helm_chart import Object, Values, command_of, eventually, find, folder_of
 
 IMAGE = "localhost/curvecast:latest"
 VALUES: Values = {
@@ -25,7 +26,6 @@ VALUES: Values = {
 }
 NAME, CLAIM = "curvecast-check-0", "curvecast-check-cache"
 CONTAINER = f"{NAME}-curvecast"
-PATIENCE = 60.0  # seconds
 
 
 def pod_of(servers: Object) -> list[Object]:
@@ -36,7 +36,7 @@ def pod_of(servers: Object) -> list[Object]:
     (claim,) = servers["spec"]["volumeClaimTemplates"]
     spec["volumes"].append({"name": claim["metadata"]["name"], "persistentVolumeClaim": {"claimName": CLAIM}})
     for port in helm_chart.container(servers)["ports"]:
-        port.update(hostIP="127.0.0.1", hostPort=helm_chart.free_port())
+        port.update(hostIP="127.0.0.1", hostPort=free_port())
     kinds = {"apiVersion": "v1", "metadata": {"name": CLAIM}, "kind": "PersistentVolumeClaim", "spec": claim["spec"]}
     return [kinds, {"apiVersion": "v1", "kind": "Pod", "metadata": {**template["metadata"], "name": NAME}, "spec": spec}]
 
@@ -52,6 +52,7 @@ def field(size: int) -> str:
 
 class PodTest(unittest.TestCase):
     def setUp(self) -> None:
+        self.command = command_of(self)
         self.folder = folder_of(self)
         # No more files and processes than who runs this may give, as in deploy/container/check.
         settings = self.folder / "containers.conf"
@@ -80,16 +81,15 @@ class PodTest(unittest.TestCase):
 
     def play(self) -> None:
         self.podman("kube", "play", str(self.file))
-        end = time.monotonic() + PATIENCE
-        while not self.podman("exec", CONTAINER, "/usr/bin/curvecast", "health", check=False)[0]:
-            self.assertLess(time.monotonic(), end, self.podman("logs", CONTAINER)[1])
-            time.sleep(0.1)
+        for _ in eventually():
+            if self.podman("exec", CONTAINER, "/usr/bin/curvecast", "health", check=False)[0]:
+                break
 
     def sample(self) -> str:
         """What the command says while it samples a mesh there."""
         mesh = self.folder / "field.off"
         mesh.write_text(field(20))
-        command = [os.environ["CURVECAST_COMMAND"], "sample", str(mesh), "--server", f"127.0.0.1:{self.ports['grpc']}"]
+        command = [self.command, "sample", str(mesh), "--server", f"127.0.0.1:{self.ports['grpc']}"]
         done = subprocess.run(
             [*command, "-n", "1000", "-o", str(self.folder / "points.ply")], capture_output=True, text=True, check=False
         )

@@ -16,6 +16,8 @@ import unittest
 import urllib.request
 from typing import ClassVar
 
+from free_port import free_port
+
 SOURCE = pathlib.Path(os.environ.get("CURVECAST_SOURCE", pathlib.Path(__file__).parents[2]))
 TOOLS = SOURCE / "build/tools"
 SECONDS = 60
@@ -102,12 +104,6 @@ class StoreTest(unittest.TestCase):
             CURVECAST_S3_PROXIED=f"http://127.0.0.1:{proxied}",
             CURVECAST_TOXIPROXY=f"http://127.0.0.1:{control}/proxies/s3",
         )
-
-
-def free_port() -> int:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        return int(taken.getsockname()[1])
 
 
 def wait_for(url: str) -> None:
