@@ -22,6 +22,34 @@ bool is_made_whole(int level, std::uint64_t lacking) {
   return lacking > (GroupOrder::is_free(level - 1) ? all / 5 * 4 : all / 3);
 }
 
+/// Calls visit(chunk, i, stratum) for the points that a tree has down to a level; stratum: that of the level.
+template <typename Visit>
+void visit_points(const RankTree& tree, int level, const Visit& visit) {
+  for (const RankTree::Chunk& chunk : tree.chunks()) {
+    if (chunk->id.level > level) break;
+    for (std::size_t i = 0; i < chunk->size(); ++i) visit(*chunk, i, chunk->curve_position[i] >> (64 - 2 * level));
+  }
+}
+
+std::vector<RankedPosition> positions_of(const RankTree& tree, int level) {
+  std::vector<RankedPosition> positions(std::size_t{1} << 2 * level);
+  visit_points(tree, level, [&](const RankChunk& chunk, std::size_t i, std::uint64_t stratum) {
+    positions[stratum] = {chunk.curve_position[i], chunk.rank_of(i)};
+  });
+  return positions;
+}
+
+/// Whether the points that a tree has down to a level are these, to the bit.
+bool has_all_points(const RankTree& tree, int level, std::span<const RankedPoint> points) {
+  bool all = true;
+  visit_points(tree, level, [&](const RankChunk& chunk, std::size_t i, std::uint64_t stratum) {
+    const RankedPoint& p = points[stratum];
+    all = all && chunk.x[i] == p.position[0] && chunk.y[i] == p.position[1] && chunk.z[i] == p.position[2] &&
+          chunk.vertex[i] == p.vertex && chunk.face[i] == p.face;
+  });
+  return all;
+}
+
 }  // namespace
 
 RankGrower::RankGrower(std::shared_ptr<const LeafSurface> surface, const ProgressiveOptions& options)
@@ -33,10 +61,29 @@ absl::StatusOr<std::unique_ptr<RankGrower>> RankGrower::make(std::shared_ptr<con
     return absl::InvalidArgumentError(absl::StrFormat("ranks down to level %d asked for; %d to %d can be made at once",
                                                       options.level, kChunkLevels, kMaxLevelAtOnce));
   }
-  std::unique_ptr<RankGrower> grower;
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-  arena.execute([&] { grower.reset(new RankGrower(std::move(surface), options)); });
+  std::unique_ptr<RankGrower> grower = empty(std::move(surface), options, context);
   if (absl::Status status = grower->make_whole(options.level, context); !status.ok()) return status;
+  return grower;
+}
+
+std::unique_ptr<RankGrower> RankGrower::empty(std::shared_ptr<const LeafSurface> surface, const ProgressiveOptions& options,
+                                              const ExecutionContext& context) {
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  return arena.execute([&] { return std::unique_ptr<RankGrower>(new RankGrower(std::move(surface), options)); });
+}
+
+absl::StatusOr<std::unique_ptr<RankGrower>> RankGrower::restore(std::shared_ptr<const LeafSurface> surface,
+                                                                const ProgressiveOptions& options,
+                                                                std::shared_ptr<const RankTree> tree,
+                                                                const ExecutionContext& context) {
+  std::unique_ptr<RankGrower> grower = empty(surface, options, context);
+  absl::StatusOr<ProgressiveRanks> ranks =
+      ProgressiveRanks::restore(surface, options, positions_of(*tree, options.level), context);
+  if (absl::IsCancelled(ranks.status())) return ranks.status();
+  if (absl::Status status = surface->status(); !status.ok()) return status;
+  if (!ranks.ok() || !has_all_points(*tree, options.level, ranks->points())) return make(std::move(surface), options, context);
+  grower->ranks_.emplace(*std::move(ranks));
+  grower->tree_ = std::move(tree);
   return grower;
 }
 

@@ -26,6 +26,14 @@ class RankGrower {
                                                           const ProgressiveOptions& options,
                                                           const ExecutionContext& context = {});
 
+  /// Returns a grower that goes on from a tree that another one with the same options made on the same surface; options.level, at
+  /// most kFirstFreeLevel, says down to where it has all chunks. Where the surface does not have the tree's points, they are all
+  /// made anew. Errors as of make().
+  static absl::StatusOr<std::unique_ptr<RankGrower>> restore(std::shared_ptr<const LeafSurface> surface,
+                                                             const ProgressiveOptions& options,
+                                                             std::shared_ptr<const RankTree> tree,
+                                                             const ExecutionContext& context = {});
+
   const SurfaceCurve& curve() const { return surface_->curve(); }
   std::shared_ptr<const SurfaceCurve> shared_curve() const { return surface_->shared_curve(); }
   /// Returns the points that were made and not been let go of.
@@ -44,6 +52,8 @@ class RankGrower {
 
  private:
   RankGrower(std::shared_ptr<const LeafSurface> surface, const ProgressiveOptions& options);
+  static std::unique_ptr<RankGrower> empty(std::shared_ptr<const LeafSurface> surface, const ProgressiveOptions& options,
+                                           const ExecutionContext& context);
   absl::Status make_whole(int level, const ExecutionContext& context);
   RankTree::Chunk whole_chunk(const ChunkId& id) const;
   absl::Status make_chunks(std::span<const ChunkId> wanted, std::vector<RankTree::Chunk>& out, const ExecutionContext& context);

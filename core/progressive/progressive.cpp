@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "core/base/for_all.h"
-#include "core/base/random.h"
 #include "core/progressive/fill_free_group.h"
 
 namespace curvecast {
@@ -22,14 +21,6 @@ constexpr char kStage[] = "ranks";
 constexpr std::size_t kMaxGroupsAtOnce = 64;  // between two looks whether the work was cancelled
 
 using Groups = std::vector<std::uint64_t>;
-
-RankedPoint first_point(const CurveStrata& strata, std::uint64_t seed) {
-  const std::uint64_t curve_position = mix_bits(seed);
-  const double t = unit_curve_position(curve_position);
-  CurvePoint at{};
-  strata.points_at({&t, 1}, 1, {&at, 1});
-  return {at, curve_position, 0};
-}
 
 /// Makes a group's points. base_of(i) gives the points of lower levels of group i of the same level; filled(i) gives all points
 /// of a group i that comes before this one.
@@ -213,6 +204,11 @@ absl::Status check_area(const SurfaceCurve& curve) {
   return absl::OkStatus();
 }
 
+std::unique_ptr<const GroupOrder> order_of(const CurveStrata& strata, int levels, const ExecutionContext& context) {
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  return arena.execute([&] { return std::make_unique<const GroupOrder>(strata, levels); });
+}
+
 }  // namespace
 
 absl::StatusOr<ProgressiveRanks> ProgressiveRanks::make(std::shared_ptr<const LeafSurface> surface,
@@ -222,14 +218,29 @@ absl::StatusOr<ProgressiveRanks> ProgressiveRanks::make(std::shared_ptr<const Le
         absl::StrFormat("ranks down to level %d asked for; 0 to %d can be made at once", options.level, kMaxLevelAtOnce));
   }
   if (absl::Status status = check_area(surface->curve()); !status.ok()) return status;
-  ProgressiveRanks ranks;
-  ranks.surface_ = std::move(surface);
-  ranks.options_ = {.level = 0, .seed = options.seed};
-  ranks.strata_ = std::make_unique<CurveStrata>(*ranks.surface_);
-  ranks.points_ = {first_point(*ranks.strata_, options.seed)};
+  ProgressiveRanks ranks(std::move(surface), options.seed);
+  ranks.points_ = {first_ranked_point(*ranks.strata_, options.seed)};
   if (absl::Status status = ranks.fill(options.level, context); !status.ok()) return status;
   return ranks;
 }
+
+absl::StatusOr<ProgressiveRanks> ProgressiveRanks::restore(std::shared_ptr<const LeafSurface> surface,
+                                                           const ProgressiveOptions& options,
+                                                           std::span<const RankedPosition> points,
+                                                           const ExecutionContext& context) {
+  if (absl::Status status = check_area(surface->curve()); !status.ok()) return status;
+  ProgressiveRanks ranks(std::move(surface), options.seed);
+  absl::StatusOr<std::vector<RankedPoint>> found =
+      find_ranked_points(*ranks.strata_, options.level, options.seed, points, context);
+  if (!found.ok()) return found.status();
+  ranks.points_ = *std::move(found);
+  ranks.options_.level = options.level;
+  ranks.order_ = order_of(*ranks.strata_, options.level, context);
+  return ranks;
+}
+
+ProgressiveRanks::ProgressiveRanks(std::shared_ptr<const LeafSurface> surface, std::uint64_t seed)
+    : surface_(std::move(surface)), options_{.level = 0, .seed = seed}, strata_(std::make_unique<CurveStrata>(*surface_)) {}
 
 void ProgressiveRanks::move_to(std::shared_ptr<const LeafSurface> surface) {
   strata_->move_to(*surface);
@@ -245,8 +256,7 @@ absl::Status ProgressiveRanks::extend(int level, const ExecutionContext& context
 }
 
 absl::Status ProgressiveRanks::fill(int last, const ExecutionContext& context) {
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
-  auto order = arena.execute([&] { return std::make_unique<GroupOrder>(*strata_, last); });
+  auto order = order_of(*strata_, last, context);
   std::vector<RankedPoint> points = points_;
   std::vector<Groups> near;
   for (int level = 0; level < last; ++level) {

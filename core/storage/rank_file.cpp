@@ -38,6 +38,47 @@ struct Runs {
 
 std::size_t points_of_level(int level) { return level == kChunkLevels ? kChunkStrata : kChunkStrata - kLayerStrata; }
 
+std::vector<ChunkId> chunks_down_to(int level) {
+  std::vector<ChunkId> ids;
+  for (int l = kChunkLevels; l <= level; ++l) {
+    for (std::uint64_t i = 0; i < chunks_of_level(l); ++i) ids.push_back({l, i});
+  }
+  return ids;
+}
+
+/// Returns how many of a tree's first chunks are those of whole levels, and down to which level.
+std::pair<std::size_t, int> whole_levels(std::span<const RankTree::Chunk> chunks, int deepest) {
+  std::size_t count = 0;
+  int level = kChunkLevels - 1;
+  for (int next = kChunkLevels; next <= std::min(deepest, kMaxLevelAtOnce); ++next) {
+    const std::size_t end = count + chunks_of_level(next);
+    if (end > chunks.size() || chunks[end - 1]->id != ChunkId{next, chunks_of_level(next) - 1}) break;
+    level = next;
+    count = end;
+  }
+  return {count, level};
+}
+
+/// Returns, of a tree's chunks from `begin` on, those that were looked at last, up to about so many points, in their order. A
+/// chunk comes with those that it continues.
+std::vector<RankTree::Chunk> last_used(const RankTree& tree, std::size_t begin, std::size_t most_points) {
+  const std::span<const RankTree::Chunk> chunks = tree.chunks();
+  const std::size_t most = most_points / points_of_level(kChunkLevels + 1);
+  std::vector<std::pair<std::uint64_t, std::size_t>> uses;  // of each: when it or what continues it was looked at last; its index
+  for (std::size_t c = begin; c < chunks.size(); ++c) uses.emplace_back(chunks[c]->used.get(), c);
+  for (std::size_t c = chunks.size(); c-- > begin;) {
+    const std::size_t parent = tree.find({chunks[c]->id.level - 1, chunks[c]->id.index / 4});
+    if (parent >= begin) uses[parent - begin].first = std::max(uses[parent - begin].first, uses[c - begin].first);
+  }
+  std::ranges::sort(uses,
+                    [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
+  uses.resize(std::min(uses.size(), most));
+  std::ranges::sort(uses, {}, [](const auto& use) { return use.second; });
+  std::vector<RankTree::Chunk> out;
+  for (const auto& [used, c] : uses) out.push_back(chunks[c]);
+  return out;
+}
+
 /// Whether the numbers of a chunk are such as make_chunk() gives.
 bool makes_sense(const RankChunk& chunk, const SurfaceCurve& curve, std::uint64_t faces) {
   const auto is_finite = [](float value) { return std::isfinite(value); };
@@ -54,7 +95,7 @@ bool makes_sense(const RankChunk& chunk, const SurfaceCurve& curve, std::uint64_
   for (std::size_t i = 0; i < chunk.size(); ++i) {
     const std::uint64_t first = chunk.id.first_rank(i / kLayerStrata), position = chunk.curve_position[i];
     if (chunk.vertex[i] >= curve.size() || chunk.face[i] >= faces) return false;
-    if (chunk.rank[i] < first || chunk.rank[i] >= first + chunk.id.layer_ranks()) return false;
+    if (chunk.rank_of(i) < first || chunk.rank_of(i) >= first + chunk.id.layer_ranks()) return false;
     if (position < chunk.id.first_position() || position > chunk.id.last_position()) return false;
     if (chunk.id.stratum_in_layer(position) != i % kLayerStrata) return false;
   }
@@ -63,20 +104,22 @@ bool makes_sense(const RankChunk& chunk, const SurfaceCurve& curve, std::uint64_
 
 }  // namespace
 
-absl::Status save_ranks(const std::string& path, const RankTree& tree, int deepest, std::string_view note) {
+absl::Status save_ranks(const std::string& path, const RankTree& tree, const SaveRanksOptions& options, std::string_view note) {
   const std::span<const RankTree::Chunk> all = tree.chunks();  // by level
-  std::uint32_t level = kChunkLevels - 1;
-  std::size_t count = 0;
-  for (int next = kChunkLevels; next <= std::min(deepest, kMaxLevelAtOnce); ++next) {
-    const std::size_t end = count + chunks_of_level(next);
-    if (end > all.size() || all[end - 1]->id != ChunkId{next, chunks_of_level(next) - 1}) break;
-    level = static_cast<std::uint32_t>(next);
-    count = end;
+  const auto [whole, level] = whole_levels(all, options.whole_levels);
+  std::vector<RankTree::Chunk> chunks(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(whole));
+  std::vector<std::uint32_t> deeper_levels;
+  std::vector<std::uint64_t> deeper_indices;
+  for (RankTree::Chunk& chunk : last_used(tree, whole, options.most_deeper_points)) {
+    deeper_levels.push_back(static_cast<std::uint32_t>(chunk->id.level));
+    deeper_indices.push_back(chunk->id.index);
+    chunks.push_back(std::move(chunk));
   }
-  const std::span<const RankTree::Chunk> chunks = all.first(count);
+  const auto whole_level = static_cast<std::uint32_t>(level);
   std::vector<Runs> runs;
   for (const RankTree::Chunk& chunk : chunks) runs.push_back({chunk->bounds, chunk->first_vertex, chunk->last_vertex});
-  std::vector<Section> sections = {make_section("note", note), make_section("level", std::span(&level, 1)),
+  std::vector<Section> sections = {make_section("note", note), make_section("level", std::span(&whole_level, 1)),
+                                   make_section("deeper levels", deeper_levels), make_section("deeper indices", deeper_indices),
                                    make_section("runs", runs)};
   const std::size_t first_column = sections.size();
   for (const RankTree::Chunk& chunk : chunks) {
@@ -100,22 +143,35 @@ absl::StatusOr<RankFile> load_ranks(const std::string& path, const SurfaceCurve&
   if (!file.ok()) return file.status();
   const auto saved_note = (*file)->section<char>("note");
   const auto level = (*file)->section<std::uint32_t>("level");
+  const auto deeper_levels = (*file)->section<std::uint32_t>("deeper levels");
+  const auto deeper_indices = (*file)->section<std::uint64_t>("deeper indices");
   const auto runs = (*file)->section<Runs>("runs");
-  for (const absl::Status& status : {saved_note.status(), level.status(), runs.status()}) {
+  for (const absl::Status& status :
+       {saved_note.status(), level.status(), deeper_levels.status(), deeper_indices.status(), runs.status()}) {
     if (!status.ok()) return status;
   }
   if (std::string_view(saved_note->data(), saved_note->size()) != note) return (*file)->damaged("its ranks are of another curve");
   if (level->size() != 1 || level->front() < kChunkLevels || level->front() > kMaxLevelAtOnce) {
     return (*file)->damaged("its level is out of range");
   }
-  std::vector<std::shared_ptr<RankChunk>> chunks;
-  for (int l = kChunkLevels; l <= static_cast<int>(level->front()); ++l) {
-    for (std::uint64_t i = 0; i < chunks_of_level(l); ++i) {
-      chunks.push_back(std::make_shared<RankChunk>());
-      chunks.back()->id = {l, i};
-    }
+  const int whole = static_cast<int>(level->front());
+  std::vector<ChunkId> ids = chunks_down_to(whole);
+  if (deeper_levels->size() != deeper_indices->size() || runs->size() != ids.size() + deeper_levels->size()) {
+    return (*file)->damaged("its chunks are not as many as it says");
   }
-  if (runs->size() != chunks.size()) return (*file)->damaged("its chunks are not as many as its level has");
+  for (std::size_t i = 0; i < deeper_levels->size(); ++i) {
+    const auto deeper = static_cast<int>(std::min<std::uint32_t>((*deeper_levels)[i], kMaxRankLevel + 1));
+    const ChunkId id{deeper, (*deeper_indices)[i]};
+    if (deeper > kMaxRankLevel || id <= ids.back() || id.index >= chunks_of_level(deeper)) {
+      return (*file)->damaged("its deeper chunks are out of range or order");
+    }
+    ids.push_back(id);
+  }
+  std::vector<std::shared_ptr<RankChunk>> chunks;
+  for (const ChunkId& id : ids) {
+    chunks.push_back(std::make_shared<RankChunk>());
+    chunks.back()->id = id;
+  }
   absl::Status status;
   std::size_t begin = 0;  // of a chunk in each column
   for (const std::shared_ptr<RankChunk>& chunk : chunks) {
@@ -138,9 +194,8 @@ absl::StatusOr<RankFile> load_ranks(const std::string& path, const SurfaceCurve&
     chunk.last_vertex = (*runs)[c].last_vertex;
     if (!makes_sense(chunk, curve, faces)) return (*file)->damaged("its ranks make no sense for the curve");
   }
-  if (absl::Status whole = (*file)->status(); !whole.ok()) return whole;
-  return RankFile{std::make_shared<const RankTree>(std::vector<RankTree::Chunk>(chunks.begin(), chunks.end())),
-                  static_cast<int>(level->front())};
+  if (absl::Status intact = (*file)->status(); !intact.ok()) return intact;
+  return RankFile{std::make_shared<const RankTree>(std::vector<RankTree::Chunk>(chunks.begin(), chunks.end())), whole};
 }
 
 }  // namespace curvecast

@@ -1,4 +1,5 @@
-// The lowest ranks of a curve as a file: what first views show, without the surface that it was found on.
+// Ranked points of a curve as a file: those of the lowest ranks, which first views show, and deeper ones, without the surface
+// that they were found on.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -14,16 +15,22 @@
 namespace curvecast {
 
 /// Grows when what the files hold changes.
-inline constexpr std::uint32_t kRankFileVersion = 1;
+inline constexpr std::uint32_t kRankFileVersion = 2;
 
 struct RankFile {
   std::shared_ptr<const RankTree> tree;
-  int level = 0;  // down to which it has all chunks
+  int level = 0;  // down to which it has all chunks, as far as it was asked to be saved
 };
 
-/// Saves the chunks of the levels that the tree has all of, down to `deepest` at most. `note`: whose they are. Errors as of
-/// write_section_file. Precondition: deepest >= kChunkLevels.
-absl::Status save_ranks(const std::string& path, const RankTree& tree, int deepest, std::string_view note = {});
+struct SaveRanksOptions {
+  int whole_levels = kChunkLevels;     // down to this level whole levels are saved, at least kChunkLevels
+  std::size_t most_deeper_points = 0;  // about; of deeper chunks those that were looked at last, with those that they continue
+};
+
+/// Saves the chunks of the levels that the tree has all of, and some of the others. `note`: whose they are. Errors as of
+/// write_section_file.
+absl::Status save_ranks(const std::string& path, const RankTree& tree, const SaveRanksOptions& options,
+                        std::string_view note = {});
 
 /// Loads what save_ranks() saved with the same note, for the same curve, whose surface has `faces`. Errors as of
 /// SectionFile::open, and DataLoss where the content makes no sense for them.

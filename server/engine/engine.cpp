@@ -143,7 +143,12 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
           },
           [this] { return memory_share_ - std::min(memory_share_, held_bytes() + memory.reserved()); }, log),
       rank_jobs(
-          threads, [this](const Session& session) { notify_streams(session); }, log),
+          threads,
+          [this](const Session& session) {
+            notify_streams(session);
+            if (cache != nullptr) cache->save_candidates(session);
+          },
+          log),
       max_stall_(options.max_stall),
       max_stream_age_(options.max_stream_age),
       housekeeper_([this](const std::stop_token& stop) { run_housekeeping(stop); }) {

@@ -27,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kIdDigits = 32;
+constexpr const char* kEndings[] = {".curve", ".refined", ".ranks", ".grown", ".surface"};
 constexpr char kMark[] = ".closed", kStored[] = ".stored";
 constexpr std::chrono::hours kMarkLife{24};
 
@@ -43,8 +44,8 @@ std::map<std::string, Stored> scan(const std::string& folder) {
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     const std::string id = name.substr(0, kIdDigits);
-    const bool is_ours = is_content_id(id) && (absl::EndsWith(name, ".curve") || absl::EndsWith(name, ".refined") ||
-                                               absl::EndsWith(name, ".ranks") || absl::EndsWith(name, ".surface"));
+    const bool is_ours =
+        is_content_id(id) && std::ranges::any_of(kEndings, [&](const char* e) { return absl::EndsWith(name, e); });
     struct stat status = {};
     if (!is_ours || ::lstat(it->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
     Stored& stored = sessions[id];
@@ -120,6 +121,10 @@ std::string CacheFolder::ranks_path(const std::string& id) const {
   return absl::StrCat(folder_, "/", id, ".v", kRankFileVersion, ".ranks");
 }
 
+std::string CacheFolder::grown_path(const std::string& id) const {
+  return absl::StrCat(folder_, "/", id, ".v", kRankFileVersion, ".grown");
+}
+
 std::string CacheFolder::surface_path(const std::string& id) const {
   return absl::StrCat(folder_, "/", id, ".v", kSurfaceFileVersion, ".surface");
 }
@@ -128,8 +133,8 @@ std::string CacheFolder::closed_path(const std::string& id) const { return absl:
 
 std::string CacheFolder::stored_path(const std::string& id) const { return absl::StrCat(folder_, "/", id, kStored); }
 
-std::array<std::string, 4> CacheFolder::paths(const std::string& id) const {
-  return {curve_path(id), refined_path(id), ranks_path(id), surface_path(id)};
+std::array<std::string, 5> CacheFolder::paths(const std::string& id) const {
+  return {curve_path(id), refined_path(id), ranks_path(id), grown_path(id), surface_path(id)};
 }
 
 template <typename Paths>

@@ -1,7 +1,7 @@
 // What lies where in the folder in which sessions survive the server: for each a file with the first revision of its curve and
-// what the session is, one with what refining the curve starts from, one with the points that first views show, and where the
-// curve was refined, one with the newest revision. An empty file marks one that was closed; one with the store's URL those whose
-// files are in a store that servers share, too.
+// what the session is, one with what refining the curve starts from, one with the points that first views show, one with those
+// that were made for other views, and where the curve was refined, one with the newest revision. An empty file marks one that was
+// closed; one with the store's URL those whose files are in a store that servers share, too.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -50,8 +50,9 @@ class CacheFolder {
   std::string refined_path(const std::string& id) const;
   std::string surface_path(const std::string& id) const;
   std::string ranks_path(const std::string& id) const;
+  std::string grown_path(const std::string& id) const;
   /// All of these.
-  std::array<std::string, 4> paths(const std::string& id) const;
+  std::array<std::string, 5> paths(const std::string& id) const;
   /// Removes a session's files, also the mark of those in a store. False where there was no curve.
   bool remove_files(const std::string& id) const;
 

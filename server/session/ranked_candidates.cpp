@@ -7,6 +7,8 @@
 namespace curvecast::server {
 namespace {
 
+constexpr std::size_t kGoodPart = 8;  // an eighth of the chunks: so all that is kept of a session is written 8 times, about
+
 /// Returns the level with at least as many points. What a view needs beyond is made for it: 65,536 candidates take two cores two
 /// seconds.
 int first_level(std::uint64_t max_points) {
@@ -23,15 +25,6 @@ void RankedCandidates::restore(RankedCurve made, int level, std::uint64_t seed, 
   newest_ = std::move(made);
 }
 
-absl::Status RankedCandidates::make_grower(const Surface& surface, const ProgressiveOptions& options,
-                                           const ExecutionContext& context) {
-  absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = surface();
-  if (!leaves.ok()) return leaves.status();
-  absl::StatusOr<std::unique_ptr<RankGrower>> grower = RankGrower::make(*std::move(leaves), options, context);
-  if (grower.ok()) grower_ = *std::move(grower);
-  return grower.status();
-}
-
 absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::uint64_t max_points, std::uint64_t seed,
                                                    const ExecutionContext& context) {
   {
@@ -39,9 +32,12 @@ absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::
     if (newest_.tree != nullptr) return newest_;
   }
   const MutexLock growing(growing_);
-  if (grower_ == nullptr) {
-    absl::Status made = make_grower(surface, {.level = first_level(max_points), .seed = seed}, context);
-    if (!made.ok()) return made;
+  if (grower_ == nullptr && !restored_) {
+    absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = surface();
+    if (!leaves.ok()) return leaves.status();
+    auto grower = RankGrower::make(*std::move(leaves), {.level = first_level(max_points), .seed = seed}, context);
+    if (!grower.ok()) return grower.status();
+    grower_ = *std::move(grower);
     const MutexLock lock(mutex_);
     newest_ = {grower_->shared_curve(), grower_->tree()};
   }
@@ -52,13 +48,18 @@ absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::
 absl::StatusOr<RankedCurve> RankedCandidates::grow(std::span<const ChunkId> lacking, const ExecutionContext& context) {
   const MutexLock growing(growing_);
   if (restored_) {
-    absl::Status made = make_grower(restored_->surface, {.level = restored_->level, .seed = restored_->seed}, context);
-    if (!made.ok()) return made;
+    absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = restored_->surface();
+    if (!leaves.ok()) return leaves.status();
+    auto grower =
+        RankGrower::restore(*std::move(leaves), {.level = restored_->level, .seed = restored_->seed}, made().tree, context);
+    if (!grower.ok()) return grower.status();
+    grower_ = *std::move(grower);
     restored_.reset();
   }
   absl::Status status = grower_->grow(lacking, kMaxPoints, context);
   const MutexLock lock(mutex_);
   newest_.tree = grower_->tree();
+  chunks_made_ += lacking.size();
   grower_bytes_ = grower_->byte_size();
   if (!status.ok()) return status;
   return newest_;
@@ -74,6 +75,13 @@ absl::Status RankedCandidates::move_to(const Surface& surface) {
 
 RankedCurve RankedCandidates::made() {
   const MutexLock lock(mutex_);
+  return newest_;
+}
+
+RankedCurve RankedCandidates::take_grown() {
+  const MutexLock lock(mutex_);
+  if (newest_.tree == nullptr || chunks_made_ * kGoodPart < newest_.tree->chunks().size()) return {};
+  chunks_made_ = 0;
   return newest_;
 }
 

@@ -31,8 +31,8 @@ class RankedCandidates {
   /// The level of the candidates that take() makes at first, at most.
   static constexpr int kMostLevelsAtFirst = 8;
 
-  /// Takes candidates that were made before, on `surface`, all down to a level, with these places: take() returns them, and the
-  /// surface is asked for only when they grow. Precondition: take() has not been called.
+  /// Takes candidates that were made before, on `surface`, all down to a level, with places by `seed`: take() returns them, and
+  /// the surface is asked for only when they grow. Precondition: take() has not been called.
   void restore(RankedCurve made, int level, std::uint64_t seed, Surface surface) ABSL_LOCKS_EXCLUDED(growing_, mutex_);
 
   /// Returns the candidates that there are by now. The first call makes those of the lowest ranks, on `surface`, about as many as
@@ -42,7 +42,7 @@ class RankedCandidates {
                                    const ExecutionContext& context) ABSL_LOCKS_EXCLUDED(growing_, mutex_);
 
   /// Makes the chunks that are lacking, if they still are; one caller after the other. Returns the candidates that there are
-  /// then. Errors as of RankGrower::grow(). Precondition: take() has returned candidates.
+  /// then. Errors as of RankGrower::grow() and RankGrower::restore(). Precondition: take() has returned candidates.
   absl::StatusOr<RankedCurve> grow(std::span<const ChunkId> lacking, const ExecutionContext& context)
       ABSL_LOCKS_EXCLUDED(growing_, mutex_);
 
@@ -51,14 +51,14 @@ class RankedCandidates {
 
   /// Returns the candidates that there are by now; null where there are none yet.
   RankedCurve made() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Returns the same where a good part of them has been made since restore(), since the first ones were, and since those
+  /// returned last: then they are worth keeping. Else null.
+  RankedCurve take_grown() ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Bytes of the candidates, and of what growing keeps.
   std::uint64_t byte_size() ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  absl::Status make_grower(const Surface& surface, const ProgressiveOptions& options, const ExecutionContext& context)
-      ABSL_EXCLUSIVE_LOCKS_REQUIRED(growing_);
-
   /// What a grower is made of when candidates that were restored grow.
   struct Restored {
     int level;
@@ -71,6 +71,7 @@ class RankedCandidates {
   std::unique_ptr<RankGrower> grower_ ABSL_GUARDED_BY(growing_);
   Mutex mutex_;
   RankedCurve newest_ ABSL_GUARDED_BY(mutex_);
+  std::size_t chunks_made_ ABSL_GUARDED_BY(mutex_) = 0;  // since take_grown() returned some
   std::uint64_t grower_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 

@@ -26,6 +26,9 @@ constexpr std::size_t kMaxPendingLoads = 1024;
 constexpr int kFetchThreads = 8;  // which mostly wait
 constexpr std::size_t kMaxFetchesOfOne = 256;
 constexpr std::chrono::seconds kLookInterval{5};
+// Of candidates made for views: 56 MB.
+constexpr std::size_t kMostDeeperPoints = 1'000'000;
+static_assert(RankedCandidates::kMostLevelsAtFirst <= kFirstFreeLevel, "those can be restored");
 
 /// Checks that a curve, which is sound by itself, can lie on a surface: it has all that the curve names of it.
 absl::Status check_lies_on(const CurveBase& surface, const SurfaceCurve& curve, const std::string& path) {
@@ -80,6 +83,7 @@ SessionCache::SessionCache(std::string folder, std::uint64_t max_bytes, std::sha
                                                                                 .max_waiting_of_one = kMaxFetchesOfOne,
                                                                                 .max_running_of_one = kFetchThreads / 2})
                                  : nullptr),
+      saving_candidates_({.max_waiting = kMaxPendingLoads, .low_priority = true}),
       saves_({.undo = [this](const std::string& id) { folder_.remove_files(id); },
               .on_tried = [this](const std::string& id, const absl::Status& status,
                                  bool is_lost) { note_saved(id, status, is_lost); }}) {}
@@ -89,6 +93,7 @@ SessionCache::~SessionCache() { stop(); }
 void SessionCache::stop() {
   loading_.stop();
   if (fetching_ != nullptr) fetching_->stop();
+  saving_candidates_.stop();
   saves_.stop();
   if (shared_ != nullptr) shared_->stop();
 }
@@ -221,13 +226,18 @@ void SessionCache::load_refined(Session& session, const CurveBase& surface, bool
 }
 
 void SessionCache::load_ranks(const Session& session, const CurveBase& surface, bool is_fetched) {
-  const std::string path = folder_.ranks_path(session.id);
-  if (!is_file(path)) return;
   const std::shared_ptr<const SurfaceCurve> curve = session.revisions->first();
-  absl::StatusOr<RankFile> file = curvecast::load_ranks(path, *curve, surface.triangle_of.size(), session.id);
-  if (!file.ok()) return discard(path, file.status(), is_fetched);
-  session.candidates->restore({curve, std::move(file->tree)}, file->level, session.options.seed,
-                              [below = session.surface, curve] { return below->leaves(curve); });
+  // Those that have grown include the others.
+  for (const std::string& path : {folder_.grown_path(session.id), folder_.ranks_path(session.id)}) {
+    if (!is_file(path)) continue;
+    absl::StatusOr<RankFile> file = curvecast::load_ranks(path, *curve, surface.triangle_of.size(), session.id);
+    if (file.ok()) {
+      session.candidates->restore({curve, std::move(file->tree)}, file->level, session.options.seed,
+                                  [below = session.surface, curve] { return below->leaves(curve); });
+      return;
+    }
+    discard(path, file.status(), is_fetched);
+  }
 }
 
 void SessionCache::discard_surface(const std::string& id, const absl::Status& reason) const {
@@ -253,6 +263,26 @@ void SessionCache::save(const Session& session) {
       return write_and_move(*copy);
     });
   }
+}
+
+void SessionCache::save_candidates(const Session& session) {
+  RankedCurve grown = session.candidates->take_grown();
+  if (grown.tree == nullptr) return;
+  static_cast<void>(saving_candidates_.submit([this, id = session.id, tree = std::move(grown.tree)] {
+    absl::Status status = status_from_exceptions([&] { return write_candidates(id, *tree); });
+    if (!status.ok()) log_->warn("cache: candidates of session {} are not kept: {}", id, std::string(status.message()));
+  }));
+}
+
+absl::Status SessionCache::write_candidates(const std::string& id, const RankTree& tree) const {
+  // Without the session's other files nobody would load it.
+  const auto is_wanted = [&] { return !is_closed(id) && holds(id); };
+  if (!is_wanted()) return absl::OkStatus();
+  const std::string path = folder_.grown_path(id);
+  absl::Status status =
+      save_ranks(path, tree, {.whole_levels = RankedCandidates::kMostLevelsAtFirst, .most_deeper_points = kMostDeeperPoints}, id);
+  if (!is_wanted()) remove_path(path);
+  return status;
 }
 
 absl::Status SessionCache::check_wanted(const std::string& id) const {
@@ -318,7 +348,8 @@ absl::Status SessionCache::write(const Session& session) const {
   if (absl::Status status = check_wanted(id); !status.ok()) return status;
   if (const auto ranks = session.candidates->made(); ranks.tree != nullptr && !is_file(folder_.ranks_path(id))) {
     will_change(id);
-    absl::Status status = save_ranks(folder_.ranks_path(id), *ranks.tree, RankedCandidates::kMostLevelsAtFirst, id);
+    absl::Status status =
+        save_ranks(folder_.ranks_path(id), *ranks.tree, {.whole_levels = RankedCandidates::kMostLevelsAtFirst}, id);
     if (!status.ok()) return status;
   }
   if (newest != first) {

@@ -42,6 +42,9 @@ class SessionCache {
   /// what it took in memory is free. When it cannot, because the disk is full, say, the log says so (once until it works again),
   /// and it is tried again after seconds, until it is saved or removed. What alone is too large for the cache is just not cached.
   void save(const Session& session);
+  /// Saves the candidates that were made for views, where a good part of them is new, so that whoever loads the session goes on
+  /// from there. In the background, and once: where that fails they are made again when they are needed.
+  void save_candidates(const Session& session);
   /// Whether a session waits to be saved, or is being saved.
   bool is_unsaved(const std::string& id) const { return saves_.has(id); }
   /// Which do.
@@ -119,8 +122,9 @@ class SessionCache {
   absl::StatusOr<std::shared_ptr<const Session>> load_here(const std::string& id);
   /// `is_fetched`: just now, so that what is wrong with a file is wrong in the store, too.
   absl::StatusOr<std::shared_ptr<const Session>> read(const std::string& id, bool is_fetched);
-  /// Takes up the points that first views show, if they are there. `surface`: the session's.
+  /// Takes up the points that views show, as far as they are there. `surface`: the session's.
   void load_ranks(const Session& session, const CurveBase& surface, bool is_fetched);
+  absl::Status write_candidates(const std::string& id, const RankTree& tree) const;
   /// Takes up the newest revision of a session's curve, if it is there.
   void load_refined(Session& session, const CurveBase& surface, bool is_fetched);
   void discard(const std::string& path, const absl::Status& reason, bool is_fetched = false) const;
@@ -148,7 +152,8 @@ class SessionCache {
   const std::unique_ptr<SharedSessions> shared_;  // null: no store
   JobQueue loading_;
   const std::unique_ptr<JobQueue> fetching_;  // null: no store
-  RetryQueue saves_;                          // last: it and the other queues use all of the above
+  JobQueue saving_candidates_;
+  RetryQueue saves_;  // last: it and the other queues use all of the above
 };
 
 }  // namespace curvecast::server

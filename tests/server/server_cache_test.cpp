@@ -2,6 +2,7 @@
 #include <absl/strings/str_cat.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <thread>
 
@@ -9,6 +10,7 @@
 #include "server_fixture.h"
 #include "tests/server/eventually.h"
 #include "tests/server/frame/frame_points.h"
+#include "tests/server/opened_stream.h"
 #include "tests/support/temporary_folder.h"
 
 namespace curvecast::server {
@@ -95,6 +97,34 @@ TEST_F(ServerCache, SessionsSurviveARestart) {
   EXPECT_EQ(session.options().SerializeAsString(), made.options().SerializeAsString());
   EXPECT_EQ(session.report().mesh().SerializeAsString(), made.report().mesh().SerializeAsString());
   EXPECT_EQ(session.report().seconds().total(), made.report().seconds().total());
+}
+
+// What views close by need takes seconds to make: who comes back after a crash has it.
+TEST_F(ServerCache, CandidatesThatViewsNeededSurviveTheServer) {
+  const std::string id = make_cached(*client(), 4).session_id();
+  v1::SampleRequest close = view_of(20'000);
+  close.set_sampler(v1::SAMPLER_PROGRESSIVE);
+  const auto frames = [&] {
+    OpenedStream opened(*client(), id);
+    opened.ask(1, close);
+    int count = 0;
+    for (v1::PointFrame frame; (frame = opened.read()).sequence() == 1;) {
+      EXPECT_FALSE(frame.has_error()) << frame.error().message();
+      opened.acknowledge(1);
+      ++count;
+      if (!frame.statistics().refining()) break;
+    }
+    return count;
+  };
+  EXPECT_GT(frames(), 1) << "they were made for it";
+  const auto is_kept = [this] {
+    return std::ranges::any_of(folder_.names(), [](const std::string& name) { return name.ends_with(".grown"); });
+  };
+  EXPECT_TRUE(eventually(is_kept));
+  const TemporaryFolder copy;  // as a server that was killed leaves it
+  std::filesystem::copy(folder_.path(), copy.path(), std::filesystem::copy_options::recursive);
+  start({.cache = copy.path()});
+  EXPECT_EQ(frames(), 1);
 }
 
 TEST_F(ServerCache, CurvesOfBeforeARestartAreSent) {

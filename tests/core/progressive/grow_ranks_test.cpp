@@ -129,6 +129,32 @@ TEST(RankGrower, WhatWasLetGoOfComesBackTheSame) {
   }
 }
 
+TEST(RankGrower, GoesOnFromATreeOfBefore) {
+  const auto grower = ball_grower(6);
+  ASSERT_TRUE(grower->grow(std::vector<ChunkId>{{7, 3}, {8, 14}, {9, 57}}, 1'000'000).ok());
+  const auto again = RankGrower::restore(ball_surface(), {.level = 6}, grower->tree());
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ((*again)->tree(), grower->tree());
+  const std::vector<ChunkId> more = {{7, 0}, {8, 13}, {9, 58}, {10, 230}};
+  for (RankGrower* const one : {grower.get(), again->get()}) ASSERT_TRUE(one->grow(more, 1'000'000).ok());
+  ASSERT_EQ((*again)->tree()->chunks().size(), grower->tree()->chunks().size());
+  EXPECT_EQ((*again)->tree()->chunks().size(), 5u + 3 + 4);
+  for (std::size_t c = 0; c < grower->tree()->chunks().size(); ++c) {
+    expect_same(*(*again)->tree()->chunks()[c], *grower->tree()->chunks()[c]);
+  }
+}
+
+TEST(RankGrower, MakesAnewWhatTheSurfaceDoesNotHave) {
+  const auto tree = ball_tree(6);
+  std::vector<RankTree::Chunk> chunks(tree->chunks().begin(), tree->chunks().end());
+  auto moved = std::make_shared<RankChunk>(*chunks[2]);
+  moved->x[5] += 0.001f;
+  chunks[2] = moved;
+  const auto again = RankGrower::restore(ball_surface(), {.level = 6}, std::make_shared<const RankTree>(chunks));
+  ASSERT_TRUE(again.ok()) << again.status();
+  for (std::size_t c = 0; c < chunks.size(); ++c) expect_same(*(*again)->tree()->chunks()[c], *tree->chunks()[c]);
+}
+
 TEST(RankGrower, RefusesWhatCannotBe) {
   for (const int level : {kChunkLevels - 1, kMaxLevelAtOnce + 1}) {
     EXPECT_EQ(RankGrower::make(ball_surface(), {.level = level}).status().code(), absl::StatusCode::kInvalidArgument);

@@ -36,26 +36,13 @@ class RankFileTest : public ::testing::Test {
   std::shared_ptr<const RankTree> ranks() const {
     const auto grower = RankGrower::make(leaf_surface(made_), {.level = 6});
     EXPECT_TRUE(grower.ok()) << grower.status();
-    EXPECT_TRUE((*grower)->grow(std::vector<ChunkId>{{7, 3}}, 1'000'000).ok());
-    EXPECT_EQ((*grower)->tree()->chunks().size(), 1u + 4 + 1);
+    for (const ChunkId& id : {ChunkId{7, 3}, {8, 12}, {7, 9}}) {
+      EXPECT_TRUE((*grower)->grow(std::vector<ChunkId>{id}, 1'000'000).ok());
+    }
+    EXPECT_EQ((*grower)->tree()->chunks().size(), 1u + 4 + 3);
     return (*grower)->tree();
   }
-
-  Preprocessed made_;
-  std::uint64_t faces_ = 0;
-  TemporaryFolder folder_;
-  const std::string path_ = folder_ / "ranks";
-};
-
-TEST_F(RankFileTest, BringsWholeLevelsBack) {
-  const auto before = ranks();
-  ASSERT_TRUE(save_ranks(path_, *before, 8, "whose").ok());
-  const auto after = load_ranks(path_, *made_.curve, faces_, "whose");
-  ASSERT_TRUE(after.ok()) << after.status();
-  EXPECT_EQ(after->level, 6);
-  ASSERT_EQ(after->tree->chunks().size(), 5u);
-  for (std::size_t c = 0; c < 5; ++c) {
-    const RankChunk &a = *before->chunks()[c], &b = *after->tree->chunks()[c];
+  static void expect_same(const RankChunk& a, const RankChunk& b) {
     EXPECT_EQ(a.id, b.id);
     EXPECT_EQ(a.x, b.x);
     EXPECT_EQ(a.z, b.z);
@@ -66,14 +53,62 @@ TEST_F(RankFileTest, BringsWholeLevelsBack) {
     EXPECT_TRUE(std::ranges::equal(a.bounds.radius, b.bounds.radius));
     EXPECT_EQ(a.last_vertex, b.last_vertex);
   }
-  ASSERT_TRUE(save_ranks(folder_ / "again", *after->tree, 8, "whose").ok());
+
+  Preprocessed made_;
+  std::uint64_t faces_ = 0;
+  TemporaryFolder folder_;
+  const std::string path_ = folder_ / "ranks";
+};
+
+TEST_F(RankFileTest, BringsWholeLevelsBack) {
+  const auto before = ranks();
+  ASSERT_TRUE(save_ranks(path_, *before, {.whole_levels = 8}, "whose").ok());
+  const auto after = load_ranks(path_, *made_.curve, faces_, "whose");
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_EQ(after->level, 6);
+  ASSERT_EQ(after->tree->chunks().size(), 5u);
+  for (std::size_t c = 0; c < 5; ++c) expect_same(*before->chunks()[c], *after->tree->chunks()[c]);
+  ASSERT_TRUE(save_ranks(folder_ / "again", *after->tree, {.whole_levels = 8}, "whose").ok());
   EXPECT_EQ(bytes_of(path_), bytes_of(folder_ / "again"));
-  ASSERT_TRUE(save_ranks(folder_ / "fewer", *before, 5).ok());
+  ASSERT_TRUE(save_ranks(folder_ / "fewer", *before, {.whole_levels = 5}).ok());
   EXPECT_EQ(load_ranks(folder_ / "fewer", *made_.curve, faces_)->level, 5);
 }
 
+TEST_F(RankFileTest, BringsDeeperChunksBack) {
+  const auto before = ranks();
+  ASSERT_TRUE(save_ranks(path_, *before, {.whole_levels = 8, .most_deeper_points = 1'000'000}).ok());
+  const auto after = load_ranks(path_, *made_.curve, faces_);
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_EQ(after->level, 6);
+  ASSERT_EQ(after->tree->chunks().size(), before->chunks().size());
+  for (std::size_t c = 0; c < before->chunks().size(); ++c) expect_same(*before->chunks()[c], *after->tree->chunks()[c]);
+}
+
+TEST_F(RankFileTest, OfDeeperChunksThoseThatWereLookedAtLastComeFirst) {
+  const auto before = ranks();
+  const std::size_t chunk = kChunkStrata - kLayerStrata;  // points
+  const auto saved = [&](std::size_t most) {
+    EXPECT_TRUE(save_ranks(path_, *before, {.whole_levels = 6, .most_deeper_points = most}).ok());
+    const auto after = load_ranks(path_, *made_.curve, faces_);
+    EXPECT_TRUE(after.ok()) << after.status();
+    std::vector<ChunkId> ids;
+    for (const auto& c : after->tree->chunks().subspan(5)) ids.push_back(c->id);
+    return ids;
+  };
+  // {7, 9} is the newest one.
+  EXPECT_EQ(saved(chunk), (std::vector<ChunkId>{{7, 9}}));
+  const std::uint64_t now = before->growth() + 1;
+  before->chunks()[before->find({7, 3})]->used.set(now);
+  EXPECT_EQ(saved(chunk), (std::vector<ChunkId>{{7, 3}}));
+  before->chunks()[before->find({8, 12})]->used.set(now);
+  EXPECT_EQ(saved(2 * chunk + 5), (std::vector<ChunkId>{{7, 3}, {8, 12}}));
+  before->chunks()[before->find({8, 12})]->used.set(now + 1);
+  EXPECT_EQ(saved(chunk), (std::vector<ChunkId>{{7, 3}})) << "what is continued comes first";
+  EXPECT_EQ(saved(chunk - 1), std::vector<ChunkId>{});
+}
+
 TEST_F(RankFileTest, RefusesWhatIsDamagedOrOfAnother) {
-  ASSERT_TRUE(save_ranks(path_, *ranks(), 8, "whose").ok());
+  ASSERT_TRUE(save_ranks(path_, *ranks(), {.whole_levels = 8, .most_deeper_points = 1500}, "whose").ok());
   EXPECT_EQ(load_ranks(path_, *made_.curve, faces_, "nobody's").status().code(), Code::kDataLoss);
   EXPECT_EQ(load_ranks(path_, *made_.curve, 10, "whose").status().code(), Code::kDataLoss);
   SurfaceCurve shorter = *made_.curve;

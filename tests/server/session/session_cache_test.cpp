@@ -17,6 +17,7 @@
 #include "core/storage/surface_file.h"
 #include "server/base/log.h"
 #include "server/session/session_record.h"
+#include "tests/server/eventually.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/temporary_folder.h"
 
@@ -79,6 +80,19 @@ class SessionCacheTest : public ::testing::Test {
   }
 
   std::string ranks_path(char digit) const { return folder_ / absl::StrCat(id_of(digit), ".v", kRankFileVersion, ".ranks"); }
+  std::string grown_path(char digit) const { return folder_ / absl::StrCat(id_of(digit), ".v", kRankFileVersion, ".grown"); }
+  /// A session that is saved, with more candidates than first views show.
+  Session saved_and_grown(char digit, const std::vector<ChunkId>& more) {
+    Session session = some_session(id_of(digit));
+    EXPECT_TRUE(session.ranks({}).ok());
+    const auto cache = open();
+    cache->save(session);
+    EXPECT_TRUE(eventually([&] { return !cache->is_unsaved(session.id); }));
+    EXPECT_TRUE(session.candidates->grow(more, {}).ok());
+    cache->save_candidates(session);
+    cache->stop();
+    return session;
+  }
 
   TemporaryFolder folder_;
   std::ostringstream lines_;
@@ -324,6 +338,54 @@ TEST_F(SessionCacheTest, DamagedRanksAreMadeAnew) {
   EXPECT_FALSE(std::filesystem::exists(ranks_path('a')));
   EXPECT_THAT(lines_.str(), HasSubstr("damaged"));
   EXPECT_TRUE((*after)->ranks({}).ok());
+}
+
+TEST_F(SessionCacheTest, CandidatesThatHaveGrownComeBack) {
+  const int level = kChunkLevels + 1;
+  const std::vector<ChunkId> more = {{level, 0}, {level, 3}, {level + 1, 1}};
+  const Session before = saved_and_grown('a', more);
+  const auto cache = open();
+  const auto after = cache->load(before.id);
+  ASSERT_TRUE(after.ok()) << after.status();
+  const RankedCurve made = before.candidates->made(), again = (*after)->candidates->made();
+  ASSERT_NE(again.tree, nullptr);
+  ASSERT_EQ(again.tree->chunks().size(), made.tree->chunks().size());
+  for (std::size_t c = 0; c < made.tree->chunks().size(); ++c) {
+    EXPECT_EQ(again.tree->chunks()[c]->id, made.tree->chunks()[c]->id);
+    EXPECT_EQ(again.tree->chunks()[c]->x, made.tree->chunks()[c]->x);
+  }
+  // They go on where they stopped, and are worth saving again only when there are many more.
+  EXPECT_EQ((*after)->candidates->take_grown().tree, nullptr);
+  const std::vector<ChunkId> next = {{level + 1, 2}, {level + 2, 5}};
+  const auto one = before.candidates->grow(next, {}), other = (*after)->candidates->grow(next, {});
+  ASSERT_TRUE(one.ok() && other.ok()) << one.status() << other.status();
+  ASSERT_EQ(other->tree->chunks().size(), made.tree->chunks().size() + 2);
+  EXPECT_EQ(other->tree->chunks().back()->x, one->tree->chunks().back()->x);
+  EXPECT_NE((*after)->candidates->take_grown().tree, nullptr);
+}
+
+TEST_F(SessionCacheTest, OfCandidatesThatAreDamagedTheFirstOnesDo) {
+  const Session before = saved_and_grown('a', {{kChunkLevels + 1, 2}});
+  std::string bytes = bytes_of(grown_path('a'));
+  bytes[bytes.size() / 2] ^= 1;
+  write_file(grown_path('a'), bytes);
+  const auto after = open()->load(before.id);
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_FALSE(std::filesystem::exists(grown_path('a')));
+  ASSERT_NE((*after)->candidates->made().tree, nullptr);
+  EXPECT_EQ((*after)->candidates->made().tree->chunks().size() + 1, before.candidates->made().tree->chunks().size());
+}
+
+TEST_F(SessionCacheTest, CandidatesGoWithTheirSession) {
+  Session session = saved_and_grown('a', {{kChunkLevels + 1, 0}});
+  ASSERT_TRUE(std::filesystem::exists(grown_path('a')));
+  const auto cache = open();
+  EXPECT_TRUE(cache->remove(session.id));
+  EXPECT_FALSE(std::filesystem::exists(grown_path('a')));
+  ASSERT_TRUE(session.candidates->grow(std::vector<ChunkId>{{kChunkLevels + 1, 1}}, {}).ok());
+  cache->save_candidates(session);
+  cache->stop();
+  EXPECT_FALSE(std::filesystem::exists(grown_path('a'))) << "it was closed";
 }
 
 TEST_F(SessionCacheTest, RefusesFilesThatBelongElsewhere) {
