@@ -17,13 +17,15 @@
 #include "client/cli/points_io.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/render_scene.h"
+#include "client/cli/report.h"
 #include "client/lib/file_bytes.h"
 #include "core/render/png_file.h"
 
 namespace curvecast::cli {
 namespace {
 
-constexpr std::array<std::string_view, 7> kSubjects = {"surface", "samples", "mesh", "cut", "uv", "curve", "surface-curve"};
+constexpr std::array<std::string_view, 8> kSubjects = {"surface", "shaded", "samples", "mesh",
+                                                       "cut",     "uv",     "curve",   "surface-curve"};
 constexpr std::array<std::string_view, 2> kStyles = {"surface", "dots"};
 constexpr int kMaxSide = 8192;                  // pixels
 constexpr std::uint64_t kLegiblePoints = 1500;  // of dots, and of lines of a curve that can be told apart
@@ -115,6 +117,38 @@ absl::Status run_curve(const RenderFlags& flags, const CommonOptions& options, c
                      {"output", flags.output}});
 }
 
+absl::Status run_shaded(const RenderFlags& flags, const CommonOptions& options, const Size& size, std::stop_token stop) {
+  const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, session_points(0));
+  if (!session_options.ok()) return session_options.status();
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
+  if (!host.ok()) return host.status();
+  client::Client& client = (*host)->client();
+  const absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.input, *session_options, options.quiet, stop);
+  if (!opened.ok()) return opened.status();
+  const v1::MeshInfo& mesh = opened->session.report().mesh();
+  absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box_of(mesh), size);
+  if (!camera.ok()) return camera.status();
+  v1::RenderRequest request;
+  request.set_session_id(opened->session.session_id());
+  *request.mutable_sample()->add_cameras() = *std::move(camera);
+  request.set_width(static_cast<std::uint32_t>(size.width));
+  request.set_height(static_cast<std::uint32_t>(size.height));
+  request.set_style(v1::PICTURE_STYLE_MESH);
+  request.set_plain(flags.no_colour);
+  const absl::StatusOr<v1::RenderResponse> picture = client.render(request, stop);
+  if (!picture.ok()) return picture.status();
+  if (absl::Status status = client::write_bytes(flags.output, picture->png()); !status.ok()) return status;
+  if (!options.json) {
+    return print_text(absl::StrFormat("%d faces, %dx%d pixels: %s\n", mesh.faces(), size.width, size.height, flags.output));
+  }
+  return print_json({{"faces", mesh.faces()},
+                     {"width", size.width},
+                     {"height", size.height},
+                     {"what", flags.what},
+                     {"session_id", opened->session.session_id()},
+                     {"output", flags.output}});
+}
+
 absl::Status run(const RenderFlags& flags, const CommonOptions& options, std::stop_token stop) {
   absl::StatusOr<Size> size = parse_size(flags.size);
   if (!size.ok()) return size.status();
@@ -126,6 +160,7 @@ absl::Status run(const RenderFlags& flags, const CommonOptions& options, std::st
   }
   if (flags.what == "uv") return run_uv(flags, options, *size, stop);
   if (flags.what == "curve") return run_curve(flags, options, *size, stop);
+  if (flags.what == "shaded") return run_shaded(flags, options, *size, stop);
   absl::StatusOr<Scene> scene = *is_points ? load_scene(flags, *size) : make_scene(flags, options, *size, stop);
   if (!scene.ok()) return scene.status();
   absl::StatusOr<Image> image = draw_scene(*scene, *size);
@@ -151,13 +186,15 @@ absl::Status run(const RenderFlags& flags, const CommonOptions& options, std::st
 Command add_render(CLI::App& root, CommonOptions& options) {
   CLI::App* app = add_command(
       root, options, "render",
-      "Draws a mesh's point set, or a file of points, as a PNG picture: a closed surface of splats, or dots, in its own colours "
-      "where it has any. Or what preprocessing makes of a mesh, with --what. In space: samples draws the points as dots on an "
-      "even surface; mesh its triangles; cut the lines along which it is cut (red) and its own borders (blue); surface-curve the "
-      "Hilbert curve on it. In the parameter square, disc by disc: uv draws the parameter mesh, red where surface is squeezed "
-      "together, blue where it is spread out; curve the Hilbert curve. Curves run from blue to orange. -n, --density, --sequence "
-      "and --seed apply to meshes only; of a curve -n, --omega and --base-density say how fine it is and where.",
+      "Draws a mesh's point set, or a file of points, as a PNG picture: a closed surface of splats, or dots, in its own "
+      "colours where it has any. Or what preprocessing makes of a mesh, with --what. In space: shaded draws the mesh itself, "
+      "in the light and the colours of surface, to hold that against; samples draws the points as dots on an even surface; "
+      "mesh its triangles; cut the lines along which it is cut (red) and its own borders (blue); surface-curve the Hilbert "
+      "curve on it. In the parameter square, disc by disc: uv draws the parameter mesh, red where surface is squeezed "
+      "together, blue where it is spread out; curve the Hilbert curve. Curves run from blue to orange. -n, --density, "
+      "--sequence and --seed apply to meshes only; of a curve -n, --omega and --base-density say how fine it is and where.",
       {"curvecast render bunny.obj -o bunny.png", "curvecast render points.ply --size 1920x1080 -o points.png",
+       "curvecast render bunny.obj --what shaded --size 960x960 -o reference.png",
        "curvecast render igea.ply --what cut -o cut.png", "curvecast render igea.ply --what samples -n 3000 -o samples.png",
        "curvecast render igea.ply --what curve --base-density curvature -o curve.png",
        "curvecast render igea.ply --what surface-curve -n 4000 -o surface-curve.png",
@@ -171,7 +208,7 @@ Command add_render(CLI::App& root, CommonOptions& options) {
       ->check(validator([](const std::string& path) { return check_ending(path, {".png"}); }, ""))
       ->type_name("FILE")
       ->required();
-  app->add_option("--size", flags->size, "of the picture, each side 1 to 8,192 pixels")
+  app->add_option("--size", flags->size, "of the picture, each side 1 to 8,192 pixels; of shaded 1 to 4,096, 4,194,304 in all")
       ->check(validator([](const std::string& text) { return parse_size(text).status(); }, ""))
       ->type_name("WxH")
       ->capture_default_str();
@@ -183,7 +220,7 @@ Command add_render(CLI::App& root, CommonOptions& options) {
       "surface-curve");
   CLI::Option* omega = add_session_flags(app, &flags->session);
   omega->description(omega->get_description() + ", and 1 for curve and surface-curve");
-  app->add_option("--what", flags->what, "surface, samples, mesh, cut, surface-curve, uv or curve: see above")
+  app->add_option("--what", flags->what, "surface, shaded, samples, mesh, cut, surface-curve, uv or curve: see above")
       ->check(validator([](const std::string& text) { return check_choice("subject", text, kSubjects); }, ""))
       ->type_name("NAME")
       ->capture_default_str();

@@ -31,15 +31,6 @@ float diameter(const Size& size, double across) {
   return static_cast<float>(std::clamp(std::max(size.width, size.height) / across, 1.0, 64.0));
 }
 
-/// A picture's own camera.
-absl::StatusOr<v1::Camera> camera_of(const SampleFlags& flags, const Box3d& box, const Size& size) {
-  absl::StatusOr<v1::Camera> camera = picture_camera_of(flags, box, size.aspect());
-  if (camera.ok() && camera->orthographic_height() > 0) {
-    return absl::InvalidArgumentError("camera: pictures are made by perspective cameras only; leave ortho= out");
-  }
-  return camera;
-}
-
 /// One call's worth of what the makers of scenes need.
 struct Maker {
   const RenderFlags& flags;
@@ -140,6 +131,14 @@ struct Maker {
 
 RenderCamera to_render_camera(const v1::Camera& camera, const Vec3d& origin) {
   return {to_vec(camera.eye()) - origin, to_vec(camera.target()) - origin, to_vec(camera.up()), camera.vertical_fov_degrees()};
+}
+
+absl::StatusOr<v1::Camera> camera_of(const SampleFlags& flags, const Box3d& box, const Size& size) {
+  absl::StatusOr<v1::Camera> camera = picture_camera_of(flags, box, size.aspect());
+  if (camera.ok() && camera->orthographic_height() > 0) {
+    return absl::InvalidArgumentError("camera: pictures are made by perspective cameras only; leave ortho= out");
+  }
+  return camera;
 }
 
 absl::StatusOr<Scene> load_scene(const RenderFlags& flags, const Size& size) {

@@ -38,6 +38,9 @@ struct Scene {
   std::uint64_t count = 0;
 };
 
+/// Returns a picture's own camera, absolute.
+absl::StatusOr<v1::Camera> camera_of(const SampleFlags& flags, const Box3d& box, const Size& size);
+
 /// The points of a file.
 absl::StatusOr<Scene> load_scene(const RenderFlags& flags, const Size& size);
 

@@ -3,11 +3,15 @@
 #include <absl/strings/str_cat.h>
 
 #include <algorithm>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/base/memory_claim.h"
+#include "core/curve/place_attributes.h"
+#include "core/render/mesh_renderer.h"
 #include "core/render/png_file.h"
 #include "core/render/splat_renderer.h"
 #include "server/base/protocol.h"
@@ -18,9 +22,13 @@ namespace curvecast::server {
 namespace {
 
 constexpr std::uint32_t kWidth = 1280, kHeight = 960, kMaxSide = 4096;
-// What one picture's buffers may take: 40 bytes a sample.
-constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 22, kMaxSamples = std::uint64_t{1} << 23;
+// What one picture's buffers may take.
+constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 22, kMaxSamples = std::uint64_t{1} << 23, kSampleBytes = 40;
+constexpr int kFinest = 4;          // samples of a pixel along each axis, in pictures that others are held against
 constexpr float kDotsAcross = 400;  // the picture's width over that of a dot
+
+/// Whether a picture of so many pixels may have so many samples of a pixel along each axis.
+bool has_room(std::uint64_t pixels, int across) { return pixels * static_cast<std::uint64_t>(across * across) <= kMaxSamples; }
 
 absl::StatusOr<RenderOptions> to_options(const v1::RenderRequest& request) {
   FieldValidator check;
@@ -29,7 +37,7 @@ absl::StatusOr<RenderOptions> to_options(const v1::RenderRequest& request) {
   options.height = static_cast<int>(check.in_range("height", request.height() == 0 ? kHeight : request.height(), 1u, kMaxSide));
   const std::uint64_t pixels = static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
   if (pixels > kMaxPixels) check.fail("width times height", absl::StrCat("is ", pixels, "; at most ", kMaxPixels, " are drawn"));
-  options.supersample = 4 * pixels <= kMaxSamples ? 2 : 1;
+  options.supersample = has_room(pixels, 2) ? 2 : 1;
   switch (request.style()) {
     case v1::PICTURE_STYLE_UNSPECIFIED:
     case v1::PICTURE_STYLE_SURFACE:
@@ -37,6 +45,9 @@ absl::StatusOr<RenderOptions> to_options(const v1::RenderRequest& request) {
     case v1::PICTURE_STYLE_DOTS:
       options.mode = RenderMode::kDots;
       options.dot_diameter = std::clamp(static_cast<double>(static_cast<float>(options.width) / kDotsAcross), 1.0, 64.0);
+      break;
+    case v1::PICTURE_STYLE_MESH:
+      while (options.supersample < kFinest && has_room(pixels, options.supersample + 1)) ++options.supersample;
       break;
     default:
       check.fail("style", absl::StrCat("has the unknown value ", static_cast<int>(request.style())));
@@ -82,12 +93,70 @@ std::vector<Rgb8> to_rgb(const std::vector<Rgba8>& colours) {
   return rgb;
 }
 
-absl::StatusOr<Image> draw(const PointSet& points, const PointSet* dots, const RenderCamera& camera,
-                           const RenderOptions& options) {
-  const std::vector<Rgb8> colours = to_rgb(points.colours);
+/// What was drawn, and how many points of it.
+struct Drawn {
+  Image image;
+  std::uint64_t points = 0;
+};
+
+absl::Status claim_samples(const RenderOptions& options, MemoryClaim& claim) {
+  const std::uint64_t bytes = kSampleBytes * static_cast<std::uint64_t>(options.width) *
+                              static_cast<std::uint64_t>(options.height) *
+                              static_cast<std::uint64_t>(options.supersample * options.supersample);
+  return claim.set(bytes, absl::StrCat("a picture of ", options.width, " x ", options.height, " pixels takes ",
+                                       describe_bytes(static_cast<double>(bytes)), " of memory"));
+}
+
+absl::StatusOr<Image> draw_points(const PointSet& points, const PointSet* dots, bool is_plain, const RenderCamera& camera,
+                                  const RenderOptions& options, const ExecutionContext& context) {
+  MemoryClaim claim(context);
+  if (absl::Status status = claim_samples(options, claim); !status.ok()) return status;
+  const std::vector<Rgb8> colours = is_plain ? std::vector<Rgb8>() : to_rgb(points.colours);
   const SplatCloud cloud{points.positions, points.normals, points.radii, colours};
   if (dots == nullptr) return render_splats(cloud, camera, options);
-  return render_splats(cloud, camera, options, dots->positions, to_rgb(dots->colours));
+  return render_splats(cloud, camera, options, dots->positions, is_plain ? std::vector<Rgb8>() : to_rgb(dots->colours));
+}
+
+/// Draws the repaired mesh, which is read where it lies.
+absl::StatusOr<Drawn> draw_mesh(const Session& session, bool is_plain, const RenderCamera& camera, const RenderOptions& options,
+                                const ExecutionContext& context) {
+  const absl::StatusOr<std::shared_ptr<const CurveBase>> base = session.surface->base(context);
+  if (!base.ok()) return base.status();
+  if (!(*base)->is_all_sound()) return (*base)->status();
+  MemoryClaim claim(context);
+  if (absl::Status status = claim_samples(options, claim); !status.ok()) return status;
+  const SurfaceData& data = (*base)->data;
+  MeshSurface surface{data.mesh.positions, data.mesh.triangles, {}, data.colour != nullptr && !is_plain};
+  surface.look = [&data, has_colours = surface.has_colors](std::uint32_t face, const Vec3f& weights, double area) {
+    SurfaceLook look{normal_at(data, face, {weights[1], weights[2]}), {}};
+    if (!has_colours) return look;
+    const Rgba8 colour = data.colour->at(face, weights, area);
+    look.color = {colour.r, colour.g, colour.b};
+    return look;
+  };
+  absl::StatusOr<Image> image = render_mesh(surface, camera, options, context);
+  if (!image.ok()) return image.status();
+  return Drawn{*std::move(image)};
+}
+
+absl::StatusOr<Drawn> draw_sample(const Session& session, const PointSetRequest& request, bool is_plain,
+                                  const RenderCamera& camera, const RenderOptions& options, ViewCache& cache,
+                                  const ExecutionContext& context) {
+  absl::StatusOr<Sampled> wanted = sample_points(session, request, cache, context);
+  if (!wanted.ok()) return wanted.status();
+  absl::StatusOr<Image> image;
+  if (options.mode == RenderMode::kSurface) {
+    image = draw_points(wanted->points(), nullptr, is_plain, camera, options, context);
+  } else {
+    // Few dots make no surface to lie on: evenly spread points do.
+    PointSetRequest even;
+    even.options.points = session.options.points;
+    const absl::StatusOr<Sampled> surface = sample_points(session, even, cache, context);
+    if (!surface.ok()) return surface.status();
+    image = draw_points(surface->points(), &wanted->points(), is_plain, camera, options, context);
+  }
+  if (!image.ok()) return image.status();
+  return Drawn{*std::move(image), wanted->points().size()};
 }
 
 }  // namespace
@@ -102,23 +171,14 @@ absl::StatusOr<v1::RenderResponse> render_picture(const Session& session, const 
   if (point_set->automatic || point_set->max_bytes > 0) {
     return absl::InvalidArgumentError("sample: a picture is made of a number of points, or of an error in pixels");
   }
-  const absl::StatusOr<RenderCamera> camera = to_render_camera(*point_set, session.curve()->origin);
+  const bool is_mesh = request.style() == v1::PICTURE_STYLE_MESH;
+  const absl::StatusOr<RenderCamera> camera = to_render_camera(*point_set, is_mesh ? Vec3d::Zero() : session.curve()->origin);
   if (!camera.ok()) return camera.status();
-  absl::StatusOr<Sampled> wanted = sample_points(session, *point_set, cache, context);
-  if (!wanted.ok()) return wanted.status();
-  absl::StatusOr<Image> image;
-  if (options->mode == RenderMode::kSurface) {
-    image = draw(wanted->points(), nullptr, *camera, *options);
-  } else {
-    // Few dots make no surface to lie on: evenly spread points do.
-    PointSetRequest even;
-    even.options.points = session.options.points;
-    const absl::StatusOr<Sampled> surface = sample_points(session, even, cache, context);
-    if (!surface.ok()) return surface.status();
-    image = draw(surface->points(), &wanted->points(), *camera, *options);
-  }
-  if (!image.ok()) return image.status();
-  absl::StatusOr<std::string> png = encode_png(*image);
+  const absl::StatusOr<Drawn> drawn = is_mesh
+                                          ? draw_mesh(session, request.plain(), *camera, *options, context)
+                                          : draw_sample(session, *point_set, request.plain(), *camera, *options, cache, context);
+  if (!drawn.ok()) return drawn.status();
+  absl::StatusOr<std::string> png = encode_png(drawn->image);
   if (!png.ok()) return png.status();
   if (png->size() > kMaxFrameBytes) {
     return absl::ResourceExhaustedError(absl::StrCat("the picture would have ", png->size(), " bytes; at most ", kMaxFrameBytes,
@@ -126,7 +186,7 @@ absl::StatusOr<v1::RenderResponse> render_picture(const Session& session, const 
   }
   v1::RenderResponse response;
   response.set_png(*std::move(png));
-  response.set_points(wanted->points().size());
+  response.set_points(drawn->points);
   *response.mutable_camera() = completed.cameras(0);
   return response;
 }

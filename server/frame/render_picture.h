@@ -10,8 +10,8 @@
 
 namespace curvecast::server {
 
-/// Samples points for the picture's camera and splats them. Errors as of curvecast::resample; InvalidArgument names a field of
-/// the request that is out of range; ResourceExhausted for a file that no answer holds; Cancelled.
+/// Samples points for the picture's camera and splats them, or draws the mesh. Errors as of curvecast::resample; InvalidArgument
+/// names a field of the request that is out of range; ResourceExhausted for a file that no answer holds; Cancelled.
 absl::StatusOr<v1::RenderResponse> render_picture(const Session& session, const v1::RenderRequest& request, ViewCache& cache,
                                                   const ExecutionContext& context);
 

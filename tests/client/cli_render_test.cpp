@@ -1,5 +1,6 @@
 // Runs the real command's `render` on a generated sphere.
 #include <cstdlib>
+#include <fstream>
 #include <set>
 
 #include "tests/client/cli_fixture.h"
@@ -25,11 +26,13 @@ TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
   EXPECT_EQ(run_json({"render", sphere_, "--what", "uv", "-o", png, "--size", "64x64"})["drawn"], 1);
   EXPECT_EQ(bytes_of(png).substr(1, 3), "PNG");
   check({sphere_, "--what", "cut", "-n", "5000"});
+  check({sphere_, "--what", "shaded", "--camera", "fov=20"});
   for (const std::string ending : {"ply", "xyz", "pcd", "drc"}) {
     const std::string path = temporary("render." + ending);
     run_json({"sample", sphere_, "-n", "2000", "-o", path});
     check({path});
     expect_failure({"render", path, "--what", "cut", "-o", png}, 3, "needs a mesh");
+    expect_failure({"render", path, "--what", "shaded", "-o", png}, 3, "needs a mesh");
   }
 }
 
@@ -47,6 +50,7 @@ TEST_F(CliTest, RenderDrawsTheStagesOfPreprocessing) {
   EXPECT_EQ(draw({"samples"})["points"], 1500);
   EXPECT_EQ(draw({"samples", "-n", "200"})["points"], 200);
   EXPECT_EQ(draw({"mesh"})["faces"], 2 * 24 + 2 * 10 * 24);
+  EXPECT_EQ(draw({"shaded"})["faces"], 2 * 24 + 2 * 10 * 24);
   const json curve = draw({"curve"});
   EXPECT_GT(curve["curve_vertices"], 1000);
   EXPECT_LT(curve["curve_vertices"], 12'000);
@@ -78,10 +82,27 @@ TEST_F(CliTest, RenderDrawsThePointsColoursUnlessToldNot) {
   }
 }
 
+TEST_F(CliTest, RenderDrawsTheMeshsColoursUnlessToldNot) {
+  const std::string off = temporary("coloured.off"), png = temporary("coloured.png");
+  std::ofstream(off) << "COFF\n4 2 0\n0 0 0 0 0 255\n1 0 0 0 0 255\n1 1 0 0 0 255\n0 1 0 0 0 255\n3 0 1 2\n3 0 2 3\n";
+  const auto picture = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"render", off, "-o", png, "--size", "64x48"});
+    run_json(arguments);
+    return bytes_of(png);
+  };
+  const std::string mesh = picture({"--what", "shaded"}), points = picture({"-n", "2000"});
+  const std::string plain = picture({"--what", "shaded", "--no-colour"});
+  EXPECT_NE(mesh, plain);
+  EXPECT_NE(mesh, points);
+  EXPECT_EQ(picture({"--what", "shaded", "-n", "77"}), mesh);
+  expect_failure({"render", off, "--what", "shaded", "-o", png, "--size", "8000x10"}, 3, "width is 8000");
+}
+
 TEST_F(CliTest, WithoutOsmesaThereAreNoPicturesButAllElse) {
   const std::string png = temporary("none.png"), ply = temporary("without.ply"), again = temporary("with.ply");
   ASSERT_EQ(::setenv("CURVECAST_OSMESA", "/nowhere/libOSMesa.so.8", 1), 0);
   expect_failure({"render", sphere_, "-o", png}, 4, "install libosmesa6");
+  expect_failure({"render", sphere_, "--what", "shaded", "-o", png}, 4, "install libosmesa6");
   EXPECT_FALSE(std::filesystem::exists(png));
   expect_failure({"preprocess", sphere_, "-n", "500", "--mapper", "id-buffer"}, 4, "install libosmesa6");
   run_json({"sample", sphere_, "-n", "1000", "-o", ply});
