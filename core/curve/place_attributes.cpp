@@ -11,6 +11,14 @@ std::array<float, 3> all_weights(const std::array<float, 2>& weights) {
 
 }  // namespace
 
+Vec3f normal_at(const SurfaceData& data, std::uint32_t face, const std::array<float, 2>& weights) {
+  const std::array<float, 3> w = all_weights(weights);
+  const CreaseFace* const crease = data.crease_of(face);
+  Vec3f sum = Vec3f::Zero();
+  for (std::size_t i = 0; i < 3; ++i) sum += w[i] * data.corner_normal(face, i, crease);
+  return sum.stableNormalized();
+}
+
 Vec3f direction_min_at(const SurfaceData& data, std::uint32_t face, const std::array<float, 2>& weights, const Vec3f& normal) {
   constexpr std::uint16_t kQuarterTurn = 1 << 15;  // in codes of axes
   const std::array<float, 3> w = all_weights(weights);

@@ -56,11 +56,9 @@ struct Corners {
 
   Corners(const SurfaceData& data, const ChartView& disc, std::uint32_t t, bool has_crease) : face(disc.face_of[t]) {
     const CreaseFace* const crease = has_crease ? data.crease_of(face) : nullptr;
-    for (int i = 0; i < 3; ++i) {
+    for (std::size_t i = 0; i < 3; ++i) {
       place[i] = &disc.positions[disc.triangles[t][i]];
-      const VertexGeometry& vertex = data.geometry[data.mesh.triangles[face][i]];
-      const bool has_own = crease != nullptr && crease->normals[i] != kNone;
-      record[i].set<numbers>(vertex, has_own ? data.creases.normals[crease->normals[i]].normal : vertex.normal);
+      record[i].set<numbers>(data.geometry[data.mesh.triangles[face][i]], data.corner_normal(face, i, crease));
     }
   }
 };

@@ -40,6 +40,11 @@ struct SurfaceData {
 
   /// Null where the face has none.
   const CreaseFace* crease_of(std::uint32_t face) const;
+  /// Returns the normal at corner i of a face, whose crease_of() is `crease`: the one of its side of the crease, or its vertex's.
+  const Vec3f& corner_normal(std::uint32_t face, std::size_t i, const CreaseFace* crease) const {
+    const bool has_own = crease != nullptr && crease->normals[i] != kNone;
+    return has_own ? creases.normals[crease->normals[i]].normal : geometry[mesh.triangles[face][i]].normal;
+  }
 
   MeshView mesh;
   std::span<const VertexGeometry> geometry;     // of the mesh

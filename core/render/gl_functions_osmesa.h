@@ -14,10 +14,10 @@
   X(ActiveTexture) X(AttachShader) X(BindBuffer) X(BindFramebuffer) X(BindTexture) X(BindVertexArray) X(BlendFunc) \
   X(BlendFuncSeparate) X(BufferData) X(CheckFramebufferStatus) X(Clear) X(ClearBufferuiv) X(ClearColor) X(ColorMask) \
   X(CompileShader) X(CreateProgram) X(CreateShader) X(DeleteShader) X(DepthMask) X(Disable) X(DrawArrays) \
-  X(DrawArraysInstanced) X(DrawBuffers) X(Enable) X(EnableVertexAttribArray) X(FramebufferTexture2D) X(GenBuffers) \
+  X(DrawArraysInstanced) X(DrawBuffers) X(Enable) X(EnableVertexAttribArray) X(Finish) X(FramebufferTexture2D) X(GenBuffers) \
   X(GenFramebuffers) X(GenTextures) X(GenVertexArrays) X(GetError) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) \
-  X(GetUniformLocation) X(LinkProgram) X(ReadPixels) X(ShaderSource) X(TexImage2D) X(TexParameteri) X(Uniform1f) \
-  X(Uniform1i) X(Uniform2f) X(Uniform3fv) X(Uniform4fv) X(UseProgram) X(VertexAttribDivisor) X(VertexAttribIPointer) \
+  X(GetUniformLocation) X(LinkProgram) X(ReadPixels) X(ShaderSource) X(TexImage2D) X(TexParameteri) X(TexSubImage2D) \
+  X(Uniform1f) X(Uniform1i) X(Uniform1ui) X(Uniform2f) X(Uniform3fv) X(Uniform4fv) X(UseProgram) X(VertexAttribDivisor) X(VertexAttribIPointer) \
   X(VertexAttribPointer) X(Viewport)
 #define CURVECAST_OSMESA_FUNCTIONS(X) X(CreateContextAttribs) X(DestroyContext) X(MakeCurrent)
 // clang-format on

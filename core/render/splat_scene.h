@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "core/base/image.h"
+#include "core/render/picture_scene.h"
 
 namespace curvecast {
 
-/// One splat as the vertex shader reads it. Eye coordinates: x to the right, y up, the camera looks along -z; the unit is half
-/// the diagonal of the cloud's bounding box.
+/// One splat as the vertex shader reads it, in eye coordinates: see EyeSpace.
 struct SplatVertex {
   std::array<float, 3> center;
   float radius;
@@ -25,17 +25,10 @@ struct DotVertex {
   std::array<std::uint8_t, 4> color;
 };
 
-struct SplatScene {
-  int width = 0, height = 0, supersample = 1;
-  float tan_half_x = 1, tan_half_y = 1;  // of half the angles of view
-  float z_near = 0, z_far = 1;           // distances along the axis of view, 0 < z_near < z_far
+struct SplatScene : PictureScene {
   std::vector<SplatVertex> splats;
   std::vector<DotVertex> dots;  // none in kSurface
   float dot_diameter = 0;       // pixels
-  float mean_radius = 0;        // of the splats
-  bool has_normals = false, has_colors = false, ambient_occlusion = true;
-  bool is_matte = false;  // flat, pale shading under dots
-  std::array<std::uint8_t, 3> surface_color, background_top, background_bottom;
 };
 
 /// Runs the passes. ResourceExhausted when OSMesa has no memory, Internal with its message otherwise.

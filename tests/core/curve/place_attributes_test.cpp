@@ -68,6 +68,26 @@ TEST(PlaceAttributes, DirectionsAreTangentsWhereNoneIsSpecial) {
       icosphere(3), [](const Vec3d&) { return std::optional(Vec3d(0, 0, 0)); }, 4);
 }
 
+TEST(PlaceAttributes, NormalsAreThoseOfThePoints) {
+  for (const PolygonSoup& soup : {torus(24, 16), cube(), open_cylinder(4, 12)}) {
+    const auto surface = surface_of(soup);
+    visit_places(*surface, [&](std::uint32_t l, const SurfacePlace& place) {
+      const Vec3f normal = normal_at(*surface->data_of(l, place.face), place.face, {place.weight_1, place.weight_2});
+      ASSERT_NEAR(normal.norm(), 1, 1e-6);
+      ASSERT_LT((normal - Vec3f(place.normal[0], place.normal[1], place.normal[2])).norm(), 1e-5) << "in leaf " << l;
+    });
+  }
+}
+
+TEST(PlaceAttributes, NormalsEndAtCreases) {
+  const auto surface = surface_of(cube());
+  visit_places(*surface, [&](std::uint32_t l, const SurfacePlace& place) {
+    const SurfaceData& data = *surface->data_of(l, place.face);
+    const Vec3d flat = area_vector(data.mesh, place.face).normalized();
+    ASSERT_LT((normal_at(data, place.face, {0.01f, 0.01f}).cast<double>() - flat).norm(), 1e-6);
+  });
+}
+
 TEST(PlaceAttributes, ScalarsAreLinearOverFaces) {
   PolygonSoup soup = torus(24, 16);
   const auto linear = [](const Vec3d& p) { return 2 * p.x() - p.y() + 3 * p.z() + 1; };
