@@ -23,6 +23,7 @@
 #include "client/bench/paper/paper_bench.h"
 #include "client/bench/paper/paper_files.h"
 #include "client/bench/paper/paper_json.h"
+#include "client/bench/picture/picture_bench.h"
 #include "client/bench/preprocess_bench.h"
 #include "client/bench/remesh_bench.h"
 #include "client/bench/sample_bench.h"
@@ -259,6 +260,29 @@ Run add_zoom(CLI::App& app) {
   return on_mesh(app, options, bench_zoom);
 }
 
+Run add_picture(CLI::App& app) {
+  const auto options = std::make_shared<PictureBenchOptions>();
+  app.add_option("-n,--points", options->points, "points of the views: a path for each number")
+      ->check(point_count_range())
+      ->type_name("N")
+      ->capture_default_str();
+  app.add_option("--distances", options->distances, "of the stops from the surface, in diagonals of the mesh's box; each nearer")
+      ->check(CLI::Range(1e-6, 100.0))
+      ->type_name("D")
+      ->capture_default_str();
+  add_count(app, "--steps", &options->steps, 1000, "views from one stop to the next");
+  app.add_option("--size", options->size, "of the picture's sides, pixels")
+      ->check(CLI::Range(16, 4096))
+      ->type_name("P")
+      ->capture_default_str();
+  app.add_option(
+         "--pictures", options->pictures,
+         "a folder for a picture of each stop (the mesh, its points, the simplified mesh, even points) and for charts; made "
+         "if missing")
+      ->type_name("DIR");
+  return on_mesh(app, options, bench_picture);
+}
+
 struct PaperFlags {
   std::vector<std::string> meshes;
   std::string out = "paper";
@@ -358,6 +382,13 @@ constexpr Benchmark kBenchmarks[] = {
      "until nothing better follows: points, of how many, what limits them, the time to the last frame, bytes and ranks of each "
      "stop; latency of deltas in motion, processor time of a frame, memory of the server.",
      add_zoom},
+    {"picture", "MESH", "the picture that bytes give: of points, of a simplified mesh, of even points",
+     "One client comes from where the whole mesh is seen down to its surface. At each stop the picture of its points is held "
+     "against "
+     "one of the mesh itself, beside those of what as many bytes bring otherwise: the mesh simplified by meshoptimizer and "
+     "compressed "
+     "by Draco; points spread evenly. FLIP, PSNR, SSIM, wrong pixels of the outline, holes.",
+     add_picture},
 };
 
 std::string list_benchmarks() {

@@ -1,0 +1,29 @@
+#include "client/bench/picture/shaded_mesh.h"
+
+#include <utility>
+
+#include "core/curve/place_attributes.h"
+#include "core/render/mesh_renderer.h"
+
+namespace curvecast::cli::bench {
+
+ShadedMesh::ShadedMesh(LoadedMesh loaded)
+    : loaded_(std::move(loaded)),
+      geometry_(differential_geometry(loaded_.mesh)),
+      creases_(crease_normals(loaded_.mesh)),
+      colour_(has_colour(loaded_.attributes) ? std::make_unique<const SurfaceColour>(loaded_.mesh, loaded_.attributes) : nullptr),
+      data_(loaded_.mesh, geometry_, creases_, loaded_.attributes, colour_.get()) {}
+
+absl::StatusOr<Image> ShadedMesh::draw(const RenderCamera& camera, const RenderOptions& options,
+                                       const ExecutionContext& context) const {
+  const auto look = [this](std::uint32_t face, const Vec3f& weights, double area) {
+    SurfaceLook look{normal_at(data_, face, {weights[1], weights[2]}), {}};
+    if (colour_ == nullptr) return look;
+    const Rgba8 colour = colour_->at(face, weights, area);
+    look.color = {colour.r, colour.g, colour.b};
+    return look;
+  };
+  return render_mesh({mesh().positions, mesh().triangles, look, has_colours()}, camera, options, context);
+}
+
+}  // namespace curvecast::cli::bench
