@@ -61,7 +61,7 @@ export class Panel {
     this.addPicture(actions);
     this.addTools(actions);
     this.gui.onOpenClose(() => this.makeRoom());
-    if (window.innerWidth < 700) this.gui.close();
+    if (window.innerWidth < 900) this.gui.close(); // it would cover a part of the picture: see style.css
     this.makeRoom();
     this.showWhatApplies();
   }
