@@ -99,7 +99,7 @@ export class Application {
       this.list.root,
     );
     this.choice = this.makeChoice();
-    this.listen(canvas);
+    this.listen();
     this.changed();
     this.choice.start(answers, session, camera);
   }
@@ -124,7 +124,7 @@ export class Application {
     );
   }
 
-  private listen(canvas: HTMLCanvasElement): void {
+  private listen(): void {
     this.viewport.onCamera = () => this.pacer.request();
     this.viewport.onDrawn = () => this.pacer.drawn();
     this.viewport.onBrush = (centre, done) => {
@@ -136,7 +136,7 @@ export class Application {
       if (isLost) this.messages.showBanner("graphics", "The graphics card was lost; the picture waits until it is back …");
       else this.messages.hideBanner("graphics");
     };
-    new ResizeObserver(() => this.pacer.request()).observe(canvas);
+    this.viewport.onResize = () => this.pacer.request();
     window.addEventListener("hashchange", () => location.reload());
     setInterval(() => this.showFigures(), 250);
   }
@@ -148,6 +148,7 @@ export class Application {
     document.body.classList.toggle("split", settings.split && this.session !== null);
     const { mode, colouring, background, edl, dotSize, splatScale } = settings;
     viewport.style = { mode, colouring, background, edl, dotSize, splatScale };
+    viewport.maxPixelRatio = settings.pixelRatio;
     viewport.navigation = settings.navigation;
     viewport.setMeasuring(settings.measuring && !settings.brush);
     this.isPainting &&= settings.brush; // a stroke also ends with the brush

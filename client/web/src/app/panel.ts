@@ -157,6 +157,7 @@ export class Panel {
     folder.add(s, "edl").name("eye-dome lighting");
     this.when(this.addNumber(folder, "splatScale").name("size of discs"), ({ mode }) => mode === "splats");
     this.when(this.addNumber(folder, "dotSize").name("size of dots"), ({ mode }) => mode === "dots");
+    this.addNumber(folder, "pixelRatio").name("sharpness");
     folder.add(s, "background", ["light", "dark"]).name("background");
     folder.add(s, "navigation", ["orbit", "fly"]).name("navigation");
     folder.add(actions, "fit").name("Show the whole surface (F)");

@@ -41,6 +41,7 @@ export interface Settings {
   edl: boolean;
   dotSize: number; // CSS pixels
   splatScale: number;
+  pixelRatio: number; // most pixels of the picture per CSS pixel
   navigation: "orbit" | "fly";
   frozen: boolean; // views are sampled for the camera of the moment when this was set
   split: boolean; // left: a uniform density, right: the one set; both with the same budget
@@ -69,6 +70,7 @@ export const ranges = {
   meshVertices: { min: 100, max: 100_000, step: 100 },
   dotSize: { min: 1, max: 10 },
   splatScale: { min: 0.2, max: 3 },
+  pixelRatio: { min: 0.5, max: 4, step: 0.5 },
 } satisfies Record<NumberSetting, Range>;
 
 type NumberSetting = { [Key in keyof Settings]: Settings[Key] extends number ? Key : never }[keyof Settings];
@@ -109,6 +111,7 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     edl: true,
     dotSize: 2,
     splatScale: 1,
+    pixelRatio: 2,
     navigation: "orbit",
     frozen: false,
     split: false,
