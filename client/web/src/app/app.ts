@@ -1,7 +1,8 @@
 // The viewer's page: joins its parts.
 
 import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
-import { Viewport, type CameraState } from "../view";
+import { directionOf, upAxisOf, Viewport, type CameraState, type StandardView } from "../view";
+import { AxesGizmo } from "./axes_gizmo";
 import { Brush } from "./brush";
 import { download, meshPlyOf, plyOf } from "./export_ply";
 import type { FirstAnswers } from "./first_answers";
@@ -9,6 +10,7 @@ import { Hud } from "./hud";
 import { keyTable } from "./key_table";
 import { MeshFollower } from "./mesh_follower";
 import { Messages } from "./messages";
+import { copyText, toggleFullScreen } from "./page_tools";
 import { Panel } from "./panel";
 import { meshRequest, sampleRequest } from "./sample_request";
 import { SessionChoice } from "./session_choice";
@@ -42,6 +44,7 @@ export class Application {
   private readonly hud: Hud;
   private readonly list: SessionList;
   private readonly uploads: Uploads;
+  private readonly axes: AxesGizmo;
   private readonly brush: Brush;
   private readonly choice: SessionChoice;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
@@ -73,6 +76,7 @@ export class Application {
     this.settings = { ...this.defaults, dabs: [], ...settings };
     this.brush = new Brush(this.settings, (text) => this.messages.notice(text));
     this.hud = new Hud(page);
+    this.axes = new AxesGizmo(page, (direction) => this.viewport.lookFrom(direction, this.settings.up));
     this.list = new SessionList({
       open: (chosen) => this.choice.choose(chosen.sessionId),
       forget: (chosen) => void this.forget(chosen),
@@ -85,6 +89,9 @@ export class Application {
     const actions = {
       upload: () => this.uploads.pick(),
       fit: () => this.viewport.frame(),
+      view: (name: StandardView) => this.viewport.lookFrom(directionOf(name, this.settings.up), this.settings.up),
+      fullScreen: () => void this.toggleFullScreen(),
+      copyLink: () => void this.copyLink(),
       undoStroke: () => this.change(() => this.brush.undo()),
       clearStrokes: () => this.change(() => this.brush.clear()),
       screenshot: () => void this.saveScreenshot(),
@@ -100,6 +107,7 @@ export class Application {
     );
     this.choice = this.makeChoice();
     this.listen();
+    this.axes.show(this.viewport.camera);
     this.changed();
     this.choice.start(answers, session, camera);
   }
@@ -125,7 +133,7 @@ export class Application {
   }
 
   private listen(): void {
-    this.viewport.onCamera = () => this.pacer.request();
+    this.viewport.onCamera = () => this.cameraMoved();
     this.viewport.onDrawn = () => this.pacer.drawn();
     this.viewport.onBrush = (centre, done) => {
       this.isPainting = !done;
@@ -141,6 +149,17 @@ export class Application {
     setInterval(() => this.showFigures(), 250);
   }
 
+  private cameraMoved(): void {
+    const { camera } = this.viewport;
+    this.axes.show(camera);
+    const ofCamera = { fieldOfView: camera.fov, up: upAxisOf(camera) };
+    if (ofCamera.fieldOfView !== this.settings.fieldOfView || ofCamera.up !== this.settings.up) {
+      Object.assign(this.settings, ofCamera);
+      this.panel.refresh();
+    }
+    this.pacer.request();
+  }
+
   /// Applies settings that have changed.
   private changed(): void {
     const { settings, viewport } = this;
@@ -148,6 +167,8 @@ export class Application {
     document.body.classList.toggle("split", settings.split && this.session !== null);
     const { mode, colouring, background, edl, dotSize, splatScale } = settings;
     viewport.style = { mode, colouring, background, edl, dotSize, splatScale };
+    viewport.setUp(settings.up);
+    viewport.setFieldOfView(settings.fieldOfView);
     viewport.maxPixelRatio = settings.pixelRatio;
     viewport.navigation = settings.navigation;
     viewport.setMeasuring(settings.measuring && !settings.brush);
@@ -204,10 +225,25 @@ export class Application {
 
   private saveSoon(): void {
     clearTimeout(this.saveTimer);
-    this.saveTimer = setTimeout(() => {
-      if (this.session === null) return;
-      history.replaceState(null, "", writeState(this.session.sessionId, this.viewport.camera, this.settings, this.defaults));
-    }, 1000 * secondsBeforeSave);
+    this.saveTimer = setTimeout(() => this.save(), 1000 * secondsBeforeSave);
+  }
+
+  private save(): void {
+    if (this.session === null) return;
+    history.replaceState(null, "", writeState(this.session.sessionId, this.viewport.camera, this.settings, this.defaults));
+  }
+
+  private async copyLink(): Promise<void> {
+    this.save();
+    if (await copyText(location.href, "The address of this view")) this.messages.notice("The link to this view was copied");
+  }
+
+  private async toggleFullScreen(): Promise<void> {
+    try {
+      await toggleFullScreen();
+    } catch (thrown) {
+      this.messages.failure("The browser does not give the whole screen", asCurvecastError(thrown));
+    }
   }
 
   private refused(error: CurvecastError): void {

@@ -1,5 +1,6 @@
 // The keys, and what they do.
 
+import type { StandardView } from "../view";
 import { withinRange, type Settings } from "./settings";
 import type { Shortcut } from "./shortcuts";
 
@@ -7,6 +8,9 @@ import type { Shortcut } from "./shortcuts";
 export interface KeyActions {
   change(how: (settings: Settings) => void): void;
   fit(): void;
+  view(name: StandardView): void;
+  fullScreen(): void;
+  copyLink(): void;
   upload(): void;
   undoStroke(): void;
   clearStrokes(): void;
@@ -33,6 +37,10 @@ export function keyTable(actions: KeyActions): Shortcut[] {
   });
   return [
     { key: "f", what: "show the whole surface", run: () => actions.fit() },
+    { key: "home", what: "the first view", run: () => actions.view("home") },
+    { key: "3", what: "from the front", run: () => actions.view("front") },
+    { key: "4", what: "from the side", run: () => actions.view("side") },
+    { key: "5", what: "from above", run: () => actions.view("top") },
     { key: "u", what: "open a mesh", run: () => actions.upload() },
     sets("1", "discs", (s) => (s.mode = "splats")),
     sets("2", "dots", (s) => (s.mode = "dots")),
@@ -52,6 +60,8 @@ export function keyTable(actions: KeyActions): Shortcut[] {
     sets("n", "orbit, fly", (s) => (s.navigation = s.navigation === "orbit" ? "fly" : "orbit")),
     { key: "p", what: "save the picture", run: () => actions.screenshot() },
     { key: "x", what: "save the points as PLY", run: () => actions.exportPly() },
+    { key: "y", what: "copy the link", run: () => actions.copyLink() },
+    { key: "g", what: "whole screen", run: () => actions.fullScreen() },
     { key: "h", what: "panel", run: () => actions.togglePanel() },
     { key: "i", what: "figures", run: () => actions.toggleFigures() },
   ];

@@ -1,3 +1,4 @@
+import "./panel.css";
 import "./style.css";
 
 import { Client } from "../stream";

@@ -2,7 +2,8 @@
 
 import GUI, { type Controller } from "lil-gui";
 
-import { element } from "./elements";
+import type { StandardView } from "../view";
+import { button, element } from "./elements";
 import guiStyle from "../../node_modules/lil-gui/dist/lil-gui.min.css?inline";
 import { ranges, type Settings } from "./settings";
 
@@ -11,6 +12,9 @@ export interface PanelActions {
   changed(): void;
   upload(): void;
   fit(): void;
+  view(name: StandardView): void;
+  fullScreen(): void;
+  copyLink(): void;
   undoStroke(): void;
   clearStrokes(): void;
   screenshot(): void;
@@ -54,11 +58,12 @@ export class Panel {
       actions.changed();
     });
     this.addSessions(sessions, actions);
+    this.addView(actions);
     this.addPoints();
     this.addDensity();
     this.addBrush(actions);
     this.addMesh(actions);
-    this.addPicture(actions);
+    this.addPicture();
     this.addTools(actions);
     this.gui.onOpenClose(() => this.makeRoom());
     if (window.innerWidth < 900) this.gui.close(); // it would cover a part of the picture: see style.css
@@ -99,6 +104,23 @@ export class Panel {
     const folder = this.gui.addFolder("Sessions");
     folder.$children.append(sessions);
     folder.add(actions, "upload").name("Open a mesh … (U)");
+  }
+
+  private addView(actions: PanelActions): void {
+    const s = this.settings;
+    const folder = this.gui.addFolder("View");
+    const names: [string, StandardView, string][] = [
+      ["Home", "home", "The first view (Home)"],
+      ["Front", "front", "From the front (3)"],
+      ["Side", "side", "From the right side (4)"],
+      ["Top", "top", "From above (5)"],
+    ];
+    const buttons = names.map(([text, view, title]) => button(text, () => actions.view(view), title));
+    folder.$children.append(element("div", { class: "views", attributes: { role: "group", "aria-label": "Views" } }, buttons));
+    folder.add(actions, "fit").name("Show the whole surface (F)");
+    folder.add(s, "up", { Y: "y", Z: "z" }).name("axis that points up");
+    this.addNumber(folder, "fieldOfView").name("angle of view, °");
+    folder.add(s, "navigation", ["orbit", "fly"]).name("navigation");
   }
 
   private addPoints(): void {
@@ -149,7 +171,7 @@ export class Panel {
     folder.close();
   }
 
-  private addPicture(actions: PanelActions): void {
+  private addPicture(): void {
     const s = this.settings;
     const folder = this.gui.addFolder("Picture");
     folder.add(s, "mode", ["splats", "dots"]).name("draw");
@@ -159,8 +181,6 @@ export class Panel {
     this.when(this.addNumber(folder, "dotSize").name("size of dots"), ({ mode }) => mode === "dots");
     this.addNumber(folder, "pixelRatio").name("sharpness");
     folder.add(s, "background", ["light", "dark"]).name("background");
-    folder.add(s, "navigation", ["orbit", "fly"]).name("navigation");
-    folder.add(actions, "fit").name("Show the whole surface (F)");
   }
 
   private addTools(actions: PanelActions): void {
@@ -168,6 +188,8 @@ export class Panel {
     folder.add(this.settings, "measuring").name("measure distances");
     folder.add(actions, "screenshot").name("Save the picture (P)");
     folder.add(actions, "exportPly").name("Save the points as PLY (X)");
+    folder.add(actions, "copyLink").name("Copy the link (Y)");
+    folder.add(actions, "fullScreen").name("Whole screen (G)");
     folder.add(actions, "help").name("Keys (?)");
     folder.close();
   }

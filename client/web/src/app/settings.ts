@@ -1,6 +1,6 @@
 // What a user can set. Lengths are in the units of the mesh unless a comment says otherwise.
 
-import type { Background, Colouring, Mode } from "../view";
+import type { Background, Colouring, Mode, UpAxis } from "../view";
 
 /// A dab of the brush, which paints the density `factor` within `radius` of the centre over what was painted before. Dabs of one
 /// `stroke` are alike, and undone together.
@@ -42,6 +42,8 @@ export interface Settings {
   dotSize: number; // CSS pixels
   splatScale: number;
   pixelRatio: number; // most pixels of the picture per CSS pixel
+  up: UpAxis;
+  fieldOfView: number; // vertical, degrees; that of the camera
   navigation: "orbit" | "fly";
   frozen: boolean; // views are sampled for the camera of the moment when this was set
   split: boolean; // left: a uniform density, right: the one set; both with the same budget
@@ -70,6 +72,7 @@ export const ranges = {
   meshVertices: { min: 100, max: 100_000, step: 100 },
   dotSize: { min: 1, max: 10 },
   splatScale: { min: 0.2, max: 3 },
+  fieldOfView: { min: 5, max: 120, step: 1 },
   pixelRatio: { min: 0.5, max: 4, step: 0.5 },
 } satisfies Record<NumberSetting, Range>;
 
@@ -112,6 +115,8 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     dotSize: 2,
     splatScale: 1,
     pixelRatio: 2,
+    up: "y",
+    fieldOfView: 30,
     navigation: "orbit",
     frozen: false,
     split: false,

@@ -85,5 +85,6 @@ function keyName(key: string): string {
   return key
     .replace("mod+", "Ctrl ")
     .replace("delete", "Del")
+    .replace("home", "Home")
     .replace(/\b[a-z]$/, (letter) => letter.toUpperCase());
 }

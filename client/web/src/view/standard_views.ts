@@ -2,7 +2,7 @@
 
 import { cameraAxes } from "./camera_math";
 import type { CameraState, Vec } from "./types";
-import { add, along, distance, dot, normalise, scale, subtract } from "./vector";
+import { along, distance, dot, normalise, scale, subtract } from "./vector";
 
 /// The axis of the mesh's file that points up: files of one kind or maker mostly agree on it.
 export type UpAxis = "y" | "z";
@@ -36,13 +36,16 @@ export function lookFrom(camera: CameraState, direction: Vec, up: UpAxis): Camer
   return { ...camera, up: upwards, eye: along(camera.target, from, distance(camera.eye, camera.target)) };
 }
 
+/// Returns the axis that points up in a camera's picture.
+export function upAxisOf({ up }: CameraState): UpAxis {
+  return Math.abs(up[2]) > Math.abs(up[1]) ? "z" : "y";
+}
+
 /// Has another axis point up: the camera looks from the same side as before, seen from what is now upright.
 export function withUp(camera: CameraState, up: UpAxis): CameraState {
+  if (up === upAxisOf(camera)) return camera;
   const from = subtract(camera.eye, camera.target);
-  const upwards = normalise(camera.up, [0, 1, 0]);
-  const isLying = Math.abs(upwards[2]) > Math.abs(upwards[1]);
-  if (isLying === (up === "z")) return camera;
-  return lookFrom({ ...camera, eye: add(camera.target, from) }, isLying ? standingUp(from) : lyingDown(from), up);
+  return lookFrom(camera, up === "y" ? standingUp(from) : lyingDown(from), up);
 }
 
 /// Changes the angle of view, and moves the eye so that what is at the target stays as large.
