@@ -119,7 +119,7 @@ describe("uploads", () => {
       assert.equal(await page.evaluate((c) => c.settings.frozen), false);
       assert.equal(await page.evaluate((c) => c.look), 1, "it was never asked for what the camera of before sees");
       await page.page.waitForFunction(() => document.querySelectorAll(".session").length === 2);
-      assert.equal(await page.page.locator("body.dropping").count(), 0);
+      assert.equal(await page.page.locator(".dropping").count(), 0);
       assert.match(await page.page.title(), /ring\.off/);
       await page.close();
     }));

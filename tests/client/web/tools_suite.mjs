@@ -102,7 +102,7 @@ describe("the tools", () => {
   it("cuts off what discs reach out of a frozen camera's picture", async () => {
     const view = await torus.evaluate((c) => c.view.camera);
     const near = { ...view, eye: view.eye.map((x, k) => view.target[k] + 0.4 * (x - view.target[k])) };
-    await torus.change(() => torus.set("sampler", "equalised (the paper's)")); // which has points for any view at once
+    await torus.change(() => torus.set("points are chosen", "along the curve (paper)")); // which has points for any view at once
     await torus.change(() => torus.evaluate((c, camera) => (c.view.camera = camera), near));
     await torus.set("size of discs", 3);
     await torus.page.keyboard.press("z");
@@ -119,7 +119,7 @@ describe("the tools", () => {
     await torus.page.keyboard.press("z");
     await torus.set("size of discs", 1);
     await torus.change(() => torus.evaluate((c, camera) => (c.view.camera = camera), view));
-    await torus.change(() => torus.set("sampler", "progressive"));
+    await torus.change(() => torus.set("points are chosen", "by rank (progressive)"));
   });
 
   it("shows uniform points beside, as many", async () => {
@@ -234,10 +234,10 @@ describe("the tools", () => {
         [row, repeat],
       );
     const { edl } = await torus.evaluate((c) => c.settings);
-    assert.equal(await press("eye-dome lighting"), !edl);
-    assert.equal(await press("eye-dome lighting", true), !edl, "it is still held down");
+    assert.equal(await press("dark edges"), !edl);
+    assert.equal(await press("dark edges", true), !edl, "it is still held down");
     assert.equal(await press("points"), !edl, "a field keeps its keys");
-    assert.equal(await press("eye-dome lighting"), edl);
+    assert.equal(await press("dark edges"), edl);
   });
 
   it("keeps camera and settings in the address", async () => {
@@ -248,7 +248,7 @@ describe("the tools", () => {
       ]),
     );
     await torus.change(() => torus.set("points", 4000));
-    await torus.change(() => torus.set("silhouettes", true));
+    await torus.change(() => torus.set("more at outlines", true));
     const [camera, settings] = [await torus.evaluate((c) => c.view.camera), await torus.evaluate((c) => c.settings)];
     await torus.until((c, eye) => {
       const kept = new URLSearchParams(location.hash.slice(1)).get("camera")?.split(",").map(Number) ?? [];

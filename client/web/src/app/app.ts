@@ -98,9 +98,11 @@ export class Application {
       exportPly: () => this.savePly(),
       exportMesh: () => this.saveMesh(),
     };
-    const toggles = { togglePanel: () => this.panel.toggle(), toggleFigures: () => this.hud.toggle() };
+    const say = (text: string): void => this.messages.say(text);
+    const toggles = { say, togglePanel: () => this.panel.toggle(), toggleFigures: () => this.hud.toggle() };
     const shortcuts = new Shortcuts(page, keyTable({ ...actions, change: (how) => this.change(how), ...toggles }));
     this.panel = new Panel(
+      document.body, // beside the page's main part
       this.settings,
       { ...actions, changed: () => this.changed(), help: () => shortcuts.toggleHelp() },
       this.list.root,

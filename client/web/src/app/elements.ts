@@ -24,6 +24,13 @@ export function element<Tag extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
+/// Makes a button with a cross. `what`: what it does.
+export function crossButton(what: string, onClick: () => void): HTMLButtonElement {
+  const made = button("×", onClick, what);
+  made.setAttribute("aria-label", what);
+  return made;
+}
+
 /// Makes a button that submits no form.
 export function button(text: string, onClick: () => void, title?: string): HTMLButtonElement {
   const made = element("button", { text, onClick, ...(title !== undefined && { title }) });

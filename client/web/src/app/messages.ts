@@ -1,7 +1,7 @@
 // What the page says to its user: notices for a moment, a banner while something is wrong, a card where nothing can be shown.
 
 import type { CurvecastError } from "../stream";
-import { button, element } from "./elements";
+import { button, crossButton, element } from "./elements";
 
 interface Action {
   text: string;
@@ -19,6 +19,7 @@ export class Messages {
   private readonly notices = element("div", { class: "notices" });
   private readonly banner = element("div", { class: "banner" });
   private readonly card = element("div", { class: "card" });
+  private readonly spoken = element("div", { class: "unseen", attributes: { role: "status" } });
   private readonly shown = new Map<string, { notice: HTMLElement; timer?: ReturnType<typeof setTimeout> }>(); // oldest first
   private readonly concerns = new Map<Concern, { text: string; action: Action | undefined }>(); // the newest is shown
   private bannerText = ""; // of the banner and its button
@@ -28,7 +29,12 @@ export class Messages {
     this.notices.setAttribute("role", "status");
     this.banner.setAttribute("role", "alert");
     this.banner.hidden = this.card.hidden = true;
-    parent.append(this.notices, this.banner, this.card);
+    parent.append(this.notices, this.banner, this.card, this.spoken);
+  }
+
+  /// Has those who listen to the page hear something that others see.
+  say(text: string): void {
+    this.spoken.textContent = text;
   }
 
   /// Shows a notice for a few seconds.
@@ -47,7 +53,7 @@ export class Messages {
       text,
       element("div", { class: "notice failure" }, [
         element("div", {}, [element("strong", { text: what }), element("span", { text: error.message })]),
-        button("×", () => this.removeNotice(text), "Close"),
+        crossButton("Close", () => this.removeNotice(text)),
       ]),
     );
   }
@@ -134,7 +140,7 @@ export class Messages {
   private showCard(title: string, text: string, makeParts: () => readonly Node[] = () => []): boolean {
     if (this.cardText === title + text) return false;
     this.cardText = title + text;
-    this.card.replaceChildren(element("h1", { text: title }), element("p", { text }), ...makeParts());
+    this.card.replaceChildren(element("h2", { text: title }), element("p", { text }), ...makeParts());
     this.card.hidden = false;
     return true;
   }

@@ -68,7 +68,7 @@ export class Uploads {
 
   private async run(mesh: NamedFile, others: readonly NamedFile[]): Promise<void> {
     const stop = new AbortController();
-    const bar = element("progress");
+    const bar = element("progress", { attributes: { "aria-label": mesh.name } });
     const words = element("span");
     const row = element("div", { class: "upload" }, [
       element("strong", { text: mesh.name }),
