@@ -81,6 +81,20 @@ describe("the views that have names", () => {
     assert.equal(await torus.evaluate((c) => c.settings.fieldOfView), 30, "the panel follows the camera");
   });
 
+  it("may be of nothing, which is no error", async () => {
+    const camera = await torus.evaluate((c) => c.view.camera);
+    const away = { ...camera, target: camera.eye.map((value, k) => 2 * value - camera.target[k]) };
+    await torus.evaluate((c, turned) => (c.view.camera = turned), away);
+    const hint = torus.page.getByText("Nothing of the surface is in view");
+    await hint.waitFor();
+    await torus.screenshot("nothing.png");
+    assert.equal(await torus.page.locator(".notice, .failure").count(), 0);
+    await torus.page.locator(".hint button").click();
+    await hint.waitFor({ state: "hidden" });
+    await torus.evaluate((c, before) => (c.view.camera = before), camera);
+    await torus.settled();
+  });
+
   it("are passed on by a link", async () => {
     await torus.context.grantPermissions(["clipboard-read", "clipboard-write"]);
     await torus.page.keyboard.press("y");

@@ -26,6 +26,8 @@ const secondsBeforeSave = 0.4; // that the address waits after the last change
 const longestStart = 500; // ms that the first picture waits for points
 const noticeableDelay = 0.3; // seconds; a shorter pause before a reconnection has no banner
 
+const nowhere = "FAILED_PRECONDITION"; // the code of a view whose density is zero everywhere
+
 /// Returns the name of a session's mesh without its extension.
 function stemOf(session: Session): string {
   return nameOf(session).replace(/\.[a-z]+$/i, "");
@@ -126,7 +128,7 @@ export class Application {
         onFailure: (id, error) => {
           if (error.code !== "NOT_FOUND") messages.failure("The session cannot be shown", error);
           else if (this.session !== null) messages.failure("This session is not there", error);
-          else messages.missingSession(id);
+          else this.missing(id);
         },
         onRefused: (error) => this.refused(error),
       },
@@ -263,6 +265,7 @@ export class Application {
   private show(session: Session, camera: CameraState | null): void {
     for (const which of ["main", "uniform"] as const) this.messages.hideBanner(which);
     this.messages.hideCard();
+    this.messages.hideHint();
     this.streams?.close();
     this.mesh?.follow(null, false);
     this.streams = null; // the new session is not asked for views of the camera before
@@ -299,13 +302,20 @@ export class Application {
 
   private uploaded(session: Session, missing: readonly string[]): void {
     if (missing.length > 0) this.messages.notice(`Not among the files, and done without: ${missing.join(", ")}`);
-    if (this.session?.sessionId === session.sessionId) {
+    if (this.session?.sessionId === session.sessionId && this.streams?.main.state !== "failed") {
       this.session = session; // its preview is shown, and its stream goes on by itself
       this.pacer.request(); // there may be a mesh now
       this.choice.refresh();
       return;
     }
     this.choice.choose(session.sessionId);
+  }
+
+  /// The server does not have a session, or has it no longer: one without a cache was restarted.
+  private missing(sessionId: string): void {
+    const name = this.uploads.nameOf(sessionId);
+    const again = name === null ? [] : [{ text: `Open ${name} again`, run: () => this.uploads.again(sessionId) }];
+    this.messages.missingSession(sessionId, [...again, { text: "Choose files …", run: () => this.uploads.pick() }]);
   }
 
   private async forget(session: Session): Promise<void> {
@@ -319,11 +329,20 @@ export class Application {
   }
 
   private frameCame(frame: FrameReport): void {
-    if (frame.error !== null) return this.messages.notice(`The server refused this view: ${frame.error.message}`);
+    if (frame.error !== null) return this.refusedView(frame.error);
+    this.messages.hideHint();
     const isChanged = frame.added + frame.removed + frame.resized > 0;
     if (isChanged) this.uploadMilliseconds = this.viewport.uploadNow();
     else this.viewport.expectNoPoints();
     this.showFigures();
+  }
+
+  private refusedView(error: CurvecastError): void {
+    this.viewport.expectNoPoints();
+    if (error.code === nowhere) {
+      const whole = { text: "Show the whole surface (F)", run: () => this.viewport.frame() };
+      this.messages.showHint("Nothing of the surface is in view here", whole);
+    } else this.messages.notice(`The server refused this view: ${error.message}`);
   }
 
   private stateChanged(which: Which, state: LiveViewState, error: CurvecastError | null, delay: number | null): void {
@@ -336,7 +355,7 @@ export class Application {
     }
     if (state === "failed" && error !== null) {
       if (error.code === "UNAUTHENTICATED" || error.code === "PERMISSION_DENIED") this.refused(error);
-      else if (error.code === "NOT_FOUND") this.messages.missingSession(this.session?.sessionId ?? "");
+      else if (error.code === "NOT_FOUND") this.missing(this.session?.sessionId ?? "");
       else this.messages.failure(which === "main" ? "The stream has ended" : "The stream of uniform points has ended", error);
     }
     this.showFigures();
