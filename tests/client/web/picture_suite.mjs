@@ -58,6 +58,16 @@ describe("the picture", () => {
     await torus.screenshot("page.png");
   });
 
+  it("has the surface's own colours", async () => {
+    const { data, width, height } = await torus.picture();
+    let coloured = 0;
+    for (let i = 0; i < width * height; ++i) {
+      const [red, green, blue] = data.subarray(4 * i, 4 * i + 3);
+      if (Math.max(red, green, blue) - Math.min(red, green, blue) > 100) ++coloured; // clay has half of that
+    }
+    assert.ok(coloured > 0.05 * width * height, `${coloured} pixels have a colour`);
+  });
+
   it("turns with the mouse, and keeps its points", async () => {
     const [from, picture] = [await torus.evaluate(cameraOf), await torus.picture()];
     const deltas = await torus.evaluate((c) => c.statistics.deltas);
@@ -164,7 +174,7 @@ describe("the picture", () => {
     assert.equal(await torus.evaluate((c) => c.store.count), points);
     await torus.settled();
     assert.ok(Math.abs((await torus.evaluate(bending)) / even.bending - 1) < 1e-6, "the points of before");
-    await torus.change(() => torus.set("colours", "clay"));
+    await torus.change(() => torus.set("colours", "the surface's own"));
   });
 
   it("samples as the paper does, too", async () => {
@@ -196,7 +206,7 @@ describe("the picture", () => {
     await torus.page.keyboard.press("1");
     let last = await torus.picture();
     assert.equal(countOf(difference(discs, last)), 0, "the picture of before");
-    for (const colouring of ["normal", "curvature", "rank", "density", "colour"]) {
+    for (const colouring of ["shading", "normal", "curvature", "rank", "density"]) {
       await torus.page.keyboard.press("c");
       await torus.answered();
       assert.equal(await torus.evaluate((c) => c.settings.colouring), colouring);

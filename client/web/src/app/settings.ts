@@ -83,7 +83,7 @@ export function withinRange(key: keyof typeof ranges, value: number): number {
   return Math.min(Math.max(value, ranges[key].min), ranges[key].max);
 }
 
-/// Returns the settings that a page begins with. A renderer without a graphics card gets fewer points.
+/// Returns the settings that a page begins with: surfaces have their own colours, or are clay. A renderer without a graphics card gets fewer points.
 export function defaultSettings(isSoftware: boolean, background: Background): Settings {
   return {
     budget: "points",
@@ -109,7 +109,7 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     meshVertices: 5000,
     meshForCamera: false,
     mode: "splats",
-    colouring: "shading",
+    colouring: "colour",
     background,
     edl: true,
     dotSize: 2,
