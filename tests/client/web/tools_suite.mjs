@@ -68,6 +68,12 @@ describe("the tools", () => {
     const dabs = await torus.evaluate((c) => c.settings.dabs);
     assert.ok(dabs.length >= 1);
     const painted = await torus.evaluate(within, dabs[0]);
+    await torus.page.mouse.move(5, 5); // the brush itself is not to be seen
+    const traced = await torus.picture("trace.png");
+    await torus.page.keyboard.press("b");
+    const trace = countOf(difference(traced, await torus.picture()));
+    await torus.page.keyboard.press("b");
+    assert.ok(trace > 500 && trace < 0.2 * traced.width * traced.height, `${trace} pixels show what was painted`);
     await torus.page.keyboard.press("2"); // dots show the density
     await torus.picture("brush.png");
     await torus.page.keyboard.press("1");

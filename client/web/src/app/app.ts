@@ -4,7 +4,6 @@ import { asCurvecastError, type Client, type CurvecastError, type FrameReport, t
 import { directionOf, upAxisOf, Viewport, type CameraState, type StandardView } from "../view";
 import { AxesGizmo } from "./axes_gizmo";
 import { Brush } from "./brush";
-import { download, meshPlyOf, plyOf } from "./export_ply";
 import type { FirstAnswers } from "./first_answers";
 import { Hud } from "./hud";
 import { keyTable } from "./key_table";
@@ -13,9 +12,10 @@ import { Messages } from "./messages";
 import { copyText, toggleFullScreen } from "./page_tools";
 import { Panel } from "./panel";
 import { meshRequest, sampleRequest } from "./sample_request";
+import { saveMesh, savePicture, savePoints } from "./saving";
 import { SessionChoice } from "./session_choice";
 import { nameOf, SessionList } from "./session_list";
-import { defaultSettings, type Settings } from "./settings";
+import { defaultSettings, type Dab, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
 import { Uploads } from "./upload";
@@ -26,12 +26,8 @@ const secondsBeforeSave = 0.4; // that the address waits after the last change
 const longestStart = 500; // ms that the first picture waits for points
 const noticeableDelay = 0.3; // seconds; a shorter pause before a reconnection has no banner
 
+const noPaint: readonly Dab[] = [];
 const nowhere = "FAILED_PRECONDITION"; // the code of a view whose density is zero everywhere
-
-/// Returns the name of a session's mesh without its extension.
-function stemOf(session: Session): string {
-  return nameOf(session).replace(/\.[a-z]+$/i, "");
-}
 
 /// The application, of which a page has one. Throws NoWebGL2Error.
 export class Application {
@@ -63,7 +59,7 @@ export class Application {
   constructor(
     canvas: HTMLCanvasElement,
     page: HTMLElement,
-    private readonly messages: Messages,
+    readonly messages: Messages,
     private readonly client: Client,
     answers: FirstAnswers,
     private readonly token: string | undefined,
@@ -96,9 +92,9 @@ export class Application {
       copyLink: () => void this.copyLink(),
       undoStroke: () => this.change(() => this.brush.undo()),
       clearStrokes: () => this.change(() => this.brush.clear()),
-      screenshot: () => void this.saveScreenshot(),
-      exportPly: () => this.savePly(),
-      exportMesh: () => this.saveMesh(),
+      screenshot: () => void savePicture(this),
+      exportPly: () => savePoints(this),
+      exportMesh: () => saveMesh(this),
     };
     const say = (text: string): void => this.messages.say(text);
     const toggles = { say, togglePanel: () => this.panel.toggle(), toggleFigures: () => this.hud.toggle() };
@@ -170,7 +166,8 @@ export class Application {
     document.documentElement.dataset.theme = settings.background;
     document.body.classList.toggle("split", settings.split && this.session !== null);
     const { mode, colouring, background, edl, dotSize, splatScale } = settings;
-    viewport.style = { mode, colouring, background, edl, dotSize, splatScale };
+    const paint = settings.brush && mode === "splats" ? this.brush.trace() : noPaint;
+    viewport.style = { mode, colouring, background, edl, dotSize, splatScale, paint };
     viewport.setUp(settings.up);
     viewport.setFieldOfView(settings.fieldOfView);
     viewport.maxPixelRatio = settings.pixelRatio;
@@ -365,27 +362,5 @@ export class Application {
     this.hud.visible = this.streams !== null;
     if (this.streams !== null) this.hud.show(this.streams, this.viewport.framesPerSecond, this.uploadMilliseconds);
     this.hud.showMesh(this.settings.wireframe ? this.mesh : null);
-  }
-
-  private async saveScreenshot(): Promise<void> {
-    if (this.session === null) return;
-    const name = `${stemOf(this.session)}.png`;
-    try {
-      download(await this.viewport.screenshot(), name);
-    } catch (thrown) {
-      this.messages.failure("The picture cannot be saved", asCurvecastError(thrown));
-    }
-  }
-
-  private savePly(): void {
-    if (this.session === null || this.streams === null) return;
-    const { store } = this.streams.main;
-    download(plyOf(store), `${stemOf(this.session)}-${store.count}.ply`);
-  }
-
-  private saveMesh(): void {
-    const mesh = this.mesh?.mesh;
-    if (this.session === null || mesh == null) return;
-    download(meshPlyOf(mesh), `${stemOf(this.session)}-mesh-${mesh.vertices.count}.ply`);
   }
 }

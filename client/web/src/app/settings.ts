@@ -1,13 +1,9 @@
 // What a user can set. Lengths are in the units of the mesh unless a comment says otherwise.
 
-import type { Background, Colouring, Mode, UpAxis } from "../view";
+import type { Background, Colouring, Mode, PaintDab, UpAxis } from "../view";
 
-/// A dab of the brush, which paints the density `factor` within `radius` of the centre over what was painted before. Dabs of one
-/// `stroke` are alike, and undone together.
-export interface Dab {
-  centre: [number, number, number];
-  radius: number;
-  factor: number;
+/// A dab of the brush, which paints over what was painted before. Dabs of one `stroke` are alike, and undone together.
+export interface Dab extends PaintDab {
   stroke: number;
 }
 

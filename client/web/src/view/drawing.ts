@@ -71,7 +71,7 @@ export class Drawing {
   /// Uploads the stores' changes to the graphics card.
   upload(style: Style): void {
     for (const points of this.geometries.values()) {
-      points.refresh(style.colouring);
+      points.refresh(style);
       points.upload(this.renderer);
     }
   }

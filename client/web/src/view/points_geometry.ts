@@ -3,8 +3,9 @@
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
 import { colourScale, typicalRadius, type ColourScale } from "./colouring";
+import { paintPoints } from "./painted_colours";
 import { StoreTexture, type ColumnArray, type ColumnName } from "./store_texture";
-import type { Colouring } from "./types";
+import type { Colouring, PaintDab, Style } from "./types";
 import { mergeRanges } from "./update_ranges";
 
 /// What each point is drawn as: a square in the disc's plane, or a hexagon whose middle stands out, so that neighbours meet halfway.
@@ -40,6 +41,8 @@ export class PointsGeometry {
   readonly dots = new THREE.BufferGeometry();
   private readonly textures = new Map<ColumnName, StoreTexture>();
   private colouring: Colouring = "shading";
+  private paint: readonly PaintDab[] = [];
+  private painted: Uint8Array<ArrayBuffer> | null = null; // the colours under paint; null: to be computed
   private scaleNow: ColourScale;
   private radiusNow: number;
   /// Slots that are not uploaded yet; null: all.
@@ -71,8 +74,8 @@ export class PointsGeometry {
     return this.radiusNow;
   }
 
-  /// Takes the store's changes, and the scale for a colouring.
-  refresh(colouring: Colouring): void {
+  /// Takes the store's changes, and the scale for the colours of a style. Its paint has to be another array where it has changed.
+  refresh({ colouring, paint }: Pick<Style, "colouring" | "paint">): void {
     const { store } = this;
     const changes = store.takeChanges();
     const changed = changes.all || changes.ranges.length > 0;
@@ -82,8 +85,13 @@ export class PointsGeometry {
       const isFirst = this.pending !== null && this.pending.length === 0;
       this.pending = changes.all || !isFirst ? null : mergeRanges(changes.ranges, store.slots);
     }
-    if (changed || colouring !== this.colouring) this.scaleNow = colourScale(store, colouring);
+    const isRepainted = paint !== this.paint || colouring !== this.colouring;
+    if (changed || isRepainted) this.scaleNow = colourScale(store, colouring, paint.length > 0);
+    if (changed && this.painted?.length === store.positions.length && this.pending !== null && !isRepainted)
+      paintPoints(store, paint, this.painted, this.pending);
+    else if (changed || isRepainted) this.painted = null;
     this.colouring = colouring;
+    this.paint = paint;
     this.discs.instanceCount = Math.ceil(store.slots / blockSlots);
     this.dots.setDrawRange(0, store.slots);
   }
@@ -97,8 +105,8 @@ export class PointsGeometry {
       ["normals", store.normals],
     ];
     const { column } = this.scaleNow;
-    const values = column && store[column];
-    if (values) columns.push([column, values]);
+    const values = column === "painted" ? this.paintedColours() : column && store[column];
+    if (column && values) columns.push([column, values]);
     for (const [name, texture] of this.textures) {
       if (columns.some(([wanted]) => wanted === name)) continue;
       texture.dispose();
@@ -120,6 +128,15 @@ export class PointsGeometry {
     uniforms.normalsOf.value = this.textures.get("normals")?.texture ?? null;
     uniforms.column.value = (column && this.textures.get(column)?.texture) ?? null;
     uniforms.slots.value = this.store.slots;
+  }
+
+  private paintedColours(): Uint8Array {
+    const { store } = this;
+    if (this.painted === null) {
+      this.painted = new Uint8Array(store.positions.length);
+      paintPoints(store, this.paint, this.painted, [0, store.slots]);
+    }
+    return this.painted;
   }
 
   dispose(): void {

@@ -203,7 +203,7 @@ export class SplatPasses implements Passes {
     shade.backTint.value = isDots ? look.pale : look.back;
     shade.backgroundTop.value = look.top;
     shade.backgroundBottom.value = look.bottom;
-    shade.isMatte.value = isDots || target.textures.length > 1;
+    shade.isMatte.value = isDots || (target.textures.length > 1 && points?.scale.isClay !== true);
     shade.surfaceShift.value = blendDepth * (points?.typicalRadius ?? 0) * style.splatScale;
     if (picture.brush) {
       const centre = picture.brush.centre.clone().applyMatrix4(camera.matrixWorldInverse);
