@@ -4,6 +4,7 @@ import { asCurvecastError, type Client, type CurvecastError, type FrameReport, t
 import { directionOf, upAxisOf, Viewport, type CameraState, type StandardView } from "../view";
 import { AxesGizmo } from "./axes_gizmo";
 import { Brush } from "./brush";
+import { DrawingBudget } from "./drawing_budget";
 import type { FirstAnswers } from "./first_answers";
 import { Hud } from "./hud";
 import { keyTable } from "./key_table";
@@ -11,7 +12,7 @@ import { MeshFollower } from "./mesh_follower";
 import { Messages } from "./messages";
 import { copyText, toggleFullScreen } from "./page_tools";
 import { Panel } from "./panel";
-import { meshRequest, sampleRequest } from "./sample_request";
+import { meshRequest, sampleRequest, type SampleInit } from "./sample_request";
 import { saveMesh, savePicture, savePoints } from "./saving";
 import { SessionChoice } from "./session_choice";
 import { nameOf, SessionList } from "./session_list";
@@ -44,6 +45,7 @@ export class Application {
   private readonly uploads: Uploads;
   private readonly axes: AxesGizmo;
   private readonly brush: Brush;
+  private readonly drawingBudget = new DrawingBudget();
   private readonly choice: SessionChoice;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
   private shown: unknown[] = []; // the stores that the viewport draws
@@ -134,6 +136,10 @@ export class Application {
 
   private listen(): void {
     this.viewport.onCamera = () => this.cameraMoved();
+    this.viewport.onPicture = (points, milliseconds) => {
+      const { budget, frameMilliseconds } = this.settings;
+      if (budget === "automatic" && this.drawingBudget.note(points, milliseconds, frameMilliseconds)) this.pacer.request();
+    };
     this.viewport.onDrawn = () => this.pacer.drawn();
     this.viewport.onBrush = (centre, done) => {
       this.isPainting = !done;
@@ -200,7 +206,8 @@ export class Application {
     this.showStores();
     const camera = this.frozen?.camera ?? viewport.camera;
     const size = this.frozen?.size ?? viewport.size;
-    if (streams.look(sampleRequest(settings, camera, size), sampleRequest(settings, camera, size, true))) viewport.expectPoints();
+    const ask = (isUniform: boolean): SampleInit => sampleRequest(settings, camera, size, isUniform, this.drawingBudget.mostPoints);
+    if (streams.look(ask(false), ask(true))) viewport.expectPoints();
     const hasMesh = settings.wireframe && this.session !== this.preview;
     this.mesh?.follow(hasMesh ? meshRequest(settings, camera, size) : null, this.isPainting);
     this.saveSoon();

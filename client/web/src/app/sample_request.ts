@@ -73,7 +73,7 @@ function paint(dabs: readonly Dab[]): TermInit[] {
   ];
 }
 
-function budgetOf(settings: Settings): NonNullable<SampleInit["budget"]> {
+function budgetOf(settings: Settings, mostPoints: number): NonNullable<SampleInit["budget"]> {
   switch (settings.budget) {
     case "points":
       return { case: "points", value: BigInt(Math.round(settings.points)) };
@@ -82,16 +82,18 @@ function budgetOf(settings: Settings): NonNullable<SampleInit["budget"]> {
     case "pixels":
       return { case: "pixelError", value: settings.pixelError };
     case "automatic":
-      return { case: "automatic", value: { frameSeconds: settings.frameMilliseconds / 1000 } };
+      return { case: "automatic", value: { frameSeconds: settings.frameMilliseconds / 1000, maxPoints: BigInt(mostPoints) } };
   }
 }
 
 /// Makes the request for a view. `uniform`: its density is even, whatever the settings say. `size`: of the picture, in pixels.
+/// `mostPoints`: of the automatic budget; 0: as many as the server gives.
 export function sampleRequest(
   settings: Settings,
   camera: CameraState,
   size: { width: number; height: number },
   uniform = false,
+  mostPoints = 0,
 ): SampleInit {
   const terms = uniform ? [] : plainTerms(settings);
   const needsCamera =
@@ -100,7 +102,7 @@ export function sampleRequest(
   if (settings.colouring === "curvature") attributes.push(PointAttribute.CURVATURES);
   if (settings.colouring === "rank" && settings.sampler === "progressive") attributes.push(PointAttribute.RANK);
   return {
-    budget: budgetOf(settings),
+    budget: budgetOf(settings, mostPoints),
     density: [...terms, ...(uniform ? [] : paint(settings.dabs))],
     // A request without a camera stays the same while the camera moves, and is not sent again.
     cameras: needsCamera

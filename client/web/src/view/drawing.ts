@@ -34,6 +34,8 @@ export interface Fineness {
   ratio: number;
   /// Drawn soon rather than finely.
   isQuick: boolean;
+  /// All pictures together have about so many points at most: an even part of those that there are.
+  mostPoints: number;
 }
 
 /// Keeps what is drawn on the graphics card.
@@ -76,14 +78,17 @@ export class Drawing {
     }
   }
 
-  /// Draws the pictures beside each other, over the whole canvas.
-  render(scene: Scene, { width, height, ratio, isQuick }: Fineness): void {
+  /// Draws the pictures beside each other, over the whole canvas. Returns how many points they have, and whether these are all.
+  render(scene: Scene, { width, height, ratio, isQuick, mostPoints }: Fineness): { points: number; isWhole: boolean } {
     const { renderer, stores } = this;
     const { camera, bounds, style, brush } = scene;
     const canvas = renderer.domElement;
     const canvasWidth = width * stores.length;
     if (canvas.width !== canvasWidth || canvas.height !== height) renderer.setSize(canvasWidth, height, false);
     this.upload(style);
+    const slots = stores.reduce((sum, store) => sum + (store?.slots ?? 0), 0);
+    const stride = Math.max(1, Math.ceil(slots / mostPoints));
+    for (const points of this.geometries.values()) points.thin(stride);
     this.overlay.set(scene.lines);
     if (scene.frozen) aim(this.sampled, scene.frozen.camera, bounds, scene.frozen.aspect);
     const frozen = scene.frozen && { ...scene.frozen, camera: this.sampled };
@@ -109,6 +114,7 @@ export class Drawing {
       this.overlay.render(renderer, this.drawn, where, ratio, points ? this.passes.depths : null, tolerance);
     }
     renderer.setScissorTest(false);
+    return { points: slots / stride, isWhole: stride === 1 };
   }
 
   /// Gives back the objects on the graphics card. render() makes them anew.

@@ -24,6 +24,7 @@ export interface PointUniforms {
   normalsOf: THREE.IUniform<THREE.Texture | null>;
   column: THREE.IUniform<THREE.Texture | null>;
   slots: THREE.IUniform<number>;
+  stride: THREE.IUniform<number>;
 }
 
 export const makePointUniforms = (): PointUniforms => ({
@@ -31,13 +32,14 @@ export const makePointUniforms = (): PointUniforms => ({
   normalsOf: { value: null },
   column: { value: null },
   slots: { value: 0 },
+  stride: { value: 1 },
 });
 
 /// Keeps the columns of a store as textures, and uploads what changes.
 export class PointsGeometry {
-  /// Discs of all slots. They have no attributes: the shaders compute the slot from the numbers of vertex and instance.
+  /// Discs of all slots, or of every so many. They have no attributes: the shaders compute the slot from the numbers of vertex and instance.
   readonly discs = new THREE.InstancedBufferGeometry();
-  /// A vertex for each slot.
+  /// A vertex for each slot, or for every so many.
   readonly dots = new THREE.BufferGeometry();
   private readonly textures = new Map<ColumnName, StoreTexture>();
   private colouring: Colouring = "shading";
@@ -47,6 +49,7 @@ export class PointsGeometry {
   private radiusNow: number;
   /// Slots that are not uploaded yet; null: all.
   private pending: number[] | null = null;
+  private stride = 1; // from one slot that is drawn to the next
 
   constructor(
     readonly store: PointStore,
@@ -92,8 +95,21 @@ export class PointsGeometry {
     else if (changed || isRepainted) this.painted = null;
     this.colouring = colouring;
     this.paint = paint;
-    this.discs.instanceCount = Math.ceil(store.slots / blockSlots);
-    this.dots.setDrawRange(0, store.slots);
+    this.thin(this.stride);
+  }
+
+  /// Draws the points of every `stride`th slot from now on. Slots follow the curve, but for those that deltas have filled: every so many
+  /// are an even part of the points.
+  thin(stride: number): void {
+    const shapes = Math.ceil(this.store.slots / stride);
+    this.stride = stride;
+    this.discs.instanceCount = Math.ceil(shapes / blockSlots);
+    this.dots.setDrawRange(0, shapes);
+  }
+
+  /// The factor of radii with which the points that are drawn cover as much as all of them.
+  get growth(): number {
+    return Math.sqrt(this.stride);
   }
 
   /// Uploads what has changed. To be called before drawing.
@@ -128,6 +144,7 @@ export class PointsGeometry {
     uniforms.normalsOf.value = this.textures.get("normals")?.texture ?? null;
     uniforms.column.value = (column && this.textures.get(column)?.texture) ?? null;
     uniforms.slots.value = this.store.slots;
+    uniforms.stride.value = this.stride;
   }
 
   private paintedColours(): Uint8Array {

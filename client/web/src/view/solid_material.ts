@@ -42,7 +42,7 @@ export class SolidMaterial extends THREE.ShaderMaterial {
     }
     const uniforms = this.styleUniforms;
     uniforms.pixels.value.set(width, height);
-    uniforms.splatScale.value = style.splatScale;
+    uniforms.splatScale.value = style.splatScale * points.growth;
     uniforms.dotDiameter.value = style.mode === "dots" ? style.dotSize * pixelRatio : 0;
     uniforms.minRadius.value = 1 / (height * camera.projectionMatrix.elements[5]);
     this.uniformsNeedUpdate = true;

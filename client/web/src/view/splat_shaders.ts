@@ -5,6 +5,7 @@ const pointFunctions = /* glsl */ `
 uniform highp sampler2D positions;
 uniform highp sampler2D normalsOf;
 uniform int slots;
+uniform int stride;  // from the slot of a shape to that of the next
 
 vec4 point;  // relative to the store's origin; w: radius
 vec3 axis;   // the normal
@@ -99,7 +100,7 @@ float facing;
 // Returns false where there is nothing to draw.
 bool placeCorner() {
   int shape = gl_VertexID / kCorners;
-  slot = gl_InstanceID * 1024 + shape;
+  slot = (gl_InstanceID * 1024 + shape) * stride;
   if (!readPoint(slot)) return false;
   int which = gl_VertexID - shape * kCorners;
   inShape = kPlaces[which];
@@ -253,7 +254,7 @@ flat out vec3 colour;
 float distanceOf(float depth) { return clip.x * clip.y / (clip.y - depth * (clip.y - clip.x)); }
 
 void main() {
-  int slot = gl_VertexID;
+  int slot = gl_VertexID * stride;
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
   gl_PointSize = 1.0;
   if (!readPoint(slot)) return;

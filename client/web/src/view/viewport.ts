@@ -9,7 +9,7 @@ import { CameraControls, type ControlsHost } from "./camera_controls";
 import { type Bounds, clipPlanes, fit, isUsable, rayDirection } from "./camera_math";
 import { Drawing } from "./drawing";
 import { DrawingWatch } from "./drawing_watch";
-import { FrameClock } from "./frame_clock";
+import { type Detail, type Drawn, fine, FrameClock } from "./frame_clock";
 import { MeasureTool } from "./measure_tool";
 import type { OverlayLine } from "./overlay_lines";
 import { frustumLines } from "./overlay_shapes";
@@ -20,7 +20,7 @@ import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type 
 const longestHold = 120; // ms that a picture waits for its points, where the processor draws
 const pickReach = 8; // CSS pixels between the pointer and a point that it picks
 
-/// Draws on a canvas. Draws on demand, when something has changed, and on slow machines with fewer pixels while it changes.
+/// Draws on a canvas. Draws on demand, when something has changed, and on slow machines with fewer pixels and points while it changes.
 export class Viewport {
   /// Is called when the camera has moved, by the user or by the page.
   onCamera: (() => void) | null = null;
@@ -34,6 +34,8 @@ export class Viewport {
   onResize: (() => void) | null = null;
   /// Is called when the processor has drawn: isDrawing is false again.
   onDrawn: (() => void) | null = null;
+  /// Is called with the points of a fine picture, and with the milliseconds that drawing it took.
+  onPicture: ((points: number, milliseconds: number) => void) | null = null;
   /// Whether the processor draws, for want of a graphics card.
   readonly isSoftware: boolean;
 
@@ -74,8 +76,8 @@ export class Viewport {
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
     this.renderer.autoClear = false;
     this.drawing = new Drawing(this.renderer);
-    this.clock = new FrameClock((now, scale) => this.drawFrame(now, scale), this.isSoftware);
-    this.watch = new DrawingWatch(context, () => (this.clock.settle(), this.onDrawn?.()));
+    this.clock = new FrameClock((now, detail) => this.drawFrame(now, detail), this.isSoftware);
+    this.watch = new DrawingWatch(context, () => this.hasDrawn());
     this.controls = new CameraControls(canvas, this.makeHost());
     this.controls.onClick = (x, y) => this.click(x, y);
     this.controls.onHover = (at) => this.hoverAt(at);
@@ -134,6 +136,11 @@ export class Viewport {
     return this.pixels.size(this.pixelRatio(1), this.stores.length);
   }
 
+  /// Height of the pictures in CSS pixels.
+  get cssHeight(): number {
+    return this.canvas.clientHeight || 1;
+  }
+
   /// Counts of the objects on the graphics card.
   get resources(): { geometries: number; textures: number; programs: number } {
     const { memory, programs } = this.renderer.info;
@@ -179,7 +186,7 @@ export class Viewport {
     if (!store) return null;
     const { near } = clipPlanes(this.cameraNow, this.bounds);
     const tangent = Math.tan((this.cameraNow.fov * Math.PI) / 360);
-    const tolerance = (pickReach * 2 * tangent) / (this.canvas.clientHeight || 1);
+    const tolerance = (pickReach * 2 * tangent) / this.cssHeight;
     return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale);
   }
 
@@ -207,7 +214,7 @@ export class Viewport {
 
   /// Whether the processor draws, or is about to. All other work would take its time until onDrawn. Always false with a graphics card.
   get isDrawing(): boolean {
-    return this.watch.isDrawing || this.clock.isDue;
+    return this.isSoftware && (this.watch.isDrawing || this.clock.isDue);
   }
 
   /// Expects points for this camera. Where the processor draws, drawing waits for them for so many milliseconds, and leaves the
@@ -240,7 +247,7 @@ export class Viewport {
   /// Returns the picture as a PNG, with all its pixels. Rejects while the graphics card is lost.
   screenshot(): Promise<Blob> {
     if (this.isLost) return Promise.reject(new Error("The graphics card was lost."));
-    this.render(1);
+    this.render(fine);
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture cannot be read."))), "image/png");
     });
@@ -306,7 +313,7 @@ export class Viewport {
 
   private rayAt(x: number, y: number): Ray {
     const { left, width } = this.partAt(x);
-    const height = this.canvas.clientHeight || 1;
+    const height = this.cssHeight;
     const direction = rayDirection(this.cameraNow, width / height, (2 * (x - left)) / width - 1, 1 - (2 * y) / height);
     return { origin: this.cameraNow.eye, direction };
   }
@@ -335,21 +342,28 @@ export class Viewport {
     return [...frustum, ...this.measuring.lines(hovered?.point ?? null)];
   }
 
-  /// Draws a frame for the clock. Returns whether the camera moves on.
-  private drawFrame(now: number, scale: number): boolean {
+  /// Draws a frame for the clock.
+  private drawFrame(now: number, detail: Detail): Drawn {
     const moves = this.controls.tick(now);
-    if (!this.isLost) this.render(scale);
-    return moves;
+    return { moves, ...(this.isLost ? { points: 0, isWhole: true } : this.render(detail)) };
   }
 
-  private render(scale: number): void {
+  /// The processor, or the graphics card, has drawn the last frame.
+  private hasDrawn(): void {
+    const frame = this.clock.drawn();
+    if (frame?.isFine === true) this.onPicture?.(frame.points, frame.milliseconds);
+    if (this.isSoftware) this.onDrawn?.();
+  }
+
+  private render({ scale, mostPoints }: Detail): { points: number; isWhole: boolean } {
     const { brush, hovered, cameraNow: camera, bounds, styleNow: style, frozen } = this;
     const ratio = this.pixelRatio(scale);
     const where = hovered && brush.radius !== null ? { centre: hovered.point, radius: brush.radius } : null;
-    this.drawing.render(
+    const drawn = this.drawing.render(
       { camera, bounds, style, frozen, brush: where, lines: this.overlayLines() },
-      { ...this.pixels.size(ratio, this.stores.length), ratio, isQuick: this.isSoftware && scale < 1 },
+      { ...this.pixels.size(ratio, this.stores.length), ratio, isQuick: this.isSoftware && scale < 1, mostPoints },
     );
-    if (this.isSoftware) this.watch.begin();
+    this.watch.begin();
+    return drawn;
   }
 }

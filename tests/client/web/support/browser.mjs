@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 
 import { browserPath, chromium, pictureFile } from "./environment.mjs";
-import { serveBuiltViewer } from "./built_viewer.mjs";
+import { builtViewerFlags, serveBuiltViewer } from "./built_viewer.mjs";
 import { decode } from "./pictures.mjs";
 
 // WebGL without a graphics card, and no talk with the rest of the world.
@@ -17,6 +17,7 @@ const flags = [
   "--disable-component-update",
   "--disable-sync",
   "--js-flags=--expose-gc",
+  ...builtViewerFlags,
 ];
 
 let launched = null;

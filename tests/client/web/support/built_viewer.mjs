@@ -7,6 +7,9 @@ import { extname, join } from "node:path";
 const folder = process.env.CURVECAST_VIEWER_FILES;
 const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
 
+/// Flags of Chromium: it does not know that these files come from this machine, whose sockets they may open.
+export const builtViewerFlags = folder === undefined ? [] : ["--disable-features=LocalNetworkAccessChecks"];
+
 /// Answers a context's requests for files of `origin` from CURVECAST_VIEWER_FILES, with the headers of the server; without it, nothing.
 export async function serveBuiltViewer(context, origin) {
   if (folder === undefined) return;
