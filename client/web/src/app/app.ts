@@ -14,6 +14,7 @@ import { copyText, toggleFullScreen } from "./page_tools";
 import { Panel } from "./panel";
 import { meshRequest, sampleRequest, type SampleInit } from "./sample_request";
 import { saveMesh, savePicture, savePoints } from "./saving";
+import { ScaleBar } from "./scale_bar";
 import { SessionChoice } from "./session_choice";
 import { nameOf, SessionList } from "./session_list";
 import { defaultSettings, type Dab, type Settings } from "./settings";
@@ -44,6 +45,7 @@ export class Application {
   private readonly list: SessionList;
   private readonly uploads: Uploads;
   private readonly axes: AxesGizmo;
+  private readonly scale: ScaleBar;
   private readonly brush: Brush;
   private readonly drawingBudget = new DrawingBudget();
   private readonly choice: SessionChoice;
@@ -77,6 +79,7 @@ export class Application {
     this.brush = new Brush(this.settings, (text) => this.messages.notice(text));
     this.hud = new Hud(page);
     this.axes = new AxesGizmo(page, (direction) => this.viewport.lookFrom(direction, this.settings.up));
+    this.scale = new ScaleBar(page);
     this.list = new SessionList({
       open: (chosen) => this.choice.choose(chosen.sessionId),
       forget: (chosen) => void this.forget(chosen),
@@ -150,7 +153,7 @@ export class Application {
       if (isLost) this.messages.showBanner("graphics", "The graphics card was lost; the picture waits until it is back …");
       else this.messages.hideBanner("graphics");
     };
-    this.viewport.onResize = () => this.pacer.request();
+    this.viewport.onResize = () => this.cameraMoved(); // the scale changes
     window.addEventListener("hashchange", () => location.reload());
     setInterval(() => this.showFigures(), 250);
   }
@@ -158,6 +161,7 @@ export class Application {
   private cameraMoved(): void {
     const { camera } = this.viewport;
     this.axes.show(camera);
+    if (this.session !== null) this.scale.show(camera, this.viewport.cssHeight);
     const ofCamera = { fieldOfView: camera.fov, up: upAxisOf(camera) };
     if (ofCamera.fieldOfView !== this.settings.fieldOfView || ofCamera.up !== this.settings.up) {
       Object.assign(this.settings, ofCamera);
