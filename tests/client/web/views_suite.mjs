@@ -1,4 +1,4 @@
-// From where the surface is seen, and on which screens.
+// From where the surface is seen: by name, by touch; and on which screens.
 
 import assert from "node:assert/strict";
 import { after, afterEach, before, describe, it } from "node:test";
@@ -60,7 +60,10 @@ describe("the views that have names", () => {
     await torus.until(looksAlong, [[0, 1, 0], z]);
     await torus.page.keyboard.press("5");
     await torus.until(looksAlong, [[0, 0, -1], z]);
-    await torus.until(() => location.hash.includes("up=z"));
+    await torus.until((c) => {
+      const kept = new URLSearchParams(location.hash.slice(1)).get("camera").split(",").map(Number);
+      return location.hash.includes("up=z") && c.view.camera.eye.every((value, k) => Math.abs(value - kept[k]) < 1e-6);
+    });
     await torus.page.reload();
     await torus.until((c) => c.statistics !== null);
     await torus.until(looksAlong, [[0, 0, -1], z]);
@@ -109,6 +112,64 @@ describe("the views that have names", () => {
     await torus.page.waitForFunction(() => document.fullscreenElement !== null);
     await torus.page.keyboard.press("g");
     await torus.page.waitForFunction(() => document.fullscreenElement === null);
+  });
+});
+
+describe("a finger, and two", () => {
+  it("turn, move and zoom", async () => {
+    const torus = await openTorus(`points=${points}`, { hasTouch: true, isMobile: true, viewport: { width: 400, height: 500 } });
+    const session = await torus.context.newCDPSession(torus.page);
+    const touch = async (...steps) => {
+      for (const [i, fingers] of steps.entries()) {
+        const touchPoints = fingers.map(([x, y], id) => ({ x, y, id }));
+        await session.send("Input.dispatchTouchEvent", { type: i === 0 ? "touchStart" : "touchMove", touchPoints });
+      }
+      await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+    };
+    const distanceOf = ({ eye, target }) => Math.hypot(...eye.map((value, k) => value - target[k]));
+    const from = await torus.evaluate((c) => c.view.camera);
+    await torus.change(() => touch([[200, 250]], [[215, 255]], [[240, 260]]));
+    const turned = await torus.evaluate((c) => c.view.camera);
+    assert.notDeepEqual(turned.eye, from.eye);
+    await torus.change(() =>
+      touch(
+        [
+          [180, 250],
+          [220, 250],
+        ],
+        [
+          [170, 250],
+          [230, 250],
+        ],
+        [
+          [160, 250],
+          [240, 250],
+        ],
+      ),
+    );
+    const near = await torus.evaluate((c) => c.view.camera);
+    assert.ok(distanceOf(near) < 0.7 * distanceOf(turned), "nearer");
+    await torus.change(() =>
+      touch(
+        [
+          [180, 250],
+          [220, 250],
+        ],
+        [
+          [180, 280],
+          [220, 280],
+        ],
+        [
+          [180, 310],
+          [220, 310],
+        ],
+      ),
+    );
+    const moved = await torus.evaluate((c) => c.view.camera);
+    assert.notDeepEqual(moved.target, near.target);
+    assert.ok(Math.abs(distanceOf(moved) / distanceOf(near) - 1) < 0.01, "as near");
+    await torus.screenshot("touch.png");
+    await torus.close();
   });
 });
 

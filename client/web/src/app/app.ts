@@ -1,7 +1,8 @@
 // The viewer's page: joins its parts.
 
 import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
-import { directionOf, upAxisOf, Viewport, type CameraState, type StandardView } from "../view";
+import { directionOf, sectionOf, upAxisOf, Viewport, type CameraState, type Section, type StandardView } from "../view";
+import { distance } from "../view/vector";
 import { AxesGizmo } from "./axes_gizmo";
 import { Brush } from "./brush";
 import { DrawingBudget } from "./drawing_budget";
@@ -97,7 +98,7 @@ export class Application {
       copyLink: () => void this.copyLink(),
       undoStroke: () => this.change(() => this.brush.undo()),
       clearStrokes: () => this.change(() => this.brush.clear()),
-      screenshot: () => void savePicture(this),
+      screenshot: () => void savePicture(this, this.settings.pictureScale),
       exportPly: () => savePoints(this),
       exportMesh: () => saveMesh(this),
     };
@@ -177,7 +178,7 @@ export class Application {
     document.body.classList.toggle("split", settings.split && this.session !== null);
     const { mode, colouring, background, edl, dotSize, splatScale } = settings;
     const paint = settings.brush && mode === "splats" ? this.brush.trace() : noPaint;
-    viewport.style = { mode, colouring, background, edl, dotSize, splatScale, paint };
+    viewport.style = { mode, colouring, background, edl, dotSize, splatScale, paint, section: this.section() };
     viewport.setUp(settings.up);
     viewport.setFieldOfView(settings.fieldOfView);
     viewport.maxPixelRatio = settings.pixelRatio;
@@ -230,9 +231,13 @@ export class Application {
   }
 
   private brushRadius(): number {
-    const { boxMin, boxMax } = this.session?.report?.mesh ?? {};
-    if (boxMin === undefined || boxMax === undefined) return 1;
-    return (this.settings.brushSize / 100) * Math.hypot(boxMax.x - boxMin.x, boxMax.y - boxMin.y, boxMax.z - boxMin.z);
+    const { min, max } = this.viewport.bounds;
+    return (this.settings.brushSize / 100) * distance(min, max);
+  }
+
+  private section(): Section | null {
+    const { section, sectionShare, sectionOther } = this.settings;
+    return section === "none" ? null : sectionOf(section, sectionShare / 100, sectionOther, this.viewport.bounds);
   }
 
   private saveSoon(): void {
@@ -282,6 +287,10 @@ export class Application {
     this.list.current = session.sessionId;
     document.title = `${nameOf(session)} – Curvecast`;
     this.viewport.forgetMeasured();
+    const { boxMin, boxMax } = session.report?.mesh ?? {};
+    if (boxMin !== undefined && boxMax !== undefined) {
+      this.viewport.setBounds([boxMin.x, boxMin.y, boxMin.z], [boxMax.x, boxMax.y, boxMax.z]);
+    }
     this.change((settings) => (settings.frozen = false));
     this.streams = new Streams(this.client, session.sessionId, {
       onFrame: (frame) => this.frameCame(frame),
@@ -291,10 +300,6 @@ export class Application {
       onMesh: (mesh) => this.viewport.setWireframe(mesh),
       onFailure: (error) => this.messages.notice(`The mesh cannot be made: ${error.message}`),
     });
-    const { boxMin, boxMax } = session.report?.mesh ?? {};
-    if (boxMin !== undefined && boxMax !== undefined) {
-      this.viewport.setBounds([boxMin.x, boxMin.y, boxMin.z], [boxMax.x, boxMax.y, boxMax.z]);
-    }
     this.showStores(); // first: how much fits into a picture depends on the number of pictures
     if (camera !== null) this.viewport.camera = camera;
     else this.viewport.frame();

@@ -74,6 +74,7 @@ export class Panel {
     this.addDensity();
     this.addBrush();
     this.addMesh();
+    this.addSection();
     this.addSampling();
     this.gui.onOpenClose(() => this.makeRoom());
     if (window.innerWidth < 900) this.gui.close(); // it would cover a part of the picture: see style.css
@@ -169,7 +170,9 @@ export class Panel {
   private addSaving(): void {
     const folder = this.folder("Measure, save, share", true);
     this.addSwitch(folder, "measuring");
-    for (const key of ["screenshot", "exportPly", "copyLink", "fullScreen", "help"] as const) this.addButton(folder, key);
+    this.addButton(folder, "screenshot");
+    this.addNumber(folder, "pictureScale");
+    for (const key of ["exportPly", "copyLink", "fullScreen", "help"] as const) this.addButton(folder, key);
   }
 
   private addDensity(): void {
@@ -198,6 +201,13 @@ export class Panel {
     this.addNumber(folder, "meshVertices");
     this.addSwitch(folder, "meshForCamera");
     this.when(({ wireframe }) => wireframe, this.addButton(folder, "exportMesh"));
+  }
+
+  private addSection(): void {
+    const folder = this.folder("Cut open", false);
+    this.addChoice(folder, "section");
+    this.when(({ section }) => section !== "none", this.addNumber(folder, "sectionShare"));
+    this.when(({ section }) => section !== "none", this.addSwitch(folder, "sectionOther"));
   }
 
   private addSampling(): void {

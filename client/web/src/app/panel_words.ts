@@ -21,6 +21,9 @@ export const settingWords = {
   edl: words("dark edges", "Darkens what lies behind an edge, so that shapes stand out: eye-dome lighting (O)"),
   splatScale: words("size of discs", "1: as large as the distance between points. Smaller ones show how the points lie"),
   dotSize: words("size of dots", "Pixels across"),
+  section: words("cut across", "Cuts the surface open by a plane across an axis, and shows what is behind it"),
+  sectionShare: words("what stays, %", "Where the plane is: how much of the surface's box stays"),
+  sectionOther: words("the other half", "Shows the half that was cut off instead"),
   pixelRatio: words("sharpness", "Most pixels of the picture per pixel of the page, on dense screens and when zoomed"),
   budget: words("limit", "What bounds the number of points"),
   points: words("points", "How many points the picture has ([ halves it, ] doubles it)"),
@@ -57,6 +60,7 @@ export const settingWords = {
     "by rank: they stay as they are when others come or go. along the curve: as in the paper, all anew",
   ),
   sequence: words("sequence", "How points follow each other along the curve"),
+  pictureScale: words("times as large", "Pixels of a saved picture for each pixel of the page, in each direction: for print"),
   measuring: words("measure distances", "Click two points of the surface (M)"),
 } satisfies Partial<Record<keyof Settings, Words>>;
 
@@ -73,6 +77,7 @@ export const choiceWords = {
     "order of points (ranks)": "rank",
     density: "density",
   },
+  section: { no: "none", X: "x", Y: "y", Z: "z" },
   background: { light: "light", dark: "dark" },
   budget: {
     "number of points": "points",

@@ -41,13 +41,14 @@ function vec3([x, y, z]: readonly [number, number, number]): { x: number; y: num
 /// Makes the terms of all settings but the brush.
 function plainTerms(settings: Settings): TermInit[] {
   const { curvature } = settings;
+  const isOpen = settings.section !== "none"; // what is even on the screen has no points on the insides of a surface that is cut open
   const terms: TermInit[] = [];
   if (curvature !== "none") {
     terms.push({ term: { case: "curvature", value: { kind: kinds[curvature], exponent: settings.curvatureExponent } } });
   }
   if (settings.silhouette) terms.push({ term: { case: "view", value: { s0: settings.silhouetteFloor } } });
-  if (settings.distance) terms.push({ term: { case: "distance", value: {} } });
-  if (settings.screen) terms.push({ term: { case: "screen", value: {} } });
+  if (settings.distance || (settings.screen && isOpen)) terms.push({ term: { case: "distance", value: {} } });
+  if (settings.screen && !isOpen) terms.push({ term: { case: "screen", value: {} } });
   if (settings.frustum) terms.push({ term: { case: "frustum", value: {} } });
   return terms;
 }

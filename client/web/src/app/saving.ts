@@ -22,11 +22,11 @@ function stemOf(session: Session): string {
   return nameOf(session).replace(/\.[a-z]+$/i, "");
 }
 
-/// Saves the picture as PNG.
-export async function savePicture({ session, viewport, messages }: Shown): Promise<void> {
+/// Saves the picture as PNG, with `scale` times as many pixels in each direction as on the page.
+export async function savePicture({ session, viewport, messages }: Shown, scale: number): Promise<void> {
   if (session === null) return;
   try {
-    download(await viewport.screenshot(), `${stemOf(session)}.png`);
+    download(await viewport.screenshot(scale), `${stemOf(session)}.png`);
   } catch (thrown) {
     messages.failure("The picture cannot be saved", asCurvecastError(thrown));
   }

@@ -37,9 +37,13 @@ export interface Settings {
   edl: boolean;
   dotSize: number; // CSS pixels
   splatScale: number;
+  section: "none" | "x" | "y" | "z"; // the axis that the plane which cuts the surface open stands across
+  sectionShare: number; // of the surface's box that stays, %
+  sectionOther: boolean; // the other half stays
   pixelRatio: number; // most pixels of the picture per CSS pixel
   up: UpAxis;
   fieldOfView: number; // vertical, degrees; that of the camera
+  pictureScale: number; // of pictures that are saved: pixels per pixel of the page, in each direction
   navigation: "orbit" | "fly";
   frozen: boolean; // views are sampled for the camera of the moment when this was set
   split: boolean; // left: a uniform density, right: the one set; both with the same budget
@@ -69,6 +73,8 @@ export const ranges = {
   dotSize: { min: 1, max: 10 },
   splatScale: { min: 0.2, max: 3 },
   fieldOfView: { min: 5, max: 120, step: 1 },
+  sectionShare: { min: 0, max: 100, step: 0.5 },
+  pictureScale: { min: 1, max: 8, step: 1 },
   pixelRatio: { min: 0.5, max: 4, step: 0.5 },
 } satisfies Record<NumberSetting, Range>;
 
@@ -110,9 +116,13 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     edl: true,
     dotSize: 2,
     splatScale: 1,
+    section: "none",
+    sectionShare: 50,
+    sectionOther: false,
     pixelRatio: 2,
     up: "y",
     fieldOfView: 30,
+    pictureScale: 1,
     navigation: "orbit",
     frozen: false,
     split: false,

@@ -27,6 +27,7 @@ const choices: { [Key in keyof Settings]?: readonly string[] } = {
   mode: ["splats", "dots"],
   colouring: ["shading", "normal", "curvature", "rank", "density", "colour"],
   background: ["light", "dark"],
+  section: ["none", "x", "y", "z"],
   up: ["y", "z"],
   navigation: ["orbit", "fly"],
 };

@@ -4,8 +4,9 @@ import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
 import { colourScale, typicalRadius, type ColourScale } from "./colouring";
 import { paintPoints } from "./painted_colours";
+import { localSection } from "./section";
 import { StoreTexture, type ColumnArray, type ColumnName } from "./store_texture";
-import type { Colouring, PaintDab, Style } from "./types";
+import type { Colouring, PaintDab, Section, Style } from "./types";
 import { mergeRanges } from "./update_ranges";
 
 /// What each point is drawn as: a square in the disc's plane, or a hexagon whose middle stands out, so that neighbours meet halfway.
@@ -25,6 +26,7 @@ export interface PointUniforms {
   column: THREE.IUniform<THREE.Texture | null>;
   slots: THREE.IUniform<number>;
   stride: THREE.IUniform<number>;
+  section: THREE.IUniform<THREE.Vector4>;
 }
 
 export const makePointUniforms = (): PointUniforms => ({
@@ -33,6 +35,7 @@ export const makePointUniforms = (): PointUniforms => ({
   column: { value: null },
   slots: { value: 0 },
   stride: { value: 1 },
+  section: { value: new THREE.Vector4() },
 });
 
 /// Keeps the columns of a store as textures, and uploads what changes.
@@ -138,13 +141,14 @@ export class PointsGeometry {
   }
 
   /// Sets the uniforms of the shaders.
-  apply(uniforms: PointUniforms): void {
+  apply(uniforms: PointUniforms, section: Section | null): void {
     const { column } = this.scaleNow;
     uniforms.positions.value = this.textures.get("positions")?.texture ?? null;
     uniforms.normalsOf.value = this.textures.get("normals")?.texture ?? null;
     uniforms.column.value = (column && this.textures.get(column)?.texture) ?? null;
     uniforms.slots.value = this.store.slots;
     uniforms.stride.value = this.stride;
+    uniforms.section.value.set(...localSection(section, this.store.origin));
   }
 
   private paintedColours(): Uint8Array {

@@ -34,7 +34,7 @@ export class SolidMaterial extends THREE.ShaderMaterial {
   /// Sets the uniforms for a picture of so many pixels. To be called before drawing.
   prepare(points: PointsGeometry, style: Style, width: number, height: number, pixelRatio: number, camera: THREE.Camera): void {
     const { scale } = points;
-    points.apply(this.pointUniforms);
+    points.apply(this.pointUniforms, style.section);
     this.textures.apply(scale, this.colourUniforms);
     if (this.defines.COLOURING !== scale.kind) {
       this.defines.COLOURING = scale.kind;

@@ -178,8 +178,8 @@ export class SplatPasses implements Passes {
     // However it is turned, a square of this radius covers the middle of a pixel.
     disc.minRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
     if (points) {
-      points.apply(disc);
-      points.apply(dot);
+      points.apply(disc, style.section);
+      points.apply(dot, style.section);
       this.textures.apply(points.scale, disc);
       this.textures.apply(points.scale, dot);
       for (const material of [this.blendMaterial, this.quickMaterial]) define(material, "COLOURING", points.scale.kind);

@@ -5,19 +5,20 @@ const pointFunctions = /* glsl */ `
 uniform highp sampler2D positions;
 uniform highp sampler2D normalsOf;
 uniform int slots;
-uniform int stride;  // from the slot of a shape to that of the next
+uniform int stride;    // from the slot of a shape to that of the next
+uniform vec4 section;  // normal and offset of the plane that cuts the surface open
 
 vec4 point;  // relative to the store's origin; w: radius
 vec3 axis;   // the normal
 
 ivec2 texelOf(int slot) { return ivec2(slot & 2047, slot >> 11); }
 
-// Returns false for a slot without a point.
+// Returns false for a slot without a point, or with one that is cut off.
 bool readPoint(int slot) {
   if (slot >= slots) return false;
   point = texelFetch(positions, texelOf(slot), 0);
   axis = texelFetch(normalsOf, texelOf(slot), 0).xyz;
-  return point.w > 0.0;
+  return point.w > 0.0 && dot(point.xyz, section.xyz) <= section.w;
 }
 `;
 

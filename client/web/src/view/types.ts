@@ -37,6 +37,12 @@ export interface PaintDab {
   factor: number;
 }
 
+/// A plane that cuts the surface open: only where normal · x <= offset is it drawn and picked.
+export interface Section {
+  normal: Vec;
+  offset: number;
+}
+
 /// How points are drawn.
 export interface Style {
   mode: Mode;
@@ -50,6 +56,8 @@ export interface Style {
   splatScale: number;
   /// Shows on the surface's own colours, and on clay. The later ones are on top.
   paint: readonly PaintDab[];
+  /// null: the surface is whole.
+  section: Section | null;
 }
 
 export const defaultStyle: Readonly<Style> = {
@@ -60,6 +68,7 @@ export const defaultStyle: Readonly<Style> = {
   dotSize: 3,
   splatScale: 1,
   paint: [],
+  section: null,
 };
 
 /// The point of the surface under the pointer.

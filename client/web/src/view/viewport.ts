@@ -55,7 +55,7 @@ export class Viewport {
   private stores: (PointStore | null)[] = [null];
   private styleNow: Style = { ...defaultStyle };
   private cameraNow: CameraState = { ...firstCamera };
-  private bounds: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
+  private boundsNow: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
   private frozen: FrozenCamera | null = null;
   private hover: { x: number; y: number } | null = null;
   private hovered: Pick | null = null;
@@ -147,9 +147,13 @@ export class Viewport {
     return { geometries: memory.geometries, textures: memory.textures, programs: programs?.length ?? 0 };
   }
 
-  /// Sets the corners of the surface's box.
+  /// The corners of the surface's box.
+  get bounds(): Bounds {
+    return this.boundsNow;
+  }
+
   setBounds(min: Vec, max: Vec): void {
-    this.bounds = { min: [...min], max: [...max] };
+    this.boundsNow = { min: [...min], max: [...max] };
     this.invalidate();
   }
 
@@ -187,7 +191,7 @@ export class Viewport {
     const { near } = clipPlanes(this.cameraNow, this.bounds);
     const tangent = Math.tan((this.cameraNow.fov * Math.PI) / 360);
     const tolerance = (pickReach * 2 * tangent) / this.cssHeight;
-    return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale);
+    return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale, this.styleNow.section);
   }
 
   /// Lets the pointer paint with a radius in units, instead of turning the picture; null ends that.
@@ -244,10 +248,14 @@ export class Viewport {
     return performance.now() - begin;
   }
 
-  /// Returns the picture as a PNG, with all its pixels. Rejects while the graphics card is lost.
-  screenshot(): Promise<Blob> {
+  /// Returns the picture as a PNG, with all its points, and `scale` times as many pixels in each direction as on the page, or as many as
+  /// the graphics card draws. Rejects while the graphics card is lost.
+  screenshot(scale = 1): Promise<Blob> {
     if (this.isLost) return Promise.reject(new Error("The graphics card was lost."));
-    this.render(fine);
+    const { width, height } = this.size;
+    const largest = this.renderer.capabilities.maxTextureSize / Math.max(width * this.stores.length, height);
+    this.render({ ...fine, scale: Math.min(scale, largest) });
+    this.invalidate(); // the canvas has another size now
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture cannot be read."))), "image/png");
     });
