@@ -10,7 +10,7 @@ interface Size {
 export class CanvasPixels {
   /// The most pixels per CSS pixel.
   maxRatio = 2;
-  private exact: (Size & { ratio: number }) | null = null; // as the browser says, and the ratio that it holds for
+  private exact: Size | null = null; // as the browser says, for the ratio and the place of then
   private readonly observer: ResizeObserver;
   private readonly ended = new AbortController();
 
@@ -35,9 +35,11 @@ export class CanvasPixels {
   /// The size of each of `parts` pictures of one size beside each other.
   size(ratio: number, parts: number): Size {
     const { clientWidth, clientHeight } = this.canvas;
-    // A canvas may begin within a pixel: what the browser says is up to one pixel from what its CSS size comes to.
-    const { width, height } =
-      this.exact?.ratio === ratio ? this.exact : { width: clientWidth * ratio, height: Math.round(clientHeight * ratio) };
+    const { exact } = this;
+    // A canvas may begin within a pixel: what the browser says is up to one pixel from what its CSS size comes to. What differs by more
+    // is of another ratio: before a zoom, or that of the screen where a device is emulated.
+    const isExact = exact && Math.abs(exact.width - clientWidth * ratio) <= 1 && Math.abs(exact.height - clientHeight * ratio) <= 1;
+    const { width, height } = isExact ? exact : { width: clientWidth * ratio, height: Math.round(clientHeight * ratio) };
     return { width: Math.max(1, Math.round(width / parts)), height: Math.max(1, height) };
   }
 
@@ -48,7 +50,7 @@ export class CanvasPixels {
 
   private resized(entries: readonly ResizeObserverEntry[]): void {
     const box = (entries.at(-1) as Partial<ResizeObserverEntry> | undefined)?.devicePixelContentBoxSize?.[0];
-    this.exact = box ? { width: box.inlineSize, height: box.blockSize, ratio: window.devicePixelRatio } : null;
+    this.exact = box ? { width: box.inlineSize, height: box.blockSize } : null;
     this.onChange();
   }
 

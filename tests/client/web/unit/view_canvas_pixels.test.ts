@@ -55,12 +55,14 @@ test("a zoomed page is noticed, once and again, though its canvas is as large as
 test("what the browser says of a canvas that begins within a pixel is taken exactly, for the ratio that it says it of", () => {
   screen.devicePixelRatio = 1.5;
   const pixels = make();
-  resize!([{ devicePixelContentBoxSize: [{ inlineSize: 961, blockSize: 451 }] }]);
+  resize!([{ devicePixelContentBoxSize: [{ inlineSize: 962, blockSize: 451 }] }]);
   expect(changes).toBe(1);
-  expect(pixels.size(1.5, 1)).toEqual({ width: 961, height: 451 });
+  expect(pixels.size(1.5, 1)).toEqual({ width: 962, height: 451 });
   expect(pixels.size(1.5, 2)).toEqual({ width: 481, height: 451 });
   expect(pixels.size(0.75, 1)).toEqual({ width: 481, height: 225 });
   screen.devicePixelRatio = 2;
+  expect(pixels.size(2, 1)).toEqual({ width: 1282, height: 600 });
+  resize!([{ devicePixelContentBoxSize: [{ inlineSize: 641, blockSize: 300 }] }]); // of an emulated device
   expect(pixels.size(2, 1)).toEqual({ width: 1282, height: 600 });
 });
 
