@@ -164,6 +164,7 @@ describe("a server without a cache that is restarted", () => {
     withServer([], async (server) => {
       const page = await WatchedPage.open(`${server.url}#points=${points}`);
       page.expect(lostConnection);
+      await page.page.getByText("Drop a mesh here").waitFor();
       await choose(page, torusFile());
       await page.settled();
       await server.kill();

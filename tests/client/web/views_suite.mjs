@@ -176,21 +176,27 @@ describe("a finger, and two", () => {
 describe("a dense screen", () => {
   it("gets all its pixels, also after a zoom, up to the bound that is set", async () => {
     const torus = await openTorus(`points=${points}`, { viewport: { width: 320, height: 240 }, deviceScaleFactor: 2 });
-    const isSharp = (c, ratio) => {
+    const isSharp = (c, [width, ratio]) => {
       const canvas = document.querySelector("canvas");
-      return canvas.width === ratio * 320 && canvas.height === ratio * 240 && c.view.size.width === ratio * 320;
+      return canvas.clientWidth === width && canvas.width === ratio * width && c.view.size.width === ratio * width;
     };
-    await torus.until(isSharp, 2);
+    await torus.until(isSharp, [320, 2]);
     await torus.screenshot("dense.png");
     const session = await torus.context.newCDPSession(torus.page);
-    const zoom = (deviceScaleFactor) =>
-      session.send("Emulation.setDeviceMetricsOverride", { width: 320, height: 240, deviceScaleFactor, mobile: false });
-    await zoom(1);
-    await torus.until(isSharp, 1);
-    await zoom(3);
-    await torus.until(isSharp, 2);
-    await torus.set("sharpness", 3);
-    await torus.until(isSharp, 3);
+    // As a zoom of the page does: fewer CSS pixels, and more pixels of the screen for each.
+    const zoom = (factor) =>
+      session.send("Emulation.setDeviceMetricsOverride", {
+        width: 320 / factor,
+        height: 240 / factor,
+        deviceScaleFactor: factor,
+        mobile: false,
+      });
+    await zoom(2);
+    await torus.until(isSharp, [160, 2]);
+    await zoom(4);
+    await torus.until(isSharp, [80, 2]);
+    await torus.set("sharpness", 4);
+    await torus.until(isSharp, [80, 4]);
     await torus.close();
   });
 });
