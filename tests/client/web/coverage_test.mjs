@@ -147,7 +147,7 @@ describe(`splats of ${points} points`, { skip: meshes.length === 0 && "no meshes
           const wanted = await maskOfMesh(camera);
           const pictures = [];
           for (const kind of ["even", "silhouettes"]) {
-            await page.set("silhouettes", kind === "silhouettes");
+            await page.set("more at outlines", kind === "silhouettes");
             await look(page, camera);
             const { picture, mask } = await maskOfSplats(page, empty);
             pictures.push(picture);

@@ -117,12 +117,12 @@ describe("the wireframe", () => {
     await turn();
     await torus.settled();
     assert.ok(await torus.evaluate((c) => c.isMeshCurrent && c.mesh === window.meshBefore));
-    await torus.set("for this camera", true);
+    await torus.set("dense for this view", true);
     await torus.until((c) => c.mesh !== window.meshBefore && c.isMeshCurrent);
     await torus.evaluate((c) => void (window.meshBefore = c.mesh));
     await turn();
     await torus.until((c) => c.mesh !== window.meshBefore && c.isMeshCurrent);
-    await torus.set("for this camera", false);
+    await torus.set("dense for this view", false);
     await torus.page.keyboard.press("f");
     await torus.until((c) => !c.isMeshCurrent);
     await meshed();

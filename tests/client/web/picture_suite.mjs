@@ -58,6 +58,16 @@ describe("the picture", () => {
     await torus.screenshot("page.png");
   });
 
+  it("has the surface's own colours", async () => {
+    const { data, width, height } = await torus.picture();
+    let coloured = 0;
+    for (let i = 0; i < width * height; ++i) {
+      const [red, green, blue] = data.subarray(4 * i, 4 * i + 3);
+      if (Math.max(red, green, blue) - Math.min(red, green, blue) > 100) ++coloured; // clay has half of that
+    }
+    assert.ok(coloured > 0.05 * width * height, `${coloured} pixels have a colour`);
+  });
+
   it("turns with the mouse, and keeps its points", async () => {
     const [from, picture] = [await torus.evaluate(cameraOf), await torus.picture()];
     const deltas = await torus.evaluate((c) => c.statistics.deltas);
@@ -134,37 +144,37 @@ describe("the picture", () => {
     await torus.change(() => torus.set("points", 3000));
     assert.equal(await torus.evaluate((c) => c.store.count), 3000);
     await torus.set("kilobytes", 8);
-    await torus.change(() => torus.set("budget", "bytes"));
+    await torus.change(() => torus.set("limit", "size of data"));
     const few = await torus.evaluate((c) => c.store.count);
     await torus.change(() => torus.set("kilobytes", 24));
     assert.ok((await torus.evaluate((c) => c.store.count)) > 2 * few, "more bytes, more points");
-    await torus.set("pixels", 16);
-    await torus.change(() => torus.set("budget", "error in pixels"));
+    await torus.set("pixels a point", 16);
+    await torus.change(() => torus.set("limit", "distance on screen"));
     const coarse = await torus.evaluate((c) => c.store.count);
-    await torus.change(() => torus.set("pixels", 8));
+    await torus.change(() => torus.set("pixels a point", 8));
     const ratio = (await torus.evaluate((c) => c.store.count)) / coarse;
     assert.ok(ratio > 3 && ratio < 5, `half the distance between points, ${ratio.toFixed(2)} times the points`);
     await torus.set("points", points);
-    await torus.change(() => torus.set("budget", "points"));
+    await torus.change(() => torus.set("limit", "number of points"));
     assert.equal(await torus.evaluate((c) => c.store.count), points);
   });
 
   it("puts points where the density says", async () => {
-    await torus.change(() => torus.set("colour by", "curvature"));
+    await torus.change(() => torus.set("colours", "bends (curvature)"));
     await torus.settled();
     const even = { facing: await torus.evaluate(facing), bending: await torus.evaluate(bending) };
-    await torus.change(() => torus.set("silhouettes", true));
+    await torus.change(() => torus.set("more at outlines", true));
     const outline = await torus.evaluate(facing);
     assert.ok(outline < 0.85 * even.facing, `|n·v| at the silhouette: ${outline}, before: ${even.facing}`);
-    await torus.change(() => torus.set("silhouettes", false));
-    await torus.change(() => torus.set("curvature", "Gaussian"));
+    await torus.change(() => torus.set("more at outlines", false));
+    await torus.change(() => torus.set("more at bends", "Gaussian"));
     const bent = await torus.evaluate(bending);
     assert.ok(bent > 1.2 * even.bending, `curvature of the points: ${bent}, before: ${even.bending}`);
-    await torus.change(() => torus.set("curvature", "– off"));
+    await torus.change(() => torus.set("more at bends", "no"));
     assert.equal(await torus.evaluate((c) => c.store.count), points);
     await torus.settled();
     assert.ok(Math.abs((await torus.evaluate(bending)) / even.bending - 1) < 1e-6, "the points of before");
-    await torus.change(() => torus.set("colour by", "shading"));
+    await torus.change(() => torus.set("colours", "the surface's own"));
   });
 
   it("samples as the paper does, too", async () => {
@@ -174,14 +184,14 @@ describe("the picture", () => {
       ["golden ratio", 8000],
     ]) {
       await torus.change(async () => {
-        await torus.set("sampler", "equalised (the paper's)");
+        await torus.set("points are chosen", "along the curve (paper)");
         await torus.set("sequence", sequence);
         await torus.set("points", count);
       });
       assert.equal(await torus.evaluate((c) => c.store.count), count);
     }
     await torus.change(async () => {
-      await torus.set("sampler", "progressive");
+      await torus.set("points are chosen", "by rank (progressive)");
       await torus.set("points", points);
     });
     assert.equal(await torus.evaluate((c) => c.store.count), points);
@@ -196,7 +206,7 @@ describe("the picture", () => {
     await torus.page.keyboard.press("1");
     let last = await torus.picture();
     assert.equal(countOf(difference(discs, last)), 0, "the picture of before");
-    for (const colouring of ["normal", "curvature", "rank", "density", "colour"]) {
+    for (const colouring of ["shading", "normal", "curvature", "rank", "density"]) {
       await torus.page.keyboard.press("c");
       await torus.answered();
       assert.equal(await torus.evaluate((c) => c.settings.colouring), colouring);

@@ -95,6 +95,9 @@ describe("uploads", () => {
       assert.match(await failure.innerText(), /broken\.ply could not be opened[\s\S]*\w{3}/);
       await page.screenshot("broken_upload.png");
       await failure.getByRole("button").click();
+      await choose(page, { name: "empty.ply", mimeType: "application/octet-stream", buffer: Buffer.alloc(0) });
+      await failure.getByText("the file empty.ply is empty").waitFor();
+      await failure.getByRole("button").click();
       await choose(page, { name: "leaves.mtl", mimeType: "text/plain", buffer: Buffer.from("newmtl leaves\n") });
       await page.page.getByText("none of these files is a mesh").waitFor();
       assert.equal(await page.evaluate((c) => c.session.sessionId), session);
@@ -119,7 +122,7 @@ describe("uploads", () => {
       assert.equal(await page.evaluate((c) => c.settings.frozen), false);
       assert.equal(await page.evaluate((c) => c.look), 1, "it was never asked for what the camera of before sees");
       await page.page.waitForFunction(() => document.querySelectorAll(".session").length === 2);
-      assert.equal(await page.page.locator("body.dropping").count(), 0);
+      assert.equal(await page.page.locator(".dropping").count(), 0);
       assert.match(await page.page.title(), /ring\.off/);
       await page.close();
     }));
@@ -154,6 +157,26 @@ describe("a lost server", () => {
     await page.close();
     await server.stop();
   });
+});
+
+describe("a server without a cache that is restarted", () => {
+  it("gets the mesh again from the page", () =>
+    withServer([], async (server) => {
+      const page = await WatchedPage.open(`${server.url}#points=${points}`);
+      page.expect(lostConnection);
+      await page.page.getByText("Drop a mesh here").waitFor();
+      await choose(page, torusFile());
+      await page.settled();
+      await server.kill();
+      await server.restart();
+      await page.page.getByText("This session is not there").waitFor();
+      await page.screenshot("missing.png");
+      await page.page.getByRole("button", { name: "Open ring.off again" }).click();
+      await page.page.getByText("This session is not there").waitFor({ state: "hidden" });
+      await page.settled();
+      assert.equal(await page.evaluate((c) => c.store.count), points);
+      await page.close();
+    }));
 });
 
 describe("a token", () => {

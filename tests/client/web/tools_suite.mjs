@@ -1,4 +1,4 @@
-// The tools: brush, frozen camera, split view, measuring, files, the address; touch; other people's pages.
+// The tools: brush, frozen camera, split view, measuring, files, the address; other people's pages.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -68,6 +68,12 @@ describe("the tools", () => {
     const dabs = await torus.evaluate((c) => c.settings.dabs);
     assert.ok(dabs.length >= 1);
     const painted = await torus.evaluate(within, dabs[0]);
+    await torus.page.mouse.move(5, 5); // the brush itself is not to be seen
+    const traced = await torus.picture("trace.png");
+    await torus.page.keyboard.press("b");
+    const trace = countOf(difference(traced, await torus.picture()));
+    await torus.page.keyboard.press("b");
+    assert.ok(trace > 500 && trace < 0.2 * traced.width * traced.height, `${trace} pixels show what was painted`);
     await torus.page.keyboard.press("2"); // dots show the density
     await torus.picture("brush.png");
     await torus.page.keyboard.press("1");
@@ -102,7 +108,7 @@ describe("the tools", () => {
   it("cuts off what discs reach out of a frozen camera's picture", async () => {
     const view = await torus.evaluate((c) => c.view.camera);
     const near = { ...view, eye: view.eye.map((x, k) => view.target[k] + 0.4 * (x - view.target[k])) };
-    await torus.change(() => torus.set("sampler", "equalised (the paper's)")); // which has points for any view at once
+    await torus.change(() => torus.set("points are chosen", "along the curve (paper)")); // which has points for any view at once
     await torus.change(() => torus.evaluate((c, camera) => (c.view.camera = camera), near));
     await torus.set("size of discs", 3);
     await torus.page.keyboard.press("z");
@@ -119,7 +125,7 @@ describe("the tools", () => {
     await torus.page.keyboard.press("z");
     await torus.set("size of discs", 1);
     await torus.change(() => torus.evaluate((c, camera) => (c.view.camera = camera), view));
-    await torus.change(() => torus.set("sampler", "progressive"));
+    await torus.change(() => torus.set("points are chosen", "by rank (progressive)"));
   });
 
   it("shows uniform points beside, as many", async () => {
@@ -145,6 +151,23 @@ describe("the tools", () => {
     await torus.until((c) => c.uniformStore === null);
     await torus.settled();
     assert.deepEqual(await torus.evaluate(fingerprint), single, "the points of one picture");
+  });
+
+  it("cuts the surface open", async () => {
+    const whole = await torus.picture();
+    await torus.change(() => torus.set("cut across", "Z"));
+    await torus.settled();
+    const open = await torus.picture("section.png");
+    assert.ok(countOf(difference(whole, open)) > 0.02 * whole.width * whole.height, "what was behind is to be seen");
+    const heights = await torus.evaluate((c) => {
+      const found = [];
+      for (let x = 20; x < 620; x += 20) for (let y = 20; y < 460; y += 20) found.push(c.view.pick(x, y)?.point[2] ?? 0);
+      return found;
+    });
+    assert.ok(Math.max(...heights) < 0.1 && Math.min(...heights) < -0.1, `what is picked lies below ${Math.max(...heights)}`); // a disc's radius
+    await torus.change(() => torus.set("cut across", "no"));
+    await torus.settled();
+    assert.ok(countOf(difference(whole, await torus.picture())) < 0.002 * whole.width * whole.height, "it is whole again");
   });
 
   it("folds its figures down to the state", async () => {
@@ -206,6 +229,12 @@ describe("the tools", () => {
     assert.match(download.suggestedFilename(), /\.png$/);
     const { width, height } = decode(readFileSync(await download.path()));
     assert.deepEqual([width, height], [640, 480]);
+    await torus.set("times as large", 3);
+    const [large] = await Promise.all([torus.page.waitForEvent("download"), torus.page.keyboard.press("p")]);
+    const picture = decode(readFileSync(await large.path()));
+    assert.deepEqual([picture.width, picture.height], [1920, 1440]);
+    await torus.until(() => document.querySelector("canvas").width === 640); // the page is as before
+    await torus.set("times as large", 1);
   });
 
   it("lists its keys", async () => {
@@ -234,10 +263,10 @@ describe("the tools", () => {
         [row, repeat],
       );
     const { edl } = await torus.evaluate((c) => c.settings);
-    assert.equal(await press("eye-dome lighting"), !edl);
-    assert.equal(await press("eye-dome lighting", true), !edl, "it is still held down");
+    assert.equal(await press("dark edges"), !edl);
+    assert.equal(await press("dark edges", true), !edl, "it is still held down");
     assert.equal(await press("points"), !edl, "a field keeps its keys");
-    assert.equal(await press("eye-dome lighting"), edl);
+    assert.equal(await press("dark edges"), edl);
   });
 
   it("keeps camera and settings in the address", async () => {
@@ -248,7 +277,7 @@ describe("the tools", () => {
       ]),
     );
     await torus.change(() => torus.set("points", 4000));
-    await torus.change(() => torus.set("silhouettes", true));
+    await torus.change(() => torus.set("more at outlines", true));
     const [camera, settings] = [await torus.evaluate((c) => c.view.camera), await torus.evaluate((c) => c.settings)];
     await torus.until((c, eye) => {
       const kept = new URLSearchParams(location.hash.slice(1)).get("camera")?.split(",").map(Number) ?? [];
@@ -295,64 +324,6 @@ describe("a graphics card that is lost", () => {
     await banner.waitFor({ state: "hidden" });
     await torus.settled();
     assert.equal(countOf(difference(before, await torus.picture("restored.png"))), 0);
-    await torus.close();
-  });
-});
-
-describe("a finger, and two", () => {
-  it("turn, move and zoom", async () => {
-    const torus = await openTorus(`points=${points}`, { hasTouch: true, isMobile: true, viewport: { width: 400, height: 500 } });
-    const session = await torus.context.newCDPSession(torus.page);
-    const touch = async (...steps) => {
-      for (const [i, fingers] of steps.entries()) {
-        const touchPoints = fingers.map(([x, y], id) => ({ x, y, id }));
-        await session.send("Input.dispatchTouchEvent", { type: i === 0 ? "touchStart" : "touchMove", touchPoints });
-      }
-      await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
-    };
-    const distanceOf = ({ eye, target }) => Math.hypot(...eye.map((value, k) => value - target[k]));
-    const from = await torus.evaluate((c) => c.view.camera);
-    await torus.change(() => touch([[200, 250]], [[215, 255]], [[240, 260]]));
-    const turned = await torus.evaluate((c) => c.view.camera);
-    assert.notDeepEqual(turned.eye, from.eye);
-    await torus.change(() =>
-      touch(
-        [
-          [180, 250],
-          [220, 250],
-        ],
-        [
-          [170, 250],
-          [230, 250],
-        ],
-        [
-          [160, 250],
-          [240, 250],
-        ],
-      ),
-    );
-    const near = await torus.evaluate((c) => c.view.camera);
-    assert.ok(distanceOf(near) < 0.7 * distanceOf(turned), "nearer");
-    await torus.change(() =>
-      touch(
-        [
-          [180, 250],
-          [220, 250],
-        ],
-        [
-          [180, 280],
-          [220, 280],
-        ],
-        [
-          [180, 310],
-          [220, 310],
-        ],
-      ),
-    );
-    const moved = await torus.evaluate((c) => c.view.camera);
-    assert.notDeepEqual(moved.target, near.target);
-    assert.ok(Math.abs(distanceOf(moved) / distanceOf(near) - 1) < 0.01, "as near");
-    await torus.screenshot("touch.png");
     await torus.close();
   });
 });

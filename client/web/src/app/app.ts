@@ -1,19 +1,24 @@
 // The viewer's page: joins its parts.
 
 import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
-import { Viewport, type CameraState } from "../view";
+import { directionOf, sectionOf, upAxisOf, Viewport, type CameraState, type Section, type StandardView } from "../view";
+import { distance } from "../view/vector";
+import { AxesGizmo } from "./axes_gizmo";
 import { Brush } from "./brush";
-import { download, meshPlyOf, plyOf } from "./export_ply";
+import { DrawingBudget } from "./drawing_budget";
 import type { FirstAnswers } from "./first_answers";
 import { Hud } from "./hud";
 import { keyTable } from "./key_table";
 import { MeshFollower } from "./mesh_follower";
 import { Messages } from "./messages";
+import { copyText, toggleFullScreen } from "./page_tools";
 import { Panel } from "./panel";
-import { meshRequest, sampleRequest } from "./sample_request";
+import { meshRequest, sampleRequest, type SampleInit } from "./sample_request";
+import { saveMesh, savePicture, savePoints } from "./saving";
+import { ScaleBar } from "./scale_bar";
 import { SessionChoice } from "./session_choice";
 import { nameOf, SessionList } from "./session_list";
-import { defaultSettings, type Settings } from "./settings";
+import { defaultSettings, type Dab, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
 import { Uploads } from "./upload";
@@ -24,10 +29,8 @@ const secondsBeforeSave = 0.4; // that the address waits after the last change
 const longestStart = 500; // ms that the first picture waits for points
 const noticeableDelay = 0.3; // seconds; a shorter pause before a reconnection has no banner
 
-/// Returns the name of a session's mesh without its extension.
-function stemOf(session: Session): string {
-  return nameOf(session).replace(/\.[a-z]+$/i, "");
-}
+const noPaint: readonly Dab[] = [];
+const nowhere = "FAILED_PRECONDITION"; // the code of a view whose density is zero everywhere
 
 /// The application, of which a page has one. Throws NoWebGL2Error.
 export class Application {
@@ -42,7 +45,10 @@ export class Application {
   private readonly hud: Hud;
   private readonly list: SessionList;
   private readonly uploads: Uploads;
+  private readonly axes: AxesGizmo;
+  private readonly scale: ScaleBar;
   private readonly brush: Brush;
+  private readonly drawingBudget = new DrawingBudget();
   private readonly choice: SessionChoice;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
   private shown: unknown[] = []; // the stores that the viewport draws
@@ -58,7 +64,7 @@ export class Application {
   constructor(
     canvas: HTMLCanvasElement,
     page: HTMLElement,
-    private readonly messages: Messages,
+    readonly messages: Messages,
     private readonly client: Client,
     answers: FirstAnswers,
     private readonly token: string | undefined,
@@ -73,6 +79,8 @@ export class Application {
     this.settings = { ...this.defaults, dabs: [], ...settings };
     this.brush = new Brush(this.settings, (text) => this.messages.notice(text));
     this.hud = new Hud(page);
+    this.axes = new AxesGizmo(page, (direction) => this.viewport.lookFrom(direction, this.settings.up));
+    this.scale = new ScaleBar(page);
     this.list = new SessionList({
       open: (chosen) => this.choice.choose(chosen.sessionId),
       forget: (chosen) => void this.forget(chosen),
@@ -85,21 +93,27 @@ export class Application {
     const actions = {
       upload: () => this.uploads.pick(),
       fit: () => this.viewport.frame(),
+      view: (name: StandardView) => this.viewport.lookFrom(directionOf(name, this.settings.up), this.settings.up),
+      fullScreen: () => void this.toggleFullScreen(),
+      copyLink: () => void this.copyLink(),
       undoStroke: () => this.change(() => this.brush.undo()),
       clearStrokes: () => this.change(() => this.brush.clear()),
-      screenshot: () => void this.saveScreenshot(),
-      exportPly: () => this.savePly(),
-      exportMesh: () => this.saveMesh(),
+      screenshot: () => void savePicture(this, this.settings.pictureScale),
+      exportPly: () => savePoints(this),
+      exportMesh: () => saveMesh(this),
     };
-    const toggles = { togglePanel: () => this.panel.toggle(), toggleFigures: () => this.hud.toggle() };
+    const say = (text: string): void => this.messages.say(text);
+    const toggles = { say, togglePanel: () => this.panel.toggle(), toggleFigures: () => this.hud.toggle() };
     const shortcuts = new Shortcuts(page, keyTable({ ...actions, change: (how) => this.change(how), ...toggles }));
     this.panel = new Panel(
+      document.body, // beside the page's main part
       this.settings,
       { ...actions, changed: () => this.changed(), help: () => shortcuts.toggleHelp() },
       this.list.root,
     );
     this.choice = this.makeChoice();
-    this.listen(canvas);
+    this.listen();
+    this.axes.show(this.viewport.camera);
     this.changed();
     this.choice.start(answers, session, camera);
   }
@@ -116,7 +130,7 @@ export class Application {
         onFailure: (id, error) => {
           if (error.code !== "NOT_FOUND") messages.failure("The session cannot be shown", error);
           else if (this.session !== null) messages.failure("This session is not there", error);
-          else messages.missingSession(id);
+          else this.missing(id);
         },
         onRefused: (error) => this.refused(error),
       },
@@ -124,8 +138,12 @@ export class Application {
     );
   }
 
-  private listen(canvas: HTMLCanvasElement): void {
-    this.viewport.onCamera = () => this.pacer.request();
+  private listen(): void {
+    this.viewport.onCamera = () => this.cameraMoved();
+    this.viewport.onPicture = (points, milliseconds) => {
+      const { budget, frameMilliseconds } = this.settings;
+      if (budget === "automatic" && this.drawingBudget.note(points, milliseconds, frameMilliseconds)) this.pacer.request();
+    };
     this.viewport.onDrawn = () => this.pacer.drawn();
     this.viewport.onBrush = (centre, done) => {
       this.isPainting = !done;
@@ -136,9 +154,21 @@ export class Application {
       if (isLost) this.messages.showBanner("graphics", "The graphics card was lost; the picture waits until it is back …");
       else this.messages.hideBanner("graphics");
     };
-    new ResizeObserver(() => this.pacer.request()).observe(canvas);
+    this.viewport.onResize = () => this.cameraMoved(); // the scale changes
     window.addEventListener("hashchange", () => location.reload());
     setInterval(() => this.showFigures(), 250);
+  }
+
+  private cameraMoved(): void {
+    const { camera } = this.viewport;
+    this.axes.show(camera);
+    if (this.session !== null) this.scale.show(camera, this.viewport.cssHeight);
+    const ofCamera = { fieldOfView: camera.fov, up: upAxisOf(camera) };
+    if (ofCamera.fieldOfView !== this.settings.fieldOfView || ofCamera.up !== this.settings.up) {
+      Object.assign(this.settings, ofCamera);
+      this.panel.refresh();
+    }
+    this.pacer.request();
   }
 
   /// Applies settings that have changed.
@@ -147,7 +177,11 @@ export class Application {
     document.documentElement.dataset.theme = settings.background;
     document.body.classList.toggle("split", settings.split && this.session !== null);
     const { mode, colouring, background, edl, dotSize, splatScale } = settings;
-    viewport.style = { mode, colouring, background, edl, dotSize, splatScale };
+    const paint = settings.brush && mode === "splats" ? this.brush.trace() : noPaint;
+    viewport.style = { mode, colouring, background, edl, dotSize, splatScale, paint, section: this.section() };
+    viewport.setUp(settings.up);
+    viewport.setFieldOfView(settings.fieldOfView);
+    viewport.maxPixelRatio = settings.pixelRatio;
     viewport.navigation = settings.navigation;
     viewport.setMeasuring(settings.measuring && !settings.brush);
     this.isPainting &&= settings.brush; // a stroke also ends with the brush
@@ -177,7 +211,8 @@ export class Application {
     this.showStores();
     const camera = this.frozen?.camera ?? viewport.camera;
     const size = this.frozen?.size ?? viewport.size;
-    if (streams.look(sampleRequest(settings, camera, size), sampleRequest(settings, camera, size, true))) viewport.expectPoints();
+    const ask = (isUniform: boolean): SampleInit => sampleRequest(settings, camera, size, isUniform, this.drawingBudget.mostPoints);
+    if (streams.look(ask(false), ask(true))) viewport.expectPoints();
     const hasMesh = settings.wireframe && this.session !== this.preview;
     this.mesh?.follow(hasMesh ? meshRequest(settings, camera, size) : null, this.isPainting);
     this.saveSoon();
@@ -196,17 +231,36 @@ export class Application {
   }
 
   private brushRadius(): number {
-    const { boxMin, boxMax } = this.session?.report?.mesh ?? {};
-    if (boxMin === undefined || boxMax === undefined) return 1;
-    return (this.settings.brushSize / 100) * Math.hypot(boxMax.x - boxMin.x, boxMax.y - boxMin.y, boxMax.z - boxMin.z);
+    const { min, max } = this.viewport.bounds;
+    return (this.settings.brushSize / 100) * distance(min, max);
+  }
+
+  private section(): Section | null {
+    const { section, sectionShare, sectionOther } = this.settings;
+    return section === "none" ? null : sectionOf(section, sectionShare / 100, sectionOther, this.viewport.bounds);
   }
 
   private saveSoon(): void {
     clearTimeout(this.saveTimer);
-    this.saveTimer = setTimeout(() => {
-      if (this.session === null) return;
-      history.replaceState(null, "", writeState(this.session.sessionId, this.viewport.camera, this.settings, this.defaults));
-    }, 1000 * secondsBeforeSave);
+    this.saveTimer = setTimeout(() => this.save(), 1000 * secondsBeforeSave);
+  }
+
+  private save(): void {
+    if (this.session === null) return;
+    history.replaceState(null, "", writeState(this.session.sessionId, this.viewport.camera, this.settings, this.defaults));
+  }
+
+  private async copyLink(): Promise<void> {
+    this.save();
+    if (await copyText(location.href, "The address of this view")) this.messages.notice("The link to this view was copied");
+  }
+
+  private async toggleFullScreen(): Promise<void> {
+    try {
+      await toggleFullScreen();
+    } catch (thrown) {
+      this.messages.failure("The browser does not give the whole screen", asCurvecastError(thrown));
+    }
   }
 
   private refused(error: CurvecastError): void {
@@ -224,6 +278,7 @@ export class Application {
   private show(session: Session, camera: CameraState | null): void {
     for (const which of ["main", "uniform"] as const) this.messages.hideBanner(which);
     this.messages.hideCard();
+    this.messages.hideHint();
     this.streams?.close();
     this.mesh?.follow(null, false);
     this.streams = null; // the new session is not asked for views of the camera before
@@ -232,6 +287,10 @@ export class Application {
     this.list.current = session.sessionId;
     document.title = `${nameOf(session)} – Curvecast`;
     this.viewport.forgetMeasured();
+    const { boxMin, boxMax } = session.report?.mesh ?? {};
+    if (boxMin !== undefined && boxMax !== undefined) {
+      this.viewport.setBounds([boxMin.x, boxMin.y, boxMin.z], [boxMax.x, boxMax.y, boxMax.z]);
+    }
     this.change((settings) => (settings.frozen = false));
     this.streams = new Streams(this.client, session.sessionId, {
       onFrame: (frame) => this.frameCame(frame),
@@ -241,10 +300,6 @@ export class Application {
       onMesh: (mesh) => this.viewport.setWireframe(mesh),
       onFailure: (error) => this.messages.notice(`The mesh cannot be made: ${error.message}`),
     });
-    const { boxMin, boxMax } = session.report?.mesh ?? {};
-    if (boxMin !== undefined && boxMax !== undefined) {
-      this.viewport.setBounds([boxMin.x, boxMin.y, boxMin.z], [boxMax.x, boxMax.y, boxMax.z]);
-    }
     this.showStores(); // first: how much fits into a picture depends on the number of pictures
     if (camera !== null) this.viewport.camera = camera;
     else this.viewport.frame();
@@ -260,13 +315,20 @@ export class Application {
 
   private uploaded(session: Session, missing: readonly string[]): void {
     if (missing.length > 0) this.messages.notice(`Not among the files, and done without: ${missing.join(", ")}`);
-    if (this.session?.sessionId === session.sessionId) {
+    if (this.session?.sessionId === session.sessionId && this.streams?.main.state !== "failed") {
       this.session = session; // its preview is shown, and its stream goes on by itself
       this.pacer.request(); // there may be a mesh now
       this.choice.refresh();
       return;
     }
     this.choice.choose(session.sessionId);
+  }
+
+  /// The server does not have a session, or has it no longer: one without a cache was restarted.
+  private missing(sessionId: string): void {
+    const name = this.uploads.nameOf(sessionId);
+    const again = name === null ? [] : [{ text: `Open ${name} again`, run: () => this.uploads.again(sessionId) }];
+    this.messages.missingSession(sessionId, [...again, { text: "Choose files …", run: () => this.uploads.pick() }]);
   }
 
   private async forget(session: Session): Promise<void> {
@@ -280,11 +342,20 @@ export class Application {
   }
 
   private frameCame(frame: FrameReport): void {
-    if (frame.error !== null) return this.messages.notice(`The server refused this view: ${frame.error.message}`);
+    if (frame.error !== null) return this.refusedView(frame.error);
+    this.messages.hideHint();
     const isChanged = frame.added + frame.removed + frame.resized > 0;
     if (isChanged) this.uploadMilliseconds = this.viewport.uploadNow();
     else this.viewport.expectNoPoints();
     this.showFigures();
+  }
+
+  private refusedView(error: CurvecastError): void {
+    this.viewport.expectNoPoints();
+    if (error.code === nowhere) {
+      const whole = { text: "Show the whole surface (F)", run: () => this.viewport.frame() };
+      this.messages.showHint("Nothing of the surface is in view here", whole);
+    } else this.messages.notice(`The server refused this view: ${error.message}`);
   }
 
   private stateChanged(which: Which, state: LiveViewState, error: CurvecastError | null, delay: number | null): void {
@@ -297,7 +368,7 @@ export class Application {
     }
     if (state === "failed" && error !== null) {
       if (error.code === "UNAUTHENTICATED" || error.code === "PERMISSION_DENIED") this.refused(error);
-      else if (error.code === "NOT_FOUND") this.messages.missingSession(this.session?.sessionId ?? "");
+      else if (error.code === "NOT_FOUND") this.missing(this.session?.sessionId ?? "");
       else this.messages.failure(which === "main" ? "The stream has ended" : "The stream of uniform points has ended", error);
     }
     this.showFigures();
@@ -307,27 +378,5 @@ export class Application {
     this.hud.visible = this.streams !== null;
     if (this.streams !== null) this.hud.show(this.streams, this.viewport.framesPerSecond, this.uploadMilliseconds);
     this.hud.showMesh(this.settings.wireframe ? this.mesh : null);
-  }
-
-  private async saveScreenshot(): Promise<void> {
-    if (this.session === null) return;
-    const name = `${stemOf(this.session)}.png`;
-    try {
-      download(await this.viewport.screenshot(), name);
-    } catch (thrown) {
-      this.messages.failure("The picture cannot be saved", asCurvecastError(thrown));
-    }
-  }
-
-  private savePly(): void {
-    if (this.session === null || this.streams === null) return;
-    const { store } = this.streams.main;
-    download(plyOf(store), `${stemOf(this.session)}-${store.count}.ply`);
-  }
-
-  private saveMesh(): void {
-    const mesh = this.mesh?.mesh;
-    if (this.session === null || mesh == null) return;
-    download(meshPlyOf(mesh), `${stemOf(this.session)}-mesh-${mesh.vertices.count}.ply`);
   }
 }

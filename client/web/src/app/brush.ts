@@ -10,6 +10,7 @@ const noPaint = 1; // the factor that takes paint away
 export class Brush {
   private stroke: number | null = null; // number of the stroke under way
   private hasWarned = false;
+  private seen: { from: readonly Dab[]; copy: readonly Dab[] } = { from: [], copy: [] };
 
   constructor(
     private readonly settings: Settings,
@@ -34,6 +35,13 @@ export class Brush {
       this.hasWarned = false;
     }
     return adds;
+  }
+
+  /// Returns the dabs, the same array until they change.
+  trace(): readonly Dab[] {
+    const { dabs } = this.settings;
+    if (this.seen.from !== dabs || this.seen.copy.length !== dabs.length) this.seen = { from: dabs, copy: [...dabs] };
+    return this.seen.copy;
   }
 
   /// Removes the last stroke.

@@ -89,12 +89,3 @@ export function meshPlyOf({ vertices, triangles }: TriangleMesh): Blob {
   const more = `element face ${triangles.length / 3}\nproperty list uchar uint vertex_indices\n`;
   return fileOf(headerOf(vertices, properties, more), rowsOf(vertices, properties), faces);
 }
-
-/// Offers a file to the user as a download.
-export function download(blob: Blob, name: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-}

@@ -24,7 +24,7 @@ function revisionText(revision: number): string {
 export class Hud {
   private readonly state = element("span", { class: "state" });
   private readonly rows = new Map<string, HTMLElement>();
-  private readonly root = element("details", { class: "hud" });
+  private readonly root = element("details", { class: "hud", attributes: { "aria-label": "Figures" } });
 
   constructor(parent: HTMLElement) {
     this.root.open = true;

@@ -1,4 +1,6 @@
+import "./panel.css";
 import "./style.css";
+import "./messages.css";
 
 import { Client } from "../stream";
 import { askFirst } from "./first_answers";

@@ -1,9 +1,10 @@
 // What the page says to its user: notices for a moment, a banner while something is wrong, a card where nothing can be shown.
 
 import type { CurvecastError } from "../stream";
-import { button, element } from "./elements";
+import { button, crossButton, element } from "./elements";
 
-interface Action {
+/// A button of a message.
+export interface Action {
   text: string;
   run: () => void;
 }
@@ -19,6 +20,8 @@ export class Messages {
   private readonly notices = element("div", { class: "notices" });
   private readonly banner = element("div", { class: "banner" });
   private readonly card = element("div", { class: "card" });
+  private readonly hint = element("div", { class: "hint", attributes: { role: "status" } });
+  private readonly spoken = element("div", { class: "unseen", attributes: { role: "status" } });
   private readonly shown = new Map<string, { notice: HTMLElement; timer?: ReturnType<typeof setTimeout> }>(); // oldest first
   private readonly concerns = new Map<Concern, { text: string; action: Action | undefined }>(); // the newest is shown
   private bannerText = ""; // of the banner and its button
@@ -27,8 +30,13 @@ export class Messages {
   constructor(parent: HTMLElement) {
     this.notices.setAttribute("role", "status");
     this.banner.setAttribute("role", "alert");
-    this.banner.hidden = this.card.hidden = true;
-    parent.append(this.notices, this.banner, this.card);
+    this.banner.hidden = this.card.hidden = this.hint.hidden = true;
+    parent.append(this.notices, this.banner, this.card, this.hint, this.spoken);
+  }
+
+  /// Has those who listen to the page hear something that others see.
+  say(text: string): void {
+    this.spoken.textContent = text;
   }
 
   /// Shows a notice for a few seconds.
@@ -47,7 +55,7 @@ export class Messages {
       text,
       element("div", { class: "notice failure" }, [
         element("div", {}, [element("strong", { text: what }), element("span", { text: error.message })]),
-        button("×", () => this.removeNotice(text), "Close"),
+        crossButton("Close", () => this.removeNotice(text)),
       ]),
     );
   }
@@ -60,6 +68,17 @@ export class Messages {
 
   hideBanner(about: Concern): void {
     if (this.concerns.delete(about)) this.refreshBanner();
+  }
+
+  /// Shows what to do next, until hideHint(). Nothing is wrong.
+  showHint(text: string, action: Action): void {
+    if (!this.hint.hidden) return;
+    this.hint.replaceChildren(element("span", { text }), button(action.text, action.run));
+    this.hint.hidden = false;
+  }
+
+  hideHint(): void {
+    this.hint.hidden = true;
   }
 
   hideCard(): void {
@@ -77,9 +96,19 @@ export class Messages {
     );
   }
 
-  /// Shows that the server does not have the session of the address.
-  missingSession(id: string): void {
-    this.showCard("This session is not there", `The server knows no session ${id}. Choose another in the panel, or drop a mesh.`);
+  /// Shows that the server does not have a session (any more), and ways out.
+  missingSession(id: string, actions: readonly Action[]): void {
+    this.showCard(
+      "This session is not there",
+      `The server does not have, or has no longer, the session ${id}. Choose another in the panel, or open the mesh again.`,
+      () => [
+        element(
+          "div",
+          { class: "actions" },
+          actions.map(({ text, run }) => button(text, run)),
+        ),
+      ],
+    );
   }
 
   /// Shows that the browser cannot draw.
@@ -134,7 +163,7 @@ export class Messages {
   private showCard(title: string, text: string, makeParts: () => readonly Node[] = () => []): boolean {
     if (this.cardText === title + text) return false;
     this.cardText = title + text;
-    this.card.replaceChildren(element("h1", { text: title }), element("p", { text }), ...makeParts());
+    this.card.replaceChildren(element("h2", { text: title }), element("p", { text }), ...makeParts());
     this.card.hidden = false;
     return true;
   }

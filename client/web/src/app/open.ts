@@ -10,9 +10,10 @@ import { Messages } from "./messages";
 /// Opens the page. `token`: the one that the client has.
 export function open(client: Client, answers: FirstAnswers, token: string | undefined): void {
   const canvas = document.querySelector("canvas")!;
-  const messages = new Messages(document.body);
+  const page = document.querySelector("main")!;
+  const messages = new Messages(page);
   try {
-    window.curvecast = handleOf(new Application(canvas, document.body, messages, client, answers, token));
+    window.curvecast = handleOf(new Application(canvas, page, messages, client, answers, token));
   } catch (thrown) {
     if (!(thrown instanceof NoWebGL2Error)) throw thrown;
     messages.noWebGL2();

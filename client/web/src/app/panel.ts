@@ -1,9 +1,12 @@
-// The panel of settings, made with lil-gui.
+// The panel of settings, made with lil-gui: first what everybody wants, then, folded, what some want.
 
 import GUI, { type Controller } from "lil-gui";
 
-import { element } from "./elements";
+import type { StandardView } from "../view";
+import { button, element } from "./elements";
 import guiStyle from "../../node_modules/lil-gui/dist/lil-gui.min.css?inline";
+import { makeSlider } from "./panel_access";
+import { actionWords, choiceWords, settingWords, type Words } from "./panel_words";
 import { ranges, type Settings } from "./settings";
 
 /// What the panel calls: `changed` after a setting has changed, the others for its buttons.
@@ -11,6 +14,9 @@ export interface PanelActions {
   changed(): void;
   upload(): void;
   fit(): void;
+  view(name: StandardView): void;
+  fullScreen(): void;
+  copyLink(): void;
   undoStroke(): void;
   clearStrokes(): void;
   screenshot(): void;
@@ -19,49 +25,59 @@ export interface PanelActions {
   help(): void;
 }
 
-// Labels and their values, in the form that lil-gui wants.
-const budgets = { points: "points", bytes: "bytes", "error in pixels": "pixels", automatic: "automatic" };
-const sequences = { jittered: "jittered", regular: "regular", "van der Corput": "vanDerCorput", "golden ratio": "goldenRatio" };
-const curvatures = { "– off": "none", Gaussian: "gauss", mean: "mean", largest: "max" };
-const colourings = {
-  shading: "shading",
-  normal: "normal",
-  curvature: "curvature",
-  rank: "rank",
-  density: "density",
-  "mesh's colour": "colour",
-};
+const views: readonly (readonly [text: string, view: StandardView, title: string])[] = [
+  ["Home", "home", "The first view (Home)"],
+  ["Front", "front", "From the front (3)"],
+  ["Side", "side", "From the right side (4)"],
+  ["Top", "top", "From above (5)"],
+];
 
 /// Removes lil-gui's font for a few signs, a data URL that the page's content policy does not allow. Other fonts have these signs, too.
 function withoutFonts(style: string): string {
   return style.replace(/@font-face\s*\{[^}]*\}/g, "");
 }
 
+/// Names a row, and explains it.
+function explained(controller: Controller, { name, hint }: Words): Controller {
+  controller.name(name);
+  controller.domElement.title = hint;
+  for (const control of controller.domElement.querySelectorAll("input, select, button, .slider")) {
+    control.setAttribute("aria-description", hint);
+  }
+  return controller;
+}
+
 /// Shows `settings`, writes to them, and then calls `changed`. `sessions`: the list that stands at the top.
 export class Panel {
   private readonly gui: GUI;
   private readonly conditions: { controller: Controller; applies: () => boolean }[] = [];
+  private readonly sliders: (() => void)[] = []; // tell them of their values
 
   constructor(
+    page: HTMLElement,
     private readonly settings: Settings,
-    actions: PanelActions,
+    private readonly actions: PanelActions,
     sessions: HTMLElement,
   ) {
     document.head.prepend(element("style", { text: withoutFonts(guiStyle) }));
-    this.gui = new GUI({ title: "Curvecast", width: 270, injectStyles: false });
+    this.gui = new GUI({ title: "Curvecast", width: 300, injectStyles: false });
+    page.append(element("aside", { attributes: { "aria-label": "Settings" } }, [this.gui.domElement]));
     this.gui.onChange(() => {
       this.showWhatApplies();
       actions.changed();
     });
-    this.addSessions(sessions, actions);
+    this.addSessions(sessions);
+    this.addView();
+    this.addLook();
     this.addPoints();
+    this.addSaving();
     this.addDensity();
-    this.addBrush(actions);
-    this.addMesh(actions);
-    this.addPicture(actions);
-    this.addTools(actions);
+    this.addBrush();
+    this.addMesh();
+    this.addSection();
+    this.addSampling();
     this.gui.onOpenClose(() => this.makeRoom());
-    if (window.innerWidth < 700) this.gui.close();
+    if (window.innerWidth < 900) this.gui.close(); // it would cover a part of the picture: see style.css
     this.makeRoom();
     this.showWhatApplies();
   }
@@ -82,92 +98,121 @@ export class Panel {
     document.body.classList.toggle("with-panel", !this.gui._hidden && !this.gui._closed);
   }
 
-  private when(controller: Controller, applies: (settings: Settings) => boolean): void {
+  private when(applies: (settings: Settings) => boolean, controller: Controller): void {
     this.conditions.push({ controller, applies: () => applies(this.settings) });
   }
 
   private showWhatApplies(): void {
     for (const { controller, applies } of this.conditions) controller.show(applies());
+    for (const show of this.sliders) show();
+  }
+
+  private folder(title: string, isOpen: boolean): GUI {
+    const folder = this.gui.addFolder(title);
+    return isOpen ? folder : folder.close();
   }
 
   private addNumber(folder: GUI, key: keyof typeof ranges): Controller {
     const { min, max, step }: { min: number; max: number; step?: number } = ranges[key];
-    return folder.add(this.settings, key, min, max, step);
+    const controller = explained(folder.add(this.settings, key, min, max, step), settingWords[key]);
+    this.sliders.push(makeSlider(controller, { min, max, step: step ?? (max - min) / 100 }));
+    return controller;
   }
 
-  private addSessions(sessions: HTMLElement, actions: PanelActions): void {
-    const folder = this.gui.addFolder("Sessions");
+  private addChoice(folder: GUI, key: keyof typeof choiceWords): Controller {
+    return explained(folder.add(this.settings, key, choiceWords[key]), settingWords[key]);
+  }
+
+  private addSwitch(folder: GUI, key: keyof typeof settingWords): Controller {
+    return explained(folder.add(this.settings, key), settingWords[key]);
+  }
+
+  private addButton(folder: GUI, key: keyof typeof actionWords): Controller {
+    return explained(folder.add(this.actions, key), actionWords[key]);
+  }
+
+  private addSessions(sessions: HTMLElement): void {
+    const folder = this.folder("Surfaces", true);
     folder.$children.append(sessions);
-    folder.add(actions, "upload").name("Open a mesh … (U)");
+    this.addButton(folder, "upload");
+  }
+
+  private addView(): void {
+    const folder = this.folder("View", true);
+    const buttons = views.map(([text, view, title]) => button(text, () => this.actions.view(view), title));
+    folder.$children.append(element("div", { class: "views", attributes: { role: "group", "aria-label": "Views" } }, buttons));
+    this.addButton(folder, "fit");
+    this.addChoice(folder, "up");
+    this.addNumber(folder, "fieldOfView");
+    this.addChoice(folder, "navigation");
+  }
+
+  private addLook(): void {
+    const folder = this.folder("Look", true);
+    this.addChoice(folder, "mode");
+    this.addChoice(folder, "colouring");
+    this.addChoice(folder, "background");
+    this.addSwitch(folder, "edl");
+    this.when(({ mode }) => mode === "splats", this.addNumber(folder, "splatScale"));
+    this.when(({ mode }) => mode === "dots", this.addNumber(folder, "dotSize"));
+    this.addNumber(folder, "pixelRatio");
   }
 
   private addPoints(): void {
-    const s = this.settings;
-    const folder = this.gui.addFolder("Points");
-    folder.add(s, "budget", budgets).name("budget");
-    this.when(this.addNumber(folder, "points").name("points"), ({ budget }) => budget === "points");
-    this.when(this.addNumber(folder, "kilobytes").name("kilobytes"), ({ budget }) => budget === "bytes");
-    this.when(this.addNumber(folder, "pixelError").name("pixels per point"), ({ budget }) => budget === "pixels");
-    this.when(this.addNumber(folder, "frameMilliseconds").name("ms per frame"), ({ budget }) => budget === "automatic");
-    folder.add(s, "sampler", { progressive: "progressive", "equalised (the paper's)": "equalised" }).name("sampler");
-    this.when(folder.add(s, "sequence", sequences).name("sequence"), ({ sampler }) => sampler === "equalised");
+    const folder = this.folder("Number of points", true);
+    this.addChoice(folder, "budget");
+    this.when(({ budget }) => budget === "points", this.addNumber(folder, "points"));
+    this.when(({ budget }) => budget === "bytes", this.addNumber(folder, "kilobytes"));
+    this.when(({ budget }) => budget === "pixels", this.addNumber(folder, "pixelError"));
+    this.when(({ budget }) => budget === "automatic", this.addNumber(folder, "frameMilliseconds"));
+  }
+
+  private addSaving(): void {
+    const folder = this.folder("Measure, save, share", true);
+    this.addSwitch(folder, "measuring");
+    this.addButton(folder, "screenshot");
+    this.addNumber(folder, "pictureScale");
+    for (const key of ["exportPly", "copyLink", "fullScreen", "help"] as const) this.addButton(folder, key);
   }
 
   private addDensity(): void {
-    const s = this.settings;
-    const folder = this.gui.addFolder("Density");
-    folder.add(s, "screen").name("even on the screen");
-    folder.add(s, "frustum").name("in the picture only");
-    folder.add(s, "distance").name("less far away");
-    folder.add(s, "silhouette").name("silhouettes");
-    this.when(this.addNumber(folder, "silhouetteFloor").name("elsewhere (s0)"), ({ silhouette }) => silhouette);
-    folder.add(s, "curvature", curvatures).name("curvature");
-    this.when(this.addNumber(folder, "curvatureExponent").name("exponent"), ({ curvature }) => curvature !== "none");
-    folder.add(s, "split").name("uniform beside it");
-    folder.add(s, "frozen").name("freeze its camera");
+    const folder = this.folder("Where the points go", false);
+    for (const key of ["screen", "frustum", "distance", "silhouette"] as const) this.addSwitch(folder, key);
+    this.when(({ silhouette }) => silhouette, this.addNumber(folder, "silhouetteFloor"));
+    this.addChoice(folder, "curvature");
+    this.when(({ curvature }) => curvature !== "none", this.addNumber(folder, "curvatureExponent"));
+    this.addSwitch(folder, "split");
+    this.addSwitch(folder, "frozen");
   }
 
-  private addBrush(actions: PanelActions): void {
-    const s = this.settings;
-    const folder = this.gui.addFolder("Brush");
-    folder.add(s, "brush").name("paint density");
-    this.addNumber(folder, "brushSize").name("radius, % of size");
-    folder.add(s, "eraser").name("rub paint out (R)");
-    this.when(this.addNumber(folder, "brushFactor").name("factor"), ({ eraser }) => !eraser);
-    folder.add(actions, "undoStroke").name("Undo a stroke (Ctrl Z)");
-    folder.add(actions, "clearStrokes").name("Clear all strokes");
-    folder.close();
+  private addBrush(): void {
+    const folder = this.folder("Paint the density", false);
+    this.addSwitch(folder, "brush");
+    this.addNumber(folder, "brushSize");
+    this.addSwitch(folder, "eraser");
+    this.when(({ eraser }) => !eraser, this.addNumber(folder, "brushFactor"));
+    this.addButton(folder, "undoStroke");
+    this.addButton(folder, "clearStrokes");
   }
 
-  private addMesh(actions: PanelActions): void {
-    const s = this.settings;
-    const folder = this.gui.addFolder("Mesh");
-    folder.add(s, "wireframe").name("wireframe (T)");
-    this.addNumber(folder, "meshVertices").name("vertices");
-    folder.add(s, "meshForCamera").name("for this camera");
-    this.when(folder.add(actions, "exportMesh").name("Save the mesh as PLY"), ({ wireframe }) => wireframe);
-    folder.close();
+  private addMesh(): void {
+    const folder = this.folder("Mesh of the points", false);
+    this.addSwitch(folder, "wireframe");
+    this.addNumber(folder, "meshVertices");
+    this.addSwitch(folder, "meshForCamera");
+    this.when(({ wireframe }) => wireframe, this.addButton(folder, "exportMesh"));
   }
 
-  private addPicture(actions: PanelActions): void {
-    const s = this.settings;
-    const folder = this.gui.addFolder("Picture");
-    folder.add(s, "mode", ["splats", "dots"]).name("draw");
-    folder.add(s, "colouring", colourings).name("colour by");
-    folder.add(s, "edl").name("eye-dome lighting");
-    this.when(this.addNumber(folder, "splatScale").name("size of discs"), ({ mode }) => mode === "splats");
-    this.when(this.addNumber(folder, "dotSize").name("size of dots"), ({ mode }) => mode === "dots");
-    folder.add(s, "background", ["light", "dark"]).name("background");
-    folder.add(s, "navigation", ["orbit", "fly"]).name("navigation");
-    folder.add(actions, "fit").name("Show the whole surface (F)");
+  private addSection(): void {
+    const folder = this.folder("Cut open", false);
+    this.addChoice(folder, "section");
+    this.when(({ section }) => section !== "none", this.addNumber(folder, "sectionShare"));
+    this.when(({ section }) => section !== "none", this.addSwitch(folder, "sectionOther"));
   }
 
-  private addTools(actions: PanelActions): void {
-    const folder = this.gui.addFolder("Tools");
-    folder.add(this.settings, "measuring").name("measure distances");
-    folder.add(actions, "screenshot").name("Save the picture (P)");
-    folder.add(actions, "exportPly").name("Save the points as PLY (X)");
-    folder.add(actions, "help").name("Keys (?)");
-    folder.close();
+  private addSampling(): void {
+    const folder = this.folder("Advanced", false);
+    this.addChoice(folder, "sampler");
+    this.when(({ sampler }) => sampler === "equalised", this.addChoice(folder, "sequence"));
   }
 }

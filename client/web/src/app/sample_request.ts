@@ -41,13 +41,14 @@ function vec3([x, y, z]: readonly [number, number, number]): { x: number; y: num
 /// Makes the terms of all settings but the brush.
 function plainTerms(settings: Settings): TermInit[] {
   const { curvature } = settings;
+  const isOpen = settings.section !== "none"; // what is even on the screen has no points on the insides of a surface that is cut open
   const terms: TermInit[] = [];
   if (curvature !== "none") {
     terms.push({ term: { case: "curvature", value: { kind: kinds[curvature], exponent: settings.curvatureExponent } } });
   }
   if (settings.silhouette) terms.push({ term: { case: "view", value: { s0: settings.silhouetteFloor } } });
-  if (settings.distance) terms.push({ term: { case: "distance", value: {} } });
-  if (settings.screen) terms.push({ term: { case: "screen", value: {} } });
+  if (settings.distance || (settings.screen && isOpen)) terms.push({ term: { case: "distance", value: {} } });
+  if (settings.screen && !isOpen) terms.push({ term: { case: "screen", value: {} } });
   if (settings.frustum) terms.push({ term: { case: "frustum", value: {} } });
   return terms;
 }
@@ -73,7 +74,7 @@ function paint(dabs: readonly Dab[]): TermInit[] {
   ];
 }
 
-function budgetOf(settings: Settings): NonNullable<SampleInit["budget"]> {
+function budgetOf(settings: Settings, mostPoints: number): NonNullable<SampleInit["budget"]> {
   switch (settings.budget) {
     case "points":
       return { case: "points", value: BigInt(Math.round(settings.points)) };
@@ -82,16 +83,18 @@ function budgetOf(settings: Settings): NonNullable<SampleInit["budget"]> {
     case "pixels":
       return { case: "pixelError", value: settings.pixelError };
     case "automatic":
-      return { case: "automatic", value: { frameSeconds: settings.frameMilliseconds / 1000 } };
+      return { case: "automatic", value: { frameSeconds: settings.frameMilliseconds / 1000, maxPoints: BigInt(mostPoints) } };
   }
 }
 
 /// Makes the request for a view. `uniform`: its density is even, whatever the settings say. `size`: of the picture, in pixels.
+/// `mostPoints`: of the automatic budget; 0: as many as the server gives.
 export function sampleRequest(
   settings: Settings,
   camera: CameraState,
   size: { width: number; height: number },
   uniform = false,
+  mostPoints = 0,
 ): SampleInit {
   const terms = uniform ? [] : plainTerms(settings);
   const needsCamera =
@@ -100,7 +103,7 @@ export function sampleRequest(
   if (settings.colouring === "curvature") attributes.push(PointAttribute.CURVATURES);
   if (settings.colouring === "rank" && settings.sampler === "progressive") attributes.push(PointAttribute.RANK);
   return {
-    budget: budgetOf(settings),
+    budget: budgetOf(settings, mostPoints),
     density: [...terms, ...(uniform ? [] : paint(settings.dabs))],
     // A request without a camera stays the same while the camera moves, and is not sent again.
     cameras: needsCamera

@@ -1,7 +1,7 @@
 // The list of the server's sessions, to choose from.
 
 import { SessionState, type Session } from "../stream";
-import { button, element } from "./elements";
+import { button, crossButton, element } from "./elements";
 import { bytes, count } from "./format";
 
 /// What the buttons of a row call.
@@ -50,7 +50,7 @@ class Row {
   ) {
     this.open = button("", () => actions.open(this.session), session.sessionId);
     this.open.append(this.name, this.details);
-    this.forget = button("×", () => actions.forget(this.session));
+    this.forget = crossButton("", () => actions.forget(this.session));
     this.root = element("div", { class: "session" }, [this.open, this.forget]);
   }
 
@@ -61,7 +61,9 @@ class Row {
     this.open.disabled = session.state !== SessionState.READY;
     if (isCurrent) this.open.setAttribute("aria-current", "true");
     else this.open.removeAttribute("aria-current");
-    this.forget.title = `Forget ${nameOf(session)}, on the server too`;
+    const forgets = `Forget ${nameOf(session)}, on the server too`;
+    this.forget.title = forgets;
+    this.forget.setAttribute("aria-label", forgets);
   }
 }
 

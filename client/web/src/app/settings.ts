@@ -1,13 +1,9 @@
 // What a user can set. Lengths are in the units of the mesh unless a comment says otherwise.
 
-import type { Background, Colouring, Mode } from "../view";
+import type { Background, Colouring, Mode, PaintDab, UpAxis } from "../view";
 
-/// A dab of the brush, which paints the density `factor` within `radius` of the centre over what was painted before. Dabs of one
-/// `stroke` are alike, and undone together.
-export interface Dab {
-  centre: [number, number, number];
-  radius: number;
-  factor: number;
+/// A dab of the brush, which paints over what was painted before. Dabs of one `stroke` are alike, and undone together.
+export interface Dab extends PaintDab {
   stroke: number;
 }
 
@@ -41,6 +37,13 @@ export interface Settings {
   edl: boolean;
   dotSize: number; // CSS pixels
   splatScale: number;
+  section: "none" | "x" | "y" | "z"; // the axis that the plane which cuts the surface open stands across
+  sectionShare: number; // of the surface's box that stays, %
+  sectionOther: boolean; // the other half stays
+  pixelRatio: number; // most pixels of the picture per CSS pixel
+  up: UpAxis;
+  fieldOfView: number; // vertical, degrees; that of the camera
+  pictureScale: number; // of pictures that are saved: pixels per pixel of the page, in each direction
   navigation: "orbit" | "fly";
   frozen: boolean; // views are sampled for the camera of the moment when this was set
   split: boolean; // left: a uniform density, right: the one set; both with the same budget
@@ -69,6 +72,10 @@ export const ranges = {
   meshVertices: { min: 100, max: 100_000, step: 100 },
   dotSize: { min: 1, max: 10 },
   splatScale: { min: 0.2, max: 3 },
+  fieldOfView: { min: 5, max: 120, step: 1 },
+  sectionShare: { min: 0, max: 100, step: 0.5 },
+  pictureScale: { min: 1, max: 8, step: 1 },
+  pixelRatio: { min: 0.5, max: 4, step: 0.5 },
 } satisfies Record<NumberSetting, Range>;
 
 type NumberSetting = { [Key in keyof Settings]: Settings[Key] extends number ? Key : never }[keyof Settings];
@@ -78,7 +85,7 @@ export function withinRange(key: keyof typeof ranges, value: number): number {
   return Math.min(Math.max(value, ranges[key].min), ranges[key].max);
 }
 
-/// Returns the settings that a page begins with. A renderer without a graphics card gets fewer points.
+/// Returns the settings that a page begins with: surfaces have their own colours, or are clay. A renderer without a graphics card gets fewer points.
 export function defaultSettings(isSoftware: boolean, background: Background): Settings {
   return {
     budget: "points",
@@ -104,11 +111,18 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     meshVertices: 5000,
     meshForCamera: false,
     mode: "splats",
-    colouring: "shading",
+    colouring: "colour",
     background,
     edl: true,
     dotSize: 2,
     splatScale: 1,
+    section: "none",
+    sectionShare: 50,
+    sectionOther: false,
+    pixelRatio: 2,
+    up: "y",
+    fieldOfView: 30,
+    pictureScale: 1,
     navigation: "orbit",
     frozen: false,
     split: false,

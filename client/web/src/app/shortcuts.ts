@@ -41,7 +41,7 @@ export class Shortcuts {
     const rows = [...shortcuts.map(({ key, what }) => [keyName(key), what] as const), ["?", "this list"] as const, ...pointer];
     this.overlay.append(
       element("div", { class: "sheet" }, [
-        element("h1", { text: "Keys and gestures" }),
+        element("h2", { text: "Keys and gestures" }),
         element(
           "dl",
           {},
@@ -85,5 +85,6 @@ function keyName(key: string): string {
   return key
     .replace("mod+", "Ctrl ")
     .replace("delete", "Del")
+    .replace("home", "Home")
     .replace(/\b[a-z]$/, (letter) => letter.toUpperCase());
 }

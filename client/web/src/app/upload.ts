@@ -28,10 +28,13 @@ const stageWords: Record<string, string> = {
 const sendingShare = 0.3; // of the bar, for sending the files; the rest is for preparing the session
 const dropLinger = 700; // ms; browsers send dragover every 350 ms at least while files are over the page
 
+const filesKept = 8; // meshes whose files can be opened again
+
 /// Takes files from anywhere on the page. Several uploads may run at once. Each has a bar, and can be cancelled.
 export class Uploads {
   private readonly bars = element("div", { class: "uploads" });
   private readonly input = element("input");
+  private readonly opened = new Map<string, { mesh: NamedFile; others: readonly NamedFile[] }>(); // by session, oldest first
 
   constructor(
     parent: HTMLElement,
@@ -54,6 +57,17 @@ export class Uploads {
     this.input.click();
   }
 
+  /// Returns the name of the mesh that became a session on this page; null where its files are not known.
+  nameOf(sessionId: string): string | null {
+    return this.opened.get(sessionId)?.mesh.name ?? null;
+  }
+
+  /// Uploads the files of a session again. Precondition: nameOf() is not null.
+  again(sessionId: string): void {
+    const { mesh, others } = this.opened.get(sessionId)!;
+    void this.run(mesh, others);
+  }
+
   private start(files: readonly NamedFile[]): void {
     const mesh = meshAmong(files);
     if (mesh === null) {
@@ -68,7 +82,7 @@ export class Uploads {
 
   private async run(mesh: NamedFile, others: readonly NamedFile[]): Promise<void> {
     const stop = new AbortController();
-    const bar = element("progress");
+    const bar = element("progress", { attributes: { "aria-label": mesh.name } });
     const words = element("span");
     const row = element("div", { class: "upload" }, [
       element("strong", { text: mesh.name }),
@@ -99,6 +113,7 @@ export class Uploads {
           show(sendingShare + (1 - sendingShare) * overall, stageWords[stage] ?? stage);
         },
       });
+      this.keep(session.sessionId, mesh, others);
       this.events.onReady(session, uploaded.missing);
     } catch (thrown) {
       const error = asCurvecastError(thrown);
@@ -106,6 +121,14 @@ export class Uploads {
     } finally {
       row.remove();
     }
+  }
+
+  /// Browsers keep the files themselves: this takes no memory to speak of.
+  private keep(sessionId: string, mesh: NamedFile, others: readonly NamedFile[]): void {
+    this.opened.delete(sessionId);
+    this.opened.set(sessionId, { mesh, others });
+    const [oldest] = this.opened.keys();
+    if (oldest !== undefined && this.opened.size > filesKept) this.opened.delete(oldest);
   }
 
   private listen(page: HTMLElement): void {

@@ -16,8 +16,8 @@ const mostDabs = 500; // longer addresses are too much for browsers and for thos
 const digits = 12; // of a number: coordinates may lie far from 0, and cameras near the surface
 // Settings that are written even where they are the defaults, because these differ from machine to machine.
 const always: readonly (keyof Settings)[] = ["points", "background"];
-// Settings of what a visit does, not of how the page looks.
-const unsaved: readonly (keyof Settings)[] = ["dabs", "brush", "eraser", "measuring", "frozen"];
+// Settings of what a visit does, not of how the page looks; and the angle of view, which the camera has.
+const unsaved: readonly (keyof Settings)[] = ["dabs", "brush", "eraser", "measuring", "frozen", "fieldOfView"];
 
 const choices: { [Key in keyof Settings]?: readonly string[] } = {
   budget: ["points", "bytes", "pixels", "automatic"],
@@ -27,6 +27,8 @@ const choices: { [Key in keyof Settings]?: readonly string[] } = {
   mode: ["splats", "dots"],
   colouring: ["shading", "normal", "curvature", "rank", "density", "colour"],
   background: ["light", "dark"],
+  section: ["none", "x", "y", "z"],
+  up: ["y", "z"],
   navigation: ["orbit", "fly"],
 };
 

@@ -44,6 +44,7 @@ export function meshAmong(files: readonly NamedFile[]): NamedFile | null {
 /// its start over the next one: only a client that knows the file's hash could resume what the server has kept. `connect` returns a
 /// socket that is open or opening: a new one after the last was lost.
 export async function uploadFile(connect: () => Socket, file: NamedFile, options: UploadOptions = {}): Promise<string> {
+  if (file.data.size === 0) throw new CurvecastError("INVALID_ARGUMENT", `the file ${file.name} is empty`);
   let restarts = 0;
   return repeat((resetFailures) => {
     let hasLeft = false;
@@ -94,7 +95,8 @@ async function sendFile(socket: Socket, file: NamedFile, onLeft: () => void, opt
   return result.meshId;
 }
 
-/// Uploads a mesh, then the files among `others` that it refers to, and those that these refer to. `connect` as for uploadFile().
+/// Uploads a mesh, then the files among `others` that it refers to, and those that these refer to. Empty ones count as missing. `connect` as
+/// for uploadFile().
 export async function uploadMesh(
   connect: () => Socket,
   mesh: NamedFile,
@@ -103,6 +105,7 @@ export async function uploadMesh(
 ): Promise<UploadedMesh> {
   const uploaded: UploadedMesh = { meshId: await uploadFile(connect, mesh, options), companions: {}, missing: [] };
   if (!referring.test(mesh.name)) return uploaded;
+  const filled = others.filter(({ data }) => data.size > 0);
   while (true) {
     const { meshId, companions } = uploaded;
     const { listMeshReferences } = CurvecastService.method;
@@ -112,7 +115,7 @@ export async function uploadMesh(
     );
     const unknown = missing.filter((name) => !Object.hasOwn(companions, name)); // a server that repeats a name does not keep the loop going
     const found = unknown.flatMap((name) => {
-      const file = fileFor(name, others);
+      const file = fileFor(name, filled);
       return file === null ? [] : [{ name, file }];
     });
     uploaded.missing = missing.filter((name) => !found.some((other) => other.name === name));

@@ -111,20 +111,19 @@ export function blend(a: CameraState, b: CameraState, t: number): CameraState {
   };
 }
 
-/// Returns the camera whose picture a box fills, seen from the side of `camera`.
+/// Returns the camera whose picture a box fills, seen from the side of `camera`. The whole box is in the picture: a surface may reach
+/// into any of its corners.
 export function fit(camera: CameraState, bounds: Bounds, aspect: number): CameraState {
   const axes = cameraAxes(camera);
   const middle = boundsCentre(bounds);
-  const margin = 0.06;
-  // Surfaces hardly ever reach into the corners of their boxes.
-  const filled = 0.86;
+  const margin = 0.04;
   const ty = Math.tan((camera.fov * Math.PI) / 360) * (1 - 2 * margin);
   const tx = ty * aspect;
   // How far the eye has to be for all corners to lie within each side of the picture.
   let [left, right, below, above] = [0, 0, 0, 0];
   for (let i = 0; i < 8; ++i) {
     const corner: Vec = [i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1];
-    const p = corner.map((side, k) => side * filled * 0.5 * (bounds.max[k]! - bounds.min[k]!)) as Vec;
+    const p = corner.map((side, k) => side * 0.5 * (bounds.max[k]! - bounds.min[k]!)) as Vec;
     const [x, y, depth] = [dot(axes.right, p), dot(axes.up, p), -dot(axes.forward, p)];
     right = Math.max(right, x + tx * depth);
     left = Math.max(left, -x + tx * depth);

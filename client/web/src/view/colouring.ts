@@ -4,8 +4,8 @@ import type { PointStore } from "../stream/point_store";
 import type { MapName } from "./colour_maps";
 import type { Colouring } from "./types";
 
-/// A column of a store that a colouring needs beside positions and normals.
-type PointColumn = "colours" | "curvatures" | "ranks";
+/// A column that a colouring needs beside positions and normals: of the store, or "painted", the colours under paint.
+type PointColumn = "colours" | "curvatures" | "ranks" | "painted";
 
 /// How the shaders colour points: see their `splatColour`.
 export interface ColourScale {
@@ -16,6 +16,8 @@ export interface ColourScale {
   /// The divisor of a value, after `offset` is subtracted.
   scale: number;
   offset: number;
+  /// The colours are those of a surface without any: shaded as clay, and not as what is coloured.
+  isClay: boolean;
 }
 
 const samples = 2048;
@@ -45,10 +47,15 @@ export const typicalRadius = (store: PointStore): number =>
   );
 
 /// Makes the scale for the points of a store, without regard to extremes. A store without the column that the colouring needs is shaded.
-export function colourScale(store: PointStore, colouring: Colouring): ColourScale {
-  const plain: ColourScale = { kind: 0, column: null, map: null, scale: 1, offset: 0 };
+/// `isPainted`: paint shows on the surface's own colours and on clay.
+export function colourScale(store: PointStore, colouring: Colouring, isPainted = false): ColourScale {
+  const plain: ColourScale = { kind: 0, column: null, map: null, scale: 1, offset: 0, isClay: false };
   const { curvatures, ranks, positions } = store;
-  if (colouring === "colour" && store.colours) return { ...plain, kind: 1, column: "colours" };
+  const isOwn = colouring === "colour" && store.colours !== null;
+  if (isPainted && (isOwn || colouring === "colour" || colouring === "shading")) {
+    return { ...plain, kind: 1, column: "painted", isClay: !isOwn };
+  }
+  if (isOwn) return { ...plain, kind: 1, column: "colours" };
   if (colouring === "curvature" && curvatures) {
     const sizes = sortedSample(store, (slot) => Math.abs(curvatures[2 * slot]! + curvatures[2 * slot + 1]!) / 2);
     return { ...plain, kind: 2, column: "curvatures", map: "diverging", scale: Math.max(quantile(sizes, 0.7, 1), 1e-20) };

@@ -36,7 +36,7 @@ export class CurvecastPoints extends THREE.Object3D {
 
   /// Takes the store's changes. Rendering the scene calls it.
   refresh(): void {
-    this.points.refresh(this.style.colouring);
+    this.points.refresh(this.style);
     this.mesh.position.fromArray(this.store.origin);
   }
 

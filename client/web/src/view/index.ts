@@ -2,6 +2,9 @@
 
 export { CurvecastPoints } from "./curvecast_points";
 export { defaultStyle, NoWebGL2Error } from "./types";
-export type { Background, CameraState, Colouring, Mode, Pick, Style, Vec } from "./types";
+export type { Background, CameraState, Colouring, Mode, PaintDab, Pick, Section, Style, Vec } from "./types";
+export { sectionOf } from "./section";
+export { directionOf, upAxisOf } from "./standard_views";
+export type { StandardView, UpAxis } from "./standard_views";
 export { takesKeys } from "./keyboard_focus";
 export { Viewport } from "./viewport";

@@ -3,8 +3,10 @@
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
 import { colourScale, typicalRadius, type ColourScale } from "./colouring";
+import { paintPoints } from "./painted_colours";
+import { localSection } from "./section";
 import { StoreTexture, type ColumnArray, type ColumnName } from "./store_texture";
-import type { Colouring } from "./types";
+import type { Colouring, PaintDab, Section, Style } from "./types";
 import { mergeRanges } from "./update_ranges";
 
 /// What each point is drawn as: a square in the disc's plane, or a hexagon whose middle stands out, so that neighbours meet halfway.
@@ -23,6 +25,8 @@ export interface PointUniforms {
   normalsOf: THREE.IUniform<THREE.Texture | null>;
   column: THREE.IUniform<THREE.Texture | null>;
   slots: THREE.IUniform<number>;
+  stride: THREE.IUniform<number>;
+  section: THREE.IUniform<THREE.Vector4>;
 }
 
 export const makePointUniforms = (): PointUniforms => ({
@@ -30,20 +34,25 @@ export const makePointUniforms = (): PointUniforms => ({
   normalsOf: { value: null },
   column: { value: null },
   slots: { value: 0 },
+  stride: { value: 1 },
+  section: { value: new THREE.Vector4() },
 });
 
 /// Keeps the columns of a store as textures, and uploads what changes.
 export class PointsGeometry {
-  /// Discs of all slots. They have no attributes: the shaders compute the slot from the numbers of vertex and instance.
+  /// Discs of all slots, or of every so many. They have no attributes: the shaders compute the slot from the numbers of vertex and instance.
   readonly discs = new THREE.InstancedBufferGeometry();
-  /// A vertex for each slot.
+  /// A vertex for each slot, or for every so many.
   readonly dots = new THREE.BufferGeometry();
   private readonly textures = new Map<ColumnName, StoreTexture>();
   private colouring: Colouring = "shading";
+  private paint: readonly PaintDab[] = [];
+  private painted: Uint8Array<ArrayBuffer> | null = null; // the colours under paint; null: to be computed
   private scaleNow: ColourScale;
   private radiusNow: number;
   /// Slots that are not uploaded yet; null: all.
   private pending: number[] | null = null;
+  private stride = 1; // from one slot that is drawn to the next
 
   constructor(
     readonly store: PointStore,
@@ -71,8 +80,8 @@ export class PointsGeometry {
     return this.radiusNow;
   }
 
-  /// Takes the store's changes, and the scale for a colouring.
-  refresh(colouring: Colouring): void {
+  /// Takes the store's changes, and the scale for the colours of a style. Its paint has to be another array where it has changed.
+  refresh({ colouring, paint }: Pick<Style, "colouring" | "paint">): void {
     const { store } = this;
     const changes = store.takeChanges();
     const changed = changes.all || changes.ranges.length > 0;
@@ -82,10 +91,28 @@ export class PointsGeometry {
       const isFirst = this.pending !== null && this.pending.length === 0;
       this.pending = changes.all || !isFirst ? null : mergeRanges(changes.ranges, store.slots);
     }
-    if (changed || colouring !== this.colouring) this.scaleNow = colourScale(store, colouring);
+    const isRepainted = paint !== this.paint || colouring !== this.colouring;
+    if (changed || isRepainted) this.scaleNow = colourScale(store, colouring, paint.length > 0);
+    if (changed && this.painted?.length === store.positions.length && this.pending !== null && !isRepainted)
+      paintPoints(store, paint, this.painted, this.pending);
+    else if (changed || isRepainted) this.painted = null;
     this.colouring = colouring;
-    this.discs.instanceCount = Math.ceil(store.slots / blockSlots);
-    this.dots.setDrawRange(0, store.slots);
+    this.paint = paint;
+    this.thin(this.stride);
+  }
+
+  /// Draws the points of every `stride`th slot from now on. Slots follow the curve, but for those that deltas have filled: every so many
+  /// are an even part of the points.
+  thin(stride: number): void {
+    const shapes = Math.ceil(this.store.slots / stride);
+    this.stride = stride;
+    this.discs.instanceCount = Math.ceil(shapes / blockSlots);
+    this.dots.setDrawRange(0, shapes);
+  }
+
+  /// The factor of radii with which the points that are drawn cover as much as all of them.
+  get growth(): number {
+    return Math.sqrt(this.stride);
   }
 
   /// Uploads what has changed. To be called before drawing.
@@ -97,8 +124,8 @@ export class PointsGeometry {
       ["normals", store.normals],
     ];
     const { column } = this.scaleNow;
-    const values = column && store[column];
-    if (values) columns.push([column, values]);
+    const values = column === "painted" ? this.paintedColours() : column && store[column];
+    if (column && values) columns.push([column, values]);
     for (const [name, texture] of this.textures) {
       if (columns.some(([wanted]) => wanted === name)) continue;
       texture.dispose();
@@ -114,12 +141,23 @@ export class PointsGeometry {
   }
 
   /// Sets the uniforms of the shaders.
-  apply(uniforms: PointUniforms): void {
+  apply(uniforms: PointUniforms, section: Section | null): void {
     const { column } = this.scaleNow;
     uniforms.positions.value = this.textures.get("positions")?.texture ?? null;
     uniforms.normalsOf.value = this.textures.get("normals")?.texture ?? null;
     uniforms.column.value = (column && this.textures.get(column)?.texture) ?? null;
     uniforms.slots.value = this.store.slots;
+    uniforms.stride.value = this.stride;
+    uniforms.section.value.set(...localSection(section, this.store.origin));
+  }
+
+  private paintedColours(): Uint8Array {
+    const { store } = this;
+    if (this.painted === null) {
+      this.painted = new Uint8Array(store.positions.length);
+      paintPoints(store, this.paint, this.painted, [0, store.slots]);
+    }
+    return this.painted;
   }
 
   dispose(): void {

@@ -34,7 +34,7 @@ export class SolidMaterial extends THREE.ShaderMaterial {
   /// Sets the uniforms for a picture of so many pixels. To be called before drawing.
   prepare(points: PointsGeometry, style: Style, width: number, height: number, pixelRatio: number, camera: THREE.Camera): void {
     const { scale } = points;
-    points.apply(this.pointUniforms);
+    points.apply(this.pointUniforms, style.section);
     this.textures.apply(scale, this.colourUniforms);
     if (this.defines.COLOURING !== scale.kind) {
       this.defines.COLOURING = scale.kind;
@@ -42,7 +42,7 @@ export class SolidMaterial extends THREE.ShaderMaterial {
     }
     const uniforms = this.styleUniforms;
     uniforms.pixels.value.set(width, height);
-    uniforms.splatScale.value = style.splatScale;
+    uniforms.splatScale.value = style.splatScale * points.growth;
     uniforms.dotDiameter.value = style.mode === "dots" ? style.dotSize * pixelRatio : 0;
     uniforms.minRadius.value = 1 / (height * camera.projectionMatrix.elements[5]);
     this.uniformsNeedUpdate = true;

@@ -164,7 +164,7 @@ export class SplatPasses implements Passes {
     const tangent = Math.tan((camera.fov * Math.PI) / 360);
     const [disc, dot, shade] = [this.discUniforms, this.dotUniforms, this.shadeUniforms];
 
-    disc.splatScale.value = dot.splatScale.value = style.splatScale;
+    disc.splatScale.value = dot.splatScale.value = style.splatScale * (points?.growth ?? 1);
     for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial])
       define(material, "IS_FROZEN", picture.frozen !== null);
     if (picture.frozen) {
@@ -178,8 +178,8 @@ export class SplatPasses implements Passes {
     // However it is turned, a square of this radius covers the middle of a pixel.
     disc.minRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
     if (points) {
-      points.apply(disc);
-      points.apply(dot);
+      points.apply(disc, style.section);
+      points.apply(dot, style.section);
       this.textures.apply(points.scale, disc);
       this.textures.apply(points.scale, dot);
       for (const material of [this.blendMaterial, this.quickMaterial]) define(material, "COLOURING", points.scale.kind);
@@ -203,8 +203,8 @@ export class SplatPasses implements Passes {
     shade.backTint.value = isDots ? look.pale : look.back;
     shade.backgroundTop.value = look.top;
     shade.backgroundBottom.value = look.bottom;
-    shade.isMatte.value = isDots || target.textures.length > 1;
-    shade.surfaceShift.value = blendDepth * (points?.typicalRadius ?? 0) * style.splatScale;
+    shade.isMatte.value = isDots || (target.textures.length > 1 && points?.scale.isClay !== true);
+    shade.surfaceShift.value = blendDepth * (points?.typicalRadius ?? 0) * disc.splatScale.value;
     if (picture.brush) {
       const centre = picture.brush.centre.clone().applyMatrix4(camera.matrixWorldInverse);
       shade.brush.value.set(centre.x, centre.y, centre.z, picture.brush.radius);

@@ -5,18 +5,20 @@ const pointFunctions = /* glsl */ `
 uniform highp sampler2D positions;
 uniform highp sampler2D normalsOf;
 uniform int slots;
+uniform int stride;    // from the slot of a shape to that of the next
+uniform vec4 section;  // normal and offset of the plane that cuts the surface open
 
 vec4 point;  // relative to the store's origin; w: radius
 vec3 axis;   // the normal
 
 ivec2 texelOf(int slot) { return ivec2(slot & 2047, slot >> 11); }
 
-// Returns false for a slot without a point.
+// Returns false for a slot without a point, or with one that is cut off.
 bool readPoint(int slot) {
   if (slot >= slots) return false;
   point = texelFetch(positions, texelOf(slot), 0);
   axis = texelFetch(normalsOf, texelOf(slot), 0).xyz;
-  return point.w > 0.0;
+  return point.w > 0.0 && dot(point.xyz, section.xyz) <= section.w;
 }
 `;
 
@@ -99,7 +101,7 @@ float facing;
 // Returns false where there is nothing to draw.
 bool placeCorner() {
   int shape = gl_VertexID / kCorners;
-  slot = gl_InstanceID * 1024 + shape;
+  slot = (gl_InstanceID * 1024 + shape) * stride;
   if (!readPoint(slot)) return false;
   int which = gl_VertexID - shape * kCorners;
   inShape = kPlaces[which];
@@ -253,7 +255,7 @@ flat out vec3 colour;
 float distanceOf(float depth) { return clip.x * clip.y / (clip.y - depth * (clip.y - clip.x)); }
 
 void main() {
-  int slot = gl_VertexID;
+  int slot = gl_VertexID * stride;
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
   gl_PointSize = 1.0;
   if (!readPoint(slot)) return;

@@ -20,6 +20,7 @@ const layouts = {
   positions: { size: 4, format: THREE.RGBAFormat, type: THREE.FloatType, internal: "RGBA32F" },
   normals: { size: 4, format: THREE.RGBAFormat, type: THREE.ByteType, internal: "RGBA8_SNORM" },
   colours: { size: 4, format: THREE.RGBAFormat, type: THREE.UnsignedByteType, internal: "RGBA8" },
+  painted: { size: 4, format: THREE.RGBAFormat, type: THREE.UnsignedByteType, internal: "RGBA8" },
   curvatures: { size: 2, format: THREE.RGFormat, type: THREE.FloatType, internal: "RG32F" },
   ranks: { size: 1, format: THREE.RedIntegerFormat, type: THREE.UnsignedIntType, internal: "R32UI" },
 } satisfies Record<string, Layout>;

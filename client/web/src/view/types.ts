@@ -30,6 +30,19 @@ export type Mode = "splats" | "dots";
 export type Colouring = "shading" | "normal" | "curvature" | "rank" | "density" | "colour";
 export type Background = "light" | "dark";
 
+/// A ball of paint: points within `radius` of the centre have `factor` times the density.
+export interface PaintDab {
+  centre: Vec;
+  radius: number;
+  factor: number;
+}
+
+/// A plane that cuts the surface open: only where normal · x <= offset is it drawn and picked.
+export interface Section {
+  normal: Vec;
+  offset: number;
+}
+
 /// How points are drawn.
 export interface Style {
   mode: Mode;
@@ -41,6 +54,10 @@ export interface Style {
   dotSize: number;
   /// Factor of every radius.
   splatScale: number;
+  /// Shows on the surface's own colours, and on clay. The later ones are on top.
+  paint: readonly PaintDab[];
+  /// null: the surface is whole.
+  section: Section | null;
 }
 
 export const defaultStyle: Readonly<Style> = {
@@ -50,6 +67,8 @@ export const defaultStyle: Readonly<Style> = {
   edl: true,
   dotSize: 3,
   splatScale: 1,
+  paint: [],
+  section: null,
 };
 
 /// The point of the surface under the pointer.

@@ -3,29 +3,24 @@
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
 import type { TriangleMesh } from "../stream/triangle_mesh";
+import { BrushTool } from "./brush_tool";
+import { CanvasPixels } from "./canvas_pixels";
 import { CameraControls, type ControlsHost } from "./camera_controls";
-import { type Bounds, boundsRadius, clipPlanes, fit, isUsable, rayDirection } from "./camera_math";
+import { type Bounds, clipPlanes, fit, isUsable, rayDirection } from "./camera_math";
+import { Drawing } from "./drawing";
 import { DrawingWatch } from "./drawing_watch";
-import { FrameClock } from "./frame_clock";
+import { type Detail, type Drawn, fine, FrameClock } from "./frame_clock";
 import { MeasureTool } from "./measure_tool";
-import { OverlayLines, type OverlayLine } from "./overlay_lines";
+import type { OverlayLine } from "./overlay_lines";
 import { frustumLines } from "./overlay_shapes";
 import { pick, type Ray } from "./picking";
-import type { Passes, Rectangle } from "./picture";
-import { PointsGeometry } from "./points_geometry";
-import { SolidPasses } from "./solid_passes";
-import { canBlend, SplatPasses } from "./splat_passes";
-import { aim } from "./three_camera";
+import { firstCamera, lookFrom, type UpAxis, withFieldOfView, withUp } from "./standard_views";
 import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
-import { distance } from "./vector";
-import { Wireframe } from "./wireframe";
 
-/// The first camera looks from the front, a little from above and from the right, as in the pictures that the server renders.
-const firstCamera: CameraState = { eye: [0.55, 0.35, 1], target: [0, 0, 0], up: [0, 1, 0], fov: 30 };
 const longestHold = 120; // ms that a picture waits for its points, where the processor draws
 const pickReach = 8; // CSS pixels between the pointer and a point that it picks
 
-/// Draws on a canvas. Draws on demand, when something has changed, and on slow machines with fewer pixels while it changes.
+/// Draws on a canvas. Draws on demand, when something has changed, and on slow machines with fewer pixels and points while it changes.
 export class Viewport {
   /// Is called when the camera has moved, by the user or by the page.
   onCamera: (() => void) | null = null;
@@ -35,34 +30,35 @@ export class Viewport {
   onMeasure: ((distance: number | null) => void) | null = null;
   /// Is called when the graphics card is lost, and with false when it is back.
   onLost: ((isLost: boolean) => void) | null = null;
+  /// Is called when the pictures have got other sizes.
+  onResize: (() => void) | null = null;
   /// Is called when the processor has drawn: isDrawing is false again.
   onDrawn: (() => void) | null = null;
+  /// Is called with the points of a fine picture, and with the milliseconds that drawing it took.
+  onPicture: ((points: number, milliseconds: number) => void) | null = null;
   /// Whether the processor draws, for want of a graphics card.
   readonly isSoftware: boolean;
 
   private readonly renderer: THREE.WebGLRenderer;
-  private readonly passes: Passes;
-  private readonly overlay = new OverlayLines();
-  private readonly wireframe = new Wireframe();
+  private readonly drawing: Drawing;
   private readonly clock: FrameClock;
   private readonly watch: DrawingWatch;
   private readonly controls: CameraControls;
   private readonly measuring = new MeasureTool((length) => this.onMeasure?.(length));
-  private readonly drawn = new THREE.PerspectiveCamera();
-  private readonly sampled = new THREE.PerspectiveCamera();
-  private readonly geometries = new Map<PointStore, PointsGeometry>();
-  private readonly resizing: ResizeObserver;
+  private readonly brush = new BrushTool(
+    (x, y) => this.pick(x, y)?.point ?? null,
+    (centre, done) => this.onBrush?.(centre, done),
+  );
+  private readonly pixels: CanvasPixels;
   private readonly ended = new AbortController();
 
   private stores: (PointStore | null)[] = [null];
   private styleNow: Style = { ...defaultStyle };
   private cameraNow: CameraState = { ...firstCamera };
-  private bounds: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
+  private boundsNow: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
   private frozen: FrozenCamera | null = null;
-  private brushRadius: number | null = null;
   private hover: { x: number; y: number } | null = null;
   private hovered: Pick | null = null;
-  private stroke: Vec | null = null;
   private isLost = false;
 
   /// Throws NoWebGL2Error.
@@ -79,14 +75,13 @@ export class Viewport {
     this.isSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
     this.renderer.autoClear = false;
-    this.passes = canBlend(this.renderer) ? new SplatPasses(this.renderer) : new SolidPasses(this.renderer);
-    this.clock = new FrameClock((now, scale) => this.drawFrame(now, scale), this.isSoftware);
-    this.watch = new DrawingWatch(context, () => (this.clock.settle(), this.onDrawn?.()));
+    this.drawing = new Drawing(this.renderer);
+    this.clock = new FrameClock((now, detail) => this.drawFrame(now, detail), this.isSoftware);
+    this.watch = new DrawingWatch(context, () => this.hasDrawn());
     this.controls = new CameraControls(canvas, this.makeHost());
     this.controls.onClick = (x, y) => this.click(x, y);
     this.controls.onHover = (at) => this.hoverAt(at);
-    this.resizing = new ResizeObserver(() => this.invalidate());
-    this.resizing.observe(canvas);
+    this.pixels = new CanvasPixels(canvas, () => (this.invalidate(), this.onResize?.()));
     const { signal } = this.ended;
     canvas.addEventListener("webglcontextlost", () => this.lose(true), { signal });
     canvas.addEventListener("webglcontextrestored", () => this.lose(false), { signal });
@@ -96,20 +91,13 @@ export class Viewport {
   /// Shows one store, or two side by side, seen by the same camera. The viewport is the reader of their changes.
   setStores(left: PointStore | null, right?: PointStore | null): void {
     this.stores = right === undefined ? [left] : [left, right];
-    for (const [store, points] of this.geometries) {
-      if (this.stores.includes(store)) continue;
-      points.dispose();
-      this.geometries.delete(store);
-    }
-    for (const store of this.stores) {
-      if (store && !this.geometries.has(store)) this.geometries.set(store, new PointsGeometry(store, this.passes.shape));
-    }
+    this.drawing.setStores(this.stores);
     this.invalidate();
   }
 
   /// Draws the edges of a mesh over the picture of the last store; null: none.
   setWireframe(mesh: TriangleMesh | null): void {
-    this.wireframe.set(mesh);
+    this.drawing.setWireframe(mesh);
     this.invalidate();
   }
 
@@ -132,6 +120,12 @@ export class Viewport {
     this.controls.navigation = navigation;
   }
 
+  /// Sets the most pixels per CSS pixel.
+  set maxPixelRatio(ratio: number) {
+    this.pixels.maxRatio = ratio;
+    this.invalidate();
+  }
+
   /// Frames a second while something moves; 0 where nothing has moved for a second.
   get framesPerSecond(): number {
     return this.clock.framesPerSecond;
@@ -139,7 +133,12 @@ export class Viewport {
 
   /// Size of one picture in device pixels. In a split view a picture is half of the canvas.
   get size(): { width: number; height: number } {
-    return this.sizeAt(this.pixelRatio(1));
+    return this.pixels.size(this.pixelRatio(1), this.stores.length);
+  }
+
+  /// Height of the pictures in CSS pixels.
+  get cssHeight(): number {
+    return this.canvas.clientHeight || 1;
   }
 
   /// Counts of the objects on the graphics card.
@@ -148,16 +147,35 @@ export class Viewport {
     return { geometries: memory.geometries, textures: memory.textures, programs: programs?.length ?? 0 };
   }
 
-  /// Sets the corners of the surface's box.
+  /// The corners of the surface's box.
+  get bounds(): Bounds {
+    return this.boundsNow;
+  }
+
   setBounds(min: Vec, max: Vec): void {
-    this.bounds = { min: [...min], max: [...max] };
+    this.boundsNow = { min: [...min], max: [...max] };
     this.invalidate();
   }
 
   /// Shows the whole surface, from the side that the camera is on.
   frame(): void {
-    const { width, height } = this.size;
-    this.camera = fit(this.cameraNow, this.bounds, width / height);
+    this.camera = this.framed(this.cameraNow);
+  }
+
+  /// Flies to where the whole surface is seen from a side: `direction` is the one from the surface to the eye.
+  lookFrom(direction: Vec, up: UpAxis): void {
+    this.controls.flyTo(this.framed(lookFrom(this.cameraNow, direction, up)));
+  }
+
+  /// Has an axis point up, and shows the whole surface where that was another one.
+  setUp(up: UpAxis): void {
+    const turned = withUp(this.cameraNow, up);
+    if (turned !== this.cameraNow) this.camera = this.framed(turned);
+  }
+
+  /// Sets the vertical angle of view in degrees. What the camera looks at stays as large.
+  setFieldOfView(degrees: number): void {
+    if (degrees !== this.cameraNow.fov) this.camera = withFieldOfView(this.cameraNow, degrees);
   }
 
   /// Sets the camera that points are sampled for, whose frustum is drawn; null: the picture's own.
@@ -172,17 +190,14 @@ export class Viewport {
     if (!store) return null;
     const { near } = clipPlanes(this.cameraNow, this.bounds);
     const tangent = Math.tan((this.cameraNow.fov * Math.PI) / 360);
-    const tolerance = (pickReach * 2 * tangent) / (this.canvas.clientHeight || 1);
-    return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale);
+    const tolerance = (pickReach * 2 * tangent) / this.cssHeight;
+    return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale, this.styleNow.section);
   }
 
   /// Lets the pointer paint with a radius in units, instead of turning the picture; null ends that.
   setBrush(radius: number | null): void {
-    this.brushRadius = radius;
-    this.controls.tool =
-      radius === null
-        ? null
-        : { press: (x, y) => this.paint(x, y), drag: (x, y) => this.paint(x, y), release: () => this.endStroke() };
+    this.brush.radius = radius;
+    this.controls.tool = radius === null ? null : this.brush;
     this.hoverAt(this.hover);
   }
 
@@ -203,7 +218,7 @@ export class Viewport {
 
   /// Whether the processor draws, or is about to. All other work would take its time until onDrawn. Always false with a graphics card.
   get isDrawing(): boolean {
-    return this.watch.isDrawing || this.clock.isDue;
+    return this.isSoftware && (this.watch.isDrawing || this.clock.isDue);
   }
 
   /// Expects points for this camera. Where the processor draws, drawing waits for them for so many milliseconds, and leaves the
@@ -228,18 +243,19 @@ export class Viewport {
   uploadNow(): number {
     if (this.isLost) return 0;
     const begin = performance.now();
-    for (const points of this.geometries.values()) {
-      points.refresh(this.styleNow.colouring);
-      points.upload(this.renderer);
-    }
+    this.drawing.upload(this.styleNow);
     this.pointsChanged();
     return performance.now() - begin;
   }
 
-  /// Returns the picture as a PNG, with all its pixels. Rejects while the graphics card is lost.
-  screenshot(): Promise<Blob> {
+  /// Returns the picture as a PNG, with all its points, and `scale` times as many pixels in each direction as on the page, or as many as
+  /// the graphics card draws. Rejects while the graphics card is lost.
+  screenshot(scale = 1): Promise<Blob> {
     if (this.isLost) return Promise.reject(new Error("The graphics card was lost."));
-    this.render(1);
+    const { width, height } = this.size;
+    const largest = this.renderer.capabilities.maxTextureSize / Math.max(width * this.stores.length, height);
+    this.render({ ...fine, scale: Math.min(scale, largest) });
+    this.invalidate(); // the canvas has another size now
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture cannot be read."))), "image/png");
     });
@@ -248,13 +264,11 @@ export class Viewport {
   dispose(): void {
     this.clock.pause(true);
     this.ended.abort();
-    this.resizing.disconnect();
+    this.pixels.dispose();
     this.controls.dispose();
     this.setStores(null);
     this.clock.pause(true);
-    this.overlay.dispose();
-    this.wireframe.dispose();
-    this.passes.dispose();
+    this.drawing.dispose();
     this.renderer.dispose();
   }
 
@@ -278,6 +292,11 @@ export class Viewport {
     };
   }
 
+  private framed(camera: CameraState): CameraState {
+    const { width, height } = this.size;
+    return fit(camera, this.bounds, width / height);
+  }
+
   private moveTo(camera: CameraState): void {
     if (!isUsable(camera)) return;
     this.cameraNow = camera;
@@ -289,7 +308,7 @@ export class Viewport {
     this.isLost = isLost;
     this.clock.pause(isLost);
     // The objects on the graphics card are gone. The next frame makes them anew.
-    if (isLost) for (const part of [this.passes, this.overlay, this.wireframe, ...this.geometries.values()]) part.dispose();
+    if (isLost) this.drawing.dispose();
     this.onLost?.(isLost);
   }
 
@@ -302,7 +321,7 @@ export class Viewport {
 
   private rayAt(x: number, y: number): Ray {
     const { left, width } = this.partAt(x);
-    const height = this.canvas.clientHeight || 1;
+    const height = this.cssHeight;
     const direction = rayDirection(this.cameraNow, width / height, (2 * (x - left)) / width - 1, 1 - (2 * y) / height);
     return { origin: this.cameraNow.eye, direction };
   }
@@ -313,37 +332,16 @@ export class Viewport {
 
   private hoverAt(at: { x: number; y: number } | null): void {
     this.hover = at;
-    const isNeeded = this.brushRadius !== null || this.measuring.followsPointer;
+    const isNeeded = this.brush.radius !== null || this.measuring.followsPointer;
     const found = at && isNeeded ? this.pick(at.x, at.y) : null;
     if (found || this.hovered) this.invalidate();
     this.hovered = found;
   }
 
-  private paint(x: number, y: number): void {
-    const hit = this.pick(x, y);
-    if (!hit || this.brushRadius === null) return;
-    if (this.stroke && distance(this.stroke, hit.point) < 0.25 * this.brushRadius) return;
-    this.stroke = hit.point;
-    this.onBrush?.(hit.point, false);
-  }
-
-  private endStroke(): void {
-    const last = this.stroke;
-    this.stroke = null;
-    if (last) this.onBrush?.(last, true);
-  }
-
+  /// Pixels of the canvas per CSS pixel. The processor draws motion with one at most.
   private pixelRatio(scale: number): number {
-    return Math.min(window.devicePixelRatio || 1, this.isSoftware ? 1 : 2) * scale;
-  }
-
-  /// Returns the size of a picture in pixels of the canvas. All pictures are of the same size.
-  private sizeAt(ratio: number): { width: number; height: number } {
-    const { clientWidth, clientHeight } = this.canvas;
-    return {
-      width: Math.max(1, Math.round((clientWidth * ratio) / this.stores.length)),
-      height: Math.max(1, Math.round(clientHeight * ratio)),
-    };
+    const ratio = this.pixels.ratio(scale);
+    return this.isSoftware && scale < 1 ? Math.min(ratio, scale) : ratio;
   }
 
   private overlayLines(): OverlayLine[] {
@@ -352,49 +350,28 @@ export class Viewport {
     return [...frustum, ...this.measuring.lines(hovered?.point ?? null)];
   }
 
-  /// Draws a frame for the clock. Returns whether the camera moves on.
-  private drawFrame(now: number, scale: number): boolean {
+  /// Draws a frame for the clock.
+  private drawFrame(now: number, detail: Detail): Drawn {
     const moves = this.controls.tick(now);
-    if (!this.isLost) this.render(scale);
-    return moves;
+    return { moves, ...(this.isLost ? { points: 0, isWhole: true } : this.render(detail)) };
   }
 
-  private render(scale: number): void {
-    const { renderer, canvas } = this;
+  /// The processor, or the graphics card, has drawn the last frame.
+  private hasDrawn(): void {
+    const frame = this.clock.drawn();
+    if (frame?.isFine === true) this.onPicture?.(frame.points, frame.milliseconds);
+    if (this.isSoftware) this.onDrawn?.();
+  }
+
+  private render({ scale, mostPoints }: Detail): { points: number; isWhole: boolean } {
+    const { brush, hovered, cameraNow: camera, bounds, styleNow: style, frozen } = this;
     const ratio = this.pixelRatio(scale);
-    const { width, height } = this.sizeAt(ratio);
-    const canvasWidth = width * this.stores.length;
-    if (canvas.width !== canvasWidth || canvas.height !== height) renderer.setSize(canvasWidth, height, false);
-    for (const points of this.geometries.values()) {
-      points.refresh(this.styleNow.colouring);
-      points.upload(renderer);
-    }
-    this.overlay.set(this.overlayLines());
-    if (this.frozen) aim(this.sampled, this.frozen.camera, this.bounds, this.frozen.aspect);
-    const frozen = this.frozen && { ...this.frozen, camera: this.sampled };
-    renderer.setScissorTest(true);
-    for (const [i, store] of this.stores.entries()) {
-      const isLast = i === this.stores.length - 1;
-      const where: Rectangle = { x: i * width, y: 0, width, height };
-      aim(this.drawn, this.cameraNow, this.bounds, where.width / height);
-      const brush = this.hovered && this.brushRadius !== null ? this.hovered.point : null;
-      const points = store ? (this.geometries.get(store) ?? null) : null;
-      this.passes.render({
-        points,
-        style: this.styleNow,
-        camera: this.drawn,
-        where,
-        pixelRatio: ratio,
-        isQuick: this.isSoftware && scale < 1,
-        sceneRadius: boundsRadius(this.bounds),
-        frozen: isLast ? frozen : null, // the other's points are even on the surface
-        brush: brush ? { centre: new THREE.Vector3(...brush), radius: this.brushRadius ?? 0 } : null,
-      });
-      if (isLast) this.wireframe.render(renderer, this.drawn, this.styleNow, ratio);
-      const tolerance = 0.5 * (points?.typicalRadius ?? 0) * this.styleNow.splatScale;
-      this.overlay.render(renderer, this.drawn, where, ratio, points ? this.passes.depths : null, tolerance);
-    }
-    renderer.setScissorTest(false);
-    if (this.isSoftware) this.watch.begin();
+    const where = hovered && brush.radius !== null ? { centre: hovered.point, radius: brush.radius } : null;
+    const drawn = this.drawing.render(
+      { camera, bounds, style, frozen, brush: where, lines: this.overlayLines() },
+      { ...this.pixels.size(ratio, this.stores.length), ratio, isQuick: this.isSoftware && scale < 1, mostPoints },
+    );
+    this.watch.begin();
+    return drawn;
   }
 }

@@ -4,6 +4,7 @@
 
 import * as THREE from "three";
 import type { TriangleMesh } from "../stream/triangle_mesh";
+import { localSection } from "./section";
 import type { Background, Style } from "./types";
 
 const width = 1.1; // CSS pixels
@@ -18,7 +19,9 @@ precision highp float;
 uniform mat4 modelViewMatrix, projectionMatrix;
 in vec3 position;
 out vec3 weights;  // of the triangle's corners
+out vec3 place;
 void main() {
+  place = position;
   int corner = gl_VertexID % 3;
   weights = vec3(corner == 0, corner == 1, corner == 2);
   gl_Position = projectionMatrix * (modelViewMatrix * vec4(position, 1.0));
@@ -29,9 +32,12 @@ const fragmentShader = /* glsl */ `
 precision highp float;
 uniform vec3 colour;
 uniform float width, fineTriangle, faintest;  // pixels
+uniform vec4 section;  // as of the points
 in vec3 weights;
+in vec3 place;
 layout(location = 0) out vec4 pixel;
 void main() {
+  if (dot(place, section.xyz) > section.w) discard;
   vec3 x = dFdx(weights), y = dFdy(weights);
   vec3 heights = inversesqrt(max(x * x + y * y, 1e-12));  // of the triangle over each edge, pixels
   vec3 away = weights * heights;
@@ -50,6 +56,7 @@ export class Wireframe {
     width: { value: width },
     fineTriangle: { value: fineTriangle },
     faintest: { value: faintest },
+    section: { value: new THREE.Vector4(0, 0, 0, 1) },
   };
   private readonly material = new THREE.RawShaderMaterial({
     vertexShader,
@@ -79,6 +86,7 @@ export class Wireframe {
     if (!this.mesh.visible) return;
     const { material, uniforms } = this;
     uniforms.colour.value = style.mode === "dots" ? overDots[style.background] : overDiscs;
+    uniforms.section.value.set(...localSection(style.section, this.mesh.position.toArray()));
     uniforms.width.value = width * pixelRatio;
     uniforms.fineTriangle.value = fineTriangle * pixelRatio;
     renderer.clearDepth();

@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 
 import { browserPath, chromium, pictureFile } from "./environment.mjs";
+import { builtViewerFlags, serveBuiltViewer } from "./built_viewer.mjs";
 import { decode } from "./pictures.mjs";
 
 // WebGL without a graphics card, and no talk with the rest of the world.
@@ -16,6 +17,7 @@ const flags = [
   "--disable-component-update",
   "--disable-sync",
   "--js-flags=--expose-gc",
+  ...builtViewerFlags,
 ];
 
 let launched = null;
@@ -40,6 +42,7 @@ export class WatchedPage {
   /// `options` are those of a browser context. `prepare(page)`: before it loads anything.
   static async open(url, { prepare = async () => {}, ...options } = {}) {
     const context = await (await browser()).newContext({ viewport: { width: 640, height: 480 }, colorScheme: "light", ...options });
+    await serveBuiltViewer(context, new URL(url).origin);
     const watched = new WatchedPage();
     watched.context = context;
     watched.page = await context.newPage();

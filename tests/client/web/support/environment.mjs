@@ -30,6 +30,8 @@ function requirePackage(name) {
 
 export const { chromium } = requirePackage("playwright-core");
 export const { PNG } = requirePackage("pngjs");
+/// A script that finds what a page keeps from some of its users; it makes `window.axe`.
+export const { source: axeSource } = requirePackage("axe-core");
 
 export const browserPath = process.env.CURVECAST_CHROMIUM ?? "/usr/bin/chromium";
 if (!existsSync(browserPath)) skip(`there is no ${browserPath}; deploy/setup installs Chromium`);

@@ -168,6 +168,29 @@ describe("a server that repeats itself", () => {
   });
 });
 
+describe("an empty file", () => {
+  it("is no mesh, which is said before anything is sent", async () => {
+    const upload = follow(makeClient().upload({ name: "a.off", data: new Blob() }));
+    await until(() => upload.error !== null);
+    expect(upload.error).toMatchObject({ code: "INVALID_ARGUMENT", message: "the file a.off is empty" });
+    expect(FakeWebSocket.made.flatMap(({ requests }) => requests)).toEqual([]);
+  });
+
+  it("is as good as missing where a mesh refers to it", async () => {
+    const upload = follow(makeClient().upload({ ...file, name: "a.obj" }, [{ name: "a.mtl", data: new Blob() }]));
+    await until(() => FakeWebSocket.made.length === 1);
+    newest().open();
+    await until(() => newest().requests.some((request) => request.call === 1 && request.halfClose));
+    newest().respond(UploadMeshResponseSchema, { meshId: "mesh" }, 1);
+    newest().end(1);
+    await until(() => newest().requests.some((request) => request.call === 2 && request.halfClose));
+    newest().respond(ListMeshReferencesResponseSchema, { missing: ["a.mtl"] }, 2);
+    newest().end(2);
+    await until(() => upload.value !== null);
+    expect(upload.value).toEqual({ meshId: "mesh", companions: {}, missing: ["a.mtl"] });
+  });
+});
+
 describe("a session that is prepared", () => {
   it("is joined again after the connection was lost", async () => {
     const client = makeClient();

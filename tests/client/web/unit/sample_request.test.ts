@@ -19,11 +19,11 @@ function settings(changes: Partial<Settings> = {}): Settings {
   return { ...defaultSettings(false, "light"), dabs: [], ...changes };
 }
 
-function request(changes: Partial<Settings> = {}, uniform = false) {
+function request(changes: Partial<Settings> = {}, uniform = false, mostPoints = 0) {
   const { eye, target, up, fov } = camera;
   return create(
     SampleRequestSchema,
-    sampleRequest(settings(changes), { eye: [...eye], target: [...target], up: [...up], fov }, size, uniform),
+    sampleRequest(settings(changes), { eye: [...eye], target: [...target], up: [...up], fov }, size, uniform, mostPoints),
   );
 }
 
@@ -63,6 +63,16 @@ describe("a request", () => {
     expect(request({}, true).cameras).toEqual([]);
     expect(request({ ...still, budget: "pixels" }).cameras.length).toBe(1);
     expect(terms({ curvature: "max" }, true)).toEqual([]);
+  });
+
+  it("has points on the insides of a surface that is cut open", () => {
+    expect(terms({ section: "x" })).toEqual(["distance", "frustum"]);
+    expect(terms({ section: "x", distance: true })).toEqual(["distance", "frustum"]);
+    expect(terms({ section: "x", screen: false })).toEqual(["frustum"]);
+  });
+
+  it("knows how many points can be drawn", () => {
+    expect(request({ budget: "automatic" }, false, 30_000).budget.value).toMatchObject({ maxPoints: 30_000n });
   });
 
   it("asks for what colours are made of", () => {

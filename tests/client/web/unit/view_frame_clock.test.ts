@@ -1,6 +1,6 @@
-import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 
-import { FrameClock } from "../../../../client/web/src/view/frame_clock";
+import { FrameClock, type Detail } from "../../../../client/web/src/view/frame_clock";
 
 let frameTime = 16; // ms
 
@@ -27,7 +27,8 @@ function move(clock: FrameClock, scales: number[], frames: number, milliseconds:
 
 function makeClock(): { clock: FrameClock; scales: number[] } {
   const scales: number[] = [];
-  return { clock: new FrameClock((_now, scale) => (scales.push(scale), false), false), scales };
+  const draw = (_now: number, { scale }: Detail) => (scales.push(scale), { moves: false, points: 0, isWhole: true });
+  return { clock: new FrameClock(draw, false), scales };
 }
 
 test("the frames of a second are those that were drawn, also while the picture becomes coarser", () => {
@@ -59,4 +60,68 @@ test("a frame after a rest is no slow one", () => {
     vi.advanceTimersByTime(700);
   }
   expect(scales.at(-1)).toBe(1);
+});
+
+describe("a machine that draws slowly", () => {
+  const all = 200_000; // points
+  const each = 0.01; // ms a point
+
+  /// Draws as the processor does, which takes its time for each point.
+  function makeSlow(): { clock: FrameClock; frames: { points: number; scale: number }[] } {
+    const frames: { points: number; scale: number }[] = [];
+    const clock = new FrameClock((_now, { scale, mostPoints }) => {
+      const points = Math.min(all, mostPoints);
+      frames.push({ points, scale });
+      setTimeout(() => clock.drawn(), each * points);
+      return { moves: false, points, isWhole: points === all };
+    }, true);
+    return { clock, frames };
+  }
+
+  test("draws few points while something moves, and all of them once it is still", () => {
+    const { clock, frames } = makeSlow();
+    for (let i = 0; i < 30; ++i) {
+      clock.invalidate(true);
+      vi.advanceTimersByTime(frameTime + each * Math.min(all, frames.at(-1)?.points ?? 0));
+    }
+    expect(Math.max(...frames.map(({ points }) => points))).toBeLessThan(all / 8);
+    expect(each * frames.at(-1)!.points).toBeLessThan(60); // ms
+    vi.advanceTimersByTime(1000);
+    expect(frames.at(-1)).toEqual({ points: all, scale: 1 });
+  });
+
+  test("tells how long a fine frame took, once", () => {
+    const { clock, frames } = makeSlow();
+    clock.invalidate(false);
+    vi.advanceTimersByTime(frameTime);
+    expect(frames).toEqual([{ points: all, scale: 1 }]);
+    expect(clock.drawn()).toMatchObject({ points: all, isFine: true });
+    expect(clock.drawn()).toBeNull();
+  });
+
+  test("with a graphics card gives up pixels first, then points, and takes them back", () => {
+    const frames: Detail[] = [];
+    let perPoint = 0.0006; // ms
+    let points = all;
+    const clock = new FrameClock((_now, detail) => {
+      frames.push(detail);
+      points = Math.min(all, detail.mostPoints);
+      return { moves: false, points, isWhole: points === all };
+    }, false);
+    const draw = (count: number): void => {
+      for (let i = 0; i < count; ++i) {
+        frameTime = 8 + perPoint * points * (frames.at(-1)?.scale ?? 1);
+        clock.invalidate(true);
+        vi.advanceTimersByTime(frameTime);
+        clock.drawn();
+      }
+    };
+    draw(60);
+    expect(frames.find(({ mostPoints }) => mostPoints < all)!.scale).toBeLessThanOrEqual(0.5);
+    expect(frameTime).toBeLessThan(60);
+    perPoint = 1e-5;
+    draw(400);
+    expect(frames.at(-1)!.mostPoints).toBeGreaterThan(all);
+    expect(frames.at(-1)!.scale).toBe(1);
+  });
 });

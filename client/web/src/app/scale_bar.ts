@@ -1,0 +1,45 @@
+// A bar that says how large what the camera looks at is.
+
+import type { CameraState } from "../view";
+import { distance } from "../view/vector";
+import { element } from "./elements";
+import { length } from "./format";
+
+const longest = 120; // CSS pixels
+
+/// Returns the longest bar of 1, 2 or 5 times a power of ten that is not too long.
+export function barOf(unitsPerPixel: number): { units: number; pixels: number } {
+  const most = longest * unitsPerPixel;
+  const power = 10 ** Math.floor(Math.log10(most));
+  const units = power * [5, 2, 1].find((digit) => digit * power <= most * (1 + 1e-9))!;
+  return { units, pixels: units / unitsPerPixel };
+}
+
+/// Returns the units that a pixel stands for at the distance of the camera's target. `height`: of the picture, in pixels.
+export function unitsPerPixel(camera: CameraState, height: number): number {
+  return (2 * distance(camera.eye, camera.target) * Math.tan((camera.fov * Math.PI) / 360)) / Math.max(1, height);
+}
+
+/// Shows the bar. What is nearer to the eye than the camera's target is larger, as in every perspective picture.
+export class ScaleBar {
+  private readonly bar = element("div");
+  private readonly text = element("span");
+  private readonly root = element(
+    "div",
+    { class: "scale", title: "At the distance of what the camera turns about, in units of the file" },
+    [this.bar, this.text],
+  );
+
+  constructor(parent: HTMLElement) {
+    this.root.hidden = true;
+    parent.append(this.root);
+  }
+
+  /// `height`: of the picture, in CSS pixels.
+  show(camera: CameraState, height: number): void {
+    const { units, pixels } = barOf(unitsPerPixel(camera, height));
+    this.root.hidden = false;
+    this.bar.style.width = `${pixels.toFixed(1)}px`;
+    this.text.textContent = length(units);
+  }
+}

@@ -1,0 +1,124 @@
+// Draws the pictures of a canvas: points, a wireframe and lines over them.
+
+import * as THREE from "three";
+import type { PointStore } from "../stream/point_store";
+import type { TriangleMesh } from "../stream/triangle_mesh";
+import { type Bounds, boundsRadius } from "./camera_math";
+import { OverlayLines, type OverlayLine } from "./overlay_lines";
+import type { Passes, Rectangle } from "./picture";
+import { PointsGeometry } from "./points_geometry";
+import { SolidPasses } from "./solid_passes";
+import { canBlend, SplatPasses } from "./splat_passes";
+import { aim } from "./three_camera";
+import type { CameraState, FrozenCamera, Style, Vec } from "./types";
+import { Wireframe } from "./wireframe";
+
+/// What pictures show besides the points. One beside the other, they have all of it in common.
+export interface Scene {
+  camera: CameraState;
+  /// Corners of the surface's box.
+  bounds: Bounds;
+  style: Style;
+  frozen: FrozenCamera | null;
+  /// Where the brush would paint.
+  brush: { centre: Vec; radius: number } | null;
+  lines: readonly OverlayLine[];
+}
+
+/// How finely pictures are drawn.
+export interface Fineness {
+  /// Of one picture, in pixels.
+  width: number;
+  height: number;
+  /// Pixels per CSS pixel.
+  ratio: number;
+  /// Drawn soon rather than finely.
+  isQuick: boolean;
+  /// All pictures together have about so many points at most: an even part of those that there are.
+  mostPoints: number;
+}
+
+/// Keeps what is drawn on the graphics card.
+export class Drawing {
+  private readonly passes: Passes;
+  private readonly overlay = new OverlayLines();
+  private readonly wireframe = new Wireframe();
+  private readonly drawn = new THREE.PerspectiveCamera();
+  private readonly sampled = new THREE.PerspectiveCamera();
+  private readonly geometries = new Map<PointStore, PointsGeometry>();
+  private stores: readonly (PointStore | null)[] = [null];
+
+  constructor(private readonly renderer: THREE.WebGLRenderer) {
+    this.passes = canBlend(renderer) ? new SplatPasses(renderer) : new SolidPasses(renderer);
+  }
+
+  /// Draws one picture for each store from now on.
+  setStores(stores: readonly (PointStore | null)[]): void {
+    this.stores = stores;
+    for (const [store, points] of this.geometries) {
+      if (stores.includes(store)) continue;
+      points.dispose();
+      this.geometries.delete(store);
+    }
+    for (const store of stores) {
+      if (store && !this.geometries.has(store)) this.geometries.set(store, new PointsGeometry(store, this.passes.shape));
+    }
+  }
+
+  /// Draws the edges of a mesh over the picture of the last store; null: none.
+  setWireframe(mesh: TriangleMesh | null): void {
+    this.wireframe.set(mesh);
+  }
+
+  /// Uploads the stores' changes to the graphics card.
+  upload(style: Style): void {
+    for (const points of this.geometries.values()) {
+      points.refresh(style);
+      points.upload(this.renderer);
+    }
+  }
+
+  /// Draws the pictures beside each other, over the whole canvas. Returns how many points they have, and whether these are all.
+  render(scene: Scene, { width, height, ratio, isQuick, mostPoints }: Fineness): { points: number; isWhole: boolean } {
+    const { renderer, stores } = this;
+    const { camera, bounds, style, brush } = scene;
+    const canvas = renderer.domElement;
+    const canvasWidth = width * stores.length;
+    if (canvas.width !== canvasWidth || canvas.height !== height) renderer.setSize(canvasWidth, height, false);
+    this.upload(style);
+    const slots = stores.reduce((sum, store) => sum + (store?.slots ?? 0), 0);
+    const stride = Math.max(1, Math.ceil(slots / mostPoints));
+    for (const points of this.geometries.values()) points.thin(stride);
+    this.overlay.set(scene.lines);
+    if (scene.frozen) aim(this.sampled, scene.frozen.camera, bounds, scene.frozen.aspect);
+    const frozen = scene.frozen && { ...scene.frozen, camera: this.sampled };
+    renderer.setScissorTest(true);
+    for (const [i, store] of stores.entries()) {
+      const isLast = i === stores.length - 1;
+      const where: Rectangle = { x: i * width, y: 0, width, height };
+      aim(this.drawn, camera, bounds, width / height);
+      const points = store ? (this.geometries.get(store) ?? null) : null;
+      this.passes.render({
+        points,
+        style,
+        camera: this.drawn,
+        where,
+        pixelRatio: ratio,
+        isQuick,
+        sceneRadius: boundsRadius(bounds),
+        frozen: isLast ? frozen : null, // the other's points are even on the surface
+        brush: brush && { centre: new THREE.Vector3(...brush.centre), radius: brush.radius },
+      });
+      if (isLast) this.wireframe.render(renderer, this.drawn, style, ratio);
+      const tolerance = 0.5 * (points?.typicalRadius ?? 0) * style.splatScale;
+      this.overlay.render(renderer, this.drawn, where, ratio, points ? this.passes.depths : null, tolerance);
+    }
+    renderer.setScissorTest(false);
+    return { points: slots / stride, isWhole: stride === 1 };
+  }
+
+  /// Gives back the objects on the graphics card. render() makes them anew.
+  dispose(): void {
+    for (const part of [this.passes, this.overlay, this.wireframe, ...this.geometries.values()]) part.dispose();
+  }
+}
