@@ -40,9 +40,8 @@ class Ends {
   int count_ = 0;
 };
 
-inline std::shared_ptr<Session> make_session(std::uint64_t points) {
-  const std::string off = curvecast::testing::to_off(curvecast::testing::icosphere(3));
-  absl::StatusOr<Preprocessed> done = preprocess({"ball.off", off}, {.points = points});
+inline std::shared_ptr<Session> make_session(std::uint64_t points, const MeshFile& file) {
+  absl::StatusOr<Preprocessed> done = preprocess(file, {.points = points});
   EXPECT_TRUE(done.ok()) << done.status();
   auto session = std::make_shared<Session>();
   session->id = "ball";
@@ -51,6 +50,11 @@ inline std::shared_ptr<Session> make_session(std::uint64_t points) {
   session->surface = std::make_shared<SessionSurface>(session->preprocessed.flattened);
   session->revisions->publish(std::move(session->preprocessed.curve));
   return session;
+}
+
+inline std::shared_ptr<Session> make_session(std::uint64_t points) {
+  const std::string off = curvecast::testing::to_off(curvecast::testing::icosphere(3));
+  return make_session(points, {"ball.off", off});
 }
 
 }  // namespace curvecast::server

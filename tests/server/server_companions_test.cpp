@@ -5,9 +5,7 @@
 #include <cstdint>
 #include <map>
 
-#include "core/mesh_io/texture_image.h"
 #include "core/render/png_file.h"
-#include "server/convert/convert.h"
 #include "server_fixture.h"
 
 namespace curvecast::server {
@@ -121,39 +119,6 @@ TEST_F(ServerCompanions, ATextureColoursThePoints) {
   ASSERT_TRUE(uncoloured.status.ok());
   EXPECT_EQ(uncoloured.blocks[0].points().raw().positions(), raw.positions()) << "colours move nothing";
   EXPECT_TRUE(uncoloured.blocks[0].points().raw().colours().empty());
-}
-
-TEST_F(ServerCompanions, ATextureColoursPictures) {
-  const Created created = create(*stub_, mesh_id_, 2000, all_companions());
-  ASSERT_TRUE(created.status.ok()) << created.status.error_message();
-  v1::RenderRequest request;
-  request.set_session_id(created.session.session_id());
-  request.set_width(64);
-  request.set_height(64);
-  v1::Camera& camera = *request.mutable_sample()->add_cameras();
-  *camera.mutable_eye() = to_proto(Vec3d(0.5, 0.5, 2));
-  *camera.mutable_target() = to_proto(Vec3d(0.5, 0.5, 0));
-  camera.set_vertical_fov_degrees(40);
-  for (const v1::PictureStyle style : {v1::PICTURE_STYLE_SURFACE, v1::PICTURE_STYLE_MESH}) {
-    for (const bool is_plain : {false, true}) {
-      SCOPED_TRACE(v1::PictureStyle_Name(style) + (is_plain ? ", plain" : ""));
-      request.set_style(style);
-      request.set_plain(is_plain);
-      grpc::ClientContext context;
-      set_patience(context);
-      v1::RenderResponse response;
-      const grpc::Status status = stub_->Render(&context, request, &response);
-      ASSERT_TRUE(status.ok()) << status.error_message();
-      const absl::StatusOr<Image> image = decode_texture(response.png(), 1 << 24);
-      ASSERT_TRUE(image.ok()) << image.status();
-      for (const int x : {20, 44}) {
-        const std::uint8_t* const pixel = &image->rgba[4 * (32 * 64 + static_cast<std::size_t>(x))];
-        const bool is_red = pixel[0] > 2 * pixel[2], is_blue = pixel[2] > 2 * pixel[0];
-        EXPECT_EQ(is_red, !is_plain && x < 32) << x;
-        EXPECT_EQ(is_blue, !is_plain && x > 32) << x;
-      }
-    }
-  }
 }
 
 TEST_F(ServerCompanions, InspectionTellsOfThem) {
