@@ -76,7 +76,9 @@ class Passes {
     absl::Status status = upload(scene_.splats,
                                  {{4, GL_FLOAT, offsetof(SplatVertex, center)},
                                   {3, GL_FLOAT, offsetof(SplatVertex, normal)},
-                                  {4, GL_UNSIGNED_BYTE, offsetof(SplatVertex, color)}},
+                                  {4, GL_UNSIGNED_BYTE, offsetof(SplatVertex, color)},
+                                  {4, GL_FLOAT, offsetof(SplatVertex, ends)},
+                                  {4, GL_FLOAT, offsetof(SplatVertex, ends) + sizeof(SplatVertex{}.ends[0])}},
                                  1);
     if (!status.ok()) return status;
     gl.Viewport(0, 0, surface_.width, surface_.height);

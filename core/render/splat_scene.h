@@ -18,6 +18,8 @@ struct SplatVertex {
   float radius;
   std::array<float, 3> normal;  // unit length, or zero: facing the camera
   std::array<std::uint8_t, 4> color;
+  /// The disc is drawn where x p.x + y p.y + z p.z <= w holds for each (x, y, z, w): zeros, everywhere.
+  std::array<std::array<float, 4>, 2> ends{};
 };
 
 struct DotVertex {

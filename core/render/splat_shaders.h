@@ -9,11 +9,14 @@ inline constexpr char kSplatVertexShader[] = R"(#version 330 core
 layout(location = 0) in vec4 center_radius;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 color;
+layout(location = 3) in vec4 end_1;
+layout(location = 4) in vec4 end_2;
 uniform vec4 projection;    // x and y scale, z scale and offset
 uniform float back_shift;   // along the ray, in radii
 uniform float extent;       // of the disc that is drawn, in radii
 uniform float min_extent;   // at distance 1
 out vec2 disc;
+out vec2 beyond;  // the planes at which the disc ends, where that is above 0
 out float depth;
 flat out vec4 splat_normal;  // w: weight of the splat
 flat out vec3 splat_color;
@@ -40,6 +43,7 @@ void main() {
   disc = extent * vec2((gl_VertexID & 1) * 2 - 1, (gl_VertexID & 2) - 1);
   vec3 p = center + disc.x * minor + disc.y * radius * major;
   depth = -p.z;
+  beyond = vec2(dot(end_1.xyz, p) - end_1.w, dot(end_2.xyz, p) - end_2.w);
   p *= 1.0 + back_shift * radius / length(p);
   gl_Position = vec4(projection.xy * p.xy, projection.z * p.z + projection.w, -p.z);
   // Back faces count only where nothing faces the eye: through the holes of an open surface, not behind its rim.
@@ -50,15 +54,17 @@ void main() {
 
 inline constexpr char kDepthFragmentShader[] = R"(#version 330 core
 in vec2 disc;
+in vec2 beyond;
 uniform float extent;
 void main() {
-  if (dot(disc, disc) > extent * extent) discard;
+  if (dot(disc, disc) > extent * extent || max(beyond.x, beyond.y) > 0.0) discard;
 }
 )";
 
 // Compiled with HAS_COLORS defined or not.
 inline constexpr char kBlendFragmentShader[] = R"(
 in vec2 disc;
+in vec2 beyond;
 in float depth;
 flat in vec4 splat_normal;
 flat in vec3 splat_color;
@@ -70,7 +76,7 @@ layout(location = 2) out vec4 color_sum;
 #endif
 void main() {
   float t = 1.0 - dot(disc, disc) / (extent * extent);
-  if (t <= 0.0) discard;
+  if (t <= 0.0 || max(beyond.x, beyond.y) > 0.0) discard;
   float kernel = t * t * t;  // like a Gaussian, and 0 at the edge
   float weight = splat_normal.w * kernel;
   normal_sum = vec4(splat_normal.xyz * weight, kernel);

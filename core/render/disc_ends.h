@@ -1,0 +1,17 @@
+// Where discs end before their rim: along creases, where the surface goes on in another direction. Internal to core/render.
+//
+// A disc that reaches over a crease would stick out of the surface. What each side of one has is its plane: both discs end where
+// their planes meet. Clip lines of splats at sharp features: Zwicker, Räsänen, Botsch, Dachsbacher, Pauly, "Perspective Accurate
+// Splatting", Graphics Interface 2004, section 5. There they come with the points; here they are found from neighbours.
+#pragma once
+
+#include <span>
+
+#include "core/render/splat_scene.h"
+
+namespace curvecast {
+
+/// Finds where they end for all splats, whose other members are there: sets SplatVertex::ends. On all threads.
+void find_disc_ends(std::span<SplatVertex> splats);
+
+}  // namespace curvecast
