@@ -23,7 +23,7 @@
 #include "client/bench/paper/paper_bench.h"
 #include "client/bench/paper/paper_files.h"
 #include "client/bench/paper/paper_json.h"
-#include "client/bench/picture/picture_bench.h"
+#include "client/bench/picture_bench.h"
 #include "client/bench/preprocess_bench.h"
 #include "client/bench/remesh_bench.h"
 #include "client/bench/sample_bench.h"

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "client/bench/abusers.h"
-#include "client/bench/server_stage.h"
+#include "client/bench/server/server_stage.h"
 #include "client/cli/report.h"
 
 namespace curvecast::cli::bench {

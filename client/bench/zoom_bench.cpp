@@ -14,7 +14,7 @@
 
 #include "client/bench/scene/stop_picture.h"
 #include "client/bench/scene/zoom_path.h"
-#include "client/bench/server_stage.h"
+#include "client/bench/server/server_stage.h"
 #include "client/cli/report.h"
 #include "core/base/random.h"
 #include "core/mesh/repair.h"

@@ -1,5 +1,5 @@
 // The benchmark of pictures, on a server in a process of its own.
-#include "client/bench/picture/picture_bench.h"
+#include "client/bench/picture_bench.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/bench/picture/picture_bench.h"
+#include "client/bench/picture_bench.h"
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
@@ -15,7 +15,7 @@
 #include "client/bench/picture/budget_mesh.h"
 #include "client/bench/picture/compare_pictures.h"
 #include "client/bench/scene/zoom_path.h"
-#include "client/bench/server_stage.h"
+#include "client/bench/server/server_stage.h"
 #include "client/cli/report.h"
 #include "client/lib/file_bytes.h"
 #include "core/render/png_file.h"

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "client/bench/server_process.h"
+#include "client/bench/server/server_process.h"
 #include "client/lib/client.h"
 #include "client/lib/view_stream.h"
 #include "core/base/execution_context.h"

@@ -1,4 +1,4 @@
-#include "client/bench/server_stage.h"
+#include "client/bench/server/server_stage.h"
 
 #include <grpcpp/grpcpp.h>
 

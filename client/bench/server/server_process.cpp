@@ -1,4 +1,4 @@
-#include "client/bench/server_process.h"
+#include "client/bench/server/server_process.h"
 
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
