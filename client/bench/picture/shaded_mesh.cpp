@@ -17,11 +17,11 @@ ShadedMesh::ShadedMesh(LoadedMesh loaded)
 absl::StatusOr<Image> ShadedMesh::draw(const RenderCamera& camera, const RenderOptions& options,
                                        const ExecutionContext& context) const {
   const auto look = [this](std::uint32_t face, const Vec3f& weights, double area) {
-    SurfaceLook look{normal_at(data_, face, {weights[1], weights[2]}), {}};
-    if (colour_ == nullptr) return look;
+    SurfaceLook here{normal_at(data_, face, {weights[1], weights[2]}), {}};
+    if (colour_ == nullptr) return here;
     const Rgba8 colour = colour_->at(face, weights, area);
-    look.color = {colour.r, colour.g, colour.b};
-    return look;
+    here.color = {colour.r, colour.g, colour.b};
+    return here;
   };
   return render_mesh({mesh().positions, mesh().triangles, look, has_colours()}, camera, options, context);
 }
