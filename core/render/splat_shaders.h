@@ -35,11 +35,14 @@ void main() {
   lean = normalize(lean);
   vec3 major = cross(view, lean);
   vec3 minor = cross(n, major);
-  // A disc thinner than a sample turns a little to the eye: it is never lost between samples.
   float least = min_extent * -center.z;
   float radius = max(center_radius.w, least);
-  float lost = max(least - radius * abs(facing), 0.0);
-  minor = radius * minor - (facing < 0.0 ? -lost : lost) * lean;
+  // The more a disc is seen from its edge, the slimmer it is: where the surface bends away from the eye, discs would stick out of it.
+  // There they lie so densely on the picture that no gaps come of it.
+  float slim = mix(0.2, 1.0, smoothstep(0.0, 1.0, abs(facing)));
+  // A disc thinner than a sample turns a little to the eye: it is never lost between samples.
+  float lost = max(least - slim * radius * abs(facing), 0.0);
+  minor = slim * radius * minor - (facing < 0.0 ? -lost : lost) * lean;
   disc = extent * vec2((gl_VertexID & 1) * 2 - 1, (gl_VertexID & 2) - 1);
   vec3 p = center + disc.x * minor + disc.y * radius * major;
   depth = -p.z;
