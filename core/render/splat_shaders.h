@@ -39,7 +39,7 @@ void main() {
   float radius = max(center_radius.w, least);
   // The more a disc is seen from its edge, the slimmer it is: where the surface bends away from the eye, discs would stick out of it.
   // There they lie so densely on the picture that no gaps come of it.
-  float slim = mix(0.2, 1.0, smoothstep(0.0, 1.0, abs(facing)));
+  float slim = mix(0.4, 1.0, smoothstep(0.0, 1.0, abs(facing)));
   // A disc thinner than a sample turns a little to the eye: it is never lost between samples.
   float lost = max(least - slim * radius * abs(facing), 0.0);
   minor = slim * radius * minor - (facing < 0.0 ? -lost : lost) * lean;
