@@ -303,7 +303,7 @@ TEST_F(CliTest, WrongUsageIsStatus2) {
   expect_failure({"render", sphere_, "-o", "x.jpg"}, 2, ".png");
   expect_failure({"render", sphere_, "-o", "x.png", "--size", "0x10"}, 2, "WIDTHxHEIGHT");
   expect_failure({"render", sphere_, "-o", "x.png", "--what", "hair"}, 2,
-                 "there are: surface, samples, mesh, cut, uv, curve, surface-curve");
+                 "there are: surface, shaded, samples, mesh, cut, uv, curve, surface-curve");
   expect_failure({"preprocess", sphere_, "--parameteriser", "magic"}, 2, "there are: own, cgal");
   expect_failure({"preprocess", sphere_, "--mapper", "magic"}, 2, "there are: exact, id-buffer");
   expect_failure({"sample", sphere_, "-n", "10", "--area", "magic"}, 2, "there are: exact, voronoi");
