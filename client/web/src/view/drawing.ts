@@ -5,10 +5,12 @@ import type { PointStore } from "../stream/point_store";
 import type { TriangleMesh } from "../stream/triangle_mesh";
 import { type Bounds, boundsRadius } from "./camera_math";
 import { OverlayLines, type OverlayLine } from "./overlay_lines";
+import { WorkerEndsFinder } from "./ends_finder";
 import type { Passes, Rectangle } from "./picture";
 import { PointsGeometry } from "./points_geometry";
 import { SolidPasses } from "./solid_passes";
 import { canBlend, SplatPasses } from "./splat_passes";
+import { StoreEnds } from "./store_ends";
 import { aim } from "./three_camera";
 import type { CameraState, FrozenCamera, Style, Vec } from "./types";
 import { Wireframe } from "./wireframe";
@@ -45,10 +47,15 @@ export class Drawing {
   private readonly wireframe = new Wireframe();
   private readonly drawn = new THREE.PerspectiveCamera();
   private readonly sampled = new THREE.PerspectiveCamera();
+  private readonly finder = new WorkerEndsFinder();
   private readonly geometries = new Map<PointStore, PointsGeometry>();
   private stores: readonly (PointStore | null)[] = [null];
 
-  constructor(private readonly renderer: THREE.WebGLRenderer) {
+  /// `onChange` is called when another picture of the same points has to be drawn.
+  constructor(
+    private readonly renderer: THREE.WebGLRenderer,
+    private readonly onChange: () => void,
+  ) {
     this.passes = canBlend(renderer) ? new SplatPasses(renderer) : new SolidPasses(renderer);
   }
 
@@ -61,8 +68,14 @@ export class Drawing {
       this.geometries.delete(store);
     }
     for (const store of stores) {
-      if (store && !this.geometries.has(store)) this.geometries.set(store, new PointsGeometry(store, this.passes.shape));
+      if (store && !this.geometries.has(store)) this.geometries.set(store, this.makeGeometry(store));
     }
+  }
+
+  private makeGeometry(store: PointStore): PointsGeometry {
+    const { shape } = this.passes;
+    // Cones meet halfway, creases or not.
+    return new PointsGeometry(store, shape, shape === "cone" ? null : new StoreEnds(store, this.finder, this.onChange));
   }
 
   /// Draws the edges of a mesh over the picture of the last store; null: none.
@@ -75,6 +88,14 @@ export class Drawing {
     for (const points of this.geometries.values()) {
       points.refresh(style);
       points.upload(this.renderer);
+    }
+  }
+
+  /// Finds where discs end now, rather than after the next pictures.
+  completeEnds(style: Style): void {
+    for (const points of this.geometries.values()) {
+      points.refresh(style);
+      points.ends?.complete();
     }
   }
 
@@ -120,5 +141,6 @@ export class Drawing {
   /// Gives back the objects on the graphics card. render() makes them anew.
   dispose(): void {
     for (const part of [this.passes, this.overlay, this.wireframe, ...this.geometries.values()]) part.dispose();
+    this.finder.stop();
   }
 }

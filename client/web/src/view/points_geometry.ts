@@ -5,6 +5,7 @@ import type { PointStore } from "../stream/point_store";
 import { colourScale, typicalRadius, type ColourScale } from "./colouring";
 import { paintPoints } from "./painted_colours";
 import { localSection } from "./section";
+import type { StoreEnds } from "./store_ends";
 import { StoreTexture, type ColumnArray, type ColumnName } from "./store_texture";
 import type { Colouring, PaintDab, Section, Style } from "./types";
 import { mergeRanges } from "./update_ranges";
@@ -24,6 +25,7 @@ export interface PointUniforms {
   positions: THREE.IUniform<THREE.Texture | null>;
   normalsOf: THREE.IUniform<THREE.Texture | null>;
   column: THREE.IUniform<THREE.Texture | null>;
+  ends: THREE.IUniform<THREE.Texture | null>;
   slots: THREE.IUniform<number>;
   stride: THREE.IUniform<number>;
   section: THREE.IUniform<THREE.Vector4>;
@@ -33,6 +35,7 @@ export const makePointUniforms = (): PointUniforms => ({
   positions: { value: null },
   normalsOf: { value: null },
   column: { value: null },
+  ends: { value: null },
   slots: { value: 0 },
   stride: { value: 1 },
   section: { value: new THREE.Vector4() },
@@ -54,9 +57,11 @@ export class PointsGeometry {
   private pending: number[] | null = null;
   private stride = 1; // from one slot that is drawn to the next
 
+  /// `ends`: where the discs end before their rims; null: nowhere.
   constructor(
     readonly store: PointStore,
     shape: DiscShape,
+    readonly ends: StoreEnds | null = null,
   ) {
     const { corners, index } = faces[shape];
     const all = new Uint16Array(index.length * blockSlots);
@@ -81,9 +86,10 @@ export class PointsGeometry {
   }
 
   /// Takes the store's changes, and the scale for the colours of a style. Its paint has to be another array where it has changed.
-  refresh({ colouring, paint }: Pick<Style, "colouring" | "paint">): void {
+  refresh({ colouring, paint, splatScale }: Pick<Style, "colouring" | "paint" | "splatScale">): void {
     const { store } = this;
     const changes = store.takeChanges();
+    this.ends?.refresh(changes, splatScale);
     const changed = changes.all || changes.ranges.length > 0;
     if (changed) {
       this.radiusNow = typicalRadius(store);
@@ -118,24 +124,26 @@ export class PointsGeometry {
   /// Uploads what has changed. To be called before drawing.
   upload(renderer: THREE.WebGLRenderer): void {
     const { store, pending } = this;
-    const all = [0, store.slots];
-    const columns: [ColumnName, ColumnArray][] = [
-      ["positions", store.positions],
-      ["normals", store.normals],
+    const columns: [ColumnName, ColumnArray, number[] | null][] = [
+      ["positions", store.positions, pending],
+      ["normals", store.normals, pending],
     ];
     const { column } = this.scaleNow;
     const values = column === "painted" ? this.paintedColours() : column && store[column];
-    if (column && values) columns.push([column, values]);
+    if (column && values) columns.push([column, values, pending]);
+    const planes = this.ends?.planes;
+    if (this.ends && planes) columns.push(["ends", planes, mergeRanges(this.ends.takeChanges(), store.slots)]);
     for (const [name, texture] of this.textures) {
       if (columns.some(([wanted]) => wanted === name)) continue;
       texture.dispose();
       this.textures.delete(name);
     }
-    for (const [name, array] of columns) {
+    for (const [name, array, changed] of columns) {
       const texture = this.textures.get(name) ?? new StoreTexture(name);
       this.textures.set(name, texture);
-      const ranges = pending === null || texture.lacks(renderer, array) ? all : pending;
-      if (ranges.length > 0) texture.upload(renderer, array, ranges);
+      const ranges = changed === null || texture.lacks(renderer, array) ? [0, store.slots] : changed;
+      const texels = name === "ends" ? ranges.map((slot) => 2 * slot) : ranges;
+      if (texels.length > 0) texture.upload(renderer, array, texels);
     }
     this.pending = [];
   }
@@ -146,6 +154,7 @@ export class PointsGeometry {
     uniforms.positions.value = this.textures.get("positions")?.texture ?? null;
     uniforms.normalsOf.value = this.textures.get("normals")?.texture ?? null;
     uniforms.column.value = (column && this.textures.get(column)?.texture) ?? null;
+    uniforms.ends.value = this.textures.get("ends")?.texture ?? null;
     uniforms.slots.value = this.store.slots;
     uniforms.stride.value = this.stride;
     uniforms.section.value.set(...localSection(section, this.store.origin));
@@ -160,7 +169,9 @@ export class PointsGeometry {
     return this.painted;
   }
 
+  /// refresh() and upload() make anew what this gives back.
   dispose(): void {
+    this.ends?.pause();
     this.discs.dispose();
     this.dots.dispose();
     for (const texture of this.textures.values()) texture.dispose();

@@ -1,5 +1,7 @@
 // GLSL of the passes that draw each point. `COLOURING` is the kind of a ColourScale.
 
+import { slack } from "./disc_ends";
+
 /// Reads a point by its slot, in vertex shaders. The numbers are those of store_texture and points_geometry.
 const pointFunctions = /* glsl */ `
 uniform highp sampler2D positions;
@@ -74,6 +76,7 @@ export const slimness = 2.2;
 const discFunctions = /* glsl */ `
 ${pointFunctions}
 const float SLIMNESS = ${slimness.toFixed(2)};
+const float SLACK = ${slack.toFixed(2)};  // as in the planes of ends
 uniform float splatScale;
 uniform float backShift;  // along the ray, in radii
 uniform float extent;     // of the shape, in radii
@@ -95,6 +98,10 @@ const vec2 kPlaces[4] = vec2[4](vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(-1.0, 1.
 int slot;
 vec2 inShape;     // the corner of the square around the unit circle, or of the hexagon in it
 vec3 corner;      // in eye coordinates
+#ifdef HAS_ENDS
+uniform highp sampler2D ends;
+out vec2 beyond;  // the planes at which the disc ends, where that is above 0
+#endif
 vec3 discNormal;  // in eye coordinates
 float facing;
 
@@ -130,6 +137,14 @@ bool placeCorner() {
   major *= max(radius * slim, least);
   vec2 disc = extent * inShape;
   corner = center + disc.x * minor + disc.y * major;
+#ifdef HAS_ENDS
+  vec3 away = (corner - center) * mat3(modelViewMatrix);  // back in the store's coordinates: views only turn
+  vec4 end1 = texelFetch(ends, texelOf(2 * slot), 0);
+  vec4 end2 = texelFetch(ends, texelOf(2 * slot + 1), 0);
+  beyond = vec2(dot(end1.xyz, away) - end1.w, dot(end2.xyz, away) - end2.w);
+  // At an outline, backs would stick out by what discs overlap by.
+  if (facing < 0.0) beyond += SLACK * point.w * splatScale;
+#endif
 #ifdef CONE
   if (which == 6) corner += CONE * radius * view;
 #endif
@@ -138,7 +153,7 @@ bool placeCorner() {
 }
 `;
 
-/// Cuts off the parts of discs that reach out of a frozen camera's picture.
+/// Cuts off the parts of discs that reach out of a frozen camera's picture, and over creases.
 const cutVertex = /* glsl */ `
 #ifdef IS_FROZEN
 uniform mat4 frozenClip;  // eye coordinates to that camera's clip space
@@ -151,13 +166,19 @@ out vec4 inFrozen;
 const cutFragment = /* glsl */ `
 #ifdef IS_FROZEN
 in highp vec4 inFrozen;
-#define CUT if (any(greaterThan(abs(inFrozen.xy), inFrozen.ww))) discard;
+#define CUT_FROZEN if (any(greaterThan(abs(inFrozen.xy), inFrozen.ww))) discard;
 #else
-#define CUT
+#define CUT_FROZEN
+#endif
+#ifdef HAS_ENDS
+in highp vec2 beyond;
+#define CUT CUT_FROZEN if (max(beyond.x, beyond.y) > 0.0) discard;
+#else
+#define CUT CUT_FROZEN
 #endif
 `;
 
-/// Draws depths alone, by squares about as large as the discs: no pixel is discarded.
+/// Draws depths alone, by squares about as large as the discs: few pixels are discarded.
 export const depthVertexShader = /* glsl */ `
 ${declarations}
 ${discFunctions}

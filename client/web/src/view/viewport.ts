@@ -75,7 +75,7 @@ export class Viewport {
     this.isSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
     this.renderer.autoClear = false;
-    this.drawing = new Drawing(this.renderer);
+    this.drawing = new Drawing(this.renderer, () => this.invalidate());
     this.clock = new FrameClock((now, detail) => this.drawFrame(now, detail), this.isSoftware);
     this.watch = new DrawingWatch(context, () => this.hasDrawn());
     this.controls = new CameraControls(canvas, this.makeHost());
@@ -254,6 +254,7 @@ export class Viewport {
     if (this.isLost) return Promise.reject(new Error("The graphics card was lost."));
     const { width, height } = this.size;
     const largest = this.renderer.capabilities.maxTextureSize / Math.max(width * this.stores.length, height);
+    this.drawing.completeEnds(this.styleNow);
     this.render({ ...fine, scale: Math.min(scale, largest) });
     this.invalidate(); // the canvas has another size now
     return new Promise((resolve, reject) => {

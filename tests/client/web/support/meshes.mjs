@@ -63,3 +63,25 @@ export function tetrahedra(side) {
   }
   return Buffer.from([`OFF`, `${corners.length} ${faces.length} 0`, ...corners, ...faces].join("\n") + "\n");
 }
+
+/// The corners of a cube from -1 to 1, and its sides, seen from outside counter-clockwise.
+export const cubeCorners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [0, 1, 2].map((k) => 2 * ((i >> k) & 1) - 1));
+export const cubeSides = [
+  [0, 2, 3, 1],
+  [4, 5, 7, 6],
+  [0, 1, 5, 4],
+  [2, 6, 7, 3],
+  [0, 4, 6, 2],
+  [1, 3, 7, 5],
+];
+
+/// This cube as an OFF file.
+export function cube() {
+  const lines = [
+    "OFF",
+    "8 6 0",
+    ...cubeCorners.map((corner) => corner.join(" ")),
+    ...cubeSides.map((side) => `4 ${side.join(" ")}`),
+  ];
+  return Buffer.from(lines.join("\n") + "\n");
+}

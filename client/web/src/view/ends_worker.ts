@@ -1,0 +1,23 @@
+// A worker thread that finds where discs end.
+
+import { findDiscEnds, type DiscEnds } from "./disc_ends";
+
+/// The messages to the worker and back, which return the positions.
+export interface EndsRequest {
+  job: number;
+  positions: Float32Array<ArrayBuffer>;
+  normals: Int8Array<ArrayBuffer>;
+  scale: number;
+}
+export interface EndsResponse {
+  job: number;
+  ends: DiscEnds;
+  positions: Float32Array<ArrayBuffer>;
+}
+
+self.onmessage = (event: MessageEvent<EndsRequest>) => {
+  const { job, positions, normals, scale } = event.data;
+  const ends = findDiscEnds(positions, normals, positions.length / 4, scale);
+  const transfer = [ends.slots.buffer, ends.planes.buffer, positions.buffer];
+  self.postMessage({ job, ends, positions } satisfies EndsResponse, { transfer });
+};
