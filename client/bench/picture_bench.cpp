@@ -14,36 +14,19 @@
 #include "client/bench/paper/log_plot.h"
 #include "client/bench/picture/budget_mesh.h"
 #include "client/bench/picture/compare_pictures.h"
+#include "client/bench/scene/point_picture.h"
 #include "client/bench/scene/zoom_path.h"
 #include "client/bench/server/server_stage.h"
 #include "client/cli/report.h"
 #include "client/lib/file_bytes.h"
 #include "core/render/png_file.h"
-#include "core/render/splat_renderer.h"
 
 namespace curvecast::cli::bench {
 namespace {
 
-constexpr double kFov = 45;            // degrees: the API's default
 constexpr double kTurn = 40;           // degrees about the line of sight from one stop to the next
 constexpr int kMostTries = 5;          // for a cloud of as many bytes
 constexpr double kCloseEnough = 0.02;  // of the bytes
-
-Vec3d to_vec(const v1::Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
-RenderCamera camera_from(const v1::Camera& camera, const Vec3d& origin) {
-  return {to_vec(camera.eye()) - origin, to_vec(camera.target()) - origin, to_vec(camera.up()), kFov};
-}
-
-absl::StatusOr<Image> draw_points(const client::Points& points, const v1::Camera& camera, const RenderOptions& options) {
-  std::vector<Vec3f> positions, normals;
-  std::vector<Rgb8> colours;
-  for (const auto& [x, y, z] : points.positions) positions.emplace_back(x, y, z);
-  for (const auto& [x, y, z] : points.normals) normals.emplace_back(x, y, z);
-  for (const auto& colour : points.colours) colours.push_back(colour);
-  const Vec3d origin(points.origin[0], points.origin[1], points.origin[2]);
-  return render_splats({positions, normals, points.radii, colours}, camera_from(camera, origin), options);
-}
 
 v1::SampleRequest even_cloud(std::uint64_t points) {
   v1::SampleRequest sample;
@@ -160,7 +143,7 @@ class PictureBench {
     std::vector<Outcome> outcomes(3);
     outcomes[0] = {"points for the view", points.size(), bytes, {}, {}};
     auto drawn =
-        references_[stop].score([&](const RenderOptions& o) { return draw_points(points, camera, o); }, outcomes[0].image);
+        references_[stop].score([&](const RenderOptions& o) { return draw_points(points, camera, o, true); }, outcomes[0].image);
     if (!drawn.ok()) return drawn.status();
     outcomes[0].score = *drawn;
     const absl::StatusOr<BudgetMesh> simpler = simpler_.of_bytes(bytes, context_);
@@ -174,7 +157,7 @@ class PictureBench {
     const absl::StatusOr<client::Frame> cloud = cloud_of_bytes(bytes);
     if (!cloud.ok()) return cloud.status();
     outcomes[2] = {"even points", cloud->points->size(), cloud->encoded_bytes, {}, {}};
-    drawn = references_[stop].score([&](const RenderOptions& o) { return draw_points(*cloud->points, camera, o); },
+    drawn = references_[stop].score([&](const RenderOptions& o) { return draw_points(*cloud->points, camera, o, true); },
                                     outcomes[2].image);
     if (!drawn.ok()) return drawn.status();
     outcomes[2].score = *drawn;

@@ -7,32 +7,20 @@
 #include <vector>
 
 #include "client/bench/scene/mesh_picture.h"
+#include "client/bench/scene/point_picture.h"
 #include "client/lib/file_bytes.h"
 #include "core/render/png_file.h"
-#include "core/render/splat_renderer.h"
 
 namespace curvecast::cli::bench {
 namespace {
 
-constexpr double kFov = 45;                  // degrees: the API's default
 constexpr Rgb8 kBackground = {255, 0, 255};  // no surface looks like it
 
-Vec3d to_vec(const v1::Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
-RenderCamera camera_from(const v1::Camera& camera, const Vec3d& origin) {
-  return {to_vec(camera.eye()) - origin, to_vec(camera.target()) - origin, to_vec(camera.up()),
-          camera.vertical_fov_degrees() > 0 ? camera.vertical_fov_degrees() : kFov};
-}
-
 /// Of one sample for each pixel, so that a pixel is either covered or not.
-absl::StatusOr<Image> draw_points(const client::Points& points, const v1::Camera& camera, int width, int height) {
-  std::vector<Vec3f> positions, normals;
-  for (const auto& [x, y, z] : points.positions) positions.emplace_back(x, y, z);
-  for (const auto& [x, y, z] : points.normals) normals.emplace_back(x, y, z);
+absl::StatusOr<Image> draw_samples(const client::Points& points, const v1::Camera& camera, int width, int height) {
   RenderOptions options{.width = width, .height = height, .supersample = 1, .ambient_occlusion = false};
   options.background_top = options.background_bottom = kBackground;
-  const Vec3d origin(points.origin[0], points.origin[1], points.origin[2]);
-  return render_splats({positions, normals, points.radii, {}}, camera_from(camera, origin), options);
+  return draw_points(points, camera, options, false);
 }
 
 bool is_background(const Image& image, std::size_t pixel) {
@@ -58,7 +46,7 @@ absl::StatusOr<double> draw_stop(const client::Points& points, const TriangleMes
   Image shown = wanted.image;
   std::size_t covered = 0, outline = 0;
   if (points.size() > 0) {
-    absl::StatusOr<Image> drawn = draw_points(points, camera, width, height);
+    absl::StatusOr<Image> drawn = draw_samples(points, camera, width, height);
     if (!drawn.ok()) return drawn.status();
     shown = *std::move(drawn);
   }
