@@ -32,7 +32,7 @@ absl::StatusOr<RankedCurve> RankedCandidates::take(const Surface& surface, std::
     if (newest_.tree != nullptr) return newest_;
   }
   const MutexLock growing(growing_);
-  if (grower_ == nullptr && !restored_) {
+  if (grower_ == nullptr) {
     absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = surface();
     if (!leaves.ok()) return leaves.status();
     auto grower = RankGrower::make(*std::move(leaves), {.level = first_level(max_points), .seed = seed}, context);
