@@ -83,19 +83,33 @@ absl::Status run_uv(const RenderFlags& flags, const CommonOptions& options, cons
                      {"output", flags.output}});
 }
 
+/// The mesh on a server, which lasts as long as this.
+struct HostedMesh {
+  std::unique_ptr<Host> host;
+  OpenedMesh mesh;
+};
+
+absl::StatusOr<HostedMesh> open_hosted(const RenderFlags& flags, const CommonOptions& options,
+                                       const v1::SessionOptions& session_options, std::stop_token stop) {
+  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
+  if (!host.ok()) return host.status();
+  absl::StatusOr<OpenedMesh> mesh = open_mesh((*host)->client(), flags.input, session_options, options.quiet, stop);
+  if (!mesh.ok()) return mesh.status();
+  return HostedMesh{*std::move(host), *std::move(mesh)};
+}
+
 absl::Status run_curve(const RenderFlags& flags, const CommonOptions& options, const Size& size, std::stop_token stop) {
   const absl::StatusOr<v1::SessionOptions> session_options = curve_session_options(flags);
   if (!session_options.ok()) return session_options.status();
-  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
-  if (!host.ok()) return host.status();
-  client::Client& client = (*host)->client();
-  const absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.input, *session_options, options.quiet, stop);
-  if (!opened.ok()) return opened.status();
-  const absl::StatusOr<client::Curve> curve = client.get_curve(opened->session.session_id(), stop);
+  const absl::StatusOr<HostedMesh> hosted = open_hosted(flags, options, *session_options, stop);
+  if (!hosted.ok()) return hosted.status();
+  client::Client& client = hosted->host->client();
+  const OpenedMesh& opened = hosted->mesh;
+  const absl::StatusOr<client::Curve> curve = client.get_curve(opened.session.session_id(), stop);
   if (!curve.ok()) return curve.status();
   std::optional<client::ParameterMesh> mesh;
   if (flags.with_mesh) {
-    absl::StatusOr<client::ParameterMesh> received = client.get_parameter_mesh(opened->mesh, *session_options, stop);
+    absl::StatusOr<client::ParameterMesh> received = client.get_parameter_mesh(opened.mesh, *session_options, stop);
     if (!received.ok()) return received.status();
     mesh = *std::move(received);
   }
@@ -113,23 +127,22 @@ absl::Status run_curve(const RenderFlags& flags, const CommonOptions& options, c
                      {"width", size.width},
                      {"height", size.height},
                      {"what", flags.what},
-                     {"session_id", opened->session.session_id()},
+                     {"session_id", opened.session.session_id()},
                      {"output", flags.output}});
 }
 
 absl::Status run_shaded(const RenderFlags& flags, const CommonOptions& options, const Size& size, std::stop_token stop) {
   const absl::StatusOr<v1::SessionOptions> session_options = make_session_options(flags.session, session_points(0));
   if (!session_options.ok()) return session_options.status();
-  absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
-  if (!host.ok()) return host.status();
-  client::Client& client = (*host)->client();
-  const absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.input, *session_options, options.quiet, stop);
-  if (!opened.ok()) return opened.status();
-  const v1::MeshInfo& mesh = opened->session.report().mesh();
+  const absl::StatusOr<HostedMesh> hosted = open_hosted(flags, options, *session_options, stop);
+  if (!hosted.ok()) return hosted.status();
+  client::Client& client = hosted->host->client();
+  const OpenedMesh& opened = hosted->mesh;
+  const v1::MeshInfo& mesh = opened.session.report().mesh();
   absl::StatusOr<v1::Camera> camera = camera_of(flags.sample, box_of(mesh), size);
   if (!camera.ok()) return camera.status();
   v1::RenderRequest request;
-  request.set_session_id(opened->session.session_id());
+  request.set_session_id(opened.session.session_id());
   *request.mutable_sample()->add_cameras() = *std::move(camera);
   request.set_width(static_cast<std::uint32_t>(size.width));
   request.set_height(static_cast<std::uint32_t>(size.height));
@@ -145,7 +158,7 @@ absl::Status run_shaded(const RenderFlags& flags, const CommonOptions& options, 
                      {"width", size.width},
                      {"height", size.height},
                      {"what", flags.what},
-                     {"session_id", opened->session.session_id()},
+                     {"session_id", opened.session.session_id()},
                      {"output", flags.output}});
 }
 
