@@ -7,13 +7,6 @@
 #include "core/density/density.h"
 
 namespace curvecast {
-namespace {
-
-// Two steps of the ladder: the camera has gone 64 times as far away. Each point then takes a byte more than it needs.
-constexpr int kMostExtraBits = 6;
-
-}  // namespace
-
 double pixels_per_length(const Camera& camera, double distance, double diagonal) {
   const double pixels = pixels_at_unit_depth(camera);
   if (camera.is_orthographic()) return pixels;
@@ -26,10 +19,9 @@ double pixels_per_length(const Camera& camera, double distance, double diagonal)
 int position_bits_for(double pixels, double box_size) {
   // A point moves by half a step of each coordinate at most.
   const double most_step = 2 * kMostPixelsMoved / (std::numbers::sqrt3 * pixels);
-  const auto found = std::ranges::find_if(kPositionBits, [&](int bits) { return box_size / (std::exp2(bits) - 1) <= most_step; });
-  return found != kPositionBits.end() ? *found : kPositionBits.back();
+  int bits = kLeastPositionBits;
+  while (bits < kMostPositionBits && box_size / (std::exp2(bits) - 1) > most_step) ++bits;
+  return bits;
 }
-
-bool may_keep_position_bits(int held, int wanted) { return held >= wanted && held - wanted < kMostExtraBits; }
 
 }  // namespace curvecast

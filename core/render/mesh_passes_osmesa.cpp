@@ -175,7 +175,7 @@ class MeshPasses {
     band.depths[s] = {static_cast<float>(depth), 1};
     if (!scene_.has_colors) return;
     const auto light = [](std::uint8_t value) { return static_cast<float>(value * value) / (255.0F * 255.0F); };
-    band.colors[s] = {light(look.color[0]), light(look.color[1]), light(look.color[2]), 0};
+    band.colors[s] = {light(look.color[0]), light(look.color[1]), light(look.color[2]), 1};
   }
 
   const MeshScene& scene_;

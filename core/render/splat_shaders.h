@@ -82,10 +82,12 @@ void main() {
   if (t <= 0.0 || max(beyond.x, beyond.y) > 0.0) discard;
   float kernel = t * t * t;  // like a Gaussian, and 0 at the edge
   float weight = splat_normal.w * kernel;
-  normal_sum = vec4(splat_normal.xyz * weight, kernel);
+  // What is seen on the surface comes from a narrower kernel than its shape: blurred less, and still smooth.
+  float sharp = weight * kernel;
+  normal_sum = vec4(splat_normal.xyz * sharp, kernel);
   depth_sum = vec2(depth * weight, weight);
 #ifdef HAS_COLORS
-  color_sum = vec4(splat_color * splat_color * weight, 0.0);  // squares: nearly linear light
+  color_sum = vec4(splat_color * splat_color * sharp, sharp);  // squares: nearly linear light
 #endif
 }
 )";

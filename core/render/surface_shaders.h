@@ -181,7 +181,7 @@ void main() {
       continue;
     }
     vec3 albedo = surface_color;
-    if (has_colors) albedo = texelFetch(colors, s, 0).rgb / texelFetch(depths, s, 0).y;
+    if (has_colors) albedo = texelFetch(colors, s, 0).rgb / texelFetch(colors, s, 0).a;
     sum += shade(albedo, normal_at(s, p), -normalize(p), open);
   }
   float samples = float(supersample * supersample);

@@ -72,8 +72,7 @@ absl::StatusOr<PackedFrame> pack_selected(Sampled selected, const PointSetReques
   return pack_key(std::move(selected), request);
 }
 
-/// Packs the difference to what the client holds, or all points where these take fewer bytes. A difference is on the lattice
-/// of what the client holds, which may be finer than the view needs.
+/// Packs the difference to what the client holds, or all points where these take fewer bytes.
 absl::StatusOr<PackedFrame> pack_delta(Sampled selected, const PointSetRequest& request, const ReferenceFrame& reference) {
   RankedWorkspace& workspace = selected.workspace->ranked;
   const RankSelection& selection = workspace.selection;
@@ -81,15 +80,14 @@ absl::StatusOr<PackedFrame> pack_delta(Sampled selected, const PointSetRequest& 
   Stopwatch watch;
   reference.discs(workspace.discs);
   compare(reference.selection(), workspace.discs, selection, delta);
-  const double point_bytes = expected_point_bytes(*selected.curve, request, reference.lattice().bits);
-  const double key_point_bytes = expected_point_bytes(*selected.curve, request, selected.lattice.bits);
+  const double point_bytes = expected_point_bytes(*selected.curve, request, selected.lattice.bits);
   const auto count = static_cast<double>(selection.count), added = static_cast<double>(delta.added.size());
   const double scattered = point_bytes + kBytesPerDoubling * std::log2(count / std::max(added, 1.0));
   const double changes = added + static_cast<double>(delta.removed.size() + delta.resized.size());
-  if (scattered * added + kEditBytes * changes > key_point_bytes * count) {
+  if (scattered * added + kEditBytes * changes > point_bytes * count) {
     return pack_selected(std::move(selected), request);
   }
-  selected.lattice = reference.lattice();
+  selected.lattice = delta.added.empty() ? reference.lattice() : selected.need.beside(reference.lattice());
   locate(reference.selection(), selection, delta, workspace.list_delta);
   gather_ranked(*selected.curve, selection, delta.added, workspace.points, request.attributes.need_places());
   v1::PointEdits edits = to_proto(delta, workspace.list_delta, *selected.curve);
@@ -107,7 +105,7 @@ absl::StatusOr<PackedFrame> pack_view(SessionSampler& sampler, const FrameReques
   if (!whole.ok()) return whole.status();
   std::uint64_t part = *whole;
   if (request.first_bytes > 0 && sampler.is_ranked()) {
-    const int bits = reference != nullptr ? reference->lattice().bits : kLeastPositionBits;
+    const int bits = reference != nullptr ? reference->lattice().bits : kPlainPositionBits;
     const double first = static_cast<double>(request.first_bytes) / expected_point_bytes(sampler.curve(), point_set, bits);
     const std::uint64_t more = reference != nullptr ? kPartGrowth * reference->selection().count : 0;
     part = std::min(*whole, std::max(more, static_cast<std::uint64_t>(std::max(first, 1.0))));
@@ -170,7 +168,9 @@ absl::StatusOr<Answer> make_frame(const Session& session, const FrameRequest& re
   if (sampled.is_ranked) {
     const RankSelection& selection = sampled.workspace->ranked.selection;
     frame.set_held_points(selection.count);
-    answer.reference = std::make_shared<const ReferenceFrame>(sampled.curve, selection, point_set, sampled.lattice);
+    ViewLattice held = sampled.lattice;
+    if (made->edits) held.bits = std::min(held.bits, request.reference->lattice().bits);
+    answer.reference = std::make_shared<const ReferenceFrame>(sampled.curve, selection, point_set, held);
     frame.set_digest(answer.reference->digest());
   } else {
     frame.set_held_points(sampled.points().size());
@@ -192,10 +192,10 @@ absl::StatusOr<std::shared_ptr<const ReferenceFrame>> restore_reference(const Se
                                                   lattice);
   };
   auto reference = on(selected->lattice);
-  // The client may have come to the view with more bits than it needs.
-  for (auto bits = kPositionBits.begin(); reference->digest() != claim.digest && bits != kPositionBits.end(); ++bits) {
-    const ViewLattice finer{.bits = *bits, .centre = {}};
-    if (selected->need.is_met_by(finer)) reference = on(finer);
+  // The client may have come to the view with other bits than it needs.
+  for (int bits = kLeastPositionBits; reference->digest() != claim.digest && bits <= kMostCornerBits; ++bits) {
+    const ViewLattice other{.bits = bits, .centre = {}};
+    if (selected->need.is_met_by(other)) reference = on(other);
   }
   return reference->digest() == claim.digest ? reference : nullptr;
 }

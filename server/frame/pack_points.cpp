@@ -98,7 +98,7 @@ absl::StatusOr<Packed> pack_within(SessionSampler& sampler, const PointSetReques
   };
   std::optional<Packed> best;
   std::uint64_t count =
-      whole((request.draco ? kAim : 1) * limit / expected_point_bytes(sampler.curve(), request, kLeastPositionBits));
+      whole((request.draco ? kAim : 1) * limit / expected_point_bytes(sampler.curve(), request, kPlainPositionBits));
   for (int round = 1;; ++round) {
     absl::StatusOr<Sampled> sampled = sampler.sample(count);
     if (!sampled.ok()) return sampled.status();

@@ -68,7 +68,7 @@ LatticeNeed need_of(const PointSetRequest& request, const SurfaceCurve& curve, c
     need.pixels = pixels;
     need.nearest = nearest.position.cast<double>() + curve.origin;
   }
-  need.best.bits = position_bits_for(need.pixels, size.maxCoeff());
+  need.best.bits = need.pixels > 0 ? position_bits_for(need.pixels, size.maxCoeff()) : kPlainPositionBits;
   if (need.best.bits > kMostCornerBits) need.best.centre = need.nearest;
   return need;
 }
@@ -77,8 +77,13 @@ LatticeNeed need_of(const PointSetRequest& request, const SurfaceCurve& curve, c
 
 bool LatticeNeed::is_met_by(const ViewLattice& held) const {
   if (!is_open) return held == best;
-  if (!may_keep_position_bits(held.bits, best.bits)) return false;
-  return !held.centre || (nearest - *held.centre).cwiseAbs().maxCoeff() * kFloatError * pixels <= kMostFloatPixels;
+  if (held.bits + kMostMissingBits < best.bits) return false;
+  if (!held.centre) return best.bits <= kMostCornerBits;
+  return (nearest - *held.centre).cwiseAbs().maxCoeff() * kFloatError * pixels <= kMostFloatPixels;
+}
+
+ViewLattice LatticeNeed::beside(const ViewLattice& held) const {
+  return is_open ? ViewLattice{.bits = best.bits, .centre = held.centre} : held;
 }
 
 LatticeNeed lattice_need(const PointSetRequest& request, const SurfaceCurve& curve, const PointSet& points) {

