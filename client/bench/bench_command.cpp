@@ -271,6 +271,9 @@ Run add_picture(CLI::App& app) {
       ->type_name("D")
       ->capture_default_str();
   add_count(app, "--steps", &options->steps, 1000, "views from one stop to the next");
+  app.add_option("--density", options->density, "factors of the views' density, as `curvecast sample --help` explains them")
+      ->type_name("TERM")
+      ->capture_default_str();
   app.add_option("--size", options->size, "of the picture's sides, pixels")
       ->check(CLI::Range(16, 4096))
       ->type_name("P")

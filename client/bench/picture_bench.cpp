@@ -17,6 +17,7 @@
 #include "client/bench/scene/point_picture.h"
 #include "client/bench/scene/zoom_path.h"
 #include "client/bench/server/server_stage.h"
+#include "client/cli/density_term.h"
 #include "client/cli/report.h"
 #include "client/lib/file_bytes.h"
 #include "core/render/png_file.h"
@@ -53,6 +54,7 @@ class PictureBench {
   }
 
   absl::Status run(BenchReport& report) {
+    if (absl::Status status = add_density_terms(options_.density, &density_); !status.ok()) return status;
     for (std::size_t stop = 0; stop < options_.distances.size(); ++stop) {
       if (absl::Status status = add_reference(stop); !status.ok()) return status;
     }
@@ -82,8 +84,7 @@ class PictureBench {
     v1::SampleRequest sample;
     sample.set_points(points);
     sample.set_sampler(v1::SAMPLER_PROGRESSIVE);
-    sample.add_density()->mutable_screen();
-    sample.add_density()->mutable_frustum();
+    *sample.mutable_density() = density_;
     *sample.add_cameras() = camera;
     sample.mutable_viewport()->set_width(static_cast<std::uint32_t>(options_.size));
     sample.mutable_viewport()->set_height(static_cast<std::uint32_t>(options_.size));
@@ -230,6 +231,7 @@ class PictureBench {
   BudgetMeshes simpler_;
   const SurfacePlace place_;
   RenderOptions size_;
+  google::protobuf::RepeatedPtrField<v1::DensityTerm> density_;
   std::vector<PictureReference> references_;                      // of each stop
   std::map<std::size_t, std::map<std::string, PlotLine>> lines_;  // of each stop, by way
 };

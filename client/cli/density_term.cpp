@@ -21,8 +21,8 @@
 namespace curvecast::cli {
 namespace {
 
-constexpr std::array<std::string_view, 9> kTerms = {"uniform", "curvature", "attribute", "brush",   "expression",
-                                                    "view",    "screen",    "frustum",   "distance"};
+constexpr std::array<std::string_view, 10> kTerms = {"uniform", "curvature", "attribute", "brush",   "expression",
+                                                     "view",    "screen",    "frustum",   "picture", "distance"};
 constexpr std::array<std::string_view, 3> kKinds = {"gauss", "mean", "max"};
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
@@ -242,6 +242,7 @@ absl::StatusOr<v1::DensityTerm> parse_density_term(std::string_view text) {
   } else {
     if (name == "screen") term.mutable_screen();
     if (name == "frustum") term.mutable_frustum();
+    if (name == "picture") term.mutable_picture();
     if (name == "uniform") term.mutable_uniform();
     if (!settings.empty()) status = unknown_key(name, settings[0].first, "it takes no settings");
   }
@@ -250,7 +251,7 @@ absl::StatusOr<v1::DensityTerm> parse_density_term(std::string_view text) {
 }
 
 bool is_camera_term(const v1::DensityTerm& term) {
-  return term.has_view() || term.has_distance() || term.has_frustum() || term.has_screen();
+  return term.has_view() || term.has_distance() || term.has_frustum() || term.has_screen() || term.has_picture();
 }
 
 absl::Status add_density_terms(const std::vector<std::string>& texts,

@@ -49,6 +49,7 @@ absl::Status check(const DistanceTerm& term) {
 
 absl::Status check(const FrustumTerm&) { return absl::OkStatus(); }
 absl::Status check(const ScreenTerm&) { return absl::OkStatus(); }
+absl::Status check(const PictureTerm&) { return absl::OkStatus(); }
 
 absl::Status check(const AttributeTerm& term) {
   return term.name.empty() ? absl::InvalidArgumentError("attribute density: the name is empty") : absl::OkStatus();
@@ -78,13 +79,16 @@ absl::Status check(const BrushTerm& term) {
 
 absl::Status check(const ExpressionTerm& term) { return check_expression(term.text); }
 
-bool is_fixed(const DensityTerm& term) { return !is_camera_term(term) && !std::holds_alternative<UniformTerm>(term); }
+bool is_fixed(const DensityTerm& term) {
+  return std::holds_alternative<PictureTerm>(term) || (!is_camera_term(term) && !std::holds_alternative<UniformTerm>(term));
+}
 
 }  // namespace
 
 bool is_camera_term(const DensityTerm& term) {
   return std::holds_alternative<ViewTerm>(term) || std::holds_alternative<DistanceTerm>(term) ||
-         std::holds_alternative<FrustumTerm>(term) || std::holds_alternative<ScreenTerm>(term);
+         std::holds_alternative<FrustumTerm>(term) || std::holds_alternative<ScreenTerm>(term) ||
+         std::holds_alternative<PictureTerm>(term);
 }
 
 absl::Status check_density(const Density& density) {
@@ -101,7 +105,7 @@ absl::Status check_density(const Density& density) {
     }
   }
   if (density.cameras.empty() && std::any_of(density.terms.begin(), density.terms.end(), is_camera_term)) {
-    return absl::InvalidArgumentError("view, distance, frustum and screen densities need a camera");
+    return absl::InvalidArgumentError("view, distance, frustum, screen and picture densities need a camera");
   }
   return absl::OkStatus();
 }

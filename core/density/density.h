@@ -73,6 +73,14 @@ struct ScreenTerm {
 };
 inline constexpr double kLeastSlant = 0.05;
 
+/// Points where the picture is wrong without them: a ScreenTerm, and more of them where the surface turns away from the eye (1 -
+/// cosine
+/// + kPictureFloor), bends or changes its colour (see picture_detail.h).
+struct PictureTerm {
+  bool operator==(const PictureTerm&) const = default;
+};
+inline constexpr double kPictureFloor = 1;
+
 /// The mesh's named number at each vertex, in any unit; negative ones and NaN count as 0.
 struct AttributeTerm {
   std::string name;  // one of the curve's scalars
@@ -108,10 +116,11 @@ struct ExpressionTerm {
 };
 
 using DensityTerm = std::variant<UniformTerm, CurvatureTerm, ViewTerm, DistanceTerm, FrustumTerm, ScreenTerm, AttributeTerm,
-                                 BrushTerm, ExpressionTerm>;
+                                 BrushTerm, ExpressionTerm, PictureTerm>;
 
-/// The fixed terms are multiplied, and so are those of a camera (view, distance, frustum, screen) for each camera: the density is
-/// the fixed product times the largest of the cameras'. No terms mean uniform.
+/// The fixed terms are multiplied, and so are those of a camera (view, distance, frustum, screen, picture) for each camera: the
+/// density is the fixed product times the largest of the cameras'. What a picture term sees of the surface alone is one of the
+/// fixed ones. No terms mean uniform.
 struct Density {
   Density() = default;
   Density(std::initializer_list<DensityTerm> some) : terms(some) {}
@@ -127,7 +136,7 @@ bool is_camera_term(const DensityTerm& term);
 /// Checks a density. InvalidArgument names the term, or the camera, and the field that is out of range or not finite.
 absl::Status check_density(const Density& density);
 
-/// Says whether any term is fixed: differs over the surface and is the same for all cameras.
+/// Says whether any term is fixed, or a picture term: differs over the surface in a way that is the same for all cameras.
 bool has_fixed_terms(std::span<const DensityTerm> terms);
 
 /// Writes the product of the fixed terms at every curve vertex (L entries, relative values). InvalidArgument: the curve has no

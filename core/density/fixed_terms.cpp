@@ -9,6 +9,7 @@
 
 #include "core/density/brush.h"
 #include "core/density/expression.h"
+#include "core/density/picture_detail.h"
 
 namespace curvecast {
 namespace {
@@ -32,7 +33,7 @@ absl::Status multiply_values(const SurfaceCurve& curve, const std::string& what,
   return absl::OkStatus();
 }
 
-// Those without a place among the fixed ones: uniform, and all of a camera.
+// Those without a place among the fixed ones: uniform, and those of a camera.
 template <typename Term>
 absl::Status multiply(const SurfaceCurve&, const Term&, std::span<float>, const ExecutionContext&) {
   return absl::OkStatus();
@@ -49,6 +50,11 @@ absl::Status multiply(const SurfaceCurve& curve, const CurvatureTerm& term, std:
     const float value = floor + (1 - floor) * std::min(scale * k, 1.0f);
     density[l] *= exponent == 1 ? value : std::pow(value, exponent);
   }
+  return absl::OkStatus();
+}
+
+absl::Status multiply(const SurfaceCurve& curve, const PictureTerm&, std::span<float> density, const ExecutionContext&) {
+  multiply_picture_detail(curve, density);
   return absl::OkStatus();
 }
 

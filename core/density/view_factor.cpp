@@ -44,6 +44,10 @@ ViewFactor::ViewFactor(const SurfaceCurve& curve, const Density& density) {
       if (const auto* distance = std::get_if<DistanceTerm>(&term)) factors.emplace_back(DistanceFactor(frames[c], *distance));
       if (std::holds_alternative<FrustumTerm>(term)) factors.emplace_back(FrustumFactor(frames[c]));
       if (std::holds_alternative<ScreenTerm>(term)) factors.emplace_back(ScreenFactor(frames[c], weights.of_camera[c]));
+      if (std::holds_alternative<PictureTerm>(term)) {
+        factors.emplace_back(ScreenFactor(frames[c], weights.of_camera[c]));
+        factors.emplace_back(SilhouetteFactor(frames[c], {.s0 = kPictureFloor}));
+      }
     }
   }
 }

@@ -76,6 +76,9 @@ void archive(Archive& /*fields*/, T& /*term*/) {}
 template <typename Archive, ConstOr<ScreenTerm> T>
 void archive(Archive& /*fields*/, T& /*term*/) {}
 
+template <typename Archive, ConstOr<PictureTerm> T>
+void archive(Archive& /*fields*/, T& /*term*/) {}
+
 template <typename Archive, ConstOr<AttributeTerm> T>
 void archive(Archive& fields, T& term) {
   auto& [name] = term;

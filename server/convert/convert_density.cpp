@@ -148,6 +148,8 @@ DensityTerm to_core(FieldValidator& check, const std::string& field, const v1::D
       return FrustumTerm{};
     case v1::DensityTerm::kScreen:
       return ScreenTerm{};
+    case v1::DensityTerm::kPicture:
+      return PictureTerm{};
     case v1::DensityTerm::kExpression:
       return to_core(check, field + ".expression", in.expression());
     case v1::DensityTerm::TERM_NOT_SET:
@@ -203,6 +205,7 @@ void fill(const DistanceTerm& term, v1::DensityTerm& out) {
 
 void fill(const FrustumTerm&, v1::DensityTerm& out) { out.mutable_frustum(); }
 void fill(const ScreenTerm&, v1::DensityTerm& out) { out.mutable_screen(); }
+void fill(const PictureTerm&, v1::DensityTerm& out) { out.mutable_picture(); }
 void fill(const AttributeTerm& term, v1::DensityTerm& out) { out.mutable_attribute()->set_name(term.name); }
 
 void fill(const BrushTerm& term, v1::DensityTerm& out) {

@@ -10,8 +10,8 @@
 
 namespace curvecast::server {
 
-/// Divides the largest side of the session's box into 2^bits - 1 steps. Of points that have come with several frames: the coarsest
-/// of theirs.
+/// Divides the largest side of the session's box into 2^bits - 1 steps. Of points that have come with several frames: the
+/// coarsest of theirs.
 struct ViewLattice {
   int bits = 0;  // 0: none, for raw floats
   /// From where positions count, absolute coordinates. Not set: from the curve's origin, and the lattice begins in the box's

@@ -57,6 +57,7 @@ TEST(DensityTerm, ReadsWhatHasAFormOfItsOwn) {
   ASSERT_EQ(paint->brush().strokes_size(), 2);
   EXPECT_EQ(paint->brush().strokes(1).centre().z(), 8);
   EXPECT_TRUE(parse_density_term("screen")->has_screen());
+  EXPECT_TRUE(parse_density_term("picture")->has_picture());
   EXPECT_TRUE(parse_density_term("frustum")->has_frustum());
 }
 

@@ -92,3 +92,9 @@ def frustum() -> v1.DensityTerm:
 def screen() -> v1.DensityTerm:
     """Even spacing in pixels of the camera's picture."""
     return v1.DensityTerm(screen=v1.ScreenDensity())
+
+
+def picture() -> v1.DensityTerm:
+    """Points where the camera's picture is wrong without them: as screen(), and more at outlines, where the surface bends, and where
+    its colour changes."""
+    return v1.DensityTerm(picture=v1.PictureDensity())

@@ -55,6 +55,7 @@ TEST(PictureBench, RefusesWhatMakesNoSense) {
   EXPECT_EQ(code_of({.distances = {}}), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(code_of({.distances = {0.1, 1}}), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(code_of({.steps = 0}), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(code_of({.density = {"sharpness"}, .command = CURVECAST_COMMAND}), absl::StatusCode::kInvalidArgument);
   EXPECT_FALSE(bench_picture({"bad.off", {}}, {.command = CURVECAST_COMMAND}, {}).ok());
 }
 

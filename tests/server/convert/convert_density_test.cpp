@@ -160,6 +160,7 @@ TEST(ConvertDensity, CameraTermsKeepTheirFields) {
   EXPECT_EQ(to_proto(DensityTerm(ViewTerm{2})).view().s0(), 2);
   EXPECT_TRUE(to_proto(DensityTerm(FrustumTerm{})).has_frustum());
   EXPECT_TRUE(to_proto(DensityTerm(ScreenTerm{})).has_screen());
+  EXPECT_TRUE(to_proto(DensityTerm(PictureTerm{})).has_picture());
   const v1::DistanceDensity distance = to_proto(DensityTerm(DistanceTerm{1, 2, true})).distance();
   EXPECT_EQ(distance.near(), 1);
   EXPECT_EQ(distance.far(), 2);
