@@ -17,7 +17,7 @@ struct PictureBenchOptions {
   std::vector<std::uint64_t> points = {5'000, 20'000, 50'000};  // of the views: a path for each
   std::vector<double> distances = {1.25, 0.4, 0.1, 0.02};       // of the stops from the surface, in diagonals of the mesh's box
   int steps = 8;                                                // views from one stop to the next
-  std::vector<std::string> density = {"picture", "frustum"};    // terms, as --density has them: those of the viewer
+  std::vector<std::string> density = {"picture"};               // terms, as --density has them: those of the viewer
   int size = 1000;                                              // pixels, of both sides of the picture
   std::string pictures = {};                                    // a folder for pictures of each stop, and charts; empty: none
   std::string command = {};                                     // that is a server with "serve"; empty: this program

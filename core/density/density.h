@@ -73,13 +73,11 @@ struct ScreenTerm {
 };
 inline constexpr double kLeastSlant = 0.05;
 
-/// Points where the picture is wrong without them: a ScreenTerm, and more of them where the surface turns away from the eye (1 -
-/// cosine
-/// + kPictureFloor), bends or changes its colour (see picture_detail.h).
+/// Points where the picture is wrong without them: in it and just beside it, a ScreenTerm, and more where the surface turns away
+/// from the eye, bends, or changes its colour; see picture_detail.h.
 struct PictureTerm {
   bool operator==(const PictureTerm&) const = default;
 };
-inline constexpr double kPictureFloor = 1;
 
 /// The mesh's named number at each vertex, in any unit; negative ones and NaN count as 0.
 struct AttributeTerm {

@@ -14,6 +14,10 @@ namespace curvecast {
 /// (p + 2): 2/3 for p = 1, 1 for p = 2. Between them a linear law is as good as any (bench picture).
 void multiply_picture_detail(const SurfaceCurve& curve, std::span<float> density);
 
+/// What a picture term has of a ViewTerm: its s0.
+inline constexpr double kPictureFloor = 0.5;
+/// How much wider and higher than the picture what it has of a FrustumTerm is: discs beside the picture reach into it.
+inline constexpr double kPictureMargin = 1.02;
 inline constexpr float kLeastDetail = 0.2f;
 /// From black to white so many times in the length of the box's diagonal.
 inline constexpr double kStrongChange = 40;

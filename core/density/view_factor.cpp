@@ -1,9 +1,11 @@
 #include "core/density/view_factor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/base/simd.h"
+#include "core/density/picture_detail.h"
 
 namespace curvecast {
 namespace {
@@ -29,6 +31,13 @@ CURVECAST_WIDE void take_larger(const float* __restrict factor, const float* __r
   }
 }
 
+/// A camera whose picture shows a little more on all sides.
+Camera with_margin(Camera camera) {
+  camera.height *= kPictureMargin;
+  camera.fov = 2 * std::atan(kPictureMargin * std::tan(0.5 * camera.fov));
+  return camera;
+}
+
 }  // namespace
 
 ViewFactor::ViewFactor(const SurfaceCurve& curve, const Density& density) {
@@ -47,6 +56,7 @@ ViewFactor::ViewFactor(const SurfaceCurve& curve, const Density& density) {
       if (std::holds_alternative<PictureTerm>(term)) {
         factors.emplace_back(ScreenFactor(frames[c], weights.of_camera[c]));
         factors.emplace_back(SilhouetteFactor(frames[c], {.s0 = kPictureFloor}));
+        factors.emplace_back(FrustumFactor(CameraFrame(with_margin(density.cameras[c]), curve.origin, curve.box)));
       }
     }
   }

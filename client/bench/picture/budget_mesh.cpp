@@ -11,6 +11,7 @@ namespace curvecast::cli::bench {
 namespace {
 
 constexpr int kPositionBits = 12;
+constexpr double kNoCreases = 180;  // degrees
 constexpr std::size_t kFewestFaces = 16;
 constexpr double kCloseEnough = 0.97;  // of the bytes that there may be
 constexpr int kMostTries = 6;
@@ -103,7 +104,8 @@ absl::StatusOr<BudgetMesh> BudgetMeshes::of_bytes(std::uint64_t bytes, const Exe
   }
   absl::StatusOr<LoadedMesh> mesh = compact(best.corners, whole_.mesh(), whole_.attributes());
   if (!mesh.ok()) return mesh.status();
-  return BudgetMesh{std::make_unique<const ShadedMesh>(*std::move(mesh)), best.bytes};
+  auto creased = std::make_unique<const ShadedMesh>(*mesh);
+  return BudgetMesh{std::move(creased), std::make_unique<const ShadedMesh>(*std::move(mesh), kNoCreases), best.bytes};
 }
 
 }  // namespace curvecast::cli::bench

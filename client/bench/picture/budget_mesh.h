@@ -14,7 +14,8 @@
 namespace curvecast::cli::bench {
 
 struct BudgetMesh {
-  std::unique_ptr<const ShadedMesh> mesh;
+  /// With creases, and smooth everywhere: simplifying may make edges sharp that were not.
+  std::unique_ptr<const ShadedMesh> creased, smooth;
   std::uint64_t bytes = 0;  // that it takes: positions of 12 bits, triangles, colours of vertices where there are any
 };
 

@@ -7,10 +7,10 @@
 
 namespace curvecast::cli::bench {
 
-ShadedMesh::ShadedMesh(LoadedMesh loaded)
+ShadedMesh::ShadedMesh(LoadedMesh loaded, double crease_degrees)
     : loaded_(std::move(loaded)),
       geometry_(differential_geometry(loaded_.mesh)),
-      creases_(crease_normals(loaded_.mesh)),
+      creases_(crease_normals(loaded_.mesh, crease_degrees)),
       colour_(has_colour(loaded_.attributes) ? std::make_unique<const SurfaceColour>(loaded_.mesh, loaded_.attributes) : nullptr),
       data_(loaded_.mesh, geometry_, creases_, loaded_.attributes, colour_.get()) {}
 

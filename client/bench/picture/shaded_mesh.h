@@ -14,11 +14,11 @@
 
 namespace curvecast::cli::bench {
 
-/// Smooth but for creases, in its own colours where it has any. Not to be moved: it refers to itself.
+/// Smooth but for creases (see crease_normals()), in its own colours where it has any. Not to be moved: it refers to itself.
 class ShadedMesh {
  public:
   /// Precondition: the mesh has been repaired.
-  explicit ShadedMesh(LoadedMesh loaded);
+  explicit ShadedMesh(LoadedMesh loaded, double crease_degrees = kCreaseDegrees);
   ShadedMesh(const ShadedMesh&) = delete;
   ShadedMesh& operator=(const ShadedMesh&) = delete;
 
