@@ -94,6 +94,7 @@ Json preprocess_json(const v1::Session& session) {
           {"discs", report.discs()},
           {"curve_vertices", report.curve_vertices()},
           {"omega", session.options().omega()},
+          {"crease_degrees", session.options().crease_degrees()},
           {"points", session.options().max_points()},
           {"max_level", report.max_level()},
           {"flipped_triangles", report.flipped_triangles()},

@@ -39,6 +39,12 @@ CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags) {
                                  ->check(CLI::Range(1.0, 1000.0))
                                  ->type_name("W");
   command
+      ->add_option("--crease", flags->crease,
+                   "edges at which faces turn by more than so many degrees are sharp: normals do not lean over them; from 0, "
+                   "where all are, to 180, where none are; default: 40")
+      ->check(CLI::Range(0.0, 180.0))
+      ->type_name("DEGREES");
+  command
       ->add_option("--chart-faces", flags->chart_faces,
                    "divide the mesh into charts of about so many faces, from 1,000 on; default: components of more than "
                    "1,000,000, into charts of 100,000; those with many tunnels or holes may be divided further")
@@ -65,6 +71,7 @@ absl::StatusOr<v1::SessionOptions> make_session_options(const SessionFlags& flag
   options.set_max_points(points);
   options.set_seed(seed);
   options.set_omega(flags.omega);
+  if (flags.crease) options.set_crease_degrees(*flags.crease);
   options.set_chart_faces(flags.chart_faces);
   options.set_parameteriser(flags.parameteriser == "cgal" ? v1::PARAMETERISER_CGAL : v1::PARAMETERISER_OWN);
   options.set_mapper(flags.mapper == "id-buffer" ? v1::MAPPER_ID_BUFFER : v1::MAPPER_EXACT);

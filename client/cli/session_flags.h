@@ -4,6 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,11 @@ struct SessionFlags {
   std::vector<std::string> base_density;
   double omega = 0;               // 0: the API's default
   std::uint64_t chart_faces = 0;  // as omega
+  std::optional<double> crease;   // degrees; none: the API's default
 };
 
-/// Adds --base-density, --omega, --chart-faces, --parameteriser, --mapper and --area; values are checked while parsing. Returns
-/// --omega.
+/// Adds --base-density, --omega, --crease, --chart-faces, --parameteriser, --mapper and --area; values are checked while parsing.
+/// Returns --omega.
 CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags);
 
 /// `points`: N for which the curve is made. `seed`: of the progressive sampler. The flags have been checked.

@@ -13,8 +13,8 @@
 
 namespace curvecast {
 
-/// Faces whose normals' cosine is below this meet at a crease: 45 degrees.
-inline constexpr double kCreaseCosine = 0.70710678118654752;
+/// Faces whose normals are further apart than this meet at a crease, where nobody says otherwise.
+inline constexpr double kCreaseDegrees = 40;
 
 /// The normal of a vertex within one part of the faces around it.
 struct CreaseNormal {
@@ -51,7 +51,10 @@ std::vector<std::uint8_t> find_creases(const TriangleMesh& mesh, double cosine, 
 
 /// The normals of all vertices at which creases divide the faces around them into two parts or more. A crease that ends at a
 /// vertex inside the surface divides nothing there. Some are missing once the context is cancelled.
-CreaseNormals crease_normals(const TriangleMesh& mesh);
-CreaseNormals crease_normals(const TriangleMesh& mesh, const VertexFans& fans, const ExecutionContext& context);
+///
+/// `degrees`, 0 .. 180: faces whose normals are further apart, by more than what floats tell, meet at a crease. At 0 all edges
+/// are creases, at 180 none are.
+CreaseNormals crease_normals(const TriangleMesh& mesh, double degrees = kCreaseDegrees);
+CreaseNormals crease_normals(const TriangleMesh& mesh, double degrees, const VertexFans& fans, const ExecutionContext& context);
 
 }  // namespace curvecast

@@ -19,6 +19,9 @@ constexpr double kReadingPerByte = 3;
 constexpr double kReading = 1 << 20;
 // To repair: times the soup, and for each of its corners and vertices.
 constexpr double kRepairSoup = 1.5, kRepairPerCorner = 18, kRepairPerVertex = 30;
+// At a smaller angle most edges of a mesh may be creases, whose normals take so much for each corner.
+constexpr double kFewCreases = 20;  // degrees
+constexpr double kCreasesPerCorner = 24;
 // To cut and parameterise; then for each chart at work, up to so much.
 constexpr double kFlattenPerCorner = 20, kFlattenPerVertex = 40;
 constexpr double kFlattenPerThread = 64 << 20, kFlattenPerChartTriangle = 180;
@@ -46,9 +49,11 @@ double repair_bytes(const Counts& counts, const PolygonSoup& soup) {
   return kRepairSoup * soup_bytes(soup) + kRepairPerCorner * counts.corners + kRepairPerVertex * counts.vertices;
 }
 
-double mesh_bytes(const Counts& counts, const PolygonSoup& soup, const ExecutionContext& context) {
+double mesh_bytes(const Counts& counts, const PolygonSoup& soup, const PreprocessOptions& options,
+                  const ExecutionContext& context) {
   const int threads = context.threads > 0 ? context.threads : machine_cores();
-  const double flattened = soup_bytes(soup) + kFlattenPerCorner * counts.corners + kFlattenPerVertex * counts.vertices +
+  const double per_corner = kFlattenPerCorner + (options.crease_degrees < kFewCreases ? kCreasesPerCorner : 0);
+  const double flattened = soup_bytes(soup) + per_corner * counts.corners + kFlattenPerVertex * counts.vertices +
                            std::min(threads * kFlattenPerThread, kFlattenPerChartTriangle * counts.triangles);
   return std::max(repair_bytes(counts, soup), flattened);
 }
@@ -103,7 +108,7 @@ absl::Status claim_repair(const MeshFile& file, const PolygonSoup& soup, MemoryC
 absl::Status claim_preprocessing(const MeshFile& file, const PolygonSoup& soup, const PreprocessOptions& options,
                                  const ExecutionContext& context, MemoryClaim& claim) {
   const Counts counts = count(soup);
-  const double mesh = mesh_bytes(counts, soup, context), per_leaf = kPerLeaf + scalar_bytes(soup);
+  const double mesh = mesh_bytes(counts, soup, options, context), per_leaf = kPerLeaf + scalar_bytes(soup);
   const double bytes = mesh + kCurve + per_leaf * wanted_leaves(options);
   std::string what = absl::StrFormat("%s: to prepare %.0f triangles for %d points with omega %g takes %s of memory", file.name,
                                      counts.triangles, options.points, options.omega, describe_bytes(bytes));

@@ -40,6 +40,9 @@ absl::Status check(const PreprocessOptions& options) {
   if (!(options.omega >= 1 && options.omega <= kMaxOmega)) {
     return absl::InvalidArgumentError(absl::StrFormat("omega = %g; it must lie in 1 .. %g", options.omega, kMaxOmega));
   }
+  if (!(options.crease_degrees >= 0 && options.crease_degrees <= 180)) {
+    return absl::InvalidArgumentError(absl::StrFormat("crease_degrees = %g; it must lie in 0 .. 180", options.crease_degrees));
+  }
   return options.mapper == Mapper::kIdBuffer ? IdBuffer::check() : absl::OkStatus();
 }
 
@@ -258,7 +261,7 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   beside.run([&] {
     const VertexFans fans(mesh, context);
     flattened.geometry = differential_geometry(mesh, fans, context);
-    flattened.creases = crease_normals(mesh, fans, context);
+    flattened.creases = crease_normals(mesh, options.crease_degrees, fans, context);
     for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
       if (mesh.twins[h] == kNone) flattened.borders.push_back(h);
     }

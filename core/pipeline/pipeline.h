@@ -29,7 +29,7 @@ namespace curvecast {
 
 /// Grows whenever preprocessing or sampling gives other bytes than before for the same files and options: sessions of other
 /// versions are others. tests/core/pipeline/golden_test.cpp guards it.
-inline constexpr int kAlgorithmVersion = 9;
+inline constexpr int kAlgorithmVersion = 10;
 
 struct PreprocessOptions {
   std::uint64_t points = 65'536;  // N for which the curve is made fine enough, 1 .. kMaxPoints
@@ -37,9 +37,10 @@ struct PreprocessOptions {
   Parameteriser parameteriser = Parameteriser::kLeastStretch;
   Mapper mapper = Mapper::kExact;
   AreaElement area_element = AreaElement::kExact;
-  std::vector<DensityTerm> density;  // base density for which the curve is made, without camera terms; none = uniform
-  std::uint64_t seed = 0;            // of the ranked points
-  std::uint64_t chart_faces = 0;     // about how many a chart may have; 0: as FlattenOptions says
+  std::vector<DensityTerm> density;        // base density for which the curve is made, without camera terms; none = uniform
+  std::uint64_t seed = 0;                  // of the ranked points
+  std::uint64_t chart_faces = 0;           // about how many a chart may have; 0: as FlattenOptions says
+  double crease_degrees = kCreaseDegrees;  // faces whose normals are further apart meet at a crease, 0 .. 180
 };
 
 /// What a file holds and what repair made of it.

@@ -118,13 +118,13 @@ void archive(Archive& fields, T& term) {
 
 template <typename Archive, ConstOr<PreprocessOptions> T>
 void archive(Archive& fields, T& options) {
-  auto& [points, omega, parameteriser, mapper, area_element, density, seed, chart_faces] = options;
+  auto& [points, omega, parameteriser, mapper, area_element, density, seed, chart_faces, crease_degrees] = options;
   fields(points, omega);
   fields.choice(parameteriser, Parameteriser::kCgal);
   fields.choice(mapper, Mapper::kIdBuffer);
   fields.choice(area_element, AreaElement::kVoronoi);
   fields(density);
-  fields(seed, chart_faces);
+  fields(seed, chart_faces, crease_degrees);
 }
 
 }  // namespace curvecast

@@ -102,6 +102,7 @@ v1::SessionOptions to_proto(const PreprocessOptions& options) {
   for (const DensityTerm& term : options.density) *out.add_density() = server::to_proto(term);
   out.set_seed(options.seed);
   out.set_chart_faces(options.chart_faces);
+  out.set_crease_degrees(options.crease_degrees);
   return out;
 }
 
@@ -222,6 +223,9 @@ absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions
   out.density = to_density(check, "options.density", options.density(), {}, "depends on a camera; a base density cannot").terms;
   out.seed = options.seed();
   out.chart_faces = to_chart_faces(check, "options.chart_faces", options.chart_faces());
+  if (options.has_crease_degrees()) {
+    out.crease_degrees = check.in_range("options.crease_degrees", options.crease_degrees(), 0.0, 180.0);
+  }
   if (const double vertices = static_cast<double>(out.points) * out.omega; vertices > kMaxCurveVertices) {
     check.fail("options.max_points",
                absl::StrFormat("times omega makes %.0f curve vertices; at most %.0f are made", vertices, kMaxCurveVertices));

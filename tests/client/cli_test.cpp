@@ -1,6 +1,7 @@
 // Runs the real command on a generated sphere.
 #include <signal.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -257,6 +258,33 @@ TEST_F(CliTest, MeshesAreDividedIntoCharts) {
   EXPECT_EQ(run_json({"preprocess", ball, "-n", "500", "--chart-faces", "1260"})["discs"], 4);
   EXPECT_EQ(run_json({"render", ball, "--what", "uv", "--chart-faces", "1260", "-o", temporary("uv.png")})["discs"], 4);
   expect_failure({"preprocess", ball, "--chart-faces", "999"}, 2, "chart-faces");
+}
+
+TEST_F(CliTest, EdgesAreSharpFromAnAngleOfChoice) {
+  const std::string cube = temporary("cube.off"), ply = temporary("cube.ply");
+  std::ofstream(cube) << "OFF\n8 6 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
+                         "4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n";
+  const auto leaning = [&](const std::vector<std::string>& flags) {  // points whose normals are no face's
+    std::vector<std::string> arguments = {"sample", cube, "-n", "500", "-o", ply};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    run_json(arguments);
+    const auto points = load_points(ply);
+    EXPECT_TRUE(points.ok()) << points.status();
+    return points.ok() ? std::ranges::count_if(points->normals,
+                                               [](const auto& n) {
+                                                 return std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])}) < 0.99f;
+                                               })
+                       : -1;
+  };
+  EXPECT_EQ(leaning({}), 0);
+  EXPECT_EQ(leaning({"--crease", "0"}), 0);
+  EXPECT_GT(leaning({"--crease", "100"}), 250);
+  const json usual = run_json({"preprocess", cube, "-n", "500"});
+  const json sharper = run_json({"preprocess", cube, "-n", "500", "--crease", "12.5"});
+  EXPECT_EQ(usual["crease_degrees"], 40);
+  EXPECT_EQ(sharper["crease_degrees"], 12.5);
+  EXPECT_NE(usual["session_id"], sharper["session_id"]);
+  for (const char* degrees : {"-1", "181", "sharp"}) expect_failure({"preprocess", cube, "--crease", degrees}, 2, "crease");
 }
 
 TEST_F(CliTest, BenchMeasuresWithoutAServer) {

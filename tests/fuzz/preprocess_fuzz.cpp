@@ -82,6 +82,8 @@ PreprocessOptions options_of(Bytes& bytes) {
   options.parameteriser = ways % 16 == 0 ? Parameteriser::kCgal : Parameteriser::kLeastStretch;
   options.area_element = ways / 16 % 4 == 0 ? AreaElement::kVoronoi : AreaElement::kExact;
   options.chart_faces = ways / 64 == 0 ? 20 : 0;
+  constexpr double kCreases[] = {kCreaseDegrees, 0, 180, 15};
+  options.crease_degrees = kCreases[density / 8 % 4];
   if (density % 8 == 1) options.density.emplace_back(CurvatureTerm{});
   if (density % 8 == 2) options.density.emplace_back(AttributeTerm{"heat"});
   if (density % 8 == 3) options.density.emplace_back(ExpressionTerm{"x * x + abs(mean)"});

@@ -140,12 +140,19 @@ std::string upload(Stub& stub, const std::string& bytes) {
 
 Created create(Stub& stub, const std::string& mesh_id, std::uint64_t max_points,
                const std::map<std::string, std::string>& companions) {
+  v1::SessionOptions options;
+  options.set_max_points(max_points);
+  return create(stub, mesh_id, options, companions);
+}
+
+Created create(Stub& stub, const std::string& mesh_id, const v1::SessionOptions& options,
+               const std::map<std::string, std::string>& companions) {
   Created out;
   grpc::ClientContext context;
   set_patience(context);
   v1::CreateSessionRequest request;
   request.set_mesh_id(mesh_id);
-  request.mutable_options()->set_max_points(max_points);
+  *request.mutable_options() = options;
   request.mutable_companions()->insert(companions.begin(), companions.end());
   const auto reader = stub.CreateSession(&context, request);
   v1::CreateSessionResponse response;

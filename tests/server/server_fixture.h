@@ -67,6 +67,8 @@ struct Created {
 };
 Created create(Stub& stub, const std::string& mesh_id, std::uint64_t max_points,
                const std::map<std::string, std::string>& companions = {});
+Created create(Stub& stub, const std::string& mesh_id, const v1::SessionOptions& options,
+               const std::map<std::string, std::string>& companions = {});
 
 struct Resampled {
   grpc::Status status;

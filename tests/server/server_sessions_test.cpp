@@ -1,11 +1,19 @@
 // Meshes, sessions and point sets, over TCP.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <set>
 #include <thread>
 
 #include "eventually.h"
 #include "server_fixture.h"
+
+#include "tests/server/convert/values_of.h"
+#include "tests/support/shapes.h"
 
 namespace curvecast::server {
 namespace {
@@ -138,6 +146,57 @@ TEST_F(ServerSessions, ResamplesTheSameBytesEveryTime) {
   EXPECT_GT(a.blocks.back().statistics().curve_vertices(), 0u);
   sample.set_seed(1);
   EXPECT_NE(resample(*first, id, sample).bytes(), a.bytes());
+}
+
+/// How many of a cube's points have normals of no face.
+std::size_t count_leaning(const Resampled& resampled) {
+  std::size_t count = 0;
+  for (const v1::ResampleResponse& response : resampled.blocks) {
+    const auto normals = values_of<std::array<float, 3>>(response.points().raw().normals());
+    EXPECT_EQ(normals.size(), response.points().count());
+    count += std::ranges::count_if(normals, [](const auto& n) {
+      return std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])}) < 0.99f;
+    });
+  }
+  return count;
+}
+
+TEST_F(ServerSessions, HaveCreasesFromTheAngleThatTheyAskFor) {
+  const auto stub = client();
+  const std::string cube = upload(*stub, testing::to_off(testing::cube()));
+  v1::SessionOptions options;
+  options.set_max_points(1000);
+  v1::SampleRequest sample;
+  sample.set_points(1000);
+  sample.mutable_encoding()->mutable_raw();
+  std::map<double, std::string> ids;
+  for (const double degrees : {0.0, 40.0, 89.0, 91.0, 180.0}) {
+    SCOPED_TRACE(degrees);
+    options.set_crease_degrees(degrees);
+    const Created created = create(*stub, cube, options);
+    ASSERT_TRUE(created.status.ok()) << created.status.error_message();
+    EXPECT_EQ(created.session.options().crease_degrees(), degrees);
+    ids[degrees] = created.session.session_id();
+    const Resampled resampled = resample(*stub, ids[degrees], sample);
+    ASSERT_TRUE(resampled.status.ok()) << resampled.status.error_message();
+    if (degrees < 90) {
+      EXPECT_EQ(count_leaning(resampled), 0u);
+    } else {
+      EXPECT_GT(count_leaning(resampled), 500u);
+    }
+  }
+  std::set<std::string> different;
+  for (const auto& [degrees, id] : ids) different.insert(id);
+  EXPECT_EQ(different.size(), ids.size());
+  const Created unset = create(*stub, cube, 1000);
+  EXPECT_EQ(unset.session.session_id(), ids[40]);
+  EXPECT_TRUE(unset.session.options().has_crease_degrees());
+  for (const double degrees : {-1.0, 180.5, std::numeric_limits<double>::quiet_NaN()}) {
+    options.set_crease_degrees(degrees);
+    const grpc::Status refused = create(*stub, cube, options).status;
+    EXPECT_EQ(refused.error_code(), grpc::INVALID_ARGUMENT);
+    EXPECT_THAT(refused.error_message(), HasSubstr("options.crease_degrees"));
+  }
 }
 
 TEST_F(ServerSessions, LargePointSetsComeInBlocks) {

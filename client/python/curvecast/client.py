@@ -135,6 +135,7 @@ class Client:
         area: str = "exact",
         seed: int = 0,
         chart_faces: int = 0,
+        crease_degrees: float | None = None,
         on_progress: OnProgress | None = None,
     ) -> Session:
         """Prepares a mesh, or joins the session that exists for the same mesh and options, and waits until it is ready.
@@ -142,8 +143,9 @@ class Client:
         points: N for which the curve is made fine enough, up to 4,000,000. omega: curve vertices per point; 0 = 10. density: for
         which the curve is made, without terms of a camera. parameteriser: own or cgal; mapper: exact or id_buffer; area: exact or
         voronoi. seed: of the progressive sampler's points. chart_faces: divides larger components into charts of about so many
-        faces; 0 = those of more than 1,000,000, into charts of 100,000. An exception in on_progress stops preprocessing on
-        the server too, unless other clients wait for the same session.
+        faces; 0 = those of more than 1,000,000, into charts of 100,000. crease_degrees: edges at which faces turn by more are
+        sharp, normals do not lean over them; from 0, where all are, to 180, where none are; None = 40. An exception in
+        on_progress stops preprocessing on the server too, unless other clients wait for the same session.
         """
         mesh = as_mesh(mesh)
         options = v1.SessionOptions(
@@ -155,6 +157,7 @@ class Client:
             area_element=enum_name(v1.AreaElement, "AREA_ELEMENT", area),
             seed=seed,
             chart_faces=chart_faces,
+            crease_degrees=crease_degrees,
         )
         request = v1.CreateSessionRequest(mesh_id=mesh.id, options=options, companions=mesh.companions, without_preview=True)
         return Session(self._connection, self._connection.call_with_progress("CreateSession", request, "session", on_progress))

@@ -131,6 +131,7 @@ TEST(BatchRecord, SettingsTellWhatPointsDependOn) {
                                "--camera=fov=20",
                                "--base-density=curvature",
                                "--omega=11",
+                               "--crease=20",
                                "--chart-faces=5000",
                                "--parameteriser=cgal",
                                "--mapper=id-buffer",

@@ -21,6 +21,7 @@ struct Shape {
   PolygonSoup soup;
   std::uint64_t points;
   double omega;
+  double crease_degrees = kCreaseDegrees;
 };
 
 std::vector<Shape> shapes() {
@@ -30,6 +31,7 @@ std::vector<Shape> shapes() {
   named.attributes.scalars = {{"a", std::vector<float>(named.positions.size(), 1)},
                               {"b", std::vector<float>(named.positions.size(), 2)}};
   return {{"ball", testing::icosphere(7), 1'000, 1},
+          {"greater ball of flat faces", testing::icosphere(8), 1'000, 1, 0},
           {"greater ball", testing::icosphere(8), 1'000, 1},
           {"ball with a fine curve", testing::icosphere(5), 200'000, 10},
           {"tetrahedron with a fine curve", testing::tetrahedron(), 200'000, 10},
@@ -45,7 +47,7 @@ TEST(MemoryEstimate, IsMoreThanIsTaken) {
   for (const Shape& shape : shapes()) {
     SCOPED_TRACE(shape.name);
     const std::string file = testing::to_ply(shape.soup);
-    const PreprocessOptions options{.points = shape.points, .omega = shape.omega};
+    const PreprocessOptions options{.points = shape.points, .omega = shape.omega, .crease_degrees = shape.crease_degrees};
     testing::CountingSource source;
     const testing::CountedMemory memory;
     ASSERT_TRUE(preprocess({"shape.ply", file}, options, {.threads = 2, .memory = &source}).ok());

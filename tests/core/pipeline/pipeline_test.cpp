@@ -123,11 +123,50 @@ TEST(Pipeline, TellsWhatTheMeshCarriesAndWhatIsMissing) {
   EXPECT_THAT(info->warnings, ::testing::ElementsAre(HasSubstr("line 1: the material library 'a.mtl' is not there")));
 }
 
+/// The least cosine between a normal of the curve and the nearest of the faces' normals.
+double least_cosine(const PolygonSoup& soup, const PreprocessOptions& options) {
+  const absl::StatusOr<Preprocessed> made = run(testing::to_off(soup), options);
+  EXPECT_TRUE(made.ok()) << made.status();
+  if (!made.ok()) return std::nan("");
+  const TriangleMesh& mesh = made->flattened->loaded.mesh;
+  double least = 1;
+  for (std::size_t l = 0; l < made->curve->size(); ++l) {
+    double nearest = -1;
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+      nearest = std::max(nearest, made->curve->normal(l).cast<double>().dot(area_vector(mesh, f).normalized()));
+    }
+    least = std::min(least, nearest);
+  }
+  return least;
+}
+
+TEST(Pipeline, NormalsLeanOverEdgesAsTheAngleOfCreasesSays) {
+  using namespace curvecast::testing;
+  constexpr double kFlat = 0.9999;  // lengths are rounded
+  const auto cosine = [](const PolygonSoup& soup, double degrees) {
+    return least_cosine(soup, {.points = 500, .crease_degrees = degrees});
+  };
+  EXPECT_GT(least_cosine(cube(), {.points = 500}), kFlat) << "its edges are of 90 degrees";
+  EXPECT_LT(cosine(cube(), 91), 0.9);
+  const PolygonSoup twelve_sides = open_cylinder(2, 12);  // edges of 30 degrees
+  EXPECT_LT(least_cosine(twelve_sides, {.points = 500}), 0.98);
+  EXPECT_LT(cosine(twelve_sides, 31), 0.98);
+  EXPECT_GT(cosine(twelve_sides, 29), kFlat);
+  EXPECT_GT(cosine(twelve_sides, 20), kFlat);
+  EXPECT_GT(cosine(icosphere(2), 0), kFlat);
+  EXPECT_LT(cosine(icosphere(2), 180), 0.997);
+}
+
 TEST(Pipeline, RefusesOptionsOutOfRange) {
   const std::string off = curvecast::testing::to_off(curvecast::testing::cube());
   for (const PreprocessOptions& options :
        {PreprocessOptions{.points = 0}, {.points = kMaxPoints + 1}, {.omega = 0.5}, {.omega = 1e9}, {.omega = std::nan("")}}) {
     EXPECT_EQ(run(off, options).status().code(), absl::StatusCode::kInvalidArgument);
+  }
+  for (const double degrees : {-0.1, 180.1, 1e300, std::nan("")}) {
+    const absl::Status refused = run(off, {.crease_degrees = degrees}).status();
+    EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(refused.message()), HasSubstr("crease_degrees = "));
   }
 }
 

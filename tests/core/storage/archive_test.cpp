@@ -17,7 +17,8 @@ PreprocessOptions some_options() {
                       FrustumTerm{}, ScreenTerm{}, AttributeTerm{"quality"}, BrushTerm{{{{1, 2, 3}, 4, 5, 0.25}}},
                       ExpressionTerm{"1 + x"}},
           .seed = 9,
-          .chart_faces = 500};
+          .chart_faces = 500,
+          .crease_degrees = 25};
 }
 
 PreprocessReport some_report() {
@@ -39,6 +40,7 @@ TEST(Archive, BringsOptionsBack) {
   EXPECT_EQ(to_archive(back), bytes);
   EXPECT_EQ(back.points, 12'345u);
   EXPECT_EQ(back.mapper, Mapper::kIdBuffer);
+  EXPECT_EQ(back.crease_degrees, 25);
   ASSERT_EQ(back.density.size(), 9u);
   EXPECT_EQ(std::get<CurvatureTerm>(back.density[1]).floor, 0.25);
   EXPECT_EQ(std::get<AttributeTerm>(back.density[6]).name, "quality");
@@ -69,6 +71,7 @@ TEST(Archive, EveryOptionCounts) {
   EXPECT_TRUE(differs([](auto& o) { o.density.pop_back(); }));
   EXPECT_TRUE(differs([](auto& o) { o.seed = 0; }));
   EXPECT_TRUE(differs([](auto& o) { o.chart_faces = 0; }));
+  EXPECT_TRUE(differs([](auto& o) { o.crease_degrees = 25.5; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<ViewTerm>(o.density[2]).s0 = 0.75; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).global = false; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).fall = DistanceFall::kInverse; }));

@@ -147,6 +147,17 @@ TEST(ToPreprocessOptions, ChecksAndFillsIn) {
   for (const std::uint64_t few_or_many : {std::uint64_t{1}, std::uint64_t{999}, ~std::uint64_t{0}}) {
     EXPECT_THAT(divided(few_or_many).status().message(), HasSubstr("options.chart_faces is ")) << few_or_many;
   }
+  const auto creased = [](double degrees) {
+    v1::SessionOptions options;
+    options.set_crease_degrees(degrees);
+    return to_preprocess_options(options);
+  };
+  EXPECT_EQ(defaults->crease_degrees, 40);
+  for (const double degrees : {0.0, 22.5, 180.0}) EXPECT_EQ(creased(degrees)->crease_degrees, degrees);
+  for (const double degrees : {-0.1, 180.1, kNan, kInf}) {
+    EXPECT_EQ(creased(degrees).status().code(), Code::kInvalidArgument) << degrees;
+    EXPECT_THAT(creased(degrees).status().message(), HasSubstr("options.crease_degrees")) << degrees;
+  }
   EXPECT_THAT(convert(4'000'001, 0).status().message(), HasSubstr("options.max_points is 4000001"));
   EXPECT_EQ(convert(~std::uint64_t{0}, 0).status().code(), Code::kInvalidArgument);
   EXPECT_THAT(convert(4'000'000, 1000).status().message(), HasSubstr("curve vertices"));

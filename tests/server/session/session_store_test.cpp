@@ -68,8 +68,9 @@ TEST_F(SessionStoreTest, EveryOptionMakesAnotherSession) {
                                      session_id(mesh("m"), {.area_element = AreaElement::kVoronoi}),
                                      session_id(mesh("m"), {.density = {UniformTerm{}}}),
                                      session_id(mesh("m"), {.density = {CurvatureTerm{}}}),
-                                     session_id(mesh("m"), {.density = {CurvatureTerm{.floor = 0.5}}})};
-  EXPECT_EQ(ids.size(), 9u);
+                                     session_id(mesh("m"), {.density = {CurvatureTerm{.floor = 0.5}}}),
+                                     session_id(mesh("m"), {.crease_degrees = 20})};
+  EXPECT_EQ(ids.size(), 10u);
 }
 
 TEST_F(SessionStoreTest, IdsBeginAsThoseOfTheirMeshes) {
