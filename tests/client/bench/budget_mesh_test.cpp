@@ -30,9 +30,9 @@ TEST(BudgetMeshes, AreAsLargeAsTheBytesAllow) {
     ASSERT_TRUE(mesh.ok()) << mesh.status();
     EXPECT_LE(mesh->bytes, bytes);
     EXPECT_GT(mesh->bytes, bytes / 10 * 8);
-    EXPECT_GT(mesh->mesh->mesh().face_count(), fewer);
-    fewer = mesh->mesh->mesh().face_count();
-    EXPECT_NEAR(surface_area(mesh->mesh->mesh()), 4 * 3.14159, 0.8);
+    EXPECT_GT(mesh->smooth->mesh().face_count(), fewer);
+    fewer = mesh->smooth->mesh().face_count();
+    EXPECT_NEAR(surface_area(mesh->smooth->mesh()), 4 * 3.14159, 0.8);
   }
   EXPECT_LT(fewer, whole.mesh().face_count());
 }
@@ -42,16 +42,16 @@ TEST(BudgetMeshes, AreWholeWhereThereAreBytesEnough) {
   BudgetMeshes meshes(whole);
   const auto mesh = meshes.of_bytes(100'000'000, {});
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_EQ(mesh->mesh->mesh().face_count(), whole.mesh().face_count());
-  EXPECT_TRUE(mesh->mesh->has_colours());
-  EXPECT_EQ(mesh->mesh->attributes().colours.size(), whole.mesh().vertex_count());
+  EXPECT_EQ(mesh->smooth->mesh().face_count(), whole.mesh().face_count());
+  EXPECT_TRUE(mesh->smooth->has_colours());
+  EXPECT_EQ(mesh->smooth->attributes().colours.size(), whole.mesh().vertex_count());
 }
 
 TEST(BudgetMeshes, AreTheSmallestWhereNoneFits) {
   const ShadedMesh whole(bumpy_ball(false));
   const auto mesh = BudgetMeshes(whole).of_bytes(1, {});
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_LT(mesh->mesh->mesh().face_count(), 200u);
+  EXPECT_LT(mesh->smooth->mesh().face_count(), 200u);
 }
 
 TEST(BudgetMeshes, CanBeCancelled) {
