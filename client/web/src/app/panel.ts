@@ -5,9 +5,10 @@ import GUI, { type Controller } from "lil-gui";
 import type { StandardView } from "../view";
 import { button, element } from "./elements";
 import guiStyle from "../../node_modules/lil-gui/dist/lil-gui.min.css?inline";
-import { makeSlider } from "./panel_access";
+import { makeLogarithmic, movedByFactors } from "./log_slider";
+import { makeSlider, moved } from "./panel_access";
 import { actionWords, choiceWords, settingWords, type Words } from "./panel_words";
-import { ranges, type Settings } from "./settings";
+import { ranges, type Range, type Settings } from "./settings";
 
 /// What the panel calls: `changed` after a setting has changed, the others for its buttons.
 export interface PanelActions {
@@ -113,9 +114,11 @@ export class Panel {
   }
 
   private addNumber(folder: GUI, key: keyof typeof ranges): Controller {
-    const { min, max, step }: { min: number; max: number; step?: number } = ranges[key];
+    const { min, max, step, isLogarithmic = false }: Range = ranges[key];
     const controller = explained(folder.add(this.settings, key, min, max, step), settingWords[key]);
-    this.sliders.push(makeSlider(controller, { min, max, step: step ?? (max - min) / 100 }));
+    const steps = { min, max, step: step ?? (max - min) / 100 };
+    if (isLogarithmic) makeLogarithmic(controller, steps);
+    this.sliders.push(makeSlider(controller, steps, isLogarithmic ? movedByFactors : moved));
     return controller;
   }
 

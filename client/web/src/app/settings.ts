@@ -53,23 +53,25 @@ export interface Settings {
 /// The most dabs of the brush; the same limit as the server's.
 export const maxDabs = 10_000;
 
-interface Range {
+/// The range of a number.
+export interface Range {
   min: number;
   max: number;
   step?: number; // of the panel
+  isLogarithmic?: boolean; // on the panel's slider
 }
 
 /// The ranges of the settings that are numbers.
 export const ranges = {
-  points: { min: 1000, max: 1_000_000, step: 1000 },
-  kilobytes: { min: 4, max: 8192, step: 4 },
+  points: { min: 1000, max: 1_000_000, step: 100, isLogarithmic: true },
+  kilobytes: { min: 4, max: 8192, step: 1, isLogarithmic: true },
   pixelError: { min: 1, max: 40, step: 0.5 },
   frameMilliseconds: { min: 10, max: 500, step: 1 },
   curvatureExponent: { min: 0.1, max: 3 },
   silhouetteFloor: { min: 0.01, max: 1 },
   brushSize: { min: 0.5, max: 30 },
   brushFactor: { min: 0, max: 64 },
-  meshVertices: { min: 100, max: 100_000, step: 100 },
+  meshVertices: { min: 100, max: 100_000, step: 10, isLogarithmic: true },
   dotSize: { min: 1, max: 10 },
   splatScale: { min: 0.2, max: 3 },
   fieldOfView: { min: 5, max: 120, step: 1 },
