@@ -76,6 +76,11 @@ export const slimness = 2.2;
 const discFunctions = /* glsl */ `
 ${pointFunctions}
 const float SLIMNESS = ${slimness.toFixed(2)};
+#if defined(QUICK) || defined(CONE)
+const float SLIMMEST = 0.6;  // opaque discs have no others to close the gaps between them
+#else
+const float SLIMMEST = 0.4;
+#endif
 const float SLACK = ${slack.toFixed(2)};  // as in the planes of ends
 uniform float splatScale;
 uniform float backShift;  // along the ray, in radii
@@ -123,18 +128,21 @@ bool placeCorner() {
   lean = normalize(lean);
   vec3 major = cross(view, lean);
   vec3 minor = cross(discNormal, major);
-  // A disc thinner than a pixel is turned a little to the eye, so that it is never lost between pixels.
   float least = minRadius * -center.z;
   float radius = max(point.w * splatScale * length(modelViewMatrix[0].xyz), least);
 #ifdef IS_FROZEN
   radius = max(radius * min(1.0, frozenSlim * sqrt(abs(dot(discNormal, normalize(frozenEye - center))))), least);
 #endif
-  float lost = max(least - radius * abs(facing), 0.0);
-  minor = radius * minor - (facing < 0.0 ? -lost : lost) * lean;
+  // The more a disc is seen from its edge, the slimmer it is, as in core/render: where the surface bends away from the eye, discs would
+  // stick out of it. There they lie so densely on the picture that no gaps come of it.
+  float slim = mix(SLIMMEST, 1.0, smoothstep(0.0, 1.0, abs(facing)));
+  // A disc thinner than a pixel is turned a little to the eye, so that it is never lost between pixels.
+  float lost = max(least - slim * radius * abs(facing), 0.0);
+  minor = slim * radius * minor - (facing < 0.0 ? -lost : lost) * lean;
   // Discs seen from their edges would stick out of a rough surface as needles. On a smooth surface, shorter discs change only the last
   // pixels of the rim.
-  float slim = min(1.0, SLIMNESS * sqrt(abs(facing)));
-  major *= max(radius * slim, least);
+  float longest = min(1.0, SLIMNESS * sqrt(abs(facing)));
+  major *= max(radius * longest, least);
   vec2 disc = extent * inShape;
   corner = center + disc.x * minor + disc.y * major;
 #ifdef HAS_ENDS
