@@ -10,10 +10,12 @@ import { ball } from "./support/meshes.mjs";
 import { difference } from "./support/pictures.mjs";
 import { Server, temporaryFolder } from "./support/server.mjs";
 
+const front = { eye: [0, 0, 5], target: [0, 0, 0], up: [0, 1, 0], fov: 30 };
+
 /// The radius of the ball's outline in a picture, in pixels.
-function outlineOf({ eye, fov }, { height }) {
-  const distance = Math.hypot(...eye);
-  return height / 2 / Math.tan((fov * Math.PI) / 360) / Math.sqrt(distance * distance - 1);
+function outlineOf({ eye, target, fov, orthographic = false }, { height }) {
+  const distance = orthographic ? eye[2] - target[2] : Math.sqrt(eye[2] ** 2 - 1);
+  return height / 2 / Math.tan((fov * Math.PI) / 360) / distance;
 }
 
 describe("a ball of 1000 points", () => {
@@ -25,22 +27,27 @@ describe("a ball of 1000 points", () => {
     server = await Server.start("--open", mesh, "--max-curve-vertices", "0");
     page = await WatchedPage.open(`${server.url}#points=1000&edl=0&frustum=0`);
     await page.settled();
-    const front = { eye: [0, 0, 5], target: [0, 0, 0], up: [0, 1, 0], fov: 30 };
-    await page.change(() => page.evaluate((c, camera) => (c.view.camera = camera), front));
   });
   after(async () => {
     await page?.close();
     await server?.stop();
   });
 
-  for (const [what, screen, most] of [
-    ["even on the screen", true, 1.6],
-    ["even on the surface", false, 0.6],
+  const parallel = { ...front, orthographic: true };
+  const within = { ...parallel, eye: [0, 0, 0.5], target: [0, 0, -4.5] };
+  for (const [what, screen, camera, most] of [
+    ["even on the screen", true, front, 1.6],
+    ["even on the surface", false, front, 0.6],
+    ["seen by parallel rays", true, parallel, 1.6],
+    ["seen by parallel rays that begin within", true, within, 1.6],
   ]) {
     it(`${what}, has a round outline and no holes`, async () => {
-      if (!screen) await page.change(() => page.set("even as seen from here", false));
+      await page.evaluate((c) => (c.view.camera = { ...c.view.camera, fov: 40 })); // another one
+      await page.answered();
+      await page.set("even as seen from here", screen);
+      await page.change(() => page.evaluate((c, wanted) => (c.view.camera = wanted), camera));
       await page.settled();
-      const picture = await page.picture(`ball_${screen}.png`);
+      const picture = await page.picture(`${what.replaceAll(" ", "_")}.png`);
       const mask = difference(picture, await page.emptyPicture(), 3);
       const { width, height } = picture;
       const radius = outlineOf(await page.evaluate((c) => c.view.camera), picture);

@@ -1,7 +1,7 @@
 // The viewer's page: joins its parts.
 
 import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
-import { directionOf, sectionOf, upAxisOf, Viewport, type CameraState, type Section, type StandardView } from "../view";
+import { directionOf, sectionOf, Viewport, type CameraState, type Section, type StandardView } from "../view";
 import { distance } from "../view/vector";
 import { AxesGizmo } from "./axes_gizmo";
 import { Brush } from "./brush";
@@ -18,7 +18,7 @@ import { saveMesh, savePicture, savePoints } from "./saving";
 import { ScaleBar } from "./scale_bar";
 import { SessionChoice } from "./session_choice";
 import { nameOf, SessionList } from "./session_list";
-import { defaultSettings, type Dab, type Settings } from "./settings";
+import { defaultSettings, takeCamera, type Dab, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
 import { Uploads } from "./upload";
@@ -163,11 +163,7 @@ export class Application {
     const { camera } = this.viewport;
     this.axes.show(camera);
     if (this.session !== null) this.scale.show(camera, this.viewport.cssHeight);
-    const ofCamera = { fieldOfView: camera.fov, up: upAxisOf(camera) };
-    if (ofCamera.fieldOfView !== this.settings.fieldOfView || ofCamera.up !== this.settings.up) {
-      Object.assign(this.settings, ofCamera);
-      this.panel.refresh();
-    }
+    if (takeCamera(this.settings, camera)) this.panel.refresh();
     this.pacer.request();
   }
 
@@ -181,6 +177,7 @@ export class Application {
     viewport.style = { mode, colouring, background, edl, dotSize, splatScale, paint, section: this.section() };
     viewport.setUp(settings.up);
     viewport.setFieldOfView(settings.fieldOfView);
+    viewport.setOrthographic(settings.projection === "orthographic");
     viewport.maxPixelRatio = settings.pixelRatio;
     viewport.navigation = settings.navigation;
     viewport.setMeasuring(settings.measuring && !settings.brush);

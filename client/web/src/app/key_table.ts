@@ -59,6 +59,7 @@ export function keyTable(actions: KeyActions): Shortcut[] {
     { key: "3", what: "from the front", run: () => actions.view("front") },
     { key: "4", what: "from the side", run: () => actions.view("side") },
     { key: "5", what: "from above", run: () => actions.view("top") },
+    sets("6", "perspective, orthographic", (s) => (s.projection = s.projection === "perspective" ? "orthographic" : "perspective")),
     { key: "u", what: "open a mesh", run: () => actions.upload() },
     sets("1", "surface", (s) => ((s.mode = "splats"), "on")),
     sets("2", "dots", (s) => ((s.mode = "dots"), "on")),

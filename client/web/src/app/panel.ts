@@ -146,7 +146,8 @@ export class Panel {
     folder.$children.append(element("div", { class: "views", attributes: { role: "group", "aria-label": "Views" } }, buttons));
     this.addButton(folder, "fit");
     this.addChoice(folder, "up");
-    this.addNumber(folder, "fieldOfView");
+    this.addChoice(folder, "projection");
+    this.when(({ projection }) => projection === "perspective", this.addNumber(folder, "fieldOfView"));
     this.addChoice(folder, "navigation");
   }
 

@@ -13,6 +13,10 @@ const words = (name: string, hint: string): Words => ({ name, hint });
 /// The settings that the panel has.
 export const settingWords = {
   up: words("axis that points up", "Files of some programs have Y up, of others Z"),
+  projection: words(
+    "projection",
+    "orthographic: parallels stay parallel, and lengths across the view are the same near and far, as in drawings (6)",
+  ),
   fieldOfView: words("angle of view, °", "Vertical field of view: small ones show the surface flat, large ones from near by"),
   navigation: words("moving", "orbit: drag to turn the surface. fly: W A S D Q E move, drag to look around (N)"),
   mode: words("draw as", "surface: closed, by overlapping discs (splats, 1). dots: the points themselves (2)"),
@@ -67,6 +71,7 @@ export const settingWords = {
 /// The values of the settings that are choices, by the words of the panel.
 export const choiceWords = {
   up: { Y: "y", Z: "z" },
+  projection: { perspective: "perspective", orthographic: "orthographic" },
   navigation: { orbit: "orbit", fly: "fly" },
   mode: { surface: "splats", dots: "dots" },
   colouring: {

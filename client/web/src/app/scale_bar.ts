@@ -1,7 +1,7 @@
 // A bar that says how large what the camera looks at is.
 
 import type { CameraState } from "../view";
-import { distance } from "../view/vector";
+import { halfHeight } from "../view/camera_math";
 import { element } from "./elements";
 import { length } from "./format";
 
@@ -17,10 +17,10 @@ export function barOf(unitsPerPixel: number): { units: number; pixels: number } 
 
 /// Returns the units that a pixel stands for at the distance of the camera's target. `height`: of the picture, in pixels.
 export function unitsPerPixel(camera: CameraState, height: number): number {
-  return (2 * distance(camera.eye, camera.target) * Math.tan((camera.fov * Math.PI) / 360)) / Math.max(1, height);
+  return (2 * halfHeight(camera)) / Math.max(1, height);
 }
 
-/// Shows the bar. What is nearer to the eye than the camera's target is larger, as in every perspective picture.
+/// Shows the bar. What is nearer to the eye than the camera's target is larger, unless the camera is orthographic.
 export class ScaleBar {
   private readonly bar = element("div");
   private readonly text = element("span");

@@ -1,6 +1,7 @@
 // What a user can set. Lengths are in the units of the mesh unless a comment says otherwise.
 
-import type { Background, Colouring, Mode, PaintDab, UpAxis } from "../view";
+import type { Background, CameraState, Colouring, Mode, PaintDab, UpAxis } from "../view";
+import { upAxisOf } from "../view/standard_views";
 
 /// A dab of the brush, which paints over what was painted before. Dabs of one `stroke` are alike, and undone together.
 export interface Dab extends PaintDab {
@@ -43,6 +44,7 @@ export interface Settings {
   pixelRatio: number; // most pixels of the picture per CSS pixel
   up: UpAxis;
   fieldOfView: number; // vertical, degrees; that of the camera
+  projection: "perspective" | "orthographic"; // of the camera
   pictureScale: number; // of pictures that are saved: pixels per pixel of the page, in each direction
   navigation: "orbit" | "fly";
   frozen: boolean; // views are sampled for the camera of the moment when this was set
@@ -87,6 +89,15 @@ export function withinRange(key: keyof typeof ranges, value: number): number {
   return Math.min(Math.max(value, ranges[key].min), ranges[key].max);
 }
 
+/// Sets what is a camera's to that of `camera`. Returns whether it was something else.
+export function takeCamera(settings: Settings, camera: CameraState): boolean {
+  const projection = camera.orthographic === true ? "orthographic" : "perspective";
+  const taken = { fieldOfView: camera.fov, up: upAxisOf(camera), projection } as const;
+  const isNew = taken.fieldOfView !== settings.fieldOfView || taken.up !== settings.up || projection !== settings.projection;
+  Object.assign(settings, taken);
+  return isNew;
+}
+
 /// Returns the settings that a page begins with: surfaces have their own colours, or are clay. A renderer without a graphics card gets fewer points.
 export function defaultSettings(isSoftware: boolean, background: Background): Settings {
   return {
@@ -124,6 +135,7 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     pixelRatio: 2,
     up: "y",
     fieldOfView: 30,
+    projection: "perspective",
     pictureScale: 1,
     navigation: "orbit",
     frozen: false,

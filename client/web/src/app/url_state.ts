@@ -29,6 +29,7 @@ const choices: { [Key in keyof Settings]?: readonly string[] } = {
   background: ["light", "dark"],
   section: ["none", "x", "y", "z"],
   up: ["y", "z"],
+  projection: ["perspective", "orthographic"],
   navigation: ["orbit", "fly"],
 };
 
@@ -110,11 +111,9 @@ export function readState(hash: string, defaults: Settings): UrlState {
   }
   const dabs = given.get("dabs");
   if (dabs !== null) settings.dabs = readDabs(dabs);
-  return {
-    session: readSession(hash),
-    camera: readCamera(given.get("camera") ?? ""),
-    settings,
-  };
+  const camera = readCamera(given.get("camera") ?? "");
+  if (camera !== null && settings.projection === "orthographic") camera.orthographic = true;
+  return { session: readSession(hash), camera, settings };
 }
 
 /// Writes an address that readState() reads, # included.

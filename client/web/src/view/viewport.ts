@@ -6,16 +6,25 @@ import type { TriangleMesh } from "../stream/triangle_mesh";
 import { BrushTool } from "./brush_tool";
 import { CanvasPixels } from "./canvas_pixels";
 import { CameraControls, type ControlsHost } from "./camera_controls";
-import { type Bounds, clipPlanes, fit, isUsable, rayDirection } from "./camera_math";
+import { type Bounds, clipPlanes, fit, halfHeight, isUsable, rayThrough } from "./camera_math";
 import { Drawing } from "./drawing";
 import { DrawingWatch } from "./drawing_watch";
 import { type Detail, type Drawn, fine, FrameClock } from "./frame_clock";
 import { MeasureTool } from "./measure_tool";
 import type { OverlayLine } from "./overlay_lines";
 import { frustumLines } from "./overlay_shapes";
-import { pick, type Ray } from "./picking";
+import { pick } from "./picking";
 import { firstCamera, lookFrom, type UpAxis, withFieldOfView, withUp } from "./standard_views";
-import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
+import {
+  type CameraState,
+  defaultStyle,
+  type FrozenCamera,
+  NoWebGL2Error,
+  type Pick,
+  type Ray,
+  type Style,
+  type Vec,
+} from "./types";
 
 const longestHold = 120; // ms that a picture waits for its points, where the processor draws
 const pickReach = 8; // CSS pixels between the pointer and a point that it picks
@@ -178,6 +187,11 @@ export class Viewport {
     if (degrees !== this.cameraNow.fov) this.camera = withFieldOfView(this.cameraNow, degrees);
   }
 
+  /// Has the rays be parallel, or meet in the eye. What the camera looks at stays as large.
+  setOrthographic(orthographic: boolean): void {
+    if (orthographic !== (this.cameraNow.orthographic ?? false)) this.camera = { ...this.cameraNow, orthographic };
+  }
+
   /// Sets the camera that points are sampled for, whose frustum is drawn; null: the picture's own.
   set frozenCamera(frozen: FrozenCamera | null) {
     this.frozen = frozen;
@@ -188,9 +202,10 @@ export class Viewport {
   pick(x: number, y: number): Pick | null {
     const { store } = this.partAt(x);
     if (!store) return null;
-    const { near } = clipPlanes(this.cameraNow, this.bounds);
-    const tangent = Math.tan((this.cameraNow.fov * Math.PI) / 360);
-    const tolerance = (pickReach * 2 * tangent) / this.cssHeight;
+    const { cameraNow: camera } = this;
+    const { near } = clipPlanes(camera, this.bounds);
+    const half = camera.orthographic === true ? halfHeight(camera) : Math.tan((camera.fov * Math.PI) / 360);
+    const tolerance = (pickReach * 2 * half) / this.cssHeight;
     return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale, this.styleNow.section);
   }
 
@@ -323,8 +338,7 @@ export class Viewport {
   private rayAt(x: number, y: number): Ray {
     const { left, width } = this.partAt(x);
     const height = this.cssHeight;
-    const direction = rayDirection(this.cameraNow, width / height, (2 * (x - left)) / width - 1, 1 - (2 * y) / height);
-    return { origin: this.cameraNow.eye, direction };
+    return rayThrough(this.cameraNow, this.bounds, width / height, (2 * (x - left)) / width - 1, 1 - (2 * y) / height);
   }
 
   private click(x: number, y: number): void {
