@@ -70,7 +70,7 @@ uniform mat4 modelViewMatrix, projectionMatrix;
 
 /// The longest that a disc seen from its edge may be, in radii, over the square root of its cosine. Discs of points that are even on the
 /// screen grow as they lean: with this bound they are all about as long.
-export const slimness = 2.2;
+export const slimness = 1.7;
 
 /// Places a corner of a disc in its tangent plane: that of a square, or of a hexagon whose middle stands out by CONE radii.
 const discFunctions = /* glsl */ `
