@@ -4,20 +4,11 @@ import assert from "node:assert/strict";
 import { after, afterEach, before, describe, it } from "node:test";
 
 import { WatchedPage } from "./support/browser.mjs";
-import { axeSource } from "./support/environment.mjs";
+import { faultsOf } from "./support/access.mjs";
 import { Server } from "./support/server.mjs";
 import { openTorus } from "./support/shared_server.mjs";
 
 const fingertip = 44; // CSS pixels
-
-/// What axe finds wrong with the page as it is.
-async function faultsOf(watched) {
-  await watched.page.evaluate(axeSource);
-  return watched.page.evaluate(async () => {
-    const { violations } = await window.axe.run(document);
-    return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(" ")}`);
-  });
-}
 
 /// Unfolds all of the panel.
 const unfold = () => {

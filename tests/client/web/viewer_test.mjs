@@ -11,6 +11,7 @@ import "./outline_suite.mjs";
 import "./views_suite.mjs";
 import "./access_suite.mjs";
 import "./tools_suite.mjs";
+import "./marks_suite.mjs";
 import "./mesh_suite.mjs";
 import "./server_suite.mjs";
 import "./leak_suite.mjs";

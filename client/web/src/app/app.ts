@@ -9,6 +9,7 @@ import { DrawingBudget } from "./drawing_budget";
 import type { FirstAnswers } from "./first_answers";
 import { Hud } from "./hud";
 import { keyTable } from "./key_table";
+import { Annotations } from "./marks/annotations";
 import { MeshFollower } from "./mesh_follower";
 import { Messages } from "./messages";
 import { copyText, toggleFullScreen } from "./page_tools";
@@ -48,6 +49,7 @@ export class Application {
   private readonly axes: AxesGizmo;
   private readonly scale: ScaleBar;
   private readonly brush: Brush;
+  private readonly annotations: Annotations;
   private readonly drawingBudget = new DrawingBudget();
   private readonly choice: SessionChoice;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
@@ -76,8 +78,13 @@ export class Application {
       matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
     );
     const { session, camera, settings } = readState(location.hash, this.defaults);
-    this.settings = { ...this.defaults, dabs: [], ...settings };
+    this.settings = { ...this.defaults, dabs: [], marks: [], ...settings };
     this.brush = new Brush(this.settings, (text) => this.messages.notice(text));
+    this.annotations = new Annotations(page, this.settings.marks, {
+      viewport: this.viewport,
+      changed: () => this.saveSoon(),
+      notice: (text) => this.messages.notice(text),
+    });
     this.hud = new Hud(page);
     this.axes = new AxesGizmo(page, (direction) => this.viewport.lookFrom(direction, this.settings.up));
     this.scale = new ScaleBar(page);
@@ -101,6 +108,8 @@ export class Application {
       screenshot: () => void savePicture(this, this.settings.pictureScale),
       exportPly: () => savePoints(this),
       exportMesh: () => saveMesh(this),
+      addMark: () => this.annotations.addInTheMiddle(),
+      clearMarks: () => this.annotations.clear(),
     };
     const say = (text: string): void => this.messages.say(text);
     const toggles = { say, togglePanel: () => this.panel.toggle(), toggleFigures: () => this.hud.toggle() };
@@ -109,7 +118,7 @@ export class Application {
       document.body, // beside the page's main part
       this.settings,
       { ...actions, changed: () => this.changed(), help: () => shortcuts.toggleHelp() },
-      this.list.root,
+      { sessions: this.list.root, marks: this.annotations.root },
     );
     this.choice = this.makeChoice();
     this.listen();
@@ -162,6 +171,7 @@ export class Application {
   private cameraMoved(): void {
     const { camera } = this.viewport;
     this.axes.show(camera);
+    this.annotations.place();
     if (this.session !== null) this.scale.show(camera, this.viewport.cssHeight);
     if (takeCamera(this.settings, camera)) this.panel.refresh();
     this.pacer.request();
@@ -180,6 +190,7 @@ export class Application {
     viewport.setOrthographic(settings.projection === "orthographic");
     viewport.maxPixelRatio = settings.pixelRatio;
     viewport.navigation = settings.navigation;
+    viewport.onClick = settings.marking && !settings.brush ? (place) => this.annotations.add(place) : null;
     viewport.setMeasuring(settings.measuring && !settings.brush);
     this.isPainting &&= settings.brush; // a stroke also ends with the brush
     viewport.setBrush(settings.brush && this.session !== null ? this.brushRadius() : null);
@@ -279,7 +290,10 @@ export class Application {
     this.streams?.close();
     this.mesh?.follow(null, false);
     this.streams = null; // the new session is not asked for views of the camera before
-    if (this.session !== null && this.session.sessionId !== session.sessionId) this.brush.clear();
+    if (this.session !== null && this.session.sessionId !== session.sessionId) {
+      this.brush.clear();
+      this.annotations.clear();
+    }
     this.session = session;
     this.list.current = session.sessionId;
     document.title = `${nameOf(session)} – Curvecast`;
@@ -342,8 +356,10 @@ export class Application {
     if (frame.error !== null) return this.refusedView(frame.error);
     this.messages.hideHint();
     const isChanged = frame.added + frame.removed + frame.resized > 0;
-    if (isChanged) this.uploadMilliseconds = this.viewport.uploadNow();
-    else this.viewport.expectNoPoints();
+    if (isChanged) {
+      this.uploadMilliseconds = this.viewport.uploadNow();
+      this.annotations.place();
+    } else this.viewport.expectNoPoints();
     this.showFigures();
   }
 

@@ -23,6 +23,8 @@ export interface PanelActions {
   screenshot(): void;
   exportPly(): void;
   exportMesh(): void;
+  addMark(): void;
+  clearMarks(): void;
   help(): void;
 }
 
@@ -48,7 +50,13 @@ function explained(controller: Controller, { name, hint }: Words): Controller {
   return controller;
 }
 
-/// Shows `settings`, writes to them, and then calls `changed`. `sessions`: the list that stands at the top.
+/// The lists that have a place in the panel.
+export interface PanelLists {
+  sessions: HTMLElement; // stands at the top
+  marks: HTMLElement;
+}
+
+/// Shows `settings`, writes to them, and then calls `changed`.
 export class Panel {
   private readonly gui: GUI;
   private readonly conditions: { controller: Controller; applies: () => boolean }[] = [];
@@ -58,7 +66,7 @@ export class Panel {
     page: HTMLElement,
     private readonly settings: Settings,
     private readonly actions: PanelActions,
-    sessions: HTMLElement,
+    lists: PanelLists,
   ) {
     document.head.prepend(element("style", { text: withoutFonts(guiStyle) }));
     this.gui = new GUI({ title: "Curvecast", width: 300, injectStyles: false });
@@ -67,11 +75,12 @@ export class Panel {
       this.showWhatApplies();
       actions.changed();
     });
-    this.addSessions(sessions);
+    this.addSessions(lists.sessions);
     this.addView();
     this.addLook();
     this.addPoints();
     this.addSaving();
+    this.addMarks(lists.marks);
     this.addDensity();
     this.addBrush();
     this.addMesh();
@@ -177,6 +186,14 @@ export class Panel {
     this.addButton(folder, "screenshot");
     this.addNumber(folder, "pictureScale");
     for (const key of ["exportPly", "copyLink", "fullScreen", "help"] as const) this.addButton(folder, key);
+  }
+
+  private addMarks(marks: HTMLElement): void {
+    const folder = this.folder("Annotations", false);
+    this.addSwitch(folder, "marking");
+    folder.$children.append(marks);
+    this.addButton(folder, "addMark");
+    this.addButton(folder, "clearMarks");
   }
 
   private addDensity(): void {

@@ -65,6 +65,7 @@ export const settingWords = {
   ),
   sequence: words("sequence", "How points follow each other along the curve"),
   pictureScale: words("times as large", "Pixels of a saved picture for each pixel of the page, in each direction: for print"),
+  marking: words("annotate", "Click the surface to add a numbered place with a text, which the link has, too (K)"),
   measuring: words("measure distances", "Click two points of the surface (M)"),
 } satisfies Partial<Record<keyof Settings, Words>>;
 
@@ -101,6 +102,8 @@ export const actionWords = {
   fit: words("Show the whole surface (F)", "From the side that the camera is on"),
   undoStroke: words("Undo a stroke (Ctrl Z)", "Takes back the last stroke of the brush"),
   clearStrokes: words("Clear all strokes (Del)", "Takes back everything that was painted"),
+  addMark: words("Annotate the middle", "Adds an annotation in the middle of the picture, for those who do not point"),
+  clearMarks: words("Remove all annotations", "What was written is gone"),
   exportMesh: words("Save the mesh as PLY", "The mesh whose edges are shown"),
   screenshot: words("Save the picture (P)", "As PNG, without what is written over it"),
   exportPly: words("Save the points as PLY (X)", "With normals, radii and colours"),

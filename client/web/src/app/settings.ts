@@ -1,6 +1,7 @@
 // What a user can set. Lengths are in the units of the mesh unless a comment says otherwise.
 
 import type { Background, CameraState, Colouring, Mode, PaintDab, UpAxis } from "../view";
+import type { Mark } from "./marks/mark";
 import { upAxisOf } from "../view/standard_views";
 
 /// A dab of the brush, which paints over what was painted before. Dabs of one `stroke` are alike, and undone together.
@@ -50,6 +51,8 @@ export interface Settings {
   frozen: boolean; // views are sampled for the camera of the moment when this was set
   split: boolean; // left: a uniform density, right: the one set; both with the same budget
   measuring: boolean;
+  marks: Mark[]; // annotations
+  marking: boolean; // clicks add annotations
 }
 
 /// The most dabs of the brush; the same limit as the server's.
@@ -141,5 +144,7 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     frozen: false,
     split: false,
     measuring: false,
+    marks: [],
+    marking: false,
   };
 }

@@ -75,6 +75,15 @@ export function rayThrough(camera: CameraState, bounds: Bounds, aspect: number, 
   return { origin: along(along(origin, right, x * half * aspect), up, y * half), direction: forward, isParallel: true };
 }
 
+/// Returns where a point is in the picture, as `x` and `y` of rayDirection(); null where it is beside it.
+export function placeInPicture(camera: CameraState, aspect: number, point: Vec): [number, number] | null {
+  const { right, up, forward } = cameraAxes(camera);
+  const p = subtract(point, camera.eye);
+  const half = camera.orthographic === true ? halfHeight(camera) : dot(p, forward) * Math.tan((camera.fov * Math.PI) / 360);
+  const [x, y] = [dot(p, right) / (half * aspect), dot(p, up) / half];
+  return half > 0 && Math.abs(x) <= 1 && Math.abs(y) <= 1 ? [x, y] : null;
+}
+
 /// Turns a camera about a pivot: by `yaw` about the up direction, and by `pitch` about the camera's right, short of the poles.
 export function orbit(camera: CameraState, pivot: Vec, yaw: number, pitch: number): CameraState {
   if (!Number.isFinite(yaw) || !Number.isFinite(pitch)) return camera;

@@ -7,7 +7,7 @@ import { distance } from "./vector";
 
 /// Makes a line of two clicks, which stays until the next click or until the tool is switched off.
 export class MeasureTool {
-  private isOn = false;
+  isOn = false;
   private points: Vec[] = []; // two at most
 
   /// `onLength` is called with the length of a line in units once it is complete, and with null once there is none.
@@ -32,10 +32,9 @@ export class MeasureTool {
     this.onLength(null);
   }
 
-  /// Takes the point that `pick` finds under a click, where the tool is on. Returns whether that has changed anything.
-  click(pick: () => Vec | null): boolean {
-    const point = this.isOn ? pick() : null;
-    if (point === null) return false;
+  /// Takes a point that was clicked, where the tool is on. Returns whether that has changed anything.
+  click(point: Vec): boolean {
+    if (!this.isOn) return false;
     if (this.points.length === 2) this.clear();
     this.points.push(point);
     const [a, b] = this.points;

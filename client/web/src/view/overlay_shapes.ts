@@ -7,6 +7,7 @@ import type { Background, CameraState, Vec } from "./types";
 import { along, distance } from "./vector";
 
 const frustumColours: Record<Background, THREE.Color> = { light: new THREE.Color(0x1d5fa8), dark: new THREE.Color(0x7db8f5) };
+const markColour = new THREE.Color(0x2563c9);
 const measureColour = new THREE.Color(0xe0531c);
 
 /// Makes the frustum of a camera up to its target, or the box of an orthographic one, with a roof on the side that is up.
@@ -26,6 +27,11 @@ export function frustumLines(camera: CameraState, aspect: number, background: Ba
     line(at(0.3, 1), at(0, 1.25), 1.8),
     line(eye, eye, 7),
   ];
+}
+
+/// Makes a dot at each place.
+export function markDots(places: readonly Vec[]): OverlayLine[] {
+  return places.map((place) => ({ from: place, to: place, width: 9, colour: markColour }));
 }
 
 /// Makes a line with a dot at both ends.

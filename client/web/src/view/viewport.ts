@@ -6,28 +6,18 @@ import type { TriangleMesh } from "../stream/triangle_mesh";
 import { BrushTool } from "./brush_tool";
 import { CanvasPixels } from "./canvas_pixels";
 import { CameraControls, type ControlsHost } from "./camera_controls";
-import { type Bounds, clipPlanes, fit, halfHeight, isUsable, rayThrough } from "./camera_math";
+import { type Bounds, centre, fit, isUsable } from "./camera_math";
 import { Drawing } from "./drawing";
 import { DrawingWatch } from "./drawing_watch";
 import { type Detail, type Drawn, fine, FrameClock } from "./frame_clock";
 import { MeasureTool } from "./measure_tool";
 import type { OverlayLine } from "./overlay_lines";
-import { frustumLines } from "./overlay_shapes";
-import { pick } from "./picking";
+import { frustumLines, markDots } from "./overlay_shapes";
+import { PicturePlaces } from "./picture_places";
 import { firstCamera, lookFrom, type UpAxis, withFieldOfView, withUp } from "./standard_views";
-import {
-  type CameraState,
-  defaultStyle,
-  type FrozenCamera,
-  NoWebGL2Error,
-  type Pick,
-  type Ray,
-  type Style,
-  type Vec,
-} from "./types";
+import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
 
 const longestHold = 120; // ms that a picture waits for its points, where the processor draws
-const pickReach = 8; // CSS pixels between the pointer and a point that it picks
 
 /// Draws on a canvas. Draws on demand, when something has changed, and on slow machines with fewer pixels and points while it changes.
 export class Viewport {
@@ -37,6 +27,8 @@ export class Viewport {
   onBrush: ((centre: Vec, done: boolean) => void) | null = null;
   /// Is called with the length in units of a line between two clicked points, and with null once there is none.
   onMeasure: ((distance: number | null) => void) | null = null;
+  /// Is called with a point of the surface that is clicked.
+  onClick: ((point: Vec) => void) | null = null;
   /// Is called when the graphics card is lost, and with false when it is back.
   onLost: ((isLost: boolean) => void) | null = null;
   /// Is called when the pictures have got other sizes.
@@ -59,6 +51,7 @@ export class Viewport {
     (centre, done) => this.onBrush?.(centre, done),
   );
   private readonly pixels: CanvasPixels;
+  private readonly places: PicturePlaces;
   private readonly ended = new AbortController();
 
   private stores: (PointStore | null)[] = [null];
@@ -66,6 +59,7 @@ export class Viewport {
   private cameraNow: CameraState = { ...firstCamera };
   private boundsNow: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
   private frozen: FrozenCamera | null = null;
+  private marks: readonly Vec[] = [];
   private hover: { x: number; y: number } | null = null;
   private hovered: Pick | null = null;
   private isLost = false;
@@ -90,6 +84,12 @@ export class Viewport {
     this.controls = new CameraControls(canvas, this.makeHost());
     this.controls.onClick = (x, y) => this.click(x, y);
     this.controls.onHover = (at) => this.hoverAt(at);
+    this.places = new PicturePlaces(canvas, () => ({
+      stores: this.stores,
+      camera: this.cameraNow,
+      bounds: this.boundsNow,
+      style: this.styleNow,
+    }));
     this.pixels = new CanvasPixels(canvas, () => (this.invalidate(), this.onResize?.()));
     const { signal } = this.ended;
     canvas.addEventListener("webglcontextlost", () => this.lose(true), { signal });
@@ -147,7 +147,12 @@ export class Viewport {
 
   /// Height of the pictures in CSS pixels.
   get cssHeight(): number {
-    return this.canvas.clientHeight || 1;
+    return this.places.size.height;
+  }
+
+  /// Size of the canvas in CSS pixels.
+  get cssSize(): { width: number; height: number } {
+    return this.places.size;
   }
 
   /// Counts of the objects on the graphics card.
@@ -200,13 +205,23 @@ export class Viewport {
 
   /// Finds the surface, or the nearest visible point, at a point of the canvas in CSS pixels.
   pick(x: number, y: number): Pick | null {
-    const { store } = this.partAt(x);
-    if (!store) return null;
-    const { cameraNow: camera } = this;
-    const { near } = clipPlanes(camera, this.bounds);
-    const half = camera.orthographic === true ? halfHeight(camera) : Math.tan((camera.fov * Math.PI) / 360);
-    const tolerance = (pickReach * 2 * half) / this.cssHeight;
-    return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale, this.styleNow.section);
+    return this.places.pick(x, y);
+  }
+
+  /// Returns where a point is in the last of the pictures, in CSS pixels of the canvas; null where it is beside it.
+  placeOf(point: Vec): { x: number; y: number } | null {
+    return this.places.placeOf(point);
+  }
+
+  /// Aims the camera at a point, from the same side and distance.
+  lookAt(point: Vec): void {
+    this.controls.flyTo(centre(this.cameraNow, point));
+  }
+
+  /// Marks places by dots.
+  setMarks(places: readonly Vec[]): void {
+    this.marks = places;
+    this.invalidate();
   }
 
   /// Lets the pointer paint with a radius in units, instead of turning the picture; null ends that.
@@ -303,7 +318,7 @@ export class Viewport {
         return bounds();
       },
       surfaceAt: (x, y) => this.pick(x, y)?.point ?? null,
-      rayAt: (x, y) => this.rayAt(x, y),
+      rayAt: (x, y) => this.places.rayAt(x, y),
       wake: () => this.clock.invalidate(true),
     };
   }
@@ -328,21 +343,11 @@ export class Viewport {
     this.onLost?.(isLost);
   }
 
-  /// Returns the picture at a column of the canvas: its store, its left edge and its width, in CSS pixels.
-  private partAt(x: number): { store: PointStore | null; left: number; width: number } {
-    const width = (this.canvas.clientWidth || 1) / this.stores.length;
-    const index = Math.min(this.stores.length - 1, Math.max(0, Math.floor(x / width)));
-    return { store: this.stores[index] ?? null, left: index * width, width };
-  }
-
-  private rayAt(x: number, y: number): Ray {
-    const { left, width } = this.partAt(x);
-    const height = this.cssHeight;
-    return rayThrough(this.cameraNow, this.bounds, width / height, (2 * (x - left)) / width - 1, 1 - (2 * y) / height);
-  }
-
   private click(x: number, y: number): void {
-    if (this.measuring.click(() => this.pick(x, y)?.point ?? null)) this.invalidate();
+    const point = this.measuring.isOn || this.onClick !== null ? (this.pick(x, y)?.point ?? null) : null;
+    if (point === null) return;
+    if (this.measuring.click(point)) this.invalidate();
+    this.onClick?.(point);
   }
 
   private hoverAt(at: { x: number; y: number } | null): void {
@@ -362,7 +367,7 @@ export class Viewport {
   private overlayLines(): OverlayLine[] {
     const { frozen, styleNow, hovered } = this;
     const frustum = frozen ? frustumLines(frozen.camera, frozen.aspect, styleNow.background) : [];
-    return [...frustum, ...this.measuring.lines(hovered?.point ?? null)];
+    return [...frustum, ...this.measuring.lines(hovered?.point ?? null), ...markDots(this.marks)];
   }
 
   /// Draws a frame for the clock.
