@@ -158,7 +158,7 @@ export class Application {
       this.isPainting = !done;
       if (this.brush.paint(centre, this.brushRadius(), done) || done) this.changed();
     };
-    this.viewport.onMeasure = (distance) => (this.hud.distance = distance);
+    this.viewport.onMeasure = (measured) => (this.hud.measured = measured);
     this.viewport.onLost = (isLost) => {
       if (isLost) this.messages.showBanner("graphics", "The graphics card was lost; the picture waits until it is back …");
       else this.messages.hideBanner("graphics");
@@ -191,7 +191,8 @@ export class Application {
     viewport.maxPixelRatio = settings.pixelRatio;
     viewport.navigation = settings.navigation;
     viewport.onClick = settings.marking && !settings.brush ? (place) => this.annotations.add(place) : null;
-    viewport.setMeasuring(settings.measuring && !settings.brush);
+    viewport.setMeasuring(settings.measuring && !settings.brush && !settings.marking ? settings.measure : null);
+    this.scale.unit = this.hud.unit = settings.unit;
     this.isPainting &&= settings.brush; // a stroke also ends with the brush
     viewport.setBrush(settings.brush && this.session !== null ? this.brushRadius() : null);
     if (settings.frozen !== (this.frozen !== null)) {

@@ -38,6 +38,12 @@ function nextColouring(settings: Settings): string {
   return name;
 }
 
+function nextMeasure(settings: Settings): string {
+  const kinds = Object.values(choiceWords.measure);
+  settings.measure = kinds[(kinds.indexOf(settings.measure) + 1) % kinds.length]!;
+  return settings.measure;
+}
+
 /// Lists all shortcuts of the page.
 export function keyTable(actions: KeyActions): Shortcut[] {
   /// `how` returns what to say.
@@ -76,6 +82,7 @@ export function keyTable(actions: KeyActions): Shortcut[] {
     { key: "delete", what: "clear all strokes", run: () => actions.clearStrokes() },
     switches("t", "edges of a mesh", "wireframe"),
     switches("m", "measure", "measuring", (s) => (s.brush = s.marking = false)),
+    sets("j", "distance, angle, area", nextMeasure),
     switches("k", "annotate", "marking", (s) => (s.brush = s.measuring = false)),
     sets("n", "orbit, fly", (s) => (s.navigation = s.navigation === "orbit" ? "fly" : "orbit")),
     { key: "p", what: "save the picture", run: () => actions.screenshot() },

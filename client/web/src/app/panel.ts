@@ -183,6 +183,8 @@ export class Panel {
   private addSaving(): void {
     const folder = this.folder("Measure, save, share", true);
     this.addSwitch(folder, "measuring");
+    this.addChoice(folder, "measure");
+    this.addChoice(folder, "unit");
     this.addButton(folder, "screenshot");
     this.addNumber(folder, "pictureScale");
     for (const key of ["exportPly", "copyLink", "fullScreen", "help"] as const) this.addButton(folder, key);

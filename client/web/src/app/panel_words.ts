@@ -66,7 +66,12 @@ export const settingWords = {
   sequence: words("sequence", "How points follow each other along the curve"),
   pictureScale: words("times as large", "Pixels of a saved picture for each pixel of the page, in each direction: for print"),
   marking: words("annotate", "Click the surface to add a numbered place with a text, which the link has, too (K)"),
-  measuring: words("measure distances", "Click two points of the surface (M)"),
+  measuring: words("measure", "Click points of the surface (M)"),
+  measure: words(
+    "what",
+    "distance: straight, by two clicks. angle: by three, at the second. area: of a flat polygon of clicks, the last on its first (J)",
+  ),
+  unit: words("unit of the file", "What a length of 1 in the file is: shown with lengths and areas, nothing is converted"),
 } satisfies Partial<Record<keyof Settings, Words>>;
 
 /// The values of the settings that are choices, by the words of the panel.
@@ -91,6 +96,8 @@ export const choiceWords = {
     "distance on screen": "pixels",
     "speed (automatic)": "automatic",
   },
+  measure: { distance: "distance", angle: "angle", area: "area" },
+  unit: { "not known": "none", mm: "mm", cm: "cm", m: "m", inches: "in", feet: "ft" },
   curvature: { no: "none", Gaussian: "gauss", mean: "mean", largest: "max" },
   sampler: { "by rank (progressive)": "progressive", "along the curve (paper)": "equalised" },
   sequence: { jittered: "jittered", regular: "regular", "van der Corput": "vanDerCorput", "golden ratio": "goldenRatio" },

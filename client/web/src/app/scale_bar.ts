@@ -3,7 +3,7 @@
 import type { CameraState } from "../view";
 import { halfHeight } from "../view/camera_math";
 import { element } from "./elements";
-import { length } from "./format";
+import { length, type Unit } from "./format";
 
 const longest = 120; // CSS pixels
 
@@ -24,6 +24,8 @@ export function unitsPerPixel(camera: CameraState, height: number): number {
 export class ScaleBar {
   private readonly bar = element("div");
   private readonly text = element("span");
+  private units = 1;
+  private unitNow: Unit = "none";
   private readonly root = element(
     "div",
     { class: "scale", title: "At the distance of what the camera turns about, in units of the file" },
@@ -35,11 +37,17 @@ export class ScaleBar {
     parent.append(this.root);
   }
 
+  set unit(unit: Unit) {
+    this.unitNow = unit;
+    this.text.textContent = length(this.units, unit);
+  }
+
   /// `height`: of the picture, in CSS pixels.
   show(camera: CameraState, height: number): void {
     const { units, pixels } = barOf(unitsPerPixel(camera, height));
     this.root.hidden = false;
     this.bar.style.width = `${pixels.toFixed(1)}px`;
-    this.text.textContent = length(units);
+    this.units = units;
+    this.text.textContent = length(units, this.unitNow);
   }
 }

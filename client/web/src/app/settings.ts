@@ -1,6 +1,7 @@
 // What a user can set. Lengths are in the units of the mesh unless a comment says otherwise.
 
-import type { Background, CameraState, Colouring, Mode, PaintDab, UpAxis } from "../view";
+import type { Background, CameraState, Colouring, MeasureKind, Mode, PaintDab, UpAxis } from "../view";
+import type { Unit } from "./format";
 import type { Mark } from "./marks/mark";
 import { upAxisOf } from "../view/standard_views";
 
@@ -51,6 +52,8 @@ export interface Settings {
   frozen: boolean; // views are sampled for the camera of the moment when this was set
   split: boolean; // left: a uniform density, right: the one set; both with the same budget
   measuring: boolean;
+  measure: MeasureKind; // what clicks measure
+  unit: Unit; // of the file's coordinates
   marks: Mark[]; // annotations
   marking: boolean; // clicks add annotations
 }
@@ -144,6 +147,8 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     frozen: false,
     split: false,
     measuring: false,
+    measure: "distance",
+    unit: "none",
     marks: [],
     marking: false,
   };

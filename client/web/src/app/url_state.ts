@@ -32,6 +32,8 @@ const choices: { [Key in keyof Settings]?: readonly string[] } = {
   up: ["y", "z"],
   projection: ["perspective", "orthographic"],
   navigation: ["orbit", "fly"],
+  measure: ["distance", "angle", "area"],
+  unit: ["none", "mm", "cm", "m", "in", "ft"],
 };
 
 function numbers(text: string, count: number): number[] | null {

@@ -34,12 +34,10 @@ export function markDots(places: readonly Vec[]): OverlayLine[] {
   return places.map((place) => ({ from: place, to: place, width: 9, colour: markColour }));
 }
 
-/// Makes a line with a dot at both ends.
-export function measureLines(a: Vec, b: Vec): OverlayLine[] {
+/// Makes the lines between points, one after the other, with a dot at each. `isClosed`: back to the first, too.
+export function measureLines(points: readonly Vec[], isClosed: boolean): OverlayLine[] {
   const colour = measureColour;
-  return [
-    { from: a, to: b, width: 2, colour },
-    { from: a, to: a, width: 8, colour },
-    { from: b, to: b, width: 8, colour },
-  ];
+  const ways = points.slice(1).map((to, i): OverlayLine => ({ from: points[i]!, to, width: 2, colour }));
+  const back = isClosed && points.length > 2 ? [{ from: points.at(-1)!, to: points[0]!, width: 1, colour }] : [];
+  return [...ways, ...back, ...points.map((place) => ({ from: place, to: place, width: 8, colour }))];
 }

@@ -5,7 +5,7 @@ import { type Bounds, clipPlanes, halfHeight, placeInPicture, rayThrough } from 
 import { pick } from "./picking";
 import type { CameraState, Pick, Ray, Style, Vec } from "./types";
 
-const pickReach = 8; // CSS pixels between the pointer and a point that it picks
+const pickReach = 8; // CSS pixels between the pointer and a point that it is meant for
 
 /// What is shown.
 export interface Shown {
@@ -52,6 +52,12 @@ export class PicturePlaces {
     const { height } = this.size;
     const at = placeInPicture(this.shown().camera, width / height, point);
     return at && { x: left + 0.5 * (1 + at[0]) * width, y: 0.5 * (1 - at[1]) * height };
+  }
+
+  /// Whether a point is where the last of the pictures was clicked.
+  isAt(point: Vec, x: number, y: number): boolean {
+    const place = this.placeOf(point);
+    return place !== null && Math.hypot(place.x - x, place.y - y) < pickReach;
   }
 
   /// Returns the picture at a column of the canvas: its store, its left edge and its width.

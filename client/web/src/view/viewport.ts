@@ -11,6 +11,7 @@ import { Drawing } from "./drawing";
 import { DrawingWatch } from "./drawing_watch";
 import { type Detail, type Drawn, fine, FrameClock } from "./frame_clock";
 import { MeasureTool } from "./measure_tool";
+import type { Measured, MeasureKind } from "./measures";
 import type { OverlayLine } from "./overlay_lines";
 import { frustumLines, markDots } from "./overlay_shapes";
 import { PicturePlaces } from "./picture_places";
@@ -25,8 +26,8 @@ export class Viewport {
   onCamera: (() => void) | null = null;
   /// Is called when the brush paints at `centre`. `done`: the stroke ends there.
   onBrush: ((centre: Vec, done: boolean) => void) | null = null;
-  /// Is called with the length in units of a line between two clicked points, and with null once there is none.
-  onMeasure: ((distance: number | null) => void) | null = null;
+  /// Is called with what clicked points measure, and with null once there is nothing.
+  onMeasure: ((measured: Measured | null) => void) | null = null;
   /// Is called with a point of the surface that is clicked.
   onClick: ((point: Vec) => void) | null = null;
   /// Is called when the graphics card is lost, and with false when it is back.
@@ -45,7 +46,7 @@ export class Viewport {
   private readonly clock: FrameClock;
   private readonly watch: DrawingWatch;
   private readonly controls: CameraControls;
-  private readonly measuring = new MeasureTool((length) => this.onMeasure?.(length));
+  private readonly measuring = new MeasureTool((measured) => this.onMeasure?.(measured));
   private readonly brush = new BrushTool(
     (x, y) => this.pick(x, y)?.point ?? null,
     (centre, done) => this.onBrush?.(centre, done),
@@ -231,9 +232,9 @@ export class Viewport {
     this.hoverAt(this.hover);
   }
 
-  /// Switches the tool that measures between two clicks.
-  setMeasuring(on: boolean): void {
-    if (this.measuring.setOn(on)) this.invalidate();
+  /// Switches the tool on that measures what is clicked; null: off.
+  setMeasuring(kind: MeasureKind | null): void {
+    if (this.measuring.setKind(kind)) this.invalidate();
   }
 
   /// Forgets the points that were clicked.
@@ -346,7 +347,7 @@ export class Viewport {
   private click(x: number, y: number): void {
     const point = this.measuring.isOn || this.onClick !== null ? (this.pick(x, y)?.point ?? null) : null;
     if (point === null) return;
-    if (this.measuring.click(point)) this.invalidate();
+    if (this.measuring.click(point, (other) => this.places.isAt(other, x, y))) this.invalidate();
     this.onClick?.(point);
   }
 
