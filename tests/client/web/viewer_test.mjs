@@ -7,6 +7,7 @@ import { endAll } from "./support/shared_server.mjs";
 
 import "./picture_suite.mjs";
 import "./crease_suite.mjs";
+import "./gallery_suite.mjs";
 import "./outline_suite.mjs";
 import "./views_suite.mjs";
 import "./access_suite.mjs";

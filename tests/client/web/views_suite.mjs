@@ -99,15 +99,15 @@ describe("the views that have names", () => {
     // Places of the surface are as far across as their pixels, whatever their depths.
     const places = await torus.evaluate((c) => {
       const { eye, target, fov } = c.view.camera;
-      const unit = (2 * (eye[2] - target[2]) * Math.tan((fov * Math.PI) / 360)) / c.view.cssHeight;
+      const unit = (2 * (eye[2] - target[2]) * Math.tan((fov * Math.PI) / 360)) / c.view.cssSize.height;
       const canvas = document.querySelector("canvas");
       const found = [];
       for (let x = 0; x < canvas.clientWidth; x += 10) {
-        for (let y = 0; y < c.view.cssHeight; y += 10) {
+        for (let y = 0; y < c.view.cssSize.height; y += 10) {
           const pick = c.view.pick(x, y);
           if (pick === null) continue;
           const across = target[0] + (x - canvas.clientWidth / 2) * unit;
-          const up = target[1] - (y - c.view.cssHeight / 2) * unit;
+          const up = target[1] - (y - c.view.cssSize.height / 2) * unit;
           found.push([Math.hypot(pick.point[0] - across, pick.point[1] - up) / unit, pick.point[2]]);
         }
       }

@@ -22,6 +22,7 @@ import { nameOf, SessionList } from "./session_list";
 import { defaultSettings, takeCamera, type Dab, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
+import { tabStorage, Thumbnails, thumbnailSize } from "./thumbnails";
 import { Uploads } from "./upload";
 import { keepToken, readState, writeState } from "./url_state";
 import { ViewPacer } from "./view_pacer";
@@ -50,6 +51,7 @@ export class Application {
   private readonly scale: ScaleBar;
   private readonly brush: Brush;
   private readonly annotations: Annotations;
+  private readonly thumbnails = new Thumbnails(tabStorage());
   private readonly drawingBudget = new DrawingBudget();
   private readonly choice: SessionChoice;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
@@ -88,10 +90,11 @@ export class Application {
     this.hud = new Hud(page);
     this.axes = new AxesGizmo(page, (direction) => this.viewport.lookFrom(direction, this.settings.up));
     this.scale = new ScaleBar(page);
-    this.list = new SessionList({
-      open: (chosen) => this.choice.choose(chosen.sessionId),
-      forget: (chosen) => void this.forget(chosen),
-    });
+    const listed = {
+      open: (chosen: Session) => this.choice.choose(chosen.sessionId),
+      forget: (chosen: Session) => void this.forget(chosen),
+    };
+    this.list = new SessionList(listed, this.thumbnails);
     this.uploads = new Uploads(page, this.client, {
       onPreview: (preview) => this.previewed(preview),
       onReady: (ready, missing) => this.uploaded(ready, missing),
@@ -172,7 +175,7 @@ export class Application {
     const { camera } = this.viewport;
     this.axes.show(camera);
     this.annotations.place();
-    if (this.session !== null) this.scale.show(camera, this.viewport.cssHeight);
+    if (this.session !== null) this.scale.show(camera, this.viewport.cssSize.height);
     if (takeCamera(this.settings, camera)) this.panel.refresh();
     this.pacer.request();
   }
@@ -292,6 +295,7 @@ export class Application {
     this.mesh?.follow(null, false);
     this.streams = null; // the new session is not asked for views of the camera before
     if (this.session !== null && this.session.sessionId !== session.sessionId) {
+      this.thumbnails.keep(this.session.sessionId, this.viewport.thumbnail(thumbnailSize.width, thumbnailSize.height));
       this.brush.clear();
       this.annotations.clear();
     }

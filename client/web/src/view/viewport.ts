@@ -14,7 +14,8 @@ import { MeasureTool } from "./measure_tool";
 import type { Measured, MeasureKind } from "./measures";
 import type { OverlayLine } from "./overlay_lines";
 import { frustumLines, markDots } from "./overlay_shapes";
-import { PicturePlaces } from "./picture_places";
+import { PicturePlaces, type Shown } from "./picture_places";
+import { shrunk } from "./shrunk";
 import { firstCamera, lookFrom, type UpAxis, withFieldOfView, withUp } from "./standard_views";
 import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
 
@@ -85,12 +86,8 @@ export class Viewport {
     this.controls = new CameraControls(canvas, this.makeHost());
     this.controls.onClick = (x, y) => this.click(x, y);
     this.controls.onHover = (at) => this.hoverAt(at);
-    this.places = new PicturePlaces(canvas, () => ({
-      stores: this.stores,
-      camera: this.cameraNow,
-      bounds: this.boundsNow,
-      style: this.styleNow,
-    }));
+    const shown = (): Shown => ({ stores: this.stores, camera: this.cameraNow, bounds: this.boundsNow, style: this.styleNow });
+    this.places = new PicturePlaces(canvas, shown);
     this.pixels = new CanvasPixels(canvas, () => (this.invalidate(), this.onResize?.()));
     const { signal } = this.ended;
     canvas.addEventListener("webglcontextlost", () => this.lose(true), { signal });
@@ -144,11 +141,6 @@ export class Viewport {
   /// Size of one picture in device pixels. In a split view a picture is half of the canvas.
   get size(): { width: number; height: number } {
     return this.pixels.size(this.pixelRatio(1), this.stores.length);
-  }
-
-  /// Height of the pictures in CSS pixels.
-  get cssHeight(): number {
-    return this.places.size.height;
   }
 
   /// Size of the canvas in CSS pixels.
@@ -291,6 +283,15 @@ export class Viewport {
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture cannot be read."))), "image/png");
     });
+  }
+
+  /// Returns the picture at a small size, cut to its form, as a data URL; null while the graphics card is lost.
+  thumbnail(width: number, height: number): string | null {
+    if (this.isLost) return null;
+    const scale = Math.min(1, Math.max((2 * width) / this.size.width, (2 * height) / this.size.height));
+    this.render({ ...fine, scale });
+    this.invalidate(); // the canvas has another size now
+    return shrunk(this.canvas, width, height);
   }
 
   dispose(): void {
