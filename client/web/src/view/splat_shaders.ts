@@ -70,17 +70,12 @@ uniform mat4 modelViewMatrix, projectionMatrix;
 
 /// The longest that a disc seen from its edge may be, in radii, over the square root of its cosine. Discs of points that are even on the
 /// screen grow as they lean: with this bound they are all about as long.
-export const slimness = 1.7;
+export const slimness = 2.2;
 
 /// Places a corner of a disc in its tangent plane: that of a square, or of a hexagon whose middle stands out by CONE radii.
 const discFunctions = /* glsl */ `
 ${pointFunctions}
 const float SLIMNESS = ${slimness.toFixed(2)};
-#if defined(QUICK) || defined(CONE)
-const float SLIMMEST = 0.6;  // opaque discs have no others to close the gaps between them
-#else
-const float SLIMMEST = 0.4;
-#endif
 const float SLACK = ${slack.toFixed(2)};  // as in the planes of ends
 uniform float splatScale;
 uniform float backShift;  // along the ray, in radii
@@ -135,8 +130,14 @@ bool placeCorner() {
   radius = max(radius * min(1.0, frozenSlim * sqrt(abs(dot(discNormal, normalize(frozenEye.xyz - frozenEye.w * center))))), least);
 #endif
   // The more a disc is seen from its edge, the slimmer it is, as in core/render: where the surface bends away from the eye, discs would
-  // stick out of it. There they lie so densely on the picture that no gaps come of it.
-  float slim = mix(SLIMMEST, 1.0, smoothstep(0.0, 1.0, abs(facing)));
+  // stick out of it. Less so than there: these discs overlap less, and flat sides would have gaps.
+  float slim = mix(0.7, 1.0, smoothstep(0.0, 1.0, abs(facing)));
+#ifdef HAS_ENDS
+  // What ends at a crease does not stick out, and has to reach it.
+  vec4 end1 = texelFetch(ends, texelOf(2 * slot), 0);
+  vec4 end2 = texelFetch(ends, texelOf(2 * slot + 1), 0);
+  if (end1.xyz != vec3(0.0) || end2.xyz != vec3(0.0)) slim = 1.0;
+#endif
   // A disc thinner than a pixel is turned a little to the eye, so that it is never lost between pixels.
   float lost = max(least - slim * radius * abs(facing), 0.0);
   minor = slim * radius * minor - (facing < 0.0 ? -lost : lost) * lean;
@@ -148,8 +149,6 @@ bool placeCorner() {
   corner = center + disc.x * minor + disc.y * major;
 #ifdef HAS_ENDS
   vec3 away = (corner - center) * mat3(modelViewMatrix);  // back in the store's coordinates: views only turn
-  vec4 end1 = texelFetch(ends, texelOf(2 * slot), 0);
-  vec4 end2 = texelFetch(ends, texelOf(2 * slot + 1), 0);
   beyond = vec2(dot(end1.xyz, away) - end1.w, dot(end2.xyz, away) - end2.w);
   // At an outline, backs would stick out by what discs overlap by.
   if (facing < 0.0) beyond += SLACK * point.w * splatScale;

@@ -21,8 +21,8 @@ const shapes = [
   // How a disc lies in the picture.
   "if (dot(lean, lean) < 1e-8) lean = cross(view, abs(view.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0));",
   "vec3 major = cross(view, lean);",
-  // How slim it is at the outline, and how a thin one is kept.
   "1.0, smoothstep(0.0, 1.0, abs(facing)));",
+  // How slim it is at the outline, and how a thin one is kept.
   "float lost = max(least - slim * radius * abs(facing), 0.0);",
   "minor = slim * radius * minor - (facing < 0.0 ? -lost : lost) * lean;",
   // What backs count.
@@ -49,8 +49,6 @@ describe("the shaders of the viewer and of core/render", () => {
   it("place discs by the same rule", () => {
     expect(missing(coreFile("splat_shaders.h"), shapes)).toEqual([]);
     expect(missing(blendVertexShader, shapes)).toEqual([]);
-    const [slimmest] = /slim = mix\(([\d.]+),/.exec(coreFile("splat_shaders.h"))!.slice(1);
-    expect(blendVertexShader).toContain(`#else\nconst float SLIMMEST = ${slimmest};`);
   });
 
   it("weigh what discs have by the same kernel", () => {
