@@ -26,7 +26,7 @@ export class MarkEntry {
       this.close();
       actions.remove(this.index);
     });
-    this.root = element("form", { class: "hint mark-entry" }, [this.title, this.input, done, remove]);
+    this.root = element("form", { class: "mark-entry" }, [this.title, this.input, done, remove]);
     this.root.hidden = true;
     this.root.addEventListener("submit", (event) => {
       event.preventDefault();
