@@ -4,20 +4,11 @@ import assert from "node:assert/strict";
 import { after, afterEach, before, describe, it } from "node:test";
 
 import { WatchedPage } from "./support/browser.mjs";
-import { axeSource } from "./support/environment.mjs";
+import { faultsOf } from "./support/access.mjs";
 import { Server } from "./support/server.mjs";
 import { openTorus } from "./support/shared_server.mjs";
 
 const fingertip = 44; // CSS pixels
-
-/// What axe finds wrong with the page as it is.
-async function faultsOf(watched) {
-  await watched.page.evaluate(axeSource);
-  return watched.page.evaluate(async () => {
-    const { violations } = await window.axe.run(document);
-    return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(" ")}`);
-  });
-}
 
 /// Unfolds all of the panel.
 const unfold = () => {
@@ -83,15 +74,21 @@ describe("the page, read out", () => {
     assert.equal(reached, all);
   });
 
-  it("has sliders for keys, which do not turn the picture", async () => {
+  it("has sliders for keys, by equal factors where numbers go far, which do not turn the picture", async () => {
     const eye = await torus.evaluate((c) => c.view.camera.eye);
     const slider = torus.page.getByRole("slider", { name: "points", exact: true });
     await slider.focus();
     await torus.change(() => torus.page.keyboard.press("ArrowRight"));
-    assert.equal(await torus.evaluate((c) => c.settings.points), 2000);
-    assert.equal(await slider.getAttribute("aria-valuenow"), "2000");
+    assert.equal(await torus.evaluate((c) => c.settings.points), 1100);
+    assert.equal(await slider.getAttribute("aria-valuenow"), "1100");
     await torus.change(() => torus.page.keyboard.press("PageUp"));
-    assert.equal(await torus.evaluate((c) => c.settings.points), 12_000);
+    assert.equal(await torus.evaluate((c) => c.settings.points), 3500);
+    const { x, y, width, height } = await slider.boundingBox();
+    await torus.change(() => torus.page.mouse.click(x + width / 3, y + height / 2));
+    const clicked = await torus.evaluate((c) => c.settings.points);
+    assert.ok(clicked >= 9000 && clicked <= 11_000, `a third of the slider is a third of its decades: ${clicked}`);
+    const { width: filled } = await slider.locator(".fill").boundingBox();
+    assert.ok(Math.abs(filled / width - 1 / 3) < 0.03, `${filled} of ${width} pixels are filled`);
     await torus.change(() => torus.page.keyboard.press("Home"));
     assert.equal(await torus.evaluate((c) => c.settings.points), 1000);
     assert.deepEqual(await torus.evaluate((c) => c.view.camera.eye), eye);

@@ -43,6 +43,13 @@ function depthIn(side, [x, y]) {
   );
 }
 
+/// A picture of the cube, which pixels differ from the empty one, and where its visible sides are.
+async function look(page, name) {
+  const picture = await page.picture(name);
+  const mask = difference(picture, await page.emptyPicture(), 3);
+  return { picture, mask, sides: visibleSides(await page.evaluate((c) => c.view.camera), picture) };
+}
+
 describe("a cube", () => {
   let server;
   let page;
@@ -60,9 +67,7 @@ describe("a cube", () => {
   });
 
   it("has straight edges, up to which each side has one shade", async () => {
-    const picture = await page.picture("cube.png");
-    const mask = difference(picture, await page.emptyPicture(), 3);
-    const sides = visibleSides(await page.evaluate((c) => c.view.camera), picture);
+    const { picture, mask, sides } = await look(page, "cube.png");
     assert.equal(sides.length, 3);
     const { width, data } = picture;
     const wrong = { beyond: [], missing: [], spotted: [] };
@@ -84,6 +89,23 @@ describe("a cube", () => {
     assert.ok(countOf(mask) > 0.1 * mask.length, "the cube is there");
     for (const [name, places] of Object.entries(wrong)) {
       assert.ok(places.length <= 5, `${name}: ${places.length} pixels, ${places.slice(0, 5).join(" and ")} among them`);
+    }
+  });
+
+  it("has hardly a gap in a side that is seen flatly, by few points that are even on the screen", async () => {
+    await page.set("even as seen from here", true);
+    await page.change(() => page.set("points", 5000));
+    for (const height of [1.4, 2]) {
+      const camera = { eye: [3, height, 7], target: [0, 0, 0], up: [0, 1, 0], fov: 30 };
+      await page.change(() => page.evaluate((c, wanted) => (c.view.camera = wanted), camera));
+      await page.settled();
+      const { picture, mask, sides } = await look(page, `flat_${height}.png`);
+      let gaps = 0;
+      mask.forEach((isDrawn, i) => {
+        const place = [(i % picture.width) + 0.5, Math.floor(i / picture.width) + 0.5];
+        if (!isDrawn && sides.some((side) => depthIn(side, place) > 0.5)) ++gaps;
+      });
+      assert.ok(gaps <= 10, `${gaps} pixels from a height of ${height}`);
     }
   });
 });

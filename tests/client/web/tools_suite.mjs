@@ -195,8 +195,56 @@ describe("the tools", () => {
     await torus.page.keyboard.press("o"); // another setting leaves the line alone
     await torus.page.keyboard.press("o");
     assert.ok(await row.isVisible());
+    await torus.set("unit of the file", "mm");
+    assert.match(await row.textContent(), /^[\d.]+\u00a0mm$/);
+    assert.match(await torus.page.locator(".scale").innerText(), /mm$/);
+    await torus.until(() => location.hash.includes("unit=mm"));
+    await torus.set("unit of the file", "not known");
     await torus.page.keyboard.press("m");
     await row.waitFor({ state: "hidden" });
+  });
+
+  it("measures angles by three clicks, and areas of polygons until they are closed", async () => {
+    const [[ax, ay, a], [bx, by, b]] = await torus.evaluate(surfacePoints);
+    const [cx, cy, c] = await torus.evaluate((handle) => {
+      for (let y = 40; y < 440; y += 8) {
+        const pick = handle.view.pick(320, y);
+        if (pick !== null) return [320, y + 8, handle.view.pick(320, y + 8).point];
+      }
+      return null;
+    });
+    const minus = (p, q) => p.map((value, k) => value - q[k]);
+    const [u, v] = [minus(a, b), minus(c, b)];
+    const cosine = u.reduce((sum, value, k) => sum + value * v[k], 0) / Math.hypot(...u) / Math.hypot(...v);
+    await torus.page.keyboard.press("m");
+    await torus.page.keyboard.press("j");
+    for (const [x, y] of [
+      [ax, ay],
+      [bx, by],
+      [cx, cy],
+    ]) {
+      await torus.page.mouse.click(x, y);
+    }
+    const value = async (kind) => Number.parseFloat(await torus.page.locator(`.hud dd.${kind}`).textContent());
+    await torus.page.locator(".hud dd.angle").waitFor({ state: "visible" });
+    const wanted = (Math.acos(cosine) * 180) / Math.PI;
+    assert.ok(Math.abs((await value("angle")) - wanted) < 0.2, `${await value("angle")}°, and not ${wanted}°`);
+    await torus.page.keyboard.press("j");
+    await torus.page.locator(".hud dd.angle").waitFor({ state: "hidden" });
+    for (const [x, y] of [
+      [ax, ay],
+      [bx, by],
+      [cx, cy],
+      [ax + 3, ay],
+    ]) {
+      await torus.page.mouse.click(x, y);
+    }
+    const area = 0.5 * Math.hypot(...u) * Math.hypot(...v) * Math.sqrt(1 - cosine * cosine);
+    assert.ok(Math.abs((await value("area")) / area - 1) < 0.01, `${await value("area")}, and not ${area}`);
+    await torus.screenshot("measure_area.png");
+    await torus.until(() => location.hash.includes("measure=area"));
+    await torus.page.keyboard.press("j");
+    await torus.page.keyboard.press("m");
   });
 
   it("saves the points as PLY", async () => {

@@ -7,9 +7,12 @@ import { endAll } from "./support/shared_server.mjs";
 
 import "./picture_suite.mjs";
 import "./crease_suite.mjs";
+import "./gallery_suite.mjs";
+import "./outline_suite.mjs";
 import "./views_suite.mjs";
 import "./access_suite.mjs";
 import "./tools_suite.mjs";
+import "./marks_suite.mjs";
 import "./mesh_suite.mjs";
 import "./server_suite.mjs";
 import "./leak_suite.mjs";

@@ -84,6 +84,56 @@ describe("the views that have names", () => {
     assert.equal(await torus.evaluate((c) => c.settings.fieldOfView), 30, "the panel follows the camera");
   });
 
+  it("have parallel rays where that is set: nothing is larger for being near", async () => {
+    await torus.page.keyboard.press("3");
+    await torus.until(looksAlong, [
+      [0, 0, -1],
+      [0, 1, 0],
+    ]);
+    await torus.settled();
+    await torus.change(() => torus.page.keyboard.press("6"));
+    assert.equal(await torus.evaluate((c) => c.view.camera.orthographic), true);
+    await torus.page.keyboard.press("f");
+    await torus.settled();
+    await assertWhole(torus);
+    // Places of the surface are as far across as their pixels, whatever their depths.
+    const places = await torus.evaluate((c) => {
+      const { eye, target, fov } = c.view.camera;
+      const unit = (2 * (eye[2] - target[2]) * Math.tan((fov * Math.PI) / 360)) / c.view.cssSize.height;
+      const canvas = document.querySelector("canvas");
+      const found = [];
+      for (let x = 0; x < canvas.clientWidth; x += 10) {
+        for (let y = 0; y < c.view.cssSize.height; y += 10) {
+          const pick = c.view.pick(x, y);
+          if (pick === null) continue;
+          const across = target[0] + (x - canvas.clientWidth / 2) * unit;
+          const up = target[1] - (y - c.view.cssSize.height / 2) * unit;
+          found.push([Math.hypot(pick.point[0] - across, pick.point[1] - up) / unit, pick.point[2]]);
+        }
+      }
+      return found;
+    });
+    const depths = places.map(([, depth]) => depth);
+    assert.ok(Math.max(...depths) - Math.min(...depths) > 0.2, "places of many depths");
+    assert.ok(Math.max(...places.map(([away]) => away)) < 8.1, "within the reach of the pointer");
+    assert.ok(places.filter(([away]) => away < 0.01).length > 0.9 * places.length);
+    await torus.screenshot("orthographic.png");
+    const height = (c) => Math.hypot(...c.view.camera.eye.map((value, k) => value - c.view.camera.target[k]));
+    const before = await torus.evaluate(height);
+    await torus.page.mouse.move(200, 240);
+    await torus.change(() => torus.page.mouse.wheel(0, -240));
+    assert.ok((await torus.evaluate(height)) < 0.8 * before, "the wheel makes it larger");
+    await torus.until(() => location.hash.includes("projection=orthographic"));
+    await torus.page.reload();
+    await torus.until((c) => c.statistics !== null);
+    await torus.settled();
+    assert.equal(await torus.evaluate((c) => c.view.camera.orthographic), true, "the address keeps it");
+    await torus.change(() => torus.set("projection", "perspective"));
+    assert.equal(await torus.evaluate((c) => c.view.camera.orthographic), false);
+    await torus.page.keyboard.press("f");
+    await torus.settled();
+  });
+
   it("may be of nothing, which is no error", async () => {
     const camera = await torus.evaluate((c) => c.view.camera);
     const away = { ...camera, target: camera.eye.map((value, k) => 2 * value - camera.target[k]) };

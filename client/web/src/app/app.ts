@@ -1,7 +1,7 @@
 // The viewer's page: joins its parts.
 
 import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
-import { directionOf, sectionOf, upAxisOf, Viewport, type CameraState, type Section, type StandardView } from "../view";
+import { directionOf, sectionOf, Viewport, type CameraState, type Section, type StandardView } from "../view";
 import { distance } from "../view/vector";
 import { AxesGizmo } from "./axes_gizmo";
 import { Brush } from "./brush";
@@ -9,6 +9,7 @@ import { DrawingBudget } from "./drawing_budget";
 import type { FirstAnswers } from "./first_answers";
 import { Hud } from "./hud";
 import { keyTable } from "./key_table";
+import { Annotations } from "./marks/annotations";
 import { MeshFollower } from "./mesh_follower";
 import { Messages } from "./messages";
 import { copyText, toggleFullScreen } from "./page_tools";
@@ -18,9 +19,10 @@ import { saveMesh, savePicture, savePoints } from "./saving";
 import { ScaleBar } from "./scale_bar";
 import { SessionChoice } from "./session_choice";
 import { nameOf, SessionList } from "./session_list";
-import { defaultSettings, type Dab, type Settings } from "./settings";
+import { defaultSettings, takeCamera, type Dab, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
+import { tabStorage, Thumbnails, thumbnailSize } from "./thumbnails";
 import { Uploads } from "./upload";
 import { keepToken, readState, writeState } from "./url_state";
 import { ViewPacer } from "./view_pacer";
@@ -48,6 +50,8 @@ export class Application {
   private readonly axes: AxesGizmo;
   private readonly scale: ScaleBar;
   private readonly brush: Brush;
+  private readonly annotations: Annotations;
+  private readonly thumbnails = new Thumbnails(tabStorage());
   private readonly drawingBudget = new DrawingBudget();
   private readonly choice: SessionChoice;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
@@ -76,15 +80,21 @@ export class Application {
       matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
     );
     const { session, camera, settings } = readState(location.hash, this.defaults);
-    this.settings = { ...this.defaults, dabs: [], ...settings };
+    this.settings = { ...this.defaults, dabs: [], marks: [], ...settings };
     this.brush = new Brush(this.settings, (text) => this.messages.notice(text));
+    this.annotations = new Annotations(page, this.settings.marks, {
+      viewport: this.viewport,
+      changed: () => this.saveSoon(),
+      notice: (text) => this.messages.notice(text),
+    });
     this.hud = new Hud(page);
     this.axes = new AxesGizmo(page, (direction) => this.viewport.lookFrom(direction, this.settings.up));
     this.scale = new ScaleBar(page);
-    this.list = new SessionList({
-      open: (chosen) => this.choice.choose(chosen.sessionId),
-      forget: (chosen) => void this.forget(chosen),
-    });
+    const listed = {
+      open: (chosen: Session) => this.choice.choose(chosen.sessionId),
+      forget: (chosen: Session) => void this.forget(chosen),
+    };
+    this.list = new SessionList(listed, this.thumbnails);
     this.uploads = new Uploads(page, this.client, {
       onPreview: (preview) => this.previewed(preview),
       onReady: (ready, missing) => this.uploaded(ready, missing),
@@ -101,6 +111,8 @@ export class Application {
       screenshot: () => void savePicture(this, this.settings.pictureScale),
       exportPly: () => savePoints(this),
       exportMesh: () => saveMesh(this),
+      addMark: () => this.annotations.addInTheMiddle(),
+      clearMarks: () => this.annotations.clear(),
     };
     const say = (text: string): void => this.messages.say(text);
     const toggles = { say, togglePanel: () => this.panel.toggle(), toggleFigures: () => this.hud.toggle() };
@@ -109,7 +121,7 @@ export class Application {
       document.body, // beside the page's main part
       this.settings,
       { ...actions, changed: () => this.changed(), help: () => shortcuts.toggleHelp() },
-      this.list.root,
+      { sessions: this.list.root, marks: this.annotations.root },
     );
     this.choice = this.makeChoice();
     this.listen();
@@ -149,7 +161,7 @@ export class Application {
       this.isPainting = !done;
       if (this.brush.paint(centre, this.brushRadius(), done) || done) this.changed();
     };
-    this.viewport.onMeasure = (distance) => (this.hud.distance = distance);
+    this.viewport.onMeasure = (measured) => (this.hud.measured = measured);
     this.viewport.onLost = (isLost) => {
       if (isLost) this.messages.showBanner("graphics", "The graphics card was lost; the picture waits until it is back …");
       else this.messages.hideBanner("graphics");
@@ -162,12 +174,9 @@ export class Application {
   private cameraMoved(): void {
     const { camera } = this.viewport;
     this.axes.show(camera);
-    if (this.session !== null) this.scale.show(camera, this.viewport.cssHeight);
-    const ofCamera = { fieldOfView: camera.fov, up: upAxisOf(camera) };
-    if (ofCamera.fieldOfView !== this.settings.fieldOfView || ofCamera.up !== this.settings.up) {
-      Object.assign(this.settings, ofCamera);
-      this.panel.refresh();
-    }
+    this.annotations.place();
+    if (this.session !== null) this.scale.show(camera, this.viewport.cssSize.height);
+    if (takeCamera(this.settings, camera)) this.panel.refresh();
     this.pacer.request();
   }
 
@@ -181,9 +190,12 @@ export class Application {
     viewport.style = { mode, colouring, background, edl, dotSize, splatScale, paint, section: this.section() };
     viewport.setUp(settings.up);
     viewport.setFieldOfView(settings.fieldOfView);
+    viewport.setOrthographic(settings.projection === "orthographic");
     viewport.maxPixelRatio = settings.pixelRatio;
     viewport.navigation = settings.navigation;
-    viewport.setMeasuring(settings.measuring && !settings.brush);
+    viewport.onClick = settings.marking && !settings.brush ? (place) => this.annotations.add(place) : null;
+    viewport.setMeasuring(settings.measuring && !settings.brush && !settings.marking ? settings.measure : null);
+    this.scale.unit = this.hud.unit = settings.unit;
     this.isPainting &&= settings.brush; // a stroke also ends with the brush
     viewport.setBrush(settings.brush && this.session !== null ? this.brushRadius() : null);
     if (settings.frozen !== (this.frozen !== null)) {
@@ -282,7 +294,11 @@ export class Application {
     this.streams?.close();
     this.mesh?.follow(null, false);
     this.streams = null; // the new session is not asked for views of the camera before
-    if (this.session !== null && this.session.sessionId !== session.sessionId) this.brush.clear();
+    if (this.session !== null && this.session.sessionId !== session.sessionId) {
+      this.thumbnails.keep(this.session.sessionId, this.viewport.thumbnail(thumbnailSize.width, thumbnailSize.height));
+      this.brush.clear();
+      this.annotations.clear();
+    }
     this.session = session;
     this.list.current = session.sessionId;
     document.title = `${nameOf(session)} – Curvecast`;
@@ -345,8 +361,10 @@ export class Application {
     if (frame.error !== null) return this.refusedView(frame.error);
     this.messages.hideHint();
     const isChanged = frame.added + frame.removed + frame.resized > 0;
-    if (isChanged) this.uploadMilliseconds = this.viewport.uploadNow();
-    else this.viewport.expectNoPoints();
+    if (isChanged) {
+      this.uploadMilliseconds = this.viewport.uploadNow();
+      this.annotations.place();
+    } else this.viewport.expectNoPoints();
     this.showFigures();
   }
 

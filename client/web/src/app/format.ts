@@ -19,7 +19,22 @@ export function seconds(value: number | null): string {
   return `${(1000 * value).toFixed(value < 0.00995 ? 1 : 0)} ms`;
 }
 
-/// Formats a length with four significant digits.
-export function length(value: number): string {
-  return String(Number(value.toPrecision(4)));
+/// What a length of 1 in the file is.
+export type Unit = "none" | "mm" | "cm" | "m" | "in" | "ft";
+
+const fourDigits = (value: number): string => String(Number(value.toPrecision(4)));
+
+/// Formats a length in the file's units with four significant digits.
+export function length(value: number, unit: Unit = "none"): string {
+  return fourDigits(value) + (unit === "none" ? "" : `\u00a0${unit}`);
+}
+
+/// Formats an area in squares of the file's units.
+export function area(value: number, unit: Unit = "none"): string {
+  return fourDigits(value) + (unit === "none" ? "" : `\u00a0${unit}²`);
+}
+
+/// Formats an angle in degrees.
+export function angle(degrees: number): string {
+  return `${degrees.toFixed(1)}°`;
 }

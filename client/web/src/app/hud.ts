@@ -2,7 +2,8 @@
 
 import type { LiveViewState } from "../stream";
 import { element } from "./elements";
-import { bytes, count, length, seconds } from "./format";
+import type { Measured, MeasureKind } from "../view";
+import { angle, area, bytes, count, length, seconds, type Unit } from "./format";
 import type { MeshFollower } from "./mesh_follower";
 import { pointsText } from "./points_text";
 import type { Streams } from "./streams";
@@ -15,6 +16,8 @@ const words: Record<LiveViewState, string> = {
   failed: "ended",
 };
 
+const measures: readonly MeasureKind[] = ["distance", "angle", "area"];
+
 /// Which revision a curve is: of its number what counts, without what tells servers' curves apart.
 function revisionText(revision: number): string {
   return (revision < 0x10000 ? revision : Math.floor(revision / 0x10000)).toString();
@@ -23,6 +26,8 @@ function revisionText(revision: number): string {
 /// Shows the figures of the streams. Folded, it shows the state alone.
 export class Hud {
   private readonly state = element("span", { class: "state" });
+  private measuredNow: Measured | null = null;
+  private unitNow: Unit = "none";
   private readonly rows = new Map<string, HTMLElement>();
   private readonly root = element("details", { class: "hud", attributes: { "aria-label": "Figures" } });
 
@@ -30,7 +35,7 @@ export class Hud {
     this.root.open = true;
     this.root.append(element("summary", { title: "Fold or unfold the figures (I)" }, [this.state]));
     const list = element("dl");
-    const asked = ["mesh", "distance"]; // rows that are shown while there is something in them
+    const asked = ["mesh", ...measures]; // rows that are shown while there is something in them
     for (const name of ["points", "update", "traffic", "view → points", "server", "frames", "curve", ...asked]) {
       const kind = asked.includes(name) ? { class: `asked ${name}` } : {};
       const value = element("dd", { text: "–", ...kind });
@@ -38,7 +43,7 @@ export class Hud {
       list.append(element("dt", { text: name, ...kind }), value);
     }
     this.root.append(list);
-    this.distance = null;
+    this.showMeasured();
     this.showMesh(null);
     parent.append(this.root);
   }
@@ -51,10 +56,16 @@ export class Hud {
     this.root.open = !this.root.open;
   }
 
-  /// Shows the length of the measured line, in units; null hides the row.
-  set distance(distance: number | null) {
-    this.setAsked("distance", distance === null ? null : length(distance));
-    if (distance !== null) this.root.open = true;
+  /// Shows what was measured; null hides the row.
+  set measured(measured: Measured | null) {
+    this.measuredNow = measured;
+    this.showMeasured();
+    if (measured !== null) this.root.open = true;
+  }
+
+  set unit(unit: Unit) {
+    this.unitNow = unit;
+    this.showMeasured();
   }
 
   /// Shows the figures of the mesh; null hides the row.
@@ -81,6 +92,12 @@ export class Hud {
     this.set("update", `+${count(last.added)} −${count(last.removed)}${resized}, ${bytes(last.bytes)}`);
     this.set("server", `${seconds(last.serverSeconds)}, decoding ${seconds(last.decodeSeconds)}`);
     this.set("curve", `${count(last.curveVertices)} vertices, revision ${revisionText(last.curveRevision)}`);
+  }
+
+  private showMeasured(): void {
+    const { measuredNow, unitNow } = this;
+    const text = measuredNow && { distance: length, area, angle }[measuredNow.kind](measuredNow.value, unitNow);
+    for (const kind of measures) this.setAsked(kind, measuredNow?.kind === kind ? text : null);
   }
 
   private setAsked(name: string, text: string | null): void {

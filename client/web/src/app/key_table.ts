@@ -38,6 +38,12 @@ function nextColouring(settings: Settings): string {
   return name;
 }
 
+function nextMeasure(settings: Settings): string {
+  const kinds = Object.values(choiceWords.measure);
+  settings.measure = kinds[(kinds.indexOf(settings.measure) + 1) % kinds.length]!;
+  return settings.measure;
+}
+
 /// Lists all shortcuts of the page.
 export function keyTable(actions: KeyActions): Shortcut[] {
   /// `how` returns what to say.
@@ -59,6 +65,7 @@ export function keyTable(actions: KeyActions): Shortcut[] {
     { key: "3", what: "from the front", run: () => actions.view("front") },
     { key: "4", what: "from the side", run: () => actions.view("side") },
     { key: "5", what: "from above", run: () => actions.view("top") },
+    sets("6", "perspective, orthographic", (s) => (s.projection = s.projection === "perspective" ? "orthographic" : "perspective")),
     { key: "u", what: "open a mesh", run: () => actions.upload() },
     sets("1", "surface", (s) => ((s.mode = "splats"), "on")),
     sets("2", "dots", (s) => ((s.mode = "dots"), "on")),
@@ -69,12 +76,14 @@ export function keyTable(actions: KeyActions): Shortcut[] {
     sets("]", "twice as many points", (s) => (scalePoints(s, 2), String(s.points)), true),
     switches("v", "even points beside", "split"),
     switches("z", "hold the points still", "frozen"),
-    switches("b", "paint", "brush", (s) => (s.measuring = false)),
-    switches("r", "rub paint out", "eraser", (s) => ((s.brush = true), (s.measuring = false))),
+    switches("b", "paint", "brush", (s) => (s.measuring = s.marking = false)),
+    switches("r", "rub paint out", "eraser", (s) => ((s.brush = true), (s.measuring = s.marking = false))),
     { key: "mod+z", what: "undo a stroke", run: () => actions.undoStroke(), repeats: true },
     { key: "delete", what: "clear all strokes", run: () => actions.clearStrokes() },
     switches("t", "edges of a mesh", "wireframe"),
-    switches("m", "measure", "measuring", (s) => (s.brush = false)),
+    switches("m", "measure", "measuring", (s) => (s.brush = s.marking = false)),
+    sets("j", "distance, angle, area", nextMeasure),
+    switches("k", "annotate", "marking", (s) => (s.brush = s.measuring = false)),
     sets("n", "orbit, fly", (s) => (s.navigation = s.navigation === "orbit" ? "fly" : "orbit")),
     { key: "p", what: "save the picture", run: () => actions.screenshot() },
     { key: "x", what: "save the points as PLY", run: () => actions.exportPly() },

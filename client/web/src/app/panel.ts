@@ -5,9 +5,10 @@ import GUI, { type Controller } from "lil-gui";
 import type { StandardView } from "../view";
 import { button, element } from "./elements";
 import guiStyle from "../../node_modules/lil-gui/dist/lil-gui.min.css?inline";
-import { makeSlider } from "./panel_access";
+import { makeLogarithmic, movedByFactors } from "./log_slider";
+import { makeSlider, moved } from "./panel_access";
 import { actionWords, choiceWords, settingWords, type Words } from "./panel_words";
-import { ranges, type Settings } from "./settings";
+import { ranges, type Range, type Settings } from "./settings";
 
 /// What the panel calls: `changed` after a setting has changed, the others for its buttons.
 export interface PanelActions {
@@ -22,6 +23,8 @@ export interface PanelActions {
   screenshot(): void;
   exportPly(): void;
   exportMesh(): void;
+  addMark(): void;
+  clearMarks(): void;
   help(): void;
 }
 
@@ -47,7 +50,13 @@ function explained(controller: Controller, { name, hint }: Words): Controller {
   return controller;
 }
 
-/// Shows `settings`, writes to them, and then calls `changed`. `sessions`: the list that stands at the top.
+/// The lists that have a place in the panel.
+export interface PanelLists {
+  sessions: HTMLElement; // stands at the top
+  marks: HTMLElement;
+}
+
+/// Shows `settings`, writes to them, and then calls `changed`.
 export class Panel {
   private readonly gui: GUI;
   private readonly conditions: { controller: Controller; applies: () => boolean }[] = [];
@@ -57,7 +66,7 @@ export class Panel {
     page: HTMLElement,
     private readonly settings: Settings,
     private readonly actions: PanelActions,
-    sessions: HTMLElement,
+    lists: PanelLists,
   ) {
     document.head.prepend(element("style", { text: withoutFonts(guiStyle) }));
     this.gui = new GUI({ title: "Curvecast", width: 300, injectStyles: false });
@@ -66,11 +75,12 @@ export class Panel {
       this.showWhatApplies();
       actions.changed();
     });
-    this.addSessions(sessions);
+    this.addSessions(lists.sessions);
     this.addView();
     this.addLook();
     this.addPoints();
     this.addSaving();
+    this.addMarks(lists.marks);
     this.addDensity();
     this.addBrush();
     this.addMesh();
@@ -113,9 +123,11 @@ export class Panel {
   }
 
   private addNumber(folder: GUI, key: keyof typeof ranges): Controller {
-    const { min, max, step }: { min: number; max: number; step?: number } = ranges[key];
+    const { min, max, step, isLogarithmic = false }: Range = ranges[key];
     const controller = explained(folder.add(this.settings, key, min, max, step), settingWords[key]);
-    this.sliders.push(makeSlider(controller, { min, max, step: step ?? (max - min) / 100 }));
+    const steps = { min, max, step: step ?? (max - min) / 100 };
+    if (isLogarithmic) makeLogarithmic(controller, steps);
+    this.sliders.push(makeSlider(controller, steps, isLogarithmic ? movedByFactors : moved));
     return controller;
   }
 
@@ -143,7 +155,8 @@ export class Panel {
     folder.$children.append(element("div", { class: "views", attributes: { role: "group", "aria-label": "Views" } }, buttons));
     this.addButton(folder, "fit");
     this.addChoice(folder, "up");
-    this.addNumber(folder, "fieldOfView");
+    this.addChoice(folder, "projection");
+    this.when(({ projection }) => projection === "perspective", this.addNumber(folder, "fieldOfView"));
     this.addChoice(folder, "navigation");
   }
 
@@ -170,9 +183,19 @@ export class Panel {
   private addSaving(): void {
     const folder = this.folder("Measure, save, share", true);
     this.addSwitch(folder, "measuring");
+    this.addChoice(folder, "measure");
+    this.addChoice(folder, "unit");
     this.addButton(folder, "screenshot");
     this.addNumber(folder, "pictureScale");
     for (const key of ["exportPly", "copyLink", "fullScreen", "help"] as const) this.addButton(folder, key);
+  }
+
+  private addMarks(marks: HTMLElement): void {
+    const folder = this.folder("Annotations", false);
+    this.addSwitch(folder, "marking");
+    folder.$children.append(marks);
+    this.addButton(folder, "addMark");
+    this.addButton(folder, "clearMarks");
   }
 
   private addDensity(): void {

@@ -31,8 +31,9 @@ export function moved(key: string, isFast: boolean, value: number, { min, max, s
   return null;
 }
 
-/// Makes the slider of a number one for keys. Returns a function that tells it of the value, to be called after each change.
-export function makeSlider(control: NumberControl, steps: Steps): () => void {
+/// Makes the slider of a number one for keys: `move` is moved() or the like. Returns a function that tells it of the value, to be called
+/// after each change.
+export function makeSlider(control: NumberControl, steps: Steps, move = moved): () => void {
   const slider = control.domElement.querySelector(".slider")!;
   const name = control.domElement.querySelector(".name")!;
   const attributes = {
@@ -45,7 +46,7 @@ export function makeSlider(control: NumberControl, steps: Steps): () => void {
   for (const [attribute, value] of Object.entries(attributes)) slider.setAttribute(attribute, value);
   slider.addEventListener("keydown", (event) => {
     const { key, shiftKey } = event as KeyboardEvent;
-    const to = moved(key, shiftKey, Number(control.getValue()), steps);
+    const to = move(key, shiftKey, Number(control.getValue()), steps);
     if (to === null) return;
     event.preventDefault();
     control.setValue(to);

@@ -13,6 +13,10 @@ const words = (name: string, hint: string): Words => ({ name, hint });
 /// The settings that the panel has.
 export const settingWords = {
   up: words("axis that points up", "Files of some programs have Y up, of others Z"),
+  projection: words(
+    "projection",
+    "orthographic: parallels stay parallel, and lengths across the view are the same near and far, as in drawings (6)",
+  ),
   fieldOfView: words("angle of view, °", "Vertical field of view: small ones show the surface flat, large ones from near by"),
   navigation: words("moving", "orbit: drag to turn the surface. fly: W A S D Q E move, drag to look around (N)"),
   mode: words("draw as", "surface: closed, by overlapping discs (splats, 1). dots: the points themselves (2)"),
@@ -61,12 +65,19 @@ export const settingWords = {
   ),
   sequence: words("sequence", "How points follow each other along the curve"),
   pictureScale: words("times as large", "Pixels of a saved picture for each pixel of the page, in each direction: for print"),
-  measuring: words("measure distances", "Click two points of the surface (M)"),
+  marking: words("annotate", "Click the surface to add a numbered place with a text, which the link has, too (K)"),
+  measuring: words("measure", "Click points of the surface (M)"),
+  measure: words(
+    "what",
+    "distance: straight, by two clicks. angle: by three, at the second. area: of a flat polygon of clicks, the last on its first (J)",
+  ),
+  unit: words("unit of the file", "What a length of 1 in the file is: shown with lengths and areas, nothing is converted"),
 } satisfies Partial<Record<keyof Settings, Words>>;
 
 /// The values of the settings that are choices, by the words of the panel.
 export const choiceWords = {
   up: { Y: "y", Z: "z" },
+  projection: { perspective: "perspective", orthographic: "orthographic" },
   navigation: { orbit: "orbit", fly: "fly" },
   mode: { surface: "splats", dots: "dots" },
   colouring: {
@@ -85,6 +96,8 @@ export const choiceWords = {
     "distance on screen": "pixels",
     "speed (automatic)": "automatic",
   },
+  measure: { distance: "distance", angle: "angle", area: "area" },
+  unit: { "not known": "none", mm: "mm", cm: "cm", m: "m", inches: "in", feet: "ft" },
   curvature: { no: "none", Gaussian: "gauss", mean: "mean", largest: "max" },
   sampler: { "by rank (progressive)": "progressive", "along the curve (paper)": "equalised" },
   sequence: { jittered: "jittered", regular: "regular", "van der Corput": "vanDerCorput", "golden ratio": "goldenRatio" },
@@ -96,6 +109,8 @@ export const actionWords = {
   fit: words("Show the whole surface (F)", "From the side that the camera is on"),
   undoStroke: words("Undo a stroke (Ctrl Z)", "Takes back the last stroke of the brush"),
   clearStrokes: words("Clear all strokes (Del)", "Takes back everything that was painted"),
+  addMark: words("Annotate the middle", "Adds an annotation in the middle of the picture, for those who do not point"),
+  clearMarks: words("Remove all annotations", "What was written is gone"),
   exportMesh: words("Save the mesh as PLY", "The mesh whose edges are shown"),
   screenshot: words("Save the picture (P)", "As PNG, without what is written over it"),
   exportPly: words("Save the points as PLY (X)", "With normals, radii and colours"),

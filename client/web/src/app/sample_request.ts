@@ -3,6 +3,7 @@
 import { create, toBinary, type MessageInitShape } from "@bufbuild/protobuf";
 
 import {
+  type CameraSchema,
   CurvatureKind,
   PointAttribute,
   Sampler,
@@ -11,6 +12,7 @@ import {
   type DensityTermSchema,
 } from "../gen/curvecast/v1/curvecast_pb";
 import type { CameraState } from "../view";
+import { halfHeight } from "../view/camera_math";
 import type { Dab, Settings } from "./settings";
 
 /// The fields of a SampleRequest.
@@ -36,6 +38,12 @@ export function sameBytes(a: Uint8Array, b: Uint8Array): boolean {
 
 function vec3([x, y, z]: readonly [number, number, number]): { x: number; y: number; z: number } {
   return { x, y, z };
+}
+
+function cameraOf(camera: CameraState): MessageInitShape<typeof CameraSchema> {
+  const opening =
+    camera.orthographic === true ? { orthographicHeight: 2 * halfHeight(camera) } : { verticalFovDegrees: camera.fov };
+  return { eye: vec3(camera.eye), target: vec3(camera.target), up: vec3(camera.up), ...opening };
 }
 
 /// Makes the terms of all settings but the brush.
@@ -106,9 +114,7 @@ export function sampleRequest(
     budget: budgetOf(settings, mostPoints),
     density: [...terms, ...(uniform ? [] : paint(settings.dabs))],
     // A request without a camera stays the same while the camera moves, and is not sent again.
-    cameras: needsCamera
-      ? [{ eye: vec3(camera.eye), target: vec3(camera.target), up: vec3(camera.up), verticalFovDegrees: camera.fov }]
-      : [],
+    cameras: needsCamera ? [cameraOf(camera)] : [],
     ...(needsCamera && {
       viewport: { width: Math.max(1, Math.round(size.width)), height: Math.max(1, Math.round(size.height)) },
     }),

@@ -1,9 +1,9 @@
 // A bar that says how large what the camera looks at is.
 
 import type { CameraState } from "../view";
-import { distance } from "../view/vector";
+import { halfHeight } from "../view/camera_math";
 import { element } from "./elements";
-import { length } from "./format";
+import { length, type Unit } from "./format";
 
 const longest = 120; // CSS pixels
 
@@ -17,13 +17,15 @@ export function barOf(unitsPerPixel: number): { units: number; pixels: number } 
 
 /// Returns the units that a pixel stands for at the distance of the camera's target. `height`: of the picture, in pixels.
 export function unitsPerPixel(camera: CameraState, height: number): number {
-  return (2 * distance(camera.eye, camera.target) * Math.tan((camera.fov * Math.PI) / 360)) / Math.max(1, height);
+  return (2 * halfHeight(camera)) / Math.max(1, height);
 }
 
-/// Shows the bar. What is nearer to the eye than the camera's target is larger, as in every perspective picture.
+/// Shows the bar. What is nearer to the eye than the camera's target is larger, unless the camera is orthographic.
 export class ScaleBar {
   private readonly bar = element("div");
   private readonly text = element("span");
+  private units = 1;
+  private unitNow: Unit = "none";
   private readonly root = element(
     "div",
     { class: "scale", title: "At the distance of what the camera turns about, in units of the file" },
@@ -35,11 +37,17 @@ export class ScaleBar {
     parent.append(this.root);
   }
 
+  set unit(unit: Unit) {
+    this.unitNow = unit;
+    this.text.textContent = length(this.units, unit);
+  }
+
   /// `height`: of the picture, in CSS pixels.
   show(camera: CameraState, height: number): void {
     const { units, pixels } = barOf(unitsPerPixel(camera, height));
     this.root.hidden = false;
     this.bar.style.width = `${pixels.toFixed(1)}px`;
-    this.text.textContent = length(units);
+    this.units = units;
+    this.text.textContent = length(units, this.unitNow);
   }
 }

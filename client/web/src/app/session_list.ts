@@ -3,6 +3,7 @@
 import { SessionState, type Session } from "../stream";
 import { button, crossButton, element } from "./elements";
 import { bytes, count } from "./format";
+import type { Thumbnails } from "./thumbnails";
 
 /// What the buttons of a row call.
 export interface SessionActions {
@@ -40,6 +41,7 @@ function detailsOf(session: Session): string {
 class Row {
   private readonly name = element("strong");
   private readonly details = element("small");
+  private readonly picture = element("img", { attributes: { alt: "" } });
   private readonly open: HTMLButtonElement;
   private readonly forget: HTMLButtonElement;
   readonly root: HTMLElement;
@@ -49,15 +51,17 @@ class Row {
     private session: Session,
   ) {
     this.open = button("", () => actions.open(this.session), session.sessionId);
-    this.open.append(this.name, this.details);
+    this.open.append(this.picture, this.name, this.details);
     this.forget = crossButton("", () => actions.forget(this.session));
     this.root = element("div", { class: "session" }, [this.open, this.forget]);
   }
 
-  show(session: Session, isCurrent: boolean): void {
+  show(session: Session, isCurrent: boolean, picture: string | null): void {
     this.session = session;
     this.name.textContent = nameOf(session);
     this.details.textContent = detailsOf(session);
+    this.picture.hidden = picture === null;
+    if (picture !== null && this.picture.src !== picture) this.picture.src = picture;
     this.open.disabled = session.state !== SessionState.READY;
     if (isCurrent) this.open.setAttribute("aria-current", "true");
     else this.open.removeAttribute("aria-current");
@@ -75,7 +79,10 @@ export class SessionList {
   private sessions: readonly Session[] = [];
   private currentId: string | null = null;
 
-  constructor(private readonly actions: SessionActions) {}
+  constructor(
+    private readonly actions: SessionActions,
+    private readonly thumbnails: Pick<Thumbnails, "of">,
+  ) {}
 
   show(sessions: readonly Session[]): void {
     this.sessions = sessions;
@@ -97,7 +104,7 @@ export class SessionList {
       gone.delete(id);
       const row = rows.get(id) ?? new Row(this.actions, session);
       rows.set(id, row);
-      row.show(session, id === this.currentId);
+      row.show(session, id === this.currentId, this.thumbnails.of(id));
     }
     for (const id of gone) {
       rows.get(id)!.root.remove();

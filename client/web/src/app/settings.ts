@@ -1,6 +1,9 @@
 // What a user can set. Lengths are in the units of the mesh unless a comment says otherwise.
 
-import type { Background, Colouring, Mode, PaintDab, UpAxis } from "../view";
+import type { Background, CameraState, Colouring, MeasureKind, Mode, PaintDab, UpAxis } from "../view";
+import type { Unit } from "./format";
+import type { Mark } from "./marks/mark";
+import { upAxisOf } from "../view/standard_views";
 
 /// A dab of the brush, which paints over what was painted before. Dabs of one `stroke` are alike, and undone together.
 export interface Dab extends PaintDab {
@@ -43,33 +46,40 @@ export interface Settings {
   pixelRatio: number; // most pixels of the picture per CSS pixel
   up: UpAxis;
   fieldOfView: number; // vertical, degrees; that of the camera
+  projection: "perspective" | "orthographic"; // of the camera
   pictureScale: number; // of pictures that are saved: pixels per pixel of the page, in each direction
   navigation: "orbit" | "fly";
   frozen: boolean; // views are sampled for the camera of the moment when this was set
   split: boolean; // left: a uniform density, right: the one set; both with the same budget
   measuring: boolean;
+  measure: MeasureKind; // what clicks measure
+  unit: Unit; // of the file's coordinates
+  marks: Mark[]; // annotations
+  marking: boolean; // clicks add annotations
 }
 
 /// The most dabs of the brush; the same limit as the server's.
 export const maxDabs = 10_000;
 
-interface Range {
+/// The range of a number.
+export interface Range {
   min: number;
   max: number;
   step?: number; // of the panel
+  isLogarithmic?: boolean; // on the panel's slider
 }
 
 /// The ranges of the settings that are numbers.
 export const ranges = {
-  points: { min: 1000, max: 1_000_000, step: 1000 },
-  kilobytes: { min: 4, max: 8192, step: 4 },
+  points: { min: 1000, max: 1_000_000, step: 100, isLogarithmic: true },
+  kilobytes: { min: 4, max: 8192, step: 1, isLogarithmic: true },
   pixelError: { min: 1, max: 40, step: 0.5 },
   frameMilliseconds: { min: 10, max: 500, step: 1 },
   curvatureExponent: { min: 0.1, max: 3 },
   silhouetteFloor: { min: 0.01, max: 1 },
   brushSize: { min: 0.5, max: 30 },
   brushFactor: { min: 0, max: 64 },
-  meshVertices: { min: 100, max: 100_000, step: 100 },
+  meshVertices: { min: 100, max: 100_000, step: 10, isLogarithmic: true },
   dotSize: { min: 1, max: 10 },
   splatScale: { min: 0.2, max: 3 },
   fieldOfView: { min: 5, max: 120, step: 1 },
@@ -83,6 +93,15 @@ type NumberSetting = { [Key in keyof Settings]: Settings[Key] extends number ? K
 /// Returns the value nearest to `value` in the range of a setting.
 export function withinRange(key: keyof typeof ranges, value: number): number {
   return Math.min(Math.max(value, ranges[key].min), ranges[key].max);
+}
+
+/// Sets what is a camera's to that of `camera`. Returns whether it was something else.
+export function takeCamera(settings: Settings, camera: CameraState): boolean {
+  const projection = camera.orthographic === true ? "orthographic" : "perspective";
+  const taken = { fieldOfView: camera.fov, up: upAxisOf(camera), projection } as const;
+  const isNew = taken.fieldOfView !== settings.fieldOfView || taken.up !== settings.up || projection !== settings.projection;
+  Object.assign(settings, taken);
+  return isNew;
 }
 
 /// Returns the settings that a page begins with: surfaces have their own colours, or are clay. A renderer without a graphics card gets fewer points.
@@ -122,10 +141,15 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     pixelRatio: 2,
     up: "y",
     fieldOfView: 30,
+    projection: "perspective",
     pictureScale: 1,
     navigation: "orbit",
     frozen: false,
     split: false,
     measuring: false,
+    measure: "distance",
+    unit: "none",
+    marks: [],
+    marking: false,
   };
 }

@@ -2,6 +2,7 @@
 
 import { isUsable } from "../view/camera_math";
 import type { CameraState } from "../view";
+import { maxMarks, readMark, writeMark } from "./marks/mark";
 import { ranges, withinRange, type Dab, type Settings } from "./settings";
 
 /// What an address says. All parts are optional.
@@ -17,7 +18,7 @@ const digits = 12; // of a number: coordinates may lie far from 0, and cameras n
 // Settings that are written even where they are the defaults, because these differ from machine to machine.
 const always: readonly (keyof Settings)[] = ["points", "background"];
 // Settings of what a visit does, not of how the page looks; and the angle of view, which the camera has.
-const unsaved: readonly (keyof Settings)[] = ["dabs", "brush", "eraser", "measuring", "frozen", "fieldOfView"];
+const unsaved: readonly (keyof Settings)[] = ["dabs", "brush", "eraser", "measuring", "marks", "marking", "frozen", "fieldOfView"];
 
 const choices: { [Key in keyof Settings]?: readonly string[] } = {
   budget: ["points", "bytes", "pixels", "automatic"],
@@ -29,7 +30,10 @@ const choices: { [Key in keyof Settings]?: readonly string[] } = {
   background: ["light", "dark"],
   section: ["none", "x", "y", "z"],
   up: ["y", "z"],
+  projection: ["perspective", "orthographic"],
   navigation: ["orbit", "fly"],
+  measure: ["distance", "angle", "area"],
+  unit: ["none", "mm", "cm", "m", "in", "ft"],
 };
 
 function numbers(text: string, count: number): number[] | null {
@@ -110,11 +114,11 @@ export function readState(hash: string, defaults: Settings): UrlState {
   }
   const dabs = given.get("dabs");
   if (dabs !== null) settings.dabs = readDabs(dabs);
-  return {
-    session: readSession(hash),
-    camera: readCamera(given.get("camera") ?? ""),
-    settings,
-  };
+  const marks = given.getAll("mark").flatMap((written) => readMark(written) ?? []);
+  if (marks.length > 0) settings.marks = marks.slice(0, maxMarks);
+  const camera = readCamera(given.get("camera") ?? "");
+  if (camera !== null && settings.projection === "orthographic") camera.orthographic = true;
+  return { session: readSession(hash), camera, settings };
 }
 
 /// Writes an address that readState() reads, # included.
@@ -128,6 +132,7 @@ export function writeState(session: string | null, camera: CameraState | null, s
     out.set(key, typeof value === "boolean" ? (value ? "1" : "0") : typeof value === "number" ? short(value) : value);
   }
   if (settings.dabs.length > 0 && settings.dabs.length <= mostDabs) out.set("dabs", writeDabs(settings.dabs));
+  for (const mark of settings.marks) out.append("mark", writeMark(mark, short));
   return "#" + out.toString().replaceAll("%2C", ",").replaceAll("%3B", ";");
 }
 

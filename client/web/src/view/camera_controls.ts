@@ -3,8 +3,7 @@
 // Flying: W A S D Q E move, dragging looks around, shift is faster.
 
 import { type Bounds, blend, boundsRadius, centre, farthestRadii, mayMove, orbit, shift, zoom } from "./camera_math";
-import type { Ray } from "./picking";
-import type { CameraState, Vec } from "./types";
+import type { CameraState, Ray, Vec } from "./types";
 import { takesKeys } from "./keyboard_focus";
 import { along, distance, dot, subtract } from "./vector";
 
@@ -109,7 +108,9 @@ export class CameraControls {
   private grab(x: number, y: number): Vec {
     const ray = this.host.rayAt(x, y);
     const { camera } = this.host;
-    return this.host.surfaceAt(x, y) ?? along(ray.origin, ray.direction, distance(camera.eye, camera.target));
+    const isParallel = camera.orthographic === true;
+    const reach = isParallel ? dot(subtract(camera.target, ray.origin), ray.direction) : distance(camera.eye, camera.target);
+    return this.host.surfaceAt(x, y) ?? along(ray.origin, ray.direction, reach);
   }
 
   private press(event: PointerEvent): void {
@@ -171,7 +172,8 @@ export class CameraControls {
   private pan(dx: number, dy: number): void {
     const { camera } = this.host;
     const forward = subtract(camera.target, camera.eye);
-    const depth = dot(subtract(this.pivot, camera.eye), forward) / distance(camera.target, camera.eye);
+    const pivot = camera.orthographic === true ? camera.target : this.pivot;
+    const depth = dot(subtract(pivot, camera.eye), forward) / distance(camera.target, camera.eye);
     const perPixel = (2 * Math.tan((camera.fov * Math.PI) / 360) * Math.max(depth, 0)) / (this.canvas.clientHeight || 1);
     this.host.camera = shift(camera, -dx * perPixel, dy * perPixel, 0);
   }
@@ -244,8 +246,11 @@ export class CameraControls {
     const radius = boundsRadius(host.bounds);
     const axis = (plus: string, minus: string): number => Number(keys.has(plus)) - Number(keys.has(minus));
     const isFast = keys.has("ShiftLeft") || keys.has("ShiftRight");
-    const step = 0.5 * radius * (isFast ? 4 : 1) * seconds;
-    const moved = shift(host.camera, step * axis("KeyD", "KeyA"), step * axis("KeyE", "KeyQ"), step * axis("KeyW", "KeyS"));
+    const pace = 0.5 * (isFast ? 4 : 1) * seconds;
+    const step = radius * pace;
+    const ahead = axis("KeyW", "KeyS");
+    if (host.camera.orthographic === true && ahead !== 0) this.zoomTo(host.camera.target, Math.exp(-pace * ahead)); // nothing comes nearer
+    const moved = shift(host.camera, step * axis("KeyD", "KeyA"), step * axis("KeyE", "KeyQ"), step * ahead);
     if (mayMove(host.camera.eye, moved.eye, host.bounds)) host.camera = moved;
   }
 }

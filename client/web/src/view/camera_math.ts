@@ -1,6 +1,6 @@
 // Functions of camera states: how a camera moves, and what it sees. Angles in radians.
 
-import type { CameraState, Vec } from "./types";
+import type { CameraState, Ray, Vec } from "./types";
 import { add, along, cross, distance, dot, isFinite, length, normalise, perpendicular, rotate, scale, subtract } from "./vector";
 
 /// The corners of a box.
@@ -53,6 +53,37 @@ export function rayDirection(camera: CameraState, aspect: number, x: number, y: 
   return normalise(along(along(axes.forward, axes.right, x * tangent * aspect), axes.up, y * tangent), axes.forward);
 }
 
+/// Returns half the height of what the picture shows at the distance of the camera's target.
+export function halfHeight({ eye, target, fov }: CameraState): number {
+  return distance(eye, target) * Math.tan((fov * Math.PI) / 360);
+}
+
+/// Returns the place from which a picture is drawn, and rays begin: the eye, or before the surface what an orthographic camera sees.
+export function standpoint(camera: CameraState, bounds: Bounds): Vec {
+  if (camera.orthographic !== true) return camera.eye;
+  const { forward } = cameraAxes(camera);
+  const depth = dot(subtract(boundsCentre(bounds), camera.eye), forward);
+  return along(camera.eye, forward, depth - 2 * boundsRadius(bounds));
+}
+
+/// Returns the ray through a point of the picture. `x`, `y`: as of rayDirection().
+export function rayThrough(camera: CameraState, bounds: Bounds, aspect: number, x: number, y: number): Ray {
+  const origin = standpoint(camera, bounds);
+  if (camera.orthographic !== true) return { origin, direction: rayDirection(camera, aspect, x, y) };
+  const { right, up, forward } = cameraAxes(camera);
+  const half = halfHeight(camera);
+  return { origin: along(along(origin, right, x * half * aspect), up, y * half), direction: forward, isParallel: true };
+}
+
+/// Returns where a point is in the picture, as `x` and `y` of rayDirection(); null where it is beside it.
+export function placeInPicture(camera: CameraState, aspect: number, point: Vec): [number, number] | null {
+  const { right, up, forward } = cameraAxes(camera);
+  const p = subtract(point, camera.eye);
+  const half = camera.orthographic === true ? halfHeight(camera) : dot(p, forward) * Math.tan((camera.fov * Math.PI) / 360);
+  const [x, y] = [dot(p, right) / (half * aspect), dot(p, up) / half];
+  return half > 0 && Math.abs(x) <= 1 && Math.abs(y) <= 1 ? [x, y] : null;
+}
+
 /// Turns a camera about a pivot: by `yaw` about the up direction, and by `pitch` about the camera's right, short of the poles.
 export function orbit(camera: CameraState, pivot: Vec, yaw: number, pitch: number): CameraState {
   if (!Number.isFinite(yaw) || !Number.isFinite(pitch)) return camera;
@@ -79,10 +110,10 @@ export function mayMove(from: Vec, to: Vec, bounds: Bounds): boolean {
   return reach < farthestRadii * boundsRadius(bounds) || reach < distance(from, middle);
 }
 
-/// Moves a camera towards a point, until the point is `factor` times as far. The distance stays within [nearest, farthest], and the
-/// point stays where it is in the picture.
+/// Moves a camera towards a point, until the point is `factor` times as far; until its picture is that much smaller, where the camera is
+/// orthographic. The distance, there the target's, stays within [nearest, farthest], and the point stays where it is in the picture.
 export function zoom(camera: CameraState, towards: Vec, factor: number, nearest: number, farthest: number): CameraState {
-  const now = distance(camera.eye, towards);
+  const now = distance(camera.eye, camera.orthographic === true ? camera.target : towards);
   if (!(factor > 0) || !(now > 0) || !Number.isFinite(factor)) return camera;
   const then = Math.min(Math.max(now * factor, Math.min(nearest, now)), Math.max(farthest, now));
   const move = (a: Vec): Vec => along(towards, subtract(a, towards), then / now);
@@ -104,6 +135,7 @@ export function blend(a: CameraState, b: CameraState, t: number): CameraState {
   const reach = length(from) ** (1 - t) * length(to) ** t;
   const direction = normalise(mix(normalise(from, [0, 0, 1]), normalise(to, [0, 0, 1])), normalise(to, [0, 0, 1]));
   return {
+    ...b,
     eye: along(target, direction, reach),
     target,
     up: normalise(mix(normalise(a.up, [0, 1, 0]), normalise(b.up, [0, 1, 0])), b.up),
@@ -119,12 +151,13 @@ export function fit(camera: CameraState, bounds: Bounds, aspect: number): Camera
   const margin = 0.04;
   const ty = Math.tan((camera.fov * Math.PI) / 360) * (1 - 2 * margin);
   const tx = ty * aspect;
+  const widening = camera.orthographic === true ? 0 : 1; // of the picture with the depth
   // How far the eye has to be for all corners to lie within each side of the picture.
   let [left, right, below, above] = [0, 0, 0, 0];
   for (let i = 0; i < 8; ++i) {
     const corner: Vec = [i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1];
     const p = corner.map((side, k) => side * 0.5 * (bounds.max[k]! - bounds.min[k]!)) as Vec;
-    const [x, y, depth] = [dot(axes.right, p), dot(axes.up, p), -dot(axes.forward, p)];
+    const [x, y, depth] = [dot(axes.right, p), dot(axes.up, p), -widening * dot(axes.forward, p)];
     right = Math.max(right, x + tx * depth);
     left = Math.max(left, -x + tx * depth);
     above = Math.max(above, y + ty * depth);
@@ -139,6 +172,7 @@ export function fit(camera: CameraState, bounds: Bounds, aspect: number): Camera
 /// the target.
 export function clipPlanes(camera: CameraState, bounds: Bounds): { near: number; far: number } {
   const radius = boundsRadius(bounds) * 1.02;
+  if (camera.orthographic === true) return { near: 0.9 * radius, far: 3.1 * radius }; // from the standpoint
   const reach = distance(camera.eye, boundsCentre(bounds));
   const far = Math.max(reach + radius, 1e-3 * radius);
   // From within, nearby walls are drawn, too. A depth buffer of 32 bits still separates 1e-4 radii on the far side.

@@ -11,7 +11,7 @@ import { PointsGeometry } from "./points_geometry";
 import { SolidPasses } from "./solid_passes";
 import { canBlend, SplatPasses } from "./splat_passes";
 import { StoreEnds } from "./store_ends";
-import { aim } from "./three_camera";
+import { aim, AimedCamera } from "./three_camera";
 import type { CameraState, FrozenCamera, Style, Vec } from "./types";
 import { Wireframe } from "./wireframe";
 
@@ -45,8 +45,8 @@ export class Drawing {
   private readonly passes: Passes;
   private readonly overlay = new OverlayLines();
   private readonly wireframe = new Wireframe();
-  private readonly drawn = new THREE.PerspectiveCamera();
-  private readonly sampled = new THREE.PerspectiveCamera();
+  private readonly drawn = new AimedCamera();
+  private readonly sampled = new AimedCamera();
   private readonly finder = new WorkerEndsFinder();
   private readonly geometries = new Map<PointStore, PointsGeometry>();
   private stores: readonly (PointStore | null)[] = [null];

@@ -7,4 +7,5 @@ export { sectionOf } from "./section";
 export { directionOf, upAxisOf } from "./standard_views";
 export type { StandardView, UpAxis } from "./standard_views";
 export { takesKeys } from "./keyboard_focus";
+export type { Measured, MeasureKind } from "./measures";
 export { Viewport } from "./viewport";

@@ -2,6 +2,7 @@
 
 import * as THREE from "three";
 import type { Rectangle } from "./picture";
+import type { AimedCamera } from "./three_camera";
 import type { Vec } from "./types";
 
 /// A line, or a dot where both ends are one.
@@ -18,13 +19,14 @@ precision highp float;
 uniform mat4 modelViewMatrix, projectionMatrix;
 uniform vec2 pixels;
 uniform float pixelRatio, near;
+uniform bool isParallel;
 in vec3 position;
 in vec3 from, to;
 in vec4 colourWidth;
 out vec2 pixelPosition;
 flat out vec2 start, end;
 flat out vec4 look;
-out float inverseDepth;  // linear in the picture
+out float inDepth;  // linear in the picture: the depth where rays are parallel, otherwise its inverse
 
 vec2 toPixels(vec3 eye) {
   vec4 clip = projectionMatrix * vec4(eye, 1.0);
@@ -35,12 +37,12 @@ void main() {
   vec3 a = (modelViewMatrix * vec4(from, 1.0)).xyz;
   vec3 b = (modelViewMatrix * vec4(to, 1.0)).xyz;
   float limit = -1.001 * near;
-  if (a.z > limit && b.z > limit) {
+  if (!isParallel && a.z > limit && b.z > limit) {
     gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
     return;
   }
-  if (a.z > limit) a = mix(a, b, (limit - a.z) / (b.z - a.z));
-  if (b.z > limit) b = mix(b, a, (limit - b.z) / (a.z - b.z));
+  if (!isParallel && a.z > limit) a = mix(a, b, (limit - a.z) / (b.z - a.z));
+  if (!isParallel && b.z > limit) b = mix(b, a, (limit - b.z) / (a.z - b.z));
   start = toPixels(a);
   end = toPixels(b);
   look = vec4(colourWidth.rgb, colourWidth.w * pixelRatio);
@@ -49,7 +51,8 @@ void main() {
   along = size > 1e-3 ? along / size : vec2(1.0, 0.0);
   float reach = 0.5 * look.w + 1.0;
   pixelPosition = mix(start, end, step(0.0, position.x)) + reach * (position.x * along + position.y * vec2(-along.y, along.x));
-  inverseDepth = -1.0 / (position.x < 0.0 ? a.z : b.z);
+  float depth = position.x < 0.0 ? -a.z : -b.z;
+  inDepth = isParallel ? depth : 1.0 / depth;
   gl_Position = vec4(pixelPosition / pixels * 2.0 - 1.0, 0.0, 1.0);
 }
 `;
@@ -57,13 +60,13 @@ void main() {
 const fragmentShader = /* glsl */ `
 precision highp float;
 uniform highp sampler2D depths;
-uniform bool hasDepths;
+uniform bool hasDepths, isParallel;
 uniform vec2 clip;
 uniform float tolerance;  // units
 in vec2 pixelPosition;
 flat in vec2 start, end;
 flat in vec4 look;
-in float inverseDepth;
+in float inDepth;
 layout(location = 0) out vec4 pixel;
 void main() {
   vec2 along = end - start;
@@ -72,8 +75,9 @@ void main() {
   float cover = clamp(0.5 * look.w - away + 0.5, 0.0, 1.0);
   if (hasDepths) {
     ivec2 at = clamp(ivec2(pixelPosition), ivec2(0), textureSize(depths, 0) - 1);
-    float surface = clip.x * clip.y / (clip.y - texelFetch(depths, at, 0).x * (clip.y - clip.x));
-    if (1.0 / inverseDepth > surface + tolerance) cover *= 0.4;
+    float depth = texelFetch(depths, at, 0).x;
+    float surface = isParallel ? mix(clip.x, clip.y, depth) : clip.x * clip.y / (clip.y - depth * (clip.y - clip.x));
+    if ((isParallel ? inDepth : 1.0 / inDepth) > surface + tolerance) cover *= 0.4;
   }
   pixel = vec4(look.rgb, cover);
 }
@@ -86,6 +90,7 @@ export class OverlayLines {
     pixels: { value: new THREE.Vector2() },
     pixelRatio: { value: 1 },
     near: { value: 0 },
+    isParallel: { value: false },
     depths: { value: null as THREE.Texture | null },
     hasDepths: { value: false },
     clip: { value: new THREE.Vector2() },
@@ -137,7 +142,7 @@ export class OverlayLines {
   /// Draws the lines into `renderer`'s viewport. `depths`: those of the surface; null: the surface hides nothing.
   render(
     renderer: THREE.WebGLRenderer,
-    camera: THREE.PerspectiveCamera,
+    camera: AimedCamera,
     where: Rectangle,
     pixelRatio: number,
     depths: THREE.Texture | null,
@@ -148,6 +153,7 @@ export class OverlayLines {
     uniforms.pixels.value.set(where.width, where.height);
     uniforms.pixelRatio.value = pixelRatio;
     uniforms.near.value = camera.near;
+    uniforms.isParallel.value = camera.isParallel;
     uniforms.clip.value.set(camera.near, camera.far);
     uniforms.depths.value = depths;
     uniforms.hasDepths.value = depths !== null;

@@ -2,15 +2,8 @@
 
 import type { PointStore } from "../stream/point_store";
 import { localSection } from "./section";
-import type { Pick, Section, Vec } from "./types";
+import type { Pick, Ray, Section, Vec } from "./types";
 import { add, along, normalise } from "./vector";
-
-/// A ray from the eye.
-export interface Ray {
-  origin: Vec;
-  /// Unit length.
-  direction: Vec;
-}
 
 /// Returns the distance along a ray to the disc in a slot; NaN where the ray misses it. `x`, `y`, `z`: the ray's origin relative to the
 /// store's.
@@ -28,7 +21,7 @@ function discDistance(store: PointStore, slot: number, x: number, y: number, z: 
 }
 
 /// Finds the surface where a ray first hits a disc: the mean of the discs that lie together there, as in the picture. A ray that hits no
-/// disc finds the point nearest to it within `tolerance` (tangent of an angle), and among equally near ones the nearest to the eye.
+/// disc finds the point nearest to it within `tolerance` (tangent of an angle; a length where rays are parallel), and among equally near ones the nearest to the eye.
 /// Ignores discs nearer than `near`, and those that `section` cuts off. Radii are multiplied by `scale`.
 export function pick(
   store: PointStore,
@@ -67,7 +60,8 @@ export function pick(
         continue;
       }
     }
-    const angle = Math.max(away, 0) / (t * t * tolerance * tolerance);
+    const reach = tolerance * (ray.isParallel === true ? 1 : t);
+    const angle = Math.max(away, 0) / (reach * reach);
     // A point twice as far away from the eye has to be much nearer to the ray.
     if (angle <= 1 && (angle + 0.25) * t < nearestScore) {
       nearestScore = (angle + 0.25) * t;

@@ -2,6 +2,7 @@
 
 import * as THREE from "three";
 import type { DiscShape, PointsGeometry } from "./points_geometry";
+import type { AimedCamera } from "./three_camera";
 import type { Background, Style } from "./types";
 
 interface Look {
@@ -46,7 +47,7 @@ export interface Rectangle {
 export interface Picture {
   points: PointsGeometry | null;
   style: Style;
-  camera: THREE.PerspectiveCamera;
+  camera: AimedCamera;
   where: Rectangle;
   /// Pixels of the canvas per CSS pixel.
   pixelRatio: number;
@@ -56,7 +57,7 @@ export interface Picture {
   sceneRadius: number;
   brush: { centre: THREE.Vector3; radius: number } | null;
   /// The camera that the points are for, where that is not the picture's. The rest as in FrozenCamera.
-  frozen: { camera: THREE.PerspectiveCamera; isCut: boolean; isEven: boolean } | null;
+  frozen: { camera: AimedCamera; isCut: boolean; isEven: boolean } | null;
 }
 
 /// A way to draw pictures.

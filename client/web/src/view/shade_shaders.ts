@@ -13,17 +13,20 @@ precision highp int;
 uniform sampler2D normals;
 uniform highp sampler2D depths;
 uniform vec2 clip;         // distances of the near and far plane
-uniform vec2 tangents;     // of half the angles of view
+uniform bool isParallel;   // the rays are
+uniform vec2 halfSize;     // of the picture: at distance 1, or anywhere where rays are parallel
 uniform float minKernel;   // sum of the kernels where the surface ends
 
 float distanceAt(ivec2 p) {
-  return clip.x * clip.y / (clip.y - texelFetch(depths, p, 0).x * (clip.y - clip.x));
+  float depth = texelFetch(depths, p, 0).x;
+  return isParallel ? mix(clip.x, clip.y, depth) : clip.x * clip.y / (clip.y - depth * (clip.y - clip.x));
 }
 
-// Eye coordinates at distance 1.
-vec3 rayAt(ivec2 p) {
+// Eye coordinates at a distance.
+vec3 placeAt(ivec2 p, float distance) {
   vec2 size = vec2(textureSize(depths, 0));
-  return vec3(((vec2(p) + 0.5) / size * 2.0 - 1.0) * tangents, -1.0);
+  vec2 side = ((vec2(p) + 0.5) / size * 2.0 - 1.0) * halfSize;
+  return isParallel ? vec3(side, -distance) : vec3(side, -1.0) * distance;
 }
 
 vec3 normalOf(vec3 sum, vec3 view) {
@@ -116,8 +119,7 @@ void main() {
   float cover = coverAt(p, sum.w);
   vec3 colour = behind;
   if (cover > 0.0) {
-    vec3 ray = rayAt(p);
-    vec3 view = -normalize(ray);
+    vec3 view = isParallel ? vec3(0.0, 0.0, 1.0) : -normalize(placeAt(p, 1.0));
     float here = distanceAt(p);
     vec3 n = normalOf(sum.xyz, view);
     // Rims of discs that stick out behind a sharp bend are not coloured as backs.
@@ -133,9 +135,9 @@ void main() {
     // Pixels between the smaller discs that make the depths have no depth.
     if (edlStrength > 0.0 && here < 0.999 * clip.y) colour *= domeLight(p, here);
     if (brush.w > 0.0) {
-      vec3 surface = ray * here + view * surfaceShift;
+      vec3 surface = placeAt(p, here) + view * surfaceShift;
       float away = distance(surface, brush.xyz);
-      float width = 1.5 * here * 2.0 * tangents.y / float(textureSize(depths, 0).y);
+      float width = 1.5 * (isParallel ? 1.0 : here) * 2.0 * halfSize.y / float(textureSize(depths, 0).y);
       float inside = 1.0 - smoothstep(brush.w - width, brush.w + width, away);
       float ring = 1.0 - smoothstep(width, 2.0 * width, abs(away - brush.w));
       colour = mix(colour, vec3(0.95, 0.35, 0.05), 0.22 * inside + 0.7 * ring * (1.0 - 0.22 * inside));

@@ -43,7 +43,7 @@ export class SplatPasses implements Passes {
     extent: { value: 1 },
     minRadius: { value: 0 },
     frozenClip: { value: new THREE.Matrix4() },
-    frozenEye: { value: new THREE.Vector3() },
+    frozenEye: { value: new THREE.Vector4() },
     frozenSlim: { value: 0 },
   };
   private readonly dotUniforms = {
@@ -62,7 +62,8 @@ export class SplatPasses implements Passes {
     depths: { value: null as THREE.Texture | null },
     origin: { value: new THREE.Vector2() },
     clip: { value: new THREE.Vector2() },
-    tangents: { value: new THREE.Vector2() },
+    isParallel: { value: false },
+    halfSize: { value: new THREE.Vector2() },
     minKernel: { value: minKernel },
     edlStrength: { value: 0 },
     edlReach: { value: 1 },
@@ -161,7 +162,7 @@ export class SplatPasses implements Passes {
     const { points, style, camera, where, pixelRatio } = picture;
     const isDots = style.mode === "dots";
     const look = looks[style.background];
-    const tangent = Math.tan((camera.fov * Math.PI) / 360);
+    const [halfWidth, halfHeight] = camera.halfSize;
     const [disc, dot, shade] = [this.discUniforms, this.dotUniforms, this.shadeUniforms];
 
     disc.splatScale.value = dot.splatScale.value = style.splatScale * (points?.growth ?? 1);
@@ -172,11 +173,12 @@ export class SplatPasses implements Passes {
       disc.frozenClip.value.copy(everything);
       if (isCut)
         disc.frozenClip.value.multiplyMatrices(sampled.projectionMatrix, sampled.matrixWorldInverse).multiply(camera.matrixWorld);
-      disc.frozenEye.value.copy(sampled.position).applyMatrix4(camera.matrixWorldInverse);
+      disc.frozenEye.value.set(0, 0, sampled.isParallel ? 1 : 0, sampled.isParallel ? 0 : 1);
+      disc.frozenEye.value.applyMatrix4(sampled.matrixWorld).applyMatrix4(camera.matrixWorldInverse);
       disc.frozenSlim.value = isEven ? slimness : 1e6;
     }
     // However it is turned, a square of this radius covers the middle of a pixel.
-    disc.minRadius.value = (Math.SQRT1_2 * 2 * tangent) / where.height / hidingExtent;
+    disc.minRadius.value = (Math.SQRT1_2 * 2 * halfHeight) / where.height / hidingExtent;
     if (points) {
       for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial])
         define(material, "HAS_ENDS", points.ends?.planes != null);
@@ -197,7 +199,8 @@ export class SplatPasses implements Passes {
     shade.colours.value = target.textures[1] ?? null;
     shade.origin.value.set(where.x, where.y);
     shade.clip.value.copy(dot.clip.value);
-    shade.tangents.value.set(tangent * camera.aspect, tangent);
+    shade.isParallel.value = camera.isParallel;
+    shade.halfSize.value.set(halfWidth, halfHeight);
     shade.edlStrength.value = style.edl ? (isDots ? 0.5 : 1.1) : 0;
     shade.edlReach.value = Math.max(1, 1.3 * pixelRatio);
     shade.sceneRadius.value = picture.sceneRadius;

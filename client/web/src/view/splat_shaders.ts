@@ -80,9 +80,9 @@ const float SLACK = ${slack.toFixed(2)};  // as in the planes of ends
 uniform float splatScale;
 uniform float backShift;  // along the ray, in radii
 uniform float extent;     // of the shape, in radii
-uniform float minRadius;  // at distance 1 from the eye
+uniform float minRadius;  // at distance 1 from the eye, or anywhere where rays are parallel
 #ifdef IS_FROZEN
-uniform vec3 frozenEye;    // of the camera that the points are for, in eye coordinates
+uniform vec4 frozenEye;    // of the camera that the points are for, in eye coordinates; w: 0 where its rays are parallel
 uniform float frozenSlim;  // as SLIMNESS
 #endif
 
@@ -113,8 +113,9 @@ bool placeCorner() {
   int which = gl_VertexID - shape * kCorners;
   inShape = kPlaces[which];
   vec3 center = (modelViewMatrix * vec4(point.xyz, 1.0)).xyz;
-  if (center.z >= 0.0) return false;
-  vec3 view = -normalize(center);
+  bool isParallel = projectionMatrix[3][3] == 1.0;
+  if (center.z >= 0.0 && !isParallel) return false;
+  vec3 view = isParallel ? vec3(0.0, 0.0, 1.0) : -normalize(center);
   discNormal = mat3(modelViewMatrix) * axis;
   discNormal = dot(discNormal, discNormal) > 0.01 ? normalize(discNormal) : view;
   facing = dot(discNormal, view);
@@ -123,24 +124,31 @@ bool placeCorner() {
   lean = normalize(lean);
   vec3 major = cross(view, lean);
   vec3 minor = cross(discNormal, major);
-  // A disc thinner than a pixel is turned a little to the eye, so that it is never lost between pixels.
-  float least = minRadius * -center.z;
+  float least = minRadius * (isParallel ? 1.0 : -center.z);
   float radius = max(point.w * splatScale * length(modelViewMatrix[0].xyz), least);
 #ifdef IS_FROZEN
-  radius = max(radius * min(1.0, frozenSlim * sqrt(abs(dot(discNormal, normalize(frozenEye - center))))), least);
+  radius = max(radius * min(1.0, frozenSlim * sqrt(abs(dot(discNormal, normalize(frozenEye.xyz - frozenEye.w * center))))), least);
 #endif
-  float lost = max(least - radius * abs(facing), 0.0);
-  minor = radius * minor - (facing < 0.0 ? -lost : lost) * lean;
+  // The more a disc is seen from its edge, the slimmer it is, as in core/render: where the surface bends away from the eye, discs would
+  // stick out of it. Less so than there: these discs overlap less, and flat sides would have gaps.
+  float slim = mix(0.7, 1.0, smoothstep(0.0, 1.0, abs(facing)));
+#ifdef HAS_ENDS
+  // What ends at a crease does not stick out, and has to reach it.
+  vec4 end1 = texelFetch(ends, texelOf(2 * slot), 0);
+  vec4 end2 = texelFetch(ends, texelOf(2 * slot + 1), 0);
+  if (end1.xyz != vec3(0.0) || end2.xyz != vec3(0.0)) slim = 1.0;
+#endif
+  // A disc thinner than a pixel is turned a little to the eye, so that it is never lost between pixels.
+  float lost = max(least - slim * radius * abs(facing), 0.0);
+  minor = slim * radius * minor - (facing < 0.0 ? -lost : lost) * lean;
   // Discs seen from their edges would stick out of a rough surface as needles. On a smooth surface, shorter discs change only the last
   // pixels of the rim.
-  float slim = min(1.0, SLIMNESS * sqrt(abs(facing)));
-  major *= max(radius * slim, least);
+  float longest = min(1.0, SLIMNESS * sqrt(abs(facing)));
+  major *= max(radius * longest, least);
   vec2 disc = extent * inShape;
   corner = center + disc.x * minor + disc.y * major;
 #ifdef HAS_ENDS
   vec3 away = (corner - center) * mat3(modelViewMatrix);  // back in the store's coordinates: views only turn
-  vec4 end1 = texelFetch(ends, texelOf(2 * slot), 0);
-  vec4 end2 = texelFetch(ends, texelOf(2 * slot + 1), 0);
   beyond = vec2(dot(end1.xyz, away) - end1.w, dot(end2.xyz, away) - end2.w);
   // At an outline, backs would stick out by what discs overlap by.
   if (facing < 0.0) beyond += SLACK * point.w * splatScale;
@@ -148,7 +156,7 @@ bool placeCorner() {
 #ifdef CONE
   if (which == 6) corner += CONE * radius * view;
 #endif
-  corner *= 1.0 + backShift * radius / length(corner);
+  corner += backShift * radius * (isParallel ? -view : normalize(corner));
   return true;
 }
 `;
@@ -273,7 +281,9 @@ uniform vec3 plainColour;
 ${splatColour}
 flat out vec3 colour;
 
-float distanceOf(float depth) { return clip.x * clip.y / (clip.y - depth * (clip.y - clip.x)); }
+float distanceOf(float depth, bool isParallel) {
+  return isParallel ? mix(clip.x, clip.y, depth) : clip.x * clip.y / (clip.y - depth * (clip.y - clip.x));
+}
 
 void main() {
   int slot = gl_VertexID * stride;
@@ -281,16 +291,17 @@ void main() {
   gl_PointSize = 1.0;
   if (!readPoint(slot)) return;
   vec3 center = (modelViewMatrix * vec4(point.xyz, 1.0)).xyz;
-  if (center.z >= 0.0) return;
+  bool isParallel = projectionMatrix[3][3] == 1.0;
+  if (center.z >= 0.0 && !isParallel) return;
   vec4 where = projectionMatrix * vec4(center, 1.0);
   vec2 size = vec2(textureSize(depths, 0));
   ivec2 pixel = ivec2(clamp((0.5 + 0.5 * where.xy / where.w) * size, vec2(0.0), size - 1.0));
-  float surface = distanceOf(texelFetch(depths, pixel, 0).x);
+  float surface = distanceOf(texelFetch(depths, pixel, 0).x, isParallel);
   if (-center.z > surface + tolerance * point.w * splatScale) return;
   gl_Position = where;
   gl_PointSize = diameter + 1.0;
   vec3 n = mat3(modelViewMatrix) * axis;
-  float facing = dot(n, -normalize(center)) / max(length(n), 0.01);
+  float facing = dot(n, isParallel ? vec3(0.0, 0.0, 1.0) : -normalize(center)) / max(length(n), 0.01);
 #if COLOURING == 0
   colour = plainColour;
 #else

@@ -3,7 +3,7 @@
 /// Coordinates or a direction, in the units and the frame of the mesh's file.
 export type Vec = [number, number, number];
 
-/// A perspective camera.
+/// A camera.
 export interface CameraState {
   eye: Vec;
   /// The point that the camera looks at and turns about.
@@ -11,6 +11,17 @@ export interface CameraState {
   up: Vec;
   /// Vertical angle of view, degrees.
   fov: number;
+  /// Its rays are parallel, and go on behind the eye. What is at the target is as large as without.
+  orthographic?: boolean;
+}
+
+/// A ray from the eye.
+export interface Ray {
+  origin: Vec;
+  /// Unit length.
+  direction: Vec;
+  /// The rays of the picture are parallel.
+  isParallel?: boolean;
 }
 
 /// A camera that points are sampled for, while the picture may be seen from elsewhere.

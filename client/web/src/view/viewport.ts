@@ -6,19 +6,20 @@ import type { TriangleMesh } from "../stream/triangle_mesh";
 import { BrushTool } from "./brush_tool";
 import { CanvasPixels } from "./canvas_pixels";
 import { CameraControls, type ControlsHost } from "./camera_controls";
-import { type Bounds, clipPlanes, fit, isUsable, rayDirection } from "./camera_math";
+import { type Bounds, centre, fit, isUsable } from "./camera_math";
 import { Drawing } from "./drawing";
 import { DrawingWatch } from "./drawing_watch";
 import { type Detail, type Drawn, fine, FrameClock } from "./frame_clock";
 import { MeasureTool } from "./measure_tool";
+import type { Measured, MeasureKind } from "./measures";
 import type { OverlayLine } from "./overlay_lines";
-import { frustumLines } from "./overlay_shapes";
-import { pick, type Ray } from "./picking";
+import { frustumLines, markDots } from "./overlay_shapes";
+import { PicturePlaces, type Shown } from "./picture_places";
+import { shrunk } from "./shrunk";
 import { firstCamera, lookFrom, type UpAxis, withFieldOfView, withUp } from "./standard_views";
 import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
 
 const longestHold = 120; // ms that a picture waits for its points, where the processor draws
-const pickReach = 8; // CSS pixels between the pointer and a point that it picks
 
 /// Draws on a canvas. Draws on demand, when something has changed, and on slow machines with fewer pixels and points while it changes.
 export class Viewport {
@@ -26,8 +27,10 @@ export class Viewport {
   onCamera: (() => void) | null = null;
   /// Is called when the brush paints at `centre`. `done`: the stroke ends there.
   onBrush: ((centre: Vec, done: boolean) => void) | null = null;
-  /// Is called with the length in units of a line between two clicked points, and with null once there is none.
-  onMeasure: ((distance: number | null) => void) | null = null;
+  /// Is called with what clicked points measure, and with null once there is nothing.
+  onMeasure: ((measured: Measured | null) => void) | null = null;
+  /// Is called with a point of the surface that is clicked.
+  onClick: ((point: Vec) => void) | null = null;
   /// Is called when the graphics card is lost, and with false when it is back.
   onLost: ((isLost: boolean) => void) | null = null;
   /// Is called when the pictures have got other sizes.
@@ -44,12 +47,13 @@ export class Viewport {
   private readonly clock: FrameClock;
   private readonly watch: DrawingWatch;
   private readonly controls: CameraControls;
-  private readonly measuring = new MeasureTool((length) => this.onMeasure?.(length));
+  private readonly measuring = new MeasureTool((measured) => this.onMeasure?.(measured));
   private readonly brush = new BrushTool(
     (x, y) => this.pick(x, y)?.point ?? null,
     (centre, done) => this.onBrush?.(centre, done),
   );
   private readonly pixels: CanvasPixels;
+  private readonly places: PicturePlaces;
   private readonly ended = new AbortController();
 
   private stores: (PointStore | null)[] = [null];
@@ -57,6 +61,7 @@ export class Viewport {
   private cameraNow: CameraState = { ...firstCamera };
   private boundsNow: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
   private frozen: FrozenCamera | null = null;
+  private marks: readonly Vec[] = [];
   private hover: { x: number; y: number } | null = null;
   private hovered: Pick | null = null;
   private isLost = false;
@@ -81,6 +86,8 @@ export class Viewport {
     this.controls = new CameraControls(canvas, this.makeHost());
     this.controls.onClick = (x, y) => this.click(x, y);
     this.controls.onHover = (at) => this.hoverAt(at);
+    const shown = (): Shown => ({ stores: this.stores, camera: this.cameraNow, bounds: this.boundsNow, style: this.styleNow });
+    this.places = new PicturePlaces(canvas, shown);
     this.pixels = new CanvasPixels(canvas, () => (this.invalidate(), this.onResize?.()));
     const { signal } = this.ended;
     canvas.addEventListener("webglcontextlost", () => this.lose(true), { signal });
@@ -136,9 +143,9 @@ export class Viewport {
     return this.pixels.size(this.pixelRatio(1), this.stores.length);
   }
 
-  /// Height of the pictures in CSS pixels.
-  get cssHeight(): number {
-    return this.canvas.clientHeight || 1;
+  /// Size of the canvas in CSS pixels.
+  get cssSize(): { width: number; height: number } {
+    return this.places.size;
   }
 
   /// Counts of the objects on the graphics card.
@@ -178,6 +185,11 @@ export class Viewport {
     if (degrees !== this.cameraNow.fov) this.camera = withFieldOfView(this.cameraNow, degrees);
   }
 
+  /// Has the rays be parallel, or meet in the eye. What the camera looks at stays as large.
+  setOrthographic(orthographic: boolean): void {
+    if (orthographic !== (this.cameraNow.orthographic ?? false)) this.camera = { ...this.cameraNow, orthographic };
+  }
+
   /// Sets the camera that points are sampled for, whose frustum is drawn; null: the picture's own.
   set frozenCamera(frozen: FrozenCamera | null) {
     this.frozen = frozen;
@@ -186,12 +198,23 @@ export class Viewport {
 
   /// Finds the surface, or the nearest visible point, at a point of the canvas in CSS pixels.
   pick(x: number, y: number): Pick | null {
-    const { store } = this.partAt(x);
-    if (!store) return null;
-    const { near } = clipPlanes(this.cameraNow, this.bounds);
-    const tangent = Math.tan((this.cameraNow.fov * Math.PI) / 360);
-    const tolerance = (pickReach * 2 * tangent) / this.cssHeight;
-    return pick(store, this.rayAt(x, y), near, tolerance, this.styleNow.splatScale, this.styleNow.section);
+    return this.places.pick(x, y);
+  }
+
+  /// Returns where a point is in the last of the pictures, in CSS pixels of the canvas; null where it is beside it.
+  placeOf(point: Vec): { x: number; y: number } | null {
+    return this.places.placeOf(point);
+  }
+
+  /// Aims the camera at a point, from the same side and distance.
+  lookAt(point: Vec): void {
+    this.controls.flyTo(centre(this.cameraNow, point));
+  }
+
+  /// Marks places by dots.
+  setMarks(places: readonly Vec[]): void {
+    this.marks = places;
+    this.invalidate();
   }
 
   /// Lets the pointer paint with a radius in units, instead of turning the picture; null ends that.
@@ -201,9 +224,9 @@ export class Viewport {
     this.hoverAt(this.hover);
   }
 
-  /// Switches the tool that measures between two clicks.
-  setMeasuring(on: boolean): void {
-    if (this.measuring.setOn(on)) this.invalidate();
+  /// Switches the tool on that measures what is clicked; null: off.
+  setMeasuring(kind: MeasureKind | null): void {
+    if (this.measuring.setKind(kind)) this.invalidate();
   }
 
   /// Forgets the points that were clicked.
@@ -262,6 +285,15 @@ export class Viewport {
     });
   }
 
+  /// Returns the picture at a small size, cut to its form, as a data URL; null while the graphics card is lost.
+  thumbnail(width: number, height: number): string | null {
+    if (this.isLost) return null;
+    const scale = Math.min(1, Math.max((2 * width) / this.size.width, (2 * height) / this.size.height));
+    this.render({ ...fine, scale });
+    this.invalidate(); // the canvas has another size now
+    return shrunk(this.canvas, width, height);
+  }
+
   dispose(): void {
     this.clock.pause(true);
     this.ended.abort();
@@ -288,7 +320,7 @@ export class Viewport {
         return bounds();
       },
       surfaceAt: (x, y) => this.pick(x, y)?.point ?? null,
-      rayAt: (x, y) => this.rayAt(x, y),
+      rayAt: (x, y) => this.places.rayAt(x, y),
       wake: () => this.clock.invalidate(true),
     };
   }
@@ -313,22 +345,11 @@ export class Viewport {
     this.onLost?.(isLost);
   }
 
-  /// Returns the picture at a column of the canvas: its store, its left edge and its width, in CSS pixels.
-  private partAt(x: number): { store: PointStore | null; left: number; width: number } {
-    const width = (this.canvas.clientWidth || 1) / this.stores.length;
-    const index = Math.min(this.stores.length - 1, Math.max(0, Math.floor(x / width)));
-    return { store: this.stores[index] ?? null, left: index * width, width };
-  }
-
-  private rayAt(x: number, y: number): Ray {
-    const { left, width } = this.partAt(x);
-    const height = this.cssHeight;
-    const direction = rayDirection(this.cameraNow, width / height, (2 * (x - left)) / width - 1, 1 - (2 * y) / height);
-    return { origin: this.cameraNow.eye, direction };
-  }
-
   private click(x: number, y: number): void {
-    if (this.measuring.click(() => this.pick(x, y)?.point ?? null)) this.invalidate();
+    const point = this.measuring.isOn || this.onClick !== null ? (this.pick(x, y)?.point ?? null) : null;
+    if (point === null) return;
+    if (this.measuring.click(point, (other) => this.places.isAt(other, x, y))) this.invalidate();
+    this.onClick?.(point);
   }
 
   private hoverAt(at: { x: number; y: number } | null): void {
@@ -348,7 +369,7 @@ export class Viewport {
   private overlayLines(): OverlayLine[] {
     const { frozen, styleNow, hovered } = this;
     const frustum = frozen ? frustumLines(frozen.camera, frozen.aspect, styleNow.background) : [];
-    return [...frustum, ...this.measuring.lines(hovered?.point ?? null)];
+    return [...frustum, ...this.measuring.lines(hovered?.point ?? null), ...markDots(this.marks)];
   }
 
   /// Draws a frame for the clock.

@@ -82,7 +82,7 @@ export class Wireframe {
   }
 
   /// Draws the edges into `renderer`'s viewport, over what is there. Replaces the depths there by those of the mesh.
-  render(renderer: THREE.WebGLRenderer, camera: THREE.PerspectiveCamera, style: Style, pixelRatio: number): void {
+  render(renderer: THREE.WebGLRenderer, camera: THREE.Camera, style: Style, pixelRatio: number): void {
     if (!this.mesh.visible) return;
     const { material, uniforms } = this;
     uniforms.colour.value = style.mode === "dots" ? overDots[style.background] : overDiscs;

@@ -39,6 +39,28 @@ export function bumpyTorus(columns = 120, rows = 48, isColoured = false) {
   return Buffer.from(lines.join("\n") + "\n");
 }
 
+/// A ball of radius 1 around the origin, as an OFF file.
+export function ball(columns = 160, rows = 80) {
+  const lines = ["OFF", `${columns * (rows - 1) + 2} ${2 * columns * (rows - 1)} 0`, "0 1 0", "0 -1 0"];
+  for (let j = 1; j < rows; ++j) {
+    for (let i = 0; i < columns; ++i) {
+      const [u, v] = [(2 * Math.PI * i) / columns, (Math.PI * j) / rows];
+      lines.push([Math.sin(v) * Math.sin(u), Math.cos(v), Math.sin(v) * Math.cos(u)].map((value) => value.toFixed(6)).join(" "));
+    }
+  }
+  const index = (i, j) => 2 + (j - 1) * columns + (i % columns);
+  for (let i = 0; i < columns; ++i) {
+    lines.push(`3 0 ${index(i, 1)} ${index(i + 1, 1)}`, `3 1 ${index(i + 1, rows - 1)} ${index(i, rows - 1)}`);
+    for (let j = 1; j < rows - 1; ++j) {
+      lines.push(
+        `3 ${index(i, j)} ${index(i, j + 1)} ${index(i + 1, j + 1)}`,
+        `3 ${index(i, j)} ${index(i + 1, j + 1)} ${index(i + 1, j)}`,
+      );
+    }
+  }
+  return Buffer.from(lines.join("\n") + "\n");
+}
+
 /// side x side tetrahedra that touch nowhere, as an OFF file.
 export function tetrahedra(side) {
   const corners = [];

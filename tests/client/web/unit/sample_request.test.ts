@@ -11,6 +11,7 @@ import {
   SampleRequestSchema,
   Sequence,
 } from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
+import type { CameraState } from "../../../../client/web/src/view/types";
 
 const camera = { eye: [0, 1, 5], target: [0, 0, 0], up: [0, 1, 0], fov: 30 } as const;
 const size = { width: 640.4, height: 480 };
@@ -38,6 +39,14 @@ describe("a request", () => {
     expect(sample.cameras[0]).toMatchObject({ eye: { x: 0, y: 1, z: 5 }, up: { x: 0, y: 1, z: 0 }, verticalFovDegrees: 30 });
     expect(sample.viewport).toMatchObject({ width: 640, height: 480 });
     expect(defaultSettings(true, "dark")).toMatchObject({ points: 20_000, background: "dark" });
+  });
+
+  it("has an orthographic camera of the height that is seen at the target", () => {
+    const { eye, target, up, fov } = camera;
+    const flat: CameraState = { eye: [...eye], target: [...target], up: [...up], fov, orthographic: true };
+    const asked = create(SampleRequestSchema, sampleRequest(settings(), flat, size)).cameras[0]!;
+    expect(asked.orthographicHeight).toBeCloseTo(2 * Math.sqrt(26) * Math.tan((15 * Math.PI) / 180), 9);
+    expect(asked.verticalFovDegrees).toBe(0);
   });
 
   it("has the budget that was chosen", () => {

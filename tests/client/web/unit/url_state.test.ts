@@ -30,6 +30,15 @@ describe("the address", () => {
     expect({ ...defaults, ...state.settings }).toEqual(settings);
   });
 
+  it("keeps whether the camera is orthographic", () => {
+    const hash = writeState("abc", { ...camera, orthographic: true }, { ...defaults, projection: "orthographic" }, defaults);
+    expect(hash).toContain("projection=orthographic");
+    expect(readState(hash, defaults)).toMatchObject({
+      camera: { ...camera, orthographic: true },
+      settings: { projection: "orthographic" },
+    });
+  });
+
   it("is short where all is as usual", () => {
     expect(writeState("abc", null, { ...defaults }, defaults)).toBe("#session=abc&points=50000&background=light");
     expect(readState("", defaults)).toEqual({ session: null, camera: null, settings: {} });

@@ -7,7 +7,9 @@ import {
   isUsable,
   mayMove,
   orbit,
+  halfHeight,
   rayDirection,
+  rayThrough,
   shift,
   zoom,
 } from "../../../../client/web/src/view/camera_math";
@@ -145,4 +147,59 @@ test("blending ends in the second camera and is usable on the way", () => {
   expect(blend(camera, other, 1)).toBe(other);
   for (const t of [0, 0.2, 0.5, 0.9]) expect(isUsable(blend(camera, other, t))).toBe(true);
   expectSame(blend(camera, other, 0).eye, camera.eye);
+});
+
+describe("an orthographic camera", () => {
+  const flat: CameraState = { ...camera, orthographic: true };
+  const box = { min: [-1, -2, -3] as Vec, max: [4, 2, 1] as Vec };
+  /// Where a point is in the picture, from -1 to 1.
+  const place = (state: CameraState, point: Vec, aspect: number): [number, number] => {
+    const axes = cameraAxes(state);
+    const p = subtract(point, state.target);
+    return [dot(p, axes.right) / (halfHeight(state) * aspect), dot(p, axes.up) / halfHeight(state)];
+  };
+
+  test("has parallel rays, from before all of the surface, through the places of the picture", () => {
+    const { forward } = cameraAxes(flat);
+    for (const [x, y] of [
+      [0, 0],
+      [1, -1],
+      [-0.3, 0.7],
+    ] as const) {
+      const ray = rayThrough(flat, box, 1.5, x, y);
+      expect(ray.isParallel).toBe(true);
+      expectSame(ray.direction, forward);
+      expectSame(place(flat, ray.origin, 1.5), [x, y]);
+      for (const corner of [box.min, box.max]) expect(dot(subtract(corner, ray.origin), forward)).toBeGreaterThan(0);
+    }
+    expect(rayThrough(camera, box, 1.5, 0.2, 0.1)).toEqual({
+      origin: camera.eye,
+      direction: rayDirection(camera, 1.5, 0.2, 0.1),
+    });
+  });
+
+  test("zooms to a point wherever it is, also to one in its eye", () => {
+    for (const point of [[1, 1, 1], flat.eye, [9, 9, 9]] as Vec[]) {
+      const near = zoom(flat, point, 0.5, 1e-3, 1e3);
+      expect(halfHeight(near)).toBeCloseTo(0.5 * halfHeight(flat), 9);
+      expectSame(place(near, point, 1.2), place(flat, point, 1.2));
+    }
+    expect(halfHeight(zoom(flat, [0, 0, 0], 1e-9, 2, 10))).toBeCloseTo(2 * Math.tan((20 * Math.PI) / 180), 9);
+  });
+
+  test("fits a box into the picture, touching two sides of the margin, and sees all of its depth", () => {
+    for (const aspect of [0.5, 1, 3]) {
+      const fitted = fit(flat, box, aspect);
+      let most = 0;
+      for (let i = 0; i < 8; ++i) {
+        const corner = [0, 1, 2].map((k) => (i & (1 << k) ? box.max : box.min)[k]!) as Vec;
+        most = Math.max(most, ...place(fitted, corner, aspect).map(Math.abs));
+        const { near, far } = clipPlanes(fitted, box);
+        const depth = dot(subtract(corner, rayThrough(fitted, box, aspect, 0, 0).origin), cameraAxes(fitted).forward);
+        expect(depth).toBeGreaterThan(near);
+        expect(depth).toBeLessThan(far);
+      }
+      expect(most).toBeCloseTo(0.92, 9);
+    }
+  });
 });

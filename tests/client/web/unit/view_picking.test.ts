@@ -60,6 +60,15 @@ describe("pick", () => {
     expect(pick(store, { origin: eye, direction: [0, 0, 1] }, 0.1, 0.001)).toBeNull();
   });
 
+  test("takes the tolerance of parallel rays for a length, however far away they begin", () => {
+    for (const reach of [4, 400]) {
+      const ray = { origin: [origin[0] + 1.04, origin[1], origin[2] + reach] as Vec, direction: [0, 0, -1] as Vec };
+      expect(pick(store, { ...ray, isParallel: true }, 0.1, 0.03)).toBeNull();
+      const found = pick(store, { ...ray, isParallel: true }, 0.1, 0.1);
+      expect(Math.abs(found!.point[0] - origin[0] - 1)).toBeLessThan(0.06);
+    }
+  });
+
   test("what is nearer than the near plane does not count", () => {
     const eye: Vec = [origin[0], origin[1], origin[2] + 4];
     const found = pick(store, { origin: eye, direction: [0, 0, -1] }, 4, 0.001);
