@@ -8,6 +8,7 @@ import guiStyle from "../../node_modules/lil-gui/dist/lil-gui.min.css?inline";
 import { makeLogarithmic, movedByFactors } from "./log_slider";
 import { makeSlider, moved } from "./panel_access";
 import { actionWords, choiceWords, settingWords, type Words } from "./panel_words";
+import { isForThePicture } from "./sample_request";
 import { ranges, type Range, type Settings } from "./settings";
 
 /// What the panel calls: `changed` after a setting has changed, the others for its buttons.
@@ -200,7 +201,9 @@ export class Panel {
 
   private addDensity(): void {
     const folder = this.folder("Where the points go", false);
-    for (const key of ["screen", "frustum", "distance", "silhouette"] as const) this.addSwitch(folder, key);
+    for (const key of ["screen", "frustum"] as const) this.addSwitch(folder, key);
+    this.when(isForThePicture, this.addSwitch(folder, "detail"));
+    for (const key of ["distance", "silhouette"] as const) this.addSwitch(folder, key);
     this.when(({ silhouette }) => silhouette, this.addNumber(folder, "silhouetteFloor"));
     this.addChoice(folder, "curvature");
     this.when(({ curvature }) => curvature !== "none", this.addNumber(folder, "curvatureExponent"));

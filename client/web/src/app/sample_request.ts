@@ -46,16 +46,22 @@ function cameraOf(camera: CameraState): MessageInitShape<typeof CameraSchema> {
   return { eye: vec3(camera.eye), target: vec3(camera.target), up: vec3(camera.up), ...opening };
 }
 
+/// Whether the points are for one picture: then there may be more of them where it shows.
+export function isForThePicture({ screen, frustum, section }: Settings): boolean {
+  return screen && frustum && section === "none"; // what is even on the screen has no points on the insides of what is cut open
+}
+
 /// Makes the terms of all settings but the brush.
 function plainTerms(settings: Settings): TermInit[] {
   const { curvature } = settings;
-  const isOpen = settings.section !== "none"; // what is even on the screen has no points on the insides of a surface that is cut open
+  const isOpen = settings.section !== "none";
   const terms: TermInit[] = [];
   if (curvature !== "none") {
     terms.push({ term: { case: "curvature", value: { kind: kinds[curvature], exponent: settings.curvatureExponent } } });
   }
   if (settings.silhouette) terms.push({ term: { case: "view", value: { s0: settings.silhouetteFloor } } });
   if (settings.distance || (settings.screen && isOpen)) terms.push({ term: { case: "distance", value: {} } });
+  if (settings.detail && isForThePicture(settings)) return [...terms, { term: { case: "picture", value: {} } }];
   if (settings.screen && !isOpen) terms.push({ term: { case: "screen", value: {} } });
   if (settings.frustum) terms.push({ term: { case: "frustum", value: {} } });
   return terms;

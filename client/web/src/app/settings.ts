@@ -26,6 +26,7 @@ export interface Settings {
   distance: boolean;
   screen: boolean;
   frustum: boolean;
+  detail: boolean; // with both of these: more where the picture is wrong without points
   dabs: Dab[];
   brush: boolean; // painting instead of orbiting
   brushSize: number; // radius, % of the diagonal of the mesh's box
@@ -121,6 +122,7 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     distance: false,
     screen: true,
     frustum: true,
+    detail: true,
     dabs: [],
     brush: false,
     brushSize: 5,

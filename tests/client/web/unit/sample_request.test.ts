@@ -35,7 +35,7 @@ describe("a request", () => {
     const sample = request();
     expect(sample.budget).toEqual({ case: "points", value: 50_000n });
     expect(sample.sampler).toBe(Sampler.PROGRESSIVE);
-    expect(sample.density.map(({ term }) => term.case)).toEqual(["screen", "frustum"]);
+    expect(sample.density.map(({ term }) => term.case)).toEqual(["picture"]);
     expect(sample.cameras[0]).toMatchObject({ eye: { x: 0, y: 1, z: 5 }, up: { x: 0, y: 1, z: 0 }, verticalFovDegrees: 30 });
     expect(sample.viewport).toMatchObject({ width: 640, height: 480 });
     expect(defaultSettings(true, "dark")).toMatchObject({ points: 20_000, background: "dark" });
@@ -60,9 +60,15 @@ describe("a request", () => {
 
   it("has the terms that were chosen, with their values", () => {
     const sample = request({ curvature: "mean", curvatureExponent: 2, silhouette: true, silhouetteFloor: 0.3, distance: true });
-    expect(sample.density.map(({ term }) => term.case)).toEqual(["curvature", "view", "distance", "screen", "frustum"]);
+    expect(sample.density.map(({ term }) => term.case)).toEqual(["curvature", "view", "distance", "picture"]);
     expect(sample.density[0]!.term.value).toMatchObject({ kind: CurvatureKind.MEAN, exponent: 2 });
     expect(sample.density[1]!.term.value).toMatchObject({ s0: 0.3 });
+  });
+
+  it("is even on the screen where no detail is wanted, or not all of it is for one picture", () => {
+    expect(terms({ detail: false })).toEqual(["screen", "frustum"]);
+    expect(terms({ frustum: false })).toEqual(["screen"]);
+    expect(terms({ screen: false })).toEqual(["frustum"]);
   });
 
   it("is the same for every camera where nothing depends on it", () => {
@@ -131,7 +137,7 @@ describe("a request for a mesh", () => {
 
   it("has the camera's terms where they are wanted", () => {
     const made = mesh({ meshForCamera: true, silhouette: true, dabs });
-    expect(made.density.map(({ term }) => term.case)).toEqual(["view", "screen", "frustum", "brush"]);
+    expect(made.density.map(({ term }) => term.case)).toEqual(["view", "picture", "brush"]);
     expect(made.cameras.length).toBe(1);
   });
 });
