@@ -39,7 +39,10 @@ export const settingWords = {
     "Points as far apart on the screen near by as far away: density by the camera's projection",
   ),
   frustum: words("only what is in view", "No points beside the picture: density 0 outside of the camera's frustum"),
-  detail: words("more where it shows", "At outlines, bends and edges of colour, where the picture is wrong without them: the picture density"),
+  detail: words(
+    "more where it shows",
+    "At outlines, bends and edges of colour, where the picture is wrong without them: the picture density",
+  ),
   distance: words("fewer far away", "Level of detail: the farther from the eye, the fewer, by the square of the distance"),
   silhouette: words("more at outlines", "Where the surface turns away from the eye: the silhouette term of the density"),
   silhouetteFloor: words("rest of the surface", "How dense it is away from the outline: s0; 1 is as dense as there"),
