@@ -95,6 +95,6 @@ def screen() -> v1.DensityTerm:
 
 
 def picture() -> v1.DensityTerm:
-    """Points where the camera's picture is wrong without them: as screen(), but in the picture only, and more at outlines, where the
-    surface bends, and where its colour changes."""
+    """Points where the camera's picture is wrong without them: as screen(), but in the picture only, and more at outlines, where
+    the surface bends, and where its colour changes."""
     return v1.DensityTerm(picture=v1.PictureDensity())
