@@ -17,7 +17,8 @@ inline constexpr char kDensityHelp[] =
     "each over those before, or @FILE with one in each "
     "line), expression:FORMULA (of x, y, z, nx, "
     "ny, nz, gauss, mean, k1, k2 and attributes, as in 'expression:(z > 0) + 0.1'); and of the cameras: view[:s0=0.1] "
-    "(silhouette), screen (even spacing in pixels), frustum (nothing outside the picture), distance[:near,far] or "
+    "(silhouette), screen (even spacing in pixels), frustum (nothing outside the picture), picture (both, and more at outlines, "
+    "bends and edges of colour), distance[:near,far] or "
     "distance[:near=..,far=..,global[=inverse-square|inverse|linear]] (level of detail; global: fewer points instead of another "
     "density)";
 

@@ -91,8 +91,9 @@ TEST(DensityTerm, KnowsWhatLooksFromACamera) {
 
 TEST(DensityTerm, NamesWhatIsThereInstead) {
   for (const char* text : {"Uniform", "", "curvatur", "blob:1"}) {
-    EXPECT_THAT(error_of(text),
-                HasSubstr("there are: uniform, curvature, attribute, brush, expression, view, screen, frustum, distance"))
+    EXPECT_THAT(
+        error_of(text),
+        HasSubstr("there are: uniform, curvature, attribute, brush, expression, view, screen, frustum, picture, distance"))
         << text;
   }
   EXPECT_THAT(error_of("blob:1"), HasSubstr("'blob'"));
