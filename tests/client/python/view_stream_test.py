@@ -50,7 +50,8 @@ class ViewStreamTest(ServerTest):
                 degrees += chance.uniform(0, 360) if i % 37 == 0 else chance.uniform(-reach, reach)
                 distance = min(max(distance * 2 ** (0.03 * chance.uniform(-reach, reach)), 1.1), 9)
                 points = min(max(points * 2 ** (0.04 * chance.uniform(-reach, reach)), 40), 1500)
-                view = dataclasses.replace(view_from(degrees, distance, int(points)), **options)
+                # On one lattice: those that the pixels ask for differ from view to view, and each frame's points keep theirs.
+                view = dataclasses.replace(view_from(degrees, distance, int(points)), position_bits=12, **options)
                 frame = self.settled(stream, view)
                 self.assertEqual(len(present(frame.points)), int(points))
                 self.assert_same_points(present(frame.points), self.session.sample(view))
