@@ -14,6 +14,7 @@
 #include "client/bench/paper/log_plot.h"
 #include "client/bench/picture/budget_mesh.h"
 #include "client/bench/picture/compare_pictures.h"
+#include "client/bench/picture/sent_surface.h"
 #include "client/bench/scene/point_picture.h"
 #include "client/bench/scene/zoom_path.h"
 #include "client/bench/server/server_stage.h"
@@ -25,7 +26,8 @@
 namespace curvecast::cli::bench {
 namespace {
 
-constexpr double kTurn = 40;           // degrees about the line of sight from one stop to the next
+constexpr double kTurn = 40;  // degrees about the line of sight from one stop to the next
+constexpr const char* kWays[] = {"points for the view", "simplified mesh", "even points", "points, then the mesh"};
 constexpr int kMostTries = 5;          // for a cloud of as many bytes
 constexpr double kCloseEnough = 0.02;  // of the bytes
 
@@ -55,6 +57,7 @@ class PictureBench {
 
   absl::Status run(BenchReport& report) {
     if (absl::Status status = add_density_terms(options_.density, &density_); !status.ok()) return status;
+    if (absl::Status status = ask_for_surface(); !status.ok()) return status;
     for (std::size_t stop = 0; stop < options_.distances.size(); ++stop) {
       if (absl::Status status = add_reference(stop); !status.ok()) return status;
     }
@@ -80,6 +83,13 @@ class PictureBench {
     return absl::OkStatus();
   }
 
+  absl::Status ask_for_surface() {
+    absl::StatusOr<SentSurface> surface = fetch_surface(stage_.connect(), stage_.session_id());
+    if (absl::IsFailedPrecondition(surface.status()) || absl::IsOutOfRange(surface.status())) return absl::OkStatus();
+    if (surface.ok()) surface_ = *std::move(surface);
+    return surface.status();
+  }
+
   v1::SampleRequest view(std::uint64_t points, const v1::Camera& camera) const {
     v1::SampleRequest sample;
     sample.set_points(points);
@@ -99,17 +109,21 @@ class PictureBench {
                      {"distance/size", "way", "points or triangles", "KiB", "FLIP", "PSNR dB", "SSIM", "outline px", "holes px"},
                      {}};
     std::uint64_t bytes = 0;
+    std::uint64_t with_mesh = 0;  // bytes that come in all where the mesh is sent once that is better; 0: not yet
     for (std::size_t stop = 0; stop < options_.distances.size(); ++stop) {
       context_.progress(absl::StrFormat("N = %d", points),
                         static_cast<double>(stop) / static_cast<double>(options_.distances.size()));
       client::Frame frame;
       for (int step = stop == 0 ? options_.steps : 1; step <= options_.steps; ++step) {
         const double at = stop == 0 ? 0 : static_cast<double>(stop - 1) + static_cast<double>(step) / options_.steps;
+        if (with_mesh == 0 && surface_.mesh != nullptr && is_mesh_better(mesh_.mesh().face_count(), bytes, points)) {
+          with_mesh = bytes + surface_.bytes;
+        }
         auto answered = settled(*stream, view(points, camera_at(at)), bytes);
         if (!answered.ok()) return answered.status();
         frame = *std::move(answered);
       }
-      absl::StatusOr<std::vector<Outcome>> outcomes = compare(stop, *frame.points, bytes);
+      absl::StatusOr<std::vector<Outcome>> outcomes = compare(stop, *frame.points, bytes, with_mesh);
       if (!outcomes.ok()) return outcomes.status();
       for (const Outcome& outcome : *outcomes) {
         const PictureScore& s = outcome.score;
@@ -139,17 +153,18 @@ class PictureBench {
     }
   }
 
-  absl::StatusOr<std::vector<Outcome>> compare(std::size_t stop, const client::Points& points, std::uint64_t bytes) {
+  absl::StatusOr<std::vector<Outcome>> compare(std::size_t stop, const client::Points& points, std::uint64_t bytes,
+                                               std::uint64_t with_mesh) {
     const v1::Camera camera = camera_at(static_cast<double>(stop));
     std::vector<Outcome> outcomes(3);
-    outcomes[0] = {"points for the view", points.size(), bytes, {}, {}};
+    outcomes[0] = {kWays[0], points.size(), bytes, {}, {}};
     auto drawn =
         references_[stop].score([&](const RenderOptions& o) { return draw_points(points, camera, o, true); }, outcomes[0].image);
     if (!drawn.ok()) return drawn.status();
     outcomes[0].score = *drawn;
     const absl::StatusOr<BudgetMesh> simpler = simpler_.of_bytes(bytes, context_);
     if (!simpler.ok()) return simpler.status();
-    outcomes[1] = {"simplified mesh", simpler->smooth->mesh().face_count(), simpler->bytes, {}, {}};
+    outcomes[1] = {kWays[1], simpler->smooth->mesh().face_count(), simpler->bytes, {}, {}};
     const RenderCamera from = camera_from(camera, Vec3d::Zero());
     for (const ShadedMesh* const mesh : {simpler->smooth.get(), simpler->creased.get()}) {
       Image image;
@@ -161,11 +176,16 @@ class PictureBench {
     }
     const absl::StatusOr<client::Frame> cloud = cloud_of_bytes(bytes);
     if (!cloud.ok()) return cloud.status();
-    outcomes[2] = {"even points", cloud->points->size(), cloud->encoded_bytes, {}, {}};
+    outcomes[2] = {kWays[2], cloud->points->size(), cloud->encoded_bytes, {}, {}};
     drawn = references_[stop].score([&](const RenderOptions& o) { return draw_points(*cloud->points, camera, o, true); },
                                     outcomes[2].image);
     if (!drawn.ok()) return drawn.status();
     outcomes[2].score = *drawn;
+    if (with_mesh == 0) return outcomes;
+    Outcome& sent = outcomes.emplace_back(Outcome{kWays[3], mesh_.mesh().face_count(), with_mesh, {}, {}});
+    drawn = references_[stop].score([&](const RenderOptions& o) { return surface_.mesh->draw(from, o, context_); }, sent.image);
+    if (!drawn.ok()) return drawn.status();
+    sent.score = *drawn;
     return outcomes;
   }
 
@@ -209,12 +229,14 @@ class PictureBench {
   }
 
   absl::Status write_charts() const {
-    constexpr const char* kColours[] = {"#c0392b", "#2471a3", "#7f8c8d"};
+    const std::map<std::string, const char*> colours = {
+        {kWays[0], "#c0392b"}, {kWays[1], "#2471a3"}, {kWays[2], "#7f8c8d"}, {kWays[3], "#d68910"}};
     for (const auto& [stop, ways] : lines_) {
       std::vector<PlotLine> lines;
-      for (const char* const way : {"points for the view", "simplified mesh", "even points"}) {
+      for (const char* const way : kWays) {
+        if (!ways.contains(way)) continue;
         lines.push_back(ways.at(way));
-        lines.back().colour = kColours[lines.size() - 1];
+        lines.back().colour = colours.at(way);
       }
       const std::string svg =
           log_plot(absl::StrFormat("from %g of the size", options_.distances[stop]), "KiB so far", "FLIP", lines);
@@ -233,6 +255,7 @@ class PictureBench {
   const PictureBenchOptions& options_;
   const ExecutionContext& context_;
   BudgetMeshes simpler_;
+  SentSurface surface_;  // no mesh: the session sends points only
   const SurfacePlace place_;
   RenderOptions size_;
   google::protobuf::RepeatedPtrField<v1::DensityTerm> density_;
@@ -276,10 +299,10 @@ absl::StatusOr<BenchReport> bench_picture(const MeshFile& file, const PictureBen
           "FLIP: 0 is the same. outline: pixels within two of the mesh's outline on the wrong side of it; holes: others "
           "within it that nothing covers.",
           mesh.mesh().face_count()),
-      "simplified mesh: meshoptimizer and Draco (positions of 12 bits, which are drawn as they were; normals are computed, with "
-      "creases or "
-      "without, as the picture is better); even "
-      "points: those of lowest rank, whatever is seen."};
+      "simplified mesh: meshoptimizer and Draco (positions of 12 bits; normals are computed, with "
+      "creases or without, as the picture is better); even points: those of lowest rank, whatever is seen; points, then the "
+      "mesh: "
+      "what the viewer's automatic budget has sent, from where the mesh takes fewer bytes than the points would."};
   return report;
 }
 

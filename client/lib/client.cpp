@@ -257,6 +257,12 @@ absl::StatusOr<Curve> Client::get_curve(const std::string& session_id, std::stop
   return decode_curve(*responses);
 }
 
+absl::StatusOr<Surface> Client::get_surface(const v1::GetSurfaceRequest& request, std::stop_token stop) {
+  const absl::StatusOr<std::vector<v1::GetSurfaceResponse>> responses = connection_->get_surface(request, std::move(stop));
+  if (!responses.ok()) return responses.status();
+  return join_surface(*responses);
+}
+
 absl::StatusOr<EncodedSample> Client::resample_encoded(const v1::ResampleRequest& request, std::stop_token stop) {
   absl::StatusOr<std::vector<v1::ResampleResponse>> responses = connection_->resample(request, stop);
   if (!responses.ok()) return responses.status();

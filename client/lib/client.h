@@ -22,6 +22,7 @@
 #include "neighbours.h"
 #include "parameter_mesh.h"
 #include "points.h"
+#include "surface.h"
 
 namespace curvecast::client {
 
@@ -115,6 +116,9 @@ class Client {
 
   /// A triangle mesh of the points that the request asks for, checked: see decode_mesh.
   absl::StatusOr<Mesh> remesh(const v1::RemeshRequest& request, const StageProgress& on_progress = {}, std::stop_token stop = {});
+
+  /// The triangles themselves: see join_surface.
+  absl::StatusOr<Surface> get_surface(const v1::GetSurfaceRequest& request, std::stop_token stop = {});
 
   /// A picture that the server draws.
   absl::StatusOr<v1::RenderResponse> render(const v1::RenderRequest& request, std::stop_token stop = {});

@@ -257,6 +257,14 @@ class GrpcConnection : public Connection {
     });
   }
 
+  absl::StatusOr<std::vector<v1::GetSurfaceResponse>> get_surface(const v1::GetSurfaceRequest& request,
+                                                                  std::stop_token stop) override {
+    return with_retry(stop, [&]() -> absl::StatusOr<std::vector<v1::GetSurfaceResponse>> {
+      Call call(options_, request, stop, options_.long_timeout);
+      return read_all<v1::GetSurfaceResponse>(*stub_->GetSurface(call.context(), request), call, "a surface");
+    });
+  }
+
   absl::StatusOr<v1::Measures> measure(const v1::MeasureRequest& request, const OnProgress& on_progress,
                                        std::stop_token stop) override {
     return with_retry(stop, [&]() -> absl::StatusOr<v1::Measures> {

@@ -94,6 +94,9 @@ class Connection {
   /// All messages of the answer but those of progress, in order.
   virtual absl::StatusOr<std::vector<v1::RemeshResponse>> remesh(const v1::RemeshRequest& request, const OnProgress& on_progress,
                                                                  std::stop_token stop) = 0;
+  /// All messages of the answer, in order.
+  virtual absl::StatusOr<std::vector<v1::GetSurfaceResponse>> get_surface(const v1::GetSurfaceRequest& request,
+                                                                          std::stop_token stop) = 0;
   virtual absl::StatusOr<v1::Measures> measure(const v1::MeasureRequest& request, const OnProgress& on_progress,
                                                std::stop_token stop) = 0;
   /// How the server is now: not repeated. Unimplemented when it is another server than Curvecast's.

@@ -25,6 +25,7 @@
 #include "server/frame/client_stream.h"
 #include "server/frame/frame_cache.h"
 #include "server/frame/point_blocks.h"
+#include "server/frame/surface_file.h"
 #include "server/net/connection_table.h"
 #include "server/net/trusted_proxies.h"
 #include "server/session/making_marks.h"
@@ -100,6 +101,7 @@ class Engine {
   StallWatch receipts;                        // of the next bytes of uploads
   ViewCache view_cache;                       // of the jobs in `views` and `calls`
   FrameCache frame_cache;                     // of streams
+  SurfaceFiles surface_files;                 // of all sessions
   ViewWorkers views;                          // of streams: each takes milliseconds
   JobQueue calls;                             // single point sets, neighbours, inspection: views go before them
   JobQueue chunks;                            // of uploads: each takes a millisecond, or waits for the disk

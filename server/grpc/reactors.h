@@ -45,6 +45,9 @@ grpc::ServerWriteReactor<v1::FindNeighboursResponse>* find_neighbours(Engine& en
 grpc::ServerWriteReactor<v1::RemeshResponse>* remesh(Engine& engine, grpc::CallbackServerContext& context, const Caller& caller,
                                                      const v1::RemeshRequest& request);
 
+grpc::ServerWriteReactor<v1::GetSurfaceResponse>* get_surface(Engine& engine, grpc::CallbackServerContext& context,
+                                                              const Caller& caller, const v1::GetSurfaceRequest& request);
+
 grpc::ServerBidiReactor<v1::StreamViewsRequest, v1::StreamViewsResponse>* stream_views(Engine& engine,
                                                                                        grpc::CallbackServerContext& context,
                                                                                        const Caller& caller);

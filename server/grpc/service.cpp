@@ -237,6 +237,12 @@ grpc::ServerWriteReactor<v1::RemeshResponse>* Service::Remesh(grpc::CallbackServ
                       [&](const Caller& caller) { return remesh(engine_, *context, caller, *request); });
 }
 
+grpc::ServerWriteReactor<v1::GetSurfaceResponse>* Service::GetSurface(grpc::CallbackServerContext* context,
+                                                                      const v1::GetSurfaceRequest* request) {
+  return check_caller(engine_, "GetSurface", *context,
+                      [&](const Caller& caller) { return get_surface(engine_, *context, caller, *request); });
+}
+
 grpc::ServerWriteReactor<v1::GetCurveResponse>* Service::GetCurve(grpc::CallbackServerContext* context,
                                                                   const v1::GetCurveRequest* request) {
   return check_caller(engine_, "GetCurve", *context,

@@ -41,6 +41,8 @@ class Service final : public v1::CurvecastService::CallbackService {
                                                          const v1::MeasureRequest* request) override;
   grpc::ServerWriteReactor<v1::RemeshResponse>* Remesh(grpc::CallbackServerContext* context,
                                                        const v1::RemeshRequest* request) override;
+  grpc::ServerWriteReactor<v1::GetSurfaceResponse>* GetSurface(grpc::CallbackServerContext* context,
+                                                               const v1::GetSurfaceRequest* request) override;
   grpc::ServerWriteReactor<v1::GetCurveResponse>* GetCurve(grpc::CallbackServerContext* context,
                                                            const v1::GetCurveRequest* request) override;
   grpc::ServerWriteReactor<v1::ResampleResponse>* Resample(grpc::CallbackServerContext* context,

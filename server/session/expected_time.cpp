@@ -10,6 +10,7 @@ constexpr double kPerByte = 0.1e-6, kPerVertex = 0.3e-6;
 constexpr double kCgalFactor = 6;                                  // times as long as with our own parameteriser
 constexpr double kPerCandidate = 30e-6, kMostCandidates = 65'536;  // of those that a session has at first
 constexpr double kPerRemeshed = 12e-6;
+constexpr double kSurface = 1;
 
 std::chrono::nanoseconds to_time(double seconds) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(seconds));
@@ -28,5 +29,7 @@ std::chrono::nanoseconds expected_time(std::uint64_t mesh_bytes, const Preproces
 std::chrono::nanoseconds expected_remesh_time(std::uint64_t points) {
   return to_time(kPerRemeshed * static_cast<double>(points));
 }
+
+std::chrono::nanoseconds expected_surface_time() { return to_time(kSurface); }
 
 }  // namespace curvecast::server

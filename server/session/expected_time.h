@@ -13,5 +13,7 @@ namespace curvecast::server {
 std::chrono::nanoseconds expected_time(std::uint64_t mesh_bytes, const PreprocessOptions& options);
 /// As well of remesh(), for a mesh of so many vertices.
 std::chrono::nanoseconds expected_remesh_time(std::uint64_t points);
+/// As well of make_surface_file(), for the largest mesh that it takes.
+std::chrono::nanoseconds expected_surface_time();
 
 }  // namespace curvecast::server

@@ -35,6 +35,8 @@ class FakeConnection : public Connection {
               (override));
   MOCK_METHOD(absl::StatusOr<std::vector<v1::RemeshResponse>>, remesh,
               (const v1::RemeshRequest&, const OnProgress&, std::stop_token), (override));
+  MOCK_METHOD(absl::StatusOr<std::vector<v1::GetSurfaceResponse>>, get_surface, (const v1::GetSurfaceRequest&, std::stop_token),
+              (override));
   MOCK_METHOD(absl::StatusOr<v1::Measures>, measure, (const v1::MeasureRequest&, const OnProgress&, std::stop_token), (override));
   MOCK_METHOD(absl::StatusOr<Health>, check_health, (std::chrono::milliseconds, std::stop_token), (override));
   MOCK_METHOD(std::unique_ptr<ViewCall>, stream_views, (const v1::OpenView&, std::stop_token), (override));

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "client/bench/peers/meshoptimizer.h"
+#include "client/bench/picture/decode_drc_mesh.h"
 #include "client/lib/drc_mesh.h"
 #include "core/mesh/repair.h"
 
@@ -37,15 +38,13 @@ absl::StatusOr<LoadedMesh> compact(const std::vector<std::uint32_t>& corners, co
   return LoadedMesh{std::move(repaired->mesh), std::move(repaired->attributes), {}};
 }
 
-absl::StatusOr<std::uint64_t> encoded_bytes(const LoadedMesh& loaded) {
+absl::StatusOr<std::string> encoded(const LoadedMesh& loaded) {
   client::Mesh mesh;
   for (const Vec3d& p : loaded.mesh.positions)
     mesh.vertices.positions.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
   for (const Rgba8& c : loaded.attributes.colours) mesh.vertices.colours.push_back({c.r, c.g, c.b});
   for (const Triangle& t : loaded.mesh.triangles) mesh.triangles.push_back({t[0], t[1], t[2]});
-  const absl::StatusOr<std::string> bytes = client::make_drc_mesh(mesh, {.position_bits = kPositionBits});
-  if (!bytes.ok()) return bytes.status();
-  return bytes->size();
+  return client::make_drc_mesh(mesh, {.position_bits = kPositionBits});
 }
 
 }  // namespace
@@ -62,9 +61,9 @@ absl::StatusOr<BudgetMeshes::Level> BudgetMeshes::simplified(std::size_t faces) 
   if (level.corners.size() > 3 * faces) simplify(positions_, level.corners, faces);
   const absl::StatusOr<LoadedMesh> mesh = compact(level.corners, whole_.mesh(), whole_.attributes());
   if (!mesh.ok()) return mesh.status();
-  const absl::StatusOr<std::uint64_t> bytes = encoded_bytes(*mesh);
+  const absl::StatusOr<std::string> bytes = encoded(*mesh);
   if (!bytes.ok()) return bytes.status();
-  level.bytes = *bytes;
+  level.bytes = bytes->size();
   return level;
 }
 
@@ -102,10 +101,14 @@ absl::StatusOr<BudgetMesh> BudgetMeshes::of_bytes(std::uint64_t bytes, const Exe
       break;
     }
   }
-  absl::StatusOr<LoadedMesh> mesh = compact(best.corners, whole_.mesh(), whole_.attributes());
+  const absl::StatusOr<LoadedMesh> mesh = compact(best.corners, whole_.mesh(), whole_.attributes());
   if (!mesh.ok()) return mesh.status();
-  auto creased = std::make_unique<const ShadedMesh>(*mesh);
-  return BudgetMesh{std::move(creased), std::make_unique<const ShadedMesh>(*std::move(mesh), kNoCreases), best.bytes};
+  const absl::StatusOr<std::string> drc = encoded(*mesh);
+  if (!drc.ok()) return drc.status();
+  absl::StatusOr<LoadedMesh> sent = decode_drc_mesh(*drc, Vec3d::Zero());
+  if (!sent.ok()) return sent.status();
+  auto creased = std::make_unique<const ShadedMesh>(*sent);
+  return BudgetMesh{std::move(creased), std::make_unique<const ShadedMesh>(*std::move(sent), kNoCreases), drc->size()};
 }
 
 }  // namespace curvecast::cli::bench

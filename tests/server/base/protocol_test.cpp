@@ -10,6 +10,7 @@
 #include "core/mesh_io/mesh_companions.h"
 #include "core/sample/point_set.h"
 #include "core/sample/radius_ladder.h"
+#include "server/frame/surface_file.h"
 
 namespace curvecast::server {
 namespace {
@@ -27,6 +28,7 @@ TEST(Protocol, HasTheNumbersOfTheApi) {
       {"MAX_DENSITY_TERMS", kMaxDensityTerms},
       {"MAX_DABS", kMaxDabs},
       {"MAX_CAMERAS", kMaxCameras},
+      {"MAX_SURFACE_FACES", kMaxSurfaceFaces},
       {"MAX_CHUNK_BYTES", kMaxChunkBytes},
       {"MAX_FRAME_BYTES", kMaxFrameBytes},
       {"MAX_FRAMES_IN_FLIGHT", kMaxFramesInFlight},
