@@ -22,7 +22,6 @@
 #include "neighbours.h"
 #include "parameter_mesh.h"
 #include "points.h"
-#include "surface.h"
 
 namespace curvecast::client {
 

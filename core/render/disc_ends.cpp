@@ -10,6 +10,7 @@
 #include <nanoflann.hpp>
 
 #include "core/base/vec.h"
+#include "core/render/disc_slimness.h"
 
 namespace curvecast {
 namespace {
@@ -66,10 +67,12 @@ End end_by(const SplatVertex& disc, const SplatVertex& other) {
 void find_ends(std::span<SplatVertex> splats, const Tree& tree, std::size_t i) {
   SplatVertex& disc = splats[i];
   disc.ends = {};
+  disc.slimness = 1;
   if (to_vec(disc.normal).isZero()) return;
   std::array<std::uint32_t, kNeighbours> near;
   std::array<float, kNeighbours> squares;
   const std::size_t count = tree.knnSearch(disc.center.data(), kNeighbours, near.data(), squares.data());
+  disc.slimness = disc_slimness(splats, i, std::span(near).first(count));
   std::size_t found = 0;
   Vec3f first = Vec3f::Zero();
   for (std::size_t k = 0; k < count && found < disc.ends.size(); ++k) {

@@ -11,6 +11,7 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 color;
 layout(location = 3) in vec4 end_1;
 layout(location = 4) in vec4 end_2;
+layout(location = 5) in float slim;  // see disc_slimness.h
 uniform vec4 projection;    // x and y scale, z scale and offset
 uniform float back_shift;   // along the ray, in radii
 uniform float extent;       // of the disc that is drawn, in radii
@@ -37,9 +38,6 @@ void main() {
   vec3 minor = cross(n, major);
   float least = min_extent * -center.z;
   float radius = max(center_radius.w, least);
-  // The more a disc is seen from its edge, the slimmer it is: where the surface bends away from the eye, discs would stick out of it.
-  // There they lie so densely on the picture that no gaps come of it.
-  float slim = mix(0.4, 1.0, smoothstep(0.0, 1.0, abs(facing)));
   // A disc thinner than a sample turns a little to the eye: it is never lost between samples.
   float lost = max(least - slim * radius * abs(facing), 0.0);
   minor = slim * radius * minor - (facing < 0.0 ? -lost : lost) * lean;

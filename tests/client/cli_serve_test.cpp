@@ -12,8 +12,8 @@
 #include "tests/client/cli_fixture.h"
 #include "tests/proto/tls/certificate_files.h"
 #include "tests/server/eventually.h"
-#include "tests/server/http_client.h"
 #include "tests/server/net/proxy_relay.h"
+#include "tests/server/web/http_client.h"
 #include "tests/support/temporary_folder.h"
 
 namespace curvecast::cli {

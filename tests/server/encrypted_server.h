@@ -12,7 +12,7 @@
 #include "server/server.h"
 #include "tests/proto/tls/certificate_files.h"
 #include "tests/server/server_fixture.h"
-#include "tests/server/web_socket_client.h"
+#include "tests/server/web/web_socket_client.h"
 
 namespace curvecast::server {
 

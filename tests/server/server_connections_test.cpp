@@ -5,8 +5,8 @@
 
 #include "eventually.h"
 #include "has_line.h"
-#include "http_client.h"
 #include "server_fixture.h"
+#include "tests/server/web/http_client.h"
 
 namespace curvecast::server {
 namespace {

@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "http_client.h"
+#include "tests/server/web/http_client.h"
 
 namespace curvecast::server {
 

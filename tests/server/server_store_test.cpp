@@ -11,8 +11,8 @@
 #include "server_fixture.h"
 #include "tests/server/eventually.h"
 #include "tests/server/has_line.h"
-#include "tests/server/http_client.h"
 #include "tests/server/opened_stream.h"
+#include "tests/server/web/http_client.h"
 #include "tests/support/temporary_folder.h"
 
 namespace curvecast::server {

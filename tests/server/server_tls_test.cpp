@@ -9,9 +9,9 @@
 #include <memory>
 #include <string>
 
-#include "http_client.h"
 #include "server/web/web_gateway.h"
 #include "tests/server/encrypted_server.h"
+#include "tests/server/web/http_client.h"
 
 namespace curvecast::server {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "eventually.h"
 #include "has_line.h"
-#include "http_client.h"
 #include "server_fixture.h"
-#include "web_socket_client.h"
+#include "tests/server/web/http_client.h"
+#include "tests/server/web/web_socket_client.h"
 
 namespace curvecast::server {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "tests/server/eventually.h"
-#include "tests/server/http_client.h"
+#include "tests/server/web/http_client.h"
 
 namespace curvecast::server {
 namespace {

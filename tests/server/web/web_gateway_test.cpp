@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/base/log.h"
-#include "tests/server/http_client.h"
+#include "tests/server/web/http_client.h"
 
 namespace curvecast::server {
 namespace {

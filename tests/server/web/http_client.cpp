@@ -1,4 +1,4 @@
-#include "http_client.h"
+#include "tests/server/web/http_client.h"
 
 #include <absl/strings/ascii.h>
 #include <absl/strings/numbers.h>

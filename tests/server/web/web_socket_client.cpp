@@ -1,4 +1,4 @@
-#include "web_socket_client.h"
+#include "tests/server/web/web_socket_client.h"
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
