@@ -2,6 +2,7 @@
 
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
+import type { SurfaceMesh } from "../stream/surface_decoder";
 import type { TriangleMesh } from "../stream/triangle_mesh";
 import { BrushTool } from "./brush_tool";
 import { CanvasPixels } from "./canvas_pixels";
@@ -57,6 +58,7 @@ export class Viewport {
   private readonly ended = new AbortController();
 
   private stores: (PointStore | null)[] = [null];
+  private surface: SurfaceMesh | null = null;
   private styleNow: Style = { ...defaultStyle };
   private cameraNow: CameraState = { ...firstCamera };
   private boundsNow: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
@@ -86,7 +88,13 @@ export class Viewport {
     this.controls = new CameraControls(canvas, this.makeHost());
     this.controls.onClick = (x, y) => this.click(x, y);
     this.controls.onHover = (at) => this.hoverAt(at);
-    const shown = (): Shown => ({ stores: this.stores, camera: this.cameraNow, bounds: this.boundsNow, style: this.styleNow });
+    const shown = (): Shown => ({
+      stores: this.stores,
+      surface: this.surface,
+      camera: this.cameraNow,
+      bounds: this.boundsNow,
+      style: this.styleNow,
+    });
     this.places = new PicturePlaces(canvas, shown);
     this.pixels = new CanvasPixels(canvas, () => (this.invalidate(), this.onResize?.()));
     const { signal } = this.ended;
@@ -99,6 +107,19 @@ export class Viewport {
   setStores(left: PointStore | null, right?: PointStore | null): void {
     this.stores = right === undefined ? [left] : [left, right];
     this.drawing.setStores(this.stores);
+    this.invalidate();
+  }
+
+  /// Whether the graphics card can draw surfaces.
+  get drawsSurfaces(): boolean {
+    return this.drawing.drawsSurfaces;
+  }
+
+  /// Shows the surface's own triangles instead of the last store where the style's mode is "mesh"; null: there are none. Precondition:
+  /// drawsSurfaces.
+  setSurface(mesh: SurfaceMesh | null): void {
+    this.surface = mesh;
+    this.drawing.setSurface(mesh);
     this.invalidate();
   }
 
