@@ -22,6 +22,7 @@ import { nameOf, SessionList } from "./session_list";
 import { defaultSettings, takeCamera, type Dab, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
+import { SurfaceView } from "./surface_view";
 import { tabStorage, Thumbnails, thumbnailSize } from "./thumbnails";
 import { Uploads } from "./upload";
 import { keepToken, readState, writeState } from "./url_state";
@@ -41,6 +42,7 @@ export class Application {
   streams: Streams | null = null;
   session: Session | null = null;
   mesh: MeshFollower | null = null; // of the session
+  readonly surface: SurfaceView;
 
   private readonly defaults: Settings;
   private readonly panel: Panel;
@@ -82,6 +84,10 @@ export class Application {
     const { session, camera, settings } = readState(location.hash, this.defaults);
     this.settings = { ...this.defaults, dabs: [], marks: [], ...settings };
     this.brush = new Brush(this.settings, (text) => this.messages.notice(text));
+    this.surface = new SurfaceView(client, this.viewport, this.defaults, {
+      changed: () => this.surfaceCame(),
+      notice: (text) => this.messages.notice(text),
+    });
     this.annotations = new Annotations(page, this.settings.marks, {
       viewport: this.viewport,
       changed: () => this.saveSoon(),
@@ -104,7 +110,7 @@ export class Application {
       upload: () => this.uploads.pick(),
       fit: () => this.viewport.frame(),
       view: (name: StandardView) => this.viewport.lookFrom(directionOf(name, this.settings.up), this.settings.up),
-      fullScreen: () => void this.toggleFullScreen(),
+      fullScreen: () => void toggleFullScreen(this.messages),
       copyLink: () => void this.copyLink(),
       undoStroke: () => this.change(() => this.brush.undo()),
       clearStrokes: () => this.change(() => this.brush.clear()),
@@ -154,7 +160,8 @@ export class Application {
     this.viewport.onCamera = () => this.cameraMoved();
     this.viewport.onPicture = (points, milliseconds) => {
       const { budget, frameMilliseconds } = this.settings;
-      if (budget === "automatic" && this.drawingBudget.note(points, milliseconds, frameMilliseconds)) this.pacer.request();
+      if (budget === "automatic" && points > 0 && this.drawingBudget.note(points, milliseconds, frameMilliseconds))
+        this.pacer.request();
     };
     this.viewport.onDrawn = () => this.pacer.drawn();
     this.viewport.onBrush = (centre, done) => {
@@ -185,9 +192,7 @@ export class Application {
     const { settings, viewport } = this;
     document.documentElement.dataset.theme = settings.background;
     document.body.classList.toggle("split", settings.split && this.session !== null);
-    const { mode, colouring, background, edl, dotSize, splatScale } = settings;
-    const paint = settings.brush && mode === "splats" ? this.brush.trace() : noPaint;
-    viewport.style = { mode, colouring, background, edl, dotSize, splatScale, paint, section: this.section() };
+    this.applyStyle();
     viewport.setUp(settings.up);
     viewport.setFieldOfView(settings.fieldOfView);
     viewport.setOrthographic(settings.projection === "orthographic");
@@ -210,6 +215,15 @@ export class Application {
     this.pacer.request();
   }
 
+  private applyStyle(): void {
+    const { settings, surface, streams } = this;
+    surface.follow(settings, streams?.main.statistics().bytes ?? 0, this.session !== this.preview);
+    const { colouring, background, edl, dotSize, splatScale } = settings;
+    const mode = surface.modeOf(settings);
+    const paint = settings.brush && mode === "splats" ? this.brush.trace() : noPaint;
+    this.viewport.style = { mode, colouring, background, edl, dotSize, splatScale, paint, section: this.section() };
+  }
+
   /// Changes settings, and shows them in the panel.
   private change(how: (settings: Settings) => void): void {
     how(this.settings);
@@ -220,11 +234,13 @@ export class Application {
   private look(): void {
     const { streams, settings, viewport } = this;
     if (streams === null) return;
+    this.applyStyle(); // more bytes of points may have come
     this.showStores();
     const camera = this.frozen?.camera ?? viewport.camera;
     const size = this.frozen?.size ?? viewport.size;
     const ask = (isUniform: boolean): SampleInit => sampleRequest(settings, camera, size, isUniform, this.drawingBudget.mostPoints);
-    if (streams.look(ask(false), ask(true))) viewport.expectPoints();
+    const needsPoints = this.surface.needsPoints || settings.split;
+    if (needsPoints && streams.look(ask(false), ask(true))) viewport.expectPoints();
     const hasMesh = settings.wireframe && this.session !== this.preview;
     this.mesh?.follow(hasMesh ? meshRequest(settings, camera, size) : null, this.isPainting);
     this.saveSoon();
@@ -267,14 +283,6 @@ export class Application {
     if (await copyText(location.href, "The address of this view")) this.messages.notice("The link to this view was copied");
   }
 
-  private async toggleFullScreen(): Promise<void> {
-    try {
-      await toggleFullScreen();
-    } catch (thrown) {
-      this.messages.failure("The browser does not give the whole screen", asCurvecastError(thrown));
-    }
-  }
-
   private refused(error: CurvecastError): void {
     if (error.code === "PERMISSION_DENIED") {
       if (this.session === null) this.messages.refuse(error);
@@ -300,6 +308,7 @@ export class Application {
       this.annotations.clear();
     }
     this.session = session;
+    this.surface.open(session);
     this.list.current = session.sessionId;
     document.title = `${nameOf(session)} – Curvecast`;
     this.viewport.forgetMeasured();
@@ -332,6 +341,7 @@ export class Application {
   private uploaded(session: Session, missing: readonly string[]): void {
     if (missing.length > 0) this.messages.notice(`Not among the files, and done without: ${missing.join(", ")}`);
     if (this.session?.sessionId === session.sessionId && this.streams?.main.state !== "failed") {
+      if (this.session === this.preview) this.surface.open(session);
       this.session = session; // its preview is shown, and its stream goes on by itself
       this.pacer.request(); // there may be a mesh now
       this.choice.refresh();
@@ -368,6 +378,16 @@ export class Application {
     this.showFigures();
   }
 
+  /// The surface's triangles have come, or will not.
+  private surfaceCame(): void {
+    this.applyStyle();
+    this.viewport.pointsChanged();
+    this.annotations.place();
+    if (this.surface.shown !== null) this.messages.hideHint();
+    this.pacer.request();
+    this.showFigures();
+  }
+
   private refusedView(error: CurvecastError): void {
     this.viewport.expectNoPoints();
     if (error.code === nowhere) {
@@ -395,6 +415,7 @@ export class Application {
   private showFigures(): void {
     this.hud.visible = this.streams !== null;
     if (this.streams !== null) this.hud.show(this.streams, this.viewport.framesPerSecond, this.uploadMilliseconds);
+    this.hud.showSurface(this.streams === null ? null : this.surface.text);
     this.hud.showMesh(this.settings.wireframe ? this.mesh : null);
   }
 }

@@ -35,7 +35,7 @@ export class Hud {
     this.root.open = true;
     this.root.append(element("summary", { title: "Fold or unfold the figures (I)" }, [this.state]));
     const list = element("dl");
-    const asked = ["mesh", ...measures]; // rows that are shown while there is something in them
+    const asked = ["surface", "mesh", ...measures]; // rows that are shown while there is something in them
     for (const name of ["points", "update", "traffic", "view → points", "server", "frames", "curve", ...asked]) {
       const kind = asked.includes(name) ? { class: `asked ${name}` } : {};
       const value = element("dd", { text: "–", ...kind });
@@ -45,6 +45,7 @@ export class Hud {
     this.root.append(list);
     this.showMeasured();
     this.showMesh(null);
+    this.showSurface(null);
     parent.append(this.root);
   }
 
@@ -74,6 +75,11 @@ export class Hud {
     const { mesh, isCurrent, seconds: time } = follower;
     const figures = mesh === null ? [] : [`${count(mesh.vertices.count)} vertices in ${seconds(time)}`];
     this.setAsked("mesh", [...figures, ...(isCurrent ? [] : ["…"])].join(" "));
+  }
+
+  /// Shows what is drawn instead of the points; null hides the row.
+  showSurface(text: string | null): void {
+    this.setAsked("surface", text);
   }
 
   /// Shows the figures of the moment. `framesPerSecond`: 0 where nothing moves.
