@@ -136,6 +136,9 @@ describe("a small mesh", () => {
     await figures(torus)
       .filter({ hasText: /fewer bytes than points$/ })
       .waitFor();
+    await torus.page.locator(".hud .state", { hasText: "live" }).waitFor();
+    await torus.page.keyboard.press("x");
+    await torus.page.getByText("There are no points yet").waitFor();
     await torus.screenshot("small_mesh.png");
   });
 

@@ -1,8 +1,7 @@
 // The viewer's page: joins its parts.
 
 import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
-import { directionOf, sectionOf, Viewport, type CameraState, type Section, type StandardView } from "../view";
-import { distance } from "../view/vector";
+import { directionOf, Viewport, type CameraState, type StandardView } from "../view";
 import { AxesGizmo } from "./axes_gizmo";
 import { Brush } from "./brush";
 import { DrawingBudget } from "./drawing_budget";
@@ -19,7 +18,7 @@ import { saveMesh, savePicture, savePoints } from "./saving";
 import { ScaleBar } from "./scale_bar";
 import { SessionChoice } from "./session_choice";
 import { nameOf, SessionList } from "./session_list";
-import { defaultSettings, takeCamera, type Dab, type Settings } from "./settings";
+import { defaultSettings, takeCamera, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
 import { SurfaceView } from "./surface_view";
@@ -27,12 +26,12 @@ import { tabStorage, Thumbnails, thumbnailSize } from "./thumbnails";
 import { Uploads } from "./upload";
 import { keepToken, readState, writeState } from "./url_state";
 import { ViewPacer } from "./view_pacer";
+import { applyView, brushRadiusOf, styleOf } from "./view_settings";
 
 const secondsBeforeSave = 0.4; // that the address waits after the last change
 const longestStart = 500; // ms that the first picture waits for points
 const noticeableDelay = 0.3; // seconds; a shorter pause before a reconnection has no banner
 
-const noPaint: readonly Dab[] = [];
 const nowhere = "FAILED_PRECONDITION"; // the code of a view whose density is zero everywhere
 
 /// The application, of which a page has one. Throws NoWebGL2Error.
@@ -84,10 +83,8 @@ export class Application {
     const { session, camera, settings } = readState(location.hash, this.defaults);
     this.settings = { ...this.defaults, dabs: [], marks: [], ...settings };
     this.brush = new Brush(this.settings, (text) => this.messages.notice(text));
-    this.surface = new SurfaceView(client, this.viewport, this.defaults, {
-      changed: () => this.surfaceCame(),
-      notice: (text) => this.messages.notice(text),
-    });
+    const events = { changed: () => this.surfaceCame(), notice: (text: string): void => this.messages.notice(text) };
+    this.surface = new SurfaceView(client, this.viewport, this.defaults, events);
     this.annotations = new Annotations(page, this.settings.marks, {
       viewport: this.viewport,
       changed: () => this.saveSoon(),
@@ -166,7 +163,7 @@ export class Application {
     this.viewport.onDrawn = () => this.pacer.drawn();
     this.viewport.onBrush = (centre, done) => {
       this.isPainting = !done;
-      if (this.brush.paint(centre, this.brushRadius(), done) || done) this.changed();
+      if (this.brush.paint(centre, brushRadiusOf(this.settings, this.viewport.bounds), done) || done) this.changed();
     };
     this.viewport.onMeasure = (measured) => (this.hud.measured = measured);
     this.viewport.onLost = (isLost) => {
@@ -193,16 +190,12 @@ export class Application {
     document.documentElement.dataset.theme = settings.background;
     document.body.classList.toggle("split", settings.split && this.session !== null);
     this.applyStyle();
-    viewport.setUp(settings.up);
-    viewport.setFieldOfView(settings.fieldOfView);
-    viewport.setOrthographic(settings.projection === "orthographic");
-    viewport.maxPixelRatio = settings.pixelRatio;
-    viewport.navigation = settings.navigation;
+    applyView(settings, viewport);
     viewport.onClick = settings.marking && !settings.brush ? (place) => this.annotations.add(place) : null;
     viewport.setMeasuring(settings.measuring && !settings.brush && !settings.marking ? settings.measure : null);
     this.scale.unit = this.hud.unit = settings.unit;
     this.isPainting &&= settings.brush; // a stroke also ends with the brush
-    viewport.setBrush(settings.brush && this.session !== null ? this.brushRadius() : null);
+    viewport.setBrush(settings.brush && this.session !== null ? brushRadiusOf(this.settings, this.viewport.bounds) : null);
     if (settings.frozen !== (this.frozen !== null)) {
       this.frozen = settings.frozen ? { camera: viewport.camera, size: viewport.size } : null;
     }
@@ -216,12 +209,9 @@ export class Application {
   }
 
   private applyStyle(): void {
-    const { settings, surface, streams } = this;
+    const { settings, surface, streams, viewport } = this;
     surface.follow(settings, streams?.main.statistics().bytes ?? 0, this.session !== this.preview);
-    const { colouring, background, edl, dotSize, splatScale } = settings;
-    const mode = surface.modeOf(settings);
-    const paint = settings.brush && mode === "splats" ? this.brush.trace() : noPaint;
-    this.viewport.style = { mode, colouring, background, edl, dotSize, splatScale, paint, section: this.section() };
+    viewport.style = styleOf(settings, surface.modeOf(settings), () => this.brush.trace(), viewport.bounds);
   }
 
   /// Changes settings, and shows them in the panel.
@@ -256,16 +246,6 @@ export class Application {
     if (stores.length === this.shown.length && stores.every((store, i) => store === this.shown[i])) return;
     this.shown = stores;
     this.viewport.setStores(stores[0]!, stores[1]);
-  }
-
-  private brushRadius(): number {
-    const { min, max } = this.viewport.bounds;
-    return (this.settings.brushSize / 100) * distance(min, max);
-  }
-
-  private section(): Section | null {
-    const { section, sectionShare, sectionOther } = this.settings;
-    return section === "none" ? null : sectionOf(section, sectionShare / 100, sectionOther, this.viewport.bounds);
   }
 
   private saveSoon(): void {
@@ -385,7 +365,6 @@ export class Application {
     this.annotations.place();
     if (this.surface.shown !== null) this.messages.hideHint();
     this.pacer.request();
-    this.showFigures();
   }
 
   private refusedView(error: CurvecastError): void {
@@ -414,8 +393,8 @@ export class Application {
 
   private showFigures(): void {
     this.hud.visible = this.streams !== null;
+    this.hud.showSurface(this.surface.text);
     if (this.streams !== null) this.hud.show(this.streams, this.viewport.framesPerSecond, this.uploadMilliseconds);
-    this.hud.showSurface(this.streams === null ? null : this.surface.text);
     this.hud.showMesh(this.settings.wireframe ? this.mesh : null);
   }
 }

@@ -28,6 +28,7 @@ export class Hud {
   private readonly state = element("span", { class: "state" });
   private measuredNow: Measured | null = null;
   private unitNow: Unit = "none";
+  private hasSurface = false;
   private readonly rows = new Map<string, HTMLElement>();
   private readonly root = element("details", { class: "hud", attributes: { "aria-label": "Figures" } });
 
@@ -79,6 +80,7 @@ export class Hud {
 
   /// Shows what is drawn instead of the points; null hides the row.
   showSurface(text: string | null): void {
+    this.hasSurface = text !== null;
     this.setAsked("surface", text);
   }
 
@@ -86,8 +88,9 @@ export class Hud {
   show(streams: Streams, framesPerSecond: number, uploadMilliseconds: number): void {
     const view = streams.main;
     const { last, viewP50, viewP99 } = view.statistics();
-    this.state.textContent = words[view.state];
-    this.state.dataset.state = view.state;
+    const state = view.lastLook === 0 && this.hasSurface ? "streaming" : view.state; // no points were asked for
+    this.state.textContent = words[state];
+    this.state.dataset.state = state;
     this.set("points", pointsText(view.store.count, last));
     this.set("view → points", `${seconds(viewP50)}, p99 ${seconds(viewP99)}`);
     const frames = framesPerSecond > 0 ? `${framesPerSecond.toFixed(0)} per second` : "–";

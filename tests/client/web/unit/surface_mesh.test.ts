@@ -49,8 +49,7 @@ describe("a surface", () => {
       expect(Math.abs(value)).toBeCloseTo(1, 3);
       expect(surface.colours![i]).toBe(value > 0 ? 200 : 50);
     });
-    for (let i = 0; i < surface.normals.length; ++i)
-      expect([0, 1]).toContain(Math.round(1e4 * Math.abs(surface.normals[i]!)) / 1e4);
+    for (const value of surface.normals) expect([0, 1]).toContain(Math.round(1e4 * Math.abs(value)) / 1e4);
   });
 
   it("may have no colours, and no creases", async () => {
