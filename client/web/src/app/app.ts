@@ -208,9 +208,10 @@ export class Application {
     this.pacer.request();
   }
 
-  private applyStyle(): void {
+  private applyStyle(onlyIfOther = false): void {
     const { settings, surface, streams, viewport } = this;
-    surface.follow(settings, streams?.main.statistics().bytes ?? 0, this.session !== this.preview);
+    const isOther = surface.follow(settings, streams?.main.statistics().bytes ?? 0, this.session !== this.preview);
+    if (onlyIfOther && !isOther) return;
     viewport.style = styleOf(settings, surface.modeOf(settings), () => this.brush.trace(), viewport.bounds);
   }
 
@@ -224,13 +225,12 @@ export class Application {
   private look(): void {
     const { streams, settings, viewport } = this;
     if (streams === null) return;
-    this.applyStyle(); // more bytes of points may have come
+    this.applyStyle(true); // more bytes of points may have come
     this.showStores();
     const camera = this.frozen?.camera ?? viewport.camera;
     const size = this.frozen?.size ?? viewport.size;
     const ask = (isUniform: boolean): SampleInit => sampleRequest(settings, camera, size, isUniform, this.drawingBudget.mostPoints);
-    const needsPoints = this.surface.needsPoints || settings.split;
-    if (needsPoints && streams.look(ask(false), ask(true))) viewport.expectPoints();
+    if ((this.surface.needsPoints || settings.split) && streams.look(ask(false), ask(true))) viewport.expectPoints();
     const hasMesh = settings.wireframe && this.session !== this.preview;
     this.mesh?.follow(hasMesh ? meshRequest(settings, camera, size) : null, this.isPainting);
     this.saveSoon();

@@ -48,10 +48,12 @@ export class SurfaceView {
     this.follower = follower;
   }
 
-  /// Follows the settings. `pointBytes`: that have come for the session. `isReady`: there is more of it than a preview.
-  follow(settings: Settings, pointBytes: number, isReady: boolean): void {
+  /// Follows the settings. `pointBytes`: that have come for the session. `isReady`: there is more of it than a preview. Returns whether
+  /// something else shows than before.
+  follow(settings: Settings, pointBytes: number, isReady: boolean): boolean {
     const { follower, viewport, faces } = this;
-    if (follower === null) return;
+    if (follower === null) return false;
+    const wasShown = this.isShown;
     this.isWantedByUser = settings.mode === "mesh";
     const isBetter = isDrawnSoon(faces, viewport.isSoftware) && isMeshSmaller(faces, pointBytes, settings);
     const isWanted = isReady && (this.isWantedByUser || (isBetter && suitsMesh(settings, this.defaults)));
@@ -63,6 +65,7 @@ export class SurfaceView {
       this.isTold = true;
       this.events.notice(`The surface is drawn by discs, as its mesh cannot be shown: ${why}`);
     }
+    return this.isShown !== wasShown;
   }
 
   /// The triangles that show instead of the points; null: the points show.
