@@ -14,6 +14,7 @@ import "./access_suite.mjs";
 import "./tools_suite.mjs";
 import "./marks_suite.mjs";
 import "./mesh_suite.mjs";
+import "./surface_suite.mjs";
 import "./server_suite.mjs";
 import "./leak_suite.mjs";
 

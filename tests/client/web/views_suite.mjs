@@ -34,9 +34,9 @@ describe("the views that have names", () => {
     const y = [0, 1, 0];
     const button = (name) => torus.page.getByRole("button", { name, exact: true }).click();
     for (const [go, direction] of [
-      [() => torus.page.keyboard.press("3"), [0, 0, -1]],
-      [() => torus.page.keyboard.press("4"), [-1, 0, 0]],
-      [() => torus.page.keyboard.press("5"), [0, -1, 0]],
+      [() => torus.page.keyboard.press("4"), [0, 0, -1]],
+      [() => torus.page.keyboard.press("5"), [-1, 0, 0]],
+      [() => torus.page.keyboard.press("6"), [0, -1, 0]],
       [() => button("Side"), [-1, 0, 0]],
       [() => button("Front"), [0, 0, -1]],
       [() => torus.page.locator(".axes .negative.x").dispatchEvent("click"), [1, 0, 0]],
@@ -56,9 +56,9 @@ describe("the views that have names", () => {
   it("follow the axis that points up, which the address keeps", async () => {
     const z = [0, 0, 1];
     await torus.change(() => torus.set("axis that points up", "Z"));
-    await torus.page.keyboard.press("3");
+    await torus.page.keyboard.press("4");
     await torus.until(looksAlong, [[0, 1, 0], z]);
-    await torus.page.keyboard.press("5");
+    await torus.page.keyboard.press("6");
     await torus.until(looksAlong, [[0, 0, -1], z]);
     await torus.until((c) => {
       const kept = new URLSearchParams(location.hash.slice(1)).get("camera").split(",").map(Number);
@@ -85,13 +85,13 @@ describe("the views that have names", () => {
   });
 
   it("have parallel rays where that is set: nothing is larger for being near", async () => {
-    await torus.page.keyboard.press("3");
+    await torus.page.keyboard.press("4");
     await torus.until(looksAlong, [
       [0, 0, -1],
       [0, 1, 0],
     ]);
     await torus.settled();
-    await torus.change(() => torus.page.keyboard.press("6"));
+    await torus.change(() => torus.page.keyboard.press("7"));
     assert.equal(await torus.evaluate((c) => c.view.camera.orthographic), true);
     await torus.page.keyboard.press("f");
     await torus.settled();

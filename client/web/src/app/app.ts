@@ -1,8 +1,7 @@
 // The viewer's page: joins its parts.
 
 import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
-import { directionOf, sectionOf, Viewport, type CameraState, type Section, type StandardView } from "../view";
-import { distance } from "../view/vector";
+import { directionOf, Viewport, type CameraState, type StandardView } from "../view";
 import { AxesGizmo } from "./axes_gizmo";
 import { Brush } from "./brush";
 import { DrawingBudget } from "./drawing_budget";
@@ -19,19 +18,20 @@ import { saveMesh, savePicture, savePoints } from "./saving";
 import { ScaleBar } from "./scale_bar";
 import { SessionChoice } from "./session_choice";
 import { nameOf, SessionList } from "./session_list";
-import { defaultSettings, takeCamera, type Dab, type Settings } from "./settings";
+import { defaultSettings, takeCamera, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
+import { SurfaceView } from "./surface_view";
 import { tabStorage, Thumbnails, thumbnailSize } from "./thumbnails";
 import { Uploads } from "./upload";
 import { keepToken, readState, writeState } from "./url_state";
 import { ViewPacer } from "./view_pacer";
+import { applyView, brushRadiusOf, styleOf } from "./view_settings";
 
 const secondsBeforeSave = 0.4; // that the address waits after the last change
 const longestStart = 500; // ms that the first picture waits for points
 const noticeableDelay = 0.3; // seconds; a shorter pause before a reconnection has no banner
 
-const noPaint: readonly Dab[] = [];
 const nowhere = "FAILED_PRECONDITION"; // the code of a view whose density is zero everywhere
 
 /// The application, of which a page has one. Throws NoWebGL2Error.
@@ -41,6 +41,7 @@ export class Application {
   streams: Streams | null = null;
   session: Session | null = null;
   mesh: MeshFollower | null = null; // of the session
+  readonly surface: SurfaceView;
 
   private readonly defaults: Settings;
   private readonly panel: Panel;
@@ -82,6 +83,8 @@ export class Application {
     const { session, camera, settings } = readState(location.hash, this.defaults);
     this.settings = { ...this.defaults, dabs: [], marks: [], ...settings };
     this.brush = new Brush(this.settings, (text) => this.messages.notice(text));
+    const events = { changed: () => this.surfaceCame(), notice: (text: string): void => this.messages.notice(text) };
+    this.surface = new SurfaceView(client, this.viewport, this.defaults, events);
     this.annotations = new Annotations(page, this.settings.marks, {
       viewport: this.viewport,
       changed: () => this.saveSoon(),
@@ -104,7 +107,7 @@ export class Application {
       upload: () => this.uploads.pick(),
       fit: () => this.viewport.frame(),
       view: (name: StandardView) => this.viewport.lookFrom(directionOf(name, this.settings.up), this.settings.up),
-      fullScreen: () => void this.toggleFullScreen(),
+      fullScreen: () => void toggleFullScreen(this.messages),
       copyLink: () => void this.copyLink(),
       undoStroke: () => this.change(() => this.brush.undo()),
       clearStrokes: () => this.change(() => this.brush.clear()),
@@ -154,12 +157,13 @@ export class Application {
     this.viewport.onCamera = () => this.cameraMoved();
     this.viewport.onPicture = (points, milliseconds) => {
       const { budget, frameMilliseconds } = this.settings;
-      if (budget === "automatic" && this.drawingBudget.note(points, milliseconds, frameMilliseconds)) this.pacer.request();
+      if (budget === "automatic" && points > 0 && this.drawingBudget.note(points, milliseconds, frameMilliseconds))
+        this.pacer.request();
     };
     this.viewport.onDrawn = () => this.pacer.drawn();
     this.viewport.onBrush = (centre, done) => {
       this.isPainting = !done;
-      if (this.brush.paint(centre, this.brushRadius(), done) || done) this.changed();
+      if (this.brush.paint(centre, brushRadiusOf(this.settings, this.viewport.bounds), done) || done) this.changed();
     };
     this.viewport.onMeasure = (measured) => (this.hud.measured = measured);
     this.viewport.onLost = (isLost) => {
@@ -185,19 +189,13 @@ export class Application {
     const { settings, viewport } = this;
     document.documentElement.dataset.theme = settings.background;
     document.body.classList.toggle("split", settings.split && this.session !== null);
-    const { mode, colouring, background, edl, dotSize, splatScale } = settings;
-    const paint = settings.brush && mode === "splats" ? this.brush.trace() : noPaint;
-    viewport.style = { mode, colouring, background, edl, dotSize, splatScale, paint, section: this.section() };
-    viewport.setUp(settings.up);
-    viewport.setFieldOfView(settings.fieldOfView);
-    viewport.setOrthographic(settings.projection === "orthographic");
-    viewport.maxPixelRatio = settings.pixelRatio;
-    viewport.navigation = settings.navigation;
+    this.applyStyle();
+    applyView(settings, viewport);
     viewport.onClick = settings.marking && !settings.brush ? (place) => this.annotations.add(place) : null;
     viewport.setMeasuring(settings.measuring && !settings.brush && !settings.marking ? settings.measure : null);
     this.scale.unit = this.hud.unit = settings.unit;
     this.isPainting &&= settings.brush; // a stroke also ends with the brush
-    viewport.setBrush(settings.brush && this.session !== null ? this.brushRadius() : null);
+    viewport.setBrush(settings.brush && this.session !== null ? brushRadiusOf(this.settings, this.viewport.bounds) : null);
     if (settings.frozen !== (this.frozen !== null)) {
       this.frozen = settings.frozen ? { camera: viewport.camera, size: viewport.size } : null;
     }
@@ -210,6 +208,13 @@ export class Application {
     this.pacer.request();
   }
 
+  private applyStyle(onlyIfOther = false): void {
+    const { settings, surface, streams, viewport } = this;
+    const isOther = surface.follow(settings, streams?.main.statistics().bytes ?? 0, this.session !== this.preview);
+    if (onlyIfOther && !isOther) return;
+    viewport.style = styleOf(settings, surface.modeOf(settings), () => this.brush.trace(), viewport.bounds);
+  }
+
   /// Changes settings, and shows them in the panel.
   private change(how: (settings: Settings) => void): void {
     how(this.settings);
@@ -220,11 +225,12 @@ export class Application {
   private look(): void {
     const { streams, settings, viewport } = this;
     if (streams === null) return;
+    this.applyStyle(true); // more bytes of points may have come
     this.showStores();
     const camera = this.frozen?.camera ?? viewport.camera;
     const size = this.frozen?.size ?? viewport.size;
     const ask = (isUniform: boolean): SampleInit => sampleRequest(settings, camera, size, isUniform, this.drawingBudget.mostPoints);
-    if (streams.look(ask(false), ask(true))) viewport.expectPoints();
+    if ((this.surface.needsPoints || settings.split) && streams.look(ask(false), ask(true))) viewport.expectPoints();
     const hasMesh = settings.wireframe && this.session !== this.preview;
     this.mesh?.follow(hasMesh ? meshRequest(settings, camera, size) : null, this.isPainting);
     this.saveSoon();
@@ -242,16 +248,6 @@ export class Application {
     this.viewport.setStores(stores[0]!, stores[1]);
   }
 
-  private brushRadius(): number {
-    const { min, max } = this.viewport.bounds;
-    return (this.settings.brushSize / 100) * distance(min, max);
-  }
-
-  private section(): Section | null {
-    const { section, sectionShare, sectionOther } = this.settings;
-    return section === "none" ? null : sectionOf(section, sectionShare / 100, sectionOther, this.viewport.bounds);
-  }
-
   private saveSoon(): void {
     clearTimeout(this.saveTimer);
     this.saveTimer = setTimeout(() => this.save(), 1000 * secondsBeforeSave);
@@ -265,14 +261,6 @@ export class Application {
   private async copyLink(): Promise<void> {
     this.save();
     if (await copyText(location.href, "The address of this view")) this.messages.notice("The link to this view was copied");
-  }
-
-  private async toggleFullScreen(): Promise<void> {
-    try {
-      await toggleFullScreen();
-    } catch (thrown) {
-      this.messages.failure("The browser does not give the whole screen", asCurvecastError(thrown));
-    }
   }
 
   private refused(error: CurvecastError): void {
@@ -300,6 +288,7 @@ export class Application {
       this.annotations.clear();
     }
     this.session = session;
+    this.surface.open(session);
     this.list.current = session.sessionId;
     document.title = `${nameOf(session)} – Curvecast`;
     this.viewport.forgetMeasured();
@@ -332,6 +321,7 @@ export class Application {
   private uploaded(session: Session, missing: readonly string[]): void {
     if (missing.length > 0) this.messages.notice(`Not among the files, and done without: ${missing.join(", ")}`);
     if (this.session?.sessionId === session.sessionId && this.streams?.main.state !== "failed") {
+      if (this.session === this.preview) this.surface.open(session);
       this.session = session; // its preview is shown, and its stream goes on by itself
       this.pacer.request(); // there may be a mesh now
       this.choice.refresh();
@@ -368,6 +358,15 @@ export class Application {
     this.showFigures();
   }
 
+  /// The surface's triangles have come, or will not.
+  private surfaceCame(): void {
+    this.applyStyle();
+    this.viewport.pointsChanged();
+    this.annotations.place();
+    if (this.surface.shown !== null) this.messages.hideHint();
+    this.pacer.request();
+  }
+
   private refusedView(error: CurvecastError): void {
     this.viewport.expectNoPoints();
     if (error.code === nowhere) {
@@ -394,6 +393,7 @@ export class Application {
 
   private showFigures(): void {
     this.hud.visible = this.streams !== null;
+    this.hud.showSurface(this.surface.text);
     if (this.streams !== null) this.hud.show(this.streams, this.viewport.framesPerSecond, this.uploadMilliseconds);
     this.hud.showMesh(this.settings.wireframe ? this.mesh : null);
   }

@@ -1,6 +1,6 @@
 // The page's handle for scripts and tests.
 
-import type { LiveViewState, PointStore, Session, StatisticsSummary, TriangleMesh } from "../stream";
+import type { LiveViewState, PointStore, Session, StatisticsSummary, SurfaceMesh, TriangleMesh } from "../stream";
 import type { Viewport } from "../view";
 import type { Application } from "./app";
 import type { Settings } from "./settings";
@@ -15,6 +15,7 @@ export interface Handle {
   readonly look: number; // number of the newest view, as FrameReport.sequence of its frames
   readonly store: PointStore | null; // the view-dependent points
   readonly uniformStore: PointStore | null; // the uniform points of a split view
+  readonly surface: SurfaceMesh | null; // the triangles that show instead of the points
   readonly mesh: TriangleMesh | null; // whose edges are drawn
   readonly isMeshCurrent: boolean; // no newer one is being made
   readonly view: Viewport;
@@ -49,6 +50,9 @@ export function handleOf(app: Application): Handle {
     },
     get uniformStore() {
       return app.streams?.uniform?.store ?? null;
+    },
+    get surface() {
+      return app.surface.shown;
     },
     get mesh() {
       return app.mesh?.mesh ?? null;

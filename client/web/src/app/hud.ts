@@ -28,6 +28,7 @@ export class Hud {
   private readonly state = element("span", { class: "state" });
   private measuredNow: Measured | null = null;
   private unitNow: Unit = "none";
+  private hasSurface = false;
   private readonly rows = new Map<string, HTMLElement>();
   private readonly root = element("details", { class: "hud", attributes: { "aria-label": "Figures" } });
 
@@ -35,7 +36,7 @@ export class Hud {
     this.root.open = true;
     this.root.append(element("summary", { title: "Fold or unfold the figures (I)" }, [this.state]));
     const list = element("dl");
-    const asked = ["mesh", ...measures]; // rows that are shown while there is something in them
+    const asked = ["surface", "mesh", ...measures]; // rows that are shown while there is something in them
     for (const name of ["points", "update", "traffic", "view → points", "server", "frames", "curve", ...asked]) {
       const kind = asked.includes(name) ? { class: `asked ${name}` } : {};
       const value = element("dd", { text: "–", ...kind });
@@ -45,6 +46,7 @@ export class Hud {
     this.root.append(list);
     this.showMeasured();
     this.showMesh(null);
+    this.showSurface(null);
     parent.append(this.root);
   }
 
@@ -76,12 +78,19 @@ export class Hud {
     this.setAsked("mesh", [...figures, ...(isCurrent ? [] : ["…"])].join(" "));
   }
 
+  /// Shows what is drawn instead of the points; null hides the row.
+  showSurface(text: string | null): void {
+    this.hasSurface = text !== null;
+    this.setAsked("surface", text);
+  }
+
   /// Shows the figures of the moment. `framesPerSecond`: 0 where nothing moves.
   show(streams: Streams, framesPerSecond: number, uploadMilliseconds: number): void {
     const view = streams.main;
     const { last, viewP50, viewP99 } = view.statistics();
-    this.state.textContent = words[view.state];
-    this.state.dataset.state = view.state;
+    const state = view.lastLook === 0 && this.hasSurface ? "streaming" : view.state; // no points were asked for
+    this.state.textContent = words[state];
+    this.state.dataset.state = state;
     this.set("points", pointsText(view.store.count, last));
     this.set("view → points", `${seconds(viewP50)}, p99 ${seconds(viewP99)}`);
     const frames = framesPerSecond > 0 ? `${framesPerSecond.toFixed(0)} per second` : "–";

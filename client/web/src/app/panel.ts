@@ -31,9 +31,9 @@ export interface PanelActions {
 
 const views: readonly (readonly [text: string, view: StandardView, title: string])[] = [
   ["Home", "home", "The first view (Home)"],
-  ["Front", "front", "From the front (3)"],
-  ["Side", "side", "From the right side (4)"],
-  ["Top", "top", "From above (5)"],
+  ["Front", "front", "From the front (4)"],
+  ["Side", "side", "From the right side (5)"],
+  ["Top", "top", "From above (6)"],
 ];
 
 /// Removes lil-gui's font for a few signs, a data URL that the page's content policy does not allow. Other fonts have these signs, too.
@@ -164,6 +164,7 @@ export class Panel {
   private addLook(): void {
     const folder = this.folder("Look", true);
     this.addChoice(folder, "mode");
+    this.when(({ mode }) => mode === "splats", this.addSwitch(folder, "automaticMesh"));
     this.addChoice(folder, "colouring");
     this.addChoice(folder, "background");
     this.addSwitch(folder, "edl");

@@ -15,11 +15,15 @@ export const settingWords = {
   up: words("axis that points up", "Files of some programs have Y up, of others Z"),
   projection: words(
     "projection",
-    "orthographic: parallels stay parallel, and lengths across the view are the same near and far, as in drawings (6)",
+    "orthographic: parallels stay parallel, and lengths across the view are the same near and far, as in drawings (7)",
   ),
   fieldOfView: words("angle of view, °", "Vertical field of view: small ones show the surface flat, large ones from near by"),
   navigation: words("moving", "orbit: drag to turn the surface. fly: W A S D Q E move, drag to look around (N)"),
-  mode: words("draw as", "surface: closed, by overlapping discs (splats, 1). dots: the points themselves (2)"),
+  mode: words(
+    "draw as",
+    "discs: a closed surface of overlapping points (splats, 1). dots: the points themselves (2). mesh: the surface's own triangles (3)",
+  ),
+  automaticMesh: words("mesh if smaller", "Shows the surface's own triangles where they are fewer bytes than its points would be"),
   colouring: words("colours", "What the colours show (C). Surfaces without colours of their own are shown as clay"),
   background: words("background", "Behind the surface (L)"),
   edl: words("dark edges", "Darkens what lies behind an edge, so that shapes stand out: eye-dome lighting (O)"),
@@ -83,7 +87,7 @@ export const choiceWords = {
   up: { Y: "y", Z: "z" },
   projection: { perspective: "perspective", orthographic: "orthographic" },
   navigation: { orbit: "orbit", fly: "fly" },
-  mode: { surface: "splats", dots: "dots" },
+  mode: { discs: "splats", dots: "dots", mesh: "mesh" },
   colouring: {
     "the surface's own": "colour",
     clay: "shading",

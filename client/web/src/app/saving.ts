@@ -33,9 +33,10 @@ export async function savePicture({ session, viewport, messages }: Shown, scale:
 }
 
 /// Saves the points as PLY.
-export function savePoints({ session, streams }: Shown): void {
+export function savePoints({ session, streams, messages }: Shown): void {
   if (session === null || streams === null) return;
   const { store } = streams.main;
+  if (store.count === 0) return messages.notice("There are no points yet: discs (1) and dots (2) ask for some");
   download(plyOf(store), `${stemOf(session)}-${store.count}.ply`);
 }
 

@@ -36,6 +36,7 @@ export interface Settings {
   meshVertices: number;
   meshForCamera: boolean; // the mesh has the camera's density, too
   mode: Mode;
+  automaticMesh: boolean; // instead of discs, the surface's own triangles where these are fewer bytes
   colouring: Colouring;
   background: Background;
   edl: boolean;
@@ -132,6 +133,7 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     meshVertices: 5000,
     meshForCamera: false,
     mode: "splats",
+    automaticMesh: true,
     colouring: "colour",
     background,
     edl: true,

@@ -25,7 +25,7 @@ const choices: { [Key in keyof Settings]?: readonly string[] } = {
   sampler: ["progressive", "equalised"],
   sequence: ["jittered", "regular", "vanDerCorput", "goldenRatio"],
   curvature: ["none", "gauss", "mean", "max"],
-  mode: ["splats", "dots"],
+  mode: ["splats", "dots", "mesh"],
   colouring: ["shading", "normal", "curvature", "rank", "density", "colour"],
   background: ["light", "dark"],
   section: ["none", "x", "y", "z"],

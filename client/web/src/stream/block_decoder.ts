@@ -6,6 +6,7 @@ import { badPoints, type DecodedPoints } from "./decoded_points";
 import { readHeader } from "./draco/header";
 import { DracoLibrary } from "./draco/library";
 import { DracoReader } from "./draco/reader";
+import type { EncodedSurface, SurfaceMesh } from "./surface_decoder";
 
 /// A block in the form that goes to a worker: plain values, with copies of the message's bytes.
 export interface EncodedBlock {
@@ -41,8 +42,8 @@ export function encodedBlock(block: PointBlock): EncodedBlock {
   };
 }
 
-/// Lists the buffers of a block or of its points, for their transfer to another thread.
-export function buffersOf(holder: EncodedBlock | DecodedPoints): ArrayBuffer[] {
+/// Lists the buffers of a block or of its points, of a surface or of its file, for their transfer to another thread.
+export function buffersOf(holder: EncodedBlock | DecodedPoints | EncodedSurface | SurfaceMesh): ArrayBuffer[] {
   const viewsOf = (value: unknown): ArrayBufferView[] =>
     ArrayBuffer.isView(value) ? [value] : value !== null && typeof value === "object" ? Object.values(value).flatMap(viewsOf) : [];
   return [...new Set(viewsOf(holder).map((array) => array.buffer))].filter((buffer) => buffer instanceof ArrayBuffer);

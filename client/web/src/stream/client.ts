@@ -20,6 +20,8 @@ import { uploadMesh, type NamedFile, type UploadedMesh, type UploadOptions } fro
 import { StreamedPoints } from "./point_store";
 import { repeat } from "./repeat";
 import { socketUrl, type Endpoint } from "./socket";
+import type { SurfaceMesh } from "./surface_decoder";
+import { readSurface } from "./surface_mesh";
 import { readMesh, type TriangleMesh } from "./triangle_mesh";
 
 const methods = CurvecastService.method;
@@ -157,6 +159,15 @@ export class Client {
     return repeat((resetFailures) => {
       const responses = this.meshConnections.socket(sessionId).serverStream(methods.remesh, request, signal);
       return readMesh(responses, this.decoder, (progress) => (resetFailures(), options.onProgress?.(progress)));
+    }, signal);
+  }
+
+  /// Asks for the surface's own triangles. Rejects with FAILED_PRECONDITION where the surface has textures, with OUT_OF_RANGE where it has
+  /// too many triangles. Begins again where the connection is lost meanwhile.
+  async surface(sessionId: string, { signal }: { signal?: AbortSignal } = {}): Promise<SurfaceMesh> {
+    return repeat((resetFailures) => {
+      const responses = this.meshConnections.socket(sessionId).serverStream(methods.getSurface, { sessionId }, signal);
+      return readSurface(responses, this.decoder, resetFailures);
     }, signal);
   }
 

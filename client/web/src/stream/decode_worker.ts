@@ -1,26 +1,28 @@
-// A worker thread that decodes blocks of points.
+// A worker thread that decodes blocks of points, and surfaces.
 
 import { BlockDecoder, buffersOf, type EncodedBlock } from "./block_decoder";
 import type { DecodedPoints } from "./decoded_points";
 import { asCurvecastError, type ErrorCode } from "./errors";
+import { decodeSurface, type EncodedSurface, type SurfaceMesh } from "./surface_decoder";
 
 /// The messages to the worker and back.
-export interface DecodeRequest {
-  job: number;
-  block: EncodedBlock;
-}
-export type DecodeResponse = { job: number; points: DecodedPoints } | { job: number; error: { code: ErrorCode; message: string } };
+export type DecodeRequest = { job: number } & ({ block: EncodedBlock } | { surface: EncodedSurface });
+export type DecodeResponse = { job: number } & (
+  { points: DecodedPoints } | { surface: SurfaceMesh } | { error: { code: ErrorCode; message: string } }
+);
 
 const decoder = new BlockDecoder();
 
-self.onmessage = async (event: MessageEvent<DecodeRequest>) => {
-  const { job, block } = event.data;
+self.onmessage = async ({ data }: MessageEvent<DecodeRequest>) => {
+  const { job } = data;
   let response: DecodeResponse;
   try {
-    response = { job, points: await decoder.decode(block) };
+    if ("block" in data) response = { job, points: await decoder.decode(data.block) };
+    else response = { job, surface: await decodeSurface(data.surface) };
   } catch (thrown) {
     const { code, message } = asCurvecastError(thrown);
     response = { job, error: { code, message } };
   }
-  self.postMessage(response, { transfer: "points" in response ? buffersOf(response.points) : [] });
+  const decoded = "points" in response ? response.points : "surface" in response ? response.surface : null;
+  self.postMessage(response, { transfer: decoded === null ? [] : buffersOf(decoded) });
 };

@@ -1,28 +1,36 @@
-// Decodes the blocks of frames on worker threads.
+// Decodes the blocks of frames, and surfaces, on worker threads.
 
 import type { PointBlock } from "../gen/curvecast/v1/curvecast_pb";
-import { BlockDecoder, buffersOf, encodedBlock } from "./block_decoder";
+import { BlockDecoder, buffersOf, encodedBlock, type EncodedBlock } from "./block_decoder";
 import type { DecodeRequest, DecodeResponse } from "./decode_worker";
 import { badPoints, type DecodedPoints } from "./decoded_points";
 import { asCurvecastError, CurvecastError } from "./errors";
 import { maxPoints } from "./protocol";
+import type { EncodedSurface, SurfaceMesh } from "./surface_decoder";
 
 const fewPoints = 4096; // decoding them on this thread is faster than a message to another thread and back
 
 /// Turns the blocks of a message into points. Rejects with a CurvecastError; later calls are not affected.
-export interface Decoder {
+export interface PointDecoder {
   decode(blocks: readonly PointBlock[]): Promise<DecodedPoints[]>;
 }
 
+/// Turns the file of a surface into triangles, too.
+export interface Decoder extends PointDecoder {
+  decodeSurface(surface: EncodedSurface): Promise<SurfaceMesh>;
+}
+
+type Task = { block: EncodedBlock } | { surface: EncodedSurface };
+
 interface Job {
   worker: Worker;
-  resolve(points: DecodedPoints): void;
+  resolve(decoded: DecodedPoints | SurfaceMesh): void;
   reject(error: CurvecastError): void;
 }
 
 /// Decodes on worker threads, and small frames on the calling thread. Any number of streams may share one decoder.
 export class WorkerDecoder implements Decoder {
-  private workers: { worker: Worker; load: number }[] = []; // load: points that the worker has yet to decode
+  private workers: { worker: Worker; load: number }[] = []; // load: points or triangles that the worker has yet to decode
   private readonly jobs = new Map<number, Job>();
   private lastJob = 0;
   private readonly here = new BlockDecoder();
@@ -37,7 +45,12 @@ export class WorkerDecoder implements Decoder {
     const total = blocks.reduce((sum, block) => sum + block.count, 0);
     if (total > maxPoints) throw badPoints(`${total} in a frame`);
     if (total <= fewPoints) return Promise.all(blocks.map((block) => this.here.decode(encodedBlock(block))));
-    return Promise.all(blocks.map((block) => this.decodeBlock(block)));
+    return Promise.all(blocks.map((block) => this.run({ block: encodedBlock(block) }, block.count) as Promise<DecodedPoints>));
+  }
+
+  async decodeSurface(surface: EncodedSurface): Promise<SurfaceMesh> {
+    if (this.isClosed) throw closed();
+    return (await this.run({ surface }, surface.triangles)) as SurfaceMesh;
   }
 
   /// Ends the threads. Rejects blocks that are being decoded, and later ones, as CANCELLED.
@@ -50,23 +63,23 @@ export class WorkerDecoder implements Decoder {
     for (const job of jobs) job.reject(closed());
   }
 
-  private decodeBlock(block: PointBlock): Promise<DecodedPoints> {
+  private run(task: Task, load: number): Promise<DecodedPoints | SurfaceMesh> {
     return new Promise((resolve, reject) => {
-      const encoded = encodedBlock(block);
       this.fill();
       const least = this.workers.reduce((best, other) => (other.load < best.load ? other : best));
       const job = ++this.lastJob;
       const done = () => {
         this.jobs.delete(job);
-        least.load -= block.count;
+        least.load -= load;
       };
-      least.load += block.count;
+      least.load += load;
       this.jobs.set(job, {
         worker: least.worker,
-        resolve: (points) => (done(), resolve(points)),
+        resolve: (decoded) => (done(), resolve(decoded)),
         reject: (error) => (done(), reject(error)),
       });
-      least.worker.postMessage({ job, block: encoded } satisfies DecodeRequest, buffersOf(encoded));
+      const request: DecodeRequest = { job, ...task };
+      least.worker.postMessage(request, buffersOf("block" in task ? task.block : task.surface));
     });
   }
 
@@ -80,6 +93,7 @@ export class WorkerDecoder implements Decoder {
       const response = event.data;
       const job = this.jobs.get(response.job);
       if ("points" in response) job?.resolve(response.points);
+      else if ("surface" in response) job?.resolve(response.surface);
       else job?.reject(new CurvecastError(response.error.code, response.error.message));
     };
     worker.onerror = (event) => {

@@ -10,6 +10,7 @@ export { meshAmong, type NamedFile, type UploadedMesh, type UploadOptions } from
 export { StreamedPoints, type PointDifference, type PointStore } from "./point_store";
 export { Socket, socketUrl, type Endpoint } from "./socket";
 export type { FrameReport, StatisticsSummary } from "./statistics";
+export type { SurfaceMesh } from "./surface_decoder";
 export type { TriangleMesh } from "./triangle_mesh";
 export {
   CurvatureKind,

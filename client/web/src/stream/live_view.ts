@@ -20,7 +20,7 @@ import type { Call } from "./call";
 import { callBack } from "./call_back";
 import { now } from "./clock";
 import type { DecodedPoints } from "./decoded_points";
-import type { Decoder } from "./decoder";
+import type { PointDecoder } from "./decoder";
 import { asCurvecastError, boundedDelay, codeName, CurvecastError } from "./errors";
 import { StreamedPoints, type PointDifference } from "./point_store";
 import type { Socket } from "./socket";
@@ -102,7 +102,7 @@ export class LiveView {
   /// or has failed.
   constructor(
     private readonly connect: () => Socket,
-    private readonly decoder: Decoder,
+    private readonly decoder: PointDecoder,
     readonly sessionId: string,
     private readonly events: LiveViewEvents = {},
     options: LiveViewOptions = {},

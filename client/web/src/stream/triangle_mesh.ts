@@ -1,7 +1,7 @@
 // Triangle meshes that a server makes of points: checks their messages, and joins them.
 
 import type { MeshChunk, PointBlock, Progress, RemeshInfo, RemeshResponse } from "../gen/curvecast/v1/curvecast_pb";
-import type { Decoder } from "./decoder";
+import type { PointDecoder } from "./decoder";
 import { CurvecastError } from "./errors";
 import { StreamedPoints } from "./point_store";
 import { maxPoints } from "./protocol";
@@ -23,7 +23,7 @@ function badMesh(why: string): CurvecastError {
 /// announced.
 export async function readMesh(
   responses: AsyncIterable<RemeshResponse>,
-  decoder: Decoder,
+  decoder: PointDecoder,
   onProgress?: (progress: Progress) => void,
 ): Promise<TriangleMesh> {
   let parts: MeshParts | null = null;
@@ -62,7 +62,7 @@ class MeshParts {
     if (this.vertexCount > this.info.vertices || this.triangleCount > this.info.triangles) throw this.miscounted();
   }
 
-  async join(decoder: Decoder): Promise<TriangleMesh> {
+  async join(decoder: PointDecoder): Promise<TriangleMesh> {
     if (BigInt(this.vertexCount) !== this.info.vertices || BigInt(this.triangleCount) !== this.info.triangles) {
       throw this.miscounted();
     }

@@ -9,8 +9,9 @@ import { along, distance, dot, subtract } from "./vector";
 
 /// What the controls need of the viewport. Coordinates are CSS pixels of the canvas.
 export interface ControlsHost {
-  camera: CameraState;
-  readonly bounds: Bounds;
+  camera(): CameraState;
+  moveTo(camera: CameraState): void;
+  bounds(): Bounds;
   /// Returns the point of the surface at a pixel; null beside the surface.
   surfaceAt(x: number, y: number): Vec | null;
   rayAt(x: number, y: number): Ray;
@@ -72,7 +73,7 @@ export class CameraControls {
 
   /// Moves the camera to another one within a third of a second.
   flyTo(to: CameraState): void {
-    this.flight = { from: this.host.camera, to, begin: performance.now() };
+    this.flight = { from: this.host.camera(), to, begin: performance.now() };
     this.host.wake();
   }
 
@@ -87,7 +88,7 @@ export class CameraControls {
     this.lastTick = now;
     if (this.flight) {
       const t = Math.min(1, Math.max(0, (now - this.flight.begin) / 320));
-      this.host.camera = blend(this.flight.from, this.flight.to, t * t * (3 - 2 * t));
+      this.host.moveTo(blend(this.flight.from, this.flight.to, t * t * (3 - 2 * t)));
       if (t >= 1) this.flight = null;
     }
     const moves = this.navigation === "fly" && flyKeys.some((key) => this.keys.has(key));
@@ -107,7 +108,7 @@ export class CameraControls {
   /// Returns the point of the surface at a pixel, or beside the surface the point as far away as the target.
   private grab(x: number, y: number): Vec {
     const ray = this.host.rayAt(x, y);
-    const { camera } = this.host;
+    const camera = this.host.camera();
     const isParallel = camera.orthographic === true;
     const reach = isParallel ? dot(subtract(camera.target, ray.origin), ray.direction) : distance(camera.eye, camera.target);
     return this.host.surfaceAt(x, y) ?? along(ray.origin, ray.direction, reach);
@@ -133,7 +134,7 @@ export class CameraControls {
       this.gesture = "look";
     } else {
       this.gesture = "orbit";
-      this.pivot = this.host.surfaceAt(at.x, at.y) ?? this.host.camera.target;
+      this.pivot = this.host.surfaceAt(at.x, at.y) ?? this.host.camera().target;
     }
   }
 
@@ -159,9 +160,9 @@ export class CameraControls {
     if (this.gesture === "tool") {
       this.tool?.drag(at.x, at.y);
     } else if (this.gesture === "orbit") {
-      host.camera = orbit(host.camera, this.pivot, -dx * turn, -dy * turn);
+      host.moveTo(orbit(host.camera(), this.pivot, -dx * turn, -dy * turn));
     } else if (this.gesture === "look") {
-      host.camera = orbit(host.camera, host.camera.eye, -dx * turn * 0.5, -dy * turn * 0.5);
+      host.moveTo(orbit(host.camera(), host.camera().eye, -dx * turn * 0.5, -dy * turn * 0.5));
     } else if (this.gesture === "pan") {
       this.pan(dx, dy);
       if (this.pointers.size > 1 && before.spread > 8 && now.spread > 8) this.zoomTo(this.pivot, before.spread / now.spread);
@@ -170,12 +171,12 @@ export class CameraControls {
 
   /// Shifts the camera so that the grabbed point stays under the pointer.
   private pan(dx: number, dy: number): void {
-    const { camera } = this.host;
+    const camera = this.host.camera();
     const forward = subtract(camera.target, camera.eye);
     const pivot = camera.orthographic === true ? camera.target : this.pivot;
     const depth = dot(subtract(pivot, camera.eye), forward) / distance(camera.target, camera.eye);
     const perPixel = (2 * Math.tan((camera.fov * Math.PI) / 360) * Math.max(depth, 0)) / (this.canvas.clientHeight || 1);
-    this.host.camera = shift(camera, -dx * perPixel, dy * perPixel, 0);
+    this.host.moveTo(shift(camera, -dx * perPixel, dy * perPixel, 0));
   }
 
   private release(event: PointerEvent): void {
@@ -191,8 +192,8 @@ export class CameraControls {
 
   private zoomTo(point: Vec, factor: number): void {
     const { host } = this;
-    const radius = boundsRadius(host.bounds);
-    host.camera = zoom(host.camera, point, factor, 1e-4 * radius, farthestRadii * radius);
+    const radius = boundsRadius(host.bounds());
+    host.moveTo(zoom(host.camera(), point, factor, 1e-4 * radius, farthestRadii * radius));
   }
 
   private wheel(event: WheelEvent): void {
@@ -209,7 +210,7 @@ export class CameraControls {
     if (this.tool) return;
     const { x, y } = this.at(event);
     const point = this.host.surfaceAt(x, y);
-    if (point) this.flyTo(centre(this.host.camera, point));
+    if (point) this.flyTo(centre(this.host.camera(), point));
   }
 
   private keyDown(event: KeyboardEvent): void {
@@ -220,16 +221,16 @@ export class CameraControls {
       const step = (4 * Math.PI) / 180;
       const { host } = this;
       if (event.shiftKey) {
-        this.pivot = host.camera.target;
+        this.pivot = host.camera().target;
         this.pan(-30 * arrow[0], 30 * arrow[1]);
       } else {
-        const pivot = this.navigation === "fly" ? host.camera.eye : host.camera.target;
+        const pivot = this.navigation === "fly" ? host.camera().eye : host.camera().target;
         const side = this.navigation === "fly" ? -1 : 1;
-        host.camera = orbit(host.camera, pivot, side * step * arrow[0], -side * step * arrow[1]);
+        host.moveTo(orbit(host.camera(), pivot, side * step * arrow[0], -side * step * arrow[1]));
       }
     } else if (event.key === "+" || event.key === "=" || event.key === "-") {
       this.stop();
-      this.zoomTo(this.host.camera.target, event.key === "-" ? 1.15 : 1 / 1.15);
+      this.zoomTo(this.host.camera().target, event.key === "-" ? 1.15 : 1 / 1.15);
     } else if (this.navigation === "fly" && flyKeys.includes(event.code)) {
       this.keys.add(event.code);
       if (!event.repeat) this.lastTick = performance.now();
@@ -243,14 +244,14 @@ export class CameraControls {
 
   private fly(seconds: number): void {
     const { host, keys } = this;
-    const radius = boundsRadius(host.bounds);
+    const radius = boundsRadius(host.bounds());
     const axis = (plus: string, minus: string): number => Number(keys.has(plus)) - Number(keys.has(minus));
     const isFast = keys.has("ShiftLeft") || keys.has("ShiftRight");
     const pace = 0.5 * (isFast ? 4 : 1) * seconds;
     const step = radius * pace;
     const ahead = axis("KeyW", "KeyS");
-    if (host.camera.orthographic === true && ahead !== 0) this.zoomTo(host.camera.target, Math.exp(-pace * ahead)); // nothing comes nearer
-    const moved = shift(host.camera, step * axis("KeyD", "KeyA"), step * axis("KeyE", "KeyQ"), step * ahead);
-    if (mayMove(host.camera.eye, moved.eye, host.bounds)) host.camera = moved;
+    if (host.camera().orthographic === true && ahead !== 0) this.zoomTo(host.camera().target, Math.exp(-pace * ahead)); // nothing comes nearer
+    const moved = shift(host.camera(), step * axis("KeyD", "KeyA"), step * axis("KeyE", "KeyQ"), step * ahead);
+    if (mayMove(host.camera().eye, moved.eye, host.bounds())) host.moveTo(moved);
   }
 }

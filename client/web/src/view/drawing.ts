@@ -1,7 +1,8 @@
-// Draws the pictures of a canvas: points, a wireframe and lines over them.
+// Draws the pictures of a canvas: points or a surface, a wireframe and lines over them.
 
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
+import type { SurfaceMesh } from "../stream/surface_decoder";
 import type { TriangleMesh } from "../stream/triangle_mesh";
 import { type Bounds, boundsRadius } from "./camera_math";
 import { OverlayLines, type OverlayLine } from "./overlay_lines";
@@ -11,9 +12,13 @@ import { PointsGeometry } from "./points_geometry";
 import { SolidPasses } from "./solid_passes";
 import { canBlend, SplatPasses } from "./splat_passes";
 import { StoreEnds } from "./store_ends";
+import { SurfaceGeometry } from "./surface_pass";
 import { aim, AimedCamera } from "./three_camera";
 import type { CameraState, FrozenCamera, Style, Vec } from "./types";
 import { Wireframe } from "./wireframe";
+
+/// How far behind triangles lines are drawn, in radii of the surface's box.
+const surfaceTolerance = 0.002;
 
 /// What pictures show besides the points. One beside the other, they have all of it in common.
 export interface Scene {
@@ -50,6 +55,7 @@ export class Drawing {
   private readonly finder = new WorkerEndsFinder();
   private readonly geometries = new Map<PointStore, PointsGeometry>();
   private stores: readonly (PointStore | null)[] = [null];
+  private surface: SurfaceGeometry | null = null;
 
   /// `onChange` is called when another picture of the same points has to be drawn.
   constructor(
@@ -76,6 +82,17 @@ export class Drawing {
     const { shape } = this.passes;
     // Cones meet halfway, creases or not.
     return new PointsGeometry(store, shape, shape === "cone" ? null : new StoreEnds(store, this.finder, this.onChange));
+  }
+
+  /// Whether surfaces can be drawn.
+  get drawsSurfaces(): boolean {
+    return this.passes.drawsSurfaces;
+  }
+
+  /// Draws a surface instead of the last store where the style wants it; null: none. Precondition: drawsSurfaces.
+  setSurface(mesh: SurfaceMesh | null): void {
+    this.surface?.dispose();
+    this.surface = mesh && new SurfaceGeometry(mesh);
   }
 
   /// Draws the edges of a mesh over the picture of the last store; null: none.
@@ -107,7 +124,9 @@ export class Drawing {
     const canvasWidth = width * stores.length;
     if (canvas.width !== canvasWidth || canvas.height !== height) renderer.setSize(canvasWidth, height, false);
     this.upload(style);
-    const slots = stores.reduce((sum, store) => sum + (store?.slots ?? 0), 0);
+    const surface = style.mode === "mesh" ? this.surface : null;
+    const drawn = surface ? stores.slice(0, -1) : stores; // the last picture is of the surface
+    const slots = drawn.reduce((sum, store) => sum + (store?.slots ?? 0), 0);
     const stride = Math.max(1, Math.ceil(slots / mostPoints));
     for (const points of this.geometries.values()) points.thin(stride);
     this.overlay.set(scene.lines);
@@ -119,8 +138,10 @@ export class Drawing {
       const where: Rectangle = { x: i * width, y: 0, width, height };
       aim(this.drawn, camera, bounds, width / height);
       const points = store ? (this.geometries.get(store) ?? null) : null;
+      const triangles = isLast ? surface : null;
       this.passes.render({
         points,
+        surface: triangles,
         style,
         camera: this.drawn,
         where,
@@ -131,8 +152,8 @@ export class Drawing {
         brush: brush && { centre: new THREE.Vector3(...brush.centre), radius: brush.radius },
       });
       if (isLast) this.wireframe.render(renderer, this.drawn, style, ratio);
-      const tolerance = 0.5 * (points?.typicalRadius ?? 0) * style.splatScale;
-      this.overlay.render(renderer, this.drawn, where, ratio, points ? this.passes.depths : null, tolerance);
+      const tolerance = triangles ? surfaceTolerance * boundsRadius(bounds) : 0.5 * (points?.typicalRadius ?? 0) * style.splatScale;
+      this.overlay.render(renderer, this.drawn, where, ratio, points || triangles ? this.passes.depths : null, tolerance);
     }
     renderer.setScissorTest(false);
     return { points: slots / stride, isWhole: stride === 1 };
@@ -141,6 +162,7 @@ export class Drawing {
   /// Gives back the objects on the graphics card. render() makes them anew.
   dispose(): void {
     for (const part of [this.passes, this.overlay, this.wireframe, ...this.geometries.values()]) part.dispose();
+    this.surface?.dispose();
     this.finder.stop();
   }
 }

@@ -2,6 +2,7 @@
 
 import * as THREE from "three";
 import type { DiscShape, PointsGeometry } from "./points_geometry";
+import type { SurfaceGeometry } from "./surface_pass";
 import type { AimedCamera } from "./three_camera";
 import type { Background, Style } from "./types";
 
@@ -46,6 +47,8 @@ export interface Rectangle {
 /// All that a picture shows.
 export interface Picture {
   points: PointsGeometry | null;
+  /// Drawn instead of the points.
+  surface: SurfaceGeometry | null;
   style: Style;
   camera: AimedCamera;
   where: Rectangle;
@@ -64,6 +67,8 @@ export interface Picture {
 export interface Passes {
   /// The shape that the geometry of the points must have.
   readonly shape: DiscShape;
+  /// Whether surfaces are drawn, too.
+  readonly drawsSurfaces: boolean;
   /// The depths of the surface in the picture drawn last; null where they are not kept.
   readonly depths: THREE.Texture | null;
   render(picture: Picture): void;

@@ -1,15 +1,19 @@
 // Places of a canvas that shows pictures beside each other, in CSS pixels, and what the pictures have there.
 
 import type { PointStore } from "../stream/point_store";
-import { type Bounds, clipPlanes, halfHeight, placeInPicture, rayThrough } from "./camera_math";
+import type { SurfaceMesh } from "../stream/surface_decoder";
+import { type Bounds, boundsRadius, clipPlanes, halfHeight, placeInPicture, rayThrough } from "./camera_math";
 import { pick } from "./picking";
+import { pickSurface } from "./surface_picking";
 import type { CameraState, Pick, Ray, Style, Vec } from "./types";
 
+const surfacePickRadius = 0.005; // of picks of triangles, in radii of the surface's box
 const pickReach = 8; // CSS pixels between the pointer and a point that it is meant for
 
 /// What is shown.
 export interface Shown {
   stores: readonly (PointStore | null)[];
+  surface: SurfaceMesh | null;
   camera: CameraState;
   bounds: Bounds;
   style: Style;
@@ -30,10 +34,13 @@ export class PicturePlaces {
 
   /// Finds the surface, or the nearest visible point.
   pick(x: number, y: number): Pick | null {
-    const { camera, bounds, style } = this.shown();
-    const { store } = this.partAt(x);
-    if (!store) return null;
+    const { camera, bounds, style, surface } = this.shown();
+    const { store, isLast } = this.partAt(x);
     const { near } = clipPlanes(camera, bounds);
+    if (surface && isLast && style.mode === "mesh") {
+      return pickSurface(surface, this.rayAt(x, y), near, surfacePickRadius * boundsRadius(bounds), style.section);
+    }
+    if (!store) return null;
     const half = camera.orthographic === true ? halfHeight(camera) : Math.tan((camera.fov * Math.PI) / 360);
     const tolerance = (pickReach * 2 * half) / this.size.height;
     return pick(store, this.rayAt(x, y), near, tolerance, style.splatScale, style.section);
@@ -60,11 +67,11 @@ export class PicturePlaces {
     return place !== null && Math.hypot(place.x - x, place.y - y) < pickReach;
   }
 
-  /// Returns the picture at a column of the canvas: its store, its left edge and its width.
-  private partAt(x: number): { store: PointStore | null; left: number; width: number } {
+  /// Returns the picture at a column of the canvas: its store, its left edge and its width, and whether it is the last one.
+  private partAt(x: number): { store: PointStore | null; left: number; width: number; isLast: boolean } {
     const { stores } = this.shown();
     const width = this.size.width / stores.length;
     const index = Math.min(stores.length - 1, Math.max(0, Math.floor(x / width)));
-    return { store: stores[index] ?? null, left: index * width, width };
+    return { store: stores[index] ?? null, left: index * width, width, isLast: index === stores.length - 1 };
   }
 }

@@ -16,6 +16,7 @@ uniform vec2 clip;         // distances of the near and far plane
 uniform bool isParallel;   // the rays are
 uniform vec2 halfSize;     // of the picture: at distance 1, or anywhere where rays are parallel
 uniform float minKernel;   // sum of the kernels where the surface ends
+uniform bool isCovered;    // the sums of the kernels are shares of the pixels that the surface covers
 
 float distanceAt(ivec2 p) {
   float depth = texelFetch(depths, p, 0).x;
@@ -100,6 +101,7 @@ float domeLight(ivec2 p, float here) {
 
 // How much of a pixel the surface covers. At the rim the sums fall to nothing: their slope gives the distance to the edge.
 float coverAt(ivec2 p, float kernel) {
+  if (isCovered) return kernel;
   float cover = clamp((kernel - minKernel) / max(fwidth(kernel), 1e-4) + 0.5, 0.0, 1.0);
   if (kernel <= 0.0) return 0.0;
   if (cover == 1.0) return 1.0;

@@ -7,6 +7,7 @@ import { SolidMaterial } from "./solid_material";
 /// Draws pictures on graphics cards that cannot blend floating point targets.
 export class SolidPasses implements Passes {
   readonly shape = "cone";
+  readonly drawsSurfaces = false;
   readonly depths = null;
   private readonly material = new SolidMaterial();
   private readonly mesh = new THREE.Mesh(new THREE.BufferGeometry(), this.material);

@@ -6,6 +6,7 @@ import { ColourTextures, makeColourUniforms } from "./colour_texture";
 import { makePointUniforms } from "./points_geometry";
 import { looks, type Passes, type Picture } from "./picture";
 import { screenVertexShader, shadeFragmentShader } from "./shade_shaders";
+import { SurfacePass } from "./surface_pass";
 import {
   blendFragmentShader,
   blendVertexShader,
@@ -33,7 +34,10 @@ export const canBlend = (renderer: THREE.WebGLRenderer): boolean =>
 /// Draws pictures, one after the other, on parts of one canvas. Precondition: canBlend().
 export class SplatPasses implements Passes {
   readonly shape = "square";
-  private target: THREE.WebGLRenderTarget | null = null;
+  readonly drawsSurfaces = true;
+  private target: THREE.WebGLRenderTarget | null = null; // of discs
+  private drawn: THREE.WebGLRenderTarget | null = null; // the one drawn last
+  private readonly surfaces: SurfacePass;
   private readonly textures = new ColourTextures();
   private readonly discUniforms = {
     ...makePointUniforms(),
@@ -65,6 +69,7 @@ export class SplatPasses implements Passes {
     isParallel: { value: false },
     halfSize: { value: new THREE.Vector2() },
     minKernel: { value: minKernel },
+    isCovered: { value: false },
     edlStrength: { value: 0 },
     edlReach: { value: 1 },
     sceneRadius: { value: 1 },
@@ -102,6 +107,7 @@ export class SplatPasses implements Passes {
   private readonly noCamera = new THREE.Camera();
 
   constructor(private readonly renderer: THREE.WebGLRenderer) {
+    this.surfaces = new SurfacePass(renderer);
     this.screen.geometry.setAttribute("position", new THREE.Float32BufferAttribute([-1, -1, 0, 3, -1, 0, -1, 3, 0], 3));
     this.screen.frustumCulled = false;
     this.discs.frustumCulled = false;
@@ -109,48 +115,56 @@ export class SplatPasses implements Passes {
   }
 
   get depths(): THREE.Texture | null {
-    return this.target?.depthTexture ?? null;
+    return this.drawn?.depthTexture ?? null;
   }
 
   render(picture: Picture): void {
+    const { renderer } = this;
+    const { points, surface, style, where } = picture;
+    this.drawn = surface ? this.surfaces.render(surface, picture) : this.renderDiscs(picture);
+    this.prepareShading(picture, this.drawn);
+    renderer.setRenderTarget(null);
+    renderer.setViewport(where.x, where.y, where.width, where.height);
+    renderer.setScissor(where.x, where.y, where.width, where.height);
+    renderer.render(this.screen, this.noCamera);
+    if (points && !surface && style.mode === "dots") {
+      this.dots.geometry = points.dots;
+      this.dots.position.copy(this.discs.position);
+      renderer.render(this.dots, picture.camera);
+    }
+  }
+
+  private renderDiscs(picture: Picture): THREE.WebGLRenderTarget {
     const { renderer, discs } = this;
     const { points, style, where } = picture;
     const isDots = style.mode === "dots";
     const hasColours = !isDots && (points?.scale.kind ?? 0) > 0;
     const target = this.targetOf(where.width, where.height, hasColours);
-    this.prepare(picture, target);
+    this.prepareDiscs(picture, target);
     renderer.setRenderTarget(target);
     renderer.setClearColor(0x000000, 0);
     renderer.clear();
-    if (points) {
-      discs.geometry = points.discs;
-      discs.position.fromArray(points.store.origin);
-      const pass = (material: THREE.Material, extent: number, backShift: number): void => {
-        this.discUniforms.extent.value = extent;
-        this.discUniforms.backShift.value = backShift;
-        discs.material = material;
-        renderer.render(discs, picture.camera);
-      };
-      if (picture.isQuick && !isDots) {
-        pass(this.quickMaterial, hidingExtent, 0);
-      } else {
-        pass(this.depthMaterial, hidingExtent, blendDepth);
-        if (!isDots || style.edl) pass(this.blendMaterial, blendExtent, 0);
-      }
+    if (!points) return target;
+    discs.geometry = points.discs;
+    discs.position.fromArray(points.store.origin);
+    const pass = (material: THREE.Material, extent: number, backShift: number): void => {
+      this.discUniforms.extent.value = extent;
+      this.discUniforms.backShift.value = backShift;
+      discs.material = material;
+      renderer.render(discs, picture.camera);
+    };
+    if (picture.isQuick && !isDots) {
+      pass(this.quickMaterial, hidingExtent, 0);
+    } else {
+      pass(this.depthMaterial, hidingExtent, blendDepth);
+      if (!isDots || style.edl) pass(this.blendMaterial, blendExtent, 0);
     }
-    renderer.setRenderTarget(null);
-    renderer.setViewport(where.x, where.y, where.width, where.height);
-    renderer.setScissor(where.x, where.y, where.width, where.height);
-    renderer.render(this.screen, this.noCamera);
-    if (points && isDots) {
-      this.dots.geometry = points.dots;
-      this.dots.position.copy(discs.position);
-      renderer.render(this.dots, picture.camera);
-    }
+    return target;
   }
 
   dispose(): void {
     this.dropTarget();
+    this.surfaces.dispose();
     this.textures.dispose();
     this.screen.geometry.dispose();
     for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial, this.dotMaterial, this.shadeMaterial]) {
@@ -158,12 +172,10 @@ export class SplatPasses implements Passes {
     }
   }
 
-  private prepare(picture: Picture, target: THREE.WebGLRenderTarget): void {
+  private prepareDiscs(picture: Picture, target: THREE.WebGLRenderTarget): void {
     const { points, style, camera, where, pixelRatio } = picture;
-    const isDots = style.mode === "dots";
-    const look = looks[style.background];
-    const [halfWidth, halfHeight] = camera.halfSize;
-    const [disc, dot, shade] = [this.discUniforms, this.dotUniforms, this.shadeUniforms];
+    const [, halfHeight] = camera.halfSize;
+    const [disc, dot] = [this.discUniforms, this.dotUniforms];
 
     disc.splatScale.value = dot.splatScale.value = style.splatScale * (points?.growth ?? 1);
     for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial])
@@ -190,15 +202,26 @@ export class SplatPasses implements Passes {
       define(this.dotMaterial, "COLOURING", points.scale.kind);
     }
 
-    dot.depths.value = shade.depths.value = target.depthTexture;
+    dot.depths.value = target.depthTexture;
     dot.clip.value.set(camera.near, camera.far);
     dot.diameter.value = style.dotSize * pixelRatio;
-    dot.plainColour.value = look.dots;
+    dot.plainColour.value = looks[style.background].dots;
+  }
 
+  private prepareShading(picture: Picture, target: THREE.WebGLRenderTarget): void {
+    const { points, surface, style, camera, where, pixelRatio } = picture;
+    const isDots = !surface && style.mode === "dots";
+    const look = looks[style.background];
+    const [halfWidth, halfHeight] = camera.halfSize;
+    const shade = this.shadeUniforms;
+    const hasColours = target.textures.length > 1;
+    define(this.shadeMaterial, "HAS_COLOURS", hasColours);
+    shade.depths.value = target.depthTexture;
     shade.normals.value = target.textures[0]!;
     shade.colours.value = target.textures[1] ?? null;
     shade.origin.value.set(where.x, where.y);
-    shade.clip.value.copy(dot.clip.value);
+    shade.clip.value.set(camera.near, camera.far);
+    shade.isCovered.value = surface !== null;
     shade.isParallel.value = camera.isParallel;
     shade.halfSize.value.set(halfWidth, halfHeight);
     shade.edlStrength.value = style.edl ? (isDots ? 0.5 : 1.1) : 0;
@@ -208,8 +231,8 @@ export class SplatPasses implements Passes {
     shade.backTint.value = isDots ? look.pale : look.back;
     shade.backgroundTop.value = look.top;
     shade.backgroundBottom.value = look.bottom;
-    shade.isMatte.value = isDots || (target.textures.length > 1 && points?.scale.isClay !== true);
-    shade.surfaceShift.value = blendDepth * (points?.typicalRadius ?? 0) * disc.splatScale.value;
+    shade.isMatte.value = isDots || (hasColours && (surface !== null || points?.scale.isClay !== true));
+    shade.surfaceShift.value = surface ? 0 : blendDepth * (points?.typicalRadius ?? 0) * this.discUniforms.splatScale.value;
     if (picture.brush) {
       const centre = picture.brush.centre.clone().applyMatrix4(camera.matrixWorldInverse);
       shade.brush.value.set(centre.x, centre.y, centre.z, picture.brush.radius);
@@ -222,7 +245,7 @@ export class SplatPasses implements Passes {
     const count = hasColours ? 2 : 1;
     if (this.target?.textures.length !== count) {
       this.dropTarget();
-      for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial, this.shadeMaterial]) {
+      for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial]) {
         define(material, "HAS_COLOURS", hasColours);
       }
       const nearest = { minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter } as const;
@@ -236,7 +259,7 @@ export class SplatPasses implements Passes {
   private dropTarget(): void {
     this.target?.depthTexture?.dispose();
     this.target?.dispose();
-    this.target = null;
+    this.target = this.drawn = null;
   }
 }
 

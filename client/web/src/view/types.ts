@@ -35,8 +35,8 @@ export interface FrozenCamera {
   isEven: boolean;
 }
 
-/// A closed surface of discs, or the points alone.
-export type Mode = "splats" | "dots";
+/// A closed surface of discs, the points alone, or the surface's own triangles: discs until these are there.
+export type Mode = "splats" | "dots" | "mesh";
 /// What the colours show; "colour": those of the mesh. Points without the values that a colouring needs are shaded.
 export type Colouring = "shading" | "normal" | "curvature" | "rank" | "density" | "colour";
 export type Background = "light" | "dark";

@@ -2,10 +2,11 @@
 
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
+import type { SurfaceMesh } from "../stream/surface_decoder";
 import type { TriangleMesh } from "../stream/triangle_mesh";
 import { BrushTool } from "./brush_tool";
 import { CanvasPixels } from "./canvas_pixels";
-import { CameraControls, type ControlsHost } from "./camera_controls";
+import { CameraControls } from "./camera_controls";
 import { type Bounds, centre, fit, isUsable } from "./camera_math";
 import { Drawing } from "./drawing";
 import { DrawingWatch } from "./drawing_watch";
@@ -17,7 +18,8 @@ import { frustumLines, markDots } from "./overlay_shapes";
 import { PicturePlaces, type Shown } from "./picture_places";
 import { shrunk } from "./shrunk";
 import { firstCamera, lookFrom, type UpAxis, withFieldOfView, withUp } from "./standard_views";
-import { type CameraState, defaultStyle, type FrozenCamera, NoWebGL2Error, type Pick, type Style, type Vec } from "./types";
+import { type CameraState, defaultStyle, type FrozenCamera, type Pick, type Style, type Vec } from "./types";
+import { openContext } from "./webgl_context";
 
 const longestHold = 120; // ms that a picture waits for its points, where the processor draws
 
@@ -57,6 +59,7 @@ export class Viewport {
   private readonly ended = new AbortController();
 
   private stores: (PointStore | null)[] = [null];
+  private surface: SurfaceMesh | null = null;
   private styleNow: Style = { ...defaultStyle };
   private cameraNow: CameraState = { ...firstCamera };
   private boundsNow: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
@@ -68,25 +71,30 @@ export class Viewport {
 
   /// Throws NoWebGL2Error.
   constructor(private readonly canvas: HTMLCanvasElement) {
-    const context = canvas.getContext("webgl2", {
-      antialias: false,
-      alpha: false,
-      depth: true,
-      powerPreference: "high-performance",
-    });
-    if (!context) throw new NoWebGL2Error();
-    const info = context.getExtension("WEBGL_debug_renderer_info");
-    const name = String(context.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : context.RENDERER));
-    this.isSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+    const { context, isSoftware } = openContext(canvas);
+    this.isSoftware = isSoftware;
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
     this.renderer.autoClear = false;
     this.drawing = new Drawing(this.renderer, () => this.invalidate());
     this.clock = new FrameClock((now, detail) => this.drawFrame(now, detail), this.isSoftware);
     this.watch = new DrawingWatch(context, () => this.hasDrawn());
-    this.controls = new CameraControls(canvas, this.makeHost());
+    this.controls = new CameraControls(canvas, {
+      camera: () => this.cameraNow,
+      moveTo: (camera) => this.moveTo(camera),
+      bounds: () => this.boundsNow,
+      surfaceAt: (x, y) => this.pick(x, y)?.point ?? null,
+      rayAt: (x, y) => this.places.rayAt(x, y),
+      wake: () => this.clock.invalidate(true),
+    });
     this.controls.onClick = (x, y) => this.click(x, y);
     this.controls.onHover = (at) => this.hoverAt(at);
-    const shown = (): Shown => ({ stores: this.stores, camera: this.cameraNow, bounds: this.boundsNow, style: this.styleNow });
+    const shown = (): Shown => ({
+      stores: this.stores,
+      surface: this.surface,
+      camera: this.cameraNow,
+      bounds: this.boundsNow,
+      style: this.styleNow,
+    });
     this.places = new PicturePlaces(canvas, shown);
     this.pixels = new CanvasPixels(canvas, () => (this.invalidate(), this.onResize?.()));
     const { signal } = this.ended;
@@ -99,6 +107,19 @@ export class Viewport {
   setStores(left: PointStore | null, right?: PointStore | null): void {
     this.stores = right === undefined ? [left] : [left, right];
     this.drawing.setStores(this.stores);
+    this.invalidate();
+  }
+
+  /// Whether the graphics card can draw surfaces.
+  get drawsSurfaces(): boolean {
+    return this.drawing.drawsSurfaces;
+  }
+
+  /// Shows the surface's own triangles instead of the last store where the style's mode is "mesh"; null: there are none. Precondition:
+  /// drawsSurfaces.
+  setSurface(mesh: SurfaceMesh | null): void {
+    this.surface = mesh;
+    this.drawing.setSurface(mesh);
     this.invalidate();
   }
 
@@ -303,26 +324,6 @@ export class Viewport {
     this.clock.pause(true);
     this.drawing.dispose();
     this.renderer.dispose();
-  }
-
-  private makeHost(): ControlsHost {
-    const get = (): CameraState => this.cameraNow;
-    const set = (camera: CameraState): void => this.moveTo(camera);
-    const bounds = (): Bounds => this.bounds;
-    return {
-      get camera() {
-        return get();
-      },
-      set camera(camera) {
-        set(camera);
-      },
-      get bounds() {
-        return bounds();
-      },
-      surfaceAt: (x, y) => this.pick(x, y)?.point ?? null,
-      rayAt: (x, y) => this.places.rayAt(x, y),
-      wake: () => this.clock.invalidate(true),
-    };
   }
 
   private framed(camera: CameraState): CameraState {

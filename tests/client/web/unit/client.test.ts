@@ -11,7 +11,7 @@ import {
   UploadMeshResponseSchema,
 } from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
 import { Client } from "../../../../client/web/src/stream/client";
-import { WorkerDecoder } from "../../../../client/web/src/stream/decoder";
+import { WorkerDecoder, type Decoder } from "../../../../client/web/src/stream/decoder";
 import { CurvecastError } from "../../../../client/web/src/stream/errors";
 import type { LiveViewState } from "../../../../client/web/src/stream/live_view";
 import { FakeWebSocket } from "./fake_web_socket";
@@ -19,8 +19,13 @@ import { FakeWebSocket } from "./fake_web_socket";
 const file = { name: "a.off", data: new Blob([new Uint8Array(600 << 10).fill(7)]) };
 const points = (count: number) => ({ budget: { case: "points" as const, value: BigInt(count) } });
 
+const decoder: Decoder = {
+  decode: () => Promise.resolve([]),
+  decodeSurface: () => Promise.reject(new CurvecastError("UNIMPLEMENTED", "not in these tests")),
+};
+
 function makeClient(): Client {
-  return new Client({ url: "ws://host", webSocket: FakeWebSocket.make, decoder: { decode: () => Promise.resolve([]) } });
+  return new Client({ url: "ws://host", webSocket: FakeWebSocket.make, decoder });
 }
 
 /// What a promise comes to, once it has.
@@ -355,7 +360,7 @@ describe("the sockets of a client", () => {
     const client = new Client({
       url: "ws://host/?a=b",
       webSocket: FakeWebSocket.make,
-      decoder: { decode: () => Promise.resolve([]) },
+      decoder,
     });
     const list = follow(client.listSessions());
     server().open().respond(ListSessionsResponseSchema, {});

@@ -1,4 +1,4 @@
-// draco3d's decoder and encoder in Node, and clouds made with the latter.
+// draco3d's decoder and encoder in Node, and clouds and meshes made with the latter.
 
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -63,6 +63,37 @@ export async function encodedCloud(options: CloudOptions): Promise<Uint8Array<Ar
   const length = encoder.EncodePointCloudToDracoBuffer(cloud, false, result);
   const encoded = Uint8Array.from({ length }, (_, i) => result.GetValue(i));
   for (const object of [cloud, builder, encoder, result]) draco.destroy(object);
+  return encoded;
+}
+
+/// A mesh: 3 values each.
+export interface PlainMesh {
+  positions: number[];
+  triangles: number[];
+  colours?: number[];
+}
+
+/// Encodes a mesh as the server does; `isListed`: by Draco's other method. The file has other numbers of vertices and triangles.
+export async function encodedMesh(
+  { positions, triangles, colours }: PlainMesh,
+  isListed = false,
+): Promise<Uint8Array<ArrayBuffer>> {
+  const draco = await createEncoder({ wasmBinary: wasmOf("draco_encoder") });
+  const [mesh, builder, encoder, result] = [
+    new draco.Mesh(),
+    new draco.MeshBuilder(),
+    new draco.Encoder(),
+    new draco.DracoInt8Array(),
+  ];
+  const vertices = positions.length / 3;
+  builder.AddFacesToMesh(mesh, triangles.length / 3, Uint32Array.from(triangles));
+  builder.AddFloatAttribute(mesh, draco.POSITION, vertices, 3, Float32Array.from(positions));
+  if (colours !== undefined) builder.AddUInt8Attribute(mesh, draco.COLOR, vertices, 3, Uint8Array.from(colours));
+  encoder.SetEncodingMethod(isListed ? draco.MESH_SEQUENTIAL_ENCODING : draco.MESH_EDGEBREAKER_ENCODING);
+  encoder.SetAttributeQuantization(draco.POSITION, 14);
+  const length = encoder.EncodeMeshToDracoBuffer(mesh, result);
+  const encoded = Uint8Array.from({ length }, (_, i) => result.GetValue(i));
+  for (const object of [mesh, builder, encoder, result]) draco.destroy(object);
   return encoded;
 }
 

@@ -10,6 +10,7 @@ import {
 import { BlockDecoder, encodedBlock } from "../../../../client/web/src/stream/block_decoder";
 import { Client } from "../../../../client/web/src/stream/client";
 import type { Decoder } from "../../../../client/web/src/stream/decoder";
+import { decodeSurface } from "../../../../client/web/src/stream/surface_decoder";
 import { readMesh, type TriangleMesh } from "../../../../client/web/src/stream/triangle_mesh";
 import { FakeWebSocket, settle } from "./fake_web_socket";
 
@@ -17,7 +18,10 @@ type Message = MessageInitShape<typeof RemeshResponseSchema>;
 type Block = Exclude<MessageInitShape<typeof PointBlockSchema>, MessageShape<typeof PointBlockSchema>>;
 
 const blocks = new BlockDecoder();
-const decoder: Decoder = { decode: (all) => Promise.all(all.map((block) => blocks.decode(encodedBlock(block)))) };
+const decoder: Decoder = {
+  decode: (all) => Promise.all(all.map((block) => blocks.decode(encodedBlock(block)))),
+  decodeSurface,
+};
 
 const places = [
   [1, 0, 0],

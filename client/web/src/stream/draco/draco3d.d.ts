@@ -8,6 +8,9 @@ declare module "draco3d/draco_decoder_nodejs.js" {
   export interface PointCloud {
     num_points(): number;
   }
+  export interface Mesh extends PointCloud {
+    num_faces(): number;
+  }
   export interface PointAttribute {
     num_components(): number;
     data_type(): number;
@@ -17,6 +20,8 @@ declare module "draco3d/draco_decoder_nodejs.js" {
   }
   export interface Decoder {
     DecodeBufferToPointCloud(buffer: DecoderBuffer, cloud: PointCloud): Status;
+    DecodeBufferToMesh(buffer: DecoderBuffer, mesh: Mesh): Status;
+    GetTrianglesUInt32Array(mesh: Mesh, bytes: number, address: number): boolean;
     GetAttributeId(cloud: PointCloud, kind: number): number;
     GetAttribute(cloud: PointCloud, id: number): PointAttribute;
     GetAttributeDataArrayForAllPoints(
@@ -38,6 +43,7 @@ declare module "draco3d/draco_decoder_nodejs.js" {
     Decoder: new () => Decoder;
     DecoderBuffer: new () => DecoderBuffer;
     PointCloud: new () => PointCloud;
+    Mesh: new () => Mesh;
     destroy(object: object): void;
     _malloc(bytes: number): number;
     _free(address: number): void;

@@ -1,0 +1,96 @@
+// Draws the surface's own triangles as the discs' passes draw theirs: normals and colours for the shading of each pixel. Several
+// samples a pixel make smooth outlines; their mean has the share of the pixel that the surface covers.
+
+import * as THREE from "three";
+import type { SurfaceMesh } from "../stream/surface_decoder";
+import type { Picture } from "./picture";
+import { localSection } from "./section";
+import { surfaceFragmentShader, surfaceVertexShader } from "./surface_shaders";
+
+const fineSamples = 4;
+
+/// A surface on the graphics card.
+export class SurfaceGeometry {
+  readonly triangles = new THREE.BufferGeometry();
+
+  constructor(readonly mesh: SurfaceMesh) {
+    this.triangles.setIndex(new THREE.BufferAttribute(mesh.triangles, 1));
+    this.triangles.setAttribute("position", new THREE.BufferAttribute(mesh.positions, 3));
+    this.triangles.setAttribute("normal", new THREE.BufferAttribute(mesh.normals, 3));
+    if (mesh.colours) this.triangles.setAttribute("colour", new THREE.BufferAttribute(mesh.colours, 3, true));
+  }
+
+  /// Drawing it makes anew what this gives back.
+  dispose(): void {
+    this.triangles.dispose();
+  }
+}
+
+/// Draws surfaces. Precondition: as of SplatPasses.
+export class SurfacePass {
+  private target: THREE.WebGLRenderTarget | null = null;
+  private readonly uniforms = { section: { value: new THREE.Vector4() } };
+  private readonly materials = new Map<string, THREE.RawShaderMaterial>();
+  private readonly mesh = new THREE.Mesh<THREE.BufferGeometry, THREE.Material>();
+
+  constructor(private readonly renderer: THREE.WebGLRenderer) {
+    this.mesh.frustumCulled = false;
+  }
+
+  /// Returns what was drawn, until the next call: as SplatPasses has it, but that the fourth number of normals and of colours is the
+  /// share of the pixel that is covered. There are colours where the style wants some that the surface has.
+  render({ mesh, triangles }: SurfaceGeometry, { style, camera, where, isQuick }: Picture): THREE.WebGLRenderTarget {
+    const { renderer } = this;
+    const { colouring } = style;
+    const kind = colouring === "normal" ? "NORMALS" : colouring === "colour" && mesh.colours !== null ? "OWN" : "NONE";
+    const target = this.targetOf(where.width, where.height, kind !== "NONE", isQuick ? 0 : fineSamples);
+    this.uniforms.section.value.set(...localSection(style.section, mesh.origin));
+    this.mesh.geometry = triangles;
+    this.mesh.material = this.materialOf(kind);
+    this.mesh.position.fromArray(mesh.origin);
+    renderer.setRenderTarget(target);
+    renderer.setClearColor(0x000000, 0);
+    renderer.clear();
+    renderer.render(this.mesh, camera);
+    return target;
+  }
+
+  dispose(): void {
+    this.dropTarget();
+    for (const material of this.materials.values()) material.dispose();
+    this.materials.clear();
+  }
+
+  private materialOf(kind: "NONE" | "NORMALS" | "OWN"): THREE.RawShaderMaterial {
+    const made =
+      this.materials.get(kind) ??
+      new THREE.RawShaderMaterial({
+        vertexShader: surfaceVertexShader,
+        fragmentShader: surfaceFragmentShader,
+        uniforms: this.uniforms,
+        glslVersion: THREE.GLSL3,
+        side: THREE.DoubleSide,
+        defines: { [`${kind}_COLOURS`]: "" },
+      });
+    this.materials.set(kind, made);
+    return made;
+  }
+
+  private targetOf(width: number, height: number, hasColours: boolean, samples: number): THREE.WebGLRenderTarget {
+    const count = hasColours ? 2 : 1;
+    if (this.target?.textures.length !== count || this.target.samples !== samples) {
+      this.dropTarget();
+      const nearest = { minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter } as const;
+      this.target = new THREE.WebGLRenderTarget(width, height, { count, samples, type: THREE.HalfFloatType, ...nearest });
+      this.target.depthTexture = new THREE.DepthTexture(width, height, THREE.FloatType);
+    }
+    this.target.setSize(width, height);
+    return this.target;
+  }
+
+  private dropTarget(): void {
+    this.target?.depthTexture?.dispose();
+    this.target?.dispose();
+    this.target = null;
+  }
+}
