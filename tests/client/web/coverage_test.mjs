@@ -83,7 +83,7 @@ async function masksOf(mesh, camera) {
 /// A page of a server that has only this mesh, in a picture of `size`.
 async function withMesh(mesh, hash, run) {
   const server = await Server.start("--open", mesh);
-  const page = await WatchedPage.open(`${server.url}#automaticMesh=0&frustum=1&edl=0&${hash}`, { viewport: size });
+  const page = await WatchedPage.open(`${server.url}#frustum=1&edl=0&${hash}`, { viewport: size });
   await page.answered();
   try {
     await run(page);

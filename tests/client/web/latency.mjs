@@ -141,14 +141,14 @@ for (const [width, height] of rounds) {
   const options = { viewport: { width, height }, prepare };
   const firsts = [];
   for (let i = 0; i < navigations; ++i) {
-    const page = await WatchedPage.open(`${server.url}#automaticMesh=0`, options);
+    const page = await WatchedPage.open(`${server.url}`, options);
     await page.page.waitForFunction(() => window.firstPoints !== undefined, undefined, { timeout: 60_000 });
     firsts.push(await page.page.evaluate(() => ({ ran: window.scriptRan, came: window.pointsCame, drawn: window.firstPoints })));
     await page.close();
   }
   const text = (part) => firsts.map((each) => each[part].toFixed(0)).join(", ");
   console.log(`first points after navigation: script has run ${text("ran")}; in the store ${text("came")}; drawn ${text("drawn")}`);
-  const page = await WatchedPage.open(`${server.url}#automaticMesh=0&points=${points}`, options);
+  const page = await WatchedPage.open(`${server.url}#points=${points}`, options);
   await page.answered();
   const small = await page.evaluate(measure, { count: turns, degrees: 1 });
   await page.answered();

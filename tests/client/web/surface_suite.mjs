@@ -125,7 +125,7 @@ describe("the surface's own triangles", () => {
 
 describe("a small mesh", () => {
   let torus;
-  before(async () => (torus = await WatchedPage.open((await sharedServer()).url)));
+  before(async () => (torus = await WatchedPage.open(`${(await sharedServer()).url}#budget=automatic`)));
   afterEach(() => torus.assertFine());
   after(() => torus.close());
 
@@ -156,12 +156,11 @@ describe("a small mesh", () => {
     await shows(torus);
   });
 
-  it("is given up for discs, for another number of them, and for what only points have", async () => {
+  it("is given up where so many points are wanted, and for what only points have", async () => {
     for (const [change, back] of [
-      [() => torus.page.keyboard.press("1"), () => torus.set("mesh if smaller", true)],
+      [() => torus.set("limit", "number of points"), () => torus.set("limit", "speed (automatic)")],
       [() => torus.set("colours", "density"), () => torus.set("colours", "the surface's own")],
       [() => torus.page.keyboard.press("z"), () => torus.page.keyboard.press("z")],
-      [() => torus.page.keyboard.press("["), () => torus.page.keyboard.press("]")],
     ]) {
       await change();
       await isHidden(torus);

@@ -53,7 +53,7 @@ TEST(DiscSlimness, DiscsAtOutlinesEndWhereTheSurfaceDoes) {
 
 TEST(DiscSlimness, NeighboursBeyondACreaseDoNotCount) {
   std::vector<SplatVertex> splats = patch(1e4F, 0.1F);
-  splats[1].normal = {1, 0, 0};
+  splats[1].normal = {-1, 0, 0};
   splats[2].normal = {0, 1, 0};
   splats[5].normal = {0, 0, -1};
   EXPECT_EQ(slimness(splats), 1);

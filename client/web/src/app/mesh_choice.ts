@@ -11,31 +11,28 @@ const mostFacesInSoftware = 30_000; // that a processor draws about as fast as d
 /// Expected bytes of the mesh.
 export const meshBytes = (faces: number): number => leastBytes + bytesOfFace * faces;
 
-/// Expected bytes of a view; 0 where they are not known.
-export function viewBytes({ budget, points, kilobytes }: Settings): number {
-  return budget === "points" ? bytesOfPoint * points : budget === "bytes" ? 1024 * kilobytes : 0;
-}
+/// Expected bytes of a view of so many points.
+export const viewBytes = (points: number): number => bytesOfPoint * points;
 
 /// Whether the mesh is fewer bytes than the points so far and those of another view. `faces`: 0 where it is not known.
-export function isMeshSmaller(faces: number, pointBytes: number, settings: Settings): boolean {
-  return faces > 0 && faces <= maxSurfaceFaces && pointBytes + viewBytes(settings) > meshBytes(faces);
+export function isMeshSmaller(faces: number, pointBytes: number, viewPoints: number): boolean {
+  return faces > 0 && faces <= maxSurfaceFaces && pointBytes + viewBytes(viewPoints) > meshBytes(faces);
 }
 
 /// Whether the mesh is drawn in reasonable time. `isSoftware`: by the processor.
 export const isDrawnSoon = (faces: number, isSoftware: boolean): boolean => !isSoftware || faces <= mostFacesInSoftware;
 
-/// Whether the mesh shows all that a page with these settings is to show: nothing of the points themselves is of interest, neither where
-/// they lie nor how many they are.
+/// Whether the mesh is as good as points for a page with these settings: the budget is the page's to choose, and nothing of the points
+/// themselves is of interest.
 export function suitsMesh(settings: Settings, defaults: Settings): boolean {
-  const { mode, colouring, budget, points, splatScale, brush, dabs, split, frozen } = settings;
+  const { mode, colouring, budget, splatScale, brush, dabs, split, frozen } = settings;
   const isLikeDefault = (["curvature", "silhouette", "distance", "screen", "frustum", "detail", "sampler"] as const).every(
     (key) => settings[key] === defaults[key],
   );
   return (
-    settings.automaticMesh &&
+    budget === "automatic" &&
     mode === "splats" &&
     (colouring === "shading" || colouring === "colour") &&
-    (budget === "automatic" || (budget === "points" && points === defaults.points)) &&
     splatScale === defaults.splatScale &&
     isLikeDefault &&
     !brush &&

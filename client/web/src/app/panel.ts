@@ -164,7 +164,6 @@ export class Panel {
   private addLook(): void {
     const folder = this.folder("Look", true);
     this.addChoice(folder, "mode");
-    this.when(({ mode }) => mode === "splats", this.addSwitch(folder, "automaticMesh"));
     this.addChoice(folder, "colouring");
     this.addChoice(folder, "background");
     this.addSwitch(folder, "edl");

@@ -36,7 +36,6 @@ export interface Settings {
   meshVertices: number;
   meshForCamera: boolean; // the mesh has the camera's density, too
   mode: Mode;
-  automaticMesh: boolean; // instead of discs, the surface's own triangles where these are fewer bytes
   colouring: Colouring;
   background: Background;
   edl: boolean;
@@ -133,7 +132,6 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     meshVertices: 5000,
     meshForCamera: false,
     mode: "splats",
-    automaticMesh: true,
     colouring: "colour",
     background,
     edl: true,

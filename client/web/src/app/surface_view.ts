@@ -55,11 +55,11 @@ export class SurfaceView {
     if (follower === null) return false;
     const wasShown = this.isShown;
     this.isWantedByUser = settings.mode === "mesh";
-    const isBetter = isDrawnSoon(faces, viewport.isSoftware) && isMeshSmaller(faces, pointBytes, settings);
+    const isBetter = isDrawnSoon(faces, viewport.isSoftware) && isMeshSmaller(faces, pointBytes, this.defaults.points);
     const isWanted = isReady && (this.isWantedByUser || (isBetter && suitsMesh(settings, this.defaults)));
     follower.follow(isWanted && viewport.drawsSurfaces);
     this.isShown = isWanted && follower.mesh !== null;
-    this.isWorthWaiting = isMeshSmaller(faces, 0, settings);
+    this.isWorthWaiting = isMeshSmaller(faces, 0, this.defaults.points);
     const why = viewport.drawsSurfaces ? follower.refusal?.message : noGraphics;
     if (this.isWantedByUser && why !== undefined && !this.isTold) {
       this.isTold = true;

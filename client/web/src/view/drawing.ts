@@ -12,7 +12,7 @@ import { PointsGeometry } from "./points_geometry";
 import { SolidPasses } from "./solid_passes";
 import { canBlend, SplatPasses } from "./splat_passes";
 import { StoreEnds } from "./store_ends";
-import { SurfaceGeometry } from "./surface_pass";
+import { SurfaceGeometry } from "./surface_geometry";
 import { aim, AimedCamera } from "./three_camera";
 import type { CameraState, FrozenCamera, Style, Vec } from "./types";
 import { Wireframe } from "./wireframe";

@@ -2,7 +2,7 @@
 
 import * as THREE from "three";
 import type { DiscShape, PointsGeometry } from "./points_geometry";
-import type { SurfaceGeometry } from "./surface_pass";
+import type { SurfaceGeometry } from "./surface_geometry";
 import type { AimedCamera } from "./three_camera";
 import type { Background, Style } from "./types";
 

@@ -129,8 +129,8 @@ bool placeCorner() {
 #ifdef IS_FROZEN
   radius = max(radius * min(1.0, frozenSlim * sqrt(abs(dot(discNormal, normalize(frozenEye.xyz - frozenEye.w * center))))), least);
 #endif
-  // The more a disc is seen from its edge, the slimmer it is, as in core/render: where the surface bends away from the eye, discs would
-  // stick out of it. Less so than there: these discs overlap less, and flat sides would have gaps.
+  // The more a disc is seen from its edge, the slimmer it is: where the surface bends away from the eye, discs would stick out of it. A
+  // little only, since flat sides would have gaps: core/render looks at the neighbours to tell these apart.
   float slim = mix(0.7, 1.0, smoothstep(0.0, 1.0, abs(facing)));
 #ifdef HAS_ENDS
   // What ends at a crease does not stick out, and has to reach it.

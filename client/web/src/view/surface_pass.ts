@@ -2,29 +2,12 @@
 // samples a pixel make smooth outlines; their mean has the share of the pixel that the surface covers.
 
 import * as THREE from "three";
-import type { SurfaceMesh } from "../stream/surface_decoder";
 import type { Picture } from "./picture";
 import { localSection } from "./section";
+import type { SurfaceGeometry } from "./surface_geometry";
 import { surfaceFragmentShader, surfaceVertexShader } from "./surface_shaders";
 
 const fineSamples = 4;
-
-/// A surface on the graphics card.
-export class SurfaceGeometry {
-  readonly triangles = new THREE.BufferGeometry();
-
-  constructor(readonly mesh: SurfaceMesh) {
-    this.triangles.setIndex(new THREE.BufferAttribute(mesh.triangles, 1));
-    this.triangles.setAttribute("position", new THREE.BufferAttribute(mesh.positions, 3));
-    this.triangles.setAttribute("normal", new THREE.BufferAttribute(mesh.normals, 3));
-    if (mesh.colours) this.triangles.setAttribute("colour", new THREE.BufferAttribute(mesh.colours, 3, true));
-  }
-
-  /// Drawing it makes anew what this gives back.
-  dispose(): void {
-    this.triangles.dispose();
-  }
-}
 
 /// Draws surfaces. Precondition: as of SplatPasses.
 export class SurfacePass {

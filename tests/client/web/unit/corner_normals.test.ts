@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 
 import { withNormals, type ShadedMesh } from "../../../../client/web/src/stream/corner_normals";
 import type { PlainMesh } from "./draco_modules";
-import { cube, torus } from "./plain_meshes";
+import { cube, torus } from "../support/plain_meshes";
 
 const shaded = ({ positions, triangles }: PlainMesh, degrees: number): ShadedMesh =>
   withNormals(Float32Array.from(positions), Uint32Array.from(triangles), degrees);

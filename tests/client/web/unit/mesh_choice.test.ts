@@ -4,27 +4,21 @@ import { isDrawnSoon, isMeshSmaller, meshBytes, suitsMesh, viewBytes } from "../
 import { defaultSettings, type Settings } from "../../../../client/web/src/app/settings";
 
 const defaults = defaultSettings(false, "light");
-const set = (change: Partial<Settings>): Settings => ({ ...defaults, ...change });
+const set = (change: Partial<Settings>): Settings => ({ ...defaults, budget: "automatic", ...change });
 
 describe("the mesh instead of points", () => {
   it("is smaller at once where it is small, and later where it is larger", () => {
-    expect(isMeshSmaller(10_000, 0, defaults)).toBe(true);
-    expect(isMeshSmaller(200_000, 0, defaults)).toBe(false);
-    expect(isMeshSmaller(200_000, meshBytes(200_000) - viewBytes(defaults), defaults)).toBe(false);
-    expect(isMeshSmaller(200_000, meshBytes(200_000) - viewBytes(defaults) + 1, defaults)).toBe(true);
+    const points = 50_000;
+    expect(isMeshSmaller(10_000, 0, points)).toBe(true);
+    expect(isMeshSmaller(200_000, 0, points)).toBe(false);
+    expect(isMeshSmaller(200_000, meshBytes(200_000) - viewBytes(points), points)).toBe(false);
+    expect(isMeshSmaller(200_000, meshBytes(200_000) - viewBytes(points) + 1, points)).toBe(true);
   });
 
   it("is never smaller where it is too large, or not known", () => {
-    expect(isMeshSmaller(1_000_000, 1e9, defaults)).toBe(true);
-    expect(isMeshSmaller(1_000_001, 1e9, defaults)).toBe(false);
-    expect(isMeshSmaller(0, 1e9, defaults)).toBe(false);
-  });
-
-  it("is compared with as many bytes as a view has, where that is known", () => {
-    expect(viewBytes(set({ points: 1000 }))).toBe(3400);
-    expect(viewBytes(set({ budget: "bytes", kilobytes: 4 }))).toBe(4096);
-    expect(viewBytes(set({ budget: "pixels" }))).toBe(0);
-    expect(viewBytes(set({ budget: "automatic" }))).toBe(0);
+    expect(isMeshSmaller(1_000_000, 1e9, 1000)).toBe(true);
+    expect(isMeshSmaller(1_000_001, 1e9, 1000)).toBe(false);
+    expect(isMeshSmaller(0, 1e9, 1000)).toBe(false);
   });
 
   it("is not too much for a processor", () => {
@@ -34,9 +28,8 @@ describe("the mesh instead of points", () => {
   });
 
   it.each<[string, Partial<Settings>]>([
-    ["as a page begins", {}],
+    ["of the page's own budget", {}],
     ["as clay", { colouring: "shading" }],
-    ["of the automatic budget", { budget: "automatic" }],
     ["cut open", { section: "x" }],
     ["measured", { measuring: true }],
     ["before another background", { background: "dark", edl: false }],
@@ -46,12 +39,11 @@ describe("the mesh instead of points", () => {
 
   const dab = { centre: [0, 0, 0], radius: 1, factor: 2, stroke: 0 } satisfies Settings["dabs"][number];
   it.each<[string, Partial<Settings>]>([
-    ["of discs alone", { automaticMesh: false }],
     ["of dots", { mode: "dots" }],
     ["of the mesh, which is asked for anyway", { mode: "mesh" }],
     ["of curvatures", { colouring: "curvature" }],
     ["of ranks", { colouring: "rank" }],
-    ["of another number of points", { points: 5000 }],
+    ["of so many points", { budget: "points" }],
     ["of so many bytes", { budget: "bytes" }],
     ["of smaller discs", { splatScale: 0.5 }],
     ["under the brush", { brush: true }],

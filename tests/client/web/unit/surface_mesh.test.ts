@@ -13,7 +13,7 @@ import { decodeSurface, type SurfaceMesh } from "../../../../client/web/src/stre
 import { readSurface } from "../../../../client/web/src/stream/surface_mesh";
 import { encodedCloud, encodedMesh, loadDecoder } from "./draco_modules";
 import { FakeWebSocket, settle } from "./fake_web_socket";
-import { cube } from "./plain_meshes";
+import { cube } from "../support/plain_meshes";
 
 type Message = MessageInitShape<typeof GetSurfaceResponseSchema>;
 

@@ -4,7 +4,7 @@ import { withNormals } from "../../../../client/web/src/stream/corner_normals";
 import type { SurfaceMesh } from "../../../../client/web/src/stream/surface_decoder";
 import { pickSurface } from "../../../../client/web/src/view/surface_picking";
 import type { Ray, Vec } from "../../../../client/web/src/view/types";
-import { cube } from "./plain_meshes";
+import { cube } from "../support/plain_meshes";
 
 const { positions, triangles } = cube();
 const surface: SurfaceMesh = {

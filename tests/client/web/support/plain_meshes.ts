@@ -1,6 +1,6 @@
 // Meshes for tests.
 
-import type { PlainMesh } from "./draco_modules";
+import type { PlainMesh } from "../unit/draco_modules";
 
 /// A cube from -1 to 1: 8 vertices, 12 triangles.
 export function cube(): PlainMesh {
