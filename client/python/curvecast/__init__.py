@@ -18,6 +18,7 @@ from curvecast.neighbours import Neighbours
 from curvecast.parameter_mesh import ParameterDisc, ParameterMesh
 from curvecast.points import HAS_DRACO, Points
 from curvecast.session import Session
+from curvecast.surface import Surface
 from curvecast.triangle_mesh import TriangleMesh
 from curvecast.view import Camera, View
 from curvecast.view_stream import Frame, HeldFrame, ViewStream
@@ -37,6 +38,7 @@ __all__ = [
     "ParameterMesh",
     "Points",
     "Session",
+    "Surface",
     "TriangleMesh",
     "View",
     "ViewStream",

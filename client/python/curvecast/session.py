@@ -14,6 +14,7 @@ from curvecast.errors import bad_answer
 from curvecast.neighbours import Neighbours, decode_neighbours
 from curvecast.points import Points, decode_blocks
 from curvecast.protocol import MAX_POINTS
+from curvecast.surface import Surface, join_surface
 from curvecast.triangle_mesh import TriangleMesh, decode_mesh
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import View
@@ -140,6 +141,13 @@ class Session:
         """Fetches the curve itself: all of its vertices, in order."""
         request = v1.GetCurveRequest(session_id=self.id)
         return self._connection.read_stream("GetCurve", request, self._connection.long_timeout, decode_curve)
+
+    def surface(self, position_bits: int = 14) -> Surface:
+        """Fetches the triangles themselves, the repaired mesh, as a file of Draco. position_bits: of each coordinate, of the box's
+        longest side, 8 to 24. Errors FAILED_PRECONDITION: the surface has textures, or colours of faces; OUT_OF_RANGE: more than
+        a million triangles."""
+        request = v1.GetSurfaceRequest(session_id=self.id, position_bits=position_bits)
+        return self._connection.read_stream("GetSurface", request, self._connection.long_timeout, join_surface)
 
     def update(self, pinned: bool | None = None, time_to_live: float | None = None) -> v1.Session:
         """Pins the session in the server's memory, or has it leave that memory after `time_to_live` seconds without use (0 =
