@@ -105,6 +105,7 @@ class Subject(NamedTuple):
                     mesh_id=mesh, sets=[v1.UploadedPoints(points_id=mesh_id_of(self.points))], ring_seeds=4, ball_centres=4
                 )
             ],
+            "GetSurface": [v1.GetSurfaceRequest(session_id=session)],
             "GetCurve": [v1.GetCurveRequest(session_id=session)],
             "UpdateSession": [v1.UpdateSessionRequest(session_id=session, time_to_live=1e6)],
             "CloseSession": [v1.CloseSessionRequest(session_id=session)],

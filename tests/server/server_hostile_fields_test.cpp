@@ -157,6 +157,12 @@ TEST_F(ServerHostileFields, Sessions) {
   for_all_changes(curve, [&](auto& context, const auto& request) {
     return first_of<v1::GetCurveResponse>(context, stub_->GetCurve(&context, request));
   });
+  v1::GetSurfaceRequest surface;
+  surface.set_session_id(session_);
+  surface.set_position_bits(12);
+  for_all_changes(surface, [&](auto& context, const auto& request) {
+    return first_of<v1::GetSurfaceResponse>(context, stub_->GetSurface(&context, request));
+  });
   v1::GetParameterMeshRequest parameters;
   parameters.set_mesh_id(mesh_);
   for_all_changes(parameters, [&](auto& context, const auto& request) {

@@ -144,6 +144,7 @@ std::map<std::string, grpc::Status> calls_of_session(Stub& stub, const std::stri
   out["UpdateSession"] = call(stub, &Stub::UpdateSession, update);
   out["Render"] = call(stub, &Stub::Render, of_session<v1::RenderRequest>(id));
   out["Remesh"] = call(stub, &Stub::Remesh, of_points<v1::RemeshRequest>(id));
+  out["GetSurface"] = call(stub, &Stub::GetSurface, of_session<v1::GetSurfaceRequest>(id));
   out["GetCurve"] = call(stub, &Stub::GetCurve, of_session<v1::GetCurveRequest>(id));
   out["Resample"] = call(stub, &Stub::Resample, of_points<v1::ResampleRequest>(id));
   auto neighbours = of_points<v1::FindNeighboursRequest>(id);
@@ -232,7 +233,8 @@ TEST_F(ServerIsolate, WhatTheServerOpensIsForAll) {
     auto answers = calls_of_session(*stub, session);
     EXPECT_EQ(answers["CloseSession"].error_code(), grpc::PERMISSION_DENIED);
     EXPECT_EQ(answers["UpdateSession"].error_code(), grpc::PERMISSION_DENIED);
-    for (const char* read : {"GetSession", "Render", "Remesh", "GetCurve", "Resample", "FindNeighbours", "StreamViews"}) {
+    for (const char* read :
+         {"GetSession", "Render", "Remesh", "GetSurface", "GetCurve", "Resample", "FindNeighbours", "StreamViews"}) {
       EXPECT_TRUE(answers[read].ok()) << read << ": " << answers[read].error_message();
     }
   }

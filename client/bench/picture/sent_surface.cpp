@@ -8,7 +8,7 @@
 namespace curvecast::cli::bench {
 namespace {
 
-constexpr double kBytesPerFace = 1.2, kBytesPerPoint = 3.4, kMeshBytes = 300;
+constexpr double kBytesPerFace = 1.5, kBytesPerPoint = 3.4, kMeshBytes = 300;
 
 }  // namespace
 

@@ -12,6 +12,7 @@
 #include "core/curve/surface_colour.h"
 #include "core/mesh/pair_halfedges.h"
 #include "core/mesh/repair.h"
+#include "tests/support/counted_memory.h"
 #include "tests/support/shapes.h"
 
 namespace curvecast::server {
@@ -156,6 +157,27 @@ TEST(SurfaceFile, AsksForMemoryAndEndsWhenItIsCancelled) {
   context = {};
   context.cancel = &cancel;
   EXPECT_EQ(make_surface_file(*ball.base, Vec3d::Zero(), kSurfaceBits, context).status().code(), absl::StatusCode::kCancelled);
+}
+
+TEST(SurfaceFile, TakesNoMoreMemoryThanItAsksFor) {
+  for (const int level : {5, 7}) {
+    Surface ball(testing::jittered(testing::icosphere(level), 1e-3));
+    struct Source : MemorySource {
+      absl::Status take(std::uint64_t bytes, const std::string& /*what*/) override {
+        asked = bytes;
+        return absl::OkStatus();
+      }
+      void give_back(std::uint64_t /*bytes*/) override {}
+      std::uint64_t most() const override { return UINT64_MAX; }
+      std::uint64_t asked = 0;
+    } source;
+    ExecutionContext context;
+    context.memory = &source;
+    const testing::CountedMemory memory;
+    ASSERT_TRUE(make_surface_file(*ball.base, Vec3d::Zero(), kSurfaceBits, context).ok());
+    EXPECT_LE(memory.peak(), source.asked) << level;
+    EXPECT_GE(memory.peak(), source.asked / 2) << level << ": it asks for far too much";
+  }
 }
 
 TEST(SurfaceFiles, MakesAFileOnceAndKeepsTheNewest) {

@@ -3,7 +3,7 @@
 import { maxSurfaceFaces } from "../stream/protocol";
 import type { Settings } from "./settings";
 
-const bytesOfFace = 1.2; // of a mesh, with 14 bits a coordinate
+const bytesOfFace = 1.5; // of a mesh, with 14 bits a coordinate
 const leastBytes = 300;
 const bytesOfPoint = 3.4;
 const mostFacesInSoftware = 30_000; // that a processor draws about as fast as discs: moving pictures cannot leave triangles out
