@@ -45,7 +45,8 @@ TEST(PictureBench, ComparesEachStop) {
   const auto& sent = report->tables[1].rows.back();
   EXPECT_EQ(sent[2].get<int>(), 20 * 1024) << "triangles";
   EXPECT_GT(sent[kBytes].get<double>(), report->tables[1].rows[0][kBytes].get<double>());
-  EXPECT_LT(sent[kFlip].get<double>(), 0.4 * report->tables[1].rows[3][kFlip].get<double>()) << "it is the mesh itself, but for rounding";
+  EXPECT_LT(sent[kFlip].get<double>(), 0.4 * report->tables[1].rows[3][kFlip].get<double>())
+      << "it is the mesh itself, but for rounding";
   // More points, a better picture.
   EXPECT_LT(report->tables[1].rows[0][kFlip].get<double>(), report->tables[0].rows[0][kFlip].get<double>());
   const std::vector<std::string> files = folder.names();
