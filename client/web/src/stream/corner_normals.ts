@@ -55,13 +55,18 @@ function faceNormalsOf(positions: Float32Array, triangles: Uint32Array): Float32
     const x = uy * vz - uz * vy,
       y = uz * vx - ux * vz,
       z = ux * vy - uy * vx;
-    const length = Math.sqrt(x * x + y * y + z * z);
-    if (!(length > 0)) continue;
-    normals[at] = x / length;
-    normals[at + 1] = y / length;
-    normals[at + 2] = z / length;
+    setUnit(normals, at, x, y, z);
   }
   return normals;
+}
+
+/// Writes the direction of a vector; leaves what is there where it has none.
+function setUnit(normals: Float32Array, at: number, x: number, y: number, z: number): void {
+  const length = Math.sqrt(x * x + y * y + z * z);
+  if (!(length > 0)) return;
+  normals[at] = x / length;
+  normals[at + 1] = y / length;
+  normals[at + 2] = z / length;
 }
 
 /// Joins the corners at both ends of every edge that is no crease. Returns a parent of each corner: see rootOf().
@@ -132,12 +137,7 @@ function meanNormals(positions: Float32Array, triangles: Uint32Array, faceNormal
     }
   }
   for (let at = 0; at < normals.length; at += 3) {
-    const [x, y, z] = [normals[at]!, normals[at + 1]!, normals[at + 2]!];
-    const length = Math.sqrt(x * x + y * y + z * z);
-    if (!(length > 0)) continue;
-    normals[at] = x / length;
-    normals[at + 1] = y / length;
-    normals[at + 2] = z / length;
+    setUnit(normals, at, normals[at]!, normals[at + 1]!, normals[at + 2]!);
   }
   return normals;
 }

@@ -3,6 +3,7 @@
 
 import * as THREE from "three";
 import { ColourTextures, makeColourUniforms } from "./colour_texture";
+import { dropFloatTarget, makeFloatTarget } from "./float_target";
 import { makePointUniforms } from "./points_geometry";
 import { looks, type Passes, type Picture } from "./picture";
 import { screenVertexShader, shadeFragmentShader } from "./shade_shaders";
@@ -248,17 +249,14 @@ export class SplatPasses implements Passes {
       for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial]) {
         define(material, "HAS_COLOURS", hasColours);
       }
-      const nearest = { minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter } as const;
-      this.target = new THREE.WebGLRenderTarget(width, height, { count, type: THREE.HalfFloatType, ...nearest });
-      this.target.depthTexture = new THREE.DepthTexture(width, height, THREE.FloatType);
+      this.target = makeFloatTarget(width, height, count);
     }
     this.target.setSize(width, height);
     return this.target;
   }
 
   private dropTarget(): void {
-    this.target?.depthTexture?.dispose();
-    this.target?.dispose();
+    dropFloatTarget(this.target);
     this.target = this.drawn = null;
   }
 }

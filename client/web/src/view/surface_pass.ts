@@ -2,6 +2,7 @@
 // samples a pixel make smooth outlines; their mean has the share of the pixel that the surface covers.
 
 import * as THREE from "three";
+import { dropFloatTarget, makeFloatTarget } from "./float_target";
 import type { Picture } from "./picture";
 import { localSection } from "./section";
 import type { SurfaceGeometry } from "./surface_geometry";
@@ -39,7 +40,8 @@ export class SurfacePass {
   }
 
   dispose(): void {
-    this.dropTarget();
+    dropFloatTarget(this.target);
+    this.target = null;
     for (const material of this.materials.values()) material.dispose();
     this.materials.clear();
   }
@@ -62,18 +64,10 @@ export class SurfacePass {
   private targetOf(width: number, height: number, hasColours: boolean, samples: number): THREE.WebGLRenderTarget {
     const count = hasColours ? 2 : 1;
     if (this.target?.textures.length !== count || this.target.samples !== samples) {
-      this.dropTarget();
-      const nearest = { minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter } as const;
-      this.target = new THREE.WebGLRenderTarget(width, height, { count, samples, type: THREE.HalfFloatType, ...nearest });
-      this.target.depthTexture = new THREE.DepthTexture(width, height, THREE.FloatType);
+      dropFloatTarget(this.target);
+      this.target = makeFloatTarget(width, height, count, samples);
     }
     this.target.setSize(width, height);
     return this.target;
-  }
-
-  private dropTarget(): void {
-    this.target?.depthTexture?.dispose();
-    this.target?.dispose();
-    this.target = null;
   }
 }
