@@ -1,5 +1,5 @@
 // GetSurface: sends a session's mesh as a file of Draco, chunk by chunk.
-#include <algorithm>
+#include <cstdint>
 
 #include "server/base/protocol.h"
 #include "server/convert/convert.h"
@@ -26,8 +26,8 @@ class SurfaceReactor final : public WriteQueue<v1::GetSurfaceResponse> {
  private:
   absl::Status begin(Engine& engine, const v1::GetSurfaceRequest& request) {
     FieldValidator check;
-    const int asked = request.position_bits() == 0 ? kSurfaceBits : static_cast<int>(request.position_bits());
-    const int bits = check.in_range("position_bits", asked, kLeastSurfaceBits, kMostSurfaceBits);
+    const std::int64_t asked = request.position_bits() == 0 ? kSurfaceBits : request.position_bits();
+    const int bits = static_cast<int>(check.in_range<std::int64_t>("position_bits", asked, kLeastSurfaceBits, kMostSurfaceBits));
     if (!check.ok()) return check.status();
     auto held = HeldSession::hold(engine, request.session_id(), caller());
     if (!held.ok()) return held.status();
