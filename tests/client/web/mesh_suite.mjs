@@ -122,10 +122,10 @@ describe("the wireframe", () => {
     await torus.evaluate((c) => void (window.meshBefore = c.mesh));
     await turn();
     await torus.until((c) => c.mesh !== window.meshBefore && c.isMeshCurrent);
+    await torus.evaluate((c) => void (window.meshBefore = c.mesh));
     await torus.set("dense for this view", false);
     await torus.page.keyboard.press("f");
-    await torus.until((c) => !c.isMeshCurrent);
-    await meshed();
+    await torus.until((c) => c.mesh !== window.meshBefore && c.isMeshCurrent);
   });
 
   it("grows denser under the brush while it paints, and is as before when the stroke is taken back", async () => {
