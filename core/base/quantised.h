@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
 namespace curvecast {
@@ -29,6 +30,29 @@ struct Unorm16 {
   Unorm16() = default;
   constexpr Unorm16(float value) : code(static_cast<std::uint16_t>(std::min(std::max(0.0f, value), 1.0f) * 65535.0f + 0.5f)) {}
   constexpr operator float() const { return static_cast<float>(code) * (1 / 65535.0f); }
+};
+
+/// A unit vector to half a degree, or none.
+struct Direction8 {
+  static constexpr float kOne = 127;
+
+  std::int8_t x = 0, y = 0, z = 0, unused = 0;
+
+  Direction8() = default;
+  /// Of any three components in [-1, 1]; zeros stand for none.
+  template <typename Vector>
+  explicit Direction8(const Vector& v) : x(code(v[0])), y(code(v[1])), z(code(v[2])) {}
+  bool operator==(const Direction8&) const = default;
+  bool is_none() const { return x == 0 && y == 0 && z == 0; }
+  template <typename Vector>
+  Vector unpacked() const {
+    return Vector(x, y, z) * (1 / kOne);
+  }
+
+ private:
+  static std::int8_t code(float value) {
+    return static_cast<std::int8_t>(std::lround(kOne * std::min(std::max(-1.0f, value), 1.0f)));
+  }
 };
 
 /// The upper half of a float, rounded to nearest: its whole range with 8 significant bits, within 0.2 %. Not for NaN.

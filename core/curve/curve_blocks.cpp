@@ -95,7 +95,7 @@ CurveBlocks build_blocks(const SurfaceCurve& curve) {
     float radius = 0, spread = 0;
     for (std::size_t l = begin; l < end; ++l) {
       radius = std::max(radius, (curve.position(l) - middle).norm());
-      spread = std::max(spread, (curve.normal(l) - normal).norm());
+      spread = std::max(spread, curve.normals_from(l, normal));
     }
     out.x[b] = middle.x(), out.y[b] = middle.y(), out.z[b] = middle.z();
     out.nx[b] = normal.x(), out.ny[b] = normal.y(), out.nz[b] = normal.z();

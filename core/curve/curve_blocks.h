@@ -81,7 +81,7 @@ struct CurveBlocks {
   Column<float> x, y, z;     // the middle of the box around the vertices, relative to the curve's origin
   Column<float> radius;      // the vertices lie within this of it
   Column<float> nx, ny, nz;  // unit: the vertices' mean normal
-  Column<float> spread;      // their normals lie within this of it, as points on the unit sphere
+  Column<float> spread;      // their normals, those beside creases too, lie within this of it, as points on the unit sphere
   BlockMass area;            // of density 1
 
   std::size_t size() const { return x.size(); }

@@ -24,6 +24,7 @@ void visit_column_members(Visit&& visit) {
   visit("greatest curvature", &SurfaceCurve::curvature_max, ColumnLength::kAll);
   visit("direction", &SurfaceCurve::direction, ColumnLength::kAll);
   visit("area", &SurfaceCurve::area, ColumnLength::kAll);
+  visit("normal beside", &SurfaceCurve::beside, ColumnLength::kAllOrNone);
   visit("colour", &SurfaceCurve::colour, ColumnLength::kAllOrNone);
   visit("triangle", &SurfaceCurve::triangle, ColumnLength::kAll);
   visit("weight 1", &SurfaceCurve::weight_1, ColumnLength::kAll);

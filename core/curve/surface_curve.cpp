@@ -4,11 +4,12 @@
 
 namespace curvecast {
 
-void SurfaceCurve::resize(std::size_t n, bool has_colour) {
+void SurfaceCurve::resize(std::size_t n, bool has_colour, bool has_beside) {
   visit_columns(*this, [n](const char* /*name*/, auto& column, ColumnLength length) {
     if (length == ColumnLength::kAll) column.resize(n);
   });
   if (has_colour) colour.resize(n);
+  if (has_beside) beside.resize(n);
   for (ScalarColumn& scalar : scalars) scalar.values.resize(n);
 }
 

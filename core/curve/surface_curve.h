@@ -1,6 +1,7 @@
 // The Hilbert curve on the surface: what preprocessing makes and every view samples (paper, sections 3.2 to 3.4).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -30,6 +31,7 @@ struct SurfaceCurve {
   Column<Bfloat16> curvature_min, curvature_max;  // principal curvatures, 1/unit
   Column<std::uint16_t> direction;                // of curvature_max: unpack_direction() in tangent_frame.h reads it
   Column<float> area;                             // area element A_l, squared units; sums to total_area
+  Column<Direction8> beside;                      // near a crease: the normal on its other side; see crease_band.h
   Column<Rgba8> colour;                           // of the surface; empty when the mesh has none
   Column<std::uint32_t> triangle;                 // face of the repaired mesh on which the vertex lies
   Column<Unorm16> weight_1, weight_2;             // barycentric: of that face's second and third corner
@@ -48,8 +50,13 @@ struct SurfaceCurve {
   std::size_t size() const { return x.size(); }
   Vec3f position(std::size_t l) const { return {x[l], y[l], z[l]}; }  // relative to the origin
   Vec3f normal(std::size_t l) const { return {nx[l], ny[l], nz[l]}; }
-  /// Gives every per-vertex column n entries, uninitialised; `colour` too if asked for. `scalars` as they are.
-  void resize(std::size_t n, bool has_colour = false);
+  /// By how much the vertex's normals, its own and the one beside, differ from another at most, as points on the unit sphere.
+  float normals_from(std::size_t l, const Vec3f& other) const {
+    const float own = (normal(l) - other).norm();
+    return beside.empty() || beside[l].is_none() ? own : std::max(own, (beside[l].unpacked<Vec3f>() - other).norm());
+  }
+  /// Gives every per-vertex column n entries, uninitialised; `colour` and `beside` too if asked for. `scalars` as they are.
+  void resize(std::size_t n, bool has_colour = false, bool has_beside = false);
   /// Makes the blocks of all the rest. Runs on all threads of the arena.
   void finish();
   /// Returns the bytes that the columns take.

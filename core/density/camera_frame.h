@@ -14,7 +14,37 @@ namespace curvecast {
 struct VertexColumns {
   const float *x, *y, *z;
   const Snorm16 *nx, *ny, *nz;
+  const Direction8* beside = nullptr;  // see SurfaceCurve::beside; null where none is near a crease
+
+  /// Returns a curve's columns from a vertex on.
+  static VertexColumns of(const SurfaceCurve& curve, std::size_t begin = 0) {
+    return {curve.x.data() + begin,
+            curve.y.data() + begin,
+            curve.z.data() + begin,
+            curve.nx.data() + begin,
+            curve.ny.data() + begin,
+            curve.nz.data() + begin,
+            curve.beside.empty() ? nullptr : curve.beside.data() + begin};
+  }
+  /// Returns the columns without their first entries.
+  VertexColumns from(std::size_t first) const {
+    return {x + first, y + first, z + first, nx + first, ny + first, nz + first, beside == nullptr ? nullptr : beside + first};
+  }
 };
+
+/// Whether what faces away counts beside a crease, as what is seen on the other side of it: the discs there end at those here.
+enum class BesideCreases : bool { kNot, kToo };
+
+/// How much vertex i faces a direction (dx, dy, dz): the scalar product with its normal, or with the one beside it where it faces
+/// away and that one does not. Above 0 where it counts.
+template <BesideCreases kBeside>
+[[gnu::always_inline]] inline float facing(const VertexColumns& vertices, std::size_t i, float dx, float dy, float dz) {
+  const float own = dx * vertices.nx[i] + dy * vertices.ny[i] + dz * vertices.nz[i];
+  if constexpr (kBeside == BesideCreases::kNot) return own;
+  const Direction8 n = vertices.beside[i];
+  const float beside = (dx * n.x + dy * n.y + dz * n.z) * (1 / Direction8::kOne);
+  return own > 0 ? own : beside;
+}
 
 /// Columns of blocks of curve vertices; see CurveBlocks.
 struct BlockColumns {

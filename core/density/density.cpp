@@ -125,9 +125,7 @@ absl::Status evaluate_density(const SurfaceCurve& curve, const Density& density,
                               const ExecutionContext& context) {
   if (absl::Status status = check_density(density); !status.ok()) return status;
   if (absl::Status status = evaluate_fixed_terms(curve, density.terms, values, context); !status.ok()) return status;
-  ViewFactor(curve, density)
-      .multiply(curve.x.data(), curve.y.data(), curve.z.data(), curve.nx.data(), curve.ny.data(), curve.nz.data(), values.size(),
-                values.data());
+  ViewFactor(curve, density).multiply(VertexColumns::of(curve), values.size(), values.data());
   return absl::OkStatus();
 }
 

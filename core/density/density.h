@@ -74,7 +74,8 @@ struct ScreenTerm {
 inline constexpr double kLeastSlant = 0.05;
 
 /// Points where the picture is wrong without them: in it and just beside it, a ScreenTerm, and more where the surface turns away
-/// from the eye, bends, or changes its colour; see picture_detail.h.
+/// from the eye, bends, or changes its colour; see picture_detail.h. What faces away counts beside creases whose other side is
+/// seen; see crease_band.h.
 struct PictureTerm {
   bool operator==(const PictureTerm&) const = default;
 };

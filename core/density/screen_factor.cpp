@@ -46,7 +46,7 @@ ScreenWeights screen_weights(std::span<const Camera> cameras, std::span<const Ca
   return out;
 }
 
-ScreenFactor::ScreenFactor(const CameraFrame& frame, float weight)
+ScreenFactor::ScreenFactor(const CameraFrame& frame, float weight, BesideCreases beside)
     : x_(frame.x),
       y_(frame.y),
       z_(frame.z),
@@ -55,22 +55,33 @@ ScreenFactor::ScreenFactor(const CameraFrame& frame, float weight)
       depth_(frame.depth),
       depth_reach_(frame.depth_reach),
       depth_blur_(frame.is_orthographic ? 0 : frame.blur),
-      weight_(weight) {}
+      weight_(weight),
+      beside_(beside) {}
 
-CURVECAST_WIDE void ScreenFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
-  const float *x = vertices.x, *y = vertices.y, *z = vertices.z;
-  const Snorm16 *nx = vertices.nx, *ny = vertices.ny, *nz = vertices.nz;
+template <BesideCreases kBeside>
+[[gnu::always_inline]] inline void ScreenFactor::multiply_each(const VertexColumns& vertices, std::size_t n,
+                                                               float* factor) const {
+  const VertexColumns v = vertices;
   const float ex = x_, ey = y_, ez = z_, slope = slope_, weight = weight_;
   const AffineForm form = depth_;
   for (std::size_t i = 0; i < n; ++i) {
-    const float dx = ex - slope * x[i], dy = ey - slope * y[i], dz = ez - slope * z[i];
+    const float dx = ex - slope * v.x[i], dy = ey - slope * v.y[i], dz = ez - slope * v.z[i];
     const float square = dx * dx + dy * dy + dz * dz;
-    const float facing = dx * nx[i] + dy * ny[i] + dz * nz[i];
+    const float towards = facing<kBeside>(v, i, dx, dy, dz);
     const float distance = std::sqrt(square > kLeastSquare ? square : kLeastSquare);
-    const float depth = at(form, x[i], y[i], z[i]);
-    const float value = covered(weight, facing / distance, distance, depth);
-    factor[i] *= fast_min(facing, depth) > 0 ? value : 0.0f;
+    const float depth = at(form, v.x[i], v.y[i], v.z[i]);
+    const float value = covered(weight, towards / distance, distance, depth);
+    factor[i] *= fast_min(towards, depth) > 0 ? value : 0.0f;
   }
+}
+
+CURVECAST_WIDE void ScreenFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
+  if (beside_ == BesideCreases::kToo && vertices.beside != nullptr) return multiply_creased(vertices, n, factor);
+  multiply_each<BesideCreases::kNot>(vertices, n, factor);
+}
+
+CURVECAST_WIDE void ScreenFactor::multiply_creased(const VertexColumns& vertices, std::size_t n, float* factor) const {
+  multiply_each<BesideCreases::kToo>(vertices, n, factor);
 }
 
 CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor,

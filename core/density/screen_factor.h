@@ -11,16 +11,21 @@ namespace curvecast {
 class ScreenFactor {
  public:
   /// `weight`: the camera's, from screen_weights().
-  ScreenFactor(const CameraFrame& frame, float weight);
+  ScreenFactor(const CameraFrame& frame, float weight, BesideCreases beside = BesideCreases::kNot);
 
   // See ViewFactor.
   void multiply(const VertexColumns& vertices, std::size_t n, float* factor) const;
   void multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor, float* __restrict change) const;
 
  private:
+  template <BesideCreases kBeside>
+  void multiply_each(const VertexColumns& vertices, std::size_t n, float* factor) const;
+  void multiply_creased(const VertexColumns& vertices, std::size_t n, float* factor) const;
+
   float x_, y_, z_, slope_, blur_;
   AffineForm depth_;
   float depth_reach_, depth_blur_, weight_;
+  BesideCreases beside_;
 };
 
 struct ScreenWeights {

@@ -54,29 +54,29 @@ ViewFactor::ViewFactor(const SurfaceCurve& curve, const Density& density) {
       if (std::holds_alternative<FrustumTerm>(term)) factors.emplace_back(FrustumFactor(frames[c]));
       if (std::holds_alternative<ScreenTerm>(term)) factors.emplace_back(ScreenFactor(frames[c], weights.of_camera[c]));
       if (std::holds_alternative<PictureTerm>(term)) {
-        factors.emplace_back(ScreenFactor(frames[c], weights.of_camera[c]));
-        factors.emplace_back(SilhouetteFactor(frames[c], {.s0 = kPictureFloor}));
+        factors.emplace_back(ScreenFactor(frames[c], weights.of_camera[c], BesideCreases::kToo));
+        factors.emplace_back(SilhouetteFactor(frames[c], {.s0 = kPictureFloor}, BesideCreases::kToo));
+        beside_ = curve.beside;
         factors.emplace_back(FrustumFactor(CameraFrame(with_margin(density.cameras[c]), curve.origin, curve.box)));
       }
     }
   }
 }
 
-void ViewFactor::multiply(const float* x, const float* y, const float* z, const Snorm16* nx, const Snorm16* ny, const Snorm16* nz,
-                          std::size_t n, float* factor) const {
-  const auto multiply_all = [](const std::vector<Factor>& factors, const VertexColumns& vertices, std::size_t count, float* out) {
-    for (const Factor& one : factors) std::visit([&](const auto& f) { f.multiply(vertices, count, out); }, one);
+void ViewFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
+  const auto multiply_all = [](const std::vector<Factor>& factors, const VertexColumns& some, std::size_t count, float* out) {
+    for (const Factor& one : factors) std::visit([&](const auto& f) { f.multiply(some, count, out); }, one);
   };
   if (is_one()) return;
-  if (cameras_.size() == 1) return multiply_all(cameras_[0], {x, y, z, nx, ny, nz}, n, factor);
+  if (cameras_.size() == 1) return multiply_all(cameras_[0], vertices, n, factor);
   float largest[kBatch], of_camera[kBatch];
   for (std::size_t begin = 0; begin < n; begin += kBatch) {
     const std::size_t count = std::min(kBatch, n - begin);
-    const VertexColumns vertices = {x + begin, y + begin, z + begin, nx + begin, ny + begin, nz + begin};
+    const VertexColumns some = vertices.from(begin);
     std::fill_n(largest, count, 0.0f);
     for (const std::vector<Factor>& factors : cameras_) {
       std::fill_n(of_camera, count, 1.0f);
-      multiply_all(factors, vertices, count, of_camera);
+      multiply_all(factors, some, count, of_camera);
       for (std::size_t i = 0; i < count; ++i) largest[i] = of_camera[i] > largest[i] ? of_camera[i] : largest[i];
     }
     for (std::size_t i = 0; i < count; ++i) factor[begin + i] *= largest[i];

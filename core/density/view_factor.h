@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -24,10 +25,11 @@ class ViewFactor {
 
   /// Says whether there are no camera terms: all factors are 1.
   bool is_one() const { return cameras_.empty(); }
+  /// Returns the curve's normals beside creases (L), where it looks at them; else nothing. The curve outlives them.
+  std::span<const Direction8> beside() const { return beside_; }
 
-  /// Multiplies factor[i] by the view's factor at position i of n, with its normal. Positions are relative to the curve's origin.
-  void multiply(const float* x, const float* y, const float* z, const Snorm16* nx, const Snorm16* ny, const Snorm16* nz,
-                std::size_t n, float* factor) const;
+  /// Multiplies factor[i] by the view's factor at vertex i of n.
+  void multiply(const VertexColumns& vertices, std::size_t n, float* factor) const;
 
   /// Writes to `factor` the factor at the middle of the blocks [begin, end), and to `change` by how much at most it is more or
   /// less on a vertex of the block, relative to the middle. `change` is infinite where no bound is known, as where the surface's
@@ -46,6 +48,7 @@ class ViewFactor {
 
   std::vector<std::vector<Factor>> cameras_;
   double pixels_ = 0;
+  std::span<const Direction8> beside_;
 };
 
 }  // namespace curvecast

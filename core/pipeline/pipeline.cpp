@@ -14,6 +14,7 @@
 #include "core/base/stopwatch.h"
 #include "core/curve/adaptive_quadtree.h"
 #include "core/curve/area_element.h"
+#include "core/curve/crease_band.h"
 #include "core/curve/surface_colour.h"
 #include "core/curve/surface_map.h"
 #include "core/density/face_density.h"
@@ -236,6 +237,8 @@ absl::Status build_curve(const FlattenedMesh& flattened, const PreprocessOptions
   if (absl::Status status = context.check(); !status.ok()) return status;
   curve.reference_curvature =
       reference_curvatures(loaded.mesh, flattened.geometry, loaded.info.area, loaded.info.box.diagonal(), context);
+  if (absl::Status status = context.check(); !status.ok()) return status;
+  fill_crease_band(data, curve, context);
   if (absl::Status status = context.check(); !status.ok()) return status;
   curve.finish();
   context.progress("area", 1);

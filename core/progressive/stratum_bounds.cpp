@@ -63,7 +63,8 @@ StratumBound StratumBounds::of(int level, std::uint64_t stratum) const {
     const float spread = is_short ? 0 : blocks.spread[i];
     if (is_short && i > begin) step_of_normals = std::max(step_of_normals, (normal(i) - normal(i - 1)).norm());
     bound.radius = std::max(bound.radius, (position(i) - bound.centre).norm() + radius);
-    bound.spread = std::max(bound.spread, (normal(i) - bound.normal).norm() + spread);
+    const float off = is_short ? curve.normals_from(i, bound.normal) : (normal(i) - bound.normal).norm();
+    bound.spread = std::max(bound.spread, off + spread);
   }
   bound.radius *= kSlack;
   // The normals within a leaf vary about as those of neighbouring leaves do.
@@ -85,9 +86,11 @@ StratumBound StratumBounds::within_leaves(int level, std::uint64_t stratum) cons
   bound.centre = box.center();
   const float length = normals.norm();
   if (length > 0) bound.normal = normals / length;
+  const bool has_beside = !strata_->curve().beside.empty();
   for (const CurvePoint& p : points) {
     bound.radius = std::max(bound.radius, (Vec3f(p.position[0], p.position[1], p.position[2]) - bound.centre).norm());
     bound.spread = std::max(bound.spread, (Vec3f(p.normal[0], p.normal[1], p.normal[2]) - bound.normal).norm());
+    if (has_beside) bound.spread = std::max(bound.spread, strata_->curve().normals_from(p.vertex, bound.normal));
   }
   bound.radius *= kBeyond;
   bound.spread *= kBeyond;

@@ -218,6 +218,14 @@ void share_areas(const SurfaceCurve& old, std::span<const std::uint32_t> divided
   }
 }
 
+/// Gives the children what their parents have.
+template <typename T>
+void take_from_parents(std::span<const T> old, std::span<const std::uint32_t> divided, std::span<const std::uint32_t> children,
+                       std::span<T> fresh) {
+  auto to = fresh.begin();
+  for (std::size_t i = 0; i < divided.size(); ++i) to = std::fill_n(to, children[i], old[divided[i]]);
+}
+
 }  // namespace
 
 absl::StatusOr<SurfaceCurve> split_leaves(const CurveBase& base, const SurfaceCurve& curve, std::span<const std::uint8_t> levels,
@@ -248,7 +256,7 @@ absl::StatusOr<SurfaceCurve> split_leaves(const CurveBase& base, const SurfaceCu
 
   context.progress("map", 0);
   SurfaceCurve fresh = next_revision(curve);
-  fresh.resize(fresh_begin.back(), base.data.colour != nullptr);
+  fresh.resize(fresh_begin.back(), base.data.colour != nullptr, !curve.beside.empty());
   for (std::size_t d = 0; d < discs.size(); ++d) {
     QuadtreeLeaves& leaves = discs[d].leaves;
     if (leaves.size() == 0) continue;
@@ -267,7 +275,8 @@ absl::StatusOr<SurfaceCurve> split_leaves(const CurveBase& base, const SurfaceCu
     if (absl::Status status = context.check(); !status.ok()) return status;
   }
   share_areas(curve, divided, children, fresh.area);
-  out.resize(total, base.data.colour != nullptr);
+  if (!curve.beside.empty()) take_from_parents<Direction8>(curve.beside, divided, children, fresh.beside);
+  out.resize(total, base.data.colour != nullptr, !curve.beside.empty());
   merge(make_runs(curve.size(), divided, children), curve, fresh, out);
   context.progress("map", 1);
   return out;

@@ -103,6 +103,7 @@ CURVECAST_WIDE void divide(const CurveBase& base, const SurfaceMapper& mapper, c
       out.key[i] = key;
       out.level[i] = static_cast<std::uint8_t>(level);
       out.area[i] = area;
+      if (!curve.beside.empty()) out.beside[i] = curve.beside[l];
     };
     // Every parent starts from its own triangle, so that the ends of the blocks show nowhere.
     std::uint32_t triangle = base.triangle_in(block.disc, curve.triangle[l]);
@@ -140,7 +141,7 @@ SurfaceCurve subdivide_all(const CurveBase& base, const SurfaceCurve& curve, int
   SurfaceCurve out = next_revision(curve);
   const std::vector<Block> blocks = blocks_of(curve, levels);
   const std::size_t total = blocks.back().at;
-  out.resize(total, base.data.colour != nullptr);
+  out.resize(total, base.data.colour != nullptr, !curve.beside.empty());
   tbb::parallel_for(std::size_t{0}, blocks.size() - 1,
                     [&](std::size_t i) { divide(base, base.mappers[blocks[i].disc], curve, levels, blocks[i], out); });
   for (const Block& block : blocks) {

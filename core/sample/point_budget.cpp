@@ -39,12 +39,9 @@ double largest_ratio(const SurfaceCurve& curve, std::span<const float> fixed, co
   float above[kBlockSize], below[kBlockSize];
   for (std::size_t i = 0; i < n; ++i) above[i] = 1;
   for (std::size_t i = 0; i < n; ++i) below[i] = fixed.empty() ? 1 : fixed[begin + i];
-  const auto multiply = [&](const ViewFactor& view, float* factor) {
-    view.multiply(&curve.x[begin], &curve.y[begin], &curve.z[begin], &curve.nx[begin], &curve.ny[begin], &curve.nz[begin], n,
-                  factor);
-  };
-  multiply(upper, above);
-  multiply(lower, below);
+  const VertexColumns vertices = VertexColumns::of(curve, begin);
+  upper.multiply(vertices, n, above);
+  lower.multiply(vertices, n, below);
   double largest = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (below[i] > 0) largest = std::max(largest, static_cast<double>(above[i]) / static_cast<double>(below[i]));

@@ -43,12 +43,14 @@ void gather_density(const SurfaceCurve& curve, std::span<const float> fixed, con
   if (view.is_one()) return;
   float x[kBatch], y[kBatch], z[kBatch];
   Snorm16 nx[kBatch], ny[kBatch], nz[kBatch];
+  Direction8 beside[kBatch];
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t l = vertices[i];
     x[i] = curve.x[l], y[i] = curve.y[l], z[i] = curve.z[l];
     nx[i] = curve.nx[l], ny[i] = curve.ny[l], nz[i] = curve.nz[l];
+    if (!view.beside().empty()) beside[i] = view.beside()[l];
   }
-  view.multiply(x, y, z, nx, ny, nz, n, density);
+  view.multiply({x, y, z, nx, ny, nz, view.beside().empty() ? nullptr : beside}, n, density);
 }
 
 /// The data of points.vertices.

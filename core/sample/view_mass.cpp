@@ -20,7 +20,8 @@ constexpr std::size_t kAhead = 2 * kBlockLanes;  // blocks that the memory bring
 /// Blocks that are looked at vertex by vertex, several at once: what they hold of the curve, one after the other.
 class CloseBlocks {
  public:
-  CloseBlocks(const SurfaceCurve& curve, std::span<const float> density) : curve_(curve), density_(density) {}
+  CloseBlocks(const SurfaceCurve& curve, std::span<const float> density, const ViewFactor& view)
+      : curve_(curve), density_(density), of_beside_(view.beside()) {}
 
   /// Has the memory bring a block.
   void prefetch(std::size_t block) const {
@@ -34,7 +35,8 @@ class CloseBlocks {
   /// The masses of kBlockLanes blocks; of fewer, the last stand for nothing.
   void measure(std::span<const std::uint32_t> blocks, const ViewFactor& view, MassOfBlocks& out) {
     for (std::size_t k = 0; k < blocks.size(); ++k) take(blocks[k], k * kBlockSize);
-    view.multiply(x_, y_, z_, nx_, ny_, nz_, blocks.size() * kBlockSize, mass_);
+    const VertexColumns vertices = {x_, y_, z_, nx_, ny_, nz_, of_beside_.empty() ? nullptr : beside_};
+    view.multiply(vertices, blocks.size() * kBlockSize, mass_);
     float mass[kBlockSize][kBlockLanes] = {};
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       for (std::size_t i = 0; i < kBlockSize; ++i) mass[i][k] = mass_[k * kBlockSize + i];
@@ -53,6 +55,7 @@ class CloseBlocks {
     // The last block is filled up with copies of its first vertex, without mass.
     for (std::size_t i = to + n; i < to + kBlockSize; ++i) {
       x_[i] = x_[to], y_[i] = y_[to], z_[i] = z_[to], nx_[i] = nx_[to], ny_[i] = ny_[to], nz_[i] = nz_[to], mass_[i] = 0;
+      beside_[i] = {};
     }
   }
   [[gnu::always_inline]] void copy(std::size_t begin, std::size_t n, std::size_t to) {
@@ -62,6 +65,7 @@ class CloseBlocks {
     std::copy_n(&curve_.nx[begin], n, nx_ + to);
     std::copy_n(&curve_.ny[begin], n, ny_ + to);
     std::copy_n(&curve_.nz[begin], n, nz_ + to);
+    if (!of_beside_.empty()) std::copy_n(&of_beside_[begin], n, beside_ + to);
     std::copy_n(&curve_.area[begin], n, mass_ + to);
     if (density_.empty()) return;
     for (std::size_t i = 0; i < n; ++i) mass_[to + i] *= density_[begin + i];
@@ -69,8 +73,10 @@ class CloseBlocks {
 
   const SurfaceCurve& curve_;
   std::span<const float> density_;
+  std::span<const Direction8> of_beside_;
   float x_[kVertices], y_[kVertices], z_[kVertices], mass_[kVertices];
   Snorm16 nx_[kVertices], ny_[kVertices], nz_[kVertices];
+  Direction8 beside_[kVertices];
 };
 
 /// The sum of n numbers, in the same order everywhere.
@@ -147,7 +153,7 @@ void view_mass(const SurfaceCurve& curve, std::span<const float> density, const 
   out.close.resize(blocks);
   const std::size_t count = list_larger(out.moved, most, out.close.data());
   const std::uint32_t* const close = out.close.data();
-  CloseBlocks looked_at(curve, density);
+  CloseBlocks looked_at(curve, density, view);
   MassOfBlocks masses;
   out.own_codes.resize(count);
   for (std::size_t i = 0; i < std::min(count, kAhead); ++i) looked_at.prefetch(close[i]);

@@ -50,6 +50,7 @@ const std::vector<std::vector<DensityTerm>> kTermSets = {
     {FrustumTerm{}},
     {ScreenTerm{}},
     {ScreenTerm{}, FrustumTerm{}},
+    {PictureTerm{}},
     {ViewTerm{}, DistanceTerm{}, FrustumTerm{}, ScreenTerm{}},
 };
 
@@ -61,8 +62,7 @@ double expect_bounds(const SurfaceCurve& curve, const Density& density) {
   view.of_blocks(curve.blocks, 0, blocks, factor.data(), change.data());
   std::vector<float> highest(blocks);
   view.most_of_blocks(BlockColumns::of(curve.blocks), blocks, highest.data());
-  view.multiply(curve.x.data(), curve.y.data(), curve.z.data(), curve.nx.data(), curve.ny.data(), curve.nz.data(), curve.size(),
-                of_vertex.data());
+  view.multiply(VertexColumns::of(curve), curve.size(), of_vertex.data());
   double known = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
     EXPECT_TRUE(std::isfinite(factor[b]) && factor[b] >= 0) << "block " << b;

@@ -33,7 +33,7 @@ std::vector<std::pair<float, std::uint32_t>> needed_scales(const RankTree& tree,
   for (const auto& chunk : tree.chunks()) {
     for (std::size_t i = 0; i < chunk->size(); ++i) {
       float factor = density == nullptr ? 1 : density->density[chunk->vertex[i]];
-      view.multiply(&chunk->x[i], &chunk->y[i], &chunk->z[i], &chunk->nx[i], &chunk->ny[i], &chunk->nz[i], 1, &factor);
+      view.multiply({&chunk->x[i], &chunk->y[i], &chunk->z[i], &chunk->nx[i], &chunk->ny[i], &chunk->nz[i]}, 1, &factor);
       if (factor > 0) needed.emplace_back(static_cast<float>(chunk->rank[i] + 1) / factor, chunk->rank[i]);
     }
   }
