@@ -12,6 +12,7 @@ import "./outline_suite.mjs";
 import "./views_suite.mjs";
 import "./access_suite.mjs";
 import "./tools_suite.mjs";
+import "./film_suite.mjs";
 import "./marks_suite.mjs";
 import "./mesh_suite.mjs";
 import "./surface_suite.mjs";

@@ -1,10 +1,11 @@
 // The viewer's page: joins its parts.
 
-import { asCurvecastError, type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
+import { type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
 import { directionOf, Viewport, type CameraState, type StandardView } from "../view";
 import { AxesGizmo } from "./axes_gizmo";
 import { Brush } from "./brush";
 import { DrawingBudget } from "./drawing_budget";
+import { Film } from "./film/film";
 import type { FirstAnswers } from "./first_answers";
 import { Hud } from "./hud";
 import { keyTable } from "./key_table";
@@ -14,10 +15,10 @@ import { Messages } from "./messages";
 import { copyText, toggleFullScreen } from "./page_tools";
 import { Panel } from "./panel";
 import { meshRequest, sampleRequest, type SampleInit } from "./sample_request";
-import { saveMesh, savePicture, savePoints } from "./saving";
+import { saveFilm, saveMesh, savePicture, savePoints } from "./saving";
 import { ScaleBar } from "./scale_bar";
 import { SessionChoice } from "./session_choice";
-import { nameOf, SessionList } from "./session_list";
+import { forgetSession, nameOf, SessionList } from "./session_list";
 import { defaultSettings, takeCamera, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
 import { Streams, type Which } from "./streams";
@@ -54,6 +55,7 @@ export class Application {
   private readonly annotations: Annotations;
   private readonly thumbnails = new Thumbnails(tabStorage());
   private readonly drawingBudget = new DrawingBudget();
+  private readonly film: Film;
   private readonly choice: SessionChoice;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
   private shown: unknown[] = []; // the stores that the viewport draws
@@ -90,6 +92,8 @@ export class Application {
       changed: () => this.saveSoon(),
       notice: (text) => this.messages.notice(text),
     });
+    const isAnswered = (): boolean => !this.surface.needsPoints || this.streams?.isAnswered !== false;
+    this.film = new Film(this.viewport, messages, () => !this.pacer.isWaiting && isAnswered());
     this.hud = new Hud(page);
     this.axes = new AxesGizmo(page, (direction) => this.viewport.lookFrom(direction, this.settings.up));
     this.scale = new ScaleBar(page);
@@ -112,6 +116,9 @@ export class Application {
       undoStroke: () => this.change(() => this.brush.undo()),
       clearStrokes: () => this.change(() => this.brush.clear()),
       screenshot: () => void savePicture(this, this.settings.pictureScale),
+      film: () => void saveFilm(this, this.film.make(this.settings.filmSeconds)),
+      addFilmView: () => this.film.addView(),
+      clearFilmViews: () => this.film.clearViews(),
       exportPly: () => savePoints(this),
       exportMesh: () => saveMesh(this),
       addMark: () => this.annotations.addInTheMiddle(),
@@ -141,7 +148,7 @@ export class Application {
         onSessions: (sessions) => this.list.show(sessions),
         onReady: (session, camera) => this.show(session, camera),
         onNone: () => messages.invite(() => this.uploads.pick()),
-        onWaiting: (text) => (text === null ? messages.hideBanner("session") : messages.showBanner("session", text)),
+        onWaiting: (text) => messages.setBanner("session", text),
         onFailure: (id, error) => {
           if (error.code !== "NOT_FOUND") messages.failure("The session cannot be shown", error);
           else if (this.session !== null) messages.failure("This session is not there", error);
@@ -166,10 +173,8 @@ export class Application {
       if (this.brush.paint(centre, brushRadiusOf(this.settings, this.viewport.bounds), done) || done) this.changed();
     };
     this.viewport.onMeasure = (measured) => (this.hud.measured = measured);
-    this.viewport.onLost = (isLost) => {
-      if (isLost) this.messages.showBanner("graphics", "The graphics card was lost; the picture waits until it is back …");
-      else this.messages.hideBanner("graphics");
-    };
+    const lost = "The graphics card was lost; the picture waits until it is back …";
+    this.viewport.onLost = (isLost) => this.messages.setBanner("graphics", isLost ? lost : null);
     this.viewport.onResize = () => this.cameraMoved(); // the scale changes
     window.addEventListener("hashchange", () => location.reload());
     setInterval(() => this.showFigures(), 250);
@@ -286,6 +291,7 @@ export class Application {
       this.thumbnails.keep(this.session.sessionId, this.viewport.thumbnail(thumbnailSize.width, thumbnailSize.height));
       this.brush.clear();
       this.annotations.clear();
+      this.film.clearViews();
     }
     this.session = session;
     this.surface.open(session);
@@ -338,13 +344,7 @@ export class Application {
   }
 
   private async forget(session: Session): Promise<void> {
-    if (!confirm(`Forget ${nameOf(session)}, on the server too?`)) return;
-    try {
-      await this.client.closeSession(session.sessionId);
-    } catch (thrown) {
-      this.messages.failure(`${nameOf(session)} could not be forgotten`, asCurvecastError(thrown));
-    }
-    this.choice.refresh();
+    if (await forgetSession(this.client, session, this.messages)) this.choice.refresh();
   }
 
   private frameCame(frame: FrameReport): void {

@@ -10,7 +10,7 @@ export interface Action {
 }
 
 /// What a banner is about.
-export type Concern = "session" | "main" | "uniform" | "graphics";
+export type Concern = "session" | "main" | "uniform" | "graphics" | "film";
 
 const noticeSeconds = 5;
 const maxNotices = 4;
@@ -64,6 +64,12 @@ export class Messages {
   showBanner(about: Concern, text: string, action?: Action): void {
     this.concerns.set(about, { text, action });
     this.refreshBanner();
+  }
+
+  /// Shows a banner, or with null hides it.
+  setBanner(about: Concern, text: string | null): void {
+    if (text === null) this.hideBanner(about);
+    else this.showBanner(about, text);
   }
 
   hideBanner(about: Concern): void {

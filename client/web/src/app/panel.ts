@@ -22,6 +22,9 @@ export interface PanelActions {
   undoStroke(): void;
   clearStrokes(): void;
   screenshot(): void;
+  film(): void;
+  addFilmView(): void;
+  clearFilmViews(): void;
   exportPly(): void;
   exportMesh(): void;
   addMark(): void;
@@ -81,6 +84,7 @@ export class Panel {
     this.addLook();
     this.addPoints();
     this.addSaving();
+    this.addFilm();
     this.addMarks(lists.marks);
     this.addDensity();
     this.addBrush();
@@ -189,6 +193,13 @@ export class Panel {
     this.addButton(folder, "screenshot");
     this.addNumber(folder, "pictureScale");
     for (const key of ["exportPly", "copyLink", "fullScreen", "help"] as const) this.addButton(folder, key);
+  }
+
+  private addFilm(): void {
+    const folder = this.folder("Film", false);
+    for (const key of ["addFilmView", "clearFilmViews"] as const) this.addButton(folder, key);
+    this.addNumber(folder, "filmSeconds");
+    this.addButton(folder, "film");
   }
 
   private addMarks(marks: HTMLElement): void {

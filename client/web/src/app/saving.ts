@@ -32,6 +32,12 @@ export async function savePicture({ session, viewport, messages }: Shown, scale:
   }
 }
 
+/// Saves a film that is to be made.
+export async function saveFilm({ session }: Shown, film: Promise<Blob | null>): Promise<void> {
+  const blob = await film;
+  if (session !== null && blob !== null) download(blob, `${stemOf(session)}.webm`);
+}
+
 /// Saves the points as PLY.
 export function savePoints({ session, streams, messages }: Shown): void {
   if (session === null || streams === null) return;

@@ -1,8 +1,9 @@
 // The list of the server's sessions, to choose from.
 
-import { SessionState, type Session } from "../stream";
+import { asCurvecastError, SessionState, type Client, type Session } from "../stream";
 import { button, crossButton, element } from "./elements";
 import { bytes, count } from "./format";
+import type { Messages } from "./messages";
 import type { Thumbnails } from "./thumbnails";
 
 /// What the buttons of a row call.
@@ -117,4 +118,15 @@ export class SessionList {
     });
     if (sessions.length === 0) root.append(this.none);
   }
+}
+
+/// Has the server forget a session, if the user says so. Returns whether it was asked to.
+export async function forgetSession(client: Client, session: Session, messages: Messages): Promise<boolean> {
+  if (!confirm(`Forget ${nameOf(session)}, on the server too?`)) return false;
+  try {
+    await client.closeSession(session.sessionId);
+  } catch (thrown) {
+    messages.failure(`${nameOf(session)} could not be forgotten`, asCurvecastError(thrown));
+  }
+  return true;
 }

@@ -49,6 +49,7 @@ export interface Settings {
   fieldOfView: number; // vertical, degrees; that of the camera
   projection: "perspective" | "orthographic"; // of the camera
   pictureScale: number; // of pictures that are saved: pixels per pixel of the page, in each direction
+  filmSeconds: number;
   navigation: "orbit" | "fly";
   frozen: boolean; // views are sampled for the camera of the moment when this was set
   split: boolean; // left: a uniform density, right: the one set; both with the same budget
@@ -86,6 +87,7 @@ export const ranges = {
   fieldOfView: { min: 5, max: 120, step: 1 },
   sectionShare: { min: 0, max: 100, step: 0.5 },
   pictureScale: { min: 1, max: 8, step: 1 },
+  filmSeconds: { min: 1, max: 120, step: 1 },
   pixelRatio: { min: 0.5, max: 4, step: 0.5 },
 } satisfies Record<NumberSetting, Range>;
 
@@ -145,6 +147,7 @@ export function defaultSettings(isSoftware: boolean, background: Background): Se
     fieldOfView: 30,
     projection: "perspective",
     pictureScale: 1,
+    filmSeconds: 10,
     navigation: "orbit",
     frozen: false,
     split: false,

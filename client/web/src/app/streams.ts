@@ -65,6 +65,11 @@ export class Streams {
     return this.main.statistics().bytesPerSecond + (this.uniform?.statistics().bytesPerSecond ?? 0);
   }
 
+  /// Whether all points of the newest views are there.
+  get isAnswered(): boolean {
+    return [this.main, this.uniform].every((view) => view === null || view.statistics().last?.sequence === view.lastLook);
+  }
+
   /// Lets streams that wait before they reconnect do so now.
   retryNow(): void {
     this.main.retryNow();

@@ -24,6 +24,11 @@ export class ViewPacer {
     else this.askNow();
   }
 
+  /// Whether a view has still to be asked for.
+  get isWaiting(): boolean {
+    return this.isDue;
+  }
+
   /// Notes that the processor has drawn.
   drawn(): void {
     if (this.isDue) this.request();

@@ -16,7 +16,7 @@ import type { Measured, MeasureKind } from "./measures";
 import type { OverlayLine } from "./overlay_lines";
 import { frustumLines, markDots } from "./overlay_shapes";
 import { PicturePlaces, type Shown } from "./picture_places";
-import { shrunk } from "./shrunk";
+import { pngOf, shrunk } from "./canvas_copies";
 import { firstCamera, lookFrom, type UpAxis, withFieldOfView, withUp } from "./standard_views";
 import { type CameraState, defaultStyle, type FrozenCamera, type Pick, type Style, type Vec } from "./types";
 import { openContext } from "./webgl_context";
@@ -298,25 +298,25 @@ export class Viewport {
     if (this.isLost) return Promise.reject(new Error("The graphics card was lost."));
     const { width, height } = this.size;
     const largest = this.renderer.capabilities.maxTextureSize / Math.max(width * this.stores.length, height);
+    return pngOf(this.still(Math.min(scale, largest)));
+  }
+
+  /// Draws the picture with all its points. Returns the canvas, which has it until the caller's task ends.
+  still(scale = 1): HTMLCanvasElement {
     this.drawing.completeEnds(this.styleNow);
-    this.render({ ...fine, scale: Math.min(scale, largest) });
+    this.render({ ...fine, scale });
     this.invalidate(); // the canvas has another size now
-    return new Promise((resolve, reject) => {
-      this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture cannot be read."))), "image/png");
-    });
+    return this.canvas;
   }
 
   /// Returns the picture at a small size, cut to its form, as a data URL; null while the graphics card is lost.
   thumbnail(width: number, height: number): string | null {
     if (this.isLost) return null;
     const scale = Math.min(1, Math.max((2 * width) / this.size.width, (2 * height) / this.size.height));
-    this.render({ ...fine, scale });
-    this.invalidate(); // the canvas has another size now
-    return shrunk(this.canvas, width, height);
+    return shrunk(this.still(scale), width, height);
   }
 
   dispose(): void {
-    this.clock.pause(true);
     this.ended.abort();
     this.pixels.dispose();
     this.controls.dispose();

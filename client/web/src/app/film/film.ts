@@ -1,0 +1,98 @@
+// A film of the surface: each picture waits for its own points, so that a slow line or machine makes no worse a film.
+
+import { asCurvecastError } from "../../stream";
+import type { CameraState, Viewport } from "../../view";
+import type { Messages } from "../messages";
+import { passing, turned } from "./camera_path";
+import { WebmWriter } from "./webm";
+
+const picturesPerSecond = 30;
+
+const longestAnswer = 5000; // ms that a picture waits for its points: then what there is has to do
+
+const nextFrame = (): Promise<unknown> => new Promise((resolve) => requestAnimationFrame(resolve));
+
+/// Films a turn about the surface, or the way past views that were kept.
+export class Film {
+  private views: CameraState[] = [];
+  private stop: (() => void) | null = null; // the film that is being made
+
+  /// `isAnswered`: whether the points of the newest view are there.
+  constructor(
+    private readonly viewport: Viewport,
+    private readonly messages: Messages,
+    private readonly isAnswered: () => boolean,
+  ) {}
+
+  /// Keeps the view of the moment: the film passes it.
+  addView(): void {
+    const { viewport, messages } = this;
+    this.views.push(viewport.camera);
+    messages.notice(
+      this.views.length === 1
+        ? "The film begins here; one more view at least, or it is a turn"
+        : `The film passes ${this.views.length} views`,
+    );
+  }
+
+  /// Forgets all views: the film is a turn again.
+  clearViews(): void {
+    this.views = [];
+  }
+
+  /// Makes a film, and returns it; null where the user has stopped it, it failed, or one is being made. The camera comes back.
+  async make(seconds: number): Promise<Blob | null> {
+    if (this.stop !== null) return null;
+    const { viewport, messages } = this;
+    const before = viewport.camera;
+    let isStopped = false;
+    this.stop = () => (isStopped = true);
+    const cancel = (event: KeyboardEvent): void => {
+      if (event.key === "Escape") this.stop?.();
+    };
+    window.addEventListener("keydown", cancel);
+    try {
+      return await this.record(before, seconds, () => isStopped);
+    } catch (thrown) {
+      messages.failure("The film cannot be made", asCurvecastError(thrown));
+      return null;
+    } finally {
+      window.removeEventListener("keydown", cancel);
+      this.stop = null;
+      messages.hideBanner("film");
+      viewport.camera = before;
+    }
+  }
+
+  private async record(from: CameraState, seconds: number, isStopped: () => boolean): Promise<Blob | null> {
+    const { viewport, messages } = this;
+    const even = (side: number): number => Math.max(2, side - (side % 2));
+    const canvas = document.createElement("canvas");
+    const { width, height } = viewport.size;
+    [canvas.width, canvas.height] = [even(width), even(height)];
+    const context = canvas.getContext("2d")!;
+    const writer = await WebmWriter.open(canvas, picturesPerSecond);
+    const count = Math.max(2, Math.round(seconds * picturesPerSecond));
+    const views = this.views;
+    for (let i = 0; i < count; ++i) {
+      if (isStopped()) {
+        await writer.cancel();
+        return null;
+      }
+      if (i % 10 === 0) {
+        messages.showBanner("film", `Filming: picture ${i + 1} of ${count}`, { text: "Stop", run: () => this.stop?.() });
+      }
+      viewport.camera = views.length > 1 ? passing(views, i / (count - 1)) : turned(from, i / count);
+      await this.untilAnswered();
+      context.drawImage(viewport.still(), 0, 0, canvas.width, canvas.height);
+      await writer.add();
+    }
+    return writer.finish();
+  }
+
+  private async untilAnswered(): Promise<void> {
+    const end = performance.now() + longestAnswer;
+    // Views leave the page with its next frame.
+    for (let frames = 0; frames < 2 || (!this.isAnswered() && performance.now() < end); ++frames) await nextFrame();
+  }
+}
