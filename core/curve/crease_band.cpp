@@ -166,4 +166,10 @@ void fill_crease_band(const SurfaceData& data, SurfaceCurve& curve, const Execut
   if (!is_any) curve.beside.resize(0);
 }
 
+Direction8 beside_within(const SurfaceCurve& curve, std::size_t l, const Vec3f& normal) {
+  const Direction8 beside = curve.beside[l];
+  if (beside.is_none() || normal.dot(beside.unpacked<Vec3f>()) <= normal.dot(curve.normal(l))) return beside;
+  return Direction8(curve.normal(l));
+}
+
 }  // namespace curvecast

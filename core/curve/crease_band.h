@@ -16,8 +16,12 @@ inline constexpr double kCreaseBand = 0.015;
 inline constexpr std::size_t kMostCreaseFaces = 500'000;
 
 /// Sets curve.beside from its positions and normals and the surface's creases; leaves it empty where no vertex is beside one, or
-/// there are more than kMostCreaseFaces. A finer curve has it from the coarser: within a leaf it is the same.
+/// there are more than kMostCreaseFaces. A finer curve has it from the coarser, by beside_within().
 /// Runs on all threads of the arena; is cut short, with a column that means nothing, once the context is cancelled.
 void fill_crease_band(const SurfaceData& data, SurfaceCurve& curve, const ExecutionContext& context = {});
+
+/// Returns what lies beside a part of vertex l's leaf that faces `normal`: on the crease's other side that is what l itself
+/// faces. Precondition: curve.beside is not empty.
+Direction8 beside_within(const SurfaceCurve& curve, std::size_t l, const Vec3f& normal);
 
 }  // namespace curvecast

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/curve/area_element.h"
+#include "core/curve/crease_band.h"
 #include "core/curve/curve_columns.h"
 
 namespace curvecast {
@@ -218,12 +219,15 @@ void share_areas(const SurfaceCurve& old, std::span<const std::uint32_t> divided
   }
 }
 
-/// Gives the children what their parents have.
-template <typename T>
-void take_from_parents(std::span<const T> old, std::span<const std::uint32_t> divided, std::span<const std::uint32_t> children,
-                       std::span<T> fresh) {
-  auto to = fresh.begin();
-  for (std::size_t i = 0; i < divided.size(); ++i) to = std::fill_n(to, children[i], old[divided[i]]);
+/// Gives the children what lies beside their parents.
+void inherit_beside(const SurfaceCurve& old, std::span<const std::uint32_t> divided, std::span<const std::uint32_t> children,
+                    SurfaceCurve& fresh) {
+  std::size_t child = 0;
+  for (std::size_t i = 0; i < divided.size(); ++i) {
+    for (const std::size_t end = child + children[i]; child < end; ++child) {
+      fresh.beside[child] = beside_within(old, divided[i], fresh.normal(child));
+    }
+  }
 }
 
 }  // namespace
@@ -275,7 +279,7 @@ absl::StatusOr<SurfaceCurve> split_leaves(const CurveBase& base, const SurfaceCu
     if (absl::Status status = context.check(); !status.ok()) return status;
   }
   share_areas(curve, divided, children, fresh.area);
-  if (!curve.beside.empty()) take_from_parents<Direction8>(curve.beside, divided, children, fresh.beside);
+  if (!curve.beside.empty()) inherit_beside(curve, divided, children, fresh);
   out.resize(total, base.data.colour != nullptr, !curve.beside.empty());
   merge(make_runs(curve.size(), divided, children), curve, fresh, out);
   context.progress("map", 1);

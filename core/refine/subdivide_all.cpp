@@ -9,6 +9,7 @@
 
 #include "core/base/simd.h"
 #include "core/curve/adaptive_quadtree.h"
+#include "core/curve/crease_band.h"
 
 namespace curvecast {
 namespace {
@@ -103,7 +104,6 @@ CURVECAST_WIDE void divide(const CurveBase& base, const SurfaceMapper& mapper, c
       out.key[i] = key;
       out.level[i] = static_cast<std::uint8_t>(level);
       out.area[i] = area;
-      if (!curve.beside.empty()) out.beside[i] = curve.beside[l];
     };
     // Every parent starts from its own triangle, so that the ends of the blocks show nowhere.
     std::uint32_t triangle = base.triangle_in(block.disc, curve.triangle[l]);
@@ -133,6 +133,11 @@ CURVECAST_WIDE void divide(const CurveBase& base, const SurfaceMapper& mapper, c
     }
   }
   flush();
+  std::size_t child = block.at;
+  for (std::size_t l = block.begin; l < block.end && !curve.beside.empty(); ++l) {
+    const std::size_t end = child + (std::size_t{1} << 2 * levels_of(curve, l, levels));
+    for (; child < end; ++child) out.beside[child] = beside_within(curve, l, out.normal(child));
+  }
 }
 
 }  // namespace

@@ -84,10 +84,10 @@ TEST(CreaseBand, IsThereOnlyWhereCreasesAre) {
 }
 
 TEST(CreaseBand, AFinerCurveHasItFromTheCoarser) {
-  const auto shape = refinable(cube(), 5000);
-  const double leaf = 0.004 * shape->curve().box.diagonal();
+  const auto shape = refinable(cube(), 20'000);
+  const double leaf = 0.006 * shape->curve().box.diagonal();
   for (const CurveDemand& demand :
-       {CurveDemand{.points = 400'000}, CurveDemand{.points = 100'000, .density = seen_from({0.3, 2, 5})}}) {
+       {CurveDemand{.points = 300'000}, CurveDemand{.points = 100'000, .density = seen_from({0.3, 2, 5})}}) {
     const absl::StatusOr<RefinedCurve> finer = refine(*shape->base, shape->curve(), {&demand, 1}, {});
     ASSERT_TRUE(finer.ok()) << finer.status();
     ASSERT_NE(finer->curve, nullptr);
