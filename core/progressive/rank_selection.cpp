@@ -310,12 +310,14 @@ void RankSelector::evaluate(const View& view, const RankChunk& chunk, std::size_
   } else {
     for (std::size_t i = 0; i < n; ++i) density[i] = view.density->density[chunk.vertex[begin + i]];
   }
+  VertexColumns vertices = {&chunk.x[begin],  &chunk.y[begin],  &chunk.z[begin],
+                            &chunk.nx[begin], &chunk.ny[begin], &chunk.nz[begin]};
   const std::span<const Direction8> of_vertex = view.factor.beside();
-  Direction8 beside[kChunkStrata];
-  for (std::size_t i = 0; !of_vertex.empty() && i < n; ++i) beside[i] = of_vertex[chunk.vertex[begin + i]];
-  view.factor.multiply({&chunk.x[begin], &chunk.y[begin], &chunk.z[begin], &chunk.nx[begin], &chunk.ny[begin], &chunk.nz[begin],
-                        of_vertex.empty() ? nullptr : beside},
-                       n, density);
+  if (of_vertex.empty()) return view.factor.multiply(vertices, n, density);
+  Direction8 beside[kChunkStrata];  // only here: it costs to be made
+  for (std::size_t i = 0; i < n; ++i) beside[i] = of_vertex[chunk.vertex[begin + i]];
+  vertices.beside = beside;
+  view.factor.multiply(vertices, n, density);
 }
 
 void RankSelector::mark(std::size_t v, float above, float upto) {

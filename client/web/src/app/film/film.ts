@@ -15,7 +15,7 @@ const nextFrame = (): Promise<unknown> => new Promise((resolve) => requestAnimat
 /// Films a turn about the surface, or the way past views that were kept.
 export class Film {
   private views: CameraState[] = [];
-  private stop: (() => void) | null = null; // the film that is being made
+  private making: AbortController | null = null; // the film that is being made
 
   /// `isAnswered`: whether the points of the newest view are there.
   constructor(
@@ -42,29 +42,28 @@ export class Film {
 
   /// Makes a film, and returns it; null where the user has stopped it, it failed, or one is being made. The camera comes back.
   async make(seconds: number): Promise<Blob | null> {
-    if (this.stop !== null) return null;
+    if (this.making !== null) return null;
     const { viewport, messages } = this;
     const before = viewport.camera;
-    let isStopped = false;
-    this.stop = () => (isStopped = true);
-    const cancel = (event: KeyboardEvent): void => {
-      if (event.key === "Escape") this.stop?.();
+    const making = (this.making = new AbortController());
+    const press = (event: KeyboardEvent): void => {
+      if (event.key === "Escape") making.abort();
     };
-    window.addEventListener("keydown", cancel);
+    window.addEventListener("keydown", press);
     try {
-      return await this.record(before, seconds, () => isStopped);
+      return await this.record(before, seconds, making);
     } catch (thrown) {
       messages.failure("The film cannot be made", asCurvecastError(thrown));
       return null;
     } finally {
-      window.removeEventListener("keydown", cancel);
-      this.stop = null;
+      window.removeEventListener("keydown", press);
+      this.making = null;
       messages.hideBanner("film");
       viewport.camera = before;
     }
   }
 
-  private async record(from: CameraState, seconds: number, isStopped: () => boolean): Promise<Blob | null> {
+  private async record(from: CameraState, seconds: number, making: AbortController): Promise<Blob | null> {
     const { viewport, messages } = this;
     const even = (side: number): number => Math.max(2, side - (side % 2));
     const canvas = document.createElement("canvas");
@@ -75,12 +74,12 @@ export class Film {
     const count = Math.max(2, Math.round(seconds * picturesPerSecond));
     const views = this.views;
     for (let i = 0; i < count; ++i) {
-      if (isStopped()) {
+      if (making.signal.aborted) {
         await writer.cancel();
         return null;
       }
       if (i % 10 === 0) {
-        messages.showBanner("film", `Filming: picture ${i + 1} of ${count}`, { text: "Stop", run: () => this.stop?.() });
+        messages.showBanner("film", `Filming: picture ${i + 1} of ${count}`, { text: "Stop", run: () => making.abort() });
       }
       viewport.camera = views.length > 1 ? passing(views, i / (count - 1)) : turned(from, i / count);
       await this.untilAnswered();
