@@ -32,20 +32,6 @@ struct VertexColumns {
   }
 };
 
-/// Whether what faces away counts beside a crease, as what is seen on the other side of it: the discs there end at those here.
-enum class BesideCreases : bool { kNot, kToo };
-
-/// How much vertex i faces a direction (dx, dy, dz): the scalar product with its normal, or with the one beside it where it faces
-/// away and that one does not. Above 0 where it counts.
-template <BesideCreases kBeside>
-[[gnu::always_inline]] inline float facing(const VertexColumns& vertices, std::size_t i, float dx, float dy, float dz) {
-  const float own = dx * vertices.nx[i] + dy * vertices.ny[i] + dz * vertices.nz[i];
-  if constexpr (kBeside == BesideCreases::kNot) return own;
-  const Direction8 n = vertices.beside[i];
-  const float beside = (dx * n.x + dy * n.y + dz * n.z) * (1 / Direction8::kOne);
-  return own > 0 ? own : beside;
-}
-
 /// Columns of blocks of curve vertices; see CurveBlocks.
 struct BlockColumns {
   const float *x, *y, *z, *radius, *nx, *ny, *nz, *spread;
@@ -64,6 +50,8 @@ struct BlockColumns {
 /// The value (x, y, z) . p + offset, in diagonals, of a position p relative to the curve's origin and in the file's units.
 struct AffineForm {
   float x, y, z, offset;
+
+  [[gnu::always_inline]] float at(float px, float py, float pz) const { return x * px + y * py + z * pz + offset; }
 };
 
 struct CameraFrame {

@@ -79,16 +79,16 @@ absl::Status check(const BrushTerm& term) {
 
 absl::Status check(const ExpressionTerm& term) { return check_expression(term.text); }
 
-bool is_fixed(const DensityTerm& term) {
-  return std::holds_alternative<PictureTerm>(term) || (!is_camera_term(term) && !std::holds_alternative<UniformTerm>(term));
-}
-
 }  // namespace
 
 bool is_camera_term(const DensityTerm& term) {
   return std::holds_alternative<ViewTerm>(term) || std::holds_alternative<DistanceTerm>(term) ||
          std::holds_alternative<FrustumTerm>(term) || std::holds_alternative<ScreenTerm>(term) ||
          std::holds_alternative<PictureTerm>(term);
+}
+
+bool is_fixed_term(const DensityTerm& term) {
+  return std::holds_alternative<PictureTerm>(term) || (!is_camera_term(term) && !std::holds_alternative<UniformTerm>(term));
 }
 
 absl::Status check_density(const Density& density) {
@@ -110,7 +110,7 @@ absl::Status check_density(const Density& density) {
   return absl::OkStatus();
 }
 
-bool has_fixed_terms(std::span<const DensityTerm> terms) { return std::any_of(terms.begin(), terms.end(), is_fixed); }
+bool has_fixed_terms(std::span<const DensityTerm> terms) { return std::any_of(terms.begin(), terms.end(), is_fixed_term); }
 
 absl::Status evaluate_fixed_terms(const SurfaceCurve& curve, std::span<const DensityTerm> terms, std::span<float> density,
                                   const ExecutionContext& context) {

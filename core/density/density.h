@@ -135,7 +135,8 @@ bool is_camera_term(const DensityTerm& term);
 /// Checks a density. InvalidArgument names the term, or the camera, and the field that is out of range or not finite.
 absl::Status check_density(const Density& density);
 
-/// Says whether any term is fixed, or a picture term: differs over the surface in a way that is the same for all cameras.
+/// Say whether a term, or any, is fixed, or a picture term: differs over the surface in a way that is the same for all cameras.
+bool is_fixed_term(const DensityTerm& term);
 bool has_fixed_terms(std::span<const DensityTerm> terms);
 
 /// Writes the product of the fixed terms at every curve vertex (L entries, relative values). InvalidArgument: the curve has no

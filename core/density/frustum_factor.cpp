@@ -9,19 +9,15 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-[[gnu::always_inline]] inline float at(const AffineForm& form, float x, float y, float z) {
-  return form.x * x + form.y * y + form.z * z + form.offset;
-}
-
 }  // namespace
 
 CURVECAST_WIDE void FrustumFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
   const float *x = vertices.x, *y = vertices.y, *z = vertices.z;
   const auto [a, b, c, d, e] = sides_;
   for (std::size_t i = 0; i < n; ++i) {
-    const float upright = fast_min(at(a, x[i], y[i], z[i]), at(b, x[i], y[i], z[i]));
-    const float across = fast_min(at(c, x[i], y[i], z[i]), at(d, x[i], y[i], z[i]));
-    factor[i] *= fast_min(fast_min(upright, across), at(e, x[i], y[i], z[i])) >= 0 ? 1.0f : 0.0f;
+    const float upright = fast_min(a.at(x[i], y[i], z[i]), b.at(x[i], y[i], z[i]));
+    const float across = fast_min(c.at(x[i], y[i], z[i]), d.at(x[i], y[i], z[i]));
+    factor[i] *= fast_min(fast_min(upright, across), e.at(x[i], y[i], z[i])) >= 0 ? 1.0f : 0.0f;
   }
 }
 
@@ -31,9 +27,9 @@ CURVECAST_WIDE void FrustumFactor::multiply_blocks(const BlockColumns& blocks, s
   const auto [a, b, c, d, e] = sides_;
   const float scale = scale_, blur = blur_;
   for (std::size_t i = 0; i < n; ++i) {
-    const float upright = fast_min(at(a, x[i], y[i], z[i]), at(b, x[i], y[i], z[i]));
-    const float across = fast_min(at(c, x[i], y[i], z[i]), at(d, x[i], y[i], z[i]));
-    const float inside = fast_min(fast_min(upright, across), at(e, x[i], y[i], z[i]));
+    const float upright = fast_min(a.at(x[i], y[i], z[i]), b.at(x[i], y[i], z[i]));
+    const float across = fast_min(c.at(x[i], y[i], z[i]), d.at(x[i], y[i], z[i]));
+    const float inside = fast_min(fast_min(upright, across), e.at(x[i], y[i], z[i]));
     const float reach = scale * radius[i] + blur;
     factor[i] *= inside < -reach ? 0.0f : 1.0f;
     change[i] = (1 + change[i]) * (inside < -reach || inside > reach ? 1.0f : kInfinity) - 1;

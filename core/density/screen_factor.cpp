@@ -11,18 +11,12 @@ namespace curvecast {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kLeastCosine = static_cast<float>(kLeastSlant);
-constexpr float kNear = static_cast<float>(kNearPlane);
 constexpr float kSlack = 1e-5f;
-
-[[gnu::always_inline]] inline float at(const AffineForm& form, float x, float y, float z) {
-  return form.x * x + form.y * y + form.z * z + form.offset;
-}
 
 /// Pixels per area: of what is seen with this cosine, at this distance from the eye and depth along the view.
 [[gnu::always_inline]] inline float covered(float weight, float cosine, float distance, float depth) {
-  const float z = fast_max(depth, kNear);
-  return fast_min(weight * fast_max(fast_min(cosine, 1.0f), kLeastCosine) * distance / (z * z * z), kMostOnScreen);
+  const float counted = fast_max(fast_min(cosine, 1.0f), static_cast<float>(kLeastSlant));
+  return fast_min(pixels_on_screen(weight, counted, distance, depth), kMostOnScreen);
 }
 
 /// Pixels per length of the file, of what is seen squarely at a depth of 1 in the frame.
@@ -46,7 +40,7 @@ ScreenWeights screen_weights(std::span<const Camera> cameras, std::span<const Ca
   return out;
 }
 
-ScreenFactor::ScreenFactor(const CameraFrame& frame, float weight, BesideCreases beside)
+ScreenFactor::ScreenFactor(const CameraFrame& frame, float weight)
     : x_(frame.x),
       y_(frame.y),
       z_(frame.z),
@@ -55,33 +49,22 @@ ScreenFactor::ScreenFactor(const CameraFrame& frame, float weight, BesideCreases
       depth_(frame.depth),
       depth_reach_(frame.depth_reach),
       depth_blur_(frame.is_orthographic ? 0 : frame.blur),
-      weight_(weight),
-      beside_(beside) {}
+      weight_(weight) {}
 
-template <BesideCreases kBeside>
-[[gnu::always_inline]] inline void ScreenFactor::multiply_each(const VertexColumns& vertices, std::size_t n,
-                                                               float* factor) const {
-  const VertexColumns v = vertices;
+CURVECAST_WIDE void ScreenFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
+  const float *x = vertices.x, *y = vertices.y, *z = vertices.z;
+  const Snorm16 *nx = vertices.nx, *ny = vertices.ny, *nz = vertices.nz;
   const float ex = x_, ey = y_, ez = z_, slope = slope_, weight = weight_;
   const AffineForm form = depth_;
   for (std::size_t i = 0; i < n; ++i) {
-    const float dx = ex - slope * v.x[i], dy = ey - slope * v.y[i], dz = ez - slope * v.z[i];
+    const float dx = ex - slope * x[i], dy = ey - slope * y[i], dz = ez - slope * z[i];
     const float square = dx * dx + dy * dy + dz * dz;
-    const float towards = facing<kBeside>(v, i, dx, dy, dz);
+    const float facing = dx * nx[i] + dy * ny[i] + dz * nz[i];
     const float distance = std::sqrt(square > kLeastSquare ? square : kLeastSquare);
-    const float depth = at(form, v.x[i], v.y[i], v.z[i]);
-    const float value = covered(weight, towards / distance, distance, depth);
-    factor[i] *= fast_min(towards, depth) > 0 ? value : 0.0f;
+    const float depth = form.at(x[i], y[i], z[i]);
+    const float value = covered(weight, facing / distance, distance, depth);
+    factor[i] *= fast_min(facing, depth) > 0 ? value : 0.0f;
   }
-}
-
-CURVECAST_WIDE void ScreenFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
-  if (beside_ == BesideCreases::kToo && vertices.beside != nullptr) return multiply_creased(vertices, n, factor);
-  multiply_each<BesideCreases::kNot>(vertices, n, factor);
-}
-
-CURVECAST_WIDE void ScreenFactor::multiply_creased(const VertexColumns& vertices, std::size_t n, float* factor) const {
-  multiply_each<BesideCreases::kToo>(vertices, n, factor);
 }
 
 CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor,
@@ -99,7 +82,7 @@ CURVECAST_WIDE void ScreenFactor::multiply_blocks(const BlockColumns& blocks, st
     const float reach = slope * radius[i] + blur;
     const float sine = reach * inverse;  // as in SilhouetteFactor
     const float most = spread[i] + (sine < 0.5f ? 1.05f * sine : 2.0f) + kCosineBlur;
-    const float depth = at(form, x[i], y[i], z[i]), deep = depth_reach * radius[i] + depth_blur;
+    const float depth = form.at(x[i], y[i], z[i]), deep = depth_reach * radius[i] + depth_blur;
     const float value = covered(weight, cosine, distance, depth);
     const float high = covered(weight, cosine + most, distance + reach, depth - deep);
     const float low = covered(weight, cosine - most, fast_max(distance - reach, 0.0f), depth + deep);

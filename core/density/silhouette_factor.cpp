@@ -13,36 +13,25 @@ constexpr float kSlack = 1e-6f;
 
 }  // namespace
 
-SilhouetteFactor::SilhouetteFactor(const CameraFrame& frame, const ViewTerm& term, BesideCreases beside)
+SilhouetteFactor::SilhouetteFactor(const CameraFrame& frame, const ViewTerm& term)
     : x_(frame.x),
       y_(frame.y),
       z_(frame.z),
       slope_(frame.slope),
       s0_(static_cast<float>(term.s0)),
-      blur_(frame.is_orthographic ? 0 : frame.blur),
-      beside_(beside) {}
-
-template <BesideCreases kBeside>
-[[gnu::always_inline]] inline void SilhouetteFactor::multiply_each(const VertexColumns& vertices, std::size_t n,
-                                                                   float* factor) const {
-  const VertexColumns v = vertices;
-  const float ex = x_, ey = y_, ez = z_, slope = slope_, s0 = s0_;
-  for (std::size_t i = 0; i < n; ++i) {
-    const float dx = ex - slope * v.x[i], dy = ey - slope * v.y[i], dz = ez - slope * v.z[i];
-    const float square = dx * dx + dy * dy + dz * dz;
-    const float towards = facing<kBeside>(v, i, dx, dy, dz);
-    const float cosine = towards / std::sqrt(square > kLeastSquare ? square : kLeastSquare);
-    factor[i] *= towards > 0 ? (1 - (cosine < 1 ? cosine : 1.0f)) + s0 : 0.0f;
-  }
-}
+      blur_(frame.is_orthographic ? 0 : frame.blur) {}
 
 CURVECAST_WIDE void SilhouetteFactor::multiply(const VertexColumns& vertices, std::size_t n, float* factor) const {
-  if (beside_ == BesideCreases::kToo && vertices.beside != nullptr) return multiply_creased(vertices, n, factor);
-  multiply_each<BesideCreases::kNot>(vertices, n, factor);
-}
-
-CURVECAST_WIDE void SilhouetteFactor::multiply_creased(const VertexColumns& vertices, std::size_t n, float* factor) const {
-  multiply_each<BesideCreases::kToo>(vertices, n, factor);
+  const float *x = vertices.x, *y = vertices.y, *z = vertices.z;
+  const Snorm16 *nx = vertices.nx, *ny = vertices.ny, *nz = vertices.nz;
+  const float ex = x_, ey = y_, ez = z_, slope = slope_, s0 = s0_;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float dx = ex - slope * x[i], dy = ey - slope * y[i], dz = ez - slope * z[i];
+    const float square = dx * dx + dy * dy + dz * dz;
+    const float facing = dx * nx[i] + dy * ny[i] + dz * nz[i];
+    const float cosine = facing / std::sqrt(square > kLeastSquare ? square : kLeastSquare);
+    factor[i] *= facing > 0 ? (1 - (cosine < 1 ? cosine : 1.0f)) + s0 : 0.0f;
+  }
 }
 
 CURVECAST_WIDE void SilhouetteFactor::multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor,

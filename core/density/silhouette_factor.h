@@ -9,19 +9,14 @@ namespace curvecast {
 
 class SilhouetteFactor {
  public:
-  SilhouetteFactor(const CameraFrame& frame, const ViewTerm& term, BesideCreases beside = BesideCreases::kNot);
+  SilhouetteFactor(const CameraFrame& frame, const ViewTerm& term);
 
   // See ViewFactor.
   void multiply(const VertexColumns& vertices, std::size_t n, float* factor) const;
   void multiply_blocks(const BlockColumns& blocks, std::size_t n, float* __restrict factor, float* __restrict change) const;
 
  private:
-  template <BesideCreases kBeside>
-  void multiply_each(const VertexColumns& vertices, std::size_t n, float* factor) const;
-  void multiply_creased(const VertexColumns& vertices, std::size_t n, float* factor) const;
-
   float x_, y_, z_, slope_, s0_, blur_;
-  BesideCreases beside_;
 };
 
 }  // namespace curvecast

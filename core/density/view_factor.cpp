@@ -19,6 +19,19 @@ CURVECAST_WIDE void take_most(const float* __restrict factor, const float* __res
   for (std::size_t i = 0; i < n; ++i) most[i] *= change[i] < kInfinity ? factor[i] * (1 + change[i]) : factor[i];
 }
 
+/// Takes one more factor into an upper bound on n blocks.
+template <typename Factor>
+void multiply_most(const Factor& factor, const BlockColumns& blocks, std::size_t n, float* most) {
+  float value[kBatch], change[kBatch];
+  std::fill_n(value, n, 1.0f);
+  std::fill_n(change, n, 0.0f);
+  factor.multiply_blocks(blocks, n, value, change);
+  take_most(value, change, n, most);
+}
+void multiply_most(const PictureFactor& factor, const BlockColumns& blocks, std::size_t n, float* most) {
+  factor.multiply_most(blocks, n, most);
+}
+
 /// Takes one more camera into what is most, at most and at least among them.
 CURVECAST_WIDE void take_larger(const float* __restrict factor, const float* __restrict change, std::size_t n,
                                 float* __restrict middle, float* __restrict high, float* __restrict low) {
@@ -46,6 +59,9 @@ ViewFactor::ViewFactor(const SurfaceCurve& curve, const Density& density) {
   for (const Camera& camera : density.cameras) frames.emplace_back(camera, curve.origin, curve.box);
   const ScreenWeights weights = screen_weights(density.cameras, frames);
   pixels_ = weights.pixels;
+  const auto is_picture = [](const DensityTerm& term) { return std::holds_alternative<PictureTerm>(term); };
+  is_fixed_by_detail_ =
+      std::ranges::count_if(density.terms, is_fixed_term) == 1 && std::ranges::any_of(density.terms, is_picture);
   for (std::size_t c = 0; c < frames.size(); ++c) {
     std::vector<Factor>& factors = cameras_.emplace_back();
     for (const DensityTerm& term : density.terms) {
@@ -54,10 +70,9 @@ ViewFactor::ViewFactor(const SurfaceCurve& curve, const Density& density) {
       if (std::holds_alternative<FrustumTerm>(term)) factors.emplace_back(FrustumFactor(frames[c]));
       if (std::holds_alternative<ScreenTerm>(term)) factors.emplace_back(ScreenFactor(frames[c], weights.of_camera[c]));
       if (std::holds_alternative<PictureTerm>(term)) {
-        factors.emplace_back(ScreenFactor(frames[c], weights.of_camera[c], BesideCreases::kToo));
-        factors.emplace_back(SilhouetteFactor(frames[c], {.s0 = kPictureFloor}, BesideCreases::kToo));
         beside_ = curve.beside;
-        factors.emplace_back(FrustumFactor(CameraFrame(with_margin(density.cameras[c]), curve.origin, curve.box)));
+        const CameraFrame wider(with_margin(density.cameras[c]), curve.origin, curve.box);
+        factors.emplace_back(PictureFactor(frames[c], wider, weights.of_camera[c]));
       }
     }
   }
@@ -120,17 +135,14 @@ void ViewFactor::most_of_blocks(const BlockColumns& blocks, std::size_t n, float
     std::fill_n(most, n, 1.0f);
     return;
   }
-  float value[kBatch], change[kBatch], of_camera[kBatch];
+  float of_camera[kBatch];
   for (std::size_t first = 0; first < n; first += kBatch, most += kBatch) {
     const std::size_t count = std::min(kBatch, n - first);
     std::fill_n(most, count, 0.0f);
     for (const std::vector<Factor>& factors : cameras_) {
       std::fill_n(of_camera, count, 1.0f);
       for (const Factor& one : factors) {
-        std::fill_n(value, count, 1.0f);
-        std::fill_n(change, count, 0.0f);
-        std::visit([&](const auto& f) { f.multiply_blocks(blocks.from(first), count, value, change); }, one);
-        take_most(value, change, count, of_camera);
+        std::visit([&](const auto& f) { multiply_most(f, blocks.from(first), count, of_camera); }, one);
       }
       for (std::size_t i = 0; i < count; ++i) most[i] = std::max(most[i], of_camera[i]);
     }

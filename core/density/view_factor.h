@@ -11,6 +11,7 @@
 #include "core/density/density.h"
 #include "core/density/distance_factor.h"
 #include "core/density/frustum_factor.h"
+#include "core/density/picture_factor.h"
 #include "core/density/screen_factor.h"
 #include "core/density/silhouette_factor.h"
 
@@ -27,6 +28,8 @@ class ViewFactor {
   bool is_one() const { return cameras_.empty(); }
   /// Returns the curve's normals beside creases (L), where it looks at them; else nothing. The curve outlives them.
   std::span<const Direction8> beside() const { return beside_; }
+  /// Says whether PictureDetail is all that the density has besides: ranked points know it.
+  bool is_fixed_by_detail() const { return is_fixed_by_detail_; }
 
   /// Multiplies factor[i] by the view's factor at vertex i of n.
   void multiply(const VertexColumns& vertices, std::size_t n, float* factor) const;
@@ -44,11 +47,12 @@ class ViewFactor {
   double pixels() const { return pixels_; }
 
  private:
-  using Factor = std::variant<SilhouetteFactor, DistanceFactor, FrustumFactor, ScreenFactor>;
+  using Factor = std::variant<SilhouetteFactor, DistanceFactor, FrustumFactor, ScreenFactor, PictureFactor>;
 
   std::vector<std::vector<Factor>> cameras_;
   double pixels_ = 0;
   std::span<const Direction8> beside_;
+  bool is_fixed_by_detail_ = false;
 };
 
 }  // namespace curvecast

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/density/picture_detail.h"
+
 namespace curvecast {
 namespace {
 
@@ -16,6 +18,7 @@ void fill_bounds(const StratumBounds& bounds, RankChunk& chunk) {
     out.nx[r] = bound.normal.x(), out.ny[r] = bound.normal.y(), out.nz[r] = bound.normal.z();
     out.radius[r] = bound.radius;
     out.spread[r] = bound.spread;
+    out.detail[r] = bound.detail;
     chunk.first_vertex[r] = bound.first_vertex;
     chunk.last_vertex[r] = bound.last_vertex;
   }
@@ -33,6 +36,21 @@ std::array<const RankedPoint*, kChunkStrata> in_layers(const ChunkId& id, std::s
 }
 
 }  // namespace
+
+void fill_from_curve(const SurfaceCurve& curve, RankChunk& chunk) {
+  const PictureDetail detail(curve);
+  chunk.detail.clear();
+  for (const std::uint32_t vertex : chunk.vertex) chunk.detail.emplace_back(detail.at(vertex));
+  chunk.beside.clear();
+  chunk.runs_beside = 0;
+  if (curve.beside.empty()) return;
+  for (std::size_t i = 0; i < chunk.size(); ++i) {
+    const bool is_beside = !curve.beside[chunk.vertex[i]].is_none();
+    if (is_beside) chunk.runs_beside |= static_cast<std::uint16_t>(1 << i % kLayerStrata / kRunPoints);
+  }
+  if (chunk.runs_beside == 0) return;
+  for (const std::uint32_t vertex : chunk.vertex) chunk.beside.push_back(curve.beside[vertex]);
+}
 
 RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, const StratumBounds& bounds,
                      const LeafSurface& surface) {
@@ -58,6 +76,7 @@ RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, con
       chunk.colour.push_back(surface.colour(p.vertex, p.face, {p.weight_1, p.weight_2}, stratum_share));
     }
   }
+  fill_from_curve(surface.curve(), chunk);
   fill_bounds(bounds, chunk);
   return chunk;
 }

@@ -81,6 +81,7 @@ class LastUse {
 struct RunBounds {
   float x[kChunkRuns], y[kChunkRuns], z[kChunkRuns], radius[kChunkRuns];
   float nx[kChunkRuns], ny[kChunkRuns], nz[kChunkRuns], spread[kChunkRuns];
+  float detail[kChunkRuns];  // the largest PictureDetail
 
   BlockColumns columns() const { return {x, y, z, radius, nx, ny, nz, spread}; }
 };
@@ -97,6 +98,9 @@ struct RankChunk {
   std::vector<std::uint32_t> face;          // of the repaired mesh
   std::vector<Unorm16> weight_1, weight_2;  // barycentric: of the face's second and third corner
   std::vector<Rgba8> colour;                // of the surface; empty when the mesh has none
+  std::vector<Unorm16> detail;              // PictureDetail
+  std::vector<Direction8> beside;           // see SurfaceCurve::beside; empty when no point is near a crease
+  std::uint16_t runs_beside = 0;            // a bit for each run that has points near a crease
   RunBounds bounds;
   std::array<std::uint32_t, kChunkRuns> first_vertex{}, last_vertex{};  // of each run's strata on the curve, both included
 
@@ -105,6 +109,11 @@ struct RankChunk {
   /// Returns a point's rank, as far as it is kept: the exact one down to level kWholeRankLevels.
   std::uint64_t rank_of(std::size_t point) const { return rank[point] * id.rank_step(); }
 };
+
+static_assert(kChunkRuns <= 16);
+
+/// Fills what a chunk has of the curve at its points' vertices: detail, beside and runs_beside.
+void fill_from_curve(const SurfaceCurve& curve, RankChunk& chunk);
 
 /// Makes a chunk from the kChunkStrata points of level id.level in the chunk's stratum. Points of lower levels, which belong to
 /// other chunks, are left out.

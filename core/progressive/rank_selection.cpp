@@ -85,6 +85,7 @@ void prefetch_runs(const RankChunk& chunk, const float* most, float scale) {
       for (const std::vector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) {
         prefetch(&(*column)[first], kRunPoints * sizeof(Snorm16));
       }
+      prefetch(&chunk.detail[first], kRunPoints * sizeof(Unorm16));
       prefetch(&chunk.rank[first], kRunPoints * sizeof(std::uint32_t));
     }
   }
@@ -164,7 +165,7 @@ std::size_t RankSelector::byte_size() const {
 float RankSelector::guess_scale(const View& view, std::uint64_t n) {
   const RankChunk& first = *view.tree.chunks().front();
   float factor[kChunkStrata];
-  evaluate(view, first, 0, first.size(), factor);
+  evaluate(view, first, 0, first.size(), !first.beside.empty(), factor);
   double sum = 0;
   std::size_t counted = 0;
   for (const float f : std::span(factor).first(first.size())) {
@@ -271,6 +272,10 @@ void RankSelector::for_each_visited(const Work& work) {
 
 void RankSelector::bound_runs(const View& view, const RankChunk& chunk, float* most) {
   view.factor.most_of_blocks(chunk.bounds.columns(), kChunkRuns, most);
+  if (view.factor.is_fixed_by_detail()) {
+    for (std::size_t r = 0; r < kChunkRuns; ++r) most[r] *= chunk.bounds.detail[r];
+    return;
+  }
   if (view.density == nullptr) return;
   for (std::size_t r = 0; r < kChunkRuns; ++r) {
     const std::size_t first = chunk.first_vertex[r] / kBlockSize, last = chunk.last_vertex[r] / kBlockSize;
@@ -282,19 +287,23 @@ void RankSelector::bound_runs(const View& view, const RankChunk& chunk, float* m
 bool RankSelector::fill_keys(const View& view, const RankChunk& chunk, const float* most, float scale, float* keys) {
   float factor[kLayerStrata];
   bool is_all = true;
+  const auto is_beside = [&](std::size_t r) { return (chunk.runs_beside >> r & 1) != 0; };
   for (std::size_t layer = 0; layer < chunk.layers(); ++layer) {
     const std::size_t first = layer * kLayerStrata;
     for (std::size_t r = 0; r < kChunkRuns;) {
       // Neighbouring runs of one kind are done in one go.
       const bool is_none = needs_none(chunk.id, most[r], scale, layer);
       std::size_t next = r + 1;
-      while (next < kChunkRuns && needs_none(chunk.id, most[next], scale, layer) == is_none) ++next;
+      while (next < kChunkRuns && needs_none(chunk.id, most[next], scale, layer) == is_none &&
+             (is_none || is_beside(next) == is_beside(r))) {
+        ++next;
+      }
       const std::size_t begin = first + r * kRunPoints, end = first + next * kRunPoints;
       if (is_none) {
         std::fill(keys + begin, keys + end, kInfinity);
         is_all = is_all && std::all_of(most + r, most + next, [](float m) { return m == 0; });
       } else {
-        evaluate(view, chunk, begin, end, factor);
+        evaluate(view, chunk, begin, end, is_beside(r), factor);
         to_keys(&chunk.rank[begin], static_cast<float>(chunk.id.rank_step()), factor, end - begin, keys + begin);
       }
       r = next;
@@ -303,20 +312,23 @@ bool RankSelector::fill_keys(const View& view, const RankChunk& chunk, const flo
   return is_all;
 }
 
-void RankSelector::evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, float* density) {
+void RankSelector::evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, bool is_beside,
+                            float* density) {
   const std::size_t n = end - begin;
-  if (view.density == nullptr) {
+  if (view.factor.is_fixed_by_detail()) {
+    std::copy_n(&chunk.detail[begin], n, density);
+  } else if (view.density == nullptr) {
     std::fill_n(density, n, 1.0f);
   } else {
     for (std::size_t i = 0; i < n; ++i) density[i] = view.density->density[chunk.vertex[begin + i]];
   }
-  VertexColumns vertices = {&chunk.x[begin],  &chunk.y[begin],  &chunk.z[begin],
-                            &chunk.nx[begin], &chunk.ny[begin], &chunk.nz[begin]};
-  const std::span<const Direction8> of_vertex = view.factor.beside();
-  if (of_vertex.empty()) return view.factor.multiply(vertices, n, density);
-  Direction8 beside[kChunkStrata];  // only here: it costs to be made
-  for (std::size_t i = 0; i < n; ++i) beside[i] = of_vertex[chunk.vertex[begin + i]];
-  vertices.beside = beside;
+  const VertexColumns vertices = {&chunk.x[begin],
+                                  &chunk.y[begin],
+                                  &chunk.z[begin],
+                                  &chunk.nx[begin],
+                                  &chunk.ny[begin],
+                                  &chunk.nz[begin],
+                                  is_beside ? &chunk.beside[begin] : nullptr};
   view.factor.multiply(vertices, n, density);
 }
 

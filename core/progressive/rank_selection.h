@@ -110,7 +110,8 @@ class RankSelector {
   explicit RankSelector(bool is_parallel = false) : is_parallel_(is_parallel) {}
 
   /// Selects the n > 0 points that need the least scale; of points that need the same, those of lower ranks. Selects fewer where
-  /// fewer points of the tree have a density. The density is the fixed one (null: 1 everywhere) times the view's.
+  /// fewer points of the tree have a density. The density is the fixed one (null: 1 everywhere) times the view's;
+  /// what is fixed by detail alone the points know themselves.
   /// `expected_scale`: about the similar_scale() of the result; 0: not known. It makes no difference but of time.
   void select(std::shared_ptr<const RankTree> tree, const FixedDensity* density, const ViewFactor& view, std::uint64_t n,
               RankSelection& out, double expected_scale = 0);
@@ -165,8 +166,9 @@ class RankSelector {
   /// Writes the keys of a chunk's points; infinity in runs that show no point at the scale. Returns whether all points that have
   /// a density got their key.
   static bool fill_keys(const View& view, const RankChunk& chunk, const float* most, float scale, float* keys);
-  /// Writes the density at some of a chunk's points.
-  static void evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, float* density);
+  /// Writes the density at some of a chunk's points; `is_beside`: some of them may lie beside a crease.
+  static void evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, bool is_beside,
+                       float* density);
   /// Marks the points of visited chunks, or of one of them, that need `above` at most, in shown_, and those that need `upto` at
   /// most, in bits_.
   void mark(float above, float upto);

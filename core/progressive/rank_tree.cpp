@@ -64,10 +64,11 @@ int RankTree::level_at(std::size_t c, std::uint64_t curve_position) const {
 
 std::size_t RankTree::byte_size() const {
   constexpr std::size_t kPointBytes =
-      3 * sizeof(float) + 3 * sizeof(Snorm16) + sizeof(std::uint64_t) + 3 * sizeof(std::uint32_t) + 2 * sizeof(Unorm16);
+      3 * sizeof(float) + 3 * sizeof(Snorm16) + sizeof(std::uint64_t) + 3 * sizeof(std::uint32_t) + 3 * sizeof(Unorm16);
   constexpr std::size_t kChunkBytes = sizeof(RankChunk);
-  const std::size_t colour_bytes = chunks_.front()->colour.empty() ? 0 : sizeof(Rgba8);
-  return points_ * (kPointBytes + colour_bytes) + chunks_.size() * (kChunkBytes + sizeof(Chunk) + sizeof(children_[0]));
+  const RankChunk& first = *chunks_.front();  // which lies everywhere
+  const std::size_t more_bytes = (first.colour.empty() ? 0 : sizeof(Rgba8)) + (first.beside.empty() ? 0 : sizeof(Direction8));
+  return points_ * (kPointBytes + more_bytes) + chunks_.size() * (kChunkBytes + sizeof(Chunk) + sizeof(children_[0]));
 }
 
 }  // namespace curvecast

@@ -22,15 +22,24 @@ float extent(const LeafFrame& frame) { return 0.5f * (frame.along_x.norm() + fra
 
 }  // namespace
 
-StratumBounds::StratumBounds(const CurveStrata& strata) : strata_(&strata), extent_(block_count(strata.curve().size())) {
+StratumBounds::StratumBounds(const CurveStrata& strata)
+    : strata_(&strata), picture_detail_(strata.curve()), extent_(block_count(strata.curve().size())), detail_(extent_.size()) {
   const std::size_t vertices = strata.curve().size();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, extent_.size(), kGrain), [&](const auto& range) {
     LeafFrames frames(strata.curve());
     for (std::size_t b = range.begin(); b < range.end(); ++b) {
       const std::size_t end = std::min((b + 1) * kBlockSize, vertices);
-      for (std::size_t l = b * kBlockSize; l < end; ++l) extent_[b] = std::max(extent_[b], extent(frames.of(l)));
+      for (std::size_t l = b * kBlockSize; l < end; ++l) {
+        extent_[b] = std::max(extent_[b], extent(frames.of(l)));
+        detail_[b] = std::max(detail_[b], picture_detail_.at(l));
+      }
     }
   });
+}
+
+float StratumBounds::most_detail(std::size_t first_vertex, std::size_t last_vertex) const {
+  const auto first = detail_.begin() + static_cast<std::ptrdiff_t>(first_vertex / kBlockSize);
+  return *std::max_element(first, detail_.begin() + static_cast<std::ptrdiff_t>(last_vertex / kBlockSize) + 1);
 }
 
 StratumBound StratumBounds::of(int level, std::uint64_t stratum) const {
@@ -39,6 +48,7 @@ StratumBound StratumBounds::of(int level, std::uint64_t stratum) const {
   StratumBound bound;
   bound.first_vertex = strata_->vertex_at(std::ldexp(static_cast<double>(stratum), -2 * level));
   bound.last_vertex = strata_->vertex_at(std::ldexp(static_cast<double>(stratum + 1), -2 * level));
+  bound.detail = most_detail(bound.first_vertex, bound.last_vertex);
   // Few vertices are looked at one by one, many by their blocks.
   const bool is_short = bound.last_vertex - bound.first_vertex < 4 * kBlockSize;
   const std::size_t step = is_short ? 1 : kBlockSize;
@@ -77,6 +87,7 @@ StratumBound StratumBounds::within_leaves(int level, std::uint64_t stratum) cons
   StratumBound bound;
   bound.first_vertex = points.front().vertex;
   bound.last_vertex = points.back().vertex;
+  bound.detail = most_detail(bound.first_vertex, bound.last_vertex);
   Eigen::AlignedBox3f box;
   Vec3f normals = Vec3f::Zero();
   for (const CurvePoint& p : points) {

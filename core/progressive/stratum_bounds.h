@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/vec.h"
+#include "core/density/picture_detail.h"
 #include "core/progressive/curve_strata.h"
 
 namespace curvecast {
@@ -14,6 +15,7 @@ struct StratumBound {
   float radius = 0;
   Vec3f normal = Vec3f::UnitZ();  // unit length
   float spread = 0;               // the points' normals, as points on the unit sphere, lie within this distance of `normal`
+  float detail = 1;               // the largest PictureDetail in their leaves
   std::uint32_t first_vertex = 0, last_vertex = 0;  // the points lie in the leaves of [first_vertex, last_vertex]
 };
 
@@ -29,8 +31,13 @@ class StratumBounds {
  private:
   StratumBound within_leaves(int level, std::uint64_t stratum) const;
 
+  float most_detail(std::size_t first_vertex, std::size_t last_vertex) const;
+
   const CurveStrata* strata_;
-  std::vector<float> extent_;  // of each block of curve vertices: the largest distance from a vertex to a corner of its leaf
+  PictureDetail picture_detail_;
+  // Of each block of curve vertices.
+  std::vector<float> extent_;  // the largest distance from a vertex to a corner of its leaf
+  std::vector<float> detail_;  // the largest PictureDetail
 };
 
 }  // namespace curvecast

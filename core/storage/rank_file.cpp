@@ -87,7 +87,7 @@ bool makes_sense(const RankChunk& chunk, const SurfaceCurve& curve, std::uint64_
   }
   const RunBounds& b = chunk.bounds;
   for (std::size_t r = 0; r < kChunkRuns; ++r) {
-    for (const float value : {b.x[r], b.y[r], b.z[r], b.radius[r], b.nx[r], b.ny[r], b.nz[r], b.spread[r]}) {
+    for (const float value : {b.x[r], b.y[r], b.z[r], b.radius[r], b.nx[r], b.ny[r], b.nz[r], b.spread[r], b.detail[r]}) {
       if (!is_finite(value)) return false;
     }
     if (chunk.first_vertex[r] > chunk.last_vertex[r] || chunk.last_vertex[r] >= curve.size()) return false;
@@ -193,6 +193,7 @@ absl::StatusOr<RankFile> load_ranks(const std::string& path, const SurfaceCurve&
     chunk.first_vertex = (*runs)[c].first_vertex;
     chunk.last_vertex = (*runs)[c].last_vertex;
     if (!makes_sense(chunk, curve, faces)) return (*file)->damaged("its ranks make no sense for the curve");
+    fill_from_curve(curve, chunk);
   }
   if (absl::Status intact = (*file)->status(); !intact.ok()) return intact;
   return RankFile{std::make_shared<const RankTree>(std::vector<RankTree::Chunk>(chunks.begin(), chunks.end())), whole};

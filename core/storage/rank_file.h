@@ -15,7 +15,7 @@
 namespace curvecast {
 
 /// Grows when what the files hold changes.
-inline constexpr std::uint32_t kRankFileVersion = 3;
+inline constexpr std::uint32_t kRankFileVersion = 4;
 
 struct RankFile {
   std::shared_ptr<const RankTree> tree;

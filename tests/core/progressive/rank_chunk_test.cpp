@@ -65,6 +65,48 @@ TEST(RankChunk, HasThePointsThatItsLevelAdds) {
   });
 }
 
+TEST(RankChunk, KnowsThePictureDetailAtItsPoints) {
+  const PictureDetail detail(*ball_curve());
+  for_each_chunk([&](const ChunkId& id, std::span<const RankedPoint>, const RankChunk& chunk) {
+    ASSERT_EQ(chunk.detail.size(), chunk.size());
+    for (std::size_t i = 0; i < chunk.size(); ++i) ASSERT_NEAR(chunk.detail[i], detail.at(chunk.vertex[i]), 1e-5);
+    const std::uint64_t runs = kChunkRuns << 2 * (id.level - kChunkLevels);
+    const std::size_t length = ranks().points().size() / runs;
+    for (std::size_t r = 0; r < kChunkRuns; ++r) {
+      for (const RankedPoint& p : ranks().points().subspan((id.index * kChunkRuns + r) * length, length)) {
+        ASSERT_LE(detail.at(p.vertex), chunk.bounds.detail[r]);
+      }
+    }
+  });
+}
+
+TEST(RankChunk, KnowsWhatLiesBesideCreasesWhereThatIsAnything) {
+  SurfaceCurve curve = *ball_curve();
+  std::size_t with = 0, without = 0;
+  for_each_chunk([&](const ChunkId&, std::span<const RankedPoint>, RankChunk chunk) {
+    EXPECT_TRUE(chunk.beside.empty());
+    EXPECT_EQ(chunk.runs_beside, 0);
+    if (curve.beside.empty()) {
+      curve.beside.resize(curve.size());
+      for (std::size_t l = 0; l < curve.size(); ++l) {
+        curve.beside[l] = curve.z[l] > 0.4F ? Direction8(Vec3f(0, 0, -1)) : Direction8{};
+      }
+    }
+    fill_from_curve(curve, chunk);
+    std::uint16_t runs = 0;
+    for (std::size_t i = 0; i < chunk.size(); ++i) {
+      if (curve.beside[chunk.vertex[i]].is_none()) continue;
+      runs |= static_cast<std::uint16_t>(1 << i % kLayerStrata / kRunPoints);
+    }
+    EXPECT_EQ(chunk.runs_beside, runs);
+    ASSERT_EQ(chunk.beside.size(), runs == 0 ? 0 : chunk.size());
+    for (std::size_t i = 0; i < chunk.beside.size(); ++i) EXPECT_EQ(chunk.beside[i], curve.beside[chunk.vertex[i]]);
+    ++(runs == 0 ? without : with);
+  });
+  EXPECT_GT(with, 0u);
+  EXPECT_GT(without, 0u);
+}
+
 TEST(RankChunk, RunsAreBoundedWithTheirDeeperPoints) {
   for_each_chunk([](const ChunkId& id, std::span<const RankedPoint>, const RankChunk& chunk) {
     // All points of the whole set in a run's strata, of whatever level.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -33,6 +34,7 @@ std::vector<std::pair<float, std::uint32_t>> needed_scales(const RankTree& tree,
   for (const auto& chunk : tree.chunks()) {
     for (std::size_t i = 0; i < chunk->size(); ++i) {
       float factor = density == nullptr ? 1 : density->density[chunk->vertex[i]];
+      if (view.is_fixed_by_detail()) factor = chunk->detail[i];
       view.multiply({&chunk->x[i], &chunk->y[i], &chunk->z[i], &chunk->nx[i], &chunk->ny[i], &chunk->nz[i]}, 1, &factor);
       if (factor > 0) needed.emplace_back(static_cast<float>(chunk->rank[i] + 1) / factor, chunk->rank[i]);
     }
@@ -95,6 +97,21 @@ TEST(RankSelection, IsWhatLookingAtAllPointsGives) {
       EXPECT_EQ(ranks_of(even), expected_ranks(*tree, terms, n));
       EXPECT_EQ(ranks_of(select(tree, terms, n, &own)), expected_ranks(*tree, terms, n, &own));
     }
+  }
+}
+
+TEST(RankSelection, OfAPictureTakesTheDetailThatPointsKnow) {
+  const auto tree = ball_tree(8);
+  const Terms picture = {{PictureTerm{}}, {from({0.3, 2, 2})}}, painted = {{PictureTerm{}, BrushTerm{}}, picture.cameras};
+  const auto detail = make_fixed_density(*ball_curve(), picture.terms);
+  ASSERT_TRUE(detail.ok()) << detail.status();
+  for (const std::uint64_t n : {63u, 1000u, 5000u}) {
+    const std::vector<std::uint32_t> own = ranks_of(select(tree, picture, n, detail->get()));
+    EXPECT_EQ(own, expected_ranks(*tree, picture, n));
+    // Where other terms are fixed too, their product is what counts; here it is the same but for rounding.
+    std::vector<std::uint32_t> both;
+    std::ranges::set_intersection(own, ranks_of(select(tree, painted, n, detail->get())), std::back_inserter(both));
+    EXPECT_GT(both.size(), n - n / 200 - 2) << n;
   }
 }
 

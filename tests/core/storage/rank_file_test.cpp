@@ -50,7 +50,10 @@ class RankFileTest : public ::testing::Test {
     EXPECT_EQ(a.curve_position, b.curve_position);
     EXPECT_EQ(a.vertex, b.vertex);
     EXPECT_EQ(a.face, b.face);
+    EXPECT_TRUE(std::ranges::equal(a.detail, b.detail));
+    EXPECT_EQ(a.beside, b.beside);
     EXPECT_TRUE(std::ranges::equal(a.bounds.radius, b.bounds.radius));
+    EXPECT_TRUE(std::ranges::equal(a.bounds.detail, b.bounds.detail));
     EXPECT_EQ(a.last_vertex, b.last_vertex);
   }
 
