@@ -10,7 +10,7 @@
 #include <nanoflann.hpp>
 
 #include "core/base/vec.h"
-#include "core/render/disc_slimness.h"
+#include "core/render/disc_outline.h"
 
 namespace curvecast {
 namespace {
@@ -72,7 +72,8 @@ void find_ends(std::span<SplatVertex> splats, const Tree& tree, std::size_t i) {
   std::array<std::uint32_t, kNeighbours> near;
   std::array<float, kNeighbours> squares;
   const std::size_t count = tree.knnSearch(disc.center.data(), kNeighbours, near.data(), squares.data());
-  disc.slimness = disc_slimness(splats, i, std::span(near).first(count));
+  const DiscOutline outline = disc_outline(splats, i, std::span(near).first(count));
+  disc.slimness = outline.slimness;
   std::size_t found = 0;
   Vec3f first = Vec3f::Zero();
   for (std::size_t k = 0; k < count && found < disc.ends.size(); ++k) {
@@ -82,6 +83,7 @@ void find_ends(std::span<SplatVertex> splats, const Tree& tree, std::size_t i) {
     if (found == 0) first = end.across;
     disc.ends[found++] = end.plane;
   }
+  if (found < disc.ends.size()) disc.ends[found] = outline.plane;
 }
 
 }  // namespace

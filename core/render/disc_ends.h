@@ -1,4 +1,5 @@
-// Where discs end before their rim: along creases, where the surface goes on in another direction. Internal to core/render.
+// Where discs end before their rim: along creases, where the surface goes on in another direction, and at outlines (see
+// disc_outline.h). Internal to core/render.
 //
 // A disc that reaches over a crease would stick out of the surface. What each side of one has is its plane: both discs end where
 // their planes meet. Clip lines of splats at sharp features: Zwicker, Räsänen, Botsch, Dachsbacher, Pauly, "Perspective Accurate

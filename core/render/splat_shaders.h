@@ -11,7 +11,7 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 color;
 layout(location = 3) in vec4 end_1;
 layout(location = 4) in vec4 end_2;
-layout(location = 5) in float slim;  // see disc_slimness.h
+layout(location = 5) in float slim;  // see disc_outline.h
 uniform vec4 projection;    // x and y scale, z scale and offset
 uniform float back_shift;   // along the ray, in radii
 uniform float extent;       // of the disc that is drawn, in radii

@@ -1,8 +1,9 @@
-#include "core/render/disc_slimness.h"
+#include "core/render/disc_outline.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/base/vec.h"
@@ -30,19 +31,29 @@ std::vector<SplatVertex> patch(float radius, float facing) {
   return splats;
 }
 
-float slimness(const std::vector<SplatVertex>& splats) {
+DiscOutline outline(const std::vector<SplatVertex>& splats) {
   const std::vector<std::uint32_t> near{0, 1, 2, 3, 4, 5, 6, 7, 8};
-  return disc_slimness(splats, 0, near);
+  return disc_outline(splats, 0, near);
+}
+float slimness(const std::vector<SplatVertex>& splats) { return outline(splats).slimness; }
+
+/// How far beyond the disc's middle it ends in the picture; infinity where it does not.
+float beyond_middle(const std::vector<SplatVertex>& splats) {
+  const std::array<float, 4> plane = outline(splats).plane;
+  const Vec3f out(plane[0], plane[1], plane[2]);
+  if (out.isZero()) return std::numeric_limits<float>::infinity();
+  EXPECT_NEAR(out.z(), 0, 1e-3F) << "the plane lies along the eye's rays";
+  return plane[3] - out.dot(kCentre);
 }
 
-TEST(DiscSlimness, DiscsOnWhatIsFlatOrHollowAreWhole) {
+TEST(DiscOutline, DiscsOnWhatIsFlatOrHollowAreWhole) {
   for (const float facing : {1.0F, 0.5F, 0.1F, 0.02F, -0.1F}) {
     EXPECT_EQ(slimness(patch(1e4F, facing)), 1) << facing;
     EXPECT_EQ(slimness(patch(-0.3F, std::abs(facing))), 1) << facing;
   }
 }
 
-TEST(DiscSlimness, DiscsAtOutlinesEndWhereTheSurfaceDoes) {
+TEST(DiscOutline, DiscsAtOutlinesEndWhereTheSurfaceDoes) {
   const float radius = 0.5F;  // five of the discs'
   for (const float facing : {0.6F, 0.45F, 0.3F}) EXPECT_NEAR(slimness(patch(radius, facing)), 0.3F * facing * 5, 0.03F) << facing;
   EXPECT_EQ(slimness(patch(radius, 0.9F)), 1);
@@ -51,7 +62,7 @@ TEST(DiscSlimness, DiscsAtOutlinesEndWhereTheSurfaceDoes) {
   EXPECT_NEAR(slimness(patch(-radius, -0.4F)), 0.6F, 0.03F);
 }
 
-TEST(DiscSlimness, NeighboursBeyondACreaseDoNotCount) {
+TEST(DiscOutline, NeighboursBeyondACreaseDoNotCount) {
   std::vector<SplatVertex> splats = patch(1e4F, 0.1F);
   splats[1].normal = {-1, 0, 0};
   splats[2].normal = {0, 1, 0};
@@ -59,7 +70,30 @@ TEST(DiscSlimness, NeighboursBeyondACreaseDoNotCount) {
   EXPECT_EQ(slimness(splats), 1);
 }
 
-TEST(DiscSlimness, ADiscAloneIsWhole) { EXPECT_EQ(disc_slimness(patch(1, 0.1F), 0, {}), 1); }
+TEST(DiscOutline, ADiscAloneIsWhole) {
+  EXPECT_EQ(disc_outline(patch(1, 0.1F), 0, {}).slimness, 1);
+  EXPECT_EQ(disc_outline(patch(1, 0.1F), 0, {}).plane, (std::array<float, 4>{}));
+}
+
+TEST(DiscOutline, ItEndsWhereASphereDoes) {
+  const float radius = 0.5F;
+  for (const float facing : {0.4F, 0.2F, 0.1F}) {
+    const float sine = std::sqrt(1 - facing * facing);
+    EXPECT_NEAR(beyond_middle(patch(radius, facing)), radius * (1 - sine), 0.1F * radius * (1 - sine) + 1e-4F) << facing;
+  }
+  EXPECT_EQ(beyond_middle(patch(radius, 0.9F)), std::numeric_limits<float>::infinity());
+  EXPECT_EQ(beyond_middle(patch(1e4F, 0.1F)), std::numeric_limits<float>::infinity()) << "there are others beyond";
+}
+
+TEST(DiscOutline, TheLastDiscBeforeAnOutlineEndsEarly) {
+  const float facing = 0.2F;
+  std::vector<SplatVertex> splats = patch(1e4F, facing);
+  const auto lies_beyond = [](const SplatVertex& splat) { return splat.center[0] > 1e-3F; };
+  for (SplatVertex& splat : splats) {
+    if (lies_beyond(splat)) splat.center = to_array(kCentre - 10 * kRadius * Vec3f::UnitX());
+  }
+  EXPECT_NEAR(beyond_middle(splats), kLastReach * facing * kRadius, 1e-4F);
+}
 
 }  // namespace
 }  // namespace curvecast
