@@ -11,6 +11,7 @@ struct WebFile {
   std::string_view type;  // as in Content-Type
   std::string_view gzip;  // its bytes, compressed
   bool is_immutable;      // never changes under this name: its name has a hash in it
+  std::string_view scripts = {};  // of a page: the scripts within it that may run, as in Content-Security-Policy: "'sha256-...'"
 };
 
 }  // namespace curvecast::server
