@@ -25,7 +25,7 @@ namespace {
 constexpr std::uint32_t kWidth = 1280, kHeight = 960, kMaxSide = 4096;
 // What one picture's buffers may take.
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 22, kMaxSamples = std::uint64_t{1} << 23, kSampleBytes = 40;
-constexpr int kFineQuality = 75;    // of JPEG files; pictures for less have one sample of a pixel
+constexpr int kFineQuality = 75;    // of JPEG files; pictures for less have one sample of a pixel, and no occlusion
 constexpr int kFinest = 4;          // samples of a pixel along each axis, in pictures that others are held against
 constexpr float kDotsAcross = 400;  // the picture's width over that of a dot
 constexpr Rgb8 kDarkTop = {43, 48, 56}, kDarkBottom = {18, 20, 24};  // as in the viewer
@@ -46,6 +46,7 @@ absl::StatusOr<RenderOptions> to_options(const v1::RenderRequest& request) {
   if (pixels > kMaxPixels) check.fail("width times height", absl::StrCat("is ", pixels, "; at most ", kMaxPixels, " are drawn"));
   const bool is_quick = request.format() == v1::PICTURE_FORMAT_JPEG && quality_of(request) < kFineQuality;
   options.supersample = !is_quick && has_room(pixels, 2) ? 2 : 1;
+  options.ambient_occlusion = !is_quick;
   switch (request.style()) {
     case v1::PICTURE_STYLE_UNSPECIFIED:
     case v1::PICTURE_STYLE_SURFACE:

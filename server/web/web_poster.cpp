@@ -22,7 +22,7 @@ namespace curvecast::server {
 namespace {
 
 constexpr auto kPatience = std::chrono::seconds(5);  // of a page that is loading, for all calls together
-constexpr std::uint32_t kPoints = 10'000, kQuality = 70, kListed = 1000;
+constexpr std::uint32_t kPoints = 8'000, kQuality = 70, kListed = 1000;
 constexpr double kMargin = 0.04;  // that the viewer leaves free around the whole surface
 
 bool read_flag(absl::string_view text, bool& flag) {
