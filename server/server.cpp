@@ -28,6 +28,7 @@
 #include "server/web/credentials.h"
 #include "server/web/web_calls.h"
 #include "server/web/web_gateway.h"
+#include "server/web/web_poster.h"
 #include "server/web/web_routes.h"
 
 namespace curvecast::server {
@@ -143,7 +144,8 @@ class GrpcServer final : public Server {
                    .origins = {.others = options_.web_origins, .any_name = engine_.knows_callers()},
                    .proxies = engine_.proxies,
                    .max_sockets = std::min(options_.max_streams, shares.sockets),
-                   .max_sockets_of_client = options_.max_streams_of_client};
+                   .max_sockets_of_client = options_.max_streams_of_client,
+                   .late_routes = {{kPosterPath, posters(in_process_channel())}}};
     WebRoutes routes = page_routes(options_.pages);
     routes.merge(probe_routes(health()));
     if (options_.admin.empty()) routes.merge(metrics_routes(engine_));

@@ -19,6 +19,7 @@
 #include "client/cli/render_scene.h"
 #include "client/cli/report.h"
 #include "client/lib/file_bytes.h"
+#include "core/render/jpeg_file.h"
 #include "core/render/png_file.h"
 
 namespace curvecast::cli {
@@ -44,10 +45,12 @@ absl::StatusOr<Size> parse_size(const std::string& text) {
   return size;
 }
 
-absl::Status save_png(const Image& image, const std::string& path) {
-  absl::StatusOr<std::string> png = encode_png(image);
-  if (!png.ok()) return png.status();
-  return client::write_bytes(path, *png);
+bool is_jpeg(const std::string& path) { return check_ending(path, {".jpg", ".jpeg"}).ok(); }
+
+absl::Status save(const Image& image, const std::string& path) {
+  absl::StatusOr<std::string> file = is_jpeg(path) ? encode_jpeg(image) : encode_png(image);
+  if (!file.ok()) return file.status();
+  return client::write_bytes(path, *file);
 }
 
 absl::Status run_uv(const RenderFlags& flags, const CommonOptions& options, const Size& size, std::stop_token stop) {
@@ -66,7 +69,7 @@ absl::Status run_uv(const RenderFlags& flags, const CommonOptions& options, cons
   const absl::StatusOr<UvPicture> picture = draw_uv(*mesh, size.width, size.height);
   if (!picture.ok()) return picture.status();
   if (stop.stop_requested()) return absl::CancelledError("cancelled");
-  if (absl::Status status = save_png(picture->image, flags.output); !status.ok()) return status;
+  if (absl::Status status = save(picture->image, flags.output); !status.ok()) return status;
   bar.finish();
   if (!options.json) {
     return print_text(absl::StrFormat(
@@ -116,7 +119,7 @@ absl::Status run_curve(const RenderFlags& flags, const CommonOptions& options, c
   const absl::StatusOr<CurvePicture> picture = draw_curve(*curve, mesh ? &*mesh : nullptr, size.width, size.height);
   if (!picture.ok()) return picture.status();
   if (stop.stop_requested()) return absl::CancelledError("cancelled");
-  if (absl::Status status = save_png(picture->image, flags.output); !status.ok()) return status;
+  if (absl::Status status = save(picture->image, flags.output); !status.ok()) return status;
   if (!options.json) {
     return print_text(absl::StrFormat("%d curve vertices, %d of %d discs, %dx%d pixels: %s\n", curve->info.curve_vertices(),
                                       picture->tiles, curve->discs.size(), size.width, size.height, flags.output));
@@ -148,9 +151,11 @@ absl::Status run_shaded(const RenderFlags& flags, const CommonOptions& options, 
   request.set_height(static_cast<std::uint32_t>(size.height));
   request.set_style(v1::PICTURE_STYLE_MESH);
   request.set_plain(flags.no_colour);
+  request.set_format(is_jpeg(flags.output) ? v1::PICTURE_FORMAT_JPEG : v1::PICTURE_FORMAT_PNG);
   const absl::StatusOr<v1::RenderResponse> picture = client.render(request, stop);
   if (!picture.ok()) return picture.status();
-  if (absl::Status status = client::write_bytes(flags.output, picture->png()); !status.ok()) return status;
+  const std::string& file = is_jpeg(flags.output) ? picture->jpeg() : picture->png();
+  if (absl::Status status = client::write_bytes(flags.output, file); !status.ok()) return status;
   if (!options.json) {
     return print_text(absl::StrFormat("%d faces, %dx%d pixels: %s\n", mesh.faces(), size.width, size.height, flags.output));
   }
@@ -179,7 +184,7 @@ absl::Status run(const RenderFlags& flags, const CommonOptions& options, std::st
   absl::StatusOr<Image> image = draw_scene(*scene, *size);
   if (!image.ok()) return image.status();
   if (stop.stop_requested()) return absl::CancelledError("cancelled");
-  if (absl::Status status = save_png(*image, flags.output); !status.ok()) return status;
+  if (absl::Status status = save(*image, flags.output); !status.ok()) return status;
   if (!options.json) {
     return print_text(absl::StrFormat("%d %s, %dx%d pixels: %s\n", scene->count,
                                       absl::StrReplaceAll(scene->counted, {{"_", " "}}), size->width, size->height,
@@ -199,7 +204,7 @@ absl::Status run(const RenderFlags& flags, const CommonOptions& options, std::st
 Command add_render(CLI::App& root, CommonOptions& options) {
   CLI::App* app = add_command(
       root, options, "render",
-      "Draws a mesh's point set, or a file of points, as a PNG picture: a closed surface of splats, or dots, in its own "
+      "Draws a mesh's point set, or a file of points, as a PNG or JPEG picture: a closed surface of splats, or dots, in its own "
       "colours where it has any. Or what preprocessing makes of a mesh, with --what. In space: shaded draws the mesh itself, "
       "in the light and the colours of surface, to hold that against; samples draws the points as dots on an even surface; "
       "mesh its triangles; cut the lines along which it is cut (red) and its own borders (blue); surface-curve the Hilbert "
@@ -217,8 +222,12 @@ Command add_render(CLI::App& root, CommonOptions& options) {
   app->add_option("INPUT", flags->input,
                   "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) or points (.drc, .xyz, .pcd, or a .ply without faces)")
       ->required();
-  app->add_option("-o,--output", flags->output, "the picture: .png")
-      ->check(validator([](const std::string& path) { return check_ending(path, {".png"}); }, ""))
+  app->add_option("-o,--output", flags->output, "the picture: .png, or .jpg or .jpeg with some loss")
+      ->check(validator(
+          [](const std::string& path) {
+            return check_ending(path, {".png", ".jpg", ".jpeg"});
+          },
+          ""))
       ->type_name("FILE")
       ->required();
   app->add_option("--size", flags->size, "of the picture, each side 1 to 8,192 pixels; of shaded 1 to 4,096, 4,194,304 in all")

@@ -1,4 +1,5 @@
 // Writes a C++ source that holds the files of a folder, compressed: node embed.mjs FOLDER SOURCE
+import { createHash } from "node:crypto";
 import { mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { dirname, extname, join, relative, resolve } from "node:path";
 import { gzipSync } from "node:zlib";
@@ -12,6 +13,13 @@ const types = {
   ".svg": "image/svg+xml",
   ".wasm": "application/wasm",
 };
+
+/// The hashes of the scripts that stand in a page itself, as a policy allows them.
+function scriptsWithin(file, bytes) {
+  if (extname(file) !== ".html") return "";
+  const scripts = [...bytes.toString().matchAll(/<script(?![^>]* src=)[^>]*>([^]*?)<\/script>/g)];
+  return scripts.map(([, script]) => `'sha256-${createHash("sha256").update(script).digest("base64")}'`).join(" ");
+}
 
 const [folder, source] = process.argv.slice(2);
 const files = readdirSync(folder, { recursive: true, withFileTypes: true })
@@ -28,14 +36,15 @@ files.forEach((file, i) => {
   const type = types[extname(file)];
   if (type === undefined) throw new Error(`embed: there is no type for ${file}`);
   const at = join(packed, `${i}.gz`);
-  writeFileSync(at, gzipSync(readFileSync(join(folder, file)), { level: 9 }));
+  const bytes = readFileSync(join(folder, file));
+  writeFileSync(at, gzipSync(bytes, { level: 9 }));
   assembly.push(
     `    ".balign 16\\ncurvecast_file_${i}:\\n.incbin ${JSON.stringify(at).replaceAll('"', '\\"')}\\ncurvecast_file_${i}_end:\\n"`,
   );
   declarations.push(`extern const char curvecast_file_${i}[], curvecast_file_${i}_end[];`);
   const isImmutable = file.startsWith("assets/"); // Vite puts hashes into these names
   rows.push(
-    `      {${JSON.stringify("/" + file)}, ${JSON.stringify(type)}, bytes(curvecast_file_${i}, curvecast_file_${i}_end), ${isImmutable}},`,
+    `      {${JSON.stringify("/" + file)}, ${JSON.stringify(type)}, bytes(curvecast_file_${i}, curvecast_file_${i}_end), ${isImmutable}, ${JSON.stringify(scriptsWithin(file, bytes))}},`,
   );
 });
 writeFileSync(

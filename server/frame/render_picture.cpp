@@ -11,6 +11,7 @@
 
 #include "core/base/memory_claim.h"
 #include "core/curve/place_attributes.h"
+#include "core/render/jpeg_file.h"
 #include "core/render/mesh_renderer.h"
 #include "core/render/png_file.h"
 #include "core/render/splat_renderer.h"
@@ -24,8 +25,14 @@ namespace {
 constexpr std::uint32_t kWidth = 1280, kHeight = 960, kMaxSide = 4096;
 // What one picture's buffers may take.
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 22, kMaxSamples = std::uint64_t{1} << 23, kSampleBytes = 40;
+constexpr int kFineQuality = 75;    // of JPEG files; pictures for less have one sample of a pixel, and no occlusion
 constexpr int kFinest = 4;          // samples of a pixel along each axis, in pictures that others are held against
 constexpr float kDotsAcross = 400;  // the picture's width over that of a dot
+constexpr Rgb8 kDarkTop = {43, 48, 56}, kDarkBottom = {18, 20, 24};  // as in the viewer
+
+int quality_of(const v1::RenderRequest& request) {
+  return request.jpeg_quality() == 0 ? kUsualJpegQuality : static_cast<int>(request.jpeg_quality());
+}
 
 /// Whether a picture of so many pixels may have so many samples of a pixel along each axis.
 bool has_room(std::uint64_t pixels, int across) { return pixels * static_cast<std::uint64_t>(across * across) <= kMaxSamples; }
@@ -37,7 +44,9 @@ absl::StatusOr<RenderOptions> to_options(const v1::RenderRequest& request) {
   options.height = static_cast<int>(check.in_range("height", request.height() == 0 ? kHeight : request.height(), 1u, kMaxSide));
   const std::uint64_t pixels = static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
   if (pixels > kMaxPixels) check.fail("width times height", absl::StrCat("is ", pixels, "; at most ", kMaxPixels, " are drawn"));
-  options.supersample = has_room(pixels, 2) ? 2 : 1;
+  const bool is_quick = request.format() == v1::PICTURE_FORMAT_JPEG && quality_of(request) < kFineQuality;
+  options.supersample = !is_quick && has_room(pixels, 2) ? 2 : 1;
+  options.ambient_occlusion = !is_quick;
   switch (request.style()) {
     case v1::PICTURE_STYLE_UNSPECIFIED:
     case v1::PICTURE_STYLE_SURFACE:
@@ -47,11 +56,27 @@ absl::StatusOr<RenderOptions> to_options(const v1::RenderRequest& request) {
       options.dot_diameter = std::clamp(static_cast<double>(static_cast<float>(options.width) / kDotsAcross), 1.0, 64.0);
       break;
     case v1::PICTURE_STYLE_MESH:
+      if (is_quick) break;
       while (options.supersample < kFinest && has_room(pixels, options.supersample + 1)) ++options.supersample;
       break;
     default:
       check.fail("style", absl::StrCat("has the unknown value ", static_cast<int>(request.style())));
   }
+  switch (request.background()) {
+    case v1::PICTURE_BACKGROUND_UNSPECIFIED:
+    case v1::PICTURE_BACKGROUND_LIGHT:
+      break;
+    case v1::PICTURE_BACKGROUND_DARK:
+      options.background_top = kDarkTop;
+      options.background_bottom = kDarkBottom;
+      break;
+    default:
+      check.fail("background", absl::StrCat("has the unknown value ", static_cast<int>(request.background())));
+  }
+  if (!v1::PictureFormat_IsValid(request.format())) {
+    check.fail("format", absl::StrCat("has the unknown value ", static_cast<int>(request.format())));
+  }
+  check.in_range("jpeg_quality", request.jpeg_quality(), 0u, 100u);
   if (absl::Status status = check.status(); !status.ok()) return status;
   return options;
 }
@@ -178,14 +203,19 @@ absl::StatusOr<v1::RenderResponse> render_picture(const Session& session, const 
                                           ? draw_mesh(session, request.plain(), *camera, *options, context)
                                           : draw_sample(session, *point_set, request.plain(), *camera, *options, cache, context);
   if (!drawn.ok()) return drawn.status();
-  absl::StatusOr<std::string> png = encode_png(drawn->image);
-  if (!png.ok()) return png.status();
-  if (png->size() > kMaxFrameBytes) {
-    return absl::ResourceExhaustedError(absl::StrCat("the picture would have ", png->size(), " bytes; at most ", kMaxFrameBytes,
+  const bool is_jpeg = request.format() == v1::PICTURE_FORMAT_JPEG;
+  absl::StatusOr<std::string> file = is_jpeg ? encode_jpeg(drawn->image, quality_of(request)) : encode_png(drawn->image);
+  if (!file.ok()) return file.status();
+  if (file->size() > kMaxFrameBytes) {
+    return absl::ResourceExhaustedError(absl::StrCat("the picture would have ", file->size(), " bytes; at most ", kMaxFrameBytes,
                                                      " are sent: ask for a smaller one"));
   }
   v1::RenderResponse response;
-  response.set_png(*std::move(png));
+  if (is_jpeg) {
+    response.set_jpeg(*std::move(file));
+  } else {
+    response.set_png(*std::move(file));
+  }
   response.set_points(drawn->points);
   *response.mutable_camera() = completed.cameras(0);
   return response;

@@ -34,6 +34,8 @@ constexpr std::uint32_t kMaxHeader = 8 * 1024;        // bytes
 constexpr std::size_t kMaxBuffered = 2 * kMaxHeader;  // requests that come before the answer to the one before
 constexpr std::size_t kLeastRate = 16 * 1024;         // bytes a second at which an answer must be taken, after the first while
 
+constexpr char kPageField[] = "Curvecast-Page";  // of requests that are answered later: browsers let no foreign page send it
+
 using PlainResponse = http::response<http::string_body>;
 
 PlainResponse plain(http::status status, std::string body) {
@@ -44,6 +46,15 @@ PlainResponse plain(http::status status, std::string body) {
 }
 
 std::string_view text(beast::string_view view) { return {view.data(), view.size()}; }
+absl::string_view to_absl(std::string_view view) { return {view.data(), view.size()}; }
+
+PlainResponse to_response(WebAnswer made) {
+  PlainResponse response(static_cast<http::status>(made.status), 11);
+  response.set(http::field::content_type, made.type);
+  for (const auto& [name, value] : made.header) response.set(name, value);
+  response.body() = std::move(made.body);
+  return response;
+}
 
 std::string name_of(const tcp::socket& socket) {
   boost::system::error_code error;
@@ -122,7 +133,11 @@ void WebConnection::shake_hands() {
   });
 }
 
-void WebConnection::abort() { stream_.next_layer().close(); }
+void WebConnection::abort() {
+  open_question_ = 0;
+  timer_.cancel();
+  stream_.next_layer().close();
+}
 
 void WebConnection::read() {
   waiting_since_ = Clock::now();
@@ -152,28 +167,68 @@ void WebConnection::receive(Error error) {
     if (!stream_.is_there()) return;  // it was to become a WebSocket
     response = plain(http::status::internal_server_error, "the server failed\n");
   }
-  if (!response) return;
-  response->version(request.version());
-  response->keep_alive(request.keep_alive() && !has_body);  // a body is not read, so that nothing can follow it
-  write(*std::move(response), request.method() == http::verb::head);
+  if (response) answer_now(*std::move(response));
 }
 
-WebConnection::Response WebConnection::answer(const Request& request, bool has_body) {
+void WebConnection::answer_now(Response response) {
+  open_question_ = 0;
+  timer_.cancel();
+  const Request& request = parser_->get();
+  response.version(request.version());
+  response.keep_alive(request.keep_alive() && parser_->is_done());  // a body is not read, so that nothing can follow it
+  write(std::move(response), request.method() == http::verb::head);
+}
+
+std::optional<WebConnection::Response> WebConnection::answer(const Request& request, bool has_body) {
   const std::string_view target = text(request.target());
-  const auto route = hub_.routes.find(target.substr(0, target.find('?')));
-  if (route == hub_.routes.end()) return plain(http::status::not_found, "there is nothing of this name\n");
+  const std::string_view path = target.substr(0, target.find('?'));
+  const WebLateRoutes* const late_routes = hub_.options.sockets ? &hub_.options.sockets->late_routes : nullptr;
+  const bool is_late = late_routes != nullptr && late_routes->count(path) > 0;
+  const auto route = hub_.routes.find(path);
+  if (!is_late && route == hub_.routes.end()) return plain(http::status::not_found, "there is nothing of this name\n");
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     Response response = plain(http::status::method_not_allowed, "only GET and HEAD are answered\n");
     response.set(http::field::allow, "GET, HEAD");
     return response;
   }
   if (has_body) return plain(http::status::payload_too_large, "no body is taken\n");
-  WebAnswer made = route->second();
-  Response response(static_cast<http::status>(made.status), 11);
-  response.set(http::field::content_type, made.type);
-  for (const auto& [name, value] : made.header) response.set(name, value);
-  response.body() = std::move(made.body);
-  return response;
+  if (is_late) return answer_later(request, late_routes->find(path)->second);
+  return to_response(route->second());
+}
+
+std::optional<WebConnection::Response> WebConnection::answer_later(const Request& request,
+                                                                   const WebLateRoutes::mapped_type& answer) {
+  // Browsers name no origin where a page asks its own server: whoever asks counts as a page of the name by which it found us.
+  // Pages of others can neither send this request's header nor read the answer.
+  const std::string_view host = text(request[http::field::host]);
+  const auto is_page_of = [&](std::string_view scheme) {
+    return is_allowed(hub_.options.sockets->origins, absl::StrCat(to_absl(scheme), to_absl(host)), host);
+  };
+  if (request[kPageField].empty() || !(is_page_of("http://") || is_page_of("https://"))) {
+    return plain(http::status::forbidden, "this is for pages of this server\n");
+  }
+  const absl::StatusOr<Peer> known = peer_of(request);
+  if (!known.ok()) return plain(http::status::forbidden, absl::StrCat(known.status().message(), "\n"));
+  const std::string_view target = text(request.target());
+  const std::size_t mark = target.find('?');
+  WebQuestion question{*known, mark == std::string_view::npos ? "" : std::string(target.substr(mark + 1))};
+  absl::string_view token = to_absl(text(request[http::field::authorization]));
+  if (absl::ConsumePrefix(&token, "Bearer ")) question.peer.authorization = authorization_of(token);
+
+  open_question_ = ++last_question_;
+  const auto finish = [number = last_question_](WebConnection& self, Response response) {
+    if (self.open_question_ == number) self.answer_now(std::move(response));
+  };
+  timer_.expires_after(hub_.options.time_out);
+  timer_.async_wait([self = shared_from_this(), finish](Error error) {
+    if (!error) finish(*self, plain(http::status::service_unavailable, "the answer takes too long\n"));
+  });
+  answer(question, [io = hub_.io, waiting = weak_from_this(), finish](WebAnswer made) {
+    asio::post(*io, [waiting, finish, made = std::move(made)]() mutable {
+      if (const auto self = waiting.lock()) finish(*self, to_response(std::move(made)));
+    });
+  });
+  return std::nullopt;
 }
 
 bool WebConnection::is_upgrade(const Request& request) const {
@@ -181,12 +236,19 @@ bool WebConnection::is_upgrade(const Request& request) const {
   return hub_.options.sockets && target.substr(0, target.find('?')) == hub_.options.sockets->path;
 }
 
-Peer WebConnection::peer_of(const Request& request) const {
+absl::StatusOr<Peer> WebConnection::peer_of(const Request& request) {
   std::vector<std::string_view> forwarded_for;
   const auto [begin, end] = request.equal_range("x-forwarded-for");
   for (auto field = begin; field != end; ++field) forwarded_for.push_back(text(field->value()));
   const auto client = hub_.options.sockets->proxies.client_of(address_, forwarded_for);
-  return {.address = client.value_or(address_), .comes_by_proxy = client.has_value()};
+  Peer peer{.address = client.value_or(address_), .comes_by_proxy = client.has_value()};
+  if (hub_.options.tls && !hub_.options.tls->client_authorities.empty()) {
+    X509* const certificate = SSL_get_peer_certificate(stream_.tls()->native_handle());
+    if (certificate == nullptr) return absl::UnauthenticatedError("a client's certificate is wanted");
+    peer.certificate = tls::certificate_name(certificate);
+    X509_free(certificate);
+  }
+  return peer;
 }
 
 std::optional<WebConnection::Response> WebConnection::upgrade(const Request& request) {
@@ -202,13 +264,9 @@ std::optional<WebConnection::Response> WebConnection::upgrade(const Request& req
   if (!is_allowed(hub_.options.sockets->origins, text(request[http::field::origin]), text(request[http::field::host]))) {
     return refused(http::status::forbidden, "pages of this origin may not connect");
   }
-  Peer peer = peer_of(request);
-  if (hub_.options.tls && !hub_.options.tls->client_authorities.empty()) {
-    X509* const certificate = SSL_get_peer_certificate(stream_.tls()->native_handle());
-    if (certificate == nullptr) return refused(http::status::forbidden, "a client's certificate is wanted");
-    peer.certificate = tls::certificate_name(certificate);
-    X509_free(certificate);
-  }
+  absl::StatusOr<Peer> known = peer_of(request);
+  if (!known.ok()) return refused(http::status::forbidden, std::string(known.status().message()));
+  Peer peer = *std::move(known);
   const Offer offer = read_offer(text(request[http::field::sec_websocket_protocol]));
   if (!offer.has_ours) return refused(http::status::bad_request, absl::StrCat("the subprotocol spoken here is ", kSubprotocol));
   if (!hub_.takes_sockets) return refused(http::status::service_unavailable, "the server is shutting down");
@@ -232,7 +290,7 @@ void WebConnection::refuse(http::status status, std::string reason) {
 void WebConnection::write(Response response, bool is_head) {
   if (response.count(http::field::cache_control) == 0) response.set(http::field::cache_control, "no-store");
   response.set("X-Content-Type-Options", "nosniff");
-  response.content_length(response.body().size());
+  if (response.result() != http::status::no_content) response.content_length(response.body().size());
   if (is_head) response.body().clear();
   response_ = std::move(response);
   stream_.next_layer().expires_after(hub_.options.time_out + std::chrono::seconds(response_.body().size() / kLeastRate));

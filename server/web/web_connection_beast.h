@@ -9,6 +9,7 @@
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <set>
@@ -61,10 +62,14 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   void shake_hands();
   void read();
   void receive(Error error);
-  Response answer(const Request& request, bool has_body);
+  /// Null: the answer comes later.
+  std::optional<Response> answer(const Request& request, bool has_body);
+  std::optional<Response> answer_later(const Request& request, const WebLateRoutes::mapped_type& answer);
+  void answer_now(Response response);
   bool is_upgrade(const Request& request) const;
-  /// The client that asks for a WebSocket: its address.
-  Peer peer_of(const Request& request) const;
+  /// The client that asks for a WebSocket, or a late answer: its address and its certificate; Unauthenticated without one that is
+  /// wanted.
+  absl::StatusOr<Peer> peer_of(const Request& request);
   /// Makes a WebSocket of the connection, and then returns null; else the answer that refuses it.
   std::optional<Response> upgrade(const Request& request);
   void refuse(boost::beast::http::status status, std::string reason);
@@ -77,6 +82,7 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   const std::function<void(WebConnection*)> on_gone_;
   boost::beast::flat_buffer buffer_;
   boost::asio::steady_timer timer_;
+  std::uint64_t last_question_ = 0, open_question_ = 0;  // numbers of late answers; none is waited for: 0
   std::optional<Clock::time_point> waiting_since_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;  // of the request that comes or is
                                                                                               // being answered

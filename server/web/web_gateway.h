@@ -36,6 +36,16 @@ struct WebAnswer {
 /// others.
 using WebRoutes = std::map<std::string, std::function<WebAnswer()>, std::less<>>;
 
+/// A request that is answered later.
+struct WebQuestion {
+  Peer peer;               // who asks, unchecked
+  std::string query = {};  // what follows the path's "?", as it came
+};
+/// The functions that answer GET and HEAD later, by path: they call `answer` once, on any thread, also within the call. Called on
+/// the gateway's thread.
+using WebLateRoutes =
+    std::map<std::string, std::function<void(const WebQuestion&, std::function<void(WebAnswer)> answer)>, std::less<>>;
+
 struct WebSocketOptions {
   std::string path;
   std::function<absl::StatusOr<Caller>(const Peer&)> identify;
@@ -44,6 +54,7 @@ struct WebSocketOptions {
   TrustedProxies proxies = {};              // that say for whom they open one
   std::size_t max_sockets = 1000;           // at once
   std::size_t max_sockets_of_client = 250;  // of one caller, or one address where nobody knows who that is
+  WebLateRoutes late_routes = {};           // for pages that may open a WebSocket, too
 };
 
 struct WebGatewayOptions {

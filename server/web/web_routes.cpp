@@ -1,5 +1,7 @@
 #include "server/web/web_routes.h"
 
+#include <absl/strings/str_cat.h>
+
 #include <utility>
 
 namespace curvecast::server {
@@ -8,16 +10,18 @@ namespace {
 constexpr char kIndex[] = "/index.html";
 // Everything comes from this server, whatever a page is made to say. WebAssembly decodes Draco.
 constexpr char kContentPolicy[] =
-    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; connect-src 'self'; frame-ancestors "
+    "; default-src 'self'; worker-src 'self' blob:; connect-src 'self'; frame-ancestors "
     "'self'; "
     "img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; base-uri 'none'; form-action 'none'";
 
 WebAnswer to_answer(const WebFile& file) {
+  const std::string scripts = absl::StrCat("script-src 'self' 'wasm-unsafe-eval'", file.scripts.empty() ? "" : " ",
+                                           absl::string_view(file.scripts.data(), file.scripts.size()));
   return {.body = std::string(file.gzip),
           .type = std::string(file.type),
           .header = {{"Content-Encoding", "gzip"},
                      {"Cache-Control", file.is_immutable ? "public, max-age=31536000, immutable" : "no-cache"},
-                     {"Content-Security-Policy", kContentPolicy},
+                     {"Content-Security-Policy", scripts + kContentPolicy},
                      {"Referrer-Policy", "no-referrer"}}};
 }
 

@@ -25,6 +25,14 @@ TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
   check({sphere_, "-n", "500", "--style", "dots", "--density", "view", "--camera", "fov=20"});
   EXPECT_EQ(run_json({"render", sphere_, "--what", "uv", "-o", png, "--size", "64x64"})["drawn"], 1);
   EXPECT_EQ(bytes_of(png).substr(1, 3), "PNG");
+  for (const std::string ending : {"jpg", "jpeg"}) {
+    const std::string jpeg = temporary("picture." + ending);
+    for (const std::string what : {"surface", "shaded", "uv"}) {
+      std::filesystem::remove(jpeg);
+      run_json({"render", sphere_, "--what", what, "-o", jpeg, "--size", "64x48"});
+      EXPECT_EQ(bytes_of(jpeg).substr(0, 3), "\xFF\xD8\xFF") << what;
+    }
+  }
   check({sphere_, "--what", "cut", "-n", "5000"});
   check({sphere_, "--what", "shaded", "--camera", "fov=20"});
   for (const std::string ending : {"ply", "xyz", "pcd", "drc"}) {

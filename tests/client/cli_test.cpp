@@ -328,7 +328,7 @@ TEST_F(CliTest, WrongUsageIsStatus2) {
                  "there are: jittered, regular, vandercorput, golden");
   expect_failure({"sample", sphere_, "-n", "10", "--camera", "eye=1"}, 2, "eye takes 3 numbers");
   expect_failure({"preprocess", sphere_, "--omega", "0.5"}, 2, "omega");
-  expect_failure({"render", sphere_, "-o", "x.jpg"}, 2, ".png");
+  expect_failure({"render", sphere_, "-o", "x.gif"}, 2, ".png");
   expect_failure({"render", sphere_, "-o", "x.png", "--size", "0x10"}, 2, "WIDTHxHEIGHT");
   expect_failure({"render", sphere_, "-o", "x.png", "--what", "hair"}, 2,
                  "there are: surface, shaded, samples, mesh, cut, uv, curve, surface-curve");

@@ -131,9 +131,48 @@ TEST_F(ServerRender, HasASizeOfItsOwn) {
 }
 
 TEST_F(ServerRender, TheSameRequestGivesTheSameBytes) {
-  v1::RenderResponse once, again;
-  ASSERT_TRUE(render(&once).ok() && render(&again).ok());
-  EXPECT_EQ(once.SerializeAsString(), again.SerializeAsString());
+  for (const v1::PictureFormat format : {v1::PICTURE_FORMAT_PNG, v1::PICTURE_FORMAT_JPEG}) {
+    request_.set_format(format);
+    v1::RenderResponse once, again;
+    ASSERT_TRUE(render(&once).ok() && render(&again).ok());
+    EXPECT_EQ(once.SerializeAsString(), again.SerializeAsString());
+  }
+}
+
+TEST_F(ServerRender, AJpegShowsTheSameInFewerBytes) {
+  camera();
+  v1::RenderResponse png, jpeg, rough;
+  ASSERT_TRUE(render(&png).ok());
+  EXPECT_EQ(png.jpeg(), "");
+  request_.set_format(v1::PICTURE_FORMAT_JPEG);
+  ASSERT_TRUE(render(&jpeg).ok());
+  EXPECT_EQ(jpeg.png(), "");
+  EXPECT_EQ(jpeg.points(), png.points());
+  request_.set_jpeg_quality(20);
+  ASSERT_TRUE(render(&rough).ok());
+  EXPECT_LT(jpeg.jpeg().size(), png.png().size());
+  EXPECT_LT(rough.jpeg().size(), jpeg.jpeg().size());
+  const absl::StatusOr<Image> exact = decode_texture(png.png(), 1 << 24), lossy = decode_texture(jpeg.jpeg(), 1 << 24);
+  ASSERT_TRUE(exact.ok() && lossy.ok());
+  ASSERT_EQ(lossy->rgba.size(), exact->rgba.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < exact->rgba.size(); ++i) sum += std::abs(int{exact->rgba[i]} - int{lossy->rgba[i]});
+  EXPECT_LT(sum / static_cast<double>(exact->rgba.size()), 3);
+}
+
+TEST_F(ServerRender, HasALightAndADarkBackground) {
+  camera();
+  const Image light = picture();
+  request_.set_background(v1::PICTURE_BACKGROUND_LIGHT);
+  EXPECT_EQ(picture().rgba, light.rgba);
+  request_.set_background(v1::PICTURE_BACKGROUND_DARK);
+  const Image dark = picture();
+  for (const int row : {0, dark.height - 1}) {
+    const std::size_t at = 4 * static_cast<std::size_t>(row * dark.width);
+    EXPECT_GT(light.rgba[at], 200);
+    EXPECT_LT(dark.rgba[at], 60);
+  }
+  EXPECT_NEAR(covered(dark), covered(light), 0.02 * covered(light));
 }
 
 TEST_F(ServerRender, RefusesWhatIsNoPicture) {
@@ -147,6 +186,15 @@ TEST_F(ServerRender, RefusesWhatIsNoPicture) {
   request_.set_style(static_cast<v1::PictureStyle>(77));
   EXPECT_THAT(refusal(), HasSubstr("style has the unknown value 77"));
   request_.clear_style();
+  request_.set_format(static_cast<v1::PictureFormat>(77));
+  EXPECT_THAT(refusal(), HasSubstr("format has the unknown value 77"));
+  request_.clear_format();
+  request_.set_background(static_cast<v1::PictureBackground>(77));
+  EXPECT_THAT(refusal(), HasSubstr("background has the unknown value 77"));
+  request_.clear_background();
+  request_.set_jpeg_quality(101);
+  EXPECT_THAT(refusal(), HasSubstr("jpeg_quality is 101"));
+  request_.clear_jpeg_quality();
   camera().set_orthographic_height(1);
   EXPECT_THAT(refusal(), HasSubstr("a perspective one"));
   camera().clear_orthographic_height();

@@ -300,7 +300,7 @@ TEST_F(ServerWebSocket, EndsWithTheServer) {
 }
 
 TEST_F(ServerWebSocket, ServesFiles) {
-  static constexpr WebFile kFiles[] = {{"/index.html", "text/html; charset=utf-8", "packed", false},
+  static constexpr WebFile kFiles[] = {{"/index.html", "text/html; charset=utf-8", "packed", false, "'sha256-abc'"},
                                        {"/assets/a-1.js", "text/javascript; charset=utf-8", "script", true}};
   start({.http = "127.0.0.1:0", .pages = kFiles});
   HttpClient browser(server_->http_port());
@@ -310,7 +310,7 @@ TEST_F(ServerWebSocket, ServesFiles) {
     EXPECT_EQ(page.body, "packed");
     EXPECT_THAT(page.header, HasSubstr("Content-Encoding: gzip\r\n"));
     EXPECT_THAT(page.header, HasSubstr("Cache-Control: no-cache\r\n"));
-    EXPECT_THAT(page.header, HasSubstr("default-src 'self'"));
+    EXPECT_THAT(page.header, HasSubstr("script-src 'self' 'wasm-unsafe-eval' 'sha256-abc'; default-src 'self'"));
   }
   EXPECT_THAT(browser.get("/assets/a-1.js").header, HasSubstr("immutable"));
   EXPECT_EQ(browser.get("/assets/none.js").status, 404);

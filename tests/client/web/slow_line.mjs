@@ -1,4 +1,4 @@
-// A benchmark: a first visit over a slow line. When the page, its script, the first points and the whole first picture are there,
+// A benchmark: a first visit over a slow line. When the page, the poster, its script, the first points and the whole first picture are there,
 // what came until then, and how much waits in the line while the camera turns.
 //   node tests/client/web/slow_line.mjs MESH [BITS_PER_SECOND [ROUND_TRIP_MS]]
 
@@ -14,11 +14,14 @@ if (mesh === undefined) {
 const bitsPerSecond = Number(rateGiven);
 const roundTrip = Number(roundTripGiven);
 
-/// Before the page's own scripts: notes when there are points, and when a view is whole.
+/// Before the page's own scripts: notes when there are the poster, the page's larger part, and points; and when the poster has gone.
 function noteTimes() {
   window.times = {};
   const look = () => {
     const c = window.curvecast;
+    const hasPoster = document.querySelector("img.poster")?.complete === true;
+    if (hasPoster) window.times.poster ??= performance.now();
+    else if (window.times.poster !== undefined) window.times.posterGone ??= performance.now();
     if (c !== undefined) window.times.script ??= performance.now();
     if ((c?.store?.count ?? 0) > 0) {
       window.times.points ??= performance.now();

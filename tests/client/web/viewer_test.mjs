@@ -5,6 +5,7 @@ import { after } from "node:test";
 import { pictureFile } from "./support/environment.mjs";
 import { endAll } from "./support/shared_server.mjs";
 
+import "./poster_suite.mjs";
 import "./picture_suite.mjs";
 import "./crease_suite.mjs";
 import "./gallery_suite.mjs";

@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "server/base/log.h"
@@ -156,6 +158,92 @@ TEST_F(Gateway, TheIdlestConnectionGivesWayToOneMore) {
   EXPECT_TRUE(clients[1]->is_closed());
   EXPECT_EQ(clients[0]->get("/hello").status, 200);
   EXPECT_EQ(clients[2]->get("/hello").status, 200);
+}
+
+/// Of a page of the server's own.
+std::string page_asks(const std::string& path, const std::string& more = "", const std::string& method = "GET") {
+  return absl::StrCat(method, " ", path, " HTTP/1.1\r\nHost: localhost\r\nCurvecast-Page: 1\r\n", more, "\r\n");
+}
+
+class LateGateway : public Gateway {
+ protected:
+  void SetUp() override { start_late(std::chrono::seconds(10)); }
+
+  void start_late(std::chrono::milliseconds time_out) {
+    WebSocketOptions sockets{.path = "/socket"};
+    sockets.late_routes["/later"] = [this](const WebQuestion& question, std::function<void(WebAnswer)> answer) {
+      asked_.push_back(question);
+      const bool is_answered = question.query != "never";
+      if (!is_answered) kept_.push_back(answer);
+      ++count_;
+      if (is_answered) answer({.body = "here\n"});
+    };
+    start({.listen = "127.0.0.1:0", .time_out = time_out, .sockets = sockets});
+  }
+  void TearDown() override { gateway_.reset(); }
+
+  /// All questions, once there are so many.
+  const std::vector<WebQuestion>& questions(std::size_t count) const {
+    while (count_ < count) std::this_thread::yield();
+    return asked_;
+  }
+
+  std::atomic<std::size_t> count_ = 0;  // of the following; no other comes while they are read
+  std::vector<WebQuestion> asked_;
+  std::vector<std::function<void(WebAnswer)>> kept_;
+};
+
+TEST_F(LateGateway, AnswersLaterOnTheSameConnection) {
+  HttpClient client(gateway_->port());
+  for (int i = 0; i < 3; ++i) {
+    client.send(page_asks("/later?a=1&b"));
+    EXPECT_EQ(client.receive().body, "here\n");
+  }
+  EXPECT_EQ(client.get("/hello").body, "hello\n");
+  client.send(page_asks("/later", "", "HEAD"));
+  EXPECT_EQ(client.receive(false).status, 200);
+  client.send(page_asks("/later", "", "POST"));
+  EXPECT_EQ(client.receive().status, 405);
+  const std::vector<WebQuestion>& asked = questions(4);
+  ASSERT_EQ(asked.size(), 4u);
+  EXPECT_EQ(asked[0].query, "a=1&b");
+  EXPECT_EQ(asked[3].query, "");
+  EXPECT_THAT(asked[0].peer.address, HasSubstr("127.0.0.1"));
+}
+
+TEST_F(LateGateway, PassesTokensOn) {
+  EXPECT_EQ(answer_to(page_asks("/later", "Authorization: Bearer abc\r\n")).status, 200);
+  EXPECT_EQ(answer_to(page_asks("/later", "Authorization: Basic abc\r\n")).status, 200);
+  EXPECT_EQ(answer_to(page_asks("/later", "Authorization: Bearer \xff\r\n")).status, 200);
+  const std::vector<WebQuestion>& asked = questions(3);
+  EXPECT_EQ(asked.at(0).peer.authorization, "Bearer abc");
+  EXPECT_EQ(asked.at(1).peer.authorization, "");
+  EXPECT_EQ(asked.at(2).peer.authorization, "");
+}
+
+TEST_F(LateGateway, IsForItsOwnPages) {
+  EXPECT_EQ(answer_to("GET /later HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 403);
+  EXPECT_EQ(answer_to("GET /later HTTP/1.1\r\nHost: evil.example\r\nCurvecast-Page: 1\r\n\r\n").status, 403);
+  EXPECT_EQ(answer_to("GET /later HTTP/1.1\r\nCurvecast-Page: 1\r\n\r\n").status, 403);
+  EXPECT_THAT(questions(0), IsEmpty());
+}
+
+TEST_F(LateGateway, WaitsOnlySoLong) {
+  start_late(std::chrono::milliseconds(50));
+  HttpClient client(gateway_->port());
+  client.send(page_asks("/later?never"));
+  EXPECT_EQ(client.receive().status, 503);
+  kept_.at(0)({.body = "too late\n"});
+  EXPECT_EQ(client.get("/hello").body, "hello\n");
+}
+
+TEST_F(LateGateway, EndsWhileAnswersAreMissing) {
+  HttpClient waiting(gateway_->port());
+  waiting.send(page_asks("/later?never"));
+  questions(1);
+  gateway_.reset();
+  EXPECT_TRUE(waiting.is_closed());
+  kept_.at(0)({.body = "for nobody\n"});
 }
 
 TEST_F(Gateway, EndsWithOpenConnections) {

@@ -1,12 +1,12 @@
 // The viewer's page: joins its parts.
 
-import { type Client, type CurvecastError, type FrameReport, type LiveViewState, type Session } from "../stream";
+import type { CurvecastError, FrameReport, LiveViewState, Session } from "../stream";
 import { directionOf, Viewport, type CameraState, type StandardView } from "../view";
 import { AxesGizmo } from "./axes_gizmo";
+import type { Begun } from "./begin";
 import { Brush } from "./brush";
 import { DrawingBudget } from "./drawing_budget";
 import { Film } from "./film/film";
-import type { FirstAnswers } from "./first_answers";
 import { Hud } from "./hud";
 import { keyTable } from "./key_table";
 import { Annotations } from "./marks/annotations";
@@ -25,7 +25,7 @@ import { Streams, type Which } from "./streams";
 import { SurfaceView } from "./surface_view";
 import { tabStorage, Thumbnails, thumbnailSize } from "./thumbnails";
 import { Uploads } from "./upload";
-import { keepToken, readState, writeState } from "./url_state";
+import { readState, writeState } from "./url_state";
 import { ViewPacer } from "./view_pacer";
 import { applyView, brushRadiusOf, styleOf } from "./view_settings";
 
@@ -43,7 +43,6 @@ export class Application {
   session: Session | null = null;
   mesh: MeshFollower | null = null; // of the session
   readonly surface: SurfaceView;
-
   private readonly defaults: Settings;
   private readonly panel: Panel;
   private readonly hud: Hud;
@@ -72,9 +71,7 @@ export class Application {
     canvas: HTMLCanvasElement,
     page: HTMLElement,
     readonly messages: Messages,
-    private readonly client: Client,
-    answers: FirstAnswers,
-    private readonly token: string | undefined,
+    private readonly begun: Begun,
   ) {
     this.viewport = new Viewport(canvas);
     this.viewport.expectPoints(longestStart); // an empty picture would take the processor's time from them
@@ -86,7 +83,7 @@ export class Application {
     this.settings = { ...this.defaults, dabs: [], marks: [], ...settings };
     this.brush = new Brush(this.settings, (text) => this.messages.notice(text));
     const events = { changed: () => this.surfaceCame(), notice: (text: string): void => this.messages.notice(text) };
-    this.surface = new SurfaceView(client, this.viewport, this.defaults, events);
+    this.surface = new SurfaceView(begun.client, this.viewport, this.defaults, events);
     this.annotations = new Annotations(page, this.settings.marks, {
       viewport: this.viewport,
       changed: () => this.saveSoon(),
@@ -102,7 +99,7 @@ export class Application {
       forget: (chosen: Session) => void this.forget(chosen),
     };
     this.list = new SessionList(listed, this.thumbnails);
-    this.uploads = new Uploads(page, this.client, {
+    this.uploads = new Uploads(page, this.begun.client, {
       onPreview: (preview) => this.previewed(preview),
       onReady: (ready, missing) => this.uploaded(ready, missing),
       onFailure: (what, error) => this.messages.failure(what, error),
@@ -137,13 +134,13 @@ export class Application {
     this.listen();
     this.axes.show(this.viewport.camera);
     this.changed();
-    this.choice.start(answers, session, camera);
+    this.choice.start(begun.answers, session, camera);
   }
 
   private makeChoice(): SessionChoice {
     const { messages } = this;
     return new SessionChoice(
-      this.client,
+      this.begun.client,
       {
         onSessions: (sessions) => this.list.show(sessions),
         onReady: (session, camera) => this.show(session, camera),
@@ -162,9 +159,10 @@ export class Application {
 
   private listen(): void {
     this.viewport.onCamera = () => this.cameraMoved();
-    this.viewport.onPicture = (points, milliseconds) => {
+    this.viewport.onPicture = ({ points, milliseconds, isFine }) => {
       const { budget, frameMilliseconds } = this.settings;
-      if (budget === "automatic" && points > 0 && this.drawingBudget.note(points, milliseconds, frameMilliseconds))
+      if (points > 0 || this.surface.shown !== null) this.begun.poster.hide();
+      if (isFine && budget === "automatic" && points > 0 && this.drawingBudget.note(points, milliseconds, frameMilliseconds))
         this.pacer.request();
     };
     this.viewport.onDrawn = () => this.pacer.drawn();
@@ -274,8 +272,8 @@ export class Application {
       else this.messages.failure("The server does not take this page", error);
       return;
     }
-    this.messages.askToken(this.token === undefined ? null : error.message, (token) => {
-      keepToken(token);
+    this.messages.askToken(this.begun.token.value === undefined ? null : error.message, (token) => {
+      this.begun.token.keep(token);
       location.reload();
     });
   }
@@ -303,11 +301,11 @@ export class Application {
       this.viewport.setBounds([boxMin.x, boxMin.y, boxMin.z], [boxMax.x, boxMax.y, boxMax.z]);
     }
     this.change((settings) => (settings.frozen = false));
-    this.streams = new Streams(this.client, session.sessionId, {
+    this.streams = new Streams(this.begun.client, session.sessionId, {
       onFrame: (frame) => this.frameCame(frame),
       onState: (which, state, error, delay) => this.stateChanged(which, state, error, delay),
     });
-    this.mesh = new MeshFollower((sample, options) => this.client.remesh(session.sessionId, sample, options), {
+    this.mesh = new MeshFollower((sample, options) => this.begun.client.remesh(session.sessionId, sample, options), {
       onMesh: (mesh) => this.viewport.setWireframe(mesh),
       onFailure: (error) => this.messages.notice(`The mesh cannot be made: ${error.message}`),
     });
@@ -344,7 +342,7 @@ export class Application {
   }
 
   private async forget(session: Session): Promise<void> {
-    if (await forgetSession(this.client, session, this.messages)) this.choice.refresh();
+    if (await forgetSession(this.begun.client, session, this.messages)) this.choice.refresh();
   }
 
   private frameCame(frame: FrameReport): void {
@@ -368,6 +366,7 @@ export class Application {
   }
 
   private refusedView(error: CurvecastError): void {
+    this.begun.poster.hide();
     this.viewport.expectNoPoints();
     if (error.code === nowhere) {
       const whole = { text: "Show the whole surface (F)", run: () => this.viewport.frame() };
@@ -384,6 +383,7 @@ export class Application {
       });
     }
     if (state === "failed" && error !== null) {
+      this.begun.poster.hide();
       if (error.code === "UNAUTHENTICATED" || error.code === "PERMISSION_DENIED") this.refused(error);
       else if (error.code === "NOT_FOUND") this.missing(this.session?.sessionId ?? "");
       else this.messages.failure(which === "main" ? "The stream has ended" : "The stream of uniform points has ended", error);

@@ -1,15 +1,10 @@
-import "./panel.css";
-import "./style.css";
-import "./messages.css";
+// Loads the larger part of the page once the poster is on its way.
 
-import { Client } from "../stream";
-import { askFirst } from "./first_answers";
-import { readSession, takeToken } from "./url_state";
+import { poster, token } from "./first";
 
-const token = takeToken();
-const client = new Client({ token });
-const answers = askFirst(client, readSession(location.hash));
-// The larger part of the page, which loads meanwhile.
-const page = await import("./open").catch(() => null);
-if (page !== null) page.open(client, answers, token);
+await poster.passed();
+// Both at once: the first questions are asked while the larger part is still to come.
+const begun = import("./begin").then(({ begin }) => begin(token, poster));
+const parts = await Promise.all([import("./open"), begun]).catch(() => null);
+if (parts !== null) parts[0].open(parts[1]);
 else document.body.textContent = "A part of this page could not be loaded. Load the page again.";

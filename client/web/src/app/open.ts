@@ -1,19 +1,22 @@
 // Starts the application once the page is loaded.
 
-import type { Client } from "../stream";
+import "./panel.css";
+import "./style.css";
+import "./messages.css";
+
 import { NoWebGL2Error } from "../view";
 import { Application } from "./app";
-import type { FirstAnswers } from "./first_answers";
+import type { Begun } from "./begin";
 import { handleOf } from "./handle";
 import { Messages } from "./messages";
 
-/// Opens the page. `token`: the one that the client has.
-export function open(client: Client, answers: FirstAnswers, token: string | undefined): void {
+/// Opens the page.
+export function open(begun: Begun): void {
   const canvas = document.querySelector("canvas")!;
   const page = document.querySelector("main")!;
   const messages = new Messages(page);
   try {
-    window.curvecast = handleOf(new Application(canvas, page, messages, client, answers, token));
+    window.curvecast = handleOf(new Application(canvas, page, messages, begun));
   } catch (thrown) {
     if (!(thrown instanceof NoWebGL2Error)) throw thrown;
     messages.noWebGL2();

@@ -92,7 +92,7 @@ export class Panel {
     this.addSection();
     this.addSampling();
     this.gui.onOpenClose(() => this.makeRoom());
-    if (window.innerWidth < 900) this.gui.close(); // it would cover a part of the picture: see style.css
+    if (!document.body.classList.contains("with-panel")) this.gui.close(); // see first.ts
     this.makeRoom();
     this.showWhatApplies();
   }

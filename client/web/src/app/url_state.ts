@@ -12,7 +12,6 @@ export interface UrlState {
   settings: Partial<Settings>;
 }
 
-const tokenKey = "curvecast.token";
 const mostDabs = 500; // longer addresses are too much for browsers and for those who pass them on
 const digits = 12; // of a number: coordinates may lie far from 0, and cameras near the surface
 // Settings that are written even where they are the defaults, because these differ from machine to machine.
@@ -98,11 +97,6 @@ function readSetting(key: keyof Settings, text: string, like: unknown): unknown 
   return choices[key]?.includes(text) === true ? text : undefined;
 }
 
-/// Returns the id of the session that an address names; null where it names none.
-export function readSession(hash: string): string | null {
-  return new URLSearchParams(hash.replace(/^#/, "")).get("session");
-}
-
 /// Reads an address, and leaves out what cannot be understood. `defaults`: all settings that there are.
 export function readState(hash: string, defaults: Settings): UrlState {
   const given = new URLSearchParams(hash.replace(/^#/, ""));
@@ -118,7 +112,7 @@ export function readState(hash: string, defaults: Settings): UrlState {
   if (marks.length > 0) settings.marks = marks.slice(0, maxMarks);
   const camera = readCamera(given.get("camera") ?? "");
   if (camera !== null && settings.projection === "orthographic") camera.orthographic = true;
-  return { session: readSession(hash), camera, settings };
+  return { session: given.get("session"), camera, settings };
 }
 
 /// Writes an address that readState() reads, # included.
@@ -134,44 +128,4 @@ export function writeState(session: string | null, camera: CameraState | null, s
   if (settings.dabs.length > 0 && settings.dabs.length <= mostDabs) out.set("dabs", writeDabs(settings.dabs));
   for (const mark of settings.marks) out.append("mark", writeMark(mark, short));
   return "#" + out.toString().replaceAll("%2C", ",").replaceAll("%3B", ";");
-}
-
-/// Takes the token out of the address, or that of an earlier page in this tab.
-export function takeToken(): string | undefined {
-  const given = new URLSearchParams(location.hash.replace(/^#/, ""));
-  const token = given.get("token");
-  if (token !== null) {
-    given.delete("token");
-    replaceHash(given);
-    store(token);
-  }
-  try {
-    return token ?? sessionStorage.getItem(tokenKey) ?? undefined;
-  } catch {
-    return undefined;
-  }
-}
-
-/// Keeps a token for the next page in this tab. Where the browser stores nothing for pages, the token is in the address until that page
-/// takes it: load it at once.
-export function keepToken(token: string): void {
-  if (store(token)) return;
-  const given = new URLSearchParams(location.hash.replace(/^#/, ""));
-  given.set("token", token);
-  replaceHash(given);
-}
-
-/// Stores a token for this tab. Returns false where the browser stores nothing for pages.
-function store(token: string): boolean {
-  try {
-    sessionStorage.setItem(tokenKey, token);
-    return true;
-  } catch {
-    return false;
-  }
-}
-
-function replaceHash(parameters: URLSearchParams): void {
-  const text = parameters.toString();
-  history.replaceState(null, "", location.pathname + location.search + (text === "" ? "" : `#${text}`));
 }

@@ -39,8 +39,8 @@ export class Viewport {
   onResize: (() => void) | null = null;
   /// Is called when the processor has drawn: isDrawing is false again.
   onDrawn: (() => void) | null = null;
-  /// Is called with the points of a fine picture, and with the milliseconds that drawing it took.
-  onPicture: ((points: number, milliseconds: number) => void) | null = null;
+  /// Is called with what a picture that was drawn has: points, and the milliseconds that they took.
+  onPicture: ((picture: { points: number; milliseconds: number; isFine: boolean }) => void) | null = null;
   /// Whether the processor draws, for want of a graphics card.
   readonly isSoftware: boolean;
 
@@ -382,7 +382,7 @@ export class Viewport {
   /// The processor, or the graphics card, has drawn the last frame.
   private hasDrawn(): void {
     const frame = this.clock.drawn();
-    if (frame?.isFine === true) this.onPicture?.(frame.points, frame.milliseconds);
+    if (frame !== null) this.onPicture?.(frame);
     if (this.isSoftware) this.onDrawn?.();
   }
 

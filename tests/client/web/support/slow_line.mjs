@@ -9,6 +9,7 @@ class Lane {
     this.bytesPerSecond = bytesPerSecond;
     this.delay = delay; // milliseconds
     this.freeAt = 0; // when all that was sent so far is through
+    this.waiting = []; // deliveries
     this.passed = 0; // bytes
     this.mostWaiting = 0; // bytes
   }
@@ -21,7 +22,8 @@ class Lane {
     for (let at = 0; at < chunk.length; at += size) {
       const part = chunk.subarray(at, at + size);
       this.freeAt += (1000 * part.length) / this.bytesPerSecond;
-      setTimeout(() => deliver(part), this.freeAt + this.delay - now);
+      this.waiting.push(() => deliver(part));
+      setTimeout(() => this.waiting.shift()(), this.freeAt + this.delay - now); // in their order, whichever timer is first
     }
     this.passed += chunk.length;
     this.mostWaiting = Math.max(this.mostWaiting, ((this.freeAt - now) * this.bytesPerSecond) / 1000);
