@@ -113,12 +113,43 @@ float coverAt(ivec2 p, float kernel) {
   return 1.0;  // the surface goes on behind this edge
 }
 
+// Whether a pixel that is not covered is a gap between discs: the surface is there within two pixels on both sides, along all four
+// lines through it. (A gap between two parts of the surface goes on along one of them.) Sets nearest to one that is covered.
+bool isGap(ivec2 p, out ivec2 nearest) {
+  ivec2 last = textureSize(normals, 0) - 1;
+  nearest = p;
+  float most = minKernel;
+  for (int i = 0; i < 4; ++i) {
+    ivec2 along = i == 0 ? ivec2(1, 0) : i == 1 ? ivec2(0, 1) : i == 2 ? ivec2(1, 1) : ivec2(1, -1);
+    for (int side = -1; side <= 1; side += 2) {
+      bool isThere = false;
+      for (int step = 1; step <= 2 && !isThere; ++step) {
+        ivec2 tap = clamp(p + side * step * along, ivec2(0), last);
+        float kernel = texelFetch(normals, tap, 0).w;
+        isThere = kernel >= minKernel;
+        if (isThere && kernel > most) {
+          most = kernel;
+          nearest = tap;
+        }
+      }
+      if (!isThere) return false;
+    }
+  }
+  return nearest != p;
+}
+
 void main() {
   ivec2 p = ivec2(gl_FragCoord.xy) - origin;
   vec4 sum = texelFetch(normals, p, 0);
   float height = (float(p.y) + 0.5) / float(textureSize(depths, 0).y);
   vec3 behind = mix(backgroundBottom, backgroundTop, height);
   float cover = coverAt(p, sum.w);
+  ivec2 nearest;
+  if (cover < 1.0 && !isCovered && isGap(p, nearest)) {
+    p = nearest;
+    sum = texelFetch(normals, p, 0);
+    cover = 1.0;
+  }
   vec3 colour = behind;
   if (cover > 0.0) {
     vec3 view = isParallel ? vec3(0.0, 0.0, 1.0) : -normalize(placeAt(p, 1.0));
