@@ -33,6 +33,25 @@ describe("a ball of 1000 points", () => {
     await server?.stop();
   });
 
+  it("has no specks where discs are too small to overlap, until they are to show the points", async () => {
+    await page.evaluate((c, camera) => (c.view.camera = camera), front);
+    await page.change(() => page.set("points", 80_000));
+    const holes = async (size) => {
+      await page.set("size of discs", size);
+      const picture = await page.picture(`specks_${size}.png`);
+      const mask = difference(picture, await page.emptyPicture(), 3);
+      const { width, height } = picture;
+      const radius = outlineOf(front, picture);
+      const isWithin = (i) => Math.hypot((i % width) - width / 2, Math.floor(i / width) - height / 2) < 0.9 * radius;
+      return mask.filter((isDrawn, i) => !isDrawn && isWithin(i)).length;
+    };
+    const [closed, open] = [await holes(0.6), await holes(0.45)];
+    console.log(`# holes: ${closed}, and ${open} of smaller discs`);
+    assert.ok(closed < 10 && open > 100);
+    await page.set("size of discs", 1);
+    await page.change(() => page.set("points", 1000));
+  });
+
   const parallel = { ...front, orthographic: true };
   const within = { ...parallel, eye: [0, 0, 0.5], target: [0, 0, -4.5] };
   for (const [what, screen, camera, most] of [

@@ -51,6 +51,7 @@ uniform float sceneRadius;
 uniform vec3 clay, backTint, backgroundTop, backgroundBottom;  // linear light
 uniform bool isMatte;
 uniform vec4 brush;          // centre in eye coordinates, radius; 0: none
+uniform bool closesGaps;     // between discs
 uniform float surfaceShift;  // how far behind the surface its depths are, along the ray
 layout(location = 0) out vec4 pixel;
 
@@ -145,7 +146,7 @@ void main() {
   vec3 behind = mix(backgroundBottom, backgroundTop, height);
   float cover = coverAt(p, sum.w);
   ivec2 nearest;
-  if (cover < 1.0 && !isCovered && isGap(p, nearest)) {
+  if (cover < 1.0 && closesGaps && isGap(p, nearest)) {
     p = nearest;
     sum = texelFetch(normals, p, 0);
     cover = 1.0;

@@ -23,6 +23,8 @@ import {
 const hidingExtent = 0.8;
 const blendExtent = 1.1;
 const blendDepth = 0.8; // how far behind the nearest disc others still blend, in radii along the ray
+/// Gaps between discs of this scale and larger ones are closed: they are faults. Smaller discs show how the points lie.
+const leastClosed = 0.5;
 /// A projection that has every point in the middle of its picture.
 const everything = new THREE.Matrix4().set(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
 /// The kernel of a disc where it ends in the picture.
@@ -71,6 +73,7 @@ export class SplatPasses implements Passes {
     halfSize: { value: new THREE.Vector2() },
     minKernel: { value: minKernel },
     isCovered: { value: false },
+    closesGaps: { value: false },
     edlStrength: { value: 0 },
     edlReach: { value: 1 },
     sceneRadius: { value: 1 },
@@ -223,6 +226,7 @@ export class SplatPasses implements Passes {
     shade.origin.value.set(where.x, where.y);
     shade.clip.value.set(camera.near, camera.far);
     shade.isCovered.value = surface !== null;
+    shade.closesGaps.value = surface === null && style.splatScale >= leastClosed;
     shade.isParallel.value = camera.isParallel;
     shade.halfSize.value.set(halfWidth, halfHeight);
     shade.edlStrength.value = style.edl ? (isDots ? 0.5 : 1.1) : 0;
