@@ -29,7 +29,7 @@ TEST_F(CliTest, RenderDrawsMeshesAndPoints) {
     const std::string jpeg = temporary("picture." + ending);
     for (const std::string what : {"surface", "shaded", "uv"}) {
       std::filesystem::remove(jpeg);
-      run_json({"render", sphere_, "--what", what, "-o", jpeg, "--size", "64x48"});
+      run_json({"render", sphere_, "--what", what, "-o", jpeg, "--size", "64x64"});
       EXPECT_EQ(bytes_of(jpeg).substr(0, 3), "\xFF\xD8\xFF") << what;
     }
   }
