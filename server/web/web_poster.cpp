@@ -63,7 +63,7 @@ v1::Camera first_camera(const v1::MeshInfo& mesh, double aspect) {
   FitOptions fit;
   fit.aspect = aspect;
   fit.margin = kMargin;
-  const RenderCamera camera = fit_camera(Box3d(corner(mesh.box_min()), corner(mesh.box_max())), fit);
+  const RenderCamera camera = fit_camera(Box3d{corner(mesh.box_min()), corner(mesh.box_max())}, fit);
   v1::Camera made;
   *made.mutable_eye() = to_proto(camera.eye);
   *made.mutable_target() = to_proto(camera.target);
