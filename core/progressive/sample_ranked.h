@@ -16,7 +16,7 @@
 namespace curvecast {
 
 // In all functions `curve` is the curve on which the tree's points were made, and `fixed` is what make_fixed_density() makes of
-// that curve and the density's terms.
+// that curve and the density's terms; null will do where ViewFactor::is_fixed_by_detail().
 
 /// Selects the n points that a density shows first, fewer where the tree has no more, and finds their discs. Writes
 /// workspace.selection; the chunks that the tree lacks for it are workspace.selection.lacking.

@@ -50,6 +50,9 @@ absl::StatusOr<SessionSampler> SessionSampler::open(const Session& session, cons
     out.curve_ = ranked->curve;
     out.ranks_ = ranked->tree;
   }
+  // Ranked points know a picture's detail themselves; only the number of points for an error in pixels takes it from the curve.
+  const bool is_known = out.is_ranked() && ViewFactor(*out.curve_, request.options.density).is_fixed_by_detail();
+  if (is_known && !(request.pixel_error > 0)) return out;
   Stopwatch watch;
   WorkLimit limit(kMostViewWork);
   absl::StatusOr<std::shared_ptr<const FixedDensity>> fixed =
