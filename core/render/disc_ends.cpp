@@ -67,13 +67,10 @@ End end_by(const SplatVertex& disc, const SplatVertex& other) {
 void find_ends(std::span<SplatVertex> splats, const Tree& tree, std::size_t i) {
   SplatVertex& disc = splats[i];
   disc.ends = {};
-  disc.slimness = 1;
   if (to_vec(disc.normal).isZero()) return;
   std::array<std::uint32_t, kNeighbours> near;
   std::array<float, kNeighbours> squares;
   const std::size_t count = tree.knnSearch(disc.center.data(), kNeighbours, near.data(), squares.data());
-  const DiscOutline outline = disc_outline(splats, i, std::span(near).first(count));
-  disc.slimness = outline.slimness;
   std::size_t found = 0;
   Vec3f first = Vec3f::Zero();
   for (std::size_t k = 0; k < count && found < disc.ends.size(); ++k) {
@@ -83,7 +80,7 @@ void find_ends(std::span<SplatVertex> splats, const Tree& tree, std::size_t i) {
     if (found == 0) first = end.across;
     disc.ends[found++] = end.plane;
   }
-  if (found < disc.ends.size()) disc.ends[found] = outline.plane;
+  if (found < disc.ends.size()) disc.ends[found] = disc_outline(splats, i, std::span(near).first(count));
 }
 
 }  // namespace

@@ -12,8 +12,7 @@
 
 namespace curvecast {
 
-/// Finds where they end for all splats, and how slim they are, of what else they have: sets SplatVertex::ends and slimness. On
-/// all threads.
+/// Finds where they end for all splats, of what else they have: sets SplatVertex::ends. On all threads.
 void find_disc_ends(std::span<SplatVertex> splats);
 
 }  // namespace curvecast

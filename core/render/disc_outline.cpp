@@ -9,74 +9,79 @@
 namespace curvecast {
 namespace {
 
+// The viewer's disc_bends.ts has the same rule and numbers.
 constexpr float kCreaseCosine = 0.766F;  // 40 degrees: what lies beyond is another side
-constexpr float kFarthest = 1.6F;        // radii: neighbours whose normals tell of the curvature
-constexpr float kReach = 1.4F;           // radii from a disc's middle within which it is drawn
-// Of f / k r. What blends reaches as far with less than the half of it where the outline is. A quarter less opens gaps, a half
-// more lets discs blend from too far.
-constexpr float kStrength = 0.3F;
-constexpr float kGrazing = 0.5F;  // cosine: seen less flatly, what is last is the border of an open surface
-// A neighbour lies beyond a disc, as the eye sees it, from this share of the disc's own extent on.
-constexpr float kBeyond = 0.25F;
-constexpr float kBeside = 1.2F;  // radii: and no farther than this along the outline
-constexpr float kNeighbour = 3;  // radii: and no farther than this at all
+constexpr float kNearby = 1.6F;          // radii: neighbours whose normals tell how the surface bends
+constexpr float kFarthest = 2;           // radii: neighbours whose places do
+constexpr float kNearest = 0.5F;         // radii: at a smaller distance, a height says nothing
+// Where nobody is beyond, a surface that is not flat ends, or has few points since nobody sees it. Of a face, here is the border
+// of a sheet.
+constexpr float kNobodysBend = 0.5F, kGrazing = 0.5F, kFace = 0.7F;  // the bend of the former, and cosines
+constexpr float kFlatCosine = 0.9986F;                               // 3 degrees
+constexpr float kEnd = 0.25F;                                        // of f^2 / k: half of where the surface ends
+constexpr float kReach = 1.4F;                                       // radii from a disc's middle within which it is drawn
 
 Vec3f to_vec(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+
+float nobodys_bend(float facing) {
+  const float t = std::clamp((kFace - std::abs(facing)) / (kFace - kGrazing), 0.0F, 1.0F);
+  return kNobodysBend * t * t * (3 - 2 * t);
+}
 
 /// The disc, as the eye sees it.
 struct Seen {
   Vec3f centre, normal, to_eye;
   float radius, facing;  // facing: the cosine between normal and direction to the eye
-  Vec3f away;            // unit: in the disc's plane, away from the eye
-  Vec3f out;             // unit: where that is in the picture, towards the outline
+  Vec3f towards;         // unit: in the disc's plane, towards an outline: away from the eye, of a back to it
 };
 
-/// The curvature away from the eye, times the radius: the best k of normal change = k * way, both in that direction, by least
-/// squares. 0 where it is hollow, or nothing tells.
+Seen see(const SplatVertex& disc) {
+  Seen seen{.centre = to_vec(disc.center), .normal = to_vec(disc.normal), .radius = disc.radius};
+  seen.to_eye = -seen.centre.normalized();
+  seen.facing = seen.normal.dot(seen.to_eye);
+  seen.towards = (seen.facing < 0 ? -1.0F : 1.0F) * (seen.facing * seen.normal - seen.to_eye);
+  return seen;
+}
+
+/// How far the surface bends on the way of a radius towards an outline: by how much neighbours' normals lean (the best k of
+/// lean = k * way, both in that direction, by least squares), or what the places beyond tell. 0 where it is hollow.
 float bend_of(const Seen& seen, std::span<const SplatVertex> splats, std::size_t disc, std::span<const std::uint32_t> near) {
-  float change = 0, squares = 0;
+  const Vec3f across = seen.normal.cross(seen.towards);
+  float lean = 0, squares = 0, arc = std::numeric_limits<float>::infinity();
+  bool is_flat = true;
   for (const std::uint32_t other : near) {
     if (other == disc) continue;
     const Vec3f way = to_vec(splats[other].center) - seen.centre, its = to_vec(splats[other].normal);
-    if (its.dot(seen.normal) < kCreaseCosine || way.norm() > kFarthest * seen.radius) continue;
-    const float w = way.dot(seen.away);
-    change += w * (its - seen.normal).dot(seen.away);
-    squares += w * w;
+    const float distance = way.norm(), along = way.dot(seen.towards);
+    const bool is_crease = its.dot(seen.normal) < kCreaseCosine;  // between them, where the disc ends
+    if (distance > kFarthest * seen.radius) continue;
+    if (along > 0 && along >= std::abs(way.dot(across))) {
+      if (is_crease)
+        arc = std::min(arc, 0.0F);
+      else if (along >= kNearest * seen.radius)
+        arc = std::min(arc, -2 * way.dot(seen.normal) / (along * along));
+    }
+    if (is_crease || distance > kNearby * seen.radius) continue;
+    if (its.dot(seen.normal) < kFlatCosine) is_flat = false;
+    lean += along * (its - seen.normal).dot(seen.towards);
+    squares += along * along;
   }
-  return squares > 0 ? std::max((seen.facing < 0 ? -1.0F : 1.0F) * change / squares * seen.radius, 0.0F) : 0.0F;
-}
-
-/// Whether no other disc lies between this one and the outline.
-bool is_last(const Seen& seen, std::span<const SplatVertex> splats, std::span<const std::uint32_t> near) {
-  const Vec3f along = seen.out.cross(seen.to_eye);
-  return std::ranges::none_of(near, [&](std::uint32_t other) {
-    const Vec3f way = to_vec(splats[other].center) - seen.centre;
-    return way.dot(seen.out) > kBeyond * std::abs(seen.facing) * seen.radius &&
-           std::abs(way.dot(along)) < kBeside * seen.radius && way.norm() < kNeighbour * seen.radius;
-  });
+  const float leaning = squares > 0 ? lean / squares * seen.radius : 0.0F;
+  const float fallen = std::isfinite(arc) ? arc * seen.radius : is_flat ? 0.0F : nobodys_bend(seen.facing);
+  return std::max({leaning, fallen, 0.0F});
 }
 
 }  // namespace
 
-DiscOutline disc_outline(std::span<const SplatVertex> splats, std::size_t disc, std::span<const std::uint32_t> near) {
-  Seen seen{.centre = to_vec(splats[disc].center), .normal = to_vec(splats[disc].normal), .radius = splats[disc].radius};
-  seen.to_eye = -seen.centre.normalized();
-  seen.facing = seen.normal.dot(seen.to_eye);
-  seen.away = seen.facing * seen.normal - seen.to_eye;
-  if (seen.away.squaredNorm() < 1e-8F || near.empty()) return {};
-  seen.away.normalize();
-  seen.out = (seen.normal - seen.facing * seen.to_eye).normalized();
-  DiscOutline outline;
+std::array<float, 4> disc_outline(std::span<const SplatVertex> splats, std::size_t disc, std::span<const std::uint32_t> near) {
+  Seen seen = see(splats[disc]);
+  if (seen.towards.squaredNorm() < 1e-8F || near.empty()) return {};
+  seen.towards.normalize();
   const float bend = bend_of(seen, splats, disc, near), extent = std::abs(seen.facing);  // of the disc in the picture, in radii
-  float end = std::numeric_limits<float>::infinity();                                    // beyond the middle, in radii
-  if (bend > 0) {
-    outline.slimness = std::clamp(kStrength * extent / bend, kLeastSlimness, 1.0F);
-    end = 0.5F * extent * extent / bend;
-  }
-  if (extent < kGrazing && end > kLastReach * extent && is_last(seen, splats, near)) end = kLastReach * extent;
-  if (end > kReach * extent) return outline;
-  outline.plane = {seen.out.x(), seen.out.y(), seen.out.z(), seen.out.dot(seen.centre) + end * seen.radius};
-  return outline;
+  const float end = kEnd * extent * extent / bend;                                       // beyond the middle, in radii
+  if (!(end <= kReach * extent)) return {};
+  const Vec3f out = (seen.normal - seen.facing * seen.to_eye).normalized();
+  return {out.x(), out.y(), out.z(), out.dot(seen.centre) + end * seen.radius};
 }
 
 }  // namespace curvecast

@@ -78,8 +78,7 @@ class Passes {
                                   {3, GL_FLOAT, offsetof(SplatVertex, normal)},
                                   {4, GL_UNSIGNED_BYTE, offsetof(SplatVertex, color)},
                                   {4, GL_FLOAT, offsetof(SplatVertex, ends)},
-                                  {4, GL_FLOAT, offsetof(SplatVertex, ends) + sizeof(SplatVertex{}.ends[0])},
-                                  {1, GL_FLOAT, offsetof(SplatVertex, slimness)}},
+                                  {4, GL_FLOAT, offsetof(SplatVertex, ends) + sizeof(SplatVertex{}.ends[0])}},
                                  1);
     if (!status.ok()) return status;
     gl.Viewport(0, 0, surface_.width, surface_.height);

@@ -20,7 +20,6 @@ struct SplatVertex {
   std::array<std::uint8_t, 4> color;
   /// The disc is drawn where x p.x + y p.y + z p.z <= w holds for each (x, y, z, w): zeros, everywhere.
   std::array<std::array<float, 4>, 2> ends{};
-  float slimness = 1;  // see disc_outline.h
 };
 
 struct DotVertex {

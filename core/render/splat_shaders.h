@@ -11,7 +11,6 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 color;
 layout(location = 3) in vec4 end_1;
 layout(location = 4) in vec4 end_2;
-layout(location = 5) in float slim;  // see disc_outline.h
 uniform vec4 projection;    // x and y scale, z scale and offset
 uniform float back_shift;   // along the ray, in radii
 uniform float extent;       // of the disc that is drawn, in radii
@@ -39,8 +38,8 @@ void main() {
   float least = min_extent * -center.z;
   float radius = max(center_radius.w, least);
   // A disc thinner than a sample turns a little to the eye: it is never lost between samples.
-  float lost = max(least - slim * radius * abs(facing), 0.0);
-  minor = slim * radius * minor - (facing < 0.0 ? -lost : lost) * lean;
+  float lost = max(least - radius * abs(facing), 0.0);
+  minor = radius * minor - (facing < 0.0 ? -lost : lost) * lean;
   disc = extent * vec2((gl_VertexID & 1) * 2 - 1, (gl_VertexID & 2) - 1);
   vec3 p = center + disc.x * minor + disc.y * radius * major;
   depth = -p.z;

@@ -21,6 +21,7 @@ const outlineViews = 4;
 const fewPoints = 5000; // of the silhouettes
 const minCovered = 0.995;
 const edge = 2; // pixels at the outline that do not count: the mesh's lines are a pixel wide
+const halfCovered = 24; // of 255: what pixels at the outline differ by from what is behind, more or less
 const execute = promisify(execFile);
 
 /// Directions evenly over the sphere.
@@ -61,7 +62,8 @@ async function drawMesh(mesh, { eye, target, up }) {
     "render",
     mesh,
     "--what",
-    "mesh",
+    "shaded",
+    "--no-colour",
     "--no-cache",
     "--quiet",
     "--size",
@@ -77,7 +79,7 @@ async function drawMesh(mesh, { eye, target, up }) {
 /// What draws masks of the pixels that the mesh's triangles cover.
 async function masksOf(mesh, camera) {
   const away = await drawMesh(mesh, { ...camera, target: camera.eye.map((value, k) => 2 * value - camera.target[k]) });
-  return async (each) => filled(difference(await drawMesh(mesh, each), away, 2), size.width);
+  return async (each) => filled(difference(await drawMesh(mesh, each), away, halfCovered), size.width);
 }
 
 /// A page of a server that has only this mesh, in a picture of `size`.
@@ -95,7 +97,7 @@ async function withMesh(mesh, hash, run) {
 
 async function maskOfSplats(page, empty, name) {
   const picture = await page.picture(name);
-  return { picture, mask: difference(picture, empty, 0) };
+  return { picture, mask: difference(picture, empty, halfCovered) };
 }
 
 /// Looks from a camera, with all points there; better ones may follow, but these have to do.

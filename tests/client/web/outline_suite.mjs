@@ -1,4 +1,4 @@
-// The outline of a ball of few points: discs at it are slim, and leave no gaps.
+// The outline of a ball of few points: discs end at it, and leave no gaps.
 
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
@@ -55,10 +55,10 @@ describe("a ball of 1000 points", () => {
   const parallel = { ...front, orthographic: true };
   const within = { ...parallel, eye: [0, 0, 0.5], target: [0, 0, -4.5] };
   for (const [what, screen, camera, most] of [
-    ["even on the screen", true, front, 2.4],
-    ["even on the surface", false, front, 1.4],
-    ["seen by parallel rays", true, parallel, 2.4],
-    ["seen by parallel rays that begin within", true, within, 2.4],
+    ["even on the screen", true, front, 1],
+    ["even on the surface", false, front, 0.3],
+    ["seen by parallel rays", true, parallel, 1],
+    ["seen by parallel rays that begin within", true, within, 1],
   ]) {
     it(`${what}, has a round outline and no holes`, async () => {
       const go = (to) => page.evaluate((c, wanted) => (c.view.camera = wanted), to);

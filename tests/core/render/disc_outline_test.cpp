@@ -31,68 +31,73 @@ std::vector<SplatVertex> patch(float radius, float facing) {
   return splats;
 }
 
-DiscOutline outline(const std::vector<SplatVertex>& splats) {
+std::array<float, 4> outline(const std::vector<SplatVertex>& splats) {
   const std::vector<std::uint32_t> near{0, 1, 2, 3, 4, 5, 6, 7, 8};
   return disc_outline(splats, 0, near);
 }
-float slimness(const std::vector<SplatVertex>& splats) { return outline(splats).slimness; }
 
 /// How far beyond the disc's middle it ends in the picture; infinity where it does not.
 float beyond_middle(const std::vector<SplatVertex>& splats) {
-  const std::array<float, 4> plane = outline(splats).plane;
+  const std::array<float, 4> plane = outline(splats);
   const Vec3f out(plane[0], plane[1], plane[2]);
   if (out.isZero()) return std::numeric_limits<float>::infinity();
   EXPECT_NEAR(out.z(), 0, 1e-3F) << "the plane lies along the eye's rays";
+  EXPECT_GT(out.x(), 0);
   return plane[3] - out.dot(kCentre);
 }
 
+constexpr float kNowhere = std::numeric_limits<float>::infinity();
+
 TEST(DiscOutline, DiscsOnWhatIsFlatOrHollowAreWhole) {
-  for (const float facing : {1.0F, 0.5F, 0.1F, 0.02F, -0.1F}) {
-    EXPECT_EQ(slimness(patch(1e4F, facing)), 1) << facing;
-    EXPECT_EQ(slimness(patch(-0.3F, std::abs(facing))), 1) << facing;
+  for (const float facing : {1.0F, 0.5F, 0.1F, -0.1F}) {
+    EXPECT_EQ(beyond_middle(patch(1e4F, facing)), kNowhere) << facing;
+    EXPECT_EQ(beyond_middle(patch(-0.3F, std::abs(facing))), kNowhere) << facing;
   }
 }
 
-TEST(DiscOutline, DiscsAtOutlinesEndWhereTheSurfaceDoes) {
-  const float radius = 0.5F;  // five of the discs'
-  for (const float facing : {0.6F, 0.45F, 0.3F}) EXPECT_NEAR(slimness(patch(radius, facing)), 0.3F * facing * 5, 0.03F) << facing;
-  EXPECT_EQ(slimness(patch(radius, 0.9F)), 1);
-  EXPECT_EQ(slimness(patch(radius, 0.01F)), kLeastSlimness);
-  // From behind, a hollow is what bends away.
-  EXPECT_NEAR(slimness(patch(-radius, -0.4F)), 0.6F, 0.03F);
+TEST(DiscOutline, ItEndsHalfwayToWhereASphereDoes) {
+  const float radius = 0.5F;
+  for (const float facing : {0.4F, 0.2F, 0.1F}) {
+    const float end = radius * (1 - std::sqrt(1 - facing * facing));
+    EXPECT_NEAR(beyond_middle(patch(radius, facing)), 0.5F * end, 0.1F * end + 1e-4F) << facing;
+    EXPECT_NEAR(beyond_middle(patch(radius, -facing)), 0.5F * end, 0.1F * end + 1e-4F) << "a back of " << facing;
+  }
 }
 
-TEST(DiscOutline, NeighboursBeyondACreaseDoNotCount) {
+TEST(DiscOutline, TheNormalsOfNeighboursBeyondACreaseDoNotCount) {
   std::vector<SplatVertex> splats = patch(1e4F, 0.1F);
   splats[1].normal = {-1, 0, 0};
   splats[2].normal = {0, 1, 0};
   splats[5].normal = {0, 0, -1};
-  EXPECT_EQ(slimness(splats), 1);
+  EXPECT_EQ(beyond_middle(splats), kNowhere);
 }
 
-TEST(DiscOutline, ADiscAloneIsWhole) {
-  EXPECT_EQ(disc_outline(patch(1, 0.1F), 0, {}).slimness, 1);
-  EXPECT_EQ(disc_outline(patch(1, 0.1F), 0, {}).plane, (std::array<float, 4>{}));
-}
+TEST(DiscOutline, WhatNothingIsKnownOfIsWhole) { EXPECT_EQ(disc_outline(patch(1, 0.1F), 0, {}), (std::array<float, 4>{})); }
 
-TEST(DiscOutline, ItEndsWhereASphereDoes) {
-  const float radius = 0.5F;
-  for (const float facing : {0.4F, 0.2F, 0.1F}) {
-    const float sine = std::sqrt(1 - facing * facing);
-    EXPECT_NEAR(beyond_middle(patch(radius, facing)), radius * (1 - sine), 0.1F * radius * (1 - sine) + 1e-4F) << facing;
+TEST(DiscOutline, TheLastDiscBeforeAnOutlineEndsEarlyUnlessAllIsFlat) {
+  const float facing = 0.2F;
+  for (const float radius : {-0.5F, 1e4F}) {
+    std::vector<SplatVertex> splats = patch(radius, facing);
+    for (SplatVertex& splat : splats) {
+      if (splat.center[0] > 1e-3F) splat.center = to_array(kCentre - 10 * kRadius * Vec3f::UnitX());
+    }
+    const float end = beyond_middle(splats);
+    if (radius < 0)
+      EXPECT_LT(end, 0.3F * facing * kRadius);
+    else
+      EXPECT_EQ(end, kNowhere);
   }
-  EXPECT_EQ(beyond_middle(patch(radius, 0.9F)), std::numeric_limits<float>::infinity());
-  EXPECT_EQ(beyond_middle(patch(1e4F, 0.1F)), std::numeric_limits<float>::infinity()) << "there are others beyond";
 }
 
-TEST(DiscOutline, TheLastDiscBeforeAnOutlineEndsEarly) {
+TEST(DiscOutline, ABumpEndsEarlyThoughItsNormalDoesNotLean) {
   const float facing = 0.2F;
   std::vector<SplatVertex> splats = patch(1e4F, facing);
-  const auto lies_beyond = [](const SplatVertex& splat) { return splat.center[0] > 1e-3F; };
-  for (SplatVertex& splat : splats) {
-    if (lies_beyond(splat)) splat.center = to_array(kCentre - 10 * kRadius * Vec3f::UnitX());
+  const Vec3f normal(splats[0].normal[0], splats[0].normal[1], splats[0].normal[2]);
+  for (std::size_t i = 1; i < splats.size(); ++i) {
+    const Vec3f centre(splats[i].center[0], splats[i].center[1], splats[i].center[2]);
+    splats[i].center = to_array(centre - 0.3F * kRadius * normal);
   }
-  EXPECT_NEAR(beyond_middle(splats), kLastReach * facing * kRadius, 1e-4F);
+  EXPECT_LT(beyond_middle(splats), 0.3F * facing * kRadius);
 }
 
 }  // namespace

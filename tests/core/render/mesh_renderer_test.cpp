@@ -248,7 +248,7 @@ struct Bumps {
   }
 };
 
-// But for the outline, where splats, which are never smaller than a sample, stick out by about one.
+// But for the last pixel at the outline, where splats are as large as a sample, and end before it.
 TEST(MeshRendererTest, PicturesOfManySplatsBecomeIt) {
   const Bumps bumps;
   RenderOptions options = small_options();
@@ -270,7 +270,7 @@ TEST(MeshRendererTest, PicturesOfManySplatsBecomeIt) {
   for (int y = 0; y < image->height; ++y) {
     for (int x = 0; x < image->width; ++x) {
       const bool is_covered = pixel(dense, x, y) != kBlue;
-      ASSERT_TRUE(is_covered || pixel(*image, x, y) == kBlue) << x << ", " << y;
+      ASSERT_TRUE(is_covered || is_near(true, *image, x, y, 1)) << x << ", " << y;
       ASSERT_TRUE(!is_covered || is_near(false, *image, x, y, 2)) << x << ", " << y;
     }
   }

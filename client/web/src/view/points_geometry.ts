@@ -5,7 +5,7 @@ import type { PointStore } from "../stream/point_store";
 import { colourScale, typicalRadius, type ColourScale } from "./colouring";
 import { paintPoints } from "./painted_colours";
 import { localSection } from "./section";
-import type { StoreEnds } from "./store_ends";
+import type { StoreEnds } from "./discs/store_ends";
 import { StoreTexture, type ColumnArray, type ColumnName } from "./store_texture";
 import type { Colouring, PaintDab, Section, Style } from "./types";
 import { mergeRanges } from "./update_ranges";
@@ -19,6 +19,11 @@ const faces: Record<DiscShape, { corners: number; index: number[] }> = {
   cone: { corners: 7, index: [0, 1, 2, 3, 4, 5].flatMap((i) => [6, i, (i + 1) % 6]) },
 };
 
+const endColumns = [
+  ["ends", "planes"],
+  ["bends", "bends"],
+] as const;
+
 /// The uniforms that `pointFunctions` of the shaders reads.
 export interface PointUniforms {
   [name: string]: THREE.IUniform;
@@ -26,6 +31,7 @@ export interface PointUniforms {
   normalsOf: THREE.IUniform<THREE.Texture | null>;
   column: THREE.IUniform<THREE.Texture | null>;
   ends: THREE.IUniform<THREE.Texture | null>;
+  bends: THREE.IUniform<THREE.Texture | null>;
   slots: THREE.IUniform<number>;
   stride: THREE.IUniform<number>;
   section: THREE.IUniform<THREE.Vector4>;
@@ -36,6 +42,7 @@ export const makePointUniforms = (): PointUniforms => ({
   normalsOf: { value: null },
   column: { value: null },
   ends: { value: null },
+  bends: { value: null },
   slots: { value: 0 },
   stride: { value: 1 },
   section: { value: new THREE.Vector4() },
@@ -131,8 +138,10 @@ export class PointsGeometry {
     const { column } = this.scaleNow;
     const values = column === "painted" ? this.paintedColours() : column && store[column];
     if (column && values) columns.push([column, values, pending]);
-    const planes = this.ends?.planes;
-    if (this.ends && planes) columns.push(["ends", planes, mergeRanges(this.ends.takeChanges(), store.slots)]);
+    for (const [name, of] of endColumns) {
+      const found = this.ends?.[of];
+      if (this.ends && found) columns.push([name, found, mergeRanges(this.ends.takeChanges(of), store.slots)]);
+    }
     for (const [name, texture] of this.textures) {
       if (columns.some(([wanted]) => wanted === name)) continue;
       texture.dispose();
@@ -142,7 +151,7 @@ export class PointsGeometry {
       const texture = this.textures.get(name) ?? new StoreTexture(name);
       this.textures.set(name, texture);
       const ranges = changed === null || texture.lacks(renderer, array) ? [0, store.slots] : changed;
-      const texels = name === "ends" ? ranges.map((slot) => 2 * slot) : ranges;
+      const texels = name === "ends" || name === "bends" ? ranges.map((slot) => 2 * slot) : ranges;
       if (texels.length > 0) texture.upload(renderer, array, texels);
     }
     this.pending = [];
@@ -154,6 +163,7 @@ export class PointsGeometry {
     uniforms.positions.value = this.textures.get("positions")?.texture ?? null;
     uniforms.normalsOf.value = this.textures.get("normals")?.texture ?? null;
     uniforms.column.value = (column && this.textures.get(column)?.texture) ?? null;
+    uniforms.bends.value = this.textures.get("bends")?.texture ?? null;
     uniforms.ends.value = this.textures.get("ends")?.texture ?? null;
     uniforms.slots.value = this.store.slots;
     uniforms.stride.value = this.stride;

@@ -196,8 +196,10 @@ export class SplatPasses implements Passes {
     // However it is turned, a square of this radius covers the middle of a pixel.
     disc.minRadius.value = (Math.SQRT1_2 * 2 * halfHeight) / where.height / hidingExtent;
     if (points) {
-      for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial])
+      for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial]) {
         define(material, "HAS_ENDS", points.ends?.planes != null);
+        define(material, "HAS_BENDS", points.ends?.bends != null);
+      }
       points.apply(disc, style.section);
       points.apply(dot, style.section);
       this.textures.apply(points.scale, disc);

@@ -1,6 +1,7 @@
 // GLSL of the passes that draw each point. `COLOURING` is the kind of a ColourScale.
 
-import { slack } from "./disc_ends";
+import { directions, largestBend } from "./discs/disc_bends";
+import { slack } from "./discs/disc_ends";
 
 /// Reads a point by its slot, in vertex shaders. The numbers are those of store_texture and points_geometry.
 const pointFunctions = /* glsl */ `
@@ -76,6 +77,9 @@ export const slimness = 2.2;
 const discFunctions = /* glsl */ `
 ${pointFunctions}
 const float SLIMNESS = ${slimness.toFixed(2)};
+const int DIRECTIONS = ${directions};
+const float LARGEST_BEND = ${largestBend.toFixed(1)};
+const float UNKNOWN_BEND = 0.1, NOBODYS_BEND = 0.5;  // the former as on a ball of ten radii
 const float SLACK = ${slack.toFixed(2)};  // as in the planes of ends
 uniform float splatScale;
 uniform float backShift;  // along the ray, in radii
@@ -105,6 +109,37 @@ out vec2 beyond;  // the planes at which the disc ends, where that is above 0
 vec3 discNormal;  // in eye coordinates
 float facing;
 
+#ifdef HAS_BENDS
+uniform highp sampler2D bends;  // see findDiscBends()
+
+float rootOfBend(int direction) {
+  int byte = int(255.0 * texelFetch(bends, texelOf(2 * slot + direction / 4), 0)[direction % 4] + 0.5);
+  // Where nobody is, the surface ends, or has few points since nobody sees it. Of a face: here is the border of a sheet.
+  if (byte == 255) return sqrt(NOBODYS_BEND * (1.0 - smoothstep(0.5, 0.7, abs(facing))) / LARGEST_BEND);
+  return float(byte - 1) / 253.0;  // below 0: it is not known
+}
+#endif
+
+// How far the surface bends away from the disc's plane on the way of the point's radius in a direction.
+float bendTowards(vec3 direction) {
+#ifdef HAS_BENDS
+  if (rootOfBend(0) < 0.0) return UNKNOWN_BEND;
+  vec3 n = normalize(axis);
+  float turn = n.z >= 0.0 ? 1.0 : -1.0;
+  float a = -1.0 / (turn + n.z);
+  float b = n.x * n.y * a;
+  vec3 first = vec3(1.0 + turn * n.x * n.x * a, turn * b, -turn * n.x);
+  vec3 second = vec3(b, turn + n.y * n.y * a, -n.y);
+  vec3 way = direction * mat3(modelViewMatrix);  // in the store's coordinates: views only turn
+  float turned = float(DIRECTIONS) * fract(atan(dot(way, second), dot(way, first)) / 6.2831853);
+  int before = int(turned) % DIRECTIONS;
+  float root = mix(rootOfBend(before), rootOfBend((before + 1) % DIRECTIONS), fract(turned));
+  return LARGEST_BEND * root * root;
+#else
+  return UNKNOWN_BEND;
+#endif
+}
+
 // Returns false where there is nothing to draw.
 bool placeCorner() {
   int shape = gl_VertexID / kCorners;
@@ -129,25 +164,25 @@ bool placeCorner() {
 #ifdef IS_FROZEN
   radius = max(radius * min(1.0, frozenSlim * sqrt(abs(dot(discNormal, normalize(frozenEye.xyz - frozenEye.w * center))))), least);
 #endif
-  // The more a disc is seen from its edge, the slimmer it is: where the surface bends away from the eye, discs would stick out of it. A
-  // little only, since flat sides would have gaps: core/render looks at the neighbours to tell these apart.
-  float slim = mix(0.7, 1.0, smoothstep(0.0, 1.0, abs(facing)));
-#ifdef HAS_ENDS
-  // What ends at a crease does not stick out, and has to reach it.
-  vec4 end1 = texelFetch(ends, texelOf(2 * slot), 0);
-  vec4 end2 = texelFetch(ends, texelOf(2 * slot + 1), 0);
-  if (end1.xyz != vec3(0.0) || end2.xyz != vec3(0.0)) slim = 1.0;
-#endif
   // A disc thinner than a pixel is turned a little to the eye, so that it is never lost between pixels.
-  float lost = max(least - slim * radius * abs(facing), 0.0);
-  minor = slim * radius * minor - (facing < 0.0 ? -lost : lost) * lean;
+  float lost = max(least - radius * abs(facing), 0.0);
+  minor = radius * minor - (facing < 0.0 ? -lost : lost) * lean;
   // Discs seen from their edges would stick out of a rough surface as needles. On a smooth surface, shorter discs change only the last
   // pixels of the rim.
   float longest = min(1.0, SLIMNESS * sqrt(abs(facing)));
   major *= max(radius * longest, least);
+  // Where the surface bends away from the eye, discs would stick out of it. It ends facing ^ 2 / 2 bend beyond a disc's middle, as the
+  // eye sees it, and the disc halfway there, since the last ones blend: core/render/disc_outline.cpp.
+  if (abs(facing) < 0.9999) {
+    float bend = max(bendTowards(facing < 0.0 ? view : -view) * radius / point.w, 1e-6);
+    float outline = 0.25 * facing * facing / bend * radius / (extent * max(radius * abs(facing), least));  // as inShape
+    inShape.x = facing < 0.0 ? min(inShape.x, outline) : max(inShape.x, -outline);  // a front has less minor there, a back more
+  }
   vec2 disc = extent * inShape;
   corner = center + disc.x * minor + disc.y * major;
 #ifdef HAS_ENDS
+  vec4 end1 = texelFetch(ends, texelOf(2 * slot), 0);
+  vec4 end2 = texelFetch(ends, texelOf(2 * slot + 1), 0);
   vec3 away = (corner - center) * mat3(modelViewMatrix);  // back in the store's coordinates: views only turn
   beyond = vec2(dot(end1.xyz, away) - end1.w, dot(end2.xyz, away) - end2.w);
   // At an outline, backs would stick out by what discs overlap by.

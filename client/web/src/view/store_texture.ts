@@ -22,6 +22,7 @@ const layouts = {
   colours: { size: 4, format: THREE.RGBAFormat, type: THREE.UnsignedByteType, internal: "RGBA8" },
   painted: { size: 4, format: THREE.RGBAFormat, type: THREE.UnsignedByteType, internal: "RGBA8" },
   curvatures: { size: 2, format: THREE.RGFormat, type: THREE.FloatType, internal: "RG32F" },
+  bends: { size: 4, format: THREE.RGBAFormat, type: THREE.UnsignedByteType, internal: "RGBA8" },
   ends: { size: 4, format: THREE.RGBAFormat, type: THREE.FloatType, internal: "RGBA32F" }, // two texels a slot
   ranks: { size: 1, format: THREE.RedIntegerFormat, type: THREE.UnsignedIntType, internal: "R32UI" },
 } satisfies Record<string, Layout>;

@@ -21,9 +21,9 @@ const shapes = [
   // How a disc lies in the picture.
   "if (dot(lean, lean) < 1e-8) lean = cross(view, abs(view.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0));",
   "vec3 major = cross(view, lean);",
-  // How a thin one is kept. How slim it is at the outline, core/render knows of its neighbours.
-  "float lost = max(least - slim * radius * abs(facing), 0.0);",
-  "minor = slim * radius * minor - (facing < 0.0 ? -lost : lost) * lean;",
+  // How a thin one is kept.
+  "float lost = max(least - radius * abs(facing), 0.0);",
+  "minor = radius * minor - (facing < 0.0 ? -lost : lost) * lean;",
   // What backs count.
   "mix(0.002, 1.0, smoothstep(-0.15, 0.15, facing))",
 ];

@@ -18,6 +18,6 @@ export interface EndsResponse {
 self.onmessage = (event: MessageEvent<EndsRequest>) => {
   const { job, positions, normals, scale } = event.data;
   const ends = findDiscEnds(positions, normals, positions.length / 4, scale);
-  const transfer = [ends.slots.buffer, ends.planes.buffer, positions.buffer];
+  const transfer = [ends.slots.buffer, ends.planes.buffer, ends.bends.buffer, positions.buffer];
   self.postMessage({ job, ends, positions } satisfies EndsResponse, { transfer });
 };

@@ -15,6 +15,8 @@ export interface BentCells {
   /// The neighbours of a cell: those with which it may have a crease, from begin to bent, and others, from bent to end, in
   /// `lists`. null: it has no crease.
   around(cell: number): { begin: number; bent: number; end: number } | null;
+  /// Calls `visit` for all neighbours of a cell, itself among them.
+  forEachAround(cell: number, visit: (other: number) => void): void;
   lists: Uint32Array;
 }
 
@@ -56,6 +58,9 @@ export function findBentCells(grid: DiscGrid): BentCells {
   return {
     summaries,
     lists,
+    forEachAround(cell, visit) {
+      for (let i = starts[cell]!; i < ends[cell]!; ++i) visit(lists[i]!);
+    },
     around(cell) {
       if (bents[cell] === 0) return null;
       const [from, end] = [starts[cell]!, ends[cell]!];

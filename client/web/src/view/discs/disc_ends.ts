@@ -4,6 +4,7 @@
 // where their planes meet. The rule, and its numbers, are those of core/render/disc_ends.cpp.
 
 import { findBentCells, largestRadius, squareToBox, type BentCells } from "./bent_cells";
+import { findDiscBends } from "./disc_bends";
 import { makeGrid, stride, type DiscGrid } from "./disc_grid";
 
 const neighbours = 24; // a disc and those nearest to it
@@ -14,11 +15,13 @@ export const slack = 0.01; // radii that discs overlap by at a crease
 const flat = 0.05; // radii: heights over a plane that say nothing
 const otherLine = 0.87; // cosine: lines in directions less alike are two, as at a corner
 
-/// Discs that end: their slots, and 8 numbers each: the normals of two planes, and how far they are from the disc's middle. A
-/// disc is drawn where it is below both. A plane of zeros ends nothing.
+/// Discs that end at creases: their slots, and 8 numbers each: the normals of two planes, and how far they are from the disc's middle. A
+/// disc is drawn where it is below both. A plane of zeros ends nothing. `bends`: where the discs of all slots end at outlines, as
+/// findDiscBends() returns them.
 export interface DiscEnds {
   slots: Uint32Array;
   planes: Float32Array;
+  bends: Uint8Array<ArrayBuffer>;
 }
 
 /// Finds where discs end. The columns of `slots` slots are those of a PointStore; radii are multiplied by `scale`.
@@ -38,7 +41,7 @@ export function findDiscEnds(positions: Float32Array, normals: Int8Array, slots:
       for (let i = 0; i < 8; ++i) planes.push(ends[i >> 2]?.plane[i & 3] ?? 0);
     }
   }
-  return { slots: Uint32Array.from(found), planes: Float32Array.from(planes) };
+  return { slots: Uint32Array.from(found), planes: Float32Array.from(planes), bends: findDiscBends(grid, bent, slots, scale) };
 }
 
 /// The plane of a neighbour that ends a disc: normal, and distance from the disc's middle; `across`: unit, in the disc's

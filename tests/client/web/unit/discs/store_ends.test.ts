@@ -1,8 +1,8 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
-import type { PointStore } from "../../../../client/web/src/stream/point_store";
-import { findDiscEnds } from "../../../../client/web/src/view/disc_ends";
-import type { EndsFinder, FoundEnds } from "../../../../client/web/src/view/ends_finder";
-import { StoreEnds } from "../../../../client/web/src/view/store_ends";
+import type { PointStore } from "../../../../../client/web/src/stream/point_store";
+import { findDiscEnds } from "../../../../../client/web/src/view/discs/disc_ends";
+import type { EndsFinder, FoundEnds } from "../../../../../client/web/src/view/discs/ends_finder";
+import { StoreEnds } from "../../../../../client/web/src/view/discs/store_ends";
 
 const all = { all: true, ranges: [] };
 
@@ -67,11 +67,11 @@ describe("the ends of a store's discs", () => {
 
   test("go with their points, and come for others", async () => {
     await finder.answer();
-    ends.takeChanges();
+    ends.takeChanges("planes");
     store.positions.set([-0.04, 0, 0, 0.1], 0);
     ends.refresh({ all: false, ranges: [0, 3] }, 1);
     expect(withEnds()).toEqual([1]);
-    expect(ends.takeChanges()).toEqual([0, 3]);
+    expect(ends.takeChanges("planes")).toEqual([0, 3]);
     await vi.runAllTimersAsync();
     expect(finder.requests.length).toBe(2);
     await finder.answer();
@@ -109,6 +109,21 @@ describe("the ends of a store's discs", () => {
     expect(finder.requests.length).toBe(1);
     ends.refresh({ all: false, ranges: [] }, 2);
     expect(finder.requests.map(({ request }) => request.scale)).toEqual([1, 2]);
+  });
+
+  test("are there with the bends of all points that have not changed meanwhile", async () => {
+    expect(ends.bends).toBeNull();
+    store.positions.set([7, 0, 0, 0.1], 0);
+    await finder.answer();
+    const bends = ends.bends!;
+    const known = (slot: number): boolean => bends[8 * slot]! > 0;
+    expect(bends.length).toBe(32);
+    expect([0, 1, 2, 3].map(known)).toEqual([false, true, true, false]);
+    store.positions.set([-0.05, 3, 0, 0.1], 8);
+    ends.takeChanges("bends");
+    ends.refresh({ all: false, ranges: [2, 3] }, 1);
+    expect([0, 1, 2, 3].map(known)).toEqual([false, true, false, false]);
+    expect(ends.takeChanges("bends")).toEqual([0, 3]);
   });
 
   test("can be had at once", async () => {

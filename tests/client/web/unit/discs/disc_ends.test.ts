@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
-import { findDiscEnds } from "../../../../client/web/src/view/disc_ends";
-import type { Vec } from "../../../../client/web/src/view/types";
-import { dot, subtract } from "../../../../client/web/src/view/vector";
+import { findDiscEnds } from "../../../../../client/web/src/view/discs/disc_ends";
+import type { Vec } from "../../../../../client/web/src/view/types";
+import { dot, subtract } from "../../../../../client/web/src/view/vector";
 
 const step = 0.1;
 

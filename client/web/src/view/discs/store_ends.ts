@@ -1,22 +1,22 @@
 // Where the discs of a store end, as its points change.
 
-import { ChangedSlots, type PointChanges } from "../stream/changed_slots";
-import type { PointStore } from "../stream/point_store";
+import type { PointChanges } from "../../stream/changed_slots";
+import type { PointStore } from "../../stream/point_store";
 import { findDiscEnds } from "./disc_ends";
 import type { EndsFinder, FoundEnds } from "./ends_finder";
+import { SlotValues } from "./slot_values";
 
-/// Numbers of a slot: two planes, as in DiscEnds.
-const size = 8;
+/// Numbers of a slot, as in DiscEnds: of two planes, and of how it bends.
+const [planeSize, bendSize] = [8, 8];
 const idleShare = 3; // pauses between two searches, in times that a search takes
 
 /// Has the ends of all discs found again after changes, one search at a time. Until then, discs that are new have none, and
 /// others those that they had.
 export class StoreEnds {
-  private planesNow: Float32Array | null = null; // of all slots; null: there are no ends
-  /// The positions that the planes are for. They say nothing of slots without ends.
+  private readonly planesNow = new SlotValues((length) => new Float32Array(length), planeSize);
+  private readonly bendsNow = new SlotValues((length) => new Uint8Array(length), bendSize);
+  /// The positions that they are for. They say nothing of slots without numbers.
   private positions = new Float32Array(0);
-  private count = 0; // discs with ends
-  private readonly changed = new ChangedSlots();
   private scale = 1;
   private isDue = true; // something has changed since the last search began
   private search = 0; // the number of the search that is going on; 0: none
@@ -31,15 +31,20 @@ export class StoreEnds {
     private readonly onFound: () => void,
   ) {}
 
-  /// 8 a slot, as in DiscEnds; null where no disc ends.
+  /// 8 a slot, as in DiscEnds; null where no disc ends at a crease.
   get planes(): Float32Array | null {
-    return this.planesNow;
+    return this.planesNow.values;
   }
 
-  /// Returns the slots whose planes have changed since the last call, where these are still in the same array: pairs [begin,
+  /// 4 a slot, as in DiscEnds; null where nothing is known.
+  get bends(): Uint8Array | null {
+    return this.bendsNow.values;
+  }
+
+  /// Returns the slots whose planes, or bends, have changed since the last call, where these are still in the same array: pairs [begin,
   /// end).
-  takeChanges(): number[] {
-    return this.changed.take(this.store.slots).ranges;
+  takeChanges(of: "planes" | "bends"): number[] {
+    return (of === "planes" ? this.planesNow : this.bendsNow).takeChanges(this.store.slots);
   }
 
   /// Takes changes of the store, and the factor of its radii.
@@ -91,17 +96,18 @@ export class StoreEnds {
     if (this.isDue && this.search === 0 && !this.isBroken) void this.start();
   }
 
-  /// Drops the planes of slots [begin, end) that have other points now.
+  private get columns(): [typeof this.planesNow, typeof this.bendsNow] {
+    return [this.planesNow, this.bendsNow];
+  }
+
+  /// Drops the numbers of slots [begin, end) that have other points now.
   private forgetOthers(begin: number, end: number): void {
-    const planes = this.planesNow;
-    if (planes === null) return;
-    for (let slot = begin; slot < Math.min(end, planes.length / size); ++slot) {
-      if (!hasEnd(planes, slot) || this.isSame(this.positions, slot)) continue;
-      planes.fill(0, size * slot, size * (slot + 1));
-      this.changed.add(slot);
-      --this.count;
+    const last = Math.min(end, this.positions.length / 4);
+    for (let slot = begin; slot < last; ++slot) {
+      if (this.isSame(this.positions, slot)) continue;
+      for (const column of this.columns) if (column.has(slot)) column.forget(slot);
     }
-    this.resize();
+    for (const column of this.columns) column.resize(this.store.positions.length / 4);
   }
 
   /// Whether a slot's point is where it was.
@@ -111,52 +117,22 @@ export class StoreEnds {
     return now[4 * slot + 3]! > 0;
   }
 
-  /// Has an array for all slots where there are ends.
-  private resize(): void {
-    const length = (size * this.store.positions.length) / 4;
-    const old = this.planesNow;
-    if (this.count === 0) this.planesNow = null;
-    else if (old?.length !== length) {
-      this.planesNow = new Float32Array(length);
-      if (old) this.planesNow.set(old.subarray(0, length));
-    }
-  }
-
-  /// Takes the ends of those points that are still there. Returns whether planes have changed.
+  /// Takes the ends of those points that are still there. Returns whether any have changed.
   private take({ ends, positions }: FoundEnds): boolean {
-    const old = this.planesNow;
+    const { slots } = this.store;
+    const capacity = this.store.positions.length / 4;
     this.positions = positions;
-    if (old === null && ends.slots.length === 0) return false;
-    const planes = new Float32Array((size * this.store.positions.length) / 4);
-    this.count = 0;
+    const planes = new Float32Array(planeSize * capacity);
+    const bends = new Uint8Array(bendSize * capacity);
     ends.slots.forEach((slot, i) => {
-      if (slot >= this.store.slots || !this.isSame(positions, slot)) return;
-      planes.set(ends.planes.subarray(size * i, size * (i + 1)), size * slot);
-      ++this.count;
+      if (slot < slots && this.isSame(positions, slot)) planes.set(part(ends.planes, planeSize, i), planeSize * slot);
     });
-    if (this.count === 0 || old?.length !== planes.length) {
-      this.planesNow = this.count > 0 ? planes : null;
-      return old !== null || this.count > 0;
-    }
-    return this.copyDifferences(planes, old);
-  }
-
-  private copyDifferences(from: Float32Array, to: Float32Array): boolean {
-    let isOther = false;
-    for (let slot = 0; slot < this.store.slots; ++slot) {
-      let i = size * slot;
-      const end = i + size;
-      while (i < end && from[i] === to[i]) ++i;
-      if (i === end) continue;
-      to.set(from.subarray(end - size, end), end - size);
-      this.changed.add(slot);
-      isOther = true;
-    }
-    return isOther;
+    for (let slot = 0; slot < Math.min(slots, positions.length / 4); ++slot)
+      if (this.isSame(positions, slot)) bends.set(part(ends.bends, bendSize, slot), bendSize * slot);
+    const areOthers = [this.planesNow.take(planes, slots), this.bendsNow.take(bends, slots)];
+    return areOthers.includes(true);
   }
 }
 
-function hasEnd(planes: Float32Array, slot: number): boolean {
-  for (let i = size * slot; i < size * (slot + 1); ++i) if (planes[i] !== 0) return true;
-  return false;
-}
+const part = <Values extends Float32Array | Uint8Array>(values: Values, size: number, i: number): Values =>
+  values.subarray(size * i, size * (i + 1)) as Values;
