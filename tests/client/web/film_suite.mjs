@@ -75,7 +75,7 @@ describe("films", () => {
     const from = await torus.evaluate((c) => c.view.camera);
     await torus.set("Add this view");
     await torus.page.keyboard.press("4");
-    await torus.answered();
+    await torus.settled(); // the camera's flight is over
     await torus.set("Add this view");
     const to = await torus.evaluate((c) => c.view.camera);
     const cameras = torus.evaluate(

@@ -1,9 +1,10 @@
 // Annotations: places of the surface with texts.
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { after, afterEach, before, describe, it } from "node:test";
 
-import { countOf, difference } from "./support/pictures.mjs";
+import { countOf, decode, difference } from "./support/pictures.mjs";
 import { faultsOf } from "./support/access.mjs";
 import { openTorus } from "./support/shared_server.mjs";
 
@@ -57,6 +58,34 @@ describe("annotations", () => {
     await torus.page.locator(".marks .behind").waitFor();
     await torus.evaluate((c, other) => (c.view.camera = other), camera);
     await torus.page.locator(".marks .behind").waitFor({ state: "detached" });
+  });
+
+  it("are in the saved picture as on the page, however large it is", async () => {
+    await torus.settled();
+    const box = await labels().boundingBox();
+    const shown = decode(await torus.page.screenshot());
+    const without = await torus.picture();
+    for (const scale of [1, 2]) {
+      await torus.set("times as large", scale);
+      const [download] = await Promise.all([torus.page.waitForEvent("download"), torus.page.keyboard.press("p")]);
+      const saved = decode(readFileSync(await download.path()), `marks_saved_${scale}.png`);
+      assert.equal(saved.width, scale * without.width);
+      // The label's text is dark on its paper, and there is none beside it.
+      const differs = (x, y) => {
+        const [i, j] = [4 * (y * shown.width + x), 4 * (scale * y * saved.width + scale * x)];
+        return [0, 1, 2].some((k) => Math.abs(shown.data[i + k] - saved.data[j + k]) > 60);
+      };
+      let wrong = 0;
+      let all = 0;
+      for (let y = Math.ceil(box.y) - 4; y < box.y + box.height + 4; ++y)
+        for (let x = Math.ceil(box.x) - 4; x < box.x + box.width + 4; ++x, ++all) wrong += differs(x, y) ? 1 : 0;
+      console.log(`# ${scale}: ${wrong} of ${all} pixels at the label differ from the page's`);
+      assert.ok(wrong < 0.2 * all);
+      if (scale > 1) continue;
+      const drawn = countOf(difference(without, saved));
+      assert.ok(drawn > 0.5 * box.width * box.height, `${drawn} pixels are the label`);
+    }
+    await torus.set("times as large", 1);
   });
 
   it("are added by keys alone, changed, kept by the address and removed", async () => {

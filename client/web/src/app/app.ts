@@ -51,7 +51,7 @@ export class Application {
   private readonly axes: AxesGizmo;
   private readonly scale: ScaleBar;
   private readonly brush: Brush;
-  private readonly annotations: Annotations;
+  readonly annotations: Annotations;
   private readonly thumbnails = new Thumbnails(tabStorage());
   private readonly drawingBudget = new DrawingBudget();
   private readonly film: Film;
@@ -90,7 +90,7 @@ export class Application {
       notice: (text) => this.messages.notice(text),
     });
     const isAnswered = (): boolean => !this.surface.needsPoints || this.streams?.isAnswered !== false;
-    this.film = new Film(this.viewport, messages, () => !this.pacer.isWaiting && isAnswered());
+    this.film = new Film(this.viewport, messages, () => !this.pacer.isWaiting && isAnswered(), this.annotations.draw);
     this.hud = new Hud(page);
     this.axes = new AxesGizmo(page, (direction) => this.viewport.lookFrom(direction, this.settings.up));
     this.scale = new ScaleBar(page);

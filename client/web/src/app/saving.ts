@@ -1,7 +1,7 @@
 // What the page shows, as files for the user.
 
 import { asCurvecastError, type Session } from "../stream";
-import type { Viewport } from "../view";
+import type { DrawOver, Viewport } from "../view";
 import { meshPlyOf, plyOf } from "./export_ply";
 import type { MeshFollower } from "./mesh_follower";
 import type { Messages } from "./messages";
@@ -15,6 +15,8 @@ export interface Shown {
   readonly mesh: MeshFollower | null;
   readonly viewport: Viewport;
   readonly messages: Messages;
+  /// Draws over the picture.
+  readonly annotations: { readonly draw: DrawOver };
 }
 
 /// Returns the name of a session's mesh without its extension.
@@ -23,10 +25,10 @@ function stemOf(session: Session): string {
 }
 
 /// Saves the picture as PNG, with `scale` times as many pixels in each direction as on the page.
-export async function savePicture({ session, viewport, messages }: Shown, scale: number): Promise<void> {
+export async function savePicture({ session, viewport, messages, annotations }: Shown, scale: number): Promise<void> {
   if (session === null) return;
   try {
-    download(await viewport.screenshot(scale), `${stemOf(session)}.png`);
+    download(await viewport.screenshot(scale, annotations.draw), `${stemOf(session)}.png`);
   } catch (thrown) {
     messages.failure("The picture cannot be saved", asCurvecastError(thrown));
   }

@@ -13,9 +13,29 @@ export function shrunk(canvas: HTMLCanvasElement, width: number, height: number)
   return small.toDataURL("image/jpeg", 0.8);
 }
 
-/// Returns a canvas as a PNG.
-export function pngOf(canvas: HTMLCanvasElement): Promise<Blob> {
+/// Draws in CSS pixels of the page.
+export type DrawOver = (context: CanvasRenderingContext2D) => void;
+
+/// Copies a canvas that is `width` CSS pixels wide to all of another one, and draws over it.
+export function copyTo(context: CanvasRenderingContext2D, canvas: HTMLCanvasElement, width: number, over: DrawOver): void {
+  const to = context.canvas;
+  context.drawImage(canvas, 0, 0, to.width, to.height);
+  context.save();
+  context.scale(to.width / width, to.width / width);
+  over(context);
+  context.restore();
+}
+
+/// Returns a canvas that is `width` CSS pixels wide as a PNG, with what is drawn over it.
+export function pngOf(canvas: HTMLCanvasElement, width: number, over?: DrawOver): Promise<Blob> {
+  let from = canvas;
+  if (over) {
+    from = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+    const context = from.getContext("2d");
+    if (context === null) return Promise.reject(new Error("The picture cannot be copied."));
+    copyTo(context, canvas, width, over);
+  }
   return new Promise((resolve, reject) => {
-    canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture cannot be read."))), "image/png");
+    from.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture cannot be read."))), "image/png");
   });
 }

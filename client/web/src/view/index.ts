@@ -1,5 +1,6 @@
 // Draws points: the viewer's picture, and an object for other scenes of three.js.
 
+export { copyTo, type DrawOver } from "./canvas_copies";
 export { CurvecastPoints } from "./curvecast_points";
 export { defaultStyle, NoWebGL2Error } from "./types";
 export type { Background, CameraState, Colouring, Mode, PaintDab, Pick, Section, Style, Vec } from "./types";

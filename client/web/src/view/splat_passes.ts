@@ -4,6 +4,7 @@
 import * as THREE from "three";
 import { ColourTextures, makeColourUniforms } from "./colour_texture";
 import { dropFloatTarget, makeFloatTarget } from "./float_target";
+import { hidingExtent, slimness } from "./disc_shaders";
 import { makePointUniforms } from "./points_geometry";
 import { looks, type Passes, type Picture } from "./picture";
 import { screenVertexShader, shadeFragmentShader } from "./shade_shaders";
@@ -15,12 +16,10 @@ import {
   depthVertexShader,
   dotFragmentShader,
   dotVertexShader,
-  slimness,
 } from "./splat_shaders";
 
-// Sizes of the shapes, in radii. Squares about as large as the discs hide what is behind them. Larger discs blend, up to where their
-// kernels sum to minKernel: that closes gaps, and the notches of the silhouette between neighbouring discs.
-const hidingExtent = 0.8;
+// Sizes of the shapes, in radii. Discs larger than those that hide what is behind them blend, up to where their kernels sum to minKernel:
+// that closes gaps, and the notches of the silhouette between neighbouring discs.
 const blendExtent = 1.1;
 const blendDepth = 0.8; // how far behind the nearest disc others still blend, in radii along the ray
 /// Gaps between discs of this scale and larger ones are closed: they are faults. Smaller discs show how the points lie.

@@ -16,7 +16,7 @@ import type { Measured, MeasureKind } from "./measures";
 import type { OverlayLine } from "./overlay_lines";
 import { frustumLines, markDots } from "./overlay_shapes";
 import { PicturePlaces, type Shown } from "./picture_places";
-import { pngOf, shrunk } from "./canvas_copies";
+import { pngOf, shrunk, type DrawOver } from "./canvas_copies";
 import { firstCamera, lookFrom, type UpAxis, withFieldOfView, withUp } from "./standard_views";
 import { type CameraState, defaultStyle, type FrozenCamera, type Pick, type Style, type Vec } from "./types";
 import { openContext } from "./webgl_context";
@@ -293,12 +293,12 @@ export class Viewport {
   }
 
   /// Returns the picture as a PNG, with all its points, and `scale` times as many pixels in each direction as on the page, or as many as
-  /// the graphics card draws. Rejects while the graphics card is lost.
-  screenshot(scale = 1): Promise<Blob> {
+  /// the graphics card draws, and what `over` draws on it. Rejects while the graphics card is lost.
+  screenshot(scale = 1, over?: DrawOver): Promise<Blob> {
     if (this.isLost) return Promise.reject(new Error("The graphics card was lost."));
     const { width, height } = this.size;
     const largest = this.renderer.capabilities.maxTextureSize / Math.max(width * this.stores.length, height);
-    return pngOf(this.still(Math.min(scale, largest)));
+    return pngOf(this.still(Math.min(scale, largest)), this.cssSize.width, over);
   }
 
   /// Draws the picture with all its points. Returns the canvas, which has it until the caller's task ends.

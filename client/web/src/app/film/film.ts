@@ -1,7 +1,7 @@
 // A film of the surface: each picture waits for its own points, so that a slow line or machine makes no worse a film.
 
 import { asCurvecastError } from "../../stream";
-import type { CameraState, Viewport } from "../../view";
+import { copyTo, type CameraState, type DrawOver, type Viewport } from "../../view";
 import type { Messages } from "../messages";
 import { passing, turned } from "./camera_path";
 import { WebmWriter } from "./webm";
@@ -17,11 +17,12 @@ export class Film {
   private views: CameraState[] = [];
   private making: AbortController | null = null; // the film that is being made
 
-  /// `isAnswered`: whether the points of the newest view are there.
+  /// `isAnswered`: whether the points of the newest view are there. `drawOver` draws over the picture of the moment.
   constructor(
     private readonly viewport: Viewport,
     private readonly messages: Messages,
     private readonly isAnswered: () => boolean,
+    private readonly drawOver: DrawOver,
   ) {}
 
   /// Keeps the view of the moment: the film passes it.
@@ -83,7 +84,7 @@ export class Film {
       }
       viewport.camera = views.length > 1 ? passing(views, i / (count - 1)) : turned(from, i / count);
       await this.untilAnswered();
-      context.drawImage(viewport.still(), 0, 0, canvas.width, canvas.height);
+      copyTo(context, viewport.still(), viewport.cssSize.width, this.drawOver);
       await writer.add();
     }
     return writer.finish();

@@ -64,6 +64,9 @@ export class Annotations {
     this.labels.place();
   }
 
+  /// Draws the labels over a picture of the moment, in CSS pixels.
+  readonly draw = (context: CanvasRenderingContext2D): void => this.labels.draw(context);
+
   clear(): void {
     if (this.marks.length === 0) return;
     this.marks.length = 0;

@@ -3,6 +3,7 @@
 import type { Viewport } from "../../view";
 import { distance } from "../../view/vector";
 import { element } from "../elements";
+import { drawLabel } from "./draw_label";
 import type { Mark } from "./mark";
 
 const restMilliseconds = 200; // without a move, after which is found out what the surface hides
@@ -41,6 +42,16 @@ export class MarkLabels {
     }
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.hide(), restMilliseconds);
+  }
+
+  /// Draws them over a picture of the moment, in CSS pixels.
+  draw(context: CanvasRenderingContext2D): void {
+    this.hide();
+    for (const [i, { mark, label }] of this.labels.entries()) {
+      const at = this.viewport.placeOf(mark.place);
+      const isHidden = label.classList.contains("behind");
+      if (at !== null) drawLabel(context, label, { number: String(i + 1), text: mark.text, isHidden }, at);
+    }
   }
 
   /// Has labels be faint whose places the surface hides.
