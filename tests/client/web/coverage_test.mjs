@@ -20,8 +20,8 @@ const points = 20_000;
 const outlineViews = 4;
 const fewPoints = 5000; // of the silhouettes
 const minCovered = 0.995;
-const edge = 2; // pixels at the outline that do not count: the mesh's lines are a pixel wide
-const halfCovered = 24; // of 255: what pixels at the outline differ by from what is behind, more or less
+const edge = 2; // pixels at the outline that do not count
+const halfCovered = 24; // of 255: a pixel at the outline that the surface covers by half differs by more from what is behind, mostly
 const execute = promisify(execFile);
 
 /// Directions evenly over the sphere.

@@ -47,10 +47,9 @@ export class MarkLabels {
   /// Draws them over a picture of the moment, in CSS pixels.
   draw(context: CanvasRenderingContext2D): void {
     this.hide();
-    for (const [i, { mark, label }] of this.labels.entries()) {
+    for (const { mark, label } of this.labels) {
       const at = this.viewport.placeOf(mark.place);
-      const isHidden = label.classList.contains("behind");
-      if (at !== null) drawLabel(context, label, { number: String(i + 1), text: mark.text, isHidden }, at);
+      if (at !== null) drawLabel(context, label, at);
     }
   }
 

@@ -46,10 +46,14 @@ export class SlotValues<Values extends Float32Array | Uint8Array> {
     }
   }
 
-  /// Takes the numbers of slots [0, `slots`) from an array of all. Returns whether they are other ones than before.
-  take(next: Values, slots: number): boolean {
+  /// Takes the numbers of slots [0, `slots`) from an array of all; null: there are none. Returns whether they are other ones than before.
+  take(next: Values | null, slots: number): boolean {
     const { valuesNow: now, size } = this;
     this.count = 0;
+    if (next === null) {
+      this.valuesNow = null;
+      return now !== null;
+    }
     let isOther = false;
     for (let slot = 0; slot < slots; ++slot) {
       const begin = size * slot;

@@ -36,7 +36,7 @@ export class StoreEnds {
     return this.planesNow.values;
   }
 
-  /// 4 a slot, as in DiscEnds; null where nothing is known.
+  /// 8 a slot, as in DiscEnds; null where nothing is known.
   get bends(): Uint8Array | null {
     return this.bendsNow.values;
   }
@@ -122,17 +122,17 @@ export class StoreEnds {
     const { slots } = this.store;
     const capacity = this.store.positions.length / 4;
     this.positions = positions;
-    const planes = new Float32Array(planeSize * capacity);
-    const bends = new Uint8Array(bendSize * capacity);
+    const planes = ends.slots.length > 0 ? new Float32Array(planeSize * capacity) : null;
     ends.slots.forEach((slot, i) => {
-      if (slot < slots && this.isSame(positions, slot)) planes.set(part(ends.planes, planeSize, i), planeSize * slot);
+      if (slot >= slots || !this.isSame(positions, slot)) return;
+      planes?.set(ends.planes.subarray(planeSize * i, planeSize * (i + 1)), planeSize * slot);
     });
-    for (let slot = 0; slot < Math.min(slots, positions.length / 4); ++slot)
-      if (this.isSame(positions, slot)) bends.set(part(ends.bends, bendSize, slot), bendSize * slot);
+    const found = Math.min(slots, positions.length / 4);
+    const bends = new Uint8Array(bendSize * capacity);
+    bends.set(ends.bends.subarray(0, bendSize * found));
+    for (let slot = 0; slot < found; ++slot)
+      if (!this.isSame(positions, slot)) bends.fill(0, bendSize * slot, bendSize * (slot + 1));
     const areOthers = [this.planesNow.take(planes, slots), this.bendsNow.take(bends, slots)];
     return areOthers.includes(true);
   }
 }
-
-const part = <Values extends Float32Array | Uint8Array>(values: Values, size: number, i: number): Values =>
-  values.subarray(size * i, size * (i + 1)) as Values;

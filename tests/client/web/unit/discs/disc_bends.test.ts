@@ -2,17 +2,11 @@ import { describe, expect, test } from "vitest";
 import { directions, largestBend } from "../../../../../client/web/src/view/discs/disc_bends";
 import { findDiscEnds } from "../../../../../client/web/src/view/discs/disc_ends";
 import type { Vec } from "../../../../../client/web/src/view/types";
-
-interface Disc {
-  at: Vec;
-  normal: Vec;
-  radius: number;
-}
+import { ball, columnsOf, type Disc } from "./discs";
 
 /// The bends of each disc, direction by direction.
 function bendsOf(discs: readonly Disc[], scale = 1): number[][] {
-  const positions = Float32Array.from(discs.flatMap(({ at, radius }) => [...at, radius]));
-  const normals = Int8Array.from(discs.flatMap(({ normal }) => [...normal.map((value) => Math.round(127 * value)), 0]));
+  const { positions, normals } = columnsOf(discs);
   const { bends } = findDiscEnds(positions, normals, discs.length, scale);
   expect(bends.length).toBe(directions * discs.length);
   return discs.map((_, slot) =>
@@ -22,16 +16,6 @@ function bendsOf(discs: readonly Disc[], scale = 1): number[][] {
       return byte === 255 ? Infinity : largestBend * ((byte - 1) / 253) ** 2;
     }),
   );
-}
-
-/// A ball of radius 1 by the golden angle, whose discs reach beyond their neighbours' middles.
-function ball(count: number): Disc[] {
-  return Array.from({ length: count }, (_, i) => {
-    const z = 1 - (2 * i + 1) / count;
-    const [r, angle] = [Math.sqrt(1 - z * z), 2.399963 * i];
-    const p: Vec = [r * Math.cos(angle), r * Math.sin(angle), z];
-    return { at: p, normal: p, radius: 2.5 * Math.sqrt((4 * Math.PI) / count / Math.PI) };
-  });
 }
 
 /// A sheet of 21 x 21 discs with the middles at heights.
@@ -54,7 +38,7 @@ const unit = ([x, y, z]: Vec): Vec => {
 
 describe("bends of discs", () => {
   test("are their radius over that of a ball, in all directions", () => {
-    const discs = ball(2000);
+    const discs = ball(2000, 2.5 * Math.sqrt(4 / 2000));
     const { radius } = discs[0]!;
     const all = bendsOf(discs).flat();
     expect(Math.min(...all)).toBeGreaterThan(0.75 * radius);
@@ -62,7 +46,7 @@ describe("bends of discs", () => {
   });
 
   test("are for the radii that a point has, whatever they are drawn with", () => {
-    const discs = ball(2000);
+    const discs = ball(2000, 2.5 * Math.sqrt(4 / 2000));
     const [some, more] = [bendsOf(discs), bendsOf(discs, 1.3)];
     discs.forEach((_, i) => some[i]!.forEach((bend, k) => expect(more[i]![k]!).toBeCloseTo(bend, 1)));
   });

@@ -2,21 +2,15 @@ import { describe, expect, test } from "vitest";
 import { findDiscEnds } from "../../../../../client/web/src/view/discs/disc_ends";
 import type { Vec } from "../../../../../client/web/src/view/types";
 import { dot, subtract } from "../../../../../client/web/src/view/vector";
+import { ball, columnsOf, type Disc } from "./discs";
 
 const step = 0.1;
-
-interface Disc {
-  at: Vec;
-  normal: Vec;
-  radius: number;
-}
 
 const disc = (at: Vec, normal: Vec, radius = 0.1): Disc => ({ at, normal, radius });
 
 /// The planes of each disc; null: it has none.
 function planesOf(discs: readonly Disc[], scale = 1): (Float32Array | null)[] {
-  const positions = Float32Array.from(discs.flatMap(({ at, radius }) => [...at, radius]));
-  const normals = Int8Array.from(discs.flatMap(({ normal }) => [...normal.map((value) => Math.round(127 * value)), 0]));
+  const { positions, normals } = columnsOf(discs);
   const { slots, planes } = findDiscEnds(positions, normals, discs.length, scale);
   const found = discs.map((): Float32Array | null => null);
   slots.forEach((slot, i) => (found[slot] = planes.subarray(8 * i, 8 * i + 8)));
@@ -39,16 +33,6 @@ function bent(isRidge: boolean, radius = 0.1): Disc[] {
     }
   }
   return discs;
-}
-
-/// A ball by the golden angle.
-function ball(count: number, radius: number): Disc[] {
-  return Array.from({ length: count }, (_, i) => {
-    const z = 1 - (2 * i + 1) / count;
-    const [r, angle] = [Math.sqrt(1 - z * z), 2.399963 * i];
-    const p: Vec = [r * Math.cos(angle), r * Math.sin(angle), z];
-    return disc(p, p, radius);
-  });
 }
 
 describe("discs", () => {
