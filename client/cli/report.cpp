@@ -13,6 +13,7 @@
 
 #include "client/cli/camera_option.h"
 #include "client/cli/session_flags.h"
+#include "core/mesh/crease_normals.h"
 
 namespace curvecast::cli {
 namespace {
@@ -61,6 +62,13 @@ const char* reason(v1::PointLimit limit) {
   }
 }
 
+/// The angle at which the session's faces meet at a crease.
+double crease_degrees(const v1::Session& session) {
+  if (session.options().has_crease_degrees()) return session.options().crease_degrees();
+  const v1::MeshInfo& mesh = session.report().mesh();
+  return mesh.has_crease_degrees() ? mesh.crease_degrees() : kCreaseDegrees;
+}
+
 }  // namespace
 
 Json mesh_json(const v1::MeshInfo& mesh) {
@@ -68,7 +76,8 @@ Json mesh_json(const v1::MeshInfo& mesh) {
           {"faces", mesh.faces()},
           {"components", mesh.components()},
           {"genus", mesh.genus()},
-          {"boundary_loops", mesh.boundary_loops()}};
+          {"boundary_loops", mesh.boundary_loops()},
+          {"crease_degrees", mesh.has_crease_degrees() ? Json(mesh.crease_degrees()) : Json()}};
 }
 
 Json repairs_json(const v1::Repairs& repairs) {
@@ -94,7 +103,7 @@ Json preprocess_json(const v1::Session& session) {
           {"discs", report.discs()},
           {"curve_vertices", report.curve_vertices()},
           {"omega", session.options().omega()},
-          {"crease_degrees", session.options().crease_degrees()},
+          {"crease_degrees", crease_degrees(session)},
           {"points", session.options().max_points()},
           {"max_level", report.max_level()},
           {"flipped_triangles", report.flipped_triangles()},
@@ -133,6 +142,10 @@ std::string mesh_text(const v1::MeshInfo& mesh) {
   }
   absl::StrAppend(&text, "repairs        ", repairs.empty() ? "none" : repairs, "\n");
   absl::StrAppend(&text, "attributes     ", mesh.attributes().empty() ? "none" : absl::StrJoin(mesh.attributes(), ", "), "\n");
+  if (mesh.has_crease_degrees()) {
+    absl::StrAppendFormat(&text, "creases        edges of more than %.3g degrees, as the file's normals or groups mean\n",
+                          mesh.crease_degrees());
+  }
   for (const std::string& warning : mesh.warnings()) absl::StrAppend(&text, "warning        ", warning, "\n");
   return text;
 }

@@ -10,7 +10,7 @@
 
 namespace curvecast::cli {
 
-Json mesh_json(const v1::MeshInfo& mesh);       // {vertices, faces, components, genus, boundary_loops}
+Json mesh_json(const v1::MeshInfo& mesh);       // {vertices, faces, components, genus, boundary_loops, crease_degrees}
 Json repairs_json(const v1::Repairs& repairs);  // one count each
 Json strings_json(const google::protobuf::RepeatedPtrField<std::string>& strings);
 Json preprocess_json(const v1::Session& session);

@@ -41,7 +41,7 @@ CLI::Option* add_session_flags(CLI::App* command, SessionFlags* flags) {
   command
       ->add_option("--crease", flags->crease,
                    "edges at which faces turn by more than so many degrees are sharp: normals do not lean over them; from 0, "
-                   "where all are, to 180, where none are; default: 40")
+                   "where all are, to 180, where none are; default: as the file's own normals or smoothing groups mean, else 40")
       ->check(CLI::Range(0.0, 180.0))
       ->type_name("DEGREES");
   command

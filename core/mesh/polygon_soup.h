@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ struct PolygonSoup {
   std::vector<std::uint32_t> indices;        // vertex of each polygon corner, all < V
   bool shares_vertices = true;               // false: every polygon has vertices of its own (STL), to be welded
   MeshAttributes attributes;
-  std::vector<std::string> warnings;  // what was left out and why, such as a texture that is not there; whole sentences
+  std::optional<double> crease_degrees;  // which the file means, see own_crease_angle(); nothing where it does not tell
+  std::vector<std::string> warnings;     // what was left out and why, such as a texture that is not there; whole sentences
 
   std::size_t polygon_count() const { return polygon_begin.empty() ? 0 : polygon_begin.size() - 1; }
 };

@@ -12,6 +12,7 @@
 
 #include "core/base/colour.h"
 #include "core/base/srgb.h"
+#include "core/mesh/own_crease_angle.h"
 #include "core/mesh_io/companion_name.h"
 #include "core/mesh_io/gltf_accessor.h"
 #include "core/mesh_io/gltf_document.h"
@@ -70,6 +71,7 @@ class GltfReader {
     if (!attributes.colours.empty()) attributes.colours.resize(soup_.positions.size());
     if (!attributes.normals.empty()) attributes.normals.resize(soup_.positions.size(), Vec3f::Zero());
     if (!attributes.uv.empty()) attributes.uv.resize(soup_.indices.size(), Vec2f::Zero());
+    soup_.crease_degrees = own_crease_angle(soup_, {attributes.normals, soup_.indices, {}});
     if (!attributes.material_of_face.empty()) read_materials();
     return std::move(soup_);
   }

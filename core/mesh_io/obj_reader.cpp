@@ -8,6 +8,7 @@
 
 #include "core/mesh_io/mesh_reading.h"
 #include "core/mesh_io/obj_materials.h"
+#include "core/mesh_io/obj_shading.h"
 #include "core/mesh_io/text_colours.h"
 #include "core/mesh_io/text_scanner.h"
 #include "core/mesh_io/texture_loader.h"
@@ -34,6 +35,10 @@ class ObjReader {
         status = read_face();
       } else if (keyword == "vt") {
         status = read_texture_place();
+      } else if (keyword == "vn") {
+        read_normal();
+      } else if (keyword == "s") {
+        read_group();
       } else if (keyword == "usemtl") {
         material_ = materials_.use(scanner_.line_rest(), scanner_.line());
       } else if (keyword == "mtllib") {
@@ -44,6 +49,7 @@ class ObjReader {
     }
     if (absl::Status status = check_forward_references(); !status.ok()) return status;
     if (absl::Status status = finish_uv(); !status.ok()) return status;
+    soup_.crease_degrees = shading_.crease_angle(soup_);
     soup_.attributes.colours = colours_.take(soup_.positions.size());
     if (!soup_.attributes.material_of_face.empty()) {
       soup_.attributes.materials = materials_.resolve(file_, soup_.warnings);
@@ -107,12 +113,29 @@ class ObjReader {
     return absl::OkStatus();
   }
 
+  // A normal that is not there, or none at all, is no reason to refuse the shape.
+  void read_normal() {
+    Vec3d n = Vec3d::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      skip_blanks();
+      if (!scanner_.number(n[axis])) break;
+    }
+    shading_.add_normal(n);
+  }
+
+  void read_group() {
+    std::int64_t group = 0;  // "off"
+    skip_blanks();
+    scanner_.integer(group);
+    shading_.use_group(group);
+  }
+
   absl::Status read_face() {
     for (skip_blanks(); !scanner_.at_line_end() && scanner_.peek() != '#'; skip_blanks()) {
       std::int64_t number = 0;
-      std::int64_t place = 0;
+      std::int64_t place = 0, normal = 0;
       if (!scanner_.integer(number)) return scanner_.expected("a vertex index");
-      if (!read_texture_and_normal(place)) return scanner_.expected("a vertex index such as 7, 7/8, 7//9 or 7/8/9");
+      if (!read_texture_and_normal(place, normal)) return scanner_.expected("a vertex index such as 7, 7/8, 7//9 or 7/8/9");
       if (number == 0) return scanner_.error("vertex index 0 is out of range (OBJ counts from 1, or from -1 backwards)");
       const auto vertices = static_cast<std::int64_t>(soup_.positions.size());
       const std::int64_t index = number > 0 ? number - 1 : vertices + number;
@@ -123,24 +146,26 @@ class ObjReader {
         forward_.push_back({static_cast<std::uint32_t>(index), scanner_.line()});
       }
       if (place != 0) note_place(place);
+      if (normal != 0) shading_.note_normal(soup_.indices.size(), normal);
       soup_.indices.push_back(static_cast<std::uint32_t>(index));
       if (!monitor_.tick(scanner_.offset())) return monitor_.status();
     }
     const std::size_t polygons = soup_.polygon_count();
     if (!close_polygon(soup_)) return scanner_.error(kTooManyCorners);
     if (!place_of_corner_.empty()) place_of_corner_.resize(soup_.indices.size(), kNoPlace);
+    if (soup_.polygon_count() > polygons) shading_.note_polygon(polygons);
     if (soup_.polygon_count() == polygons || !materials_.any_used()) return absl::OkStatus();
     soup_.attributes.material_of_face.resize(polygons, MeshAttributes::kNoMaterial);
     soup_.attributes.material_of_face.push_back(material_);
     return absl::OkStatus();
   }
 
-  // Behind a vertex index: nothing, /8, //9 or /8/9; 8 is the texture coordinate's number, 0 for none. The numbers themselves may
-  // be missing: exporters write "7//" as well.
-  bool read_texture_and_normal(std::int64_t& place) {
+  // Behind a vertex index: nothing, /8, //9 or /8/9; 8 is the texture coordinate's number, 9 the normal's, 0 for none. The
+  // numbers themselves may be missing: exporters write "7//" as well.
+  bool read_texture_and_normal(std::int64_t& place, std::int64_t& normal) {
     for (int part = 0; part < 2 && scanner_.peek() == '/'; ++part) {
       scanner_.skip_char();
-      if (part == 0 && scanner_.integer(place)) continue;
+      if (scanner_.integer(part == 0 ? place : normal)) continue;
       if (scanner_.peek() == '-') scanner_.skip_char();
       while (scanner_.peek() >= '0' && scanner_.peek() <= '9') scanner_.skip_char();
     }
@@ -198,6 +223,7 @@ class ObjReader {
   std::uint64_t lost_places_ = 0;
   TextColours colours_;
   ObjMaterials materials_;
+  ObjShading shading_;
   std::uint32_t material_ = MeshAttributes::kNoMaterial;  // of the faces to come
 };
 

@@ -9,8 +9,8 @@
 
 namespace curvecast {
 
-/// Takes `v` with colours, `vt`, `f`, `usemtl` and `mtllib` (normals and every other keyword are ignored); all objects and groups
-/// are joined.
+/// Takes `v` with colours, `vt`, `f`, `usemtl` and `mtllib`, and from `vn` and `s` which edges are sharp; every other keyword is
+/// ignored, and all objects and groups are joined.
 /// Errors as for read_mesh, starting with the line; a result without polygons is left to the caller.
 absl::StatusOr<PolygonSoup> read_obj(const MeshFile& file, const ExecutionContext& context);
 

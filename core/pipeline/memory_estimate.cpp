@@ -52,7 +52,8 @@ double repair_bytes(const Counts& counts, const PolygonSoup& soup) {
 double mesh_bytes(const Counts& counts, const PolygonSoup& soup, const PreprocessOptions& options,
                   const ExecutionContext& context) {
   const int threads = context.threads > 0 ? context.threads : machine_cores();
-  const double per_corner = kFlattenPerCorner + (options.crease_degrees < kFewCreases ? kCreasesPerCorner : 0);
+  const double per_corner =
+      kFlattenPerCorner + (crease_degrees(options, soup.crease_degrees) < kFewCreases ? kCreasesPerCorner : 0);
   const double flattened = soup_bytes(soup) + per_corner * counts.corners + kFlattenPerVertex * counts.vertices +
                            std::min(threads * kFlattenPerThread, kFlattenPerChartTriangle * counts.triangles);
   return std::max(repair_bytes(counts, soup), flattened);
@@ -79,7 +80,7 @@ absl::Status set(MemoryClaim& claim, double bytes, const std::string& what) {
 }  // namespace
 
 double soup_bytes(const PolygonSoup& soup) {
-  const auto& [positions, polygon_begin, indices, shares_vertices, attributes, warnings] = soup;
+  const auto& [positions, polygon_begin, indices, shares_vertices, attributes, crease_degrees, warnings] = soup;
   std::size_t bytes = capacity_bytes(positions, polygon_begin, indices);
   const auto& [colours, normals, scalars, uv, face_colours, material_of_face, materials] = attributes;
   bytes += capacity_bytes(colours, normals, uv, face_colours, material_of_face);

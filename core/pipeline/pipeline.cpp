@@ -41,8 +41,8 @@ absl::Status check(const PreprocessOptions& options) {
   if (!(options.omega >= 1 && options.omega <= kMaxOmega)) {
     return absl::InvalidArgumentError(absl::StrFormat("omega = %g; it must lie in 1 .. %g", options.omega, kMaxOmega));
   }
-  if (!(options.crease_degrees >= 0 && options.crease_degrees <= 180)) {
-    return absl::InvalidArgumentError(absl::StrFormat("crease_degrees = %g; it must lie in 0 .. 180", options.crease_degrees));
+  if (const double degrees = crease_degrees(options, {}); !(degrees >= 0 && degrees <= 180)) {
+    return absl::InvalidArgumentError(absl::StrFormat("crease_degrees = %g; it must lie in 0 .. 180", degrees));
   }
   return options.mapper == Mapper::kIdBuffer ? IdBuffer::check() : absl::OkStatus();
 }
@@ -69,6 +69,7 @@ std::vector<std::string> names_of(const MeshAttributes& attributes) {
 /// What a soup becomes by repair. Its `info` lacks what repair knows nothing of.
 absl::StatusOr<LoadedMesh> repair_and_inspect(PolygonSoup soup, const ExecutionContext& context) {
   const std::size_t file_vertices = soup.positions.size(), file_polygons = soup.polygon_count();
+  const std::optional<double> crease_degrees = soup.crease_degrees;
   std::vector<std::string> warnings = std::move(soup.warnings);
   absl::StatusOr<RepairedMesh> repaired = repair(std::move(soup), context);
   if (!repaired.ok()) return repaired.status();
@@ -93,6 +94,7 @@ absl::StatusOr<LoadedMesh> repair_and_inspect(PolygonSoup soup, const ExecutionC
                  .box = bounding_box(loaded.mesh),
                  .repairs = repaired->report,
                  .attributes = names_of(loaded.attributes),
+                 .crease_degrees = crease_degrees,
                  .warnings = std::move(warnings)};
   return loaded;
 }
@@ -264,7 +266,7 @@ absl::StatusOr<FlattenedMesh> flatten_here(LoadedMesh loaded, const StageSeconds
   beside.run([&] {
     const VertexFans fans(mesh, context);
     flattened.geometry = differential_geometry(mesh, fans, context);
-    flattened.creases = crease_normals(mesh, options.crease_degrees, fans, context);
+    flattened.creases = crease_normals(mesh, crease_degrees(options, flattened.loaded.info.crease_degrees), fans, context);
     for (std::uint32_t h = 0; h < mesh.twins.size(); ++h) {
       if (mesh.twins[h] == kNone) flattened.borders.push_back(h);
     }
@@ -348,7 +350,9 @@ absl::StatusOr<Preprocessed> make_preview(const PolygonSoup& soup, PreprocessOpt
   constexpr std::size_t kVertices = 30'000;
   constexpr std::uint64_t kPoints = 16'384;  // more are made if views want them
   options.points = std::min(options.points, kPoints);
-  absl::StatusOr<LoadedMesh> loaded = repair_and_inspect(cluster_vertices(soup, kVertices), context);
+  PolygonSoup coarse = cluster_vertices(soup, kVertices);
+  coarse.crease_degrees = soup.crease_degrees;
+  absl::StatusOr<LoadedMesh> loaded = repair_and_inspect(std::move(coarse), context);
   if (!loaded.ok()) return loaded.status();
   std::optional<Demand> demand;
   absl::StatusOr<FlattenedMesh> flattened = flatten_here(*std::move(loaded), {}, options, context, demand);

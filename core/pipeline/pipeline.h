@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,7 +30,7 @@ namespace curvecast {
 
 /// Grows whenever preprocessing or sampling gives other bytes than before for the same files and options: sessions of other
 /// versions are others. tests/core/pipeline/golden_test.cpp guards it.
-inline constexpr int kAlgorithmVersion = 11;
+inline constexpr int kAlgorithmVersion = 12;
 
 struct PreprocessOptions {
   std::uint64_t points = 65'536;  // N for which the curve is made fine enough, 1 .. kMaxPoints
@@ -37,10 +38,11 @@ struct PreprocessOptions {
   Parameteriser parameteriser = Parameteriser::kLeastStretch;
   Mapper mapper = Mapper::kExact;
   AreaElement area_element = AreaElement::kExact;
-  std::vector<DensityTerm> density;        // base density for which the curve is made, without camera terms; none = uniform
-  std::uint64_t seed = 0;                  // of the ranked points
-  std::uint64_t chart_faces = 0;           // about how many a chart may have; 0: as FlattenOptions says
-  double crease_degrees = kCreaseDegrees;  // faces whose normals are further apart meet at a crease, 0 .. 180
+  std::vector<DensityTerm> density;  // base density for which the curve is made, without camera terms; none = uniform
+  std::uint64_t seed = 0;            // of the ranked points
+  std::uint64_t chart_faces = 0;     // about how many a chart may have; 0: as FlattenOptions says
+  // Faces whose normals are further apart meet at a crease, 0 .. 180; nothing: as the file means, see crease_degrees().
+  std::optional<double> crease_degrees;
 };
 
 /// What a file holds and what repair made of it.
@@ -56,9 +58,15 @@ struct MeshInfo {
   double area = 0;  // squared units of the file
   Box3d box;
   RepairReport repairs;
-  std::vector<std::string> attributes;  // what the mesh carries: "colours", "normals", "uv", "scalar quality" ...
-  std::vector<std::string> warnings;    // what was left out and why; whole sentences
+  std::vector<std::string> attributes;   // what the mesh carries: "colours", "normals", "uv", "scalar quality" ...
+  std::optional<double> crease_degrees;  // which the file means, see own_crease_angle(); nothing where it does not tell
+  std::vector<std::string> warnings;     // what was left out and why; whole sentences
 };
+
+/// The angle at which faces meet at a crease: what is asked for, else what the file means, else kCreaseDegrees.
+inline double crease_degrees(const PreprocessOptions& options, std::optional<double> own) {
+  return options.crease_degrees.value_or(own.value_or(kCreaseDegrees));
+}
 
 struct StageSeconds {
   double read = 0, repair = 0, cut = 0, parameterise = 0, curve = 0, map = 0, area = 0, total = 0;

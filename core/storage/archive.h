@@ -5,8 +5,8 @@
 //     fields(first, second);
 //   }
 //
-// that both directions use. Numbers, enumerations, strings, Vec3d and vectors and arrays of whatever takes part do so by
-// themselves.
+// that both directions use. Numbers, enumerations, strings, Vec3d and vectors, arrays and optionals of whatever takes part do so
+// by themselves.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -63,6 +64,11 @@ class ArchiveWriter {
   void put(const std::vector<T>& values) {
     put(std::uint64_t{values.size()});
     for (const T& value : values) put(value);
+  }
+  template <typename T>
+  void put(const std::optional<T>& value) {
+    put(value.has_value());
+    if (value) put(*value);
   }
   template <typename T>
   requires(std::is_class_v<T>) void put(const T& value) { archive(*this, value); }
@@ -122,6 +128,13 @@ class ArchiveReader {
       if (bytes_.empty()) return fail();  // every element takes a byte at least: no count is believed
       get(values.emplace_back());
     }
+  }
+  template <typename T>
+  void get(std::optional<T>& value) {
+    std::uint8_t is_there = 0;
+    choice(is_there, std::uint8_t{1});
+    value.reset();
+    if (is_there != 0) get(value.emplace());
   }
   template <typename T>
   requires(std::is_class_v<T>) void get(T& value) { archive(*this, value); }

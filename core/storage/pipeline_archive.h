@@ -23,9 +23,9 @@ void archive(Archive& fields, T& report) {
 template <typename Archive, ConstOr<MeshInfo> T>
 void archive(Archive& fields, T& info) {
   auto& [format, file_vertices, file_polygons, vertices, faces, components, genus, boundary_loops, area, box, repairs, attributes,
-         warnings] = info;
+         crease_degrees, warnings] = info;
   fields(format, file_vertices, file_polygons, vertices, faces, components, genus, boundary_loops, area, box, repairs, attributes,
-         warnings);
+         crease_degrees, warnings);
 }
 
 template <typename Archive, ConstOr<StageSeconds> T>

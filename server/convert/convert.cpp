@@ -102,7 +102,7 @@ v1::SessionOptions to_proto(const PreprocessOptions& options) {
   for (const DensityTerm& term : options.density) *out.add_density() = server::to_proto(term);
   out.set_seed(options.seed);
   out.set_chart_faces(options.chart_faces);
-  out.set_crease_degrees(options.crease_degrees);
+  if (options.crease_degrees) out.set_crease_degrees(*options.crease_degrees);
   return out;
 }
 
@@ -294,6 +294,7 @@ v1::MeshInfo to_proto(const MeshInfo& info, const std::string& name) {
   repairs.set_nonmanifold_edges(info.repairs.nonmanifold_edges);
   repairs.set_split_vertices(info.repairs.split_vertices);
   for (const std::string& attribute : info.attributes) out.add_attributes(attribute);
+  if (info.crease_degrees) out.set_crease_degrees(*info.crease_degrees);
   for (const std::string& warning : info.warnings) out.add_warnings(warning);
   return out;
 }

@@ -53,7 +53,8 @@ class SurfaceReactor final : public WriteQueue<v1::GetSurfaceResponse> {
       return make_surface_file(**base, session.curve()->origin, bits, context);
     });
     if (!file.ok()) return file.status();
-    return push_all([&](const auto& emit) { return send(**file, session.options.crease_degrees, emit); });
+    const double degrees = crease_degrees(session.options, session.preprocessed.report.mesh.crease_degrees);
+    return push_all([&](const auto& emit) { return send(**file, degrees, emit); });
   }
 
   template <typename Emit>

@@ -284,6 +284,7 @@ TEST_F(CliTest, EdgesAreSharpFromAnAngleOfChoice) {
   EXPECT_EQ(usual["crease_degrees"], 40);
   EXPECT_EQ(sharper["crease_degrees"], 12.5);
   EXPECT_NE(usual["session_id"], sharper["session_id"]);
+  EXPECT_TRUE(usual["mesh"]["crease_degrees"].is_null());
   for (const char* degrees : {"-1", "181", "sharp"}) expect_failure({"preprocess", cube, "--crease", degrees}, 2, "crease");
 }
 

@@ -107,7 +107,7 @@ absl::StatusOr<BudgetMesh> BudgetMeshes::of_bytes(std::uint64_t bytes, const Exe
   if (!drc.ok()) return drc.status();
   absl::StatusOr<LoadedMesh> sent = decode_drc_mesh(*drc, Vec3d::Zero());
   if (!sent.ok()) return sent.status();
-  auto creased = std::make_unique<const ShadedMesh>(*sent);
+  auto creased = std::make_unique<const ShadedMesh>(*sent, whole_.crease_degrees());
   return BudgetMesh{std::move(creased), std::make_unique<const ShadedMesh>(*std::move(sent), kNoCreases), drc->size()};
 }
 

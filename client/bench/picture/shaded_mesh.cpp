@@ -7,10 +7,11 @@
 
 namespace curvecast::cli::bench {
 
-ShadedMesh::ShadedMesh(LoadedMesh loaded, double crease_degrees)
+ShadedMesh::ShadedMesh(LoadedMesh loaded, std::optional<double> crease_degrees)
     : loaded_(std::move(loaded)),
       geometry_(differential_geometry(loaded_.mesh)),
-      creases_(crease_normals(loaded_.mesh, crease_degrees)),
+      crease_degrees_(curvecast::crease_degrees({.crease_degrees = crease_degrees}, loaded_.info.crease_degrees)),
+      creases_(crease_normals(loaded_.mesh, crease_degrees_)),
       colour_(has_colour(loaded_.attributes) ? std::make_unique<const SurfaceColour>(loaded_.mesh, loaded_.attributes) : nullptr),
       data_(loaded_.mesh, geometry_, creases_, loaded_.attributes, colour_.get()) {}
 

@@ -4,6 +4,7 @@
 #include <absl/status/statusor.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/base/image.h"
@@ -17,13 +18,14 @@ namespace curvecast::cli::bench {
 /// Smooth but for creases (see crease_normals()), in its own colours where it has any. Not to be moved: it refers to itself.
 class ShadedMesh {
  public:
-  /// Precondition: the mesh has been repaired.
-  explicit ShadedMesh(LoadedMesh loaded, double crease_degrees = kCreaseDegrees);
+  /// Precondition: the mesh has been repaired. Without an angle its creases are those that its file means.
+  explicit ShadedMesh(LoadedMesh loaded, std::optional<double> crease_degrees = std::nullopt);
   ShadedMesh(const ShadedMesh&) = delete;
   ShadedMesh& operator=(const ShadedMesh&) = delete;
 
   const TriangleMesh& mesh() const { return loaded_.mesh; }
   const MeshAttributes& attributes() const { return loaded_.attributes; }
+  double crease_degrees() const { return crease_degrees_; }
   bool has_colours() const { return colour_ != nullptr; }
   /// Errors as of render_mesh().
   absl::StatusOr<Image> draw(const RenderCamera& camera, const RenderOptions& options,
@@ -32,6 +34,7 @@ class ShadedMesh {
  private:
   const LoadedMesh loaded_;
   const std::vector<VertexGeometry> geometry_;
+  const double crease_degrees_;
   const CreaseNormals creases_;
   const std::unique_ptr<const SurfaceColour> colour_;  // null: none
   const SurfaceData data_;

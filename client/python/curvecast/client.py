@@ -144,8 +144,9 @@ class Client:
         which the curve is made, without terms of a camera. parameteriser: own or cgal; mapper: exact or id_buffer; area: exact or
         voronoi. seed: of the progressive sampler's points. chart_faces: divides larger components into charts of about so many
         faces; 0 = those of more than 1,000,000, into charts of 100,000. crease_degrees: edges at which faces turn by more are
-        sharp, normals do not lean over them; from 0, where all are, to 180, where none are; None = 40. An exception in
-        on_progress stops preprocessing on the server too, unless other clients wait for the same session.
+        sharp, normals do not lean over them; from 0, where all are, to 180, where none are; None = as the file's own
+        normals or smoothing groups mean, else 40. An exception in on_progress stops preprocessing on the server too, unless other
+        clients wait for the same session.
         """
         mesh = as_mesh(mesh)
         options = v1.SessionOptions(

@@ -18,7 +18,7 @@ class SurfaceTest(ServerTest):
         surface = session.surface()
         mesh = session.info.report.mesh
         self.assertEqual((surface.vertices, surface.triangles), (mesh.vertices, mesh.faces))
-        self.assertEqual(surface.crease_degrees, session.info.options.crease_degrees)
+        self.assertEqual(surface.crease_degrees, 40)
         np.testing.assert_array_equal(surface.origin, 0)
         self.assertLess(len(surface.drc), len(session.surface(position_bits=20).drc))
         with self.assertRaises(curvecast.Error) as caught:

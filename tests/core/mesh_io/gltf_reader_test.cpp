@@ -146,6 +146,20 @@ TEST(GltfReader, QuantisedPositionsAndNormals) {
   EXPECT_EQ(soup.attributes.normals, (std::vector<Vec3f>{{0, 0, 1}, {0, 0, 1}, {0, 0, -1}}));
 }
 
+TEST(GltfReader, NormalsTellSharpEdges) {
+  // Two triangles that meet at 90 degrees, with vertices of their own.
+  const auto meant = [](const std::vector<float>& normals) {
+    GltfWriter writer;
+    const int places = writer.accessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 1}, "VEC3", 5126);
+    const int of_them = writer.accessor(normals, "VEC3", 5126);
+    writer.mesh({{"attributes", {{"POSITION", places}, {"NORMAL", of_them}}}});
+    return soup_of(writer.glb()).crease_degrees;
+  };
+  EXPECT_EQ(meant({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1, 0, 0, 1, 0}), 0);
+  EXPECT_EQ(meant({0, 1, 1, 0, 1, 1, 0, 0, 1, 0, 1, 1, 0, 1, 1, 0, 1, 0}), 180);
+  EXPECT_EQ(meant({0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 0, 0, 1, 0}), std::nullopt) << "a vertex without one";
+}
+
 TEST(GltfReader, MaterialsTexturesAndTheirCoordinates) {
   const Image wood = plain_image(4, 2, 10, 20, 30);
   GltfWriter writer;

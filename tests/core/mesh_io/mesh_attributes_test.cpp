@@ -14,6 +14,7 @@
 #include "tests/core/mesh_io/image_writers.h"
 #include "tests/core/mesh_io/mesh_writers.h"
 #include "tests/core/mesh_io/test_companions.h"
+#include "tests/support/real_mesh.h"
 
 namespace curvecast {
 namespace {
@@ -174,6 +175,36 @@ TEST(MeshAttributes, ObjColoursAndTextureCoordinates) {
   const PolygonSoup bytes = soup_of("v 0 0 0 255 0 51\nv 1 0 0 0 1 0\nv 0 1 0 0 0 0\nf 1 2 3\n");
   EXPECT_THAT(bytes.attributes.colours, ElementsAre(Rgba8{255, 0, 51, 255}, Rgba8{0, 1, 0, 255}, Rgba8{0, 0, 0, 255}));
   EXPECT_THAT(bytes.attributes.uv, IsEmpty());
+}
+
+TEST(MeshAttributes, ObjNormalsAndGroupsTellSharpEdges) {
+  // Two squares that meet at 90 degrees, and a third at 30 to the second.
+  const std::string folded =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 1\nv 1 1 1\nv 1.5 0 1.866\nv 1.5 1 1.866\nvn 0 0 1\nvn -1 0 0\nvn -1 0 0.2\n";
+  const auto meant = [&](const std::string& faces) { return soup_of(folded + faces).crease_degrees; };
+  EXPECT_EQ(meant("f 1//1 2//1 3//1 4//1\nf 3//2 2//2 5//3 6//3\nf 6//3 5//3 7//3 8//3\n"), 40);
+  EXPECT_EQ(meant("f 1//-3 2//-3 3//-3 4//-3\nf 3/7/-2 2//-2 5//-1 6//-1\nf 6//-1 5//-1 7//3 8//3\n"), 40);
+  EXPECT_EQ(meant("f 1//2 2//2 3//2 4//2\nf 3//2 2//2 5//3 6//3\nf 6//3 5//3 7//3 8//3\n"), 180);
+  EXPECT_EQ(meant("f 1//1 2//1 3//1 4//1\nf 3//2 2//2 5//2 6//2\nf 6//3 5//3 7//3 8//3\n"), 40)
+      << "normals that differ by less than half of the 30 degrees are smooth";
+  EXPECT_EQ(meant("s 1\nf 1 2 3 4\ns 2\nf 3 2 5 6\nf 6 5 7 8\n"), 40);
+  EXPECT_EQ(meant("s 1\nf 1 2 3 4\nf 3 2 5 6\nf 6 5 7 8\n"), 180);
+  EXPECT_EQ(meant("s off\nf 1 2 3 4\nf 3 2 5 6\nf 6 5 7 8\n"), 0);
+  for (const char* silent : {"f 1 2 3 4\nf 3 2 5 6\nf 6 5 7 8\n", "f 1//9 2//9 3//9 4//9\nf 3//-9 2//0 5//-9 6//-9\n",
+                             "f 1//99999999999999999999 2 3 4\nf 3// 2// 5// 6//\n"}) {
+    EXPECT_EQ(meant(silent), std::nullopt) << silent;
+  }
+  EXPECT_EQ(soup_of("vn\nvn nan 0 1\nvn 1e300 1 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1//1 2//1 3//1\nf 2//2 1//2 4//3\n")
+                .crease_degrees,
+            std::nullopt);
+}
+
+// Spot's file has a normal for each of its 23,062 faces: it is not meant to be seen flat.
+TEST(MeshAttributes, NormalsOfFacesOfAFineMeshTellNothing) {
+  const testing::RealMesh spot = testing::real_mesh("spot.obj");
+  const absl::StatusOr<PolygonSoup> soup = read_mesh({spot.name, spot.bytes});
+  ASSERT_TRUE(soup.ok()) << soup.status();
+  EXPECT_EQ(soup->crease_degrees, std::nullopt);
 }
 
 TEST(MeshAttributes, ObjMaterials) {

@@ -21,7 +21,7 @@ struct Shape {
   PolygonSoup soup;
   std::uint64_t points;
   double omega;
-  double crease_degrees = kCreaseDegrees;
+  std::optional<double> crease_degrees;
 };
 
 std::vector<Shape> shapes() {

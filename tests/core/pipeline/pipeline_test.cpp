@@ -1,5 +1,6 @@
 #include "core/pipeline/pipeline.h"
 
+#include <absl/strings/str_format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -124,8 +125,8 @@ TEST(Pipeline, TellsWhatTheMeshCarriesAndWhatIsMissing) {
 }
 
 /// The least cosine between a normal of the curve and the nearest of the faces' normals.
-double least_cosine(const PolygonSoup& soup, const PreprocessOptions& options) {
-  const absl::StatusOr<Preprocessed> made = run(testing::to_off(soup), options);
+double least_cosine(const std::string& file, const PreprocessOptions& options, const char* name = "shape.off") {
+  const absl::StatusOr<Preprocessed> made = preprocess({name, file}, options);
   EXPECT_TRUE(made.ok()) << made.status();
   if (!made.ok()) return std::nan("");
   const TriangleMesh& mesh = made->flattened->loaded.mesh;
@@ -144,17 +145,39 @@ TEST(Pipeline, NormalsLeanOverEdgesAsTheAngleOfCreasesSays) {
   using namespace curvecast::testing;
   constexpr double kFlat = 0.9999;  // lengths are rounded
   const auto cosine = [](const PolygonSoup& soup, double degrees) {
-    return least_cosine(soup, {.points = 500, .crease_degrees = degrees});
+    return least_cosine(to_off(soup), {.points = 500, .crease_degrees = degrees});
   };
-  EXPECT_GT(least_cosine(cube(), {.points = 500}), kFlat) << "its edges are of 90 degrees";
+  EXPECT_GT(least_cosine(to_off(cube()), {.points = 500}), kFlat) << "its edges are of 90 degrees";
   EXPECT_LT(cosine(cube(), 91), 0.9);
   const PolygonSoup twelve_sides = open_cylinder(2, 12);  // edges of 30 degrees
-  EXPECT_LT(least_cosine(twelve_sides, {.points = 500}), 0.98);
+  EXPECT_LT(least_cosine(to_off(twelve_sides), {.points = 500}), 0.98);
   EXPECT_LT(cosine(twelve_sides, 31), 0.98);
   EXPECT_GT(cosine(twelve_sides, 29), kFlat);
   EXPECT_GT(cosine(twelve_sides, 20), kFlat);
   EXPECT_GT(cosine(icosphere(2), 0), kFlat);
   EXPECT_LT(cosine(icosphere(2), 180), 0.997);
+}
+
+TEST(Pipeline, EdgesAreSharpAsTheFileMeans) {
+  using namespace curvecast::testing;
+  // A ball of 80 facets, in one smoothing group or none.
+  const auto ball = [](std::string_view groups) {
+    std::string obj(groups);
+    const PolygonSoup soup = icosphere(1);
+    for (const Vec3d& p : soup.positions) absl::StrAppendFormat(&obj, "v %.17g %.17g %.17g\n", p.x(), p.y(), p.z());
+    for (std::size_t i = 0; i < soup.indices.size(); i += 3) {
+      absl::StrAppendFormat(&obj, "f %d %d %d\n", soup.indices[i] + 1, soup.indices[i + 1] + 1, soup.indices[i + 2] + 1);
+    }
+    return obj;
+  };
+  const auto least = [&](std::string_view groups, PreprocessOptions options) {
+    return least_cosine(ball(groups), options, "ball.obj");
+  };
+  EXPECT_GT(least("s off\n", {.points = 500}), 0.9999);
+  EXPECT_LT(least("s 1\n", {.points = 500}), 0.99);
+  EXPECT_LT(least("", {.points = 500}), 0.99);
+  EXPECT_LT(least("s off\n", {.points = 500, .crease_degrees = 40}), 0.99) << "who asks is asked";
+  EXPECT_GT(least("s 1\n", {.points = 500, .crease_degrees = 0}), 0.9999);
 }
 
 TEST(Pipeline, RefusesOptionsOutOfRange) {

@@ -26,6 +26,7 @@ PreprocessReport some_report() {
   report.mesh.format = "ply";
   report.mesh.box = {{-1, -2, -3}, {1, 2, 3}};
   report.mesh.attributes = {"colours", "scalar quality"};
+  report.mesh.crease_degrees = 30;
   report.mesh.warnings = {"", "something was left out"};
   report.mesh.repairs.flipped_faces = 7;
   report.discs = 3;
@@ -72,6 +73,7 @@ TEST(Archive, EveryOptionCounts) {
   EXPECT_TRUE(differs([](auto& o) { o.seed = 0; }));
   EXPECT_TRUE(differs([](auto& o) { o.chart_faces = 0; }));
   EXPECT_TRUE(differs([](auto& o) { o.crease_degrees = 25.5; }));
+  EXPECT_TRUE(differs([](auto& o) { o.crease_degrees.reset(); }));
   EXPECT_TRUE(differs([](auto& o) { std::get<ViewTerm>(o.density[2]).s0 = 0.75; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).global = false; }));
   EXPECT_TRUE(differs([](auto& o) { std::get<DistanceTerm>(o.density[3]).fall = DistanceFall::kInverse; }));

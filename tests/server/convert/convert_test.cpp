@@ -152,7 +152,7 @@ TEST(ToPreprocessOptions, ChecksAndFillsIn) {
     options.set_crease_degrees(degrees);
     return to_preprocess_options(options);
   };
-  EXPECT_EQ(defaults->crease_degrees, 40);
+  EXPECT_EQ(defaults->crease_degrees, std::nullopt);
   for (const double degrees : {0.0, 22.5, 180.0}) EXPECT_EQ(creased(degrees)->crease_degrees, degrees);
   for (const double degrees : {-0.1, 180.1, kNan, kInf}) {
     EXPECT_EQ(creased(degrees).status().code(), Code::kInvalidArgument) << degrees;

@@ -115,19 +115,23 @@ float coverAt(ivec2 p, float kernel) {
 }
 
 // Whether a pixel that is not covered is a gap between discs: the surface is there within two pixels on both sides, along all four
-// lines through it. (A gap between two parts of the surface goes on along one of them.) Sets nearest to one that is covered.
+// lines through it but for one, along which it may be within four: behind low ridges, where it is seen from its edge, slits stay. (A
+// gap between two parts of the surface goes on.) Sets nearest to a pixel that is covered.
 bool isGap(ivec2 p, out ivec2 nearest) {
   ivec2 last = textureSize(normals, 0) - 1;
   nearest = p;
   float most = minKernel;
+  int slits = 0;
   for (int i = 0; i < 4; ++i) {
     ivec2 along = i == 0 ? ivec2(1, 0) : i == 1 ? ivec2(0, 1) : i == 2 ? ivec2(1, 1) : ivec2(1, -1);
+    bool isSlit = false;
     for (int side = -1; side <= 1; side += 2) {
       bool isThere = false;
-      for (int step = 1; step <= 2 && !isThere; ++step) {
+      for (int step = 1; step <= 4 && !isThere; ++step) {
         ivec2 tap = clamp(p + side * step * along, ivec2(0), last);
         float kernel = texelFetch(normals, tap, 0).w;
         isThere = kernel >= minKernel;
+        if (isThere && step > 2) isSlit = true;
         if (isThere && kernel > most) {
           most = kernel;
           nearest = tap;
@@ -135,6 +139,7 @@ bool isGap(ivec2 p, out ivec2 nearest) {
       }
       if (!isThere) return false;
     }
+    if (isSlit && ++slits > 1) return false;
   }
   return nearest != p;
 }

@@ -4,10 +4,14 @@
 import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
 
+import { discFunctions } from "../../../../client/web/src/view/disc_shaders";
 import { shadeFragmentShader } from "../../../../client/web/src/view/shade_shaders";
 import { blendFragmentShader, blendVertexShader } from "../../../../client/web/src/view/splat_shaders";
 
 const coreFile = (name: string): string => readFileSync(new URL(`../../../../core/render/${name}`, import.meta.url), "utf8");
+
+const viewerFile = (name: string): string =>
+  readFileSync(new URL(`../../../../client/web/src/view/${name}`, import.meta.url), "utf8");
 
 /// Leaves out comments, case, underscores and white space, in which the houses' styles differ.
 function plain(text: string): string {
@@ -53,6 +57,22 @@ describe("the shaders of the viewer and of core/render", () => {
   it("weigh what discs have by the same kernel", () => {
     expect(missing(coreFile("splat_shaders.h"), kernels)).toEqual([]);
     expect(missing(blendFragmentShader, kernels)).toEqual([]);
+  });
+
+  it("end discs at outlines by the same numbers", () => {
+    const core = plain(coreFile("disc_outline.cpp"));
+    const bends = plain(viewerFile("discs/disc_bends.ts"));
+    const numberOf = (text: string, name: string): string | undefined => new RegExp(`${name}=([\\d.]+)f?;`, "i").exec(text)?.[1];
+    for (const name of ["creaseCosine", "nearby", "farthest", "nearest", "flatCosine"]) {
+      expect(numberOf(bends, `const${name}`), name).toBeDefined();
+      expect(numberOf(bends, `const${name}`), name).toBe(numberOf(core, `floatk${name}`));
+    }
+    const shader = plain(discFunctions);
+    expect(core).toContain("knobodysbend=0.5f,kgrazing=0.5f,kface=0.7f");
+    expect(shader).toContain("nobodysbend=0.5");
+    expect(shader).toContain("smoothstep(0.5,0.7,abs(facing))");
+    expect(core).toContain("kend=0.25f");
+    expect(shader).toContain("outline=0.25*facing*facing/bend");
   });
 
   it("have the same light", () => {

@@ -1,0 +1,162 @@
+#include "core/mesh/own_crease_angle.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "core/mesh/crease_normals.h"
+
+namespace curvecast {
+namespace {
+
+constexpr std::size_t kMostCorners = 1 << 18;  // looked at
+constexpr double kFlat = 1;                    // degrees: whether such an edge is split is not seen
+constexpr double kCoarse = 15;                 // degrees between the faces of a mesh whose faces are meant to be seen
+constexpr double kMargin = 0.05;               // degrees: angles are no more exact than floats make them
+
+/// Of the halfedge from a polygon's corner to its next one.
+struct Side {
+  std::uint64_t edge;  // the same from either end
+  std::uint64_t from;  // hash of the position
+  std::uint32_t polygon, corner, next;
+
+  bool operator<(const Side& other) const { return std::pair(edge, corner) < std::pair(other.edge, other.corner); }
+};
+
+/// An edge between two faces.
+struct Turn {
+  double degrees;
+  bool split;
+};
+
+std::uint64_t mix(std::uint64_t x) {  // splitmix64
+  x += 0x9e3779b97f4a7c15;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+  return x ^ (x >> 31);
+}
+
+std::uint64_t hash_of(const Vec3d& p) {
+  std::uint64_t hash = 0;
+  for (const double x : {p.x(), p.y(), p.z()}) hash = mix(hash ^ std::bit_cast<std::uint64_t>(x + 0.0));  // -0 is 0
+  return hash;
+}
+
+template <typename T>
+double degrees_between(const Eigen::Matrix<T, 3, 1>& a, const Eigen::Matrix<T, 3, 1>& b) {
+  return std::atan2(static_cast<double>(a.cross(b).norm()), static_cast<double>(a.dot(b))) * 180 / std::numbers::pi;
+}
+
+class OwnTurns {
+ public:
+  OwnTurns(const PolygonSoup& soup, const OwnShading& shading) : soup_(soup), shading_(shading) {}
+
+  /// Of the edges that tell.
+  std::vector<Turn> find() const {
+    const std::vector<Side> sides = some_sides();
+    std::vector<Turn> turns;
+    for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+      for (end = i + 1; end < sides.size() && sides[end].edge == sides[i].edge;) ++end;
+      if (end - i != 2 || sides[i].from == sides[i + 1].from) continue;  // of one face, of three, or of faces that disagree
+      const Side &here = sides[i], &there = sides[i + 1];
+      const double degrees = degrees_between(face_normal(here.polygon), face_normal(there.polygon));
+      if (!(degrees > kFlat)) continue;
+      if (const std::optional<bool> split = is_split(here, there, degrees)) turns.push_back({degrees, *split});
+    }
+    return turns;
+  }
+
+ private:
+  /// In order of edge.
+  std::vector<Side> some_sides() const {
+    const std::uint64_t step = soup_.indices.size() / kMostCorners + 1;
+    std::vector<Side> sides;
+    for (std::uint32_t p = 0; p < soup_.polygon_count(); ++p) {
+      const std::uint32_t begin = soup_.polygon_begin[p], end = soup_.polygon_begin[p + 1];
+      if (end - begin < 3) continue;
+      const std::uint64_t first = hash_at(begin);
+      std::uint64_t from = first;
+      for (std::uint32_t corner = begin; corner < end; ++corner) {
+        const std::uint32_t next = corner + 1 < end ? corner + 1 : begin;
+        const std::uint64_t to = next == begin ? first : hash_at(next);
+        const std::uint64_t edge = mix(from + to);
+        if (edge % step == 0) sides.push_back({edge, from, p, corner, next});
+        from = to;
+      }
+    }
+    std::sort(sides.begin(), sides.end());
+    return sides;
+  }
+
+  std::uint64_t hash_at(std::uint32_t corner) const { return hash_of(soup_.positions[soup_.indices[corner]]); }
+
+  /// Of any length.
+  Vec3d face_normal(std::uint32_t polygon) const {
+    const auto at = [&](std::uint32_t corner) { return soup_.positions[soup_.indices[corner]]; };
+    const std::uint32_t begin = soup_.polygon_begin[polygon];
+    Vec3d normal = Vec3d::Zero();
+    for (std::uint32_t i = begin + 2; i < soup_.polygon_begin[polygon + 1]; ++i) {
+      normal += (at(i - 1) - at(begin)).cross(at(i) - at(begin));
+    }
+    return normal;
+  }
+
+  std::optional<Vec3f> normal_at(std::uint32_t corner) const {
+    const std::uint32_t i = corner < shading_.normal_of_corner.size() ? shading_.normal_of_corner[corner] : kNone;
+    if (i >= shading_.normals.size() || !(shading_.normals[i].squaredNorm() > 0)) return std::nullopt;
+    return shading_.normals[i];
+  }
+
+  std::optional<bool> is_split(const Side& here, const Side& there, double degrees) const {
+    const std::array<std::optional<Vec3f>, 4> normals = {normal_at(here.corner), normal_at(there.next), normal_at(here.next),
+                                                         normal_at(there.corner)};
+    if (std::all_of(normals.begin(), normals.end(), [](const auto& normal) { return normal.has_value(); })) {
+      return degrees_between(*normals[0], *normals[1]) + degrees_between(*normals[2], *normals[3]) > degrees;
+    }
+    if (shading_.group_of_polygon.empty()) return std::nullopt;
+    const std::uint32_t group = shading_.group_of_polygon[here.polygon];
+    return group == 0 || group != shading_.group_of_polygon[there.polygon];
+  }
+
+  const PolygonSoup& soup_;
+  const OwnShading& shading_;
+};
+
+/// What lies between the turns at which fewest edges are on the wrong side, as near to kCreaseDegrees as it can be.
+double best_angle(const std::vector<Turn>& turns) {
+  std::size_t wrong = static_cast<std::size_t>(std::count_if(turns.begin(), turns.end(), [](const Turn& t) { return !t.split; }));
+  std::size_t fewest = wrong;
+  double low = 0, high = turns.front().degrees;  // the angle lies between them
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    turns[i].split ? wrong += 1 : wrong -= 1;
+    const double next = i + 1 < turns.size() ? turns[i + 1].degrees : 180;
+    if (next == turns[i].degrees) continue;
+    const auto distance = [](double from, double to) { return std::max({from - kCreaseDegrees, kCreaseDegrees - to, 0.0}); };
+    if (wrong > fewest || (wrong == fewest && distance(low, high) <= distance(turns[i].degrees, next))) continue;
+    fewest = wrong;
+    low = turns[i].degrees;
+    high = next;
+  }
+  return low + kMargin < kCreaseDegrees && kCreaseDegrees < high - kMargin ? kCreaseDegrees : (low + high) / 2;
+}
+
+}  // namespace
+
+std::optional<double> own_crease_angle(const PolygonSoup& soup, const OwnShading& shading) {
+  if (shading.normals.empty() && shading.group_of_polygon.empty()) return std::nullopt;
+  std::vector<Turn> turns = OwnTurns(soup, shading).find();
+  if (turns.empty()) return std::nullopt;
+  std::sort(turns.begin(), turns.end(), [](const Turn& a, const Turn& b) { return a.degrees < b.degrees; });
+  const auto is_split = [](const Turn& turn) { return turn.split; };
+  if (std::none_of(turns.begin(), turns.end(), is_split)) return 180;
+  if (!std::all_of(turns.begin(), turns.end(), is_split)) return best_angle(turns);
+  if (turns[turns.size() / 2].degrees < kCoarse) return std::nullopt;
+  return 0;
+}
+
+}  // namespace curvecast
