@@ -13,7 +13,6 @@
 
 #include "client/cli/camera_option.h"
 #include "client/cli/session_flags.h"
-#include "core/mesh/crease_normals.h"
 
 namespace curvecast::cli {
 namespace {
@@ -62,11 +61,11 @@ const char* reason(v1::PointLimit limit) {
   }
 }
 
-/// The angle at which the session's faces meet at a crease.
+/// The angle at which the session's faces meet at a crease, as SessionOptions has it.
 double crease_degrees(const v1::Session& session) {
   if (session.options().has_crease_degrees()) return session.options().crease_degrees();
   const v1::MeshInfo& mesh = session.report().mesh();
-  return mesh.has_crease_degrees() ? mesh.crease_degrees() : kCreaseDegrees;
+  return mesh.has_crease_degrees() ? mesh.crease_degrees() : 40;
 }
 
 }  // namespace

@@ -14,16 +14,16 @@
 namespace curvecast {
 namespace {
 
-constexpr std::size_t kMostCorners = 1 << 18;  // looked at
-constexpr double kFlat = 1;                    // degrees: whether such an edge is split is not seen
-constexpr double kCoarse = 15;                 // degrees between the faces of a mesh whose faces are meant to be seen
-constexpr double kMargin = 0.05;               // degrees: angles are no more exact than floats make them
+constexpr std::size_t kCorners = 1 << 14;    // about so many are looked at,
+constexpr std::size_t kMost = 2 * kCorners;  // never more: files are read within bounds of memory
+constexpr double kFlat = 1;                  // degrees: whether such an edge is split is not seen
+constexpr double kCoarse = 15;               // degrees between the faces of a mesh whose faces are meant to be seen
+constexpr double kMargin = 0.05;             // degrees: angles are no more exact than floats make them
 
-/// Of the halfedge from a polygon's corner to its next one.
+/// A polygon's edge, from a corner to the next one.
 struct Side {
-  std::uint64_t edge;  // the same from either end
-  std::uint64_t from;  // hash of the position
-  std::uint32_t polygon, corner, next;
+  std::uint64_t edge;  // hash of its places, the same from either end
+  std::uint32_t polygon, corner;
 
   bool operator<(const Side& other) const { return std::pair(edge, corner) < std::pair(other.edge, other.corner); }
 };
@@ -62,8 +62,9 @@ class OwnTurns {
     std::vector<Turn> turns;
     for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
       for (end = i + 1; end < sides.size() && sides[end].edge == sides[i].edge;) ++end;
-      if (end - i != 2 || sides[i].from == sides[i + 1].from) continue;  // of one face, of three, or of faces that disagree
+      if (end - i != 2) continue;  // of one face, or of three
       const Side &here = sides[i], &there = sides[i + 1];
+      if (place(here.corner) == place(there.corner)) continue;  // its faces disagree
       const double degrees = degrees_between(face_normal(here.polygon), face_normal(there.polygon));
       if (!(degrees > kFlat)) continue;
       if (const std::optional<bool> split = is_split(here, there, degrees)) turns.push_back({degrees, *split});
@@ -72,36 +73,41 @@ class OwnTurns {
   }
 
  private:
-  /// In order of edge.
+  /// In order of edge. None where more than kMost are of the same few edges.
   std::vector<Side> some_sides() const {
-    const std::uint64_t step = soup_.indices.size() / kMostCorners + 1;
+    const std::uint64_t step = soup_.indices.size() / kCorners + 1;
     std::vector<Side> sides;
+    sides.reserve(std::min(soup_.indices.size(), kMost));
     for (std::uint32_t p = 0; p < soup_.polygon_count(); ++p) {
       const std::uint32_t begin = soup_.polygon_begin[p], end = soup_.polygon_begin[p + 1];
       if (end - begin < 3) continue;
-      const std::uint64_t first = hash_at(begin);
+      const std::uint64_t first = hash_of(place(begin));
       std::uint64_t from = first;
       for (std::uint32_t corner = begin; corner < end; ++corner) {
-        const std::uint32_t next = corner + 1 < end ? corner + 1 : begin;
-        const std::uint64_t to = next == begin ? first : hash_at(next);
+        const std::uint64_t to = corner + 1 < end ? hash_of(place(corner + 1)) : first;
         const std::uint64_t edge = mix(from + to);
-        if (edge % step == 0) sides.push_back({edge, from, p, corner, next});
         from = to;
+        if (edge % step != 0) continue;
+        if (sides.size() == kMost) return {};
+        sides.push_back({edge, p, corner});
       }
     }
     std::sort(sides.begin(), sides.end());
     return sides;
   }
 
-  std::uint64_t hash_at(std::uint32_t corner) const { return hash_of(soup_.positions[soup_.indices[corner]]); }
+  const Vec3d& place(std::uint32_t corner) const { return soup_.positions[soup_.indices[corner]]; }
+
+  std::uint32_t next(const Side& side) const {
+    return side.corner + 1 < soup_.polygon_begin[side.polygon + 1] ? side.corner + 1 : soup_.polygon_begin[side.polygon];
+  }
 
   /// Of any length.
   Vec3d face_normal(std::uint32_t polygon) const {
-    const auto at = [&](std::uint32_t corner) { return soup_.positions[soup_.indices[corner]]; };
     const std::uint32_t begin = soup_.polygon_begin[polygon];
     Vec3d normal = Vec3d::Zero();
     for (std::uint32_t i = begin + 2; i < soup_.polygon_begin[polygon + 1]; ++i) {
-      normal += (at(i - 1) - at(begin)).cross(at(i) - at(begin));
+      normal += (place(i - 1) - place(begin)).cross(place(i) - place(begin));
     }
     return normal;
   }
@@ -113,7 +119,7 @@ class OwnTurns {
   }
 
   std::optional<bool> is_split(const Side& here, const Side& there, double degrees) const {
-    const std::array<std::optional<Vec3f>, 4> normals = {normal_at(here.corner), normal_at(there.next), normal_at(here.next),
+    const std::array<std::optional<Vec3f>, 4> normals = {normal_at(here.corner), normal_at(next(there)), normal_at(next(here)),
                                                          normal_at(there.corner)};
     if (std::all_of(normals.begin(), normals.end(), [](const auto& normal) { return normal.has_value(); })) {
       return degrees_between(*normals[0], *normals[1]) + degrees_between(*normals[2], *normals[3]) > degrees;

@@ -22,7 +22,7 @@ struct OwnShading {
 /// An edge is split where the normals beside it differ by more than half as much as the faces turn there. Many angles are often
 /// as good: kCreaseDegrees where it is among them. Of a mesh without any smooth edge it is 0 where its faces are so coarse that
 /// they are meant to be seen, and nothing otherwise: some programs write the normals of faces whatever the mesh. Of large meshes
-/// about 250,000 corners are looked at.
+/// about 16,000 corners are looked at.
 std::optional<double> own_crease_angle(const PolygonSoup& soup, const OwnShading& shading);
 
 }  // namespace curvecast

@@ -10,13 +10,13 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/text_scanner.h"
 #include "core/mesh_io/gltf_document.h"
 #include "core/mesh_io/gltf_reader.h"
 #include "core/mesh_io/obj_reader.h"
 #include "core/mesh_io/off_reader.h"
 #include "core/mesh_io/ply_reader.h"
 #include "core/mesh_io/stl_reader.h"
-#include "core/mesh_io/text_scanner.h"
 
 namespace curvecast {
 namespace {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/text_scanner.h"
 #include "core/mesh_io/mesh_reading.h"
 #include "core/mesh_io/text_colours.h"
-#include "core/mesh_io/text_scanner.h"
 #include "core/mesh_io/texture_loader.h"
 
 namespace curvecast {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/mesh_io/text_scanner.h"
+#include "core/base/text_scanner.h"
 
 namespace curvecast {
 namespace {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/text_scanner.h"
 #include "core/mesh_io/endian.h"
 #include "core/mesh_io/mesh_reading.h"
-#include "core/mesh_io/text_scanner.h"
 
 namespace curvecast {
 namespace {

@@ -90,6 +90,11 @@ void add_shapes(std::vector<HostileFile>& files) {
         return fans;
       }());
   use("with the same face 20,000 times", kThree + repeated("f 1 2 3\n", 20'000));
+  use("with the same face in 20,000 groups", kThree + repeated("s 1\nf 1 2 3\n", 20'000));
+  use("with 100,000 normals for one face", kThree + repeated("vn 0 0 1\n", 100'000) + "f 1//1 2//99999 3//100001\n");
+  use("with normals that are none",
+      kThree + "vn\nvn nan 0 1\nvn 1e400 1 0\nf 1//1 2//2 3//3\nf 3//-1 2//-9 1//99999999999999999999\n");
+  use("with groups that are none", kThree + "s\ns off\ns -7\nf 1 2 3\ns 99999999999999999999\nf 3 2 1\n");
   use("with 30,000 materials", kThree + numbered("usemtl m#\nf 1 2 3\n", 30'000));
   const std::string whole = obj_file(pyramid());
   refuse("that ends within a vertex", whole.substr(0, whole.find("2.25")), "line 6: expected a coordinate of a vertex");

@@ -105,5 +105,13 @@ TEST(OwnCreaseAngle, IsTheSameOfFacesWithVerticesOfTheirOwnAndOfManyFaces) {
   EXPECT_EQ(fine.angle(), 180);
 }
 
+TEST(OwnCreaseAngle, IsSilentWhereFacesLieOnOneAnother) {
+  for (const std::size_t times : {2u, 3u, 50'000u}) {
+    const PolygonSoup soup = soup_of(tetrahedron().positions, std::vector<std::vector<std::uint32_t>>(times, {0, 1, 2}));
+    const std::vector<std::uint32_t> groups(times, 1);
+    EXPECT_EQ(own_crease_angle(soup, {{}, {}, groups}), std::nullopt) << times;
+  }
+}
+
 }  // namespace
 }  // namespace curvecast

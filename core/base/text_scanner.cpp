@@ -1,4 +1,4 @@
-#include "core/mesh_io/text_scanner.h"
+#include "core/base/text_scanner.h"
 
 #include <absl/strings/escaping.h>
 #include <absl/strings/match.h>
