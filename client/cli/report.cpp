@@ -142,8 +142,11 @@ std::string mesh_text(const v1::MeshInfo& mesh) {
   absl::StrAppend(&text, "repairs        ", repairs.empty() ? "none" : repairs, "\n");
   absl::StrAppend(&text, "attributes     ", mesh.attributes().empty() ? "none" : absl::StrJoin(mesh.attributes(), ", "), "\n");
   if (mesh.has_crease_degrees()) {
-    absl::StrAppendFormat(&text, "creases        edges of more than %.3g degrees, as the file's normals or groups mean\n",
-                          mesh.crease_degrees());
+    const double degrees = mesh.crease_degrees();
+    const std::string edges = degrees <= 0     ? "every edge"
+                              : degrees >= 180 ? "no edge"
+                                               : absl::StrFormat("edges of more than %.3g degrees", degrees);
+    absl::StrAppend(&text, "creases        ", edges, ", as the file's normals or groups mean\n");
   }
   for (const std::string& warning : mesh.warnings()) absl::StrAppend(&text, "warning        ", warning, "\n");
   return text;

@@ -285,6 +285,10 @@ TEST_F(CliTest, EdgesAreSharpFromAnAngleOfChoice) {
   EXPECT_EQ(sharper["crease_degrees"], 12.5);
   EXPECT_NE(usual["session_id"], sharper["session_id"]);
   EXPECT_TRUE(usual["mesh"]["crease_degrees"].is_null());
+  const std::string flat = temporary("flat.obj");
+  std::ofstream(flat) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\ns off\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  EXPECT_EQ(run_json({"preprocess", flat, "-n", "500"})["crease_degrees"], 0) << "as its smoothing groups mean";
+  EXPECT_EQ(run_json({"preprocess", flat, "-n", "500", "--crease", "40"})["crease_degrees"], 40);
   for (const char* degrees : {"-1", "181", "sharp"}) expect_failure({"preprocess", cube, "--crease", degrees}, 2, "crease");
 }
 

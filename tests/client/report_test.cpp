@@ -35,5 +35,17 @@ TEST(PointLimitText, SaysOfHowManyAndWhy) {
   EXPECT_NE(point_limit_text(1, statistics_of(2, static_cast<v1::PointLimit>(99))), "") << "of a newer server";
 }
 
+TEST(MeshText, SaysWhichEdgesTheFileMeansToBeSharp) {
+  v1::MeshInfo mesh;
+  EXPECT_EQ(mesh_text(mesh).find("creases"), std::string::npos);
+  const auto of = [&](double degrees) {
+    mesh.set_crease_degrees(degrees);
+    return mesh_text(mesh);
+  };
+  EXPECT_NE(of(32.5).find("creases        edges of more than 32.5 degrees, as the file's"), std::string::npos) << of(32.5);
+  EXPECT_NE(of(0).find("creases        every edge, as the file's"), std::string::npos) << of(0);
+  EXPECT_NE(of(180).find("creases        no edge, as the file's"), std::string::npos) << of(180);
+}
+
 }  // namespace
 }  // namespace curvecast::cli
