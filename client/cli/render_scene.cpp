@@ -175,6 +175,7 @@ absl::StatusOr<Scene> make_scene(const RenderFlags& flags, const CommonOptions& 
   if (!camera.ok()) return camera.status();
   Scene scene;
   scene.camera = *std::move(camera);
+  scene.crease_degrees = crease_degrees(opened->session);
   absl::Status status;
   if (has_own_points) {
     status = maker.add_samples(*opened, scene);
@@ -192,7 +193,7 @@ absl::StatusOr<Scene> make_scene(const RenderFlags& flags, const CommonOptions& 
 
 absl::StatusOr<Image> draw_scene(const Scene& scene, const Size& size) {
   const std::vector<Vec3f> positions = to_vectors(scene.cloud.positions), normals = to_vectors(scene.cloud.normals);
-  const SplatCloud cloud{positions, normals, scene.cloud.radii, scene.cloud.colours};
+  const SplatCloud cloud{positions, normals, scene.cloud.radii, scene.cloud.colours, scene.crease_degrees};
   RenderOptions options = scene.options;
   options.width = size.width;
   options.height = size.height;

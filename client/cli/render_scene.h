@@ -32,6 +32,7 @@ struct Scene {
   client::Points cloud;            // the surface
   std::vector<Vec3f> dots;         // on it, relative to the cloud's origin; none: with kDots, the cloud's own points
   std::vector<Rgb8> dot_colours;   // one for each dot, or none
+  double crease_degrees = 40;      // as of SplatCloud
   v1::Camera camera;               // absolute coordinates
   RenderOptions options;           // all but the size
   std::string counted = "points";  // what `count` counts

@@ -61,14 +61,13 @@ const char* reason(v1::PointLimit limit) {
   }
 }
 
-/// The angle at which the session's faces meet at a crease, as SessionOptions has it.
+}  // namespace
+
 double crease_degrees(const v1::Session& session) {
   if (session.options().has_crease_degrees()) return session.options().crease_degrees();
   const v1::MeshInfo& mesh = session.report().mesh();
   return mesh.has_crease_degrees() ? mesh.crease_degrees() : 40;
 }
-
-}  // namespace
 
 Json mesh_json(const v1::MeshInfo& mesh) {
   return {{"vertices", mesh.vertices()},

@@ -27,6 +27,8 @@ const char* point_limit_name(v1::PointLimit limit);
 void print_note(const std::string& text);
 
 Box3d box_of(const v1::MeshInfo& mesh);
+/// The angle at which the session's faces meet at a crease, as SessionOptions has it.
+double crease_degrees(const v1::Session& session);
 
 /// A quantile of measurements, by the nearest rank; 0 of none.
 double quantile(std::vector<double> values, double q);

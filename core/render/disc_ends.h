@@ -12,7 +12,8 @@
 
 namespace curvecast {
 
-/// Finds where they end for all splats, of what else they have: sets SplatVertex::ends. On all threads.
-void find_disc_ends(std::span<SplatVertex> splats);
+/// Finds where they end for all splats, of what else they have: sets SplatVertex::ends. On all threads. Neighbours whose normals
+/// are further apart than `crease_degrees`, 0 .. 180, and than what rounding makes of normals, lie on two sides of a crease.
+void find_disc_ends(std::span<SplatVertex> splats, double crease_degrees);
 
 }  // namespace curvecast

@@ -10,10 +10,9 @@ namespace curvecast {
 namespace {
 
 // The viewer's disc_bends.ts has the same rule and numbers.
-constexpr float kCreaseCosine = 0.766F;  // 40 degrees: what lies beyond is another side
-constexpr float kNearby = 1.6F;          // radii: neighbours whose normals tell how the surface bends
-constexpr float kFarthest = 2;           // radii: neighbours whose places do
-constexpr float kNearest = 0.5F;         // radii: at a smaller distance, a height says nothing
+constexpr float kNearby = 1.6F;   // radii: neighbours whose normals tell how the surface bends
+constexpr float kFarthest = 2;    // radii: neighbours whose places do
+constexpr float kNearest = 0.5F;  // radii: at a smaller distance, a height says nothing
 // Where nobody is beyond, a surface that is not flat ends, or has few points since nobody sees it. Of a face, here is the border
 // of a sheet.
 constexpr float kNobodysBend = 0.5F, kGrazing = 0.5F, kFace = 0.7F;  // the bend of the former, and cosines
@@ -45,7 +44,8 @@ Seen see(const SplatVertex& disc) {
 
 /// How far the surface bends on the way of a radius towards an outline: by how much neighbours' normals lean (the best k of
 /// lean = k * way, both in that direction, by least squares), or what the places beyond tell. 0 where it is hollow.
-float bend_of(const Seen& seen, std::span<const SplatVertex> splats, std::size_t disc, std::span<const std::uint32_t> near) {
+float bend_of(const Seen& seen, std::span<const SplatVertex> splats, std::size_t disc, std::span<const std::uint32_t> near,
+              float crease_cosine) {
   const Vec3f across = seen.normal.cross(seen.towards);
   float lean = 0, squares = 0, arc = std::numeric_limits<float>::infinity();
   bool is_flat = true;
@@ -53,7 +53,7 @@ float bend_of(const Seen& seen, std::span<const SplatVertex> splats, std::size_t
     if (other == disc) continue;
     const Vec3f way = to_vec(splats[other].center) - seen.centre, its = to_vec(splats[other].normal);
     const float distance = way.norm(), along = way.dot(seen.towards);
-    const bool is_crease = its.dot(seen.normal) < kCreaseCosine;  // between them, where the disc ends
+    const bool is_crease = its.dot(seen.normal) < crease_cosine;  // between them, where the disc ends
     if (distance > kFarthest * seen.radius) continue;
     if (along > 0 && along >= std::abs(way.dot(across))) {
       if (is_crease)
@@ -73,12 +73,14 @@ float bend_of(const Seen& seen, std::span<const SplatVertex> splats, std::size_t
 
 }  // namespace
 
-std::array<float, 4> disc_outline(std::span<const SplatVertex> splats, std::size_t disc, std::span<const std::uint32_t> near) {
+std::array<float, 4> disc_outline(std::span<const SplatVertex> splats, std::size_t disc, std::span<const std::uint32_t> near,
+                                  float crease_cosine) {
   Seen seen = see(splats[disc]);
   if (seen.towards.squaredNorm() < 1e-8F || near.empty()) return {};
   seen.towards.normalize();
-  const float bend = bend_of(seen, splats, disc, near), extent = std::abs(seen.facing);  // of the disc in the picture, in radii
-  const float end = kEnd * extent * extent / bend;                                       // beyond the middle, in radii
+  const float bend = bend_of(seen, splats, disc, near, crease_cosine),
+              extent = std::abs(seen.facing);       // of the disc in the picture, in radii
+  const float end = kEnd * extent * extent / bend;  // beyond the middle, in radii
   if (!(end <= kReach * extent)) return {};
   const Vec3f out = (seen.normal - seen.facing * seen.to_eye).normalized();
   return {out.x(), out.y(), out.z(), out.dot(seen.centre) + end * seen.radius};

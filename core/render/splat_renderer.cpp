@@ -118,7 +118,7 @@ absl::StatusOr<Image> render_splats(const SplatCloud& cloud, const RenderCamera&
     scene.has_colors = !is_dots && !cloud.colors.empty();
     scene.dot_diameter = static_cast<float>(options.dot_diameter);
     pack_splats(cloud, *space, estimated_radius(box, cloud.positions.size()), options.radius_scale, scene.has_colors, scene);
-    if (scene.has_normals) find_disc_ends(scene.splats);
+    if (scene.has_normals) find_disc_ends(scene.splats, cloud.crease_degrees);
     if (is_dots && dots.empty()) pack_dots(cloud.positions, cloud.colors, *space, options, scene);
     if (is_dots && !dots.empty()) pack_dots(dots, dot_colors, *space, options, scene);
     return draw_splats(scene);

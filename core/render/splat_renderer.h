@@ -26,6 +26,7 @@ struct SplatCloud {
   std::span<const Vec3f> normals;    // any length; none, or a zero vector: the disc faces the camera
   std::span<const float> radii;      // mesh units, >= 0; none: sqrt(area of the bounding box / N) for all
   std::span<const Rgb8> colors;      // of the surface in kSurface, of the dots in kDots
+  double crease_degrees = 40;        // discs end where the surface turns by more, 0 .. 180
 };
 
 enum class RenderMode {

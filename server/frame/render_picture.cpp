@@ -132,12 +132,13 @@ absl::Status claim_samples(const RenderOptions& options, MemoryClaim& claim) {
                                        describe_bytes(static_cast<double>(bytes)), " of memory"));
 }
 
-absl::StatusOr<Image> draw_points(const PointSet& points, const PointSet* dots, bool is_plain, const RenderCamera& camera,
-                                  const RenderOptions& options, const ExecutionContext& context) {
+absl::StatusOr<Image> draw_points(const Session& session, const PointSet& points, const PointSet* dots, bool is_plain,
+                                  const RenderCamera& camera, const RenderOptions& options, const ExecutionContext& context) {
   MemoryClaim claim(context);
   if (absl::Status status = claim_samples(options, claim); !status.ok()) return status;
   const std::vector<Rgb8> colours = is_plain ? std::vector<Rgb8>() : to_rgb(points.colours);
-  const SplatCloud cloud{points.positions, points.normals, points.radii, colours};
+  const double creases = crease_degrees(session.options, session.preprocessed.report.mesh.crease_degrees);
+  const SplatCloud cloud{points.positions, points.normals, points.radii, colours, creases};
   if (dots == nullptr) return render_splats(cloud, camera, options);
   return render_splats(cloud, camera, options, dots->positions, is_plain ? std::vector<Rgb8>() : to_rgb(dots->colours));
 }
@@ -171,14 +172,14 @@ absl::StatusOr<Drawn> draw_sample(const Session& session, const PointSetRequest&
   if (!wanted.ok()) return wanted.status();
   absl::StatusOr<Image> image;
   if (options.mode == RenderMode::kSurface) {
-    image = draw_points(wanted->points(), nullptr, is_plain, camera, options, context);
+    image = draw_points(session, wanted->points(), nullptr, is_plain, camera, options, context);
   } else {
     // Few dots make no surface to lie on: evenly spread points do.
     PointSetRequest even;
     even.options.points = session.options.points;
     const absl::StatusOr<Sampled> surface = sample_points(session, even, cache, context);
     if (!surface.ok()) return surface.status();
-    image = draw_points(surface->points(), &wanted->points(), is_plain, camera, options, context);
+    image = draw_points(session, surface->points(), &wanted->points(), is_plain, camera, options, context);
   }
   if (!image.ok()) return image.status();
   return Drawn{*std::move(image), wanted->points().size()};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -24,14 +25,14 @@ bool is_drawn(const SplatVertex& splat, const Vec3& p) {
 bool has_end(const SplatVertex& splat) { return splat.ends != SplatVertex{}.ends; }
 
 /// Finds the ends as an eye sees them that looks from far away, in this direction from the splats.
-void find_ends_from(const Vec3& direction, std::vector<SplatVertex>& splats) {
+void find_ends_from(const Vec3& direction, std::vector<SplatVertex>& splats, double degrees = 40) {
   const auto shift = [&](float way) {
     for (SplatVertex& s : splats) {
       for (std::size_t k = 0; k < 3; ++k) s.center[k] += way * direction[k];
     }
   };
   shift(-64);
-  find_disc_ends(splats);
+  find_disc_ends(splats, degrees);
   shift(64);
   for (SplatVertex& s : splats) {
     for (auto& [x, y, z, w] : s.ends) w += 64 * (x * direction[0] + y * direction[1] + z * direction[2]);
@@ -69,6 +70,29 @@ TEST(DiscEnds, DiscsEndAtRidgesAndValleys) {
       EXPECT_TRUE(is_drawn(s, before));
     }
   }
+}
+
+TEST(DiscEnds, CreasesBeginAtTheAngleThatIsAskedFor) {
+  const auto ends = [](double turn, double degrees) {
+    const auto cosine = static_cast<float>(std::cos(turn * M_PI / 180)), sine = static_cast<float>(std::sin(turn * M_PI / 180));
+    std::vector<SplatVertex> splats;
+    for (int i = 0; i < 10; ++i) {
+      for (int j = -5; j < 5; ++j) {
+        const float away = (static_cast<float>(i) + 0.5F) * kStep, along = static_cast<float>(j) * kStep;
+        splats.push_back(splat({-away, along, 0}, {0, 0, 1}));
+        splats.push_back(splat({away * cosine, along, -away * sine}, {sine, 0, cosine}));
+      }
+    }
+    find_ends_from({0, 0, 1}, splats, degrees);
+    return std::count_if(splats.begin(), splats.end(), has_end);
+  };
+  for (const double turn : {10.0, 30.0, 90.0}) {
+    SCOPED_TRACE(turn);
+    EXPECT_GT(ends(turn, turn - 1), 0);
+    EXPECT_EQ(ends(turn, turn - 1), ends(turn, 0));
+  }
+  for (const double turn : {10.0, 30.0}) EXPECT_LT(ends(turn, turn + 1), ends(turn, turn - 1)) << "some are at outlines";
+  EXPECT_EQ(ends(3, 0), 0) << "normals are rounded";
 }
 
 TEST(DiscEnds, CornersHaveTwoLines) {
@@ -111,15 +135,15 @@ TEST(DiscEnds, SmoothSurfacesAndThinSheetsHaveNone) {
 
 TEST(DiscEnds, OddPointsAreHarmless) {
   std::vector<SplatVertex> none;
-  find_disc_ends(none);
+  find_disc_ends(none, 40);
   std::vector<SplatVertex> one = {splat({1, 2, 3}, {0, 0, 1})};
-  find_disc_ends(one);
+  find_disc_ends(one, 40);
   EXPECT_FALSE(has_end(one[0]));
   // At one place, without normals, without size, far away.
   std::vector<SplatVertex> many(50, splat({1, 2, 3}, {0, 0, 1}));
   for (int i = 0; i < 50; ++i) many.push_back(splat({1, 2, 3}, i % 2 == 0 ? Vec3{0, 1, 0} : Vec3{}, i % 3 == 0 ? 0 : 1e12F));
   many.push_back(splat({1e12F, 0, 0}, {1, 0, 0}));
-  find_disc_ends(many);
+  find_disc_ends(many, 40);
   for (const SplatVertex& s : many) EXPECT_FALSE(std::isnan(s.ends[0][3]) || std::isnan(s.ends[1][3]));
 }
 

@@ -33,7 +33,7 @@ std::vector<SplatVertex> patch(float radius, float facing) {
 
 std::array<float, 4> outline(const std::vector<SplatVertex>& splats) {
   const std::vector<std::uint32_t> near{0, 1, 2, 3, 4, 5, 6, 7, 8};
-  return disc_outline(splats, 0, near);
+  return disc_outline(splats, 0, near, 0.766F);
 }
 
 /// How far beyond the disc's middle it ends in the picture; infinity where it does not.
@@ -72,7 +72,9 @@ TEST(DiscOutline, TheNormalsOfNeighboursBeyondACreaseDoNotCount) {
   EXPECT_EQ(beyond_middle(splats), kNowhere);
 }
 
-TEST(DiscOutline, WhatNothingIsKnownOfIsWhole) { EXPECT_EQ(disc_outline(patch(1, 0.1F), 0, {}), (std::array<float, 4>{})); }
+TEST(DiscOutline, WhatNothingIsKnownOfIsWhole) {
+  EXPECT_EQ(disc_outline(patch(1, 0.1F), 0, {}, 0.766F), (std::array<float, 4>{}));
+}
 
 TEST(DiscOutline, TheLastDiscBeforeAnOutlineEndsEarlyUnlessAllIsFlat) {
   const float facing = 0.2F;

@@ -301,7 +301,7 @@ export class Application {
       this.viewport.setBounds([boxMin.x, boxMin.y, boxMin.z], [boxMax.x, boxMax.y, boxMax.z]);
     }
     this.change((settings) => (settings.frozen = false));
-    this.streams = new Streams(this.begun.client, session.sessionId, {
+    this.streams = new Streams(this.begun.client, session, {
       onFrame: (frame) => this.frameCame(frame),
       onState: (which, state, error, delay) => this.stateChanged(which, state, error, delay),
     });

@@ -1,6 +1,6 @@
 // The streams of a page: the main one, and in a split view one of uniform density beside it.
 
-import type { Client, CurvecastError, FrameReport, LiveView, LiveViewState } from "../stream";
+import type { Client, CurvecastError, FrameReport, LiveView, LiveViewState, Session } from "../stream";
 import { bytesOf, sameBytes, type SampleInit } from "./sample_request";
 
 /// The main stream, whose density the user sets, or the one of uniform density.
@@ -37,10 +37,14 @@ export class Streams {
 
   constructor(
     private readonly client: Client,
-    readonly sessionId: string,
+    private readonly session: Session,
     private readonly events: StreamsEvents,
   ) {
     this.mainView = this.open("main");
+  }
+
+  get sessionId(): string {
+    return this.session.sessionId;
   }
 
   /// The main stream.
@@ -94,6 +98,10 @@ export class Streams {
       onFrame: (frame: FrameReport) => events.onFrame(frame),
       onState: (...how: [LiveViewState, CurvecastError | null, number | null]) => events.onState(which, ...how),
     };
-    return new DistinctView(this.client.view(this.sessionId, handlers, { firstBytes }));
+    const { sessionId, options, report } = this.session;
+    const creaseDegrees = options?.creaseDegrees ?? report?.mesh?.creaseDegrees;
+    return new DistinctView(
+      this.client.view(sessionId, handlers, { firstBytes, ...(creaseDegrees !== undefined && { creaseDegrees }) }),
+    );
   }
 }

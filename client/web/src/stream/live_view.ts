@@ -22,7 +22,7 @@ import { now } from "./clock";
 import type { DecodedPoints } from "./decoded_points";
 import type { PointDecoder } from "./decoder";
 import { asCurvecastError, boundedDelay, codeName, CurvecastError } from "./errors";
-import { StreamedPoints, type PointDifference } from "./point_store";
+import { StreamedPoints, usualCreaseDegrees, type PointDifference } from "./point_store";
 import type { Socket } from "./socket";
 import { Statistics, type FrameReport, type StatisticsSummary } from "./statistics";
 
@@ -42,6 +42,7 @@ export interface LiveViewEvents {
 export interface LiveViewOptions {
   deltas?: boolean; // default: true
   firstBytes?: number; // as ViewUpdate.first_bytes; default: 0, frames come whole
+  creaseDegrees?: number; // of the session's edges, for PointStore.creaseDegrees; default: 40
   firstDelay?: number; // seconds before a broken stream is opened again; doubles until a stream lives for a second; default: 0.1
   longestDelay?: number; // seconds; a server that asks for a longer one gets it; default: 5
 }
@@ -109,6 +110,7 @@ export class LiveView {
     private readonly onOver: (view: LiveView) => void = () => {},
   ) {
     this.deltas = options.deltas ?? true;
+    this.store.creaseDegrees = options.creaseDegrees ?? usualCreaseDegrees;
     this.firstBytes = BigInt(options.firstBytes ?? 0);
     this.backoff = new Backoff(options.firstDelay ?? 0.1, options.longestDelay ?? 5);
   }

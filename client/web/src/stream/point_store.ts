@@ -20,9 +20,14 @@ export interface PointStore {
   readonly ranks: Uint32Array | null; // 1 a slot; null where the view does not ask for them
   readonly directions: Float32Array | null; // 3 a slot: unit tangent of the least principal curvature; null where the view does not ask
   readonly scalars: readonly ScalarColumn[]; // 1 a slot each; none where the view does not ask for them, or the mesh has none
+  /// Of the session: where the surface turns by more degrees, it has a crease.
+  readonly creaseDegrees: number;
   /// Returns the changes since the last call. One reader may call it.
   takeChanges(): PointChanges;
 }
+
+/// The angle of creases of most sessions.
+export const usualCreaseDegrees = 40;
 
 /// How many points a frame has added, removed, and resized.
 export interface PointDifference {
@@ -45,6 +50,7 @@ export class StreamedPoints implements PointStore {
   ranks: Uint32Array | null = null;
   directions: Float32Array | null = null;
   scalars: readonly ScalarColumn[] = [];
+  creaseDegrees = usualCreaseDegrees;
 
   private list = new Uint32Array(0); // the slots of the points in the order of the stream, `count` of them
   private spare = new Uint32Array(0); // the memory of the list before, for the next one

@@ -36,6 +36,7 @@ function sphere(count: number): PointStore {
     ranks: null,
     directions: null,
     scalars: [],
+    creaseDegrees: 40,
     takeChanges,
   };
 }

@@ -63,7 +63,7 @@ describe("the shaders of the viewer and of core/render", () => {
     const core = plain(coreFile("disc_outline.cpp"));
     const bends = plain(viewerFile("discs/disc_bends.ts"));
     const numberOf = (text: string, name: string): string | undefined => new RegExp(`${name}=([\\d.]+)f?;`, "i").exec(text)?.[1];
-    for (const name of ["creaseCosine", "nearby", "farthest", "nearest", "flatCosine"]) {
+    for (const name of ["nearby", "farthest", "nearest", "flatCosine"]) {
       expect(numberOf(bends, `const${name}`), name).toBeDefined();
       expect(numberOf(bends, `const${name}`), name).toBe(numberOf(core, `floatk${name}`));
     }

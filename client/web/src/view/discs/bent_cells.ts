@@ -3,7 +3,6 @@
 
 import { forEachPair, stride, type DiscGrid } from "./disc_grid";
 
-const creaseAngle = 0.698; // radians; surfaces that turn by less between two discs are smooth
 /// Pairs of a cell's discs and those around: where there are more, discs lie on one another, and no crease shows.
 const crowd = 1 << 16;
 
@@ -20,7 +19,8 @@ export interface BentCells {
   lists: Uint32Array;
 }
 
-export function findBentCells(grid: DiscGrid): BentCells {
+/// `crease`: an angle, in radians; surfaces that turn by less between two discs are smooth.
+export function findBentCells(grid: DiscGrid, crease: number): BentCells {
   const { count, begin } = grid.cells;
   const summaries = summariesOf(grid);
   const bents = new Uint32Array(count); // neighbours with which there may be a crease
@@ -29,7 +29,7 @@ export function findBentCells(grid: DiscGrid): BentCells {
   let size = 0;
   forEachPair(grid, (a, b) => {
     if (areApart(summaries, a, b)) return;
-    const bent = areBent(summaries, a, b) ? 1 : 0;
+    const bent = areBent(summaries, a, b, crease) ? 1 : 0;
     if (size + 2 > pairs.length) {
       const larger = new Uint32Array(2 * pairs.length);
       larger.set(pairs);
@@ -93,13 +93,13 @@ function areApart(summaries: Float32Array, a: number, b: number): boolean {
   return square > reach * reach;
 }
 
-function areBent(summaries: Float32Array, a: number, b: number): boolean {
+function areBent(summaries: Float32Array, a: number, b: number, crease: number): boolean {
   const [i, j] = [summarySize * a, summarySize * b];
   const spread = summaries[i + 3]! + summaries[j + 3]!;
-  if (spread >= creaseAngle) return true;
+  if (spread >= crease) return true;
   let cosine = 0;
   for (let k = 0; k < 3; ++k) cosine += summaries[i + k]! * summaries[j + k]!;
-  return cosine <= Math.cos(creaseAngle - spread);
+  return cosine <= Math.cos(crease - spread);
 }
 
 function summariesOf({ discs, cells: { count, begin } }: DiscGrid): Float32Array {

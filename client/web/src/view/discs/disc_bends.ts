@@ -3,7 +3,6 @@
 import type { BentCells } from "./bent_cells";
 import { stride, type DiscGrid } from "./disc_grid";
 
-const creaseCosine = 0.766; // 40 degrees: what lies beyond is another side
 const flatCosine = 0.9986; // 3 degrees
 const nearby = 1.6; // radii: neighbours whose normals tell how the surface bends
 const farthest = 2; // radii: neighbours whose places do
@@ -27,9 +26,16 @@ const sums = 6;
 /// normals lean by the bend, and the surface falls by half a radius times it. It is that of the neighbours' normals, or that of those
 /// places beyond the disc that hide the least, whichever is more: where a surface is rough, normals do not tell where it ends. A byte of
 /// 1 to 254 is the root of bend / largestBend; 0: there is no disc; 255: the surface is not flat, and has no neighbour in this direction. `scale`: the factor of the radii in the grid; bends are for 1.
-export function findDiscBends(grid: DiscGrid, bent: BentCells, slots: number, scale: number): Uint8Array<ArrayBuffer> {
+/// `creaseCosine`: of normals; what turns by more lies beyond a crease.
+export function findDiscBends(
+  grid: DiscGrid,
+  bent: BentCells,
+  slots: number,
+  scale: number,
+  creaseCosine: number,
+): Uint8Array<ArrayBuffer> {
   const { count, discs } = grid;
-  const { moments, fallen, isBent } = lookAround(grid, bent);
+  const { moments, fallen, isBent } = lookAround(grid, bent, creaseCosine);
   const bends = new Uint8Array(directions * slots);
   const form = new Float64Array(3);
   for (let disc = 0; disc < count; ++disc) {
@@ -70,7 +76,7 @@ interface Around {
   isBent: Uint8Array; // 1: some of their normals are other ones
 }
 
-function lookAround(grid: DiscGrid, bent: BentCells): Around {
+function lookAround(grid: DiscGrid, bent: BentCells, creaseCosine: number): Around {
   const { count, discs, cells } = grid;
   const planes = new Float32Array(6 * count);
   for (let disc = 0, i = 4; disc < count; ++disc, i += stride)

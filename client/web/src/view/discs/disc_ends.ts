@@ -3,12 +3,13 @@
 // A disc that reaches over a crease would stick out of the surface. What each side of one has is its plane: both discs end
 // where their planes meet. The rule, and its numbers, are those of core/render/disc_ends.cpp.
 
+import { usualCreaseDegrees } from "../../stream/point_store";
 import { findBentCells, largestRadius, squareToBox, type BentCells } from "./bent_cells";
 import { findDiscBends } from "./disc_bends";
 import { makeGrid, stride, type DiscGrid } from "./disc_grid";
 
 const neighbours = 24; // a disc and those nearest to it
-const creaseCosine = 0.766; // 40 degrees
+const leastCrease = 5; // degrees: normals are rounded
 const sheetCosine = -0.95; // beyond, both are sides of something thin, whose planes meet anywhere
 const reach = 1.4; // radii from a disc's middle within which it is drawn
 export const slack = 0.01; // radii that discs overlap by at a crease
@@ -24,10 +25,18 @@ export interface DiscEnds {
   bends: Uint8Array<ArrayBuffer>;
 }
 
-/// Finds where discs end. The columns of `slots` slots are those of a PointStore; radii are multiplied by `scale`.
-export function findDiscEnds(positions: Float32Array, normals: Int8Array, slots: number, scale = 1): DiscEnds {
+/// Finds where discs end. The columns of `slots` slots are those of a PointStore; radii are multiplied by `scale`. Neighbours whose normals
+/// are further apart than `creaseDegrees`, and than what rounding makes of normals, lie on two sides of a crease.
+export function findDiscEnds(
+  positions: Float32Array,
+  normals: Int8Array,
+  slots: number,
+  scale = 1,
+  creaseDegrees = usualCreaseDegrees,
+): DiscEnds {
+  const crease = (Math.PI / 180) * Math.max(creaseDegrees, leastCrease);
   const grid = makeGrid(positions, normals, slots, scale);
-  const bent = findBentCells(grid);
+  const bent = findBentCells(grid, crease);
   const found: number[] = [];
   const planes: number[] = [];
   const { begin, count } = grid.cells;
@@ -35,13 +44,17 @@ export function findDiscEnds(positions: Float32Array, normals: Int8Array, slots:
     const around = bent.around(cell);
     if (around === null) continue;
     for (let disc = begin[cell]!; disc < begin[cell + 1]!; ++disc) {
-      const ends = endsOf(grid, bent, around, disc);
+      const ends = endsOf(grid, bent, around, disc, Math.cos(crease));
       if (ends.length === 0) continue;
       found.push(grid.slots[disc]!);
       for (let i = 0; i < 8; ++i) planes.push(ends[i >> 2]?.plane[i & 3] ?? 0);
     }
   }
-  return { slots: Uint32Array.from(found), planes: Float32Array.from(planes), bends: findDiscBends(grid, bent, slots, scale) };
+  return {
+    slots: Uint32Array.from(found),
+    planes: Float32Array.from(planes),
+    bends: findDiscBends(grid, bent, slots, scale, Math.cos(crease)),
+  };
 }
 
 /// The plane of a neighbour that ends a disc: normal, and distance from the disc's middle; `across`: unit, in the disc's
@@ -82,8 +95,8 @@ function endBy(discs: Float32Array, disc: number, other: number): End | null {
 type Around = NonNullable<ReturnType<BentCells["around"]>>;
 
 /// Returns the planes at which a disc ends: two at most.
-function endsOf(grid: DiscGrid, bent: BentCells, around: Around, disc: number): End[] {
-  const ends = endsAround(grid, bent, around, disc);
+function endsOf(grid: DiscGrid, bent: BentCells, around: Around, disc: number, creaseCosine: number): End[] {
+  const ends = endsAround(grid, bent, around, disc, creaseCosine);
   if (ends === null) return [];
   const first = nearest(ends);
   if (!isNear(grid, bent, around, disc, first)) return [];
@@ -96,7 +109,13 @@ function endsOf(grid: DiscGrid, bent: BentCells, around: Around, disc: number): 
 
 const nearest = (ends: readonly End[]): End => ends.reduce((best, end) => (end.square < best.square ? end : best));
 
-function endsAround(grid: DiscGrid, { summaries, lists }: BentCells, { begin, bent }: Around, disc: number): End[] | null {
+function endsAround(
+  grid: DiscGrid,
+  { summaries, lists }: BentCells,
+  { begin, bent }: Around,
+  disc: number,
+  creaseCosine: number,
+): End[] | null {
   const { discs, cells } = grid;
   const i = stride * disc;
   const [x, y, z, radius] = [discs[i]!, discs[i + 1]!, discs[i + 2]!, discs[i + 3]!];

@@ -8,6 +8,7 @@ export interface EndsRequest {
   positions: Float32Array<ArrayBuffer>;
   normals: Int8Array<ArrayBuffer>;
   scale: number;
+  creaseDegrees: number;
 }
 export interface EndsResponse {
   job: number;
@@ -16,8 +17,8 @@ export interface EndsResponse {
 }
 
 self.onmessage = (event: MessageEvent<EndsRequest>) => {
-  const { job, positions, normals, scale } = event.data;
-  const ends = findDiscEnds(positions, normals, positions.length / 4, scale);
+  const { job, positions, normals, scale, creaseDegrees } = event.data;
+  const ends = findDiscEnds(positions, normals, positions.length / 4, scale, creaseDegrees);
   const transfer = [ends.slots.buffer, ends.planes.buffer, ends.bends.buffer, positions.buffer];
   self.postMessage({ job, ends, positions } satisfies EndsResponse, { transfer });
 };

@@ -59,10 +59,13 @@ export class StoreEnds {
   /// Finds them now, if they are not known.
   complete(): void {
     if (!this.isDue && this.search === 0) return;
-    const { positions, normals, slots } = this.store;
+    const { positions, normals, slots, creaseDegrees } = this.store;
     this.pause();
     this.isDue = false;
-    this.take({ ends: findDiscEnds(positions, normals, slots, this.scale), positions: positions.slice(0, 4 * slots) });
+    this.take({
+      ends: findDiscEnds(positions, normals, slots, this.scale, creaseDegrees),
+      positions: positions.slice(0, 4 * slots),
+    });
   }
 
   /// Searches no more until the next refresh().
@@ -82,6 +85,7 @@ export class StoreEnds {
       positions: store.positions.slice(0, 4 * store.slots),
       normals: store.normals.slice(0, 4 * store.slots),
       scale,
+      creaseDegrees: store.creaseDegrees,
     });
     if (this.search !== search) return;
     this.search = 0;

@@ -9,9 +9,9 @@ const step = 0.1;
 const disc = (at: Vec, normal: Vec, radius = 0.1): Disc => ({ at, normal, radius });
 
 /// The planes of each disc; null: it has none.
-function planesOf(discs: readonly Disc[], scale = 1): (Float32Array | null)[] {
+function planesOf(discs: readonly Disc[], scale = 1, creaseDegrees?: number): (Float32Array | null)[] {
   const { positions, normals } = columnsOf(discs);
-  const { slots, planes } = findDiscEnds(positions, normals, discs.length, scale);
+  const { slots, planes } = findDiscEnds(positions, normals, discs.length, scale, creaseDegrees);
   const found = discs.map((): Float32Array | null => null);
   slots.forEach((slot, i) => (found[slot] = planes.subarray(8 * i, 8 * i + 8)));
   return found;
@@ -51,6 +51,27 @@ describe("discs", () => {
       expect(isDrawn(discs[i]!, planes, beyond)).toBe(false);
       expect(isDrawn(discs[i]!, planes, before)).toBe(true);
     });
+  });
+
+  test("begin at the angle that is asked for", () => {
+    const ends = (turn: number, creaseDegrees: number): number => {
+      const [cosine, sine] = [Math.cos((turn * Math.PI) / 180), Math.sin((turn * Math.PI) / 180)];
+      const discs: Disc[] = [];
+      for (let i = 0; i < 10; ++i) {
+        for (let j = -5; j < 5; ++j) {
+          const [away, along] = [(i + 0.5) * step, j * step];
+          discs.push(disc([-away, along, 0], [0, 0, 1]), disc([away * cosine, along, -away * sine], [sine, 0, cosine]));
+        }
+      }
+      return planesOf(discs, 1, creaseDegrees).filter((planes) => planes !== null).length;
+    };
+    for (const turn of [10, 30, 90]) {
+      expect(ends(turn, turn - 2)).toBeGreaterThan(0);
+      expect(ends(turn, 0)).toBe(ends(turn, turn - 2));
+      expect(ends(turn, turn + 2)).toBe(0);
+    }
+    expect(ends(90, 180)).toBe(0);
+    expect(ends(3, 0)).toBe(0); // normals are rounded
   });
 
   test("have two lines at a corner", () => {

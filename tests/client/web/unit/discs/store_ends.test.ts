@@ -19,6 +19,7 @@ function makeStore(): PointStore {
     ranks: null,
     directions: null,
     scalars: [],
+    creaseDegrees: 40,
     takeChanges: () => ({ all: false, ranges: [] }),
   };
 }
@@ -33,8 +34,8 @@ class FakeFinder implements EndsFinder {
 
   async answer(): Promise<void> {
     const { request, answer } = this.requests.at(-1)!;
-    const { positions, normals, scale } = request;
-    answer({ ends: findDiscEnds(positions, normals, positions.length / 4, scale), positions });
+    const { positions, normals, scale, creaseDegrees } = request;
+    answer({ ends: findDiscEnds(positions, normals, positions.length / 4, scale, creaseDegrees), positions });
     await vi.advanceTimersByTimeAsync(0);
   }
 }
