@@ -18,7 +18,8 @@ TEST_F(CliTest, RemeshWritesFilesOfEveryKind) {
     EXPECT_EQ(report["vertices"], 1500);
     EXPECT_EQ(report["triangles"], 2996);
     EXPECT_GT(report["least_angles"]["median"], 45);
-    const json info = run_json({"info", path});
+    json info = run_json({"info", path});
+    info["mesh"].erase("crease_degrees");  // OBJ and GLB have normals
     EXPECT_EQ(info["mesh"].dump(), R"({"boundary_loops":0,"components":1,"faces":2996,"genus":0,"vertices":1500})") << ending;
     EXPECT_NEAR(info["area"].get<double>(), run_json({"info", sphere_})["area"].get<double>(), 0.1) << ending;
   }
