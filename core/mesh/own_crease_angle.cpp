@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/random.h"
 #include "core/mesh/crease_normals.h"
 
 namespace curvecast {
@@ -34,16 +35,10 @@ struct Turn {
   bool split;
 };
 
-std::uint64_t mix(std::uint64_t x) {  // splitmix64
-  x += 0x9e3779b97f4a7c15;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  return x ^ (x >> 31);
-}
-
 std::uint64_t hash_of(const Vec3d& p) {
   std::uint64_t hash = 0;
-  for (const double x : {p.x(), p.y(), p.z()}) hash = mix(hash ^ std::bit_cast<std::uint64_t>(x + 0.0));  // -0 is 0
+  for (const double x : {p.x(), p.y(), p.z()})
+    hash = mix_bits((hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) + kRandomStep);  // -0 is 0
   return hash;
 }
 
@@ -85,7 +80,7 @@ class OwnTurns {
       std::uint64_t from = first;
       for (std::uint32_t corner = begin; corner < end; ++corner) {
         const std::uint64_t to = corner + 1 < end ? hash_of(place(corner + 1)) : first;
-        const std::uint64_t edge = mix(from + to);
+        const std::uint64_t edge = mix_bits(from + to + kRandomStep);
         from = to;
         if (edge % step != 0) continue;
         if (sides.size() == kMost) return {};

@@ -115,6 +115,7 @@ class ObjReader {
 
   // A normal that is not there, or none at all, is no reason to refuse the shape.
   void read_normal() {
+    if (!shading_.is_open()) return;
     Vec3d n = Vec3d::Zero();
     for (int axis = 0; axis < 3; ++axis) {
       skip_blanks();

@@ -13,6 +13,8 @@ namespace curvecast {
 /// Of files of more than a million normals or polygons nothing is kept: nobody sets those by hand.
 class ObjShading {
  public:
+  /// Whether more is to be kept.
+  bool is_open() const { return !too_large_; }
   /// `vn`; what is not finite is none.
   void add_normal(const Vec3d& normal);
   /// `s`: of the polygons to come; 0: "off".

@@ -85,10 +85,9 @@ async function masksOf(mesh, camera, scale = 1) {
   return async (each) => filled(difference(await drawMesh(mesh, each, scale), away, halfCovered), scale * size.width);
 }
 
-/// Those of `pixels` that the mesh covers as a whole: a slit between two parts of it may be narrower than a pixel.
-async function whollyCovered(mesh, camera, pixels) {
-  if (pixels.length === 0) return [];
-  const fine = await (await masksOf(mesh, camera, finer))(camera);
+/// Those of `pixels` that the mesh covers as a whole, by a mask of `finer` times the size: a slit between two parts of it may be narrower
+/// than a pixel.
+function whollyCovered(fine, pixels) {
   return pixels.filter((at) => {
     const [x, y] = [finer * (at % size.width), finer * Math.floor(at / size.width)];
     for (let i = 0; i < finer * finer; ++i)
@@ -139,6 +138,7 @@ describe(`splats of ${points} points`, { skip: meshes.length === 0 && "no meshes
         const uncovered = []; // pixels
         const cameras = camerasAround(await page.evaluate(box), views);
         const maskOfMesh = await masksOf(mesh, cameras[0]);
+        let fineMaskOfMesh; // drawn where it is needed
         for (const [i, camera] of cameras.entries()) {
           const [whole] = await Promise.all([maskOfMesh(camera), look(page, camera)]);
           const { mask } = await maskOfSplats(page, empty);
@@ -146,7 +146,8 @@ describe(`splats of ${points} points`, { skip: meshes.length === 0 && "no meshes
           const covered = interior.map((value, at) => value & mask[at]);
           shares.push(countOf(covered) / countOf(interior));
           const open = Array.from(interior.keys()).filter((at) => interior[at] && !covered[at]);
-          uncovered.push((await whollyCovered(mesh, camera, open)).length);
+          if (open.length > 0) fineMaskOfMesh ??= await masksOf(mesh, cameras[0], finer);
+          uncovered.push(open.length > 0 ? whollyCovered(await fineMaskOfMesh(camera), open).length : 0);
           if (shares.at(-1) < minCovered) await page.picture(`uncovered_${i}.png`);
         }
         const mean = sum(shares) / shares.length;

@@ -22,7 +22,7 @@ import { now } from "./clock";
 import type { DecodedPoints } from "./decoded_points";
 import type { PointDecoder } from "./decoder";
 import { asCurvecastError, boundedDelay, codeName, CurvecastError } from "./errors";
-import { StreamedPoints, usualCreaseDegrees, type PointDifference } from "./point_store";
+import { StreamedPoints, type PointDifference } from "./point_store";
 import type { Socket } from "./socket";
 import { Statistics, type FrameReport, type StatisticsSummary } from "./statistics";
 
@@ -110,7 +110,7 @@ export class LiveView {
     private readonly onOver: (view: LiveView) => void = () => {},
   ) {
     this.deltas = options.deltas ?? true;
-    this.store.creaseDegrees = options.creaseDegrees ?? usualCreaseDegrees;
+    if (options.creaseDegrees !== undefined) this.store.creaseDegrees = options.creaseDegrees;
     this.firstBytes = BigInt(options.firstBytes ?? 0);
     this.backoff = new Backoff(options.firstDelay ?? 0.1, options.longestDelay ?? 5);
   }

@@ -35,6 +35,7 @@ export function findDiscEnds(
   creaseDegrees = usualCreaseDegrees,
 ): DiscEnds {
   const crease = (Math.PI / 180) * Math.max(creaseDegrees, leastCrease);
+  const creaseCosine = Math.cos(crease);
   const grid = makeGrid(positions, normals, slots, scale);
   const bent = findBentCells(grid, crease);
   const found: number[] = [];
@@ -44,7 +45,7 @@ export function findDiscEnds(
     const around = bent.around(cell);
     if (around === null) continue;
     for (let disc = begin[cell]!; disc < begin[cell + 1]!; ++disc) {
-      const ends = endsOf(grid, bent, around, disc, Math.cos(crease));
+      const ends = endsOf(grid, bent, around, disc, creaseCosine);
       if (ends.length === 0) continue;
       found.push(grid.slots[disc]!);
       for (let i = 0; i < 8; ++i) planes.push(ends[i >> 2]?.plane[i & 3] ?? 0);
@@ -53,7 +54,7 @@ export function findDiscEnds(
   return {
     slots: Uint32Array.from(found),
     planes: Float32Array.from(planes),
-    bends: findDiscBends(grid, bent, slots, scale, Math.cos(crease)),
+    bends: findDiscBends(grid, bent, slots, scale, creaseCosine),
   };
 }
 
