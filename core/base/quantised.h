@@ -32,26 +32,33 @@ struct Unorm16 {
   constexpr operator float() const { return static_cast<float>(code) * (1 / 65535.0f); }
 };
 
-/// A unit vector to half a degree, or none.
+/// A unit vector to half a degree, or none. Its components, in parts of kOne, are bytes of one number: compilers make vector code
+/// of loops over such, not over structures of bytes.
 struct Direction8 {
   static constexpr float kOne = 127;
 
-  std::int8_t x = 0, y = 0, z = 0, unused = 0;
+  std::uint32_t code = 0;
 
   Direction8() = default;
   /// Of any three components in [-1, 1]; zeros stand for none.
   template <typename Vector>
-  explicit Direction8(const Vector& v) : x(code(v[0])), y(code(v[1])), z(code(v[2])) {}
+  explicit Direction8(const Vector& v) : code(byte_of(v[0]) | byte_of(v[1]) << 8 | byte_of(v[2]) << 16) {}
   bool operator==(const Direction8&) const = default;
-  bool is_none() const { return x == 0 && y == 0 && z == 0; }
+  bool is_none() const { return code == 0; }
+  [[gnu::always_inline]] float x() const { return value_of(code); }
+  [[gnu::always_inline]] float y() const { return value_of(code >> 8); }
+  [[gnu::always_inline]] float z() const { return value_of(code >> 16); }
   template <typename Vector>
   Vector unpacked() const {
-    return Vector(x, y, z) * (1 / kOne);
+    return Vector(x(), y(), z()) * (1 / kOne);
   }
 
  private:
-  static std::int8_t code(float value) {
-    return static_cast<std::int8_t>(std::lround(kOne * std::min(std::max(-1.0f, value), 1.0f)));
+  static std::uint32_t byte_of(float value) {
+    return static_cast<std::uint8_t>(std::lround(kOne * std::min(std::max(-1.0f, value), 1.0f)));
+  }
+  [[gnu::always_inline]] static float value_of(std::uint32_t number) {
+    return static_cast<float>(static_cast<std::int32_t>(number << 24) >> 24);
   }
 };
 

@@ -20,7 +20,7 @@ template <bool kBeside>
   const float own = dx * vertices.nx[i] + dy * vertices.ny[i] + dz * vertices.nz[i];
   if constexpr (!kBeside) return own;
   const Direction8 n = vertices.beside[i];
-  const float beside = (dx * n.x + dy * n.y + dz * n.z) * (1 / Direction8::kOne);
+  const float beside = (dx * n.x() + dy * n.y() + dz * n.z()) * (1 / Direction8::kOne);
   return own > 0 ? own : beside;
 }
 

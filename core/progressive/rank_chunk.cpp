@@ -40,6 +40,7 @@ std::array<const RankedPoint*, kChunkStrata> in_layers(const ChunkId& id, std::s
 void fill_from_curve(const SurfaceCurve& curve, RankChunk& chunk) {
   const PictureDetail detail(curve);
   chunk.detail.clear();
+  chunk.detail.reserve(chunk.size());
   for (const std::uint32_t vertex : chunk.vertex) chunk.detail.emplace_back(detail.at(vertex));
   chunk.beside.clear();
   chunk.runs_beside = 0;
@@ -49,6 +50,7 @@ void fill_from_curve(const SurfaceCurve& curve, RankChunk& chunk) {
     if (is_beside) chunk.runs_beside |= static_cast<std::uint16_t>(1 << i % kLayerStrata / kRunPoints);
   }
   if (chunk.runs_beside == 0) return;
+  chunk.beside.reserve(chunk.size());
   for (const std::uint32_t vertex : chunk.vertex) chunk.beside.push_back(curve.beside[vertex]);
 }
 
@@ -57,6 +59,10 @@ RankChunk make_chunk(const ChunkId& id, std::span<const RankedPoint> points, con
   RankChunk chunk;
   chunk.id = id;
   const double stratum_share = std::ldexp(1.0, -2 * id.level);
+  const auto reserve = [n = chunk_points(id.level)](auto&... columns) { (columns.reserve(n), ...); };
+  reserve(chunk.x, chunk.y, chunk.z, chunk.nx, chunk.ny, chunk.nz, chunk.rank, chunk.curve_position, chunk.vertex, chunk.face,
+          chunk.weight_1, chunk.weight_2);
+  if (surface.has_colour()) reserve(chunk.colour);
   for (const RankedPoint* at : in_layers(id, points)) {
     if (at == nullptr) continue;
     const RankedPoint& p = *at;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/aligned_vector.h"
 #include "core/base/colour.h"
 #include "core/base/quantised.h"
 #include "core/density/camera_frame.h"
@@ -56,6 +57,9 @@ struct ChunkId {
   auto operator<=>(const ChunkId&) const = default;
 };
 
+/// Returns how many points a chunk of a level has.
+constexpr std::size_t chunk_points(int level) { return level == kChunkLevels ? kChunkStrata : kChunkStrata - kLayerStrata; }
+
 /// Returns how many chunks a level from kChunkLevels on has on the whole surface.
 constexpr std::uint64_t chunks_of_level(int level) { return std::uint64_t{1} << 2 * (level - kChunkLevels); }
 
@@ -86,22 +90,23 @@ struct RunBounds {
   BlockColumns columns() const { return {x, y, z, radius, nx, ny, nz, spread}; }
 };
 
-/// Points of a chunk, layer by layer, in curve order in each.
+/// Points of a chunk, layer by layer, in curve order in each. What a selection reads of a run fills lines of the caches, or
+/// halves.
 struct RankChunk {
   ChunkId id;
   LastUse used;
-  std::vector<float> x, y, z;       // relative to the curve's origin
-  std::vector<Snorm16> nx, ny, nz;  // unit normals
-  std::vector<std::uint32_t> rank;  // in steps of id.rank_step()
-  std::vector<std::uint64_t> curve_position;
-  std::vector<std::uint32_t> vertex;        // of the curve: in whose leaf the point lies
-  std::vector<std::uint32_t> face;          // of the repaired mesh
-  std::vector<Unorm16> weight_1, weight_2;  // barycentric: of the face's second and third corner
-  std::vector<Rgba8> colour;                // of the surface; empty when the mesh has none
-  std::vector<Unorm16> detail;              // PictureDetail
-  std::vector<Direction8> beside;           // see SurfaceCurve::beside; empty when no point is near a crease
-  std::uint16_t runs_beside = 0;            // a bit for each run that has points near a crease
+  AlignedVector<float> x, y, z;       // relative to the curve's origin
+  AlignedVector<Snorm16> nx, ny, nz;  // unit normals
+  AlignedVector<std::uint32_t> rank;  // in steps of id.rank_step()
+  AlignedVector<Unorm16> detail;      // PictureDetail
+  AlignedVector<Direction8> beside;   // see SurfaceCurve::beside; empty when no point is near a crease
+  std::uint16_t runs_beside = 0;      // a bit for each run that has points near a crease
   RunBounds bounds;
+  std::vector<std::uint64_t> curve_position;
+  std::vector<std::uint32_t> vertex;                                    // of the curve: in whose leaf the point lies
+  std::vector<std::uint32_t> face;                                      // of the repaired mesh
+  std::vector<Unorm16> weight_1, weight_2;                              // barycentric: of the face's second and third corner
+  std::vector<Rgba8> colour;                                            // of the surface; empty when the mesh has none
   std::array<std::uint32_t, kChunkRuns> first_vertex{}, last_vertex{};  // of each run's strata on the curve, both included
 
   std::size_t size() const { return x.size(); }
@@ -111,6 +116,7 @@ struct RankChunk {
 };
 
 static_assert(kChunkRuns <= 16);
+static_assert(kRunPoints * sizeof(float) == kCacheLine);
 
 /// Fills what a chunk has of the curve at its points' vertices: detail, beside and runs_beside.
 void fill_from_curve(const SurfaceCurve& curve, RankChunk& chunk);

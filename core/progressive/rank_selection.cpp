@@ -4,9 +4,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -68,8 +68,10 @@ bool needs_none(const ChunkId& id, float most, float scale, std::size_t layer = 
 
 /// Brings memory nearer that is read soon.
 void prefetch(const void* first, std::size_t bytes) {
-  constexpr std::size_t kLine = 64;
-  for (std::size_t at = 0; at < bytes + kLine - 1; at += kLine) __builtin_prefetch(static_cast<const char*>(first) + at);
+  const auto begin = reinterpret_cast<std::uintptr_t>(first);
+  for (std::uintptr_t at = begin / kCacheLine * kCacheLine; at < begin + bytes; at += kCacheLine) {
+    __builtin_prefetch(reinterpret_cast<const void*>(at));
+  }
 }
 
 /// Does so for what evaluate() reads of runs that may show points. Between two views other work has had the caches, and chunks
@@ -79,16 +81,20 @@ void prefetch_runs(const RankChunk& chunk, const float* most, float scale) {
     for (std::size_t r = 0; r < kChunkRuns; ++r) {
       if (needs_none(chunk.id, most[r], scale, layer)) continue;
       const std::size_t first = layer * kLayerStrata + r * kRunPoints;
-      for (const std::vector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) {
-        prefetch(&(*column)[first], kRunPoints * sizeof(float));
-      }
-      for (const std::vector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) {
-        prefetch(&(*column)[first], kRunPoints * sizeof(Snorm16));
-      }
-      prefetch(&chunk.detail[first], kRunPoints * sizeof(Unorm16));
-      prefetch(&chunk.rank[first], kRunPoints * sizeof(std::uint32_t));
+      const auto prefetch_all = [&](const auto&... column) { (prefetch(&column[first], kRunPoints * sizeof(column[0])), ...); };
+      prefetch_all(chunk.x, chunk.y, chunk.z, chunk.nx, chunk.ny, chunk.nz, chunk.detail, chunk.rank);
+      if ((chunk.runs_beside >> r & 1) != 0) prefetch_all(chunk.beside);
     }
   }
+}
+
+/// Does so for where that is.
+void prefetch_columns(const RankChunk& chunk) { prefetch(&chunk, offsetof(RankChunk, bounds)); }
+
+/// Says whether all points of a chunk, and of chunks below it, that have a density may be shown.
+bool shows_all(const RankChunk& chunk, const float* most, float scale) {
+  return std::all_of(most, most + kChunkRuns,
+                     [&](float m) { return m == 0 || !needs_none(chunk.id, m, scale, chunk.layers() - 1); });
 }
 
 }  // namespace
@@ -187,7 +193,7 @@ float RankSelector::measure_scale(const View& view, std::uint64_t n) const {
       const float most = quarter_bound(v, q);
       if (most == 0 || view.tree.child(visited_[v].chunk, q) != RankTree::kNone) continue;
       double sum = 0;
-      for (std::size_t layer = 0; layer < chunk.layers(); ++layer) {
+      for (std::size_t layer = 0; layer < visited_[v].layers; ++layer) {
         const std::size_t first = layer * kLayerStrata + q * kQuarter;
         for (std::size_t i = first; i < first + kQuarter; ++i) {
           sum += static_cast<double>(to_key(chunk.rank[i], step, keys_[visited_[v].first_key + i]));
@@ -216,8 +222,10 @@ bool RankSelector::visit(const View& view, float scale) {
   bool is_all = true;
   std::size_t keys = 0;
   for (std::size_t c = 0; c < chunks.size(); ++c) {
-    if (c + kAhead < chunks.size() && states_[c + kAhead] == State::kVisited)
+    if (c + kAhead < chunks.size() && states_[c + kAhead] == State::kVisited) {
+      prefetch(chunks[c + kAhead].get(), offsetof(RankChunk, used) + sizeof(LastUse));
       prefetch(&chunks[c + kAhead]->bounds, sizeof(RunBounds));
+    }
     const auto decide_children = [&](const auto& state_of_quarter) {
       for (std::size_t q = 0; q < 4; ++q) {
         if (const std::uint32_t child = view.tree.child(c, q); child != RankTree::kNone) states_[child] = state_of_quarter(q);
@@ -232,7 +240,11 @@ bool RankSelector::visit(const View& view, float scale) {
       chunk.used.set(view.tree.growth());
       float most[kChunkRuns];
       bound_runs(view, chunk, most);
-      visited_.push_back({static_cast<std::uint32_t>(c), keys});
+      is_all = is_all && shows_all(chunk, most, scale);
+      std::size_t layers = 0;
+      const float most_of_all = *std::max_element(most, most + kChunkRuns);
+      while (layers < chunk.layers() && !needs_none(chunk.id, most_of_all, scale, layers)) ++layers;
+      visited_.push_back({static_cast<std::uint32_t>(c), keys, layers});
       most_.insert(most_.end(), most, most + kChunkRuns);
       keys += chunk.size();
       decide_children([&](std::size_t q) {
@@ -245,16 +257,13 @@ bool RankSelector::visit(const View& view, float scale) {
   keys_.resize(keys);
   shown_.resize(keys / kWord);
   bits_.resize(keys / kWord);
-  std::atomic<bool> has_all = is_all;
   for_each_visited([&](std::size_t v, std::size_t end) {
     if (v + 1 < end) prefetch_runs(*chunks[visited_[v + 1].chunk], &most_[(v + 1) * kChunkRuns], scale);
-    const RankChunk& chunk = *chunks[visited_[v].chunk];
-    if (!fill_keys(view, chunk, &most_[v * kChunkRuns], scale, &keys_[visited_[v].first_key])) {
-      has_all.store(false, std::memory_order_relaxed);
-    }
+    if (v + 2 < end) prefetch_columns(*chunks[visited_[v + 2].chunk]);
+    fill_keys(view, *chunks[visited_[v].chunk], visited_[v].layers, &most_[v * kChunkRuns], scale, &keys_[visited_[v].first_key]);
     mark(v, kFewer * scale, scale);
   });
-  return has_all;
+  return is_all;
 }
 
 template <typename Work>
@@ -284,11 +293,11 @@ void RankSelector::bound_runs(const View& view, const RankChunk& chunk, float* m
   }
 }
 
-bool RankSelector::fill_keys(const View& view, const RankChunk& chunk, const float* most, float scale, float* keys) {
+void RankSelector::fill_keys(const View& view, const RankChunk& chunk, std::size_t layers, const float* most, float scale,
+                             float* keys) {
   float factor[kLayerStrata];
-  bool is_all = true;
   const auto is_beside = [&](std::size_t r) { return (chunk.runs_beside >> r & 1) != 0; };
-  for (std::size_t layer = 0; layer < chunk.layers(); ++layer) {
+  for (std::size_t layer = 0; layer < layers; ++layer) {
     const std::size_t first = layer * kLayerStrata;
     for (std::size_t r = 0; r < kChunkRuns;) {
       // Neighbouring runs of one kind are done in one go.
@@ -301,7 +310,6 @@ bool RankSelector::fill_keys(const View& view, const RankChunk& chunk, const flo
       const std::size_t begin = first + r * kRunPoints, end = first + next * kRunPoints;
       if (is_none) {
         std::fill(keys + begin, keys + end, kInfinity);
-        is_all = is_all && std::all_of(most + r, most + next, [](float m) { return m == 0; });
       } else {
         evaluate(view, chunk, begin, end, is_beside(r), factor);
         to_keys(&chunk.rank[begin], static_cast<float>(chunk.id.rank_step()), factor, end - begin, keys + begin);
@@ -309,7 +317,6 @@ bool RankSelector::fill_keys(const View& view, const RankChunk& chunk, const flo
       r = next;
     }
   }
-  return is_all;
 }
 
 void RankSelector::evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, bool is_beside,
@@ -334,8 +341,9 @@ void RankSelector::evaluate(const View& view, const RankChunk& chunk, std::size_
 
 void RankSelector::mark(std::size_t v, float above, float upto) {
   const std::size_t end = v + 1 < visited_.size() ? visited_[v + 1].first_key : keys_.size();
-  const std::size_t first = visited_[v].first_key, word = first / kWord, words = (end - first) / kWord;
+  const std::size_t first = visited_[v].first_key, word = first / kWord, words = visited_[v].layers * kLayerStrata / kWord;
   visited_[v].below = mark_upto(&keys_[first], words, above, &shown_[word]);
+  std::fill(&shown_[word] + words, shown_.data() + end / kWord, 0);
   mark_upto(&keys_[first], words, upto, &bits_[word]);
 }
 
@@ -345,12 +353,12 @@ void RankSelector::mark(float above, float upto) {
 
 std::size_t RankSelector::collect(const View& view) {
   window_.clear();
-  std::size_t below = 0, w = 0;
-  for (std::size_t v = 0; v < visited_.size(); ++v) {
-    below += visited_[v].below;
-    const RankChunk& chunk = *view.tree.chunks()[visited_[v].chunk];
-    const std::size_t first = visited_[v].first_key;
-    for (const std::size_t end = w + chunk.size() / kWord; w < end; ++w) {
+  std::size_t below = 0;
+  for (const Visited& visited : visited_) {
+    below += visited.below;
+    const RankChunk& chunk = *view.tree.chunks()[visited.chunk];
+    const std::size_t first = visited.first_key, end = first + visited.layers * kLayerStrata;
+    for (std::size_t w = first / kWord; w < end / kWord; ++w) {
       for_each_bit(bits_[w] & ~shown_[w], w * kWord, [&](std::size_t i) {
         window_.push_back({keys_[i], chunk.rank_of(i - first), static_cast<std::uint32_t>(i)});
       });

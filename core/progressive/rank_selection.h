@@ -126,7 +126,8 @@ class RankSelector {
   struct Visited {
     std::uint32_t chunk;
     std::size_t first_key;
-    std::size_t below = 0;  // points marked in shown_
+    std::size_t layers = 0;  // that have points which may be shown: only these have keys, and bits in bits_
+    std::size_t below = 0;   // points marked in shown_
   };
   /// A point that may be among the last of the selection.
   struct WindowPoint {
@@ -163,9 +164,9 @@ class RankSelector {
   void for_each_visited(const Work& work);
   /// Writes to `most` the largest density that points in each of a chunk's runs may have, points of deeper chunks included.
   static void bound_runs(const View& view, const RankChunk& chunk, float* most);
-  /// Writes the keys of a chunk's points; infinity in runs that show no point at the scale. Returns whether all points that have
-  /// a density got their key.
-  static bool fill_keys(const View& view, const RankChunk& chunk, const float* most, float scale, float* keys);
+  /// Writes the keys of the points of a chunk's first layers; infinity in runs that show no point at the scale.
+  static void fill_keys(const View& view, const RankChunk& chunk, std::size_t layers, const float* most, float scale,
+                        float* keys);
   /// Writes the density at some of a chunk's points; `is_beside`: some of them may lie beside a crease.
   static void evaluate(const View& view, const RankChunk& chunk, std::size_t begin, std::size_t end, bool is_beside,
                        float* density);

@@ -19,8 +19,8 @@ constexpr std::size_t kAhead = 12;  // points whose data the memory brings befor
 
 void prefetch(const RankSelection& selection, const RankRef& ref) {
   const RankChunk& chunk = selection.chunk(ref);
-  for (const std::vector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) __builtin_prefetch(column->data() + ref.point);
-  for (const std::vector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) __builtin_prefetch(column->data() + ref.point);
+  for (const AlignedVector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) __builtin_prefetch(column->data() + ref.point);
+  for (const AlignedVector<Snorm16>* column : {&chunk.nx, &chunk.ny, &chunk.nz}) __builtin_prefetch(column->data() + ref.point);
   __builtin_prefetch(chunk.rank.data() + ref.point);
   __builtin_prefetch(chunk.vertex.data() + ref.point);
 }

@@ -36,8 +36,6 @@ struct Runs {
   std::array<std::uint32_t, kChunkRuns> first_vertex, last_vertex;
 };
 
-std::size_t points_of_level(int level) { return level == kChunkLevels ? kChunkStrata : kChunkStrata - kLayerStrata; }
-
 std::vector<ChunkId> chunks_down_to(int level) {
   std::vector<ChunkId> ids;
   for (int l = kChunkLevels; l <= level; ++l) {
@@ -63,7 +61,7 @@ std::pair<std::size_t, int> whole_levels(std::span<const RankTree::Chunk> chunks
 /// chunk comes with those that it continues.
 std::vector<RankTree::Chunk> last_used(const RankTree& tree, std::size_t begin, std::size_t most_points) {
   const std::span<const RankTree::Chunk> chunks = tree.chunks();
-  const std::size_t most = most_points / points_of_level(kChunkLevels + 1);
+  const std::size_t most = most_points / chunk_points(kChunkLevels + 1);
   std::vector<std::pair<std::uint64_t, std::size_t>> uses;  // of each: when it or what continues it was looked at last; its index
   for (std::size_t c = begin; c < chunks.size(); ++c) uses.emplace_back(chunks[c]->used.get(), c);
   for (std::size_t c = chunks.size(); c-- > begin;) {
@@ -82,7 +80,7 @@ std::vector<RankTree::Chunk> last_used(const RankTree& tree, std::size_t begin, 
 /// Whether the numbers of a chunk are such as make_chunk() gives.
 bool makes_sense(const RankChunk& chunk, const SurfaceCurve& curve, std::uint64_t faces) {
   const auto is_finite = [](float value) { return std::isfinite(value); };
-  for (const std::vector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) {
+  for (const AlignedVector<float>* column : {&chunk.x, &chunk.y, &chunk.z}) {
     if (!std::ranges::all_of(*column, is_finite)) return false;
   }
   const RunBounds& b = chunk.bounds;
@@ -175,8 +173,8 @@ absl::StatusOr<RankFile> load_ranks(const std::string& path, const SurfaceCurve&
   absl::Status status;
   std::size_t begin = 0;  // of a chunk in each column
   for (const std::shared_ptr<RankChunk>& chunk : chunks) {
-    const std::size_t end = begin + points_of_level(chunk->id.level);
-    visit_columns(*chunk, [&]<typename T>(const char* name, std::vector<T>& column, bool may_be_empty) {
+    const std::size_t end = begin + chunk_points(chunk->id.level);
+    visit_columns(*chunk, [&]<typename T, typename A>(const char* name, std::vector<T, A>& column, bool may_be_empty) {
       const absl::StatusOr<std::span<const T>> values = (*file)->section<T>(name);
       if (!values.ok()) return status.Update(values.status());
       if (may_be_empty && values->empty()) return;

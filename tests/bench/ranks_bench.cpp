@@ -74,11 +74,51 @@ Density zoomed(double part) {
   return Density({ScreenTerm{}, FrustumTerm{}}, {testing::camera_at(place + distance * curve.normal(l).cast<double>(), place)});
 }
 
+/// A camera that goes once around the whole mesh: `part`, from 0 to 1, of the way.
+Camera around(double part) {
+  const Box3d& box = surface->curve().box;
+  const Vec3d middle = box.center();
+  const double angle = 2 * M_PI * part;
+  return testing::camera_at(middle + 1.25 * box.diagonal() * Vec3d(std::cos(angle), 0.3, std::sin(angle)), middle);
+}
+
 /// Fills the caches with something else, as what happens between two views of a server does.
 void cool_caches() {
   static std::vector<char> other(std::size_t{96} << 20);
   for (std::size_t i = 0; i < other.size(); i += 64) ++other[i];
   benchmark::DoNotOptimize(other.data());
+}
+
+/// Selecting views around the mesh, on ranks that are there: with a picture term or a screen and a frustum term, whether caches
+/// are cold.
+void orbit(benchmark::State& state) {
+  constexpr int kSteps = 150;
+  const SurfaceCurve& curve = surface->curve();
+  const auto density = [&](int i) {
+    const Camera camera = around(static_cast<double>(i) / kSteps);
+    return state.range(0) != 0 ? Density({PictureTerm{}}, {camera}) : Density({ScreenTerm{}, FrustumTerm{}}, {camera});
+  };
+  const auto grower = RankGrower::make(surface, {.level = 8}, {}).value();
+  RankedWorkspace workspace;
+  for (int i = 0; i < kSteps; ++i) {
+    for (;;) {
+      if (!select_ranked(curve, grower->tree(), nullptr, density(i), kPoints, workspace).ok()) return;
+      const auto lacking = workspace.selection.most_lacking();
+      if (lacking.empty() || !grower->grow(lacking, 1'000 * kPoints, {}).ok()) break;
+    }
+  }
+  for (auto _ : state) {
+    double seconds = 0, expected = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      if (state.range(1) != 0) cool_caches();
+      const Density now = density(i);
+      Stopwatch watch;
+      if (!select_ranked(curve, grower->tree(), nullptr, now, kPoints, workspace, expected).ok()) return;
+      seconds += watch.lap();
+      expected = workspace.selection.similar_scale();
+    }
+    state.SetIterationTime(seconds / kSteps);
+  }
 }
 
 /// What changes from view to view on the way down, on ranks that are there: points of the views, steps of the way, whether
@@ -150,6 +190,7 @@ bool load(const std::string& path) {
 BENCHMARK(make_ranks)->DenseRange(7, 9)->Unit(benchmark::kMillisecond);
 BENCHMARK(step)->ArgsProduct({{20'000, 50'000}, {180, 3'000}, {0}})->Unit(benchmark::kMillisecond);
 BENCHMARK(step)->ArgsProduct({{20'000, 50'000}, {180}, {1}})->Unit(benchmark::kMillisecond);
+BENCHMARK(orbit)->ArgNames({"picture", "cold"})->ArgsProduct({{0, 1}, {0, 1}})->UseManualTime()->Unit(benchmark::kMicrosecond);
 BENCHMARK(deepen)->Arg(5)->Arg(50)->Arg(500)->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/base/vec.h"
+
 namespace curvecast {
 namespace {
 
@@ -40,6 +42,22 @@ TEST(Quantised, Bfloat16KeepsItsRangeAndEightBits) {
     EXPECT_NEAR(static_cast<float>(Bfloat16(value)), value, std::abs(value) / 256);
   }
   EXPECT_LT(static_cast<float>(Bfloat16(kEndless)), kEndless);
+}
+
+TEST(Quantised, Direction8KeepsDirectionsToHalfADegree) {
+  for (int i = 0; i < 1000; ++i) {
+    const double z = 1 - 2 * (i + 0.5) / 1000, r = std::sqrt(1 - z * z);
+    const Vec3f direction = Vec3d(r * std::cos(2.4 * i), r * std::sin(2.4 * i), z).cast<float>();
+    const Direction8 kept(direction);
+    ASSERT_FALSE(kept.is_none());
+    ASSERT_GT(kept.unpacked<Vec3f>().normalized().dot(direction), std::cos(0.5 * M_PI / 180)) << direction.transpose();
+    ASSERT_EQ(Direction8(kept.unpacked<Vec3f>()), kept);
+    ASSERT_EQ(kept.x(), std::round(127 * direction[0]));
+    ASSERT_EQ(kept.z(), std::round(127 * direction[2]));
+  }
+  EXPECT_TRUE(Direction8().is_none());
+  EXPECT_TRUE(Direction8(Vec3f(0, 0, 0)).is_none());
+  EXPECT_EQ(Direction8(Vec3f(0, -3, 0)).y(), -127);
 }
 
 }  // namespace
