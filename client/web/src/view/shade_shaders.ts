@@ -114,13 +114,14 @@ float coverAt(ivec2 p, float kernel) {
   return 1.0;  // the surface goes on behind this edge
 }
 
-// Whether a pixel that is not covered is a gap between discs: the surface is there within two pixels on both sides, along all four
-// lines through it but for one, along which it may be within four: behind low ridges, where it is seen from its edge, slits stay. (A
-// gap between two parts of the surface goes on.) Sets nearest to a pixel that is covered.
+// Whether a pixel that is not covered is a gap between discs: a disc is there within two pixels on both sides, along all four lines
+// through it but for one, along which it may be within four: behind low ridges, where it is seen from its edge, slits stay. (A gap
+// between two parts of the surface goes on.) Any disc will do: where several just touch pixels around one, these are drawn as covered
+// (coverAt), and it would be a hole in them. Sets nearest to the pixel that discs cover most.
 bool isGap(ivec2 p, out ivec2 nearest) {
   ivec2 last = textureSize(normals, 0) - 1;
   nearest = p;
-  float most = minKernel;
+  float most = 0.0;
   int slits = 0;
   for (int i = 0; i < 4; ++i) {
     ivec2 along = i == 0 ? ivec2(1, 0) : i == 1 ? ivec2(0, 1) : i == 2 ? ivec2(1, 1) : ivec2(1, -1);
@@ -130,7 +131,7 @@ bool isGap(ivec2 p, out ivec2 nearest) {
       for (int step = 1; step <= 4 && !isThere; ++step) {
         ivec2 tap = clamp(p + side * step * along, ivec2(0), last);
         float kernel = texelFetch(normals, tap, 0).w;
-        isThere = kernel >= minKernel;
+        isThere = kernel > 0.0;
         if (isThere && step > 2) isSlit = true;
         if (isThere && kernel > most) {
           most = kernel;
