@@ -1,4 +1,4 @@
-// Which file of the viewer may import which, types included: no cycles; stream < view < app; each package behind its own door.
+// Which file of the viewer may import which, types included: no cycles; stream < view < app, and cloud beside view; each package behind its own door.
 // deploy/check_web runs it from the root of the sources.
 
 const source = "^client/web/src";
@@ -20,9 +20,10 @@ module.exports = {
       name: "stream-below-view-and-app",
       severity: "error",
       from: { path: `${source}/stream/` },
-      to: { path: `${source}/(view|app)/` },
+      to: { path: `${source}/(view|cloud|app)/` },
     },
-    { name: "view-below-app", severity: "error", from: { path: `${source}/view/` }, to: { path: `${source}/app/` } },
+    { name: "view-below-app", severity: "error", from: { path: `${source}/view/` }, to: { path: `${source}/(cloud|app)/` } },
+    { name: "cloud-below-app", severity: "error", from: { path: `${source}/cloud/` }, to: { path: `${source}/(view|app)/` } },
     onlyFrom("three", `${source}/(view/|example[.]ts)`),
     onlyFrom("lil-gui", `${source}/app/panel[.]ts`),
     onlyFrom("draco3d", `${source}/stream/draco/library[.]ts`),

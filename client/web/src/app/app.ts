@@ -1,11 +1,14 @@
 // The viewer's page: joins its parts.
 
-import type { CurvecastError, FrameReport, LiveViewState, Session } from "../stream";
+import type { Cloud } from "../cloud";
+import type { FrameReport, Session } from "../stream";
 import { directionOf, Viewport, type CameraState, type StandardView } from "../view";
 import { AxesGizmo } from "./axes_gizmo";
 import type { Begun } from "./begin";
 import { Brush } from "./brush";
+import { beginCloud, CloudView, settleForCloud } from "./cloud_view";
 import { DrawingBudget } from "./drawing_budget";
+import type { ListedPoints } from "./export_ply";
 import { Film } from "./film/film";
 import { Hud } from "./hud";
 import { keyTable } from "./key_table";
@@ -21,20 +24,18 @@ import { SessionChoice } from "./session_choice";
 import { forgetSession, nameOf, SessionList } from "./session_list";
 import { defaultSettings, takeCamera, type Settings } from "./settings";
 import { Shortcuts } from "./shortcuts";
-import { Streams, type Which } from "./streams";
+import { Streams } from "./streams";
 import { SurfaceView } from "./surface_view";
 import { tabStorage, Thumbnails, thumbnailSize } from "./thumbnails";
+import { Troubles } from "./troubles";
 import { Uploads } from "./upload";
 import { readState, writeState } from "./url_state";
 import { ViewPacer } from "./view_pacer";
 import { applyView, brushRadiusOf, styleOf } from "./view_settings";
 
+const titleOf = (name: string): string => `${name} – Curvecast`;
 const secondsBeforeSave = 0.4; // that the address waits after the last change
 const longestStart = 500; // ms that the first picture waits for points
-const noticeableDelay = 0.3; // seconds; a shorter pause before a reconnection has no banner
-
-const nowhere = "FAILED_PRECONDITION"; // the code of a view whose density is zero everywhere
-
 /// The application, of which a page has one. Throws NoWebGL2Error.
 export class Application {
   readonly settings: Settings;
@@ -43,11 +44,12 @@ export class Application {
   session: Session | null = null;
   mesh: MeshFollower | null = null; // of the session
   readonly surface: SurfaceView;
+  readonly cloud: CloudView;
   private readonly defaults: Settings;
   private readonly panel: Panel;
   private readonly hud: Hud;
   private readonly list: SessionList;
-  private readonly uploads: Uploads;
+  readonly uploads: Uploads;
   private readonly axes: AxesGizmo;
   private readonly scale: ScaleBar;
   private readonly brush: Brush;
@@ -56,6 +58,7 @@ export class Application {
   private readonly drawingBudget = new DrawingBudget();
   private readonly film: Film;
   private readonly choice: SessionChoice;
+  private readonly troubles: Troubles;
   private frozen: { camera: CameraState; size: { width: number; height: number } } | null = null;
   private shown: unknown[] = []; // the stores that the viewport draws
   private preview: Session | null = null; // a stand-in, of which there are points but no meshes
@@ -84,6 +87,8 @@ export class Application {
     this.brush = new Brush(this.settings, (text) => this.messages.notice(text));
     const events = { changed: () => this.surfaceCame(), notice: (text: string): void => this.messages.notice(text) };
     this.surface = new SurfaceView(begun.client, this.viewport, this.defaults, events);
+    this.cloud = new CloudView(this.viewport, messages);
+    this.troubles = new Troubles(this, messages, begun);
     this.annotations = new Annotations(page, this.settings.marks, {
       viewport: this.viewport,
       changed: () => this.saveSoon(),
@@ -102,6 +107,7 @@ export class Application {
     this.uploads = new Uploads(page, this.begun.client, {
       onPreview: (preview) => this.previewed(preview),
       onReady: (ready, missing) => this.uploaded(ready, missing),
+      onCloud: (name, cloud) => this.showCloud(name, cloud),
       onFailure: (what, error) => this.messages.failure(what, error),
     });
     const actions = {
@@ -146,12 +152,8 @@ export class Application {
         onReady: (session, camera) => this.show(session, camera),
         onNone: () => messages.invite(() => this.uploads.pick()),
         onWaiting: (text) => messages.setBanner("session", text),
-        onFailure: (id, error) => {
-          if (error.code !== "NOT_FOUND") messages.failure("The session cannot be shown", error);
-          else if (this.session !== null) messages.failure("This session is not there", error);
-          else this.missing(id);
-        },
-        onRefused: (error) => this.refused(error),
+        onFailure: (id, error) => this.troubles.failed(id, error),
+        onRefused: (error) => this.troubles.refused(error),
       },
       () => !document.hidden,
     );
@@ -182,7 +184,7 @@ export class Application {
     const { camera } = this.viewport;
     this.axes.show(camera);
     this.annotations.place();
-    if (this.session !== null) this.scale.show(camera, this.viewport.cssSize.height);
+    if (this.name !== null) this.scale.show(camera, this.viewport.cssSize.height);
     if (takeCamera(this.settings, camera)) this.panel.refresh();
     this.pacer.request();
   }
@@ -190,6 +192,7 @@ export class Application {
   /// Applies settings that have changed.
   private changed(): void {
     const { settings, viewport } = this;
+    if (this.cloud.store !== null) settleForCloud(settings);
     document.documentElement.dataset.theme = settings.background;
     document.body.classList.toggle("split", settings.split && this.session !== null);
     this.applyStyle();
@@ -262,40 +265,61 @@ export class Application {
   }
 
   private async copyLink(): Promise<void> {
+    if (this.cloud.store !== null) return this.messages.notice("A link cannot hold points that are shown from their file");
     this.save();
     if (await copyText(location.href, "The address of this view")) this.messages.notice("The link to this view was copied");
   }
 
-  private refused(error: CurvecastError): void {
-    if (error.code === "PERMISSION_DENIED") {
-      if (this.session === null) this.messages.refuse(error);
-      else this.messages.failure("The server does not take this page", error);
-      return;
-    }
-    this.messages.askToken(this.begun.token.value === undefined ? null : error.message, (token) => {
-      this.begun.token.keep(token);
-      location.reload();
-    });
+  /// The name of the file that is shown; null: nothing is.
+  get name(): string | null {
+    return this.cloud.name ?? (this.session && nameOf(this.session));
   }
 
-  private show(session: Session, camera: CameraState | null): void {
+  /// The points that are shown, or would be without the surface's triangles.
+  get points(): ListedPoints | null {
+    return this.cloud.store ?? this.streams?.main.store ?? null;
+  }
+
+  /// Ends what is shown for a session, or for something else.
+  private leaveFor(next: Session | null): void {
     for (const which of ["main", "uniform"] as const) this.messages.hideBanner(which);
     this.messages.hideCard();
     this.messages.hideHint();
     this.streams?.close();
     this.mesh?.follow(null, false);
-    this.streams = null; // the new session is not asked for views of the camera before
-    if (this.session !== null && this.session.sessionId !== session.sessionId) {
+    this.streams = null; // what is next is not asked for views of the camera before
+    this.shown = [];
+    const isSame = next !== null && this.session?.sessionId === next.sessionId;
+    if (this.session !== null && !isSame)
       this.thumbnails.keep(this.session.sessionId, this.viewport.thumbnail(thumbnailSize.width, thumbnailSize.height));
+    if (!isSame && (this.name !== null || next === null)) {
       this.brush.clear();
       this.annotations.clear();
       this.film.clearViews();
     }
-    this.session = session;
-    this.surface.open(session);
-    this.list.current = session.sessionId;
-    document.title = `${nameOf(session)} – Curvecast`;
+    this.cloud.close();
+    this.session = next;
+    this.list.current = next?.sessionId ?? null;
+    this.panel.isOfSession = next !== null;
     this.viewport.forgetMeasured();
+  }
+
+  private showCloud(name: string, cloud: Cloud): void {
+    this.leaveFor(null);
+    this.choice.rest();
+    this.surface.close();
+    this.mesh = null;
+    document.title = titleOf(name);
+    this.cloud.open(name, cloud);
+    this.change((settings) => beginCloud(settings, name, cloud));
+    this.viewport.pointsChanged();
+    this.showFigures();
+  }
+
+  private show(session: Session, camera: CameraState | null): void {
+    this.leaveFor(session);
+    this.surface.open(session);
+    document.title = titleOf(nameOf(session));
     const { boxMin, boxMax } = session.report?.mesh ?? {};
     if (boxMin !== undefined && boxMax !== undefined) {
       this.viewport.setBounds([boxMin.x, boxMin.y, boxMin.z], [boxMax.x, boxMax.y, boxMax.z]);
@@ -303,7 +327,10 @@ export class Application {
     this.change((settings) => (settings.frozen = false));
     this.streams = new Streams(this.begun.client, session, {
       onFrame: (frame) => this.frameCame(frame),
-      onState: (which, state, error, delay) => this.stateChanged(which, state, error, delay),
+      onState: (...change) => {
+        this.troubles.stateChanged(...change);
+        this.showFigures();
+      },
     });
     this.mesh = new MeshFollower((sample, options) => this.begun.client.remesh(session.sessionId, sample, options), {
       onMesh: (mesh) => this.viewport.setWireframe(mesh),
@@ -334,19 +361,12 @@ export class Application {
     this.choice.choose(session.sessionId);
   }
 
-  /// The server does not have a session, or has it no longer: one without a cache was restarted.
-  private missing(sessionId: string): void {
-    const name = this.uploads.nameOf(sessionId);
-    const again = name === null ? [] : [{ text: `Open ${name} again`, run: () => this.uploads.again(sessionId) }];
-    this.messages.missingSession(sessionId, [...again, { text: "Choose files …", run: () => this.uploads.pick() }]);
-  }
-
   private async forget(session: Session): Promise<void> {
     if (await forgetSession(this.begun.client, session, this.messages)) this.choice.refresh();
   }
 
   private frameCame(frame: FrameReport): void {
-    if (frame.error !== null) return this.refusedView(frame.error);
+    if (frame.error !== null) return this.troubles.refusedView(frame.error);
     this.messages.hideHint();
     const isChanged = frame.added + frame.removed + frame.resized > 0;
     if (isChanged) {
@@ -365,34 +385,10 @@ export class Application {
     this.pacer.request();
   }
 
-  private refusedView(error: CurvecastError): void {
-    this.begun.poster.hide();
-    this.viewport.expectNoPoints();
-    if (error.code === nowhere) {
-      const whole = { text: "Show the whole surface (F)", run: () => this.viewport.frame() };
-      this.messages.showHint("Nothing of the surface is in view here", whole);
-    } else this.messages.notice(`The server refused this view: ${error.message}`);
-  }
-
-  private stateChanged(which: Which, state: LiveViewState, error: CurvecastError | null, delay: number | null): void {
-    if (state !== "connecting" && state !== "reconnecting") this.messages.hideBanner(which);
-    if (state === "reconnecting" && delay !== null && delay > noticeableDelay) {
-      this.messages.showBanner(which, `${error?.message ?? "The connection was lost"}. Trying again …`, {
-        text: "Try now",
-        run: () => this.streams?.retryNow(),
-      });
-    }
-    if (state === "failed" && error !== null) {
-      this.begun.poster.hide();
-      if (error.code === "UNAUTHENTICATED" || error.code === "PERMISSION_DENIED") this.refused(error);
-      else if (error.code === "NOT_FOUND") this.missing(this.session?.sessionId ?? "");
-      else this.messages.failure(which === "main" ? "The stream has ended" : "The stream of uniform points has ended", error);
-    }
-    this.showFigures();
-  }
-
   private showFigures(): void {
-    this.hud.visible = this.streams !== null;
+    const { store } = this.cloud;
+    this.hud.visible = this.streams !== null || store !== null;
+    this.hud.showFile(store !== null, store?.count ?? 0, this.viewport.framesPerSecond);
     this.hud.showSurface(this.surface.text);
     if (this.streams !== null) this.hud.show(this.streams, this.viewport.framesPerSecond, this.uploadMilliseconds);
     this.hud.showMesh(this.settings.wireframe ? this.mesh : null);

@@ -1,6 +1,12 @@
 // The points of a store, or a mesh, as a binary PLY file.
 
-import type { StreamedPoints, TriangleMesh } from "../stream";
+import type { PointStore, TriangleMesh } from "../stream";
+
+/// Points, and the order that a file has them in.
+export interface ListedPoints extends PointStore {
+  /// Lists the slots of the points.
+  order(): Uint32Array;
+}
 
 /// A PLY property: its name and type, and its value for the point in a slot.
 interface Property {
@@ -13,7 +19,7 @@ const sizes = { double: 8, float: 4, uchar: 1, uint: 4 };
 
 const triangleBytes = 13; // a byte for the number of corners, then these
 
-function propertiesOf(store: StreamedPoints): Property[] {
+function propertiesOf(store: ListedPoints): Property[] {
   const { positions, normals, colours, curvatures, ranks, directions, scalars, origin } = store;
   const isFar = origin.some((value) => value !== 0);
   const column = (names: string[], type: Property["type"], valueAt: (slot: number, i: number) => number) =>
@@ -45,8 +51,8 @@ function put(view: DataView, at: number, type: Property["type"], value: number):
   else view.setUint8(at, value);
 }
 
-/// Writes properties of all points, in the order of the curve.
-function rowsOf(store: StreamedPoints, properties: readonly Property[]): DataView<ArrayBuffer> {
+/// Writes properties of all points, in their order.
+function rowsOf(store: ListedPoints, properties: readonly Property[]): DataView<ArrayBuffer> {
   const stride = properties.reduce((sum, { type }) => sum + sizes[type], 0);
   const view = new DataView(new ArrayBuffer(store.count * stride));
   let at = 0;
@@ -59,7 +65,7 @@ function rowsOf(store: StreamedPoints, properties: readonly Property[]): DataVie
   return view;
 }
 
-function headerOf(store: StreamedPoints, properties: readonly Property[], more = ""): string {
+function headerOf(store: ListedPoints, properties: readonly Property[], more = ""): string {
   const lines = properties.map(({ name, type }) => `property ${type} ${name}\n`).join("");
   const format = "ply\nformat binary_little_endian 1.0\ncomment Curvecast\n";
   return `${format}element vertex ${store.count}\n${lines}${more}end_header\n`;
@@ -71,8 +77,8 @@ function fileOf(...parts: BlobPart[]): Blob {
 
 /// Writes the points as a little-endian PLY file: x y z nx ny nz, red green blue where there are colours, radius, then curvatures,
 /// ranks, directions and the mesh's scalars where there are any. Positions are in the mesh's own frame, as doubles where the points
-/// have an origin. The points are in the order of the curve. `curvecast sample` writes the same.
-export function plyOf(store: StreamedPoints): Blob {
+/// have an origin. The points are in the order that they list. `curvecast sample` writes the same.
+export function plyOf(store: ListedPoints): Blob {
   const properties = propertiesOf(store);
   return fileOf(headerOf(store, properties), rowsOf(store, properties));
 }

@@ -13,7 +13,7 @@ export interface Handle {
   readonly settings: Readonly<Settings>;
   readonly statistics: StatisticsSummary | null;
   readonly look: number; // number of the newest view, as FrameReport.sequence of its frames
-  readonly store: PointStore | null; // the view-dependent points
+  readonly store: PointStore | null; // the view-dependent points, or those of a file
   readonly uniformStore: PointStore | null; // the uniform points of a split view
   readonly surface: SurfaceMesh | null; // the triangles that show instead of the points
   readonly mesh: TriangleMesh | null; // whose edges are drawn
@@ -46,7 +46,7 @@ export function handleOf(app: Application): Handle {
       return app.streams?.main.lastLook ?? 0;
     },
     get store() {
-      return app.streams?.main.store ?? null;
+      return app.points;
     },
     get uniformStore() {
       return app.streams?.uniform?.store ?? null;

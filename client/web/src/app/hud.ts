@@ -16,7 +16,12 @@ const words: Record<LiveViewState, string> = {
   failed: "ended",
 };
 
+/// Rows that only streams have figures for.
+const ofStreams = ["update", "traffic", "view → points", "server", "curve"];
+
 const measures: readonly MeasureKind[] = ["distance", "angle", "area"];
+
+const framesText = (perSecond: number): string => (perSecond > 0 ? `${perSecond.toFixed(0)} per second` : "–");
 
 /// Which revision a curve is: of its number what counts, without what tells servers' curves apart.
 function revisionText(revision: number): string {
@@ -84,6 +89,16 @@ export class Hud {
     this.setAsked("surface", text);
   }
 
+  /// Shows the figures of a file's points instead of those of streams. `isShown`: there is such a file.
+  showFile(isShown: boolean, points: number, framesPerSecond: number): void {
+    for (const name of ofStreams) this.hide(name, isShown);
+    if (!isShown) return;
+    this.state.textContent = "point cloud from a file";
+    this.state.dataset.state = "streaming";
+    this.set("points", count(points));
+    this.set("frames", framesText(framesPerSecond));
+  }
+
   /// Shows the figures of the moment. `framesPerSecond`: 0 where nothing moves.
   show(streams: Streams, framesPerSecond: number, uploadMilliseconds: number): void {
     const view = streams.main;
@@ -93,8 +108,7 @@ export class Hud {
     this.state.dataset.state = state;
     this.set("points", pointsText(view.store.count, last));
     this.set("view → points", `${seconds(viewP50)}, p99 ${seconds(viewP99)}`);
-    const frames = framesPerSecond > 0 ? `${framesPerSecond.toFixed(0)} per second` : "–";
-    this.set("frames", `${frames}, upload ${uploadMilliseconds.toFixed(1)} ms`);
+    this.set("frames", `${framesText(framesPerSecond)}, upload ${uploadMilliseconds.toFixed(1)} ms`);
     this.set("traffic", `${bytes(streams.bytesPerSecond)} per second`);
     if (last === null) return;
     const resized = last.resized > 0 ? ` ~${count(last.resized)}` : "";
@@ -110,10 +124,13 @@ export class Hud {
   }
 
   private setAsked(name: string, text: string | null): void {
-    const row = this.rows.get(name)!;
-    row.hidden = text === null;
-    (row.previousElementSibling as HTMLElement).hidden = text === null;
+    this.hide(name, text === null);
     if (text !== null) this.set(name, text);
+  }
+
+  private hide(name: string, isHidden: boolean): void {
+    const row = this.rows.get(name)!;
+    row.hidden = (row.previousElementSibling as HTMLElement).hidden = isHidden;
   }
 
   private set(name: string, text: string): void {

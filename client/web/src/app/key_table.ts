@@ -66,7 +66,7 @@ export function keyTable(actions: KeyActions): Shortcut[] {
     { key: "5", what: "from the side", run: () => actions.view("side") },
     { key: "6", what: "from above", run: () => actions.view("top") },
     sets("7", "perspective, orthographic", (s) => (s.projection = s.projection === "perspective" ? "orthographic" : "perspective")),
-    { key: "u", what: "open a mesh", run: () => actions.upload() },
+    { key: "u", what: "open a mesh or points", run: () => actions.upload() },
     sets("1", "discs", (s) => ((s.mode = "splats"), "on")),
     sets("2", "dots", (s) => ((s.mode = "dots"), "on")),
     sets("3", "mesh", (s) => ((s.mode = "mesh"), "on")),

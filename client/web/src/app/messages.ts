@@ -95,9 +95,10 @@ export class Messages {
   /// Shows a card that asks for a mesh.
   invite(pick: () => void): void {
     this.showCard(
-      "Drop a mesh here",
+      "Drop a mesh here, or points",
       "PLY, OBJ, OFF, STL, glTF or GLB, together with its materials and textures. It is prepared once; " +
-        "then its points follow your camera.",
+        "then its points follow your camera. Point clouds (PLY without faces, XYZ, PTS, LAS) are shown as they are, " +
+        "and are not sent to the server.",
       () => [button("Choose files …", pick)],
     );
   }

@@ -64,6 +64,7 @@ export interface PanelLists {
 export class Panel {
   private readonly gui: GUI;
   private readonly conditions: { controller: Controller; applies: () => boolean }[] = [];
+  private readonly ofSessions: (GUI | Controller)[] = []; // what is of no use for points of a file
   private readonly sliders: (() => void)[] = []; // tell them of their values
 
   constructor(
@@ -101,6 +102,11 @@ export class Panel {
   refresh(): void {
     for (const controller of this.gui.controllersRecursive()) controller.updateDisplay();
     this.showWhatApplies();
+  }
+
+  /// Whether a session is shown, and not points of a file.
+  set isOfSession(is: boolean) {
+    for (const part of this.ofSessions) part.show(is);
   }
 
   toggle(): void {
@@ -178,6 +184,7 @@ export class Panel {
 
   private addPoints(): void {
     const folder = this.folder("Number of points", true);
+    this.ofSessions.push(folder);
     this.addChoice(folder, "budget");
     this.when(({ budget }) => budget === "points", this.addNumber(folder, "points"));
     this.when(({ budget }) => budget === "bytes", this.addNumber(folder, "kilobytes"));
@@ -192,7 +199,9 @@ export class Panel {
     this.addChoice(folder, "unit");
     this.addButton(folder, "screenshot");
     this.addNumber(folder, "pictureScale");
-    for (const key of ["exportPly", "copyLink", "fullScreen", "help"] as const) this.addButton(folder, key);
+    this.addButton(folder, "exportPly");
+    this.ofSessions.push(this.addButton(folder, "copyLink"));
+    for (const key of ["fullScreen", "help"] as const) this.addButton(folder, key);
   }
 
   private addFilm(): void {
@@ -212,6 +221,7 @@ export class Panel {
 
   private addDensity(): void {
     const folder = this.folder("Where the points go", false);
+    this.ofSessions.push(folder);
     for (const key of ["screen", "frustum"] as const) this.addSwitch(folder, key);
     this.when(isForThePicture, this.addSwitch(folder, "detail"));
     for (const key of ["distance", "silhouette"] as const) this.addSwitch(folder, key);
@@ -224,6 +234,7 @@ export class Panel {
 
   private addBrush(): void {
     const folder = this.folder("Paint the density", false);
+    this.ofSessions.push(folder);
     this.addSwitch(folder, "brush");
     this.addNumber(folder, "brushSize");
     this.addSwitch(folder, "eraser");
@@ -234,6 +245,7 @@ export class Panel {
 
   private addMesh(): void {
     const folder = this.folder("Mesh of the points", false);
+    this.ofSessions.push(folder);
     this.addSwitch(folder, "wireframe");
     this.addNumber(folder, "meshVertices");
     this.addSwitch(folder, "meshForCamera");
@@ -249,6 +261,7 @@ export class Panel {
 
   private addSampling(): void {
     const folder = this.folder("Advanced", false);
+    this.ofSessions.push(folder);
     this.addChoice(folder, "sampler");
     this.when(({ sampler }) => sampler === "equalised", this.addChoice(folder, "sequence"));
   }

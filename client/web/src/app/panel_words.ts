@@ -116,7 +116,11 @@ export const choiceWords = {
 
 /// The buttons of the panel, by their actions.
 export const actionWords = {
-  upload: words("Open a mesh … (U)", "PLY, OBJ, OFF, STL, glTF or GLB, with its materials and textures; or drop them on the page"),
+  upload: words(
+    "Open a mesh or points … (U)",
+    "PLY, OBJ, OFF, STL, glTF or GLB, with its materials and textures. Point clouds (PLY without faces, XYZ, TXT, ASC, PTS, CSV, " +
+      "LAS) are shown as they are, and are not sent to the server. Or drop them on the page",
+  ),
   fit: words("Show the whole surface (F)", "From the side that the camera is on"),
   undoStroke: words("Undo a stroke (Ctrl Z)", "Takes back the last stroke of the brush"),
   clearStrokes: words("Clear all strokes (Del)", "Takes back everything that was painted"),

@@ -61,6 +61,15 @@ export class SessionChoice {
     this.show(session, null);
   }
 
+  /// Waits for no session any more, until the user chooses one: the page shows something else.
+  rest(): void {
+    this.wanted = null;
+    this.takesFirst = false;
+    this.isShowing = true;
+    this.asking.stop();
+    this.events.onWaiting(null);
+  }
+
   /// Asks for the list now.
   refresh(): void {
     if (!this.isRefused) void this.listing.start();

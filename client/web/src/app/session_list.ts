@@ -90,8 +90,8 @@ export class SessionList {
     this.refresh();
   }
 
-  /// Marks the session that is shown, by its id.
-  set current(id: string) {
+  /// Marks the session that is shown, by its id; null: none is.
+  set current(id: string | null) {
     this.currentId = id;
     this.refresh();
   }

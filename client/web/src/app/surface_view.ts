@@ -31,11 +31,17 @@ export class SurfaceView {
     private readonly events: SurfaceViewEvents,
   ) {}
 
-  /// Is about another session from now on.
-  open(session: Session): void {
+  /// Is about no session from now on.
+  close(): void {
     this.follower?.close();
+    this.follower = null;
     this.viewport.setSurface(null);
     this.isShown = this.isTold = false;
+  }
+
+  /// Is about another session from now on.
+  open(session: Session): void {
+    this.close();
     this.faces = Number(session.report?.mesh?.faces ?? 0n);
     const follower = new SurfaceFollower(
       (options) => this.client.surface(session.sessionId, options),

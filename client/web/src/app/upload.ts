@@ -1,5 +1,6 @@
-// Makes sessions of files that the user drops or chooses.
+// Opens files that the user drops or chooses: makes sessions of meshes, and reads point clouds here.
 
+import { cloudAmong, openCloud, type Cloud } from "../cloud";
 import { asCurvecastError, meshAmong, type Client, type CurvecastError, type NamedFile, type Session } from "../stream";
 import { droppedFiles } from "./dropped_files";
 import { button, element } from "./elements";
@@ -10,6 +11,8 @@ export interface UploadEvents {
   /// There is a coarse stand-in, long before the session is ready.
   onPreview(session: Session): void;
   onReady(session: Session, missing: readonly string[]): void;
+  /// The points of a file, which the server knows nothing of.
+  onCloud(name: string, cloud: Cloud): void;
   onFailure(what: string, error: CurvecastError): void;
 }
 
@@ -45,7 +48,7 @@ export class Uploads {
     this.input.multiple = true;
     this.input.hidden = true;
     this.input.addEventListener("change", () => {
-      this.start([...(this.input.files ?? [])].map((file) => ({ name: file.name, data: file })));
+      void this.start([...(this.input.files ?? [])].map((file) => ({ name: file.name, data: file })));
       this.input.value = "";
     });
     parent.append(this.bars, this.input, element("div", { class: "drop" }));
@@ -68,36 +71,31 @@ export class Uploads {
     void this.run(mesh, others);
   }
 
-  private start(files: readonly NamedFile[]): void {
+  private async start(files: readonly NamedFile[]): Promise<void> {
+    const cloud = await cloudAmong(files);
+    if (cloud !== null) return this.read(cloud);
     const mesh = meshAmong(files);
     if (mesh === null) {
-      const error = asCurvecastError(new Error("none of these files is a mesh: PLY, OBJ, OFF, STL, glTF or GLB"));
+      const error = asCurvecastError(new Error("none of these files is a mesh or a point cloud"));
       return this.events.onFailure("Nothing to show", error);
     }
-    void this.run(
+    return this.run(
       mesh,
       files.filter((file) => file !== mesh),
     );
   }
 
-  private async run(mesh: NamedFile, others: readonly NamedFile[]): Promise<void> {
-    const stop = new AbortController();
-    const bar = element("progress", { attributes: { "aria-label": mesh.name } });
-    const words = element("span");
-    const row = element("div", { class: "upload" }, [
-      element("strong", { text: mesh.name }),
-      bar,
-      words,
-      button("Cancel", () => stop.abort()),
-    ]);
-    this.bars.append(row);
-    const show = (part: number, text: string) => {
-      bar.value = part;
-      words.textContent = text;
-    };
-    try {
+  private read(file: NamedFile): Promise<void> {
+    return this.withBar(file.name, async (signal, show) => {
+      const cloud = await openCloud(file, { signal, onProgress: show });
+      this.events.onCloud(file.name, cloud);
+    });
+  }
+
+  private run(mesh: NamedFile, others: readonly NamedFile[]): Promise<void> {
+    return this.withBar(mesh.name, async (signal, show) => {
       const uploaded = await this.client.upload(mesh, others, {
-        signal: stop.signal,
+        signal,
         onProgress: (sent, total, name) =>
           show(
             sendingShare * (sent / Math.max(1, total)),
@@ -107,7 +105,7 @@ export class Uploads {
       const session = await this.client.createSession({
         meshId: uploaded.meshId,
         companions: uploaded.companions,
-        signal: stop.signal,
+        signal,
         onPreview: (preview) => this.events.onPreview(preview),
         onProgress: ({ stage, overall }) => {
           show(sendingShare + (1 - sendingShare) * overall, stageWords[stage] ?? stage);
@@ -115,9 +113,28 @@ export class Uploads {
       });
       this.keep(session.sessionId, mesh, others);
       this.events.onReady(session, uploaded.missing);
+    });
+  }
+
+  /// Shows a bar while a file is opened, with a button that aborts the signal.
+  private async withBar(
+    name: string,
+    open: (signal: AbortSignal, show: (part: number, text: string) => void) => Promise<void>,
+  ): Promise<void> {
+    const stop = new AbortController();
+    const bar = element("progress", { attributes: { "aria-label": name } });
+    const words = element("span");
+    const cancel = button("Cancel", () => stop.abort());
+    const row = element("div", { class: "upload" }, [element("strong", { text: name }), bar, words, cancel]);
+    this.bars.append(row);
+    try {
+      await open(stop.signal, (part, text) => {
+        bar.value = part;
+        words.textContent = text;
+      });
     } catch (thrown) {
       const error = asCurvecastError(thrown);
-      if (!stop.signal.aborted) this.events.onFailure(`${mesh.name} could not be opened`, error);
+      if (!stop.signal.aborted) this.events.onFailure(`${name} could not be opened`, error);
     } finally {
       row.remove();
     }
@@ -149,7 +166,7 @@ export class Uploads {
       event.preventDefault();
       showTarget(false);
       droppedFiles(event.dataTransfer!).then(
-        (files) => this.start(files),
+        (files) => void this.start(files),
         (thrown: unknown) => this.events.onFailure("What was dropped cannot be read", asCurvecastError(thrown)),
       );
     });

@@ -22,6 +22,8 @@ export interface PointStore {
   readonly scalars: readonly ScalarColumn[]; // 1 a slot each; none where the view does not ask for them, or the mesh has none
   /// Of the session: where the surface turns by more degrees, it has a crease.
   readonly creaseDegrees: number;
+  /// The points are of a surface, whose normals point outwards. Others have no outer side, and no creases are looked for.
+  readonly isSurface: boolean;
   /// Returns the changes since the last call. One reader may call it.
   takeChanges(): PointChanges;
 }
@@ -51,6 +53,7 @@ export class StreamedPoints implements PointStore {
   directions: Float32Array | null = null;
   scalars: readonly ScalarColumn[] = [];
   creaseDegrees = usualCreaseDegrees;
+  readonly isSurface = true;
 
   private list = new Uint32Array(0); // the slots of the points in the order of the stream, `count` of them
   private spare = new Uint32Array(0); // the memory of the list before, for the next one

@@ -115,6 +115,12 @@ bool placeCorner() {
   discNormal = mat3(modelViewMatrix) * axis;
   discNormal = dot(discNormal, discNormal) > 0.01 ? normalize(discNormal) : view;
   facing = dot(discNormal, view);
+#ifdef BOTH_SIDES
+  if (facing < 0.0) {  // all that follows takes it for a front
+    discNormal = -discNormal;
+    facing = -facing;
+  }
+#endif
   vec3 lean = discNormal - facing * view;  // where the disc leans, seen by the eye
   if (dot(lean, lean) < 1e-8) lean = cross(view, abs(view.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0));
   lean = normalize(lean);

@@ -81,7 +81,8 @@ export class Drawing {
   private makeGeometry(store: PointStore): PointsGeometry {
     const { shape } = this.passes;
     // Cones meet halfway, creases or not.
-    return new PointsGeometry(store, shape, shape === "cone" ? null : new StoreEnds(store, this.finder, this.onChange));
+    const hasEnds = shape === "square" && store.isSurface;
+    return new PointsGeometry(store, shape, hasEnds ? new StoreEnds(store, this.finder, this.onChange) : null);
   }
 
   /// Whether surfaces can be drawn.

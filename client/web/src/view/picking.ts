@@ -12,7 +12,8 @@ function discDistance(store: PointStore, slot: number, x: number, y: number, z: 
   const at = 4 * slot;
   const radius = positions[at + 3]! * scale;
   const [dx, dy, dz] = [positions[at]! - x, positions[at + 1]! - y, positions[at + 2]! - z];
-  const [nx, ny, nz] = [normals[at]!, normals[at + 1]!, normals[at + 2]!];
+  let [nx, ny, nz] = [normals[at]!, normals[at + 1]!, normals[at + 2]!];
+  if (nx === 0 && ny === 0 && nz === 0) [nx, ny, nz] = direction; // drawn facing the eye
   const facing = nx * direction[0] + ny * direction[1] + nz * direction[2];
   if (facing === 0) return NaN;
   const t = (nx * dx + ny * dy + nz * dz) / facing;
@@ -70,7 +71,11 @@ export function pick(
   }
   const pointAt = (slot: number): Vec =>
     add([positions[4 * slot]!, positions[4 * slot + 1]!, positions[4 * slot + 2]!], [...origin]);
-  const normalAt = (slot: number): Vec => [normals[4 * slot]!, normals[4 * slot + 1]!, normals[4 * slot + 2]!];
+  const normalAt = (slot: number): Vec => {
+    const n: Vec = [normals[4 * slot]!, normals[4 * slot + 1]!, normals[4 * slot + 2]!];
+    const isBack = n[0] * direction[0] + n[1] * direction[1] + n[2] * direction[2] > 0;
+    return isBack && !store.isSurface ? [-n[0], -n[1], -n[2]] : n;
+  };
   if (front === Infinity) {
     if (nearest < 0) return null;
     return { point: pointAt(nearest), normal: normalise(normalAt(nearest), [0, 0, 1]), radius: positions[4 * nearest + 3]! };

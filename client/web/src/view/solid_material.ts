@@ -40,6 +40,12 @@ export class SolidMaterial extends THREE.ShaderMaterial {
       this.defines.COLOURING = scale.kind;
       this.needsUpdate = true;
     }
+    const hasBothSides = !points.store.isSurface;
+    if (hasBothSides !== (this.defines.BOTH_SIDES === "")) {
+      if (hasBothSides) this.defines.BOTH_SIDES = "";
+      else delete this.defines.BOTH_SIDES;
+      this.needsUpdate = true;
+    }
     const uniforms = this.styleUniforms;
     uniforms.pixels.value.set(width, height);
     uniforms.splatScale.value = style.splatScale * points.growth;

@@ -199,6 +199,8 @@ export class SplatPasses implements Passes {
         define(material, "HAS_ENDS", points.ends?.planes != null);
         define(material, "HAS_BENDS", points.ends?.bends != null);
       }
+      for (const material of [this.depthMaterial, this.blendMaterial, this.quickMaterial, this.dotMaterial])
+        define(material, "BOTH_SIDES", !points.store.isSurface);
       points.apply(disc, style.section);
       points.apply(dot, style.section);
       this.textures.apply(points.scale, disc);

@@ -171,7 +171,9 @@ void main() {
 #else
   colour = sqrt(splatColour(slot));
 #endif
+#ifndef BOTH_SIDES
   if (facing < -0.1) colour = mix(colour, vec3(0.5), 0.4);
+#endif
 }
 `;
 

@@ -96,6 +96,20 @@ describe("the address's session", () => {
     expect(page.asked.length).toBe(4);
   });
 
+  it("is waited for no more once the page shows something else, until one is chosen", async () => {
+    page.knows("a", "b");
+    page.known.set("b", async () => session("b", SessionState.PREPROCESSING));
+    await page.open("b");
+    page.choice.rest();
+    expect(page.banner).toBeNull();
+    page.known.set("b", async () => session("b"));
+    await page.pass(20);
+    expect(page.take()).toEqual([]);
+    page.choice.choose("a");
+    await page.pass(0);
+    expect(page.take()[0]).toMatch(/^show a/);
+  });
+
   it("is waited for while the server cannot be reached", async () => {
     page.known.set("b", unavailable);
     page.sessions = unavailable;

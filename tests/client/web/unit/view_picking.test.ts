@@ -37,6 +37,7 @@ function sphere(count: number): PointStore {
     directions: null,
     scalars: [],
     creaseDegrees: 40,
+    isSurface: true,
     takeChanges,
   };
 }
@@ -59,6 +60,14 @@ describe("pick", () => {
     }
     expect(pick(store, { origin: eye, direction: normalise([1, 0, -1], [0, 0, 1]) }, 0.1, 0.001)).toBeNull();
     expect(pick(store, { origin: eye, direction: [0, 0, 1] }, 0.1, 0.001)).toBeNull();
+  });
+
+  test("turns normals of points without an outer side to the eye, and hits those without normals, too", () => {
+    const inside = { origin, direction: [1, 0, 0] as Vec };
+    expect(pick(store, inside, 0.1, 0.001)!.normal[0]).toBeGreaterThan(0.99);
+    expect(pick({ ...store, isSurface: false }, inside, 0.1, 0.001)!.normal[0]).toBeLessThan(-0.99);
+    const bare = { ...store, isSurface: false, normals: new Int8Array(store.normals.length) };
+    expect(distance(pick(bare, inside, 0.1, 0.001)!.point, [origin[0] + 1, origin[1], origin[2]])).toBeLessThan(0.1);
   });
 
   test("takes the tolerance of parallel rays for a length, however far away they begin", () => {

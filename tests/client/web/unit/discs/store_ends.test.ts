@@ -20,6 +20,7 @@ function makeStore(): PointStore {
     directions: null,
     scalars: [],
     creaseDegrees: 40,
+    isSurface: true,
     takeChanges: () => ({ all: false, ranges: [] }),
   };
 }
