@@ -158,8 +158,7 @@ class PictureBench {
     const v1::Camera camera = camera_at(static_cast<double>(stop));
     std::vector<Outcome> outcomes(3);
     outcomes[0] = {kWays[0], points.size(), bytes, {}, {}};
-    auto drawn =
-        references_[stop].score([&](const RenderOptions& o) { return draw_points(points, camera, o, true); }, outcomes[0].image);
+    auto drawn = references_[stop].score([&](const RenderOptions& o) { return draw(points, camera, o); }, outcomes[0].image);
     if (!drawn.ok()) return drawn.status();
     outcomes[0].score = *drawn;
     const absl::StatusOr<BudgetMesh> simpler = simpler_.of_bytes(bytes, context_);
@@ -177,8 +176,7 @@ class PictureBench {
     const absl::StatusOr<client::Frame> cloud = cloud_of_bytes(bytes);
     if (!cloud.ok()) return cloud.status();
     outcomes[2] = {kWays[2], cloud->points->size(), cloud->encoded_bytes, {}, {}};
-    drawn = references_[stop].score([&](const RenderOptions& o) { return draw_points(*cloud->points, camera, o, true); },
-                                    outcomes[2].image);
+    drawn = references_[stop].score([&](const RenderOptions& o) { return draw(*cloud->points, camera, o); }, outcomes[2].image);
     if (!drawn.ok()) return drawn.status();
     outcomes[2].score = *drawn;
     if (with_mesh == 0) return outcomes;
@@ -187,6 +185,10 @@ class PictureBench {
     if (!drawn.ok()) return drawn.status();
     sent.score = *drawn;
     return outcomes;
+  }
+
+  absl::StatusOr<Image> draw(const client::Points& points, const v1::Camera& camera, const RenderOptions& options) const {
+    return draw_points(points, camera, options, true, mesh_.crease_degrees());
   }
 
   /// Points spread evenly over the whole surface that take about so many bytes.

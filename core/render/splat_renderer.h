@@ -49,11 +49,11 @@ struct RenderOptions {
 };
 
 /// Neighbouring discs should overlap: a radius of the spacing of evenly spread points makes the surface smooth, 0.7 of it still
-/// leaves no hole. Where neighbours' normals differ by more than 40 degrees, both discs end along the line where their planes
-/// meet: edges are sharp. A disc without neighbours shows up to 0.8 of its radius. Without any normals they are taken from the
-/// depths. Two-sided: the back of an open surface is shaded too. Hidden dots are those behind the splatted surface. With `dots`,
-/// kDots draws these points, in `dot_colors` where there are any, instead of the cloud's own, which then only makes the surface:
-/// a dense cloud under a sparse point set.
+/// leaves no hole. Where neighbours' normals differ by more than `crease_degrees`, both discs end along the line where their
+/// planes meet: edges are sharp. A disc without neighbours shows up to 0.8 of its radius. Without any normals they are taken from
+/// the depths. Two-sided: the back of an open surface is shaded too. Hidden dots are those behind the splatted surface. With
+/// `dots`, kDots draws these points, in `dot_colors` where there are any, instead of the cloud's own, which then only makes the
+/// surface: a dense cloud under a sparse point set.
 ///
 /// InvalidArgument for an empty cloud, spans of other lengths, coordinates that are not finite, options out of range or a camera
 /// without a direction; ResourceExhausted or Internal when OSMesa refuses. Deterministic on one machine. May be called from any

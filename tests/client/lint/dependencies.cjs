@@ -1,4 +1,5 @@
-// Which file of the viewer may import which, types included: no cycles; stream < view < app, and cloud beside view; each package behind its own door.
+// Which file of the viewer may import which, types included: no cycles; stream < view < app, and cloud beside view; each package behind
+// its own door.
 // deploy/check_web runs it from the root of the sources.
 
 const source = "^client/web/src";
