@@ -61,6 +61,8 @@ function meanAt({ width, height, data }, x, y, reach = 6) {
   return sums;
 }
 
+after(endAll);
+
 const redAndBlue = ([, , z]) => (z > 0 ? [220, 30, 30] : [30, 30, 220]);
 
 describe("a point cloud of the user's own", () => {
@@ -76,10 +78,7 @@ describe("a point cloud of the user's own", () => {
       }).observe(document.body, { subtree: true, childList: true });
     });
   });
-  after(async () => {
-    await torus.close();
-    await endAll();
-  });
+  after(() => torus.close());
 
   it("is shown in its colours, from both sides", async () => {
     let sent = 0;
