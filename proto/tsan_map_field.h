@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Included ahead of everything with ThreadSanitizer: otherwise Protobuf's header gives map fields two members of which what is
 // compiled without the sanitiser, the generated code and the system's library, knows nothing: it takes them for the next field.
 #pragma once

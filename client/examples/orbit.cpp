@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A camera that goes round a mesh, with the points for each view as they come:  example_orbit localhost:50051 mesh.obj 50000 360
 // Stop the server meanwhile and start it again (with --cache): the orbit goes on.
 #include <cmath>

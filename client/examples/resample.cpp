@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A mesh to evenly spread points, in a PLY file:  example_resample localhost:50051 mesh.obj 50000 points.ply
 #include <cstdlib>
 #include <iostream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a program does with a Curvecast server: bring a mesh, open a session, take point sets.
 #pragma once
 

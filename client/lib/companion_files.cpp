@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/lib/companion_files.h"
 
 #include <absl/strings/ascii.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The files that a mesh refers to, in its own folder: nothing else may be read on the word of a mesh or a server.
 #pragma once
 

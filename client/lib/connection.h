@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One line to a Curvecast server: calls with deadlines, retries and cancellation, errors as absl::Status.
 #pragma once
 

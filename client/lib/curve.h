@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The adaptive Hilbert curve of a session, in the parameter square and on the surface, as the server sends it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draco point cloud files (.drc), as Draco's own draco_decoder opens them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draco mesh files (.drc), as Draco's own draco_decoder and three.js open them.
 #pragma once
 

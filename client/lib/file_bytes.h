@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files as bytes, with errors that name the file and the reason.
 #pragma once
 

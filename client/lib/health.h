@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // gRPC's standard health service, grpc.health.v1.Health.
 #pragma once
 

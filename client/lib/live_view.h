@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A view that lives on: frames by callback, over a stream that is opened again when it breaks off.
 #pragma once
 

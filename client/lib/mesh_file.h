@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Mesh files: .ply, .obj, .off, .stl, .glb and .drc, by the ending of the name.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Names of a mesh's numbers in the headers of PLY files.
 #pragma once
 

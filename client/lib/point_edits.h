@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Takes a delta frame in: what the server changed in the list of points that the client holds.
 #pragma once
 

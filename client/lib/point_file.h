@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Point files: .ply, .xyz and .pcd, by the ending of the name (.drc: see drc_file.h).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many points an answer to a request may have.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A point file's body as a table: what PLY, PCD and XYZ come to once their headers are understood.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numbers that servers and clients agree on: those of the table at the top of curvecast.proto that a client needs.
 #pragma once
 

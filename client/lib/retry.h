@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which calls are worth making again, and how long to wait before.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a proxy in front of several servers may choose one by.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/web/viewer_files.h"
 
 namespace curvecast::web {

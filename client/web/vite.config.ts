@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import { defineConfig, type Plugin } from "vite";
 
 /// Puts the page's first script into the page itself, so that it waits for nothing, and has it load the others: a browser would ask for

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A mutex whose use clang can check (-Wthread-safety), which that of the standard library lacks. See deploy/check_thread_safety.
 #pragma once
 

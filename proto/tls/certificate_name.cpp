@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/tls/certificate_name.h"
 
 #include <openssl/bio.h>

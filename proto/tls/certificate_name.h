@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The name by which the holder of a certificate is known.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How OpenSSL ends in programs that gRPC has threads in.
 #pragma once
 

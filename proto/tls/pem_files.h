@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Certificates and keys from files, looked at before gRPC does, which would only say later that something does not work.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Takes numbers from the front of bytes that may end too early.
 #pragma once
 

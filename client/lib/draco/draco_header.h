@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads the start of a Draco point cloud.
 //
 // Draco's decoder trusts the counts in its input: a few dozen bytes can make it allocate gigabytes. So the header is read here

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decodes any Draco point cloud with Draco's own decoder.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decodes the entropy coding of Draco: rANS after J. Duda, "Asymmetric numeral systems" (2013), arXiv:1311.2540, byte by byte
 // from the back, in the table layout of Draco's bitstream 2.
 #pragma once

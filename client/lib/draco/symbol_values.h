@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns the symbols of a Draco attribute into its values: each is a difference to the point before, on a lattice.
 #pragma once
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The Draco decoder of the C++ client: see _draco.cpp."""
 
 def decode(data: bytes, radius_min: float, radius_max: float, count: int, /) -> tuple[bytes, bytes, bytes, bytes]:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Decodes arrays of the API: little-endian bytes, a fixed number of values in each row."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One connection to a server: calls with time limits and retries."""
 
 from __future__ import annotations

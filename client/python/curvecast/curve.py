@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The Hilbert curve of a session, in the parameter square and on the surface."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Terms of a density, which are multiplied; only ratios matter. Each function makes the message of the same name in the API."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Meshes that a server holds, and the files that they refer to."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The neighbours of the points of a set, as the server finds them."""
 
 from __future__ import annotations

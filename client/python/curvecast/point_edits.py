@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Applies a delta frame: what the server changed in the list of points that the client has."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Streams views of a camera that goes round a mesh and prints what each frame took: orbit_stream.py ADDRESS MESH FRAMES POINTS"""
 
 import math

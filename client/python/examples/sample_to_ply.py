@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Samples a mesh into a PLY file, with normals, radii and colours: sample_to_ply.py ADDRESS MESH POINTS OUT.ply"""
 
 import sys

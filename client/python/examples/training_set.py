@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Many point sets of a mesh as training data, each with another seed and from another side, in one array:
 training_set.py ADDRESS MESH SETS POINTS OUT.npz"""
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Puts the first session of the server into a scene of its own.
 
 import * as THREE from "three";

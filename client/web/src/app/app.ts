@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The viewer's page: joins its parts.
 
 import type { Cloud } from "../cloud";

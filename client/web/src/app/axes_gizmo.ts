@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The axes of the mesh's file in a corner of the picture, as the camera sees them.
 
 import type { CameraState, Vec } from "../view";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The questions that a page asks before it can show anything: the server answers while the rest of the page loads.
 
 import { Client } from "../stream";

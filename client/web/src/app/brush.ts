@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Strokes of the brush: dabs of paint, up to the number that the server takes.
 
 import { distance } from "../view/vector";

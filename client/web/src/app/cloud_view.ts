@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a user's own file, which show instead of a session. No server knows of them.
 
 import { CloudStore, type Cloud } from "../cloud";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many points the automatic budget may have, by the time that drawing them takes: the server sees frames taken in, not drawn.
 
 const stillPictures = 3; // times as long as a frame may take: moving pictures are coarser

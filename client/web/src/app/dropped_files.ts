@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The files of a drop, with those in dropped folders.
 
 import type { NamedFile } from "../stream";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a store, or a mesh, as a binary PLY file.
 
 import type { PointStore, TriangleMesh } from "../stream";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The first script of the page: it is small, stands in the page itself, and asks for the poster while the scripts after it come.
 
 import { PageToken } from "./page_token";

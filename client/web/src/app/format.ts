@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Formats numbers for people.
 
 /// Formats a count with separators: 50,000.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The page's handle for scripts and tests.
 
 import type { LiveViewState, PointStore, Session, StatisticsSummary, SurfaceMesh, TriangleMesh } from "../stream";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sliders of lil-gui on a logarithmic scale: equal ways along them are equal factors.
 
 import type { NumberControl, Steps } from "./panel_access";

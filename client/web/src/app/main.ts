@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Loads the larger part of the page once the poster is on its way.
 
 import { poster, token } from "./first";

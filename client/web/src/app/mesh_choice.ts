@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // When the surface's own triangles are the better choice: where they are fewer bytes than points of it, and show all that is wanted.
 
 import { maxSurfaceFaces } from "../stream/protocol";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Keeps a mesh up to date with the density that the page shows.
 
 import { asCurvecastError, type CurvecastError, type RemeshOptions, type TriangleMesh } from "../stream";

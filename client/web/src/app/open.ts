@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Starts the application once the page is loaded.
 
 import "./panel.css";

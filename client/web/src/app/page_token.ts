@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The token that a page shows the server. It comes with the address, and is kept for the pages of this tab.
 
 const tokenKey = "curvecast.token";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the browser does for the page: the whole screen, and the clipboard.
 
 import { asCurvecastError } from "../stream";

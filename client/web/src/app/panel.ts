@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The panel of settings, made with lil-gui: first what everybody wants, then, folded, what some want.
 
 import GUI, { type Controller } from "lil-gui";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sliders of lil-gui for those who use keys, or have the page read out.
 
 /// What is needed of a number's controller in lil-gui.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many points there are, in words.
 
 import { PointLimit } from "../stream";

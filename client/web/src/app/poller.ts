@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Repeats a job.
 
 /// Runs a job again and again, one run at a time. The job returns the seconds until its next run, or null where there is none. A run

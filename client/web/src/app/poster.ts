@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A picture that the server draws, to look at until the page can draw itself: over a slow line its larger part takes seconds to come.
 
 interface Size {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes the API's request for points from settings and a camera.
 
 import { create, toBinary, type MessageInitShape } from "@bufbuild/protobuf";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A bar that says how large what the camera looks at is.
 
 import type { CameraState } from "../view";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The list of the server's sessions, to choose from.
 
 import { asCurvecastError, SessionState, type Client, type Session } from "../stream";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a user can set. Lengths are in the units of the mesh unless a comment says otherwise.
 
 import type { Background, CameraState, Colouring, MeasureKind, Mode, PaintDab, UpAxis } from "../view";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs the shortcuts of keys, and lists them in an overlay.
 
 import { takesKeys } from "../view";

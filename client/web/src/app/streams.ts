@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The streams of a page: the main one, and in a split view one of uniform density beside it.
 
 import type { Client, CurvecastError, FrameReport, LiveView, LiveViewState, Session } from "../stream";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Asks for the surface of one session, once.
 
 import { asCurvecastError, type CurvecastError, type SurfaceMesh } from "../stream";

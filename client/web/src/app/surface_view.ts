@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shows the surface's own triangles where the user wants them, or where they are fewer bytes than points.
 
 import type { Client, Session, SurfaceMesh } from "../stream";

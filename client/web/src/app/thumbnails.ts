@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small pictures of the sessions that this tab has shown, for the list.
 
 const storageKey = "curvecast.thumbnails";

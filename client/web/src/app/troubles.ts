@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the page says when the server refuses something, or is gone.
 
 import type { CurvecastError, LiveViewState, Session } from "../stream";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Opens files that the user drops or chooses: makes sessions of meshes, and reads point clouds here.
 
 import { cloudAmong, openCloud, type Cloud } from "../cloud";

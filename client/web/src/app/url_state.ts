@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads and writes the part of the page's address after #: the session, the camera, and settings that differ from the defaults.
 
 import { isUsable } from "../view/camera_math";

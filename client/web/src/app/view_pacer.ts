@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decides when the server is asked for the next view.
 
 const maxDelay = 1000; // ms that a view waits while the processor draws

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What settings mean for the picture.
 
 import { sectionOf, type Mode, type PaintDab, type Section, type Style, type Viewport } from "../view";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a file as a store, which the viewer draws as it does those of a stream.
 
 import { ChangedSlots, type PointChanges } from "../stream/changed_slots";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A worker thread that reads one file of points.
 
 import { asCurvecastError, CurvecastError, type ErrorCode } from "../stream/errors";

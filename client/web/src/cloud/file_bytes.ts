@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a file's bytes one block after the other, so that files of any size take little memory.
 
 /// Told how many bytes of the file have been read.

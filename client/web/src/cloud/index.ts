@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Point clouds from the user's own files, read in the browser alone.
 
 export { cloudAmong } from "./cloud_files";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a LAS file, versions 1.0 to 1.4. ASPRS, "LAS Specification 1.4 - R15", 2019.
 
 import { bytesAt, recordsOf, type OnRead } from "./file_bytes";

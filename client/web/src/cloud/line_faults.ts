@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lines of a file that are not what they should be: a few are left out, and a file of them is refused.
 
 import { textOf, type NumberLine } from "./number_lines";

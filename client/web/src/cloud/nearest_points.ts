@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The nearest neighbours of all points of a tree, leaf by leaf: the points of a leaf have most of their neighbours in common.
 
 import { beginOf, type PointTree } from "./point_tree";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Discs for points that have none: as large as the distance to their neighbours, in the plane of least squares through these. Hoppe,
 // DeRose, Duchamp, McDonald, Stuetzle, "Surface reconstruction from unorganized points", SIGGRAPH 1992.
 

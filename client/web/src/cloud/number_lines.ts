@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numbers in lines of text, parsed from the bytes: a browser's texts end at half a gigabyte, and files do not.
 
 const mostNumbers = 64; // of a line that count

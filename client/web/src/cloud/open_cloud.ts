@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Has a file of points read on a worker thread of its own.
 
 import { asCurvecastError, cancelled, CurvecastError } from "../stream/errors";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The header of a PLY file. Turk, "The PLY Polygon File Format", 1994.
 
 import { badFile } from "./words";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a PLY file.
 
 import { FileCursor, bytesAt, blocksOf, recordsOf, type OnRead } from "./file_bytes";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Points in the leaves of a balanced k-d tree, which any distribution of them leaves balanced. Bentley, "Multidimensional binary search
 // trees used for associative searching", 1975. The tree is implicit: the node in place i of depth d has the points from i / 2^d to
 // (i + 1) / 2^d of all.

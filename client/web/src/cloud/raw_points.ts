@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Points as a file has them, before anything is known about their neighbours.
 
 import { countText, pointsText } from "./words";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a file of points, and makes what is drawn of it.
 
 import type { NamedFile } from "../stream/mesh_upload";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the columns of a text file of points are.
 
 import { bytesOf, columnsOf, greysOf, type PointSink, type RawPoints } from "./raw_points";

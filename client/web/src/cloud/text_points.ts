@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Points in lines of text: XYZ, TXT, ASC, PTS, CSV.
 
 import { blocksOf, type OnRead } from "./file_bytes";

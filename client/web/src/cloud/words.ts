@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numbers and faults in words.
 
 import { CurvecastError } from "../stream/errors";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Paces the acknowledgements of frames: the server sends the next frame once the last ones are acknowledged.
 
 const freeFrames = 4; // frames in a row without progress that are acknowledged at once

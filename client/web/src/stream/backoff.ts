@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Gives the pauses between attempts, in seconds: each twice as long as the one before, up to `longest`. A random part of up to half is
 /// taken off, which spreads the load of many clients that have lost the same server.
 export class Backoff {

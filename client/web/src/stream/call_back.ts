@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Keeps errors of a page's callbacks away from the client that calls them.
 
 /// Calls back. Reports what the callback throws as an error of the page (console, "error" event).

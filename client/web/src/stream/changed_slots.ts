@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Remembers which slots of a store have changed. Slots are noted in groups: few large transfers are faster than many small ones.
 
 const slotsPerGroup = 32;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes packed values of points into the columns of a PointStore, which have four values a point.
 
 import { badPoints, type DecodedPoints } from "./decoded_points";

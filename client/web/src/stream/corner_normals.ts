@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Normals of the corners of triangles, with creases, as core/mesh/crease_normals has them: a corner's normal is the mean, by their
 // angles, of those faces around its vertex that it is joined to by edges that are no creases.
 

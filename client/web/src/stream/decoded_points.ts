@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a decoded block, in the layout of a PointStore.
 
 import { CurvecastError } from "./errors";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Errors of calls, in the terms of gRPC.
 
 import { fromBinary } from "@bufbuild/protobuf";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The sockets of a client, by what its calls are about.
 
 import { CurvecastError } from "./errors";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A stream of views into a store, which is opened again when it breaks off.
 
 import { create, type MessageInitShape } from "@bufbuild/protobuf";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Notices that a server is gone although the connection seems open: browsers hide a server's pings from pages.
 
 import { now } from "./clock";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The id of a mesh file, computed where the file is.
 
 const maxBytes = 64 << 20; // WebCrypto takes a file as a whole

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a delta does to a list of points, checked before anything is changed. The C++ and Python clients do the same, and all follow
 // tests/client/point_edits.json.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a stream, in arrays that go to the graphics card unchanged.
 
 import type { PointEdits } from "../gen/curvecast/v1/curvecast_pb";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numbers that servers and clients agree on: those of the table at the top of curvecast.proto that this client needs.
 
 export const maxPoints = 4_000_000; // points of one point set, or of a frame's list

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The socket of a client, made anew after it was lost.
 
 import { CurvecastError } from "./errors";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Repeats calls that failed because the network did.
 
 import { Backoff } from "./backoff";

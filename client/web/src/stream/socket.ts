@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The WebSocket that carries the API, with any number of calls at once. See web_socket.proto.
 
 import {

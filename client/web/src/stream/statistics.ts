@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What frames cost, measured by the client.
 
 import type { PointLimit } from "../gen/curvecast/v1/curvecast_pb";

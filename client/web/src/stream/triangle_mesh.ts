@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangle meshes that a server makes of points: checks their messages, and joins them.
 
 import type { MeshChunk, PointBlock, Progress, RemeshInfo, RemeshResponse } from "../gen/curvecast/v1/curvecast_pb";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The brush of the pointer: strokes over the surface.
 
 import type { PointerTool } from "./camera_controls";

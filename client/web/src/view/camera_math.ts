@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Functions of camera states: how a camera moves, and what it sees. Angles in radians.
 
 import type { CameraState, Ray, Vec } from "./types";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Copies of what a canvas shows. A canvas of WebGL has to be drawn just before.
 
 /// Returns the middle of a canvas, in the form of `width` x `height` pixels and of that size, as a data URL;

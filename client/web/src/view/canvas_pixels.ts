@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many pixels the canvas has: as many as the screen has there, up to a bound, also after the page was zoomed or went to another
 // screen.
 

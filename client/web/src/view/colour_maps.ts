@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Colour maps that are even to the eye: control colours, joined in Oklab (Ottosson, "A perceptual color space for image
 // processing", 2020).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Colour maps as textures, and the uniforms of a ColourScale.
 
 import * as THREE from "three";

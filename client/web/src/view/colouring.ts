@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What colours points: the column of the store that has the values, and their scale.
 
 import type { PointStore } from "../stream/point_store";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a stream in any three.js scene.
 
 import * as THREE from "three";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // GLSL of how the disc of a point lies in the picture, and where it ends.
 
 import { directions, largestBend } from "./discs/disc_bends";

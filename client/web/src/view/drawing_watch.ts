@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Notices when the graphics card, or the processor in its stead, has drawn what it was given.
 
 const betweenLooks = 4; // ms

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where passes draw what is shaded later: sums in floating point, and depths that can be read.
 
 import * as THREE from "three";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decides when frames are drawn, and how finely: on demand only, and on a slow machine with fewer pixels and fewer points while something
 // moves.
 

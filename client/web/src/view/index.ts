@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws points: the viewer's picture, and an object for other scenes of three.js.
 
 export { copyTo, type DrawOver } from "./canvas_copies";

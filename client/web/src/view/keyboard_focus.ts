@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decides whether a key is for a field or for the picture.
 
 // Types of inputs that do not use letters and arrows.

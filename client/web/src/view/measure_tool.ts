@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The figure of points that a user clicks on the surface, to measure it.
 
 import { measure, type Measured, type MeasureKind } from "./measures";

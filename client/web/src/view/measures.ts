@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is measured between points: distances, angles, areas.
 
 import type { Vec } from "./types";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws lines and dots over the picture: of even width in pixels, smooth, and pale where the surface hides them.
 
 import * as THREE from "three";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The trace of the brush: colours of the points, mixed with those of the paint over them.
 
 import type { PointStore } from "../stream/point_store";

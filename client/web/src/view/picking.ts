@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Finds the surface under the pointer by a search through all points, which takes about a millisecond for 100,000 of them.
 
 import type { PointStore } from "../stream/point_store";

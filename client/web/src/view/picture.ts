@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A picture: what is drawn, and its colours.
 
 import * as THREE from "three";

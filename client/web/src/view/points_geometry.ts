@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a store on the graphics card, and the shapes that draw them.
 
 import * as THREE from "three";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The plane that cuts the surface open.
 
 import type { Bounds } from "./camera_math";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // GLSL of the pass over the whole picture, which turns the sums of the discs into colours.
 
 export const screenVertexShader = /* glsl */ `

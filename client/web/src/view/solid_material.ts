@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A material that draws opaque discs in one pass, with a light at the eye.
 
 import * as THREE from "three";

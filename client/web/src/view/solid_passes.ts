@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws pictures without floating point targets: opaque discs before a plain background.
 
 import * as THREE from "three";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws points as a closed, smoothly shaded surface: Botsch, Hornung, Zwicker, Kobbelt, "High-Quality Surface Splatting on Today's GPUs",
 // PBG 2005. Visibility of the tilted discs, blending of what lies near the visible surface, shading of every pixel.
 

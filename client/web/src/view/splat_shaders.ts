@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // GLSL of the passes that draw each point. `COLOURING` is the kind of a ColourScale.
 
 import { cutFragment, cutVertex, discFunctions, pointFunctions } from "./disc_shaders";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The views that everybody knows by name, and which axis is up.
 
 import { cameraAxes } from "./camera_math";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A column of a PointStore as a texture, which vertex shaders read by slot. An instance for each point would be simpler, but some drivers
 // take the time of a draw call for each instance.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws the surface's own triangles as the discs' passes draw theirs: normals and colours for the shading of each pixel. Several
 // samples a pixel make smooth outlines; their mean has the share of the pixel that the surface covers.
 

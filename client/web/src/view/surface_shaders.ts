@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // GLSL of the pass that draws the surface's own triangles. OWN_COLOURS: those of the vertices. NORMALS_COLOURS: what normals look like.
 
 export const surfaceVertexShader = /* glsl */ `

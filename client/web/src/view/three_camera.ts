@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A camera state as a camera of three.js.
 
 import * as THREE from "three";

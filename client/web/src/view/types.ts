@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The types that the parts of the view share.
 
 /// Coordinates or a direction, in the units and the frame of the mesh's file.

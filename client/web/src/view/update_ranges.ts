@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decides which parts of an array are worth uploading.
 
 const gap = 96; // slots; uploading so many too many costs about as much as another call

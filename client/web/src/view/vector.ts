@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Vectors as plain triples, in double precision.
 
 import type { Vec } from "./types";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The canvas's context.
 
 import { NoWebGL2Error } from "./types";

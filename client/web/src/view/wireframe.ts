@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws the edges of a mesh over the picture, without those that its triangles hide. Each pixel of a triangle knows how far it is from
 // the edges: Bærentzen, Nielsen, Gjøl, Larsen, Christensen, "Single-pass Wireframe Rendering", SIGGRAPH sketches 2006. That makes smooth
 // lines of even width, which no offset of depths has to keep apart from the triangles.

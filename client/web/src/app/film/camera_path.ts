@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The way of a film's camera: a turn about what it looks at, or past views that were kept.
 
 import type { CameraState, Vec } from "../../view";

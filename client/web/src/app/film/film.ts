@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A film of the surface: each picture waits for its own points, so that a slow line or machine makes no worse a film.
 
 import { asCurvecastError } from "../../stream";

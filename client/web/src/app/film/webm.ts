@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Encodes pictures as a film: WebM, by the browser's own encoder.
 
 const codecs = ["vp9", "vp8", "av1"] as const; // the first that the browser has

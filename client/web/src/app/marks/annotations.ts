@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Annotations of the surface: added by clicks, written over the picture, listed in the panel, kept in the address.
 
 import type { Vec, Viewport } from "../../view";

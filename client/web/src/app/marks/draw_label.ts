@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Labels of annotations in saved pictures and films, as the page's style has them.
 
 /// Breaks a text into lines of a width at most: between words where it can, within them where it has to.

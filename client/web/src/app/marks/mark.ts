@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Annotations: numbered places of the surface, each with a short text.
 
 import type { Vec } from "../../view";

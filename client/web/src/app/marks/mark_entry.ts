@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The field in which the text of an annotation is written.
 
 import { button, element } from "../elements";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The labels of annotations over the picture.
 
 import type { Viewport } from "../../view";

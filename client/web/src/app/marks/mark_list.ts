@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The list of annotations in the panel.
 
 import { button, crossButton, element } from "../elements";

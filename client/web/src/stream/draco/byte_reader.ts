@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads numbers off the front of Draco data, which may end too early.
 
 import { badPoints } from "../decoded_points";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is used of the draco3d package, which brings no types.
 
 declare module "draco3d/draco_decoder_nodejs.js" {

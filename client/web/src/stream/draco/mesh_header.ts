@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The header of a Draco mesh: its claims are checked before any decoder reserves memory for them.
 
 import { CurvecastError } from "../errors";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decodes the Draco point clouds that Curvecast's servers send, several times as fast as Draco's own decoder and with nothing to
 // load: points one after the other (Draco's sequential method), quantised positions, octahedral normals, one-byte radii, one-byte
 // colours, all as differences.

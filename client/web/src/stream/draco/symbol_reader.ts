@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads the whole numbers of a Draco attribute: as bytes, entropy-coded, or as bits whose number is entropy-coded.
 
 import { badPoints } from "../decoded_points";

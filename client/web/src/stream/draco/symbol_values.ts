@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns the symbols of a Draco attribute into its values: each is a difference to the point before, on a lattice. All of a value's
 // arithmetic is that of 32-bit integers and floats, so that the values are those of Draco's decoder to the bit.
 

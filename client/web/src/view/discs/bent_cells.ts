@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which cells of a grid may have discs that meet in a crease. Most cells of most surfaces have none: the normals in them and
 // around them lie in a narrow cone.
 

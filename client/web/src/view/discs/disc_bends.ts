@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How the surface bends around each disc, so that the disc ends at an outline where the surface does.
 
 import type { BentCells } from "./bent_cells";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where discs end before their rim: along creases, where the surface goes on in another direction.
 //
 // A disc that reaches over a crease would stick out of the surface. What each side of one has is its plane: both discs end

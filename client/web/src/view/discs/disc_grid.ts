@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Discs in the cells of a grid, to find those that touch each other. Each octave of radii has a grid of its own, so that
 // cells hold a handful of discs of any size.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Has the places where discs end found on a worker thread.
 
 import type { EndsRequest, EndsResponse } from "./ends_worker";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A worker thread that finds where discs end.
 
 import { findDiscEnds, type DiscEnds } from "./disc_ends";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numbers that belong to the points of a store's slots, and are found some time after the points.
 
 import { ChangedSlots } from "../../stream/changed_slots";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where the discs of a store end, as its points change.
 
 import type { PointChanges } from "../../stream/changed_slots";
