@@ -335,7 +335,8 @@ constexpr Benchmark kBenchmarks[] = {
      "about three minutes for each mesh of the paper; without a mesh it has what needs none.",
      add_paper},
     {"corpus", "DIR", "every mesh of a folder through all of preprocessing, checked",
-     "Takes every .ply, .obj, .off, .stl, .gltf and .glb file below a folder through all of preprocessing and a uniform sample. "
+     "Takes every .ply, .obj, .off, .stl, .gltf, .glb and .3mf file below a folder through all of preprocessing and a uniform "
+     "sample. "
      "Ends with status 0 only if every file that holds a triangle with an area came through: no flipped triangle, the whole area "
      "(1e-9), every sample on its face. What fails does not stop the others.",
      add_corpus},

@@ -23,7 +23,7 @@
 namespace curvecast::cli::bench {
 namespace {
 
-constexpr std::array<const char*, 6> kEndings = {".ply", ".obj", ".off", ".stl", ".gltf", ".glb"};
+constexpr std::array<const char*, 7> kEndings = {".ply", ".obj", ".off", ".stl", ".gltf", ".glb", ".3mf"};
 constexpr double kMaxAreaError = 1e-9;
 constexpr double kMaxElementError = 1e-9;
 

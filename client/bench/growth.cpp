@@ -30,7 +30,7 @@ struct Size {
 };
 
 LoadedMesh refine(const LoadedMesh& coarse) {
-  LoadedMesh fine{subdivide(coarse.mesh), {}, coarse.info};
+  LoadedMesh fine{.mesh = subdivide(coarse.mesh), .attributes = {}, .sources = {}, .info = coarse.info};
   fine.info.vertices = fine.mesh.vertex_count();
   fine.info.faces = fine.mesh.face_count();
   fine.info.area = surface_area(fine.mesh);

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/mesh_io/mesh_file.h"
+#include "core/mesh_io/reading/mesh_file.h"
 
 namespace curvecast::cli::bench {
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangle meshes as the server sends them: made of points, and the surface of a session itself.
 #pragma once
 
@@ -15,7 +16,7 @@
 namespace curvecast::client {
 
 struct Mesh {
-  Points vertices;                                      // with normals, radii and places on the repaired mesh
+  Points vertices;                                      // with normals, radii and places on the file's mesh
   std::vector<std::array<std::uint32_t, 3>> triangles;  // of the vertices, counter-clockwise seen from outside
   v1::RemeshInfo info;
 };

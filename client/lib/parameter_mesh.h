@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A surface cut into discs and mapped to the square, as the server sends it.
 #pragma once
 
@@ -16,7 +17,7 @@ struct ParameterDisc {
   std::vector<std::array<double, 3>> positions;         // V, in the file's units
   std::vector<std::array<double, 2>> uv;                // V, in [0, 1]^2
   std::vector<std::array<std::uint32_t, 3>> triangles;  // T
-  std::vector<std::uint32_t> faces;                     // T: face of the repaired mesh that holds the triangle
+  std::vector<std::uint32_t> faces;                     // T: polygon of the mesh's file that holds the triangle
   std::vector<double> area_ratios;                      // T: surface area over uv area
   std::vector<std::uint32_t> border;                    // B: vertices of the border loop, counter-clockwise
   std::vector<std::uint8_t> border_cuts;                // B: 1 when the edge from there to the next is a cut

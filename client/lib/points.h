@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The client's point set: what a file or a frame holds, with no tie to the core.
 #pragma once
 
@@ -24,12 +25,13 @@ struct Points {
   std::vector<std::array<float, 3>> positions, normals;
   std::vector<float> radii;
   std::vector<std::array<std::uint8_t, 3>> colours;
-  std::vector<std::array<float, 2>> curvatures;   // least and largest principal curvature, 1/unit
-  std::vector<std::uint32_t> ranks;               // of the progressive sampler
-  std::vector<std::uint32_t> faces;               // of the repaired mesh
-  std::vector<std::array<float, 2>> barycentric;  // weights of the face's second and third corner
-  std::vector<std::array<float, 3>> directions;   // of the least principal curvature: unit tangents, in one of their two senses
-  std::vector<ScalarColumn> scalars;              // none when the source lacks them; their names differ
+  std::vector<std::array<float, 2>> curvatures;  // least and largest principal curvature, 1/unit
+  std::vector<std::uint32_t> ranks;              // of the progressive sampler
+  std::vector<std::uint32_t> faces;              // polygons of the mesh's file, counted from 0
+  std::vector<std::array<float, 2>>
+      barycentric;                               // weights of the second and third corner of that polygon, or of a triangle of it
+  std::vector<std::array<float, 3>> directions;  // of the least principal curvature: unit tangents, in one of their two senses
+  std::vector<ScalarColumn> scalars;             // none when the source lacks them; their names differ
 
   std::size_t size() const { return positions.size(); }
 };

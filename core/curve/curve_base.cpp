@@ -100,6 +100,7 @@ SurfaceCurve next_revision(const SurfaceCurve& curve) {
   SurfaceCurve next;
   next.origin = curve.origin;
   for (const ScalarColumn& scalar : curve.scalars) next.scalars.push_back({scalar.name, {}});
+  next.face_sources = curve.face_sources;
   next.reference_curvature = curve.reference_curvature;
   next.total_area = curve.total_area;
   next.box = curve.box;

@@ -13,6 +13,7 @@
 #include "core/base/vec.h"
 #include "core/curve/curvature_measure.h"
 #include "core/curve/curve_blocks.h"
+#include "core/mesh/face_sources.h"
 
 namespace curvecast {
 
@@ -38,6 +39,7 @@ struct SurfaceCurve {
   Column<std::uint64_t> key;                      // Hilbert index of the leaf's first cell at kMaxLevel, within its disc
   Column<std::uint8_t> level;                     // quadtree level of the leaf
   std::vector<ScalarColumn> scalars;              // of the mesh's scalar attributes
+  FaceSources face_sources;                       // the file's polygons that the faces of the repaired mesh are
   std::vector<std::uint32_t> disc_begin;          // D + 1 offsets: disc d owns [disc_begin[d], disc_begin[d + 1])
 
   CurveBlocks blocks;                                        // of all of it

@@ -3,11 +3,11 @@
 namespace curvecast {
 namespace {
 
-/// values[indices[i]] for each i; empty if there are no values.
+/// values[indices[i]] for each i; all of them, as they are, without indices.
 template <class T>
 std::vector<T> gather(const std::vector<T>& values, const std::vector<std::uint32_t>& indices) {
+  if (values.empty() || indices.empty()) return values;
   std::vector<T> gathered;
-  if (values.empty()) return gathered;
   gathered.reserve(indices.size());
   for (const std::uint32_t index : indices) gathered.push_back(values[index]);
   return gathered;

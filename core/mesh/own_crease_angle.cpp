@@ -17,7 +17,9 @@ namespace {
 
 constexpr std::size_t kCorners = 1 << 14;    // about so many are looked at,
 constexpr std::size_t kMost = 2 * kCorners;  // never more: files are read within bounds of memory
-constexpr double kFlat = 1;                  // degrees: whether such an edge is split is not seen
+constexpr double kFlat = 1;                  // degrees: whether such an edge is split is not seen,
+constexpr double kFlatQuantised = 2;         // ... nor is it where normals are rounded
+constexpr double kMistaken = 0.02;           // of the edges of what is quantised
 constexpr double kCoarse = 15;               // degrees between the faces of a mesh whose faces are meant to be seen
 constexpr double kMargin = 0.05;             // degrees: angles are no more exact than floats make them
 
@@ -54,6 +56,7 @@ class OwnTurns {
   /// Of the edges that tell.
   std::vector<Turn> find() const {
     const std::vector<Side> sides = some_sides();
+    const double flat = shading_.is_quantised ? kFlatQuantised : kFlat;
     std::vector<Turn> turns;
     for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
       for (end = i + 1; end < sides.size() && sides[end].edge == sides[i].edge;) ++end;
@@ -61,7 +64,7 @@ class OwnTurns {
       const Side &here = sides[i], &there = sides[i + 1];
       if (place(here.corner) == place(there.corner)) continue;  // its faces disagree
       const double degrees = degrees_between(face_normal(here.polygon), face_normal(there.polygon));
-      if (!(degrees > kFlat)) continue;
+      if (!(degrees > flat)) continue;
       if (const std::optional<bool> split = is_split(here, there, degrees)) turns.push_back({degrees, *split});
     }
     return turns;
@@ -153,9 +156,12 @@ std::optional<double> own_crease_angle(const PolygonSoup& soup, const OwnShading
   std::vector<Turn> turns = OwnTurns(soup, shading).find();
   if (turns.empty()) return std::nullopt;
   std::sort(turns.begin(), turns.end(), [](const Turn& a, const Turn& b) { return a.degrees < b.degrees; });
-  const auto is_split = [](const Turn& turn) { return turn.split; };
-  if (std::none_of(turns.begin(), turns.end(), is_split)) return 180;
-  if (!std::all_of(turns.begin(), turns.end(), is_split)) return best_angle(turns);
+  const auto split =
+      static_cast<std::size_t>(std::count_if(turns.begin(), turns.end(), [](const Turn& turn) { return turn.split; }));
+  const auto mistaken =
+      shading.is_quantised ? static_cast<std::size_t>(kMistaken * static_cast<double>(turns.size())) : std::size_t{0};
+  if (split <= mistaken) return 180;
+  if (turns.size() - split > mistaken) return best_angle(turns);
   if (turns[turns.size() / 2].degrees < kCoarse) return std::nullopt;
   return 0;
 }

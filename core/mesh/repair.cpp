@@ -35,15 +35,14 @@ bool is_degenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
 struct Triangulated {
   FaceList faces;
   std::uint64_t triangulated_polygons = 0, degenerate_faces = 0;
+  bool one_each = true;  // face i is polygon begin + i, and `faces` does not say it
 };
 
-/// Makes faces of the polygons [begin, end). Which polygon and which corners a face comes from is noted where the soup has
-/// something that hangs on them.
+/// Makes faces of the polygons [begin, end). Which corners a face comes from is noted where the soup has something that hangs on
+/// them, and which polygon from the first on that is not one face.
 Triangulated triangulate(const PolygonSoup& soup, const std::vector<std::uint32_t>& weld_map, std::size_t begin,
                          std::size_t end) {
   const bool wants_corners = !soup.attributes.uv.empty();
-  const bool wants_polygons =
-      !soup.attributes.face_colours.empty() || !soup.attributes.material_of_face.empty() || !soup.attributes.colours.empty();
   Triangulated out;
   FaceList& faces = out.faces;
   const std::size_t corner_count = soup.polygon_begin[end] - soup.polygon_begin[begin];
@@ -52,6 +51,16 @@ Triangulated triangulate(const PolygonSoup& soup, const std::vector<std::uint32_
   std::vector<std::uint32_t> corners;  // of the soup, like `vertices`
   std::vector<Vec3d> places;
   std::vector<Triangle> pieces;
+  bool one_each = true;  // so far
+  const auto note = [&](std::size_t p) {
+    if (one_each && faces.triangles.size() == p + 1 - begin) return;
+    if (one_each) {
+      faces.polygons.resize(p - begin);
+      std::iota(faces.polygons.begin(), faces.polygons.end(), static_cast<std::uint32_t>(begin));
+      one_each = false;
+    }
+    faces.polygons.resize(faces.triangles.size(), static_cast<std::uint32_t>(p));
+  };
   for (std::size_t p = begin; p < end; ++p) {
     vertices.clear();
     corners.clear();
@@ -64,6 +73,7 @@ Triangulated triangulate(const PolygonSoup& soup, const std::vector<std::uint32_
     while (vertices.size() > 1 && vertices.front() == vertices.back()) vertices.pop_back();
     if (vertices.size() < 3) {
       ++out.degenerate_faces;
+      note(p);
       continue;
     }
     pieces.clear();
@@ -83,10 +93,11 @@ Triangulated triangulate(const PolygonSoup& soup, const std::vector<std::uint32_
         continue;
       }
       faces.triangles.push_back(face);
-      if (wants_polygons) faces.polygons.push_back(static_cast<std::uint32_t>(p));
       if (wants_corners) faces.corners.insert(faces.corners.end(), {corners[t[0]], corners[t[1]], corners[t[2]]});
     }
+    note(p);
   }
+  out.one_each = one_each;
   return out;
 }
 
@@ -97,15 +108,22 @@ FaceList triangulate_all(const PolygonSoup& soup, const std::vector<std::uint32_
   for_blocks(context, polygons, kBlock,
              [&](std::size_t begin, std::size_t end) { blocks[begin / kBlock] = triangulate(soup, weld_map, begin, end); });
   std::size_t count = 0;
+  bool one_each = true;
   for (const Triangulated& block : blocks) {
     count += block.faces.triangles.size();
+    one_each = one_each && block.one_each;
     report.triangulated_polygons += block.triangulated_polygons;
     report.degenerate_faces += block.degenerate_faces;
   }
   FaceList faces;
   faces.triangles.reserve(count);
   for_blocks_in_turn(context, blocks.size(), 1, [&](std::size_t b, std::size_t /*end*/) {
-    faces.append(blocks[b].faces);
+    FaceList& more = blocks[b].faces;
+    if (!one_each && blocks[b].one_each) {
+      more.polygons.resize(more.triangles.size());
+      std::iota(more.polygons.begin(), more.polygons.end(), static_cast<std::uint32_t>(b * kBlock));
+    }
+    faces.append(more);
     blocks[b] = {};
   });
   return faces;
@@ -173,6 +191,20 @@ std::vector<char> find_flips(const std::vector<Triangle>& triangles, std::vector
     }
   }
   return flip;
+}
+
+FaceSources sources_of(const FaceList& faces, const std::vector<char>& flip, const ExecutionContext& context) {
+  const bool any_turned = std::any_of(flip.begin(), flip.end(), [](char turned) { return turned != 0; });
+  if (faces.polygons.empty() && !any_turned) return {};
+  Column<std::uint32_t> codes;
+  codes.resize(faces.triangles.size());
+  for_blocks(context, codes.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const std::uint32_t polygon = faces.polygons.empty() ? static_cast<std::uint32_t>(f) : faces.polygons[f];
+      codes[f] = FaceSources::code(polygon, !flip.empty() && flip[f] != 0);
+    }
+  });
+  return FaceSources(std::move(codes));
 }
 
 void apply_flips(const std::vector<char>& flip, const ExecutionContext& context, FaceList& faces,
@@ -250,17 +282,22 @@ absl::StatusOr<RepairedMesh> repair(PolygonSoup soup, const ExecutionContext& co
     weld_map = weld_borders(soup.positions, pairs.border, context, faces, report);
     if (!weld_map.empty()) pairs = pair();
   }
-  if (pairs.may_have_duplicates) report.duplicate_faces = drop_duplicates(faces, context);
+  if (pairs.may_have_duplicates) {
+    faces.note_polygons();
+    report.duplicate_faces = drop_duplicates(faces, context);
+  }
   if (report.duplicate_faces > 0) pairs = pair();
   report.nonmanifold_edges = pairs.nonmanifold_edges;
   if (absl::Status status = context.check(); !status.ok()) return status;
   context.progress("repair", 0.6);
+  std::vector<char> flip;
   if (!pairs.is_oriented) {
-    const std::vector<char> flip = find_flips(faces.triangles, pairs.twins, context, report);
+    flip = find_flips(faces.triangles, pairs.twins, context, report);
     if (report.flipped_faces > 0) apply_flips(flip, context, faces, pairs.twins);
   }
   if (absl::Status status = context.check(); !status.ok()) return status;
   context.progress("repair", 0.8);
+  result.sources = sources_of(faces, flip, context);
   std::vector<std::uint32_t> source;
   absl::StatusOr<TriangleMesh> split =
       split_into_fans(soup.positions, std::move(faces.triangles), std::move(pairs.twins), context, source, report);

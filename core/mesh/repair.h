@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/base/execution_context.h"
+#include "core/mesh/face_sources.h"
 #include "core/mesh/polygon_soup.h"
 #include "core/mesh/triangle_mesh.h"
 
@@ -25,6 +26,7 @@ struct RepairReport {                       // counts
 struct RepairedMesh {
   TriangleMesh mesh;
   MeshAttributes attributes;  // of the soup, for the mesh's vertices, corners and faces
+  FaceSources sources;        // the soup's polygons that the mesh's faces are
   RepairReport report;
 };
 

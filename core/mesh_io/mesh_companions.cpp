@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "core/base/text_scanner.h"
-#include "core/mesh_io/companion_name.h"
-#include "core/mesh_io/gltf_document.h"
+#include "core/mesh_io/gltf/gltf_document.h"
 #include "core/mesh_io/mesh_io.h"
 #include "core/mesh_io/mtl_reader.h"
 #include "core/mesh_io/ply_header.h"
+#include "core/mesh_io/reading/companion_name.h"
 
 namespace curvecast {
 namespace {

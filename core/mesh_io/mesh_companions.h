@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh_io/mesh_file.h"
+#include "core/mesh_io/reading/mesh_file.h"
 
 namespace curvecast {
 

@@ -11,12 +11,14 @@
 #include <utility>
 
 #include "core/base/text_scanner.h"
-#include "core/mesh_io/gltf_document.h"
-#include "core/mesh_io/gltf_reader.h"
+#include "core/mesh_io/gltf/gltf_document.h"
+#include "core/mesh_io/gltf/gltf_reader.h"
 #include "core/mesh_io/obj_reader.h"
 #include "core/mesh_io/off_reader.h"
 #include "core/mesh_io/ply_reader.h"
 #include "core/mesh_io/stl_reader.h"
+#include "core/mesh_io/three_mf/three_mf_reader.h"
+#include "core/mesh_io/three_mf/zip_archive.h"
 
 namespace curvecast {
 namespace {
@@ -29,6 +31,7 @@ bool is_obj_keyword(std::string_view word) {
 std::optional<MeshFormat> format_by_content(std::string_view bytes) {
   if (bytes.size() > 3 && bytes.starts_with("ply") && (bytes[3] == '\n' || bytes[3] == '\r')) return MeshFormat::kPly;
   if (is_binary_stl(bytes)) return MeshFormat::kStl;
+  if (is_zip(bytes)) return MeshFormat::kThreeMf;
   if (is_gltf(bytes)) return MeshFormat::kGltf;
   TextScanner scanner(bytes);
   scanner.skip_space_and_comments('#');
@@ -40,9 +43,9 @@ std::optional<MeshFormat> format_by_content(std::string_view bytes) {
 }
 
 std::optional<MeshFormat> format_by_ending(std::string_view name) {
-  constexpr std::pair<std::string_view, MeshFormat> kEndings[] = {{".ply", MeshFormat::kPly},   {".obj", MeshFormat::kObj},
-                                                                  {".off", MeshFormat::kOff},   {".stl", MeshFormat::kStl},
-                                                                  {".gltf", MeshFormat::kGltf}, {".glb", MeshFormat::kGltf}};
+  constexpr std::pair<std::string_view, MeshFormat> kEndings[] = {
+      {".ply", MeshFormat::kPly},   {".obj", MeshFormat::kObj},  {".off", MeshFormat::kOff},    {".stl", MeshFormat::kStl},
+      {".gltf", MeshFormat::kGltf}, {".glb", MeshFormat::kGltf}, {".3mf", MeshFormat::kThreeMf}};
   for (const auto& [ending, format] : kEndings) {
     if (name.size() >= ending.size() && equals_ignoring_case(name.substr(name.size() - ending.size()), ending)) return format;
   }
@@ -62,6 +65,8 @@ absl::StatusOr<PolygonSoup> read_as(MeshFormat format, const MeshFile& file, con
       return read_stl(bytes, context);
     case MeshFormat::kGltf:
       return read_gltf(file, context);
+    case MeshFormat::kThreeMf:
+      return read_three_mf(file, context);
   }
   return absl::InternalError("unknown mesh format");
 }
@@ -77,7 +82,7 @@ absl::StatusOr<MeshFormat> detect_mesh_format(std::string_view name, std::span<c
   if (!format) format = format_by_ending(name);
   if (format) return *format;
   return error_in(name, absl::StatusCode::kInvalidArgument,
-                  "neither the content nor the name tells the format; give a PLY, OBJ, OFF, STL, glTF or GLB file");
+                  "neither the content nor the name tells the format; give a PLY, OBJ, OFF, STL, glTF, GLB or 3MF file");
 }
 
 absl::StatusOr<PolygonSoup> read_mesh(const MeshFile& file, const ExecutionContext& context) {

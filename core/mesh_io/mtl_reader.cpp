@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/text_scanner.h"
-#include "core/mesh_io/mesh_reading.h"
+#include "core/mesh_io/reading/mesh_reading.h"
 
 namespace curvecast {
 namespace {

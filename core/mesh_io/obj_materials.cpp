@@ -5,9 +5,9 @@
 #include <optional>
 #include <set>
 
-#include "core/mesh_io/companion_name.h"
 #include "core/mesh_io/mtl_reader.h"
-#include "core/mesh_io/texture_loader.h"
+#include "core/mesh_io/reading/companion_name.h"
+#include "core/mesh_io/reading/texture_loader.h"
 
 namespace curvecast {
 

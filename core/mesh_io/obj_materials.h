@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/mesh/mesh_attributes.h"
-#include "core/mesh_io/mesh_file.h"
+#include "core/mesh_io/reading/mesh_file.h"
 
 namespace curvecast {
 

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "core/base/text_scanner.h"
-#include "core/mesh_io/mesh_reading.h"
 #include "core/mesh_io/obj_materials.h"
 #include "core/mesh_io/obj_shading.h"
+#include "core/mesh_io/reading/mesh_reading.h"
+#include "core/mesh_io/reading/texture_loader.h"
 #include "core/mesh_io/text_colours.h"
-#include "core/mesh_io/texture_loader.h"
 
 namespace curvecast {
 namespace {

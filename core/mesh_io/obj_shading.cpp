@@ -2,7 +2,7 @@
 
 #include "core/mesh/own_crease_angle.h"
 #include "core/mesh/triangle_mesh.h"
-#include "core/mesh_io/mesh_reading.h"
+#include "core/mesh_io/reading/mesh_reading.h"
 
 namespace curvecast {
 namespace {

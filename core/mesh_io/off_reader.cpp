@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/base/text_scanner.h"
-#include "core/mesh_io/mesh_reading.h"
+#include "core/mesh_io/reading/mesh_reading.h"
+#include "core/mesh_io/reading/texture_loader.h"
 #include "core/mesh_io/text_colours.h"
-#include "core/mesh_io/texture_loader.h"
 
 namespace curvecast {
 namespace {

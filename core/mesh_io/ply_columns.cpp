@@ -9,8 +9,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/mesh_io/companion_name.h"
-#include "core/mesh_io/texture_loader.h"
+#include "core/mesh_io/reading/companion_name.h"
+#include "core/mesh_io/reading/texture_loader.h"
 
 namespace curvecast {
 namespace {

@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "core/base/text_scanner.h"
-#include "core/mesh_io/companion_name.h"
-#include "core/mesh_io/mesh_reading.h"
 #include "core/mesh_io/ply_columns.h"
 #include "core/mesh_io/ply_header.h"
 #include "core/mesh_io/ply_plain_faces.h"
 #include "core/mesh_io/ply_source.h"
-#include "core/mesh_io/texture_loader.h"
+#include "core/mesh_io/reading/companion_name.h"
+#include "core/mesh_io/reading/mesh_reading.h"
+#include "core/mesh_io/reading/texture_loader.h"
 
 namespace curvecast {
 namespace {

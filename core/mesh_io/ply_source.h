@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "core/base/text_scanner.h"
-#include "core/mesh_io/endian.h"
 #include "core/mesh_io/ply_header.h"
+#include "core/mesh_io/reading/endian.h"
 
 namespace curvecast {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/mesh_io/mesh_reading.h"
+#include "core/mesh_io/reading/mesh_reading.h"
 
 namespace curvecast {
 namespace {

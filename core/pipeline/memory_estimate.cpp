@@ -8,13 +8,14 @@
 
 #include "core/base/capacity.h"
 #include "core/base/machine.h"
+#include "core/mesh_io/unpacking_bytes.h"
 #include "core/pipeline/pipeline.h"
 
 namespace curvecast {
 namespace {
 
 // Bytes of a file become so many of a soup, with what its reader holds besides, at most: see
-// tests/core/mesh_io/hostile_files_test.
+// tests/core/mesh_io/hostile_files_test. What is compressed in it comes on top.
 constexpr double kReadingPerByte = 3;
 constexpr double kReading = 1 << 20;
 // To repair: times the soup, and for each of its corners and vertices.
@@ -92,7 +93,8 @@ double soup_bytes(const PolygonSoup& soup) {
 }
 
 absl::Status claim_reading(const MeshFile& file, MemoryClaim& claim) {
-  const double bytes = kReading + kReadingPerByte * static_cast<double>(file.bytes.size());
+  const double bytes =
+      kReading + kReadingPerByte * static_cast<double>(file.bytes.size()) + static_cast<double>(unpacking_bytes(file));
   return set(claim, bytes,
              absl::StrFormat("%s: to read %s takes %s of memory", file.name,
                              describe_bytes(static_cast<double>(file.bytes.size())), describe_bytes(bytes)));

@@ -76,6 +76,7 @@ absl::StatusOr<LoadedMesh> repair_and_inspect(PolygonSoup soup, const ExecutionC
   LoadedMesh loaded;
   loaded.mesh = std::move(repaired->mesh);
   loaded.attributes = std::move(repaired->attributes);
+  loaded.sources = std::move(repaired->sources);
   if (absl::Status status = context.check(); !status.ok()) return status;
   Topology topology;
   double area = 0;
@@ -114,7 +115,7 @@ absl::StatusOr<LoadedMesh> load(const MeshFile& file, const ExecutionContext& co
   if (absl::Status status = on_read(*soup); !status.ok()) return status;
   absl::StatusOr<LoadedMesh> loaded = repair_and_inspect(*std::move(soup), context);
   if (!loaded.ok()) return absl::IsCancelled(loaded.status()) ? loaded.status() : about(file.name, loaded.status());
-  constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl", "gltf"};
+  constexpr const char* kFormatNames[] = {"ply", "obj", "off", "stl", "gltf", "3mf"};
   loaded->info.format = kFormatNames[static_cast<int>(*format)];
   seconds.repair = watch.lap();
   return loaded;
@@ -337,6 +338,7 @@ absl::StatusOr<Preprocessed> lay_curve_here(std::shared_ptr<const FlattenedMesh>
   curve->box = report.mesh.box;
   curve->origin = choose_origin(report.mesh.box);
   curve->max_points = options.points;
+  curve->face_sources = flattened->loaded.sources;
   const absl::Status built = build_curve(*flattened, options, *demand, context, *curve, report);
   if (!built.ok()) return built;
   report.curve_vertices = curve->size();
@@ -368,6 +370,14 @@ auto with_threads(const ExecutionContext& context, Function&& function) {
 }
 
 }  // namespace
+
+absl::StatusOr<LoadedMesh> load_mesh(PolygonSoup soup, std::string_view name, const ExecutionContext& context) {
+  return with_threads(context, [&]() -> absl::StatusOr<LoadedMesh> {
+    absl::StatusOr<LoadedMesh> loaded = repair_and_inspect(std::move(soup), context);
+    if (!loaded.ok() && !absl::IsCancelled(loaded.status())) return about(name, loaded.status());
+    return loaded;
+  });
+}
 
 absl::StatusOr<LoadedMesh> load_mesh(const MeshFile& file, const ExecutionContext& context) {
   StageSeconds seconds;

@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/execution_context.h"
@@ -23,7 +24,7 @@
 #include "core/mesh/crease_normals.h"
 #include "core/mesh/curvature.h"
 #include "core/mesh/repair.h"
-#include "core/mesh_io/mesh_file.h"
+#include "core/mesh_io/reading/mesh_file.h"
 #include "core/sample/point_set.h"
 
 namespace curvecast {
@@ -47,7 +48,7 @@ struct PreprocessOptions {
 
 /// What a file holds and what repair made of it.
 struct MeshInfo {
-  std::string format;  // "ply", "obj", "off", "stl" or "gltf" (GLB too)
+  std::string format;  // "ply", "obj", "off", "stl", "gltf" (GLB too) or "3mf"
   std::uint64_t file_vertices = 0;
   std::uint64_t file_polygons = 0;
   std::uint64_t vertices = 0;  // after repair
@@ -88,6 +89,7 @@ struct PreprocessReport {
 struct LoadedMesh {
   TriangleMesh mesh;  // repaired
   MeshAttributes attributes;
+  FaceSources sources;  // the file's polygons that the faces are
   MeshInfo info;
 };
 
@@ -107,6 +109,8 @@ struct Preprocessed {
   std::shared_ptr<const FlattenedMesh> flattened;  // what the curve lies on: refinement starts from it
 };
 
+/// Repairs a mesh of no file, and no more. `name`: of errors, such as "the mesh". InvalidArgument as repair() has it; Cancelled.
+absl::StatusOr<LoadedMesh> load_mesh(PolygonSoup soup, std::string_view name, const ExecutionContext& context = {});
 /// Reads and repairs a mesh, and no more.
 absl::StatusOr<LoadedMesh> load_mesh(const MeshFile& file, const ExecutionContext& context = {});
 absl::StatusOr<MeshInfo> inspect_mesh(const MeshFile& file, const ExecutionContext& context = {});

@@ -8,6 +8,7 @@
 #include "core/base/capacity.h"
 #include "core/base/colour.h"
 #include "core/base/vec.h"
+#include "core/mesh/face_sources.h"
 
 namespace curvecast {
 
@@ -19,6 +20,13 @@ struct FacePlace {
   std::uint32_t face;
   float weight_1, weight_2;
 };
+
+/// The same place on the polygon of the file that the face is, or on the piece of it that the face is where it has more than
+/// three corners.
+inline FacePlace place_in_file(const FacePlace& place, const FaceSources& sources) {
+  const FacePlace as_it_is{sources.polygon(place.face), place.weight_1, place.weight_2};
+  return sources.is_turned(place.face) ? FacePlace{as_it_is.face, place.weight_2, place.weight_1} : as_it_is;
+}
 
 struct PointSet {
   Vec3d origin = Vec3d::Zero();         // positions are relative to this, in the file's units

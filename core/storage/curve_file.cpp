@@ -141,7 +141,8 @@ absl::Status save_curve(const std::string& path, const SurfaceCurve& curve, std:
   for (const ScalarColumn& scalar : curve.scalars) head.scalars.push_back(scalar.name);
   const std::string head_bytes = to_archive(head);
   std::vector<Section> sections = {make_section("note", note), make_section("head", head_bytes),
-                                   make_section("discs", curve.disc_begin)};
+                                   make_section("discs", curve.disc_begin),
+                                   make_section("face sources", curve.face_sources.codes())};
   visit_columns(curve, [&](const char* name, const auto& column, ColumnLength /*length*/) {
     sections.push_back(make_section(name, column));
   });
@@ -190,6 +191,9 @@ absl::StatusOr<CurveFile> load_curve(const std::string& path, FileAccess access)
     }
   };
   visit_columns(*curve, [&](const char* name, auto& column, ColumnLength /*length*/) { view(name, column); });
+  Column<std::uint32_t> codes;
+  view("face sources", codes);
+  if (!codes.empty()) curve->face_sources = FaceSources(std::move(codes));
   curve->scalars.resize(head.scalars.size());
   for (std::size_t i = 0; i < head.scalars.size(); ++i) {
     curve->scalars[i].name = std::move(head.scalars[i]);

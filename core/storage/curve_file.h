@@ -13,7 +13,7 @@
 namespace curvecast {
 
 /// Grows when what the files hold changes.
-inline constexpr std::uint32_t kCurveFileVersion = 7;
+inline constexpr std::uint32_t kCurveFileVersion = 8;
 
 struct CurveFile {
   std::shared_ptr<const SurfaceCurve> curve;

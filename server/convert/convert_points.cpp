@@ -70,8 +70,9 @@ v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::siz
   }
   if (wanted.rank) out.set_ranks(little_endian(points.ranks, begin, count));
   if (wanted.surface) {
-    out.set_faces(column([&](std::size_t i) { return points.places[i].face; }));
-    out.set_barycentric(column([&](std::size_t i) { return weights_of(points.places[i]); }));
+    const auto place = [&](std::size_t i) { return place_in_file(points.places[i], curve.face_sources); };
+    out.set_faces(column([&](std::size_t i) { return place(i).face; }));
+    out.set_barycentric(column([&](std::size_t i) { return weights_of(place(i)); }));
   }
   // Zeros where the surface cannot be used.
   const auto surface_column = [&](const auto& value_at) {

@@ -48,7 +48,9 @@ absl::Status make_chunks(const FlattenedMesh& flattened, const std::string& mesh
       out.set_uv(little_endian(chart.uv, vertex, vertices));
       const auto [triangle, triangles] = part(disc.triangles.size(), kChunkTriangles, i);
       out.set_triangles(little_endian(disc.triangles, triangle, triangles));
-      out.set_faces(little_endian(disc.face_of, triangle, triangles));
+      std::vector<std::uint32_t> faces(triangles);
+      for (std::size_t t = 0; t < triangles; ++t) faces[t] = flattened.loaded.sources.polygon(disc.face_of[triangle + t]);
+      out.set_faces(little_endian(faces, 0, triangles));
       std::vector<double> area_ratios(triangles);
       for (std::size_t t = 0; t < triangles; ++t) area_ratios[t] = area_ratio({disc, chart.uv}, triangle + t);
       out.set_area_ratios(little_endian(area_ratios, 0, triangles));

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "core/base/execution_context.h"
-#include "core/mesh_io/mesh_file.h"
+#include "core/mesh_io/reading/mesh_file.h"
 #include "server/session/mesh_store.h"
 
 namespace curvecast::server {

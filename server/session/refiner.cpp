@@ -26,6 +26,26 @@ std::uint64_t digest_of(const SurfaceCurve& curve) {
 
 }  // namespace
 
+absl::StatusOr<RefinedCurve> refine_session(const Session& session, std::span<const CurveDemand> demands,
+                                            std::uint64_t max_vertices, const ExecutionContext& context) {
+  const absl::StatusOr<std::shared_ptr<const CurveBase>> base = session.curve_base();
+  if (!base.ok()) return base.status();
+  const std::shared_ptr<const SurfaceCurve> curve = session.curve();
+  RefineOptions options{.omega = session.options.omega, .max_vertices = max_vertices};
+  for (const CurveDemand& demand : demands) {
+    if (is_uniform(session.options.density) && is_uniform(demand.density.terms)) {
+      options.max_points = std::max(options.max_points, demand.points);
+    }
+  }
+  absl::StatusOr<RefinedCurve> refined = refine(**base, *curve, demands, options, context);
+  if (absl::Status status = session.status(); !status.ok()) return status;
+  if (refined.ok() && refined->curve != nullptr) {
+    refined->curve->revision = next_revision_number(session.curve()->revision, digest_of(*refined->curve));
+    session.revisions->publish(refined->curve);
+  }
+  return refined;
+}
+
 Refiner::Refiner(std::uint64_t max_vertices, OnDone on_done, Room room, std::shared_ptr<spdlog::logger> log)
     : max_vertices_(max_vertices),
       room_(std::move(room)),
@@ -61,8 +81,6 @@ Improvement Refiner::improve(const Session& session, const Demands<CurveDemand>&
   }
   const std::shared_ptr<SurfaceCurve>& curve = refined->curve;
   if (curve != nullptr) {
-    curve->revision = next_revision_number(session.curve()->revision, digest_of(*curve));
-    session.revisions->publish(curve);
     log_->info("session {} refined in {:.3f} s: revision {}, {} curve vertices, {} MiB", session.id, watch.lap(), curve->revision,
                curve->size(), curve->byte_size() >> 20);
   }
@@ -74,20 +92,9 @@ Improvement Refiner::improve(const Session& session, const Demands<CurveDemand>&
 absl::StatusOr<RefinedCurve> Refiner::refine_once(const Session& session, const Demands<CurveDemand>& demands,
                                                   const std::atomic<bool>& cancel) const {
   if (session.refinement->is_over) return absl::CancelledError("the session was closed");
-  const absl::StatusOr<std::shared_ptr<const CurveBase>> base = session.curve_base();
-  if (!base.ok()) return base.status();
-  const std::shared_ptr<const SurfaceCurve> curve = session.curve();
-  RefineOptions options{.omega = session.options.omega, .max_vertices = affordable_vertices(*curve)};
   std::vector<CurveDemand> all;
-  for (const CurveDemand& demand : demands) {
-    all.push_back(demand);
-    if (is_uniform(session.options.density) && is_uniform(demand.density.terms)) {
-      options.max_points = std::max(options.max_points, demand.points);
-    }
-  }
-  absl::StatusOr<RefinedCurve> refined = refine(**base, *curve, all, options, {.cancel = &cancel, .threads = 1});
-  if (absl::Status status = session.status(); !status.ok()) return status;
-  return refined;
+  for (const CurveDemand& demand : demands) all.push_back(demand);
+  return refine_session(session, all, affordable_vertices(*session.curve()), {.cancel = &cancel, .threads = 1});
 }
 
 std::uint64_t Refiner::affordable_vertices(const SurfaceCurve& curve) const {

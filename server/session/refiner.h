@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 
 #include "core/refine/refine.h"
 #include "server/session/improvement_jobs.h"
@@ -17,6 +18,11 @@ class logger;
 }
 
 namespace curvecast::server {
+
+/// Makes the next revision of a session's curve, fine enough for all of the demands as far as `max_vertices` go, and publishes
+/// it; none where no leaf can be divided. Errors as of refine(), Session::curve_base() and Session::status().
+absl::StatusOr<RefinedCurve> refine_session(const Session& session, std::span<const CurveDemand> demands,
+                                            std::uint64_t max_vertices, const ExecutionContext& context);
 
 /// Thread-safe. One thread of low priority refines one session after the other.
 class Refiner {

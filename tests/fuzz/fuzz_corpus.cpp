@@ -17,7 +17,7 @@ namespace {
 using curvecast::MeshFormat;
 using Companions = std::map<std::string, std::string, std::less<>>;
 
-constexpr std::array<const char*, 5> kFolders = {"ply", "obj", "off", "stl", "gltf"};  // by MeshFormat
+constexpr std::array<const char*, 6> kFolders = {"ply", "obj", "off", "stl", "gltf", "3mf"};  // by MeshFormat
 
 class Corpus {
  public:
@@ -37,7 +37,7 @@ class Corpus {
     static_cast<void>(curvecast::read_mesh({.name = name, .bytes = bytes, .companion = companion}));
     if (format.ok()) add(kFolders.at(static_cast<std::size_t>(*format)), input);
     for (const auto& [companion_name, picture] : companions) {
-      if (picture.find("PNG") == 1 || picture.starts_with("\xff\xd8")) add("texture", picture);
+      if (picture.find("PNG") == 1 || picture.starts_with("\xff\xd8") || picture.starts_with("RIFF")) add("texture", picture);
     }
   }
   bool good() const { return good_; }

@@ -5,6 +5,7 @@
 
 #include "curvecast/v1/curvecast.pb.h"
 #include "curvecast/v1/web_socket.pb.h"
+#include "tests/core/mesh_io/three_mf_writer.h"
 #include "tests/fuzz/message_seeds.h"
 
 namespace curvecast::fuzzing {
@@ -40,6 +41,20 @@ void add_cache(std::vector<Seed>& seeds) {
       add(kMends, 0, little_endian(offset, 3) + '\0');
       add(kMends, 0, little_endian(offset, 3) + '\xc8' + "inserted");
     }
+  }
+}
+
+void add_models(std::vector<Seed>& seeds) {
+  const std::string groups =
+      "<basematerials id=\"5\"><base name=\"red\" displaycolor=\"#FF0000\"/></basematerials><m:colorgroup id=\"6\">"
+      "<m:color color=\"#00FF00\"/><m:color color=\"#0000FF80\"/></m:colorgroup>\n";
+  const std::string whole =
+      "<object id=\"3\"><components><component objectid=\"1\"/><component objectid=\"2\" "
+      "transform=\"-1 0 0 0 1 0 0 0 1 3 0 0\"/></components></object>\n";
+  const std::string one = three_mf_object(1, tetrahedron(), "pid=\"5\" pindex=\"0\"");
+  const std::string two = three_mf_object(2, tetrahedron(), "", " pid=\"6\" p1=\"0\" p2=\"1\"");
+  for (const char* item : {"<item objectid=\"1\"/>", "<item objectid=\"3\" transform=\"1 0 0 0 1 0 0 0 1 0 0 7\"/>"}) {
+    seeds.push_back({"3mf", three_mf_model(groups + one + two + whole, item, "requiredextensions=\"m p\"")});
   }
 }
 
@@ -207,6 +222,7 @@ void add_websocket(std::vector<Seed>& seeds) {
 std::vector<Seed> seeds() {
   std::vector<Seed> seeds;
   add_cache(seeds);
+  add_models(seeds);
   add_formula(seeds);
   add_messages(seeds);
   add_preprocess(seeds);

@@ -10,8 +10,8 @@ struct Seed {
   std::string target, input;
 };
 
-/// Of the fuzzers cache, formula, frame, preprocess, proxy, request, settings and websocket, which say themselves what their
-/// inputs mean.
+/// Of the fuzzers 3mf (models alone), cache, formula, frame, preprocess, proxy, request, settings and websocket, which say
+/// themselves what their inputs mean.
 std::vector<Seed> seeds();
 
 }  // namespace curvecast::fuzzing

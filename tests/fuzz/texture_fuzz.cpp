@@ -1,4 +1,4 @@
-#include "core/mesh_io/texture_image.h"
+#include "core/mesh_io/reading/texture_image.h"
 #include "tests/fuzz/fuzz_expect.h"
 #include "tests/fuzz/fuzz_input.h"
 

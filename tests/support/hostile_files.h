@@ -24,6 +24,8 @@ std::vector<HostileFile> hostile_ply_files();
 std::vector<HostileFile> hostile_obj_files();        // and material libraries
 std::vector<HostileFile> hostile_off_stl_files();    // and files of no format
 std::vector<HostileFile> hostile_gltf_files();       // and GLB
+std::vector<HostileFile> hostile_packed_files();     // glTF with Draco and meshopt
+std::vector<HostileFile> hostile_three_mf_files();   // and ZIP archives, and XML
 std::vector<HostileFile> hostile_texture_files();    // pictures, by way of meshes that wear them
 std::vector<HostileFile> hostile_reference_files();  // names that lead out of the mesh's folder
 

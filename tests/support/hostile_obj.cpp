@@ -124,7 +124,7 @@ void add_libraries(std::vector<HostileFile>& files) {
   use("with options and no texture", "newmtl m\nmap_Kd -s 1 1 1 -o 0 0 0 -mm 0 1 -bm\n");
   use("with 100,000 options", "newmtl m\nmap_Kd " + repeated("-s 1 ", 100'000) + "t.png\n", {"the texture 't.png' is not there"});
   use("that ends within a word", "newmtl m\nmap_K");
-  use("with a texture that is a library", "newmtl m\nmap_Kd a.mtl\n", {"the texture 'a.mtl' is neither PNG nor JPEG"});
+  use("with a texture that is a library", "newmtl m\nmap_Kd a.mtl\n", {"the texture 'a.mtl' is neither PNG, JPEG nor WebP"});
   files.push_back({.what = "OBJ that is its own library",
                    .name = "a.obj",
                    .bytes = "mtllib a.obj\nusemtl m\n" + kTriangle,

@@ -113,7 +113,8 @@ void add_nothing(std::vector<HostileFile>& files) {
   }
   std::string garbage;
   for (unsigned i = 0; i < 100'000; ++i) garbage += static_cast<char>((i * i * 2654435761U) >> 13);
-  const std::string unknown = "neither the content nor the name tells the format; give a PLY, OBJ, OFF, STL, glTF or GLB file";
+  const std::string unknown =
+      "neither the content nor the name tells the format; give a PLY, OBJ, OFF, STL, glTF, GLB or 3MF file";
   refuse("a text of no format", "a.txt", "hello", unknown);
   refuse("garbage of no format", "a", garbage, unknown);
   refuse("garbage as PLY", "a.ply", garbage, "line 1: a PLY file begins with a line 'ply'");

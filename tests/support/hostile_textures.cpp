@@ -36,6 +36,16 @@ std::string jpeg_that_claims(std::uint16_t width, std::uint16_t height) {
   return file.replace(frame + 5, 4, size);
 }
 
+/// Of the lossy kind, whose size stands behind the mark of its frame.
+std::string webp_that_claims(std::uint16_t width, std::uint16_t height) {
+  std::string file = webp_file(plain_image(16, 8, 10, 20, 30), false);
+  const std::size_t mark = file.find("\x9d\x01\x2a");
+  std::string size;
+  append(size, width);
+  append(size, height);
+  return file.replace(mark + 3, 4, size);
+}
+
 struct Picture {
   const char* what;
   std::string name;
@@ -45,9 +55,9 @@ struct Picture {
 
 std::vector<Picture> pictures() {
   const std::string beyond = "pixels, which is more than the 67108864 that are left for textures";
-  const std::string whole_png = png(), whole_jpeg = jpeg();
-  return {{"an empty texture", "t.png", "", {"is neither PNG nor JPEG"}},
-          {"a GIF", "t.gif", "GIF89a", {"the texture 't.gif' is neither PNG nor JPEG"}},
+  const std::string whole_png = png(), whole_jpeg = jpeg(), whole_webp = webp_file(plain_image(16, 8, 10, 20, 30), false);
+  return {{"an empty texture", "t.png", "", {"is neither PNG, JPEG nor WebP"}},
+          {"a GIF", "t.gif", "GIF89a", {"the texture 't.gif' is neither PNG, JPEG nor WebP"}},
           {"a PNG's magic", "t.png", whole_png.substr(0, 8), {"is a broken PNG"}},
           {"a PNG's header", "t.png", whole_png.substr(0, 33), {"is a broken PNG"}},
           {"a PNG cut within its pixels", "t.png", whole_png.substr(0, whole_png.find("IDAT") + 8), {"is a broken PNG"}},
@@ -71,7 +81,15 @@ std::vector<Picture> pictures() {
            "t.jpg",
            jpeg_that_claims(65'500, 1'000),
            {"claims 65500 x 1000 pixels, more than its"}},
-          {"a JPEG of FFs", "t.jpg", std::string(100'000, '\xff'), {"is neither PNG nor JPEG"}}};
+          {"a WebP's magic", "t.webp", whole_webp.substr(0, 12), {"is a broken WebP"}},
+          {"a WebP's header", "t.webp", whole_webp.substr(0, 30), {"is a broken WebP"}},
+          {"a WebP cut within its pixels", "t.webp", whole_webp.substr(0, whole_webp.size() - 20), {"is a broken WebP"}},
+          {"a WebP of 16383 x 16383", "t.webp", webp_that_claims(16'383, 16'383), {"has 16383 x 16383 " + beyond}},
+          {"a WebP of 8000 x 8000 in few bytes",
+           "t.webp",
+           webp_that_claims(8'000, 8'000),
+           {"claims 8000 x 8000 pixels, more than its"}},
+          {"a JPEG of FFs", "t.jpg", std::string(100'000, '\xff'), {"is neither PNG, JPEG nor WebP"}}};
 }
 
 /// The triangle in a PLY, with what `texture_files` names as its textures.

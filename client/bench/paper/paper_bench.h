@@ -10,7 +10,7 @@
 #include "client/bench/paper/paper_report.h"
 #include "client/cli/common.h"
 #include "core/base/execution_context.h"
-#include "core/mesh_io/mesh_file.h"
+#include "core/mesh_io/reading/mesh_file.h"
 
 namespace curvecast::cli::bench {
 

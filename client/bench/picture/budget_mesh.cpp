@@ -35,7 +35,7 @@ absl::StatusOr<LoadedMesh> compact(const std::vector<std::uint32_t>& corners, co
   }
   absl::StatusOr<RepairedMesh> repaired = repair(std::move(soup));
   if (!repaired.ok()) return repaired.status();
-  return LoadedMesh{std::move(repaired->mesh), std::move(repaired->attributes), {}};
+  return LoadedMesh{std::move(repaired->mesh), std::move(repaired->attributes), std::move(repaired->sources), {}};
 }
 
 absl::StatusOr<std::string> encoded(const LoadedMesh& loaded) {

@@ -36,7 +36,7 @@ absl::StatusOr<LoadedMesh> decode_drc_mesh(std::string_view bytes, const Vec3d& 
   }
   absl::StatusOr<RepairedMesh> repaired = repair(std::move(soup));
   if (!repaired.ok()) return repaired.status();
-  return LoadedMesh{std::move(repaired->mesh), std::move(repaired->attributes), {}};
+  return LoadedMesh{std::move(repaired->mesh), std::move(repaired->attributes), std::move(repaired->sources), {}};
 }
 
 }  // namespace curvecast::cli::bench

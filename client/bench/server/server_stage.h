@@ -12,7 +12,7 @@
 #include "client/lib/view_stream.h"
 #include "core/base/execution_context.h"
 #include "core/base/vec.h"
-#include "core/mesh_io/mesh_file.h"
+#include "core/mesh_io/reading/mesh_file.h"
 
 namespace curvecast::cli::bench {
 

@@ -24,7 +24,9 @@ struct Shaded {
   std::vector<Vec3f> normals;
   std::vector<std::uint32_t> normal_of_corner;
 
-  std::optional<double> angle() const { return own_crease_angle(soup, {normals, normal_of_corner, {}}); }
+  std::optional<double> angle(bool is_quantised = false) const {
+    return own_crease_angle(soup, {normals, normal_of_corner, {}, is_quantised});
+  }
 };
 
 /// `normal`: of a place on a polygon that faces somewhere.
@@ -111,6 +113,26 @@ TEST(OwnCreaseAngle, IsSilentWhereFacesLieOnOneAnother) {
     const std::vector<std::uint32_t> groups(times, 1);
     EXPECT_EQ(own_crease_angle(soup, {{}, {}, groups}), std::nullopt) << times;
   }
+}
+
+/// Rounds places to a lattice and normals to 8 bits.
+Shaded quantised(Shaded shape, double step) {
+  for (Vec3d& p : shape.soup.positions) p = (p / step).array().round() * step;
+  for (Vec3f& n : shape.normals) n = (n * 127).array().round() / 127;
+  return shape;
+}
+
+TEST(OwnCreaseAngle, OfQuantisedNormalsIsThatOfTheOthers) {
+  for (const PolygonSoup& ball : {icosphere(3), icosphere(4)}) {  // turns of 8 and 4 degrees
+    const Shaded flat = shaded(ball, as_facing);
+    EXPECT_EQ(quantised(flat, 1e-4).angle(true), flat.angle());
+    const Shaded round = shaded(ball, [](const Vec3d& place, const Vec3d&) { return place; });
+    EXPECT_EQ(quantised(round, 1e-4).angle(true), round.angle());
+  }
+  const Shaded fine = shaded(icosphere(6), as_facing);
+  EXPECT_EQ(quantised(fine, 1e-4).angle(true), std::nullopt) << "turns of a degree are lost in the rounding";
+  const Shaded box = shaded(drum(12), as_facing);
+  EXPECT_EQ(quantised(box, 1e-4).angle(true), box.angle());
 }
 
 }  // namespace

@@ -83,6 +83,27 @@ bool same_turn(const std::array<Vec3d, 3>& a, std::array<Vec3d, 3> b) {
   return false;
 }
 
+/// Every face's corners are those of the polygon that it comes from, in the order that its source tells; of greater polygons
+/// some.
+void expect_sources(const PolygonSoup& soup, const RepairedMesh& result) {
+  for (std::uint32_t f = 0; f < result.mesh.face_count(); ++f) {
+    const std::uint32_t p = result.sources.polygon(f);
+    ASSERT_LT(p, soup.polygon_count()) << "face " << f;
+    const std::array<Vec3d, 3> face = places(result.mesh, f);
+    if (soup.polygon_begin[p + 1] - soup.polygon_begin[p] == 3) {
+      std::array<Vec3d, 3> polygon = places(soup, p);
+      if (result.sources.is_turned(f)) std::swap(polygon[1], polygon[2]);
+      ASSERT_EQ(face, polygon) << "face " << f << " of polygon " << p;
+      continue;
+    }
+    std::vector<Vec3d> corners;
+    for (std::uint32_t i = soup.polygon_begin[p]; i < soup.polygon_begin[p + 1]; ++i) {
+      corners.push_back(soup.positions[soup.indices[i]]);
+    }
+    for (const Vec3d& corner : face) ASSERT_NE(std::find(corners.begin(), corners.end(), corner), corners.end()) << "face " << f;
+  }
+}
+
 double area_of(const PolygonSoup& triangles) {
   double sum = 0;
   for (std::size_t p = 0; p < triangles.polygon_count(); ++p) {
@@ -108,6 +129,7 @@ TEST(Repair, LeavesSoundMeshesAlone) {
     const RepairedMesh result = repaired(soup);
     expect_manifold(result.mesh);
     EXPECT_EQ(faults(result.report), 0u);
+    EXPECT_TRUE(result.sources.codes().empty());
     EXPECT_EQ(result.mesh.vertex_count(), soup.positions.size());
     ASSERT_EQ(result.mesh.face_count(), soup.polygon_count());
     for (std::size_t f = 0; f < soup.polygon_count(); ++f) {
@@ -132,6 +154,7 @@ TEST(Repair, TurnsAMinorityOfFlippedFacesBack) {
     expect_manifold(result.mesh);
     EXPECT_EQ(result.report.flipped_faces, flipped);
     EXPECT_EQ(faults(result.report), flipped);
+    expect_sources(broken, result);
     ASSERT_EQ(result.mesh.face_count(), soup.polygon_count());
     for (std::size_t f = 0; f < soup.polygon_count(); ++f) {
       EXPECT_TRUE(same_turn(places(soup, f), places(result.mesh, f))) << "face " << f;
@@ -233,6 +256,7 @@ TEST(Repair, DropsDuplicateFaces) {
   expect_manifold(result.mesh);
   EXPECT_EQ(result.report.duplicate_faces, 10u);
   EXPECT_EQ(faults(result.report), 10u);
+  expect_sources(soup, result);
   ASSERT_EQ(result.mesh.face_count(), good.polygon_count());
   for (std::size_t f = 0; f < good.polygon_count(); ++f) EXPECT_TRUE(same_turn(places(good, f), places(result.mesh, f)));
 }
@@ -260,15 +284,32 @@ TEST(Repair, DropsDegenerateFacesAndKeepsSlivers) {
   const RepairedMesh result = repaired(soup);
   expect_manifold(result.mesh);
   EXPECT_EQ(result.report.degenerate_faces, 6u);
+  expect_sources(soup, result);
   ASSERT_EQ(result.mesh.face_count(), 2u);
   EXPECT_TRUE(same_turn(places(result.mesh, 0), {soup.positions[8], soup.positions[7], soup.positions[6]}));
   EXPECT_TRUE(same_turn(places(result.mesh, 1), {soup.positions[0], soup.positions[2], soup.positions[3]}));
   EXPECT_EQ(result.report.unused_vertices, 3u);
 }
 
+TEST(Repair, TellsWhichPolygonsFacesAreWhereABlockDiffersFromTheOthers) {
+  // More polygons than a thread takes at once; one alone, late, is no triangle, and so only the faces behind it have other
+  // numbers.
+  PolygonSoup soup = torus(400, 300);
+  const std::size_t odd = 200'000;
+  ASSERT_GT(soup.polygon_count(), odd);
+  soup.indices[3 * odd + 1] = soup.indices[3 * odd];
+  const RepairedMesh result = repaired(soup);
+  EXPECT_EQ(result.report.degenerate_faces, 1u);
+  ASSERT_EQ(result.mesh.face_count(), soup.polygon_count() - 1);
+  EXPECT_EQ(result.sources.polygon(odd - 1), odd - 1);
+  EXPECT_EQ(result.sources.polygon(odd), odd + 1);
+  expect_sources(soup, result);
+}
+
 TEST(Repair, TriangulatesQuadsAndConcavePolygons) {
   const RepairedMesh box = repaired(cube());
   expect_manifold(box.mesh);
+  expect_sources(cube(), box);
   EXPECT_EQ(box.report.triangulated_polygons, 6u);
   EXPECT_EQ(box.mesh.face_count(), 12u);
   EXPECT_NEAR(surface_area(box.mesh), 6, 1e-12);
@@ -410,8 +451,10 @@ TEST(Repair, MakesAManifoldOfAnySoup) {
       const std::vector<std::uint32_t> v(corners.begin(), corners.end());
       area += 0.5 * (positions[v[1]] - positions[v[0]]).cross(positions[v[2]] - positions[v[0]]).norm();
     }
-    const RepairedMesh result = repaired(soup_of(positions, polygons));
+    const PolygonSoup soup = soup_of(positions, polygons);
+    const RepairedMesh result = repaired(soup);
     expect_manifold(result.mesh);
+    expect_sources(soup, result);
     EXPECT_EQ(result.mesh.face_count(), distinct) << "seed " << seed;
     EXPECT_EQ(result.report.degenerate_faces, degenerate) << "seed " << seed;
     EXPECT_EQ(result.report.duplicate_faces, duplicate) << "seed " << seed;

@@ -1,4 +1,4 @@
-#include "core/mesh_io/gltf_reader.h"
+#include "core/mesh_io/gltf/gltf_reader.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,6 +3,7 @@
 
 #include <png.h>
 #include <turbojpeg.h>
+#include <webp/encode.h>
 
 #include <string>
 
@@ -41,6 +42,17 @@ inline std::string jpeg_file(const Image& image) {
   std::string file(reinterpret_cast<char*>(bytes), size);
   tjFree(bytes);
   tjDestroy(encoder);
+  return file;
+}
+
+/// Without loss, or with some.
+inline std::string webp_file(const Image& image, bool lossless = true) {
+  std::uint8_t* bytes = nullptr;
+  const std::size_t size = lossless
+                               ? WebPEncodeLosslessRGBA(image.rgba.data(), image.width, image.height, 4 * image.width, &bytes)
+                               : WebPEncodeRGBA(image.rgba.data(), image.width, image.height, 4 * image.width, 95, &bytes);
+  std::string file(reinterpret_cast<char*>(bytes), size);
+  WebPFree(bytes);
   return file;
 }
 

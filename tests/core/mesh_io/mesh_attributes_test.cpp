@@ -225,7 +225,7 @@ TEST(MeshAttributes, ObjMaterials) {
   EXPECT_THAT(soup.warnings, ElementsAre("line 4 of sub/a.mtl: the texture 'sub/wood.jpg' is not there, so it is left out.",
                                          HasSubstr("the material 'none' is in none of the material libraries")));
   companions["sub/wood.jpg"] = "not a picture";
-  EXPECT_THAT(soup_of(file, companions).warnings[0], HasSubstr("the texture 'sub/wood.jpg' is neither PNG nor JPEG"));
+  EXPECT_THAT(soup_of(file, companions).warnings[0], HasSubstr("the texture 'sub/wood.jpg' is neither PNG, JPEG nor WebP"));
   companions["sub/wood.jpg"] = jpeg_file(plain_image(8, 8, 200, 100, 50));
   companions["sub/other.png"] = "";
   EXPECT_THAT(ask(), IsEmpty());

@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/mesh_io/mesh_file.h"
 #include "core/mesh_io/mesh_io.h"
+#include "core/mesh_io/reading/mesh_file.h"
 
 namespace curvecast {
 

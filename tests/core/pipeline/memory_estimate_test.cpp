@@ -6,7 +6,10 @@
 #include <cstdio>
 #include <string>
 
+#include "core/mesh_io/mesh_io.h"
 #include "core/pipeline/pipeline.h"
+#include "tests/core/mesh_io/packed_gltf.h"
+#include "tests/core/mesh_io/three_mf_writer.h"
 #include "tests/support/counted_memory.h"
 #include "tests/support/counting_source.h"
 #include "tests/support/shapes.h"
@@ -70,6 +73,46 @@ TEST(MemoryEstimate, OfInspectionIsMoreThanIsTaken) {
     std::printf("%-40s took %6.1f MB, told %6.1f MB, %.2f times\n", shape.name.c_str(), peak / 1e6, told / 1e6, told / peak);
     EXPECT_LE(peak, told);
     EXPECT_GT(4 * peak + (4 << 20), told) << "what is refused would have fit";
+  }
+}
+
+/// Positions and faces as writers of files take them.
+FileMesh file_mesh(const PolygonSoup& soup) {
+  FileMesh mesh;
+  for (const Vec3d& p : soup.positions) mesh.vertices.push_back({p.x(), p.y(), p.z()});
+  for (std::size_t i = 0; i < soup.indices.size(); i += 3) {
+    mesh.faces.push_back(
+        {static_cast<int>(soup.indices[i]), static_cast<int>(soup.indices[i + 1]), static_cast<int>(soup.indices[i + 2])});
+  }
+  return mesh;
+}
+
+TEST(MemoryEstimate, OfReadingCompressedFilesIsMoreThanIsTaken) {
+  for (const PolygonSoup& soup : {testing::icosphere(7), testing::unshared(testing::icosphere(6)), testing::square(300)}) {
+    const FileMesh mesh = file_mesh(soup);
+    const std::vector<std::uint8_t> colours(4 * mesh.vertices.size(), 7);
+    const std::string model = three_mf_model(three_mf_object(1, mesh), "<item objectid=\"1\"/>");
+    const std::pair<const char*, std::string> files[] = {
+        {"draco.glb", gltf_with_draco(mesh, draco_bytes(mesh, colours), true).glb()},
+        {"draco-in-order.glb", gltf_with_draco(mesh, draco_bytes(mesh, colours, {.sequential = true}), true).glb()},
+        {"meshopt.glb", gltf_with_meshopt(mesh).glb()},
+        {"mesh.3mf", three_mf_file(model)}};
+    for (const auto& [name, file] : files) {
+      SCOPED_TRACE(name);
+      testing::CountingSource source;
+      const ExecutionContext context{.memory = &source};
+      const MeshFile mesh_file = {.name = name, .bytes = std::span<const char>(file)};
+      const testing::CountedMemory memory;
+      MemoryClaim claim(context);
+      ASSERT_TRUE(claim_reading(mesh_file, claim).ok());
+      const double telling = static_cast<double>(memory.peak());
+      ASSERT_TRUE(read_mesh(mesh_file, context).ok());
+      const double peak = static_cast<double>(memory.peak()), told = static_cast<double>(source.peak());
+      std::printf("%-40s took %6.1f MB, told %6.1f MB, %.2f times\n", name, peak / 1e6, told / 1e6, told / peak);
+      EXPECT_LE(peak, told);
+      EXPECT_LT(telling, 1 << 20) << "telling takes much itself";
+      EXPECT_GT(6 * peak + (4 << 20), told) << "what is refused would have fit";
+    }
   }
 }
 

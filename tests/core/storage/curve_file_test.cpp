@@ -56,6 +56,7 @@ const SurfaceCurve& some_curve() {
     curve->scalars[0].name = "quality";
     curve->scalars[1].values[7] = std::numeric_limits<float>::quiet_NaN();
     curve->revision = 3;
+    curve->face_sources = FaceSources(Column<std::uint32_t>({FaceSources::code(1, false), FaceSources::code(0, true)}));
     curve->finish();
     result->curve = std::move(curve);
     return *std::move(result);
@@ -78,6 +79,8 @@ void expect_same(const SurfaceCurve& a, const SurfaceCurve& b) {
     EXPECT_EQ(a.scalars[i].name, b.scalars[i].name);
     EXPECT_EQ(raw(a.scalars[i].values), raw(b.scalars[i].values));
   }
+  EXPECT_EQ(raw(a.face_sources.codes()), raw(b.face_sources.codes()));
+  EXPECT_FALSE(b.face_sources.codes().empty());
   EXPECT_EQ(a.disc_begin, b.disc_begin);
   EXPECT_EQ(a.origin, b.origin);
   EXPECT_EQ(a.box.min, b.box.min);

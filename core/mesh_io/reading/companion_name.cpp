@@ -1,4 +1,4 @@
-#include "core/mesh_io/companion_name.h"
+#include "core/mesh_io/reading/companion_name.h"
 
 #include <absl/strings/escaping.h>
 

@@ -1,4 +1,4 @@
-#include "core/mesh_io/gltf_document.h"
+#include "core/mesh_io/gltf/gltf_document.h"
 
 #include <absl/strings/escaping.h>
 #include <absl/strings/str_format.h>
@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/mesh_io/endian.h"
-#include "core/mesh_io/gltf_json.h"
+#include "core/mesh_io/gltf/gltf_json.h"
+#include "core/mesh_io/reading/endian.h"
 
 namespace curvecast {
 namespace {
@@ -72,6 +72,10 @@ std::vector<GltfSource> take_sources(Json& document, const char* key) {
     std::string uri = gltf_string(object, "uri");
     source.buffer_view = gltf_number(object, "bufferView");
     source.byte_length = static_cast<std::uint64_t>(std::max<std::int64_t>(0, gltf_number(object, "byteLength")));
+    const Json* const extensions = gltf_member(object, "extensions");
+    const Json* const meshopt = extensions != nullptr ? gltf_member(*extensions, "EXT_meshopt_compression") : nullptr;
+    const Json* const fallback = meshopt != nullptr ? gltf_member(*meshopt, "fallback") : nullptr;
+    if (fallback != nullptr && fallback->is_boolean() && fallback->get<bool>()) uri.clear();  // not compressed: never read
     if (uri.starts_with("data:")) {
       source.data_uri = std::move(uri);
     } else if (!uri.empty()) {

@@ -1,12 +1,12 @@
-#include "core/mesh_io/texture_loader.h"
+#include "core/mesh_io/reading/texture_loader.h"
 
 #include <absl/strings/str_format.h>
 
 #include <new>
 #include <utility>
 
-#include "core/mesh_io/companion_name.h"
-#include "core/mesh_io/texture_image.h"
+#include "core/mesh_io/reading/companion_name.h"
+#include "core/mesh_io/reading/texture_image.h"
 
 namespace curvecast {
 

@@ -1,4 +1,4 @@
-#include "core/mesh_io/gltf_json.h"
+#include "core/mesh_io/gltf/gltf_json.h"
 
 #include <absl/strings/str_format.h>
 

@@ -1,4 +1,4 @@
-#include "core/mesh_io/gltf_model.h"
+#include "core/mesh_io/gltf/gltf_model.h"
 
 #include <absl/strings/str_format.h>
 
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/base/vec.h"
-#include "core/mesh_io/companion_name.h"
-#include "core/mesh_io/gltf_json.h"
+#include "core/mesh_io/gltf/gltf_json.h"
+#include "core/mesh_io/reading/companion_name.h"
 
 namespace curvecast {
 namespace {
@@ -23,6 +23,8 @@ class Element {
       : object_(object), list_(list), number_(number), status_(status) {}
 
   const Json& json() const { return object_; }
+  std::size_t number() const { return number_; }
+  absl::Status& status() { return status_; }
   void fail(std::string_view what) {
     status_.Update(absl::InvalidArgumentError(absl::StrFormat("%s %d: %s", list_, number_, what)));
   }
@@ -95,13 +97,48 @@ std::vector<double> numbers_of(const Json& object, const char* key) {
 /// A component type that there is not stays one.
 GltfComponent component_of(std::uint64_t number) { return static_cast<GltfComponent>(number < 10'000 ? number : 0); }
 
+/// The extension of this name on an object; null where there is none.
+const Json* extension_of(const Json& object, const char* name) {
+  const Json* const extensions = gltf_member(object, "extensions");
+  const Json* const extension = extensions != nullptr ? gltf_member(*extensions, name) : nullptr;
+  return extension != nullptr && extension->is_object() ? extension : nullptr;
+}
+
+/// Indices by their names; what is no whole number is left out.
+std::map<std::string, std::int64_t> named_indices(const Json& object, const char* key) {
+  std::map<std::string, std::int64_t> indices;
+  const Json* const values = gltf_member(object, key);
+  if (values == nullptr || !values->is_object()) return indices;
+  for (const auto& [name, value] : values->items()) {
+    if (value.is_number_integer()) indices[name] = value.get<std::int64_t>();
+  }
+  return indices;
+}
+
+std::unique_ptr<const GltfMeshopt> read_meshopt(const Json& view, std::size_t number, absl::Status& status) {
+  const Json* const extension = extension_of(view, "EXT_meshopt_compression");
+  if (extension == nullptr) return nullptr;
+  Element element(*extension, "EXT_meshopt_compression of bufferViews", number, status);
+  element.require(*extension, "buffer");
+  GltfMeshopt meshopt{.buffer = gltf_number(*extension, "buffer"),
+                      .offset = element.count("byteOffset"),
+                      .length = element.required_count("byteLength"),
+                      .stride = element.required_count("byteStride"),
+                      .count = element.required_count("count"),
+                      .mode = gltf_string(*extension, "mode"),
+                      .filter = gltf_string(*extension, "filter")};
+  if (meshopt.filter == "NONE") meshopt.filter.clear();
+  return std::make_unique<const GltfMeshopt>(std::move(meshopt));
+}
+
 GltfView read_view(Element& element) {
   constexpr std::uint64_t kMostStride = 252;
   element.require(element.json(), "buffer");
-  const GltfView view{.buffer = gltf_number(element.json(), "buffer"),
-                      .offset = element.count("byteOffset"),
-                      .length = element.required_count("byteLength"),
-                      .stride = element.count("byteStride")};
+  GltfView view{.buffer = gltf_number(element.json(), "buffer"),
+                .offset = element.count("byteOffset"),
+                .length = element.required_count("byteLength"),
+                .stride = element.count("byteStride"),
+                .meshopt = read_meshopt(element.json(), element.number(), element.status())};
   if (view.stride > kMostStride || view.stride % 4 != 0) {
     element.fail(absl::StrFormat("its byteStride is %d; it must be a multiple of 4, %d at most", view.stride, kMostStride));
   }
@@ -164,15 +201,16 @@ std::vector<GltfPrimitive> read_mesh(Element& element) {
     const Json& from = (*list)[i];
     const Json* const attributes = gltf_member(from, "attributes");
     if (attributes == nullptr || !attributes->is_object()) continue;
-    GltfPrimitive to{.number = i,
-                     .mode = gltf_number(from, "mode"),
-                     .indices = gltf_number(from, "indices"),
-                     .material = gltf_number(from, "material"),
-                     .attributes = {}};
-    for (const auto& [name, accessor] : attributes->items()) {
-      if (accessor.is_number_integer()) to.attributes[name] = accessor.get<std::int64_t>();
+    GltfPrimitive& to = primitives.emplace_back();
+    to.number = i;
+    if (const std::int64_t mode = gltf_number(from, "mode"); mode >= 0) to.mode = mode;
+    to.indices = gltf_number(from, "indices");
+    to.material = gltf_number(from, "material");
+    to.attributes = named_indices(from, "attributes");
+    if (const Json* const draco = extension_of(from, "KHR_draco_mesh_compression")) {
+      to.draco = std::make_unique<const GltfDraco>(
+          GltfDraco{.view = gltf_number(*draco, "bufferView"), .attributes = named_indices(*draco, "attributes")});
     }
-    primitives.push_back(std::move(to));
   }
   return primitives;
 }
@@ -208,9 +246,8 @@ Eigen::Affine2d texture_transform(const Json& extension) {
 
 GltfTextureUse read_texture_use(const Json& info) {
   GltfTextureUse use{.texture = gltf_number(info, "index"), .set = std::max<std::int64_t>(0, gltf_number(info, "texCoord"))};
-  const Json* const extensions = gltf_member(info, "extensions");
-  const Json* const moved = extensions != nullptr ? gltf_member(*extensions, "KHR_texture_transform") : nullptr;
-  if (moved == nullptr || !moved->is_object()) return use;
+  const Json* const moved = extension_of(info, "KHR_texture_transform");
+  if (moved == nullptr) return use;
   use.frame = texture_transform(*moved);
   if (const std::int64_t own = gltf_number(*moved, "texCoord"); own >= 0) use.set = own;
   return use;
@@ -243,7 +280,11 @@ absl::StatusOr<GltfModel> read_gltf_model(const Json& document) {
   const auto read_scene = [](Element& element) { return indices_of(element.json(), "nodes"); };
   status.Update(read_list(document, "scenes", model.scenes, read_scene));
   status.Update(read_list(document, "materials", model.materials, read_material));
-  const auto read_texture = [](Element& element) { return gltf_number(element.json(), "source"); };
+  const auto read_texture = [](Element& element) {
+    const Json* const webp = extension_of(element.json(), "EXT_texture_webp");
+    const std::int64_t image = webp != nullptr ? gltf_number(*webp, "source") : -1;
+    return image >= 0 ? image : gltf_number(element.json(), "source");
+  };
   status.Update(read_list(document, "textures", model.image_of_texture, read_texture));
   if (!status.ok()) return status;
   model.scene = gltf_number(document, "scene");

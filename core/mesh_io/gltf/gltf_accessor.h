@@ -13,9 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh_io/endian.h"
-#include "core/mesh_io/gltf_document.h"
-#include "core/mesh_io/mesh_file.h"
+#include "core/mesh_io/gltf/draco_primitive.h"
+#include "core/mesh_io/gltf/gltf_document.h"
+#include "core/mesh_io/reading/endian.h"
+#include "core/mesh_io/reading/mesh_file.h"
 
 namespace curvecast {
 
@@ -102,16 +103,31 @@ class GltfAccessors {
         claims_(document.model.accessors) {}
 
   /// Finds accessor `index`, which must have `least` to `most` components and an element; `what` it is for goes into messages.
-  /// The result is valid as long as this object.
-  absl::StatusOr<GltfAccessor> find(std::int64_t index, int least, int most, std::string_view what);
+  /// The result is valid as long as this object. Its elements are those in the Draco data of `primitive`, if that has any.
+  absl::StatusOr<GltfAccessor> find(const GltfPrimitive& primitive, std::int64_t index, int least, int most,
+                                    std::string_view what);
 
-  /// Returns the bytes of a buffer view.
+  /// Decodes the Draco data of a primitive, if it has any: before any of its accessors is looked for.
+  absl::Status unpack(const GltfPrimitive& primitive);
+
+  /// Returns the bytes of a buffer view, decoded if they are compressed. They live as long as this object.
   absl::StatusOr<std::span<const char>> view(std::int64_t index);
+
+  /// Whether anything has been decoded so far.
+  bool has_decoded() const { return decoded_bytes_ > 0; }
 
   /// Returns how many vertices or triangles are still in proportion to the bytes that were read.
   std::uint64_t most_elements() const;
 
  private:
+  using Key = std::pair<std::int64_t, std::int64_t>;  // the view of Draco data, -1 for none, and the accessor
+
+  static Key key(const GltfPrimitive& primitive, std::int64_t index) {
+    return {primitive.draco != nullptr ? primitive.draco->view : -1, index};
+  }
+  absl::StatusOr<std::span<const char>> decoded_view(std::int64_t index);
+  absl::Status count_packed(std::uint64_t bytes);
+  absl::Status unpack_draco(const GltfPrimitive& primitive);
   absl::StatusOr<GltfAccessor> resolve(const GltfClaim& claim);
   absl::Status replace(const GltfClaim& claim, std::uint64_t element, GltfAccessor& found);
   absl::StatusOr<const char*> elements(const GltfRegion& region, std::uint64_t count, std::uint64_t element,
@@ -121,10 +137,16 @@ class GltfAccessors {
   GltfBuffers buffers_;
   const std::vector<GltfView>& views_;
   const std::vector<GltfClaim>& claims_;
-  std::map<std::int64_t, GltfAccessor> known_;
+  std::map<Key, GltfAccessor> known_;
+  std::map<std::int64_t, std::vector<char>> decoded_views_;
+  std::deque<DracoMesh> draco_meshes_;
+  std::uint64_t packed_bytes_ = 0, decoded_bytes_ = 0;
   std::deque<std::vector<char>> copies_;  // of sparse accessors
   std::uint64_t copied_ = 0;              // elements
 };
+
+/// What the accessors of a primitive with Draco data claim about it. InvalidArgument when it lacks positions or indices.
+absl::StatusOr<DracoClaim> draco_claim(const GltfPrimitive& primitive, const std::vector<GltfClaim>& accessors);
 
 /// Words an error: "there is no node 7 (the file has 3)".
 absl::Status gltf_has_no(std::string_view what, std::int64_t index, std::size_t count);

@@ -1,4 +1,4 @@
-#include "core/mesh_io/mesh_reading.h"
+#include "core/mesh_io/reading/mesh_reading.h"
 
 #include <absl/strings/str_format.h>
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/base/image.h"
-#include "core/mesh_io/mesh_file.h"
+#include "core/mesh_io/reading/mesh_file.h"
 
 namespace curvecast {
 

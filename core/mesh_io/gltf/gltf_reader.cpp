@@ -1,4 +1,4 @@
-#include "core/mesh_io/gltf_reader.h"
+#include "core/mesh_io/gltf/gltf_reader.h"
 
 #include <absl/strings/str_format.h>
 
@@ -13,12 +13,12 @@
 #include "core/base/colour.h"
 #include "core/base/srgb.h"
 #include "core/mesh/own_crease_angle.h"
-#include "core/mesh_io/companion_name.h"
-#include "core/mesh_io/gltf_accessor.h"
-#include "core/mesh_io/gltf_document.h"
-#include "core/mesh_io/gltf_nodes.h"
-#include "core/mesh_io/mesh_reading.h"
-#include "core/mesh_io/texture_loader.h"
+#include "core/mesh_io/gltf/gltf_accessor.h"
+#include "core/mesh_io/gltf/gltf_document.h"
+#include "core/mesh_io/gltf/gltf_nodes.h"
+#include "core/mesh_io/reading/companion_name.h"
+#include "core/mesh_io/reading/mesh_reading.h"
+#include "core/mesh_io/reading/texture_loader.h"
 
 namespace curvecast {
 namespace {
@@ -34,13 +34,12 @@ struct TextureCoordinates {
   Eigen::Affine2d frame;
 };
 
-/// The format's numbers for kinds of primitives; smaller ones are points and lines.
-enum Mode : std::int64_t { kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
-
 /// Extensions that change where triangles are cannot be passed over; those that change looks can.
 absl::Status check_extensions(const GltfModel& model, std::vector<std::string>& warnings) {
+  constexpr std::string_view kRead[] = {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_draco_mesh_compression",
+                                        "EXT_meshopt_compression", "EXT_texture_webp"};
   for (const std::string& name : model.required_extensions) {
-    if (name == "KHR_mesh_quantization" || name == "KHR_texture_transform") continue;
+    if (std::find(std::begin(kRead), std::end(kRead), name) != std::end(kRead)) continue;
     const bool looks_only = name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_") ||
                             name.starts_with("EXT_texture_") || name.starts_with("KHR_lights_");
     if (!looks_only) {
@@ -71,7 +70,10 @@ class GltfReader {
     if (!attributes.colours.empty()) attributes.colours.resize(soup_.positions.size());
     if (!attributes.normals.empty()) attributes.normals.resize(soup_.positions.size(), Vec3f::Zero());
     if (!attributes.uv.empty()) attributes.uv.resize(soup_.indices.size(), Vec2f::Zero());
-    soup_.crease_degrees = own_crease_angle(soup_, {attributes.normals, soup_.indices, {}});
+    soup_.crease_degrees = own_crease_angle(soup_, {.normals = attributes.normals,
+                                                    .normal_of_corner = soup_.indices,
+                                                    .group_of_polygon = {},
+                                                    .is_quantised = is_quantised_});
     if (!attributes.material_of_face.empty()) read_materials();
     return std::move(soup_);
   }
@@ -123,32 +125,35 @@ class GltfReader {
   }
 
   absl::Status read_primitive(const GltfPrimitive& primitive, const Eigen::Affine3d& world) {
-    const std::int64_t mode = primitive.mode < 0 ? kTriangles : primitive.mode;
-    if (mode < kTriangles) return absl::OkStatus();  // points and lines
-    if (mode > kTriangleFan) return absl::InvalidArgumentError(absl::StrFormat("there is no mode %d", mode));
+    if (primitive.mode < GltfPrimitive::kTriangles) return absl::OkStatus();  // points and lines
+    if (primitive.mode > GltfPrimitive::kTriangleFan) {
+      return absl::InvalidArgumentError(absl::StrFormat("there is no mode %d", primitive.mode));
+    }
     const std::int64_t position = attribute_of(primitive, "POSITION");
     if (position < 0) return absl::OkStatus();  // the format lets extensions supply it
-    const absl::StatusOr<GltfAccessor> positions = accessors_.find(position, 3, 3, "POSITION");
+    if (absl::Status status = accessors_.unpack(primitive); !status.ok()) return status;
+    const absl::StatusOr<GltfAccessor> positions = accessors_.find(primitive, position, 3, 3, "POSITION");
     if (!positions.ok()) return positions.status();
     const absl::StatusOr<std::size_t> first = read_vertices(primitive, *positions, world);
     if (!first.ok()) return first.status();
 
     std::optional<GltfAccessor> indices;
     if (primitive.indices >= 0) {
-      const absl::StatusOr<GltfAccessor> found = accessors_.find(primitive.indices, 1, 1, "the indices");
+      const absl::StatusOr<GltfAccessor> found = accessors_.find(primitive, primitive.indices, 1, 1, "the indices");
       if (!found.ok()) return found.status();
       if (!found->is_index())
         return absl::InvalidArgumentError(absl::StrFormat("accessor %d holds no indices", primitive.indices));
       indices = *found;
     }
-    return read_triangles(primitive, mode, *first, positions->count, indices, world.linear().determinant() < 0);
+    return read_triangles(primitive, *first, positions->count, indices, world.linear().determinant() < 0);
   }
 
   // The number of the first vertex. Primitives of a mesh often share their vertices and differ in material only.
   absl::StatusOr<std::size_t> read_vertices(const GltfPrimitive& primitive, const GltfAccessor& positions,
                                             const Eigen::Affine3d& world) {
-    const std::array<std::int64_t, 3> key = {attribute_of(primitive, "POSITION"), attribute_of(primitive, "NORMAL"),
-                                             attribute_of(primitive, "COLOR_0")};
+    const std::array<std::int64_t, 4> key = {attribute_of(primitive, "POSITION"), attribute_of(primitive, "NORMAL"),
+                                             attribute_of(primitive, "COLOR_0"),
+                                             primitive.draco != nullptr ? primitive.draco->view : -1};
     const auto [known, is_new] = blocks_.try_emplace(key, soup_.positions.size());
     if (!is_new) return known->second;
     const std::size_t first = soup_.positions.size();
@@ -162,8 +167,9 @@ class GltfReader {
     }
     MeshAttributes& attributes = soup_.attributes;
     if (key[1] >= 0) {
-      const absl::StatusOr<GltfAccessor> normals = accessors_.find(key[1], 3, 3, "NORMAL");
+      const absl::StatusOr<GltfAccessor> normals = accessors_.find(primitive, key[1], 3, 3, "NORMAL");
       if (!normals.ok()) return normals.status();
+      is_quantised_ = is_quantised_ || normals->component != GltfComponent::kFloat || accessors_.has_decoded();
       const Eigen::Matrix3d turn = world.linear().inverse().transpose();
       attributes.normals.resize(first, Vec3f::Zero());
       for (std::size_t i = 0; i < std::min(positions.count, normals->count); ++i) {
@@ -173,7 +179,7 @@ class GltfReader {
       attributes.normals.resize(soup_.positions.size(), Vec3f::Zero());
     }
     if (key[2] >= 0) {
-      const absl::StatusOr<GltfAccessor> colours = accessors_.find(key[2], 3, 4, "COLOR_0");
+      const absl::StatusOr<GltfAccessor> colours = accessors_.find(primitive, key[2], 3, 4, "COLOR_0");
       if (!colours.ok()) return colours.status();
       const auto encoded = [&](std::size_t i, int c) { return srgb_byte(colours->number(i, c)); };
       attributes.colours.resize(first);
@@ -186,10 +192,12 @@ class GltfReader {
     return first;
   }
 
-  absl::Status read_triangles(const GltfPrimitive& primitive, std::int64_t mode, std::size_t first, std::size_t vertices,
+  absl::Status read_triangles(const GltfPrimitive& primitive, std::size_t first, std::size_t vertices,
                               const std::optional<GltfAccessor>& indices, bool mirrored) {
+    // Draco turns strips into triangles of their own.
+    const std::int64_t mode = primitive.draco != nullptr ? GltfPrimitive::kTriangles : primitive.mode;
     const std::size_t count = indices ? indices->count : vertices;
-    const std::size_t triangles = mode == kTriangles ? count / 3 : count < 3 ? 0 : count - 2;
+    const std::size_t triangles = mode == GltfPrimitive::kTriangles ? count / 3 : count < 3 ? 0 : count - 2;
     if (absl::Status status = check_room(soup_.indices.size() / 3 + triangles, "triangles"); !status.ok()) return status;
     const absl::StatusOr<std::optional<TextureCoordinates>> uv = uv_of(primitive);
     if (!uv.ok()) return uv.status();
@@ -200,8 +208,8 @@ class GltfReader {
     for (std::size_t t = 0; t < triangles; ++t) {
       if (!monitor_->tick(instances_done_)) return monitor_->status();
       std::array<std::size_t, 3> corners = {3 * t, 3 * t + 1, 3 * t + 2};
-      if (mode == kTriangleStrip) corners = {t, t + 1 + t % 2, t + 2 - t % 2};
-      if (mode == kTriangleFan) corners = {0, t + 1, t + 2};
+      if (mode == GltfPrimitive::kTriangleStrip) corners = {t, t + 1 + t % 2, t + 2 - t % 2};
+      if (mode == GltfPrimitive::kTriangleFan) corners = {0, t + 1, t + 2};
       if (mirrored) std::swap(corners[1], corners[2]);
       for (const std::size_t corner : corners) {
         const std::size_t vertex = indices ? indices->index(corner) : corner;
@@ -240,7 +248,7 @@ class GltfReader {
     }
     const std::int64_t index = attribute_of(primitive, absl::StrFormat("TEXCOORD_%d", use->set));
     if (index < 0) return std::optional<TextureCoordinates>();
-    const absl::StatusOr<GltfAccessor> found = accessors_.find(index, 2, 2, "texture coordinates");
+    const absl::StatusOr<GltfAccessor> found = accessors_.find(primitive, index, 2, 2, "texture coordinates");
     if (!found.ok()) return found.status();
     return std::optional(TextureCoordinates{*found, use->frame});
   }
@@ -301,7 +309,8 @@ class GltfReader {
   const ExecutionContext& context_;
   std::optional<ReadMonitor> monitor_;  // counts instances
   std::size_t instances_done_ = 0, primitives_done_ = 0;
-  std::map<std::array<std::int64_t, 3>, std::size_t> blocks_;  // of the mesh at hand: first vertex by accessors
+  bool is_quantised_ = false;                                  // the normals
+  std::map<std::array<std::int64_t, 4>, std::size_t> blocks_;  // of the mesh at hand: first vertex by accessors, Draco data
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
-#include "core/mesh_io/gltf_nodes.h"
+#include "core/mesh_io/gltf/gltf_nodes.h"
 
 #include <absl/strings/str_format.h>
 
 #include "core/base/vec.h"
-#include "core/mesh_io/gltf_accessor.h"
+#include "core/mesh_io/gltf/gltf_accessor.h"
 
 namespace curvecast {
 namespace {

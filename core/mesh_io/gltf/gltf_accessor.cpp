@@ -1,4 +1,4 @@
-#include "core/mesh_io/gltf_accessor.h"
+#include "core/mesh_io/gltf/gltf_accessor.h"
 
 #include <absl/strings/str_format.h>
 
@@ -7,8 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "core/mesh_io/companion_name.h"
-#include "core/mesh_io/mesh_reading.h"
+#include "core/mesh_io/gltf/meshopt_view.h"
+#include "core/mesh_io/reading/companion_name.h"
+#include "core/mesh_io/reading/mesh_reading.h"
 
 namespace curvecast {
 namespace {
@@ -82,20 +83,21 @@ absl::StatusOr<std::span<const char>> GltfBuffers::find(std::int64_t index) {
 std::uint64_t GltfAccessors::most_elements() const {
   constexpr std::uint64_t kAnyway = 4'000'000;
   constexpr std::uint64_t kBytesEach = 4;
-  return std::min<std::uint64_t>(kAnyway + (file_bytes_ + buffers_.bytes_used()) / kBytesEach, UINT32_MAX / 3);
+  return std::min<std::uint64_t>(kAnyway + (file_bytes_ + buffers_.bytes_used() + decoded_bytes_) / kBytesEach, UINT32_MAX / 3);
 }
 
-absl::StatusOr<GltfAccessor> GltfAccessors::find(std::int64_t index, int least, int most, std::string_view what) {
+absl::StatusOr<GltfAccessor> GltfAccessors::find(const GltfPrimitive& primitive, std::int64_t index, int least, int most,
+                                                 std::string_view what) {
   if (index < 0 || index >= static_cast<std::int64_t>(claims_.size())) return gltf_has_no("accessor", index, claims_.size());
   const GltfClaim& claim = claims_[static_cast<std::size_t>(index)];
   absl::Status status;
   if (claim.components < least || claim.components > most) {
     status = absl::InvalidArgumentError("it has the wrong number of components");
-  } else if (const auto known = known_.find(index); known != known_.end()) {
+  } else if (const auto known = known_.find(key(primitive, index)); known != known_.end()) {
     return known->second;
   } else {
     absl::StatusOr<GltfAccessor> found = resolve(claim);
-    if (found.ok()) return known_[index] = *found;
+    if (found.ok()) return known_[key(primitive, index)] = *found;
     status = found.status();
   }
   return absl::InvalidArgumentError(absl::StrFormat("accessor %d (%s): %s", index, what, status.message()));
@@ -104,8 +106,102 @@ absl::StatusOr<GltfAccessor> GltfAccessors::find(std::int64_t index, int least, 
 absl::StatusOr<std::span<const char>> GltfAccessors::view(std::int64_t index) {
   if (index < 0 || index >= static_cast<std::int64_t>(views_.size())) return gltf_has_no("buffer view", index, views_.size());
   const GltfView& view = views_[static_cast<std::size_t>(index)];
-  return buffers_.slice(view.buffer, view.offset, view.length);
+  if (view.meshopt == nullptr) return buffers_.slice(view.buffer, view.offset, view.length);
+  absl::StatusOr<std::span<const char>> decoded = decoded_view(index);
+  if (decoded.ok()) return decoded;
+  return absl::InvalidArgumentError(absl::StrFormat("buffer view %d: %s", index, decoded.status().message()));
 }
+
+// ------------------------------------------------------------------------------------------------------------ what is compressed
+
+absl::StatusOr<std::span<const char>> GltfAccessors::decoded_view(std::int64_t index) {
+  if (const auto known = decoded_views_.find(index); known != decoded_views_.end()) return std::span<const char>(known->second);
+  const GltfMeshopt& packed = *views_[static_cast<std::size_t>(index)].meshopt;
+  const absl::StatusOr<std::span<const char>> bytes = buffers_.slice(packed.buffer, packed.offset, packed.length);
+  if (!bytes.ok()) return bytes.status();
+  if (absl::Status status = count_packed(bytes->size()); !status.ok()) return status;
+  absl::StatusOr<std::vector<char>> decoded = decode_meshopt(packed, *bytes);
+  if (!decoded.ok()) return decoded.status();
+  decoded_bytes_ += decoded->size();
+  return std::span<const char>(decoded_views_[index] = *std::move(decoded));
+}
+
+// Any number of views may show the same bytes. Each time they are decoded they take memory and time.
+absl::Status GltfAccessors::count_packed(std::uint64_t bytes) {
+  packed_bytes_ += bytes;
+  if (packed_bytes_ <= 2 * (file_bytes_ + buffers_.bytes_used())) return absl::OkStatus();
+  return absl::InvalidArgumentError("the same compressed bytes are used over and over");
+}
+
+absl::Status GltfAccessors::unpack(const GltfPrimitive& primitive) {
+  if (primitive.draco == nullptr) return absl::OkStatus();
+  absl::Status status = unpack_draco(primitive);
+  if (status.ok()) return status;
+  return absl::Status(status.code(), absl::StrFormat("buffer view %d: %s", primitive.draco->view, status.message()));
+}
+
+absl::Status GltfAccessors::unpack_draco(const GltfPrimitive& primitive) {
+  const absl::StatusOr<DracoClaim> claim = draco_claim(primitive, claims_);
+  if (!claim.ok()) return claim.status();
+  std::vector<std::int64_t> wanted;
+  std::vector<DracoRequest> requests;
+  for (const auto& [name, id] : primitive.draco->attributes) {
+    const auto attribute = primitive.attributes.find(name);
+    if (attribute == primitive.attributes.end() || known_.contains(key(primitive, attribute->second))) continue;
+    const std::int64_t index = attribute->second;
+    if (index < 0 || index >= static_cast<std::int64_t>(claims_.size())) return gltf_has_no("accessor", index, claims_.size());
+    const GltfClaim& accessor = claims_[static_cast<std::size_t>(index)];
+    wanted.push_back(index);
+    requests.push_back({.id = id, .components = accessor.components, .component = accessor.region.component});
+  }
+  if (requests.empty() && known_.contains(key(primitive, primitive.indices))) return absl::OkStatus();
+  const absl::StatusOr<std::span<const char>> bytes = view(primitive.draco->view);
+  if (!bytes.ok()) return bytes.status();
+  if (absl::Status status = count_packed(bytes->size()); !status.ok()) return status;
+  absl::StatusOr<DracoMesh> decoded = decode_draco(*bytes, *claim, requests);
+  if (!decoded.ok()) return decoded.status();
+  const DracoMesh& mesh = draco_meshes_.emplace_back(*std::move(decoded));
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const GltfClaim& accessor = claims_[static_cast<std::size_t>(wanted[i])];
+    known_[key(primitive, wanted[i])] = {.data = mesh.values[i].data(),
+                                         .count = mesh.vertices,
+                                         .stride = mesh.vertices > 0 ? mesh.values[i].size() / mesh.vertices : 0,
+                                         .components = accessor.components,
+                                         .component = accessor.region.component,
+                                         .normalised = accessor.normalised};
+    decoded_bytes_ += mesh.values[i].size();
+  }
+  known_[key(primitive, primitive.indices)] = {.data = reinterpret_cast<const char*>(mesh.indices.data()),
+                                               .count = mesh.indices.size(),
+                                               .stride = sizeof(std::uint32_t),
+                                               .components = 1,
+                                               .component = GltfComponent::kUint32};
+  decoded_bytes_ += mesh.indices.size() * sizeof(std::uint32_t);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<DracoClaim> draco_claim(const GltfPrimitive& primitive, const std::vector<GltfClaim>& accessors) {
+  const auto accessor = [&](std::int64_t index) {
+    const bool is_there = index >= 0 && index < static_cast<std::int64_t>(accessors.size());
+    return is_there ? &accessors[static_cast<std::size_t>(index)] : nullptr;
+  };
+  const auto position = primitive.attributes.find("POSITION");
+  const GltfClaim* const indices = accessor(primitive.indices);
+  const GltfClaim* const vertices = position != primitive.attributes.end() ? accessor(position->second) : nullptr;
+  if (indices == nullptr || vertices == nullptr) {
+    return absl::InvalidArgumentError("Draco data needs accessors for positions and indices beside it");
+  }
+  const bool is_strip = primitive.mode == GltfPrimitive::kTriangleStrip;
+  DracoClaim claim{.triangles = is_strip ? indices->count : indices->count / 3, .vertices = vertices->count};
+  for (const auto& [name, index] : primitive.attributes) {
+    if (const GltfClaim* const attribute = accessor(index)) {
+      claim.bytes_per_vertex += 4 * static_cast<std::uint64_t>(attribute->components);
+    }
+  }
+  return claim;
+}
+
+// --------------------------------------------------------------------------------------------------------------------- accessors
 
 absl::StatusOr<GltfAccessor> GltfAccessors::resolve(const GltfClaim& claim) {
   const std::uint64_t size = component_bytes(claim.region.component);

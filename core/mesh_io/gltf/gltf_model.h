@@ -19,10 +19,19 @@ namespace curvecast {
 /// The types of numbers in buffers, as the format numbers them.
 enum class GltfComponent { kInt8 = 5120, kUint8 = 5121, kInt16 = 5122, kUint16 = 5123, kUint32 = 5125, kFloat = 5126 };
 
+/// The bytes of a view, compressed as EXT_meshopt_compression says: elements of `stride` bytes each.
+struct GltfMeshopt {
+  std::int64_t buffer = -1;
+  std::uint64_t offset = 0, length = 0;  // bytes, compressed
+  std::uint64_t stride = 0, count = 0;
+  std::string mode, filter;  // as written; no filter: empty
+};
+
 /// A part of a buffer.
 struct GltfView {
   std::int64_t buffer = -1;
   std::uint64_t offset = 0, length = 0, stride = 0;  // bytes; stride 0: packed
+  std::unique_ptr<const GltfMeshopt> meshopt;        // where the bytes are instead; null: in the buffer
 };
 
 /// Where the elements of an accessor begin.
@@ -42,11 +51,21 @@ struct GltfClaim {
   GltfRegion indices, values;  // of those
 };
 
+/// Where the vertices and triangles of a primitive are, as KHR_draco_mesh_compression says.
+struct GltfDraco {
+  std::int64_t view = -1;
+  std::map<std::string, std::int64_t> attributes;  // the numbers within the Draco data, by names
+};
+
 struct GltfPrimitive {
+  /// The format's numbers for kinds of primitives; smaller ones are points and lines.
+  enum Mode : std::int64_t { kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
+
   std::size_t number = 0;  // in its mesh
-  std::int64_t mode = -1;  // points, lines, triangles ..., as the format numbers them
+  std::int64_t mode = kTriangles;
   std::int64_t indices = -1, material = -1;
   std::map<std::string, std::int64_t> attributes;  // accessors by name
+  std::unique_ptr<const GltfDraco> draco;          // null: the accessors have views
 };
 
 /// Either the 16 values of a matrix, by columns, or translation (3), rotation (quaternion: x, y, z, w) and scale (3), any of them
@@ -83,7 +102,7 @@ struct GltfModel {
   std::vector<std::vector<std::int64_t>> scenes;  // the root nodes of each
   std::int64_t scene = -1;                        // the default one
   std::vector<GltfMaterial> materials;
-  std::vector<std::int64_t> image_of_texture;
+  std::vector<std::int64_t> image_of_texture;  // the WebP one (EXT_texture_webp) where there is one
 };
 
 /// Reads the model out of the whole JSON. Takes linear time. InvalidArgument when an element of a list is no object; when a view

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/mesh_io/gltf_model.h"
+#include "core/mesh_io/gltf/gltf_model.h"
 
 namespace curvecast {
 

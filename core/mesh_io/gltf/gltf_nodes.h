@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh_io/gltf_model.h"
+#include "core/mesh_io/gltf/gltf_model.h"
 
 namespace curvecast {
 
