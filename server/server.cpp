@@ -26,6 +26,7 @@
 #include "server/grpc/service.h"
 #include "server/net/descriptors.h"
 #include "server/web/credentials.h"
+#include "server/web/resources/resources.h"
 #include "server/web/web_calls.h"
 #include "server/web/web_gateway.h"
 #include "server/web/web_poster.h"
@@ -138,14 +139,18 @@ class GrpcServer final : public Server {
     WebGatewayOptions web{.listen = options_.http};
     if (tls_ != nullptr) web.tls = *tls_->get();
     web.max_connections = std::min(web.max_connections, shares.pages);
+    const WebOrigins origins{.others = options_.web_origins, .any_name = engine_.knows_callers()};
+    const WebResourceLimits limits{.most = std::max<std::size_t>(1, web.max_connections / 2),
+                                   .most_of_client = std::max<std::size_t>(1, web.max_connections / 8)};
     web.sockets = {.path = "/v1/socket",
                    .identify = [this](const Peer& peer) { return identify(engine_, peer); },
                    .maker = web_calls(engine_, in_process_channel()),
-                   .origins = {.others = options_.web_origins, .any_name = engine_.knows_callers()},
+                   .origins = origins,
                    .proxies = engine_.proxies,
                    .max_sockets = std::min(options_.max_streams, shares.sockets),
                    .max_sockets_of_client = options_.max_streams_of_client,
-                   .late_routes = {{kPosterPath, posters(in_process_channel())}}};
+                   .late_routes = {{kPosterPath, posters(in_process_channel())}},
+                   .resources = web_resources(engine_, in_process_channel(), origins, limits)};
     WebRoutes routes = page_routes(options_.pages);
     routes.merge(probe_routes(health()));
     if (options_.admin.empty()) routes.merge(metrics_routes(engine_));

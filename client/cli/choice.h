@@ -1,14 +1,10 @@
-// Names that a flag may take, some of which this version does not know yet.
+// Names that a flag may take.
 #pragma once
 
-#include <absl/status/status.h>
-
-#include <span>
-#include <string_view>
+#include "proto/terms/choice.h"
 
 namespace curvecast::cli {
 
-/// OK when `value` is in `available`; else InvalidArgument: `what` 'value' is not known, with the list of what is.
-absl::Status check_choice(std::string_view what, std::string_view value, std::span<const std::string_view> available);
+using terms::check_choice;
 
 }  // namespace curvecast::cli

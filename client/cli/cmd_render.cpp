@@ -220,7 +220,7 @@ Command add_render(CLI::App& root, CommonOptions& options) {
   add_cache_flags(app, options);
   const auto flags = std::make_shared<RenderFlags>();
   app->add_option("INPUT", flags->input,
-                  "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) or points (.drc, .xyz, .pcd, or a .ply without faces)")
+                  "a mesh (.ply, .obj, .off, .stl, .gltf, .glb, .3mf) or points (.drc, .xyz, .pcd, or a .ply without faces)")
       ->required();
   app->add_option("-o,--output", flags->output, "the picture: .png, or .jpg or .jpeg with some loss")
       ->check(validator(

@@ -314,7 +314,8 @@ Command add_serve(CLI::App& root, CommonOptions& options) {
                   "where servers share sessions and uploads, behind the --cache that each has for itself: file:///DIR, a folder "
                   "that all of them mount, or s3://BUCKET/PREFIX; an upload counts once it is there")
       ->type_name("URL");
-  app->add_option("--open", flags->meshes, "a mesh (.ply, .obj, .off, .stl, .gltf, .glb) to prepare at once; repeat for more")
+  app->add_option("--open", flags->meshes,
+                  "a mesh (.ply, .obj, .off, .stl, .gltf, .glb, .3mf) to prepare at once; repeat for more")
       ->type_name("MESH")
       ->allow_extra_args(false);
   app->add_option("-n,--points", flags->points, "of --open, N for which the curves are made fine enough, 1 to 4,000,000")

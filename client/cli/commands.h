@@ -12,6 +12,7 @@ Command add_serve(CLI::App& root, CommonOptions& options);
 Command add_info(CLI::App& root, CommonOptions& options);
 Command add_preprocess(CLI::App& root, CommonOptions& options);
 Command add_sample(CLI::App& root, CommonOptions& options);
+Command add_tiles(CLI::App& root, CommonOptions& options);
 Command add_batch(CLI::App& root, CommonOptions& options);
 Command add_stream(CLI::App& root, CommonOptions& options);
 Command add_measure(CLI::App& root, CommonOptions& options);

@@ -28,7 +28,8 @@ namespace curvecast::cli {
 using Json = nlohmann::ordered_json;
 
 /// Help for a mesh argument.
-inline constexpr char kMeshHelp[] = "a .ply, .obj, .off, .stl, .gltf or .glb file; what it refers to is taken from its folder";
+inline constexpr char kMeshHelp[] =
+    "a .ply, .obj, .off, .stl, .gltf, .glb or .3mf file; what it refers to is taken from its folder";
 
 struct CommonOptions {
   std::string server;      // "host:port"; empty = a server within this process

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "curvecast/v1/curvecast.pb.h"
+#include "proto/terms/density_term.h"
 
 namespace curvecast::cli {
 
@@ -22,12 +23,10 @@ inline constexpr char kDensityHelp[] =
     "distance[:near=..,far=..,global[=inverse-square|inverse|linear]] (level of detail; global: fewer points instead of another "
     "density)";
 
-/// One of kDensityHelp. Values are checked against the ranges of the API. InvalidArgument names the term, the key and what is
-/// allowed.
+/// One of kDensityHelp, see terms::parse_density_term(); reads files.
 absl::StatusOr<v1::DensityTerm> parse_density_term(std::string_view text);
 
-/// Whether a term looks from a camera.
-bool is_camera_term(const v1::DensityTerm& term);
+using terms::is_camera_term;
 
 /// Appends what the texts say to a message's terms.
 absl::Status add_density_terms(const std::vector<std::string>& texts, google::protobuf::RepeatedPtrField<v1::DensityTerm>* terms);

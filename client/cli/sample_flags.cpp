@@ -3,29 +3,19 @@
 #include <absl/strings/str_cat.h>
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <string_view>
 #include <utility>
 
-#include "client/cli/choice.h"
 #include "client/cli/common.h"
 #include "client/cli/density_term.h"
+#include "proto/terms/sample_names.h"
 
 namespace curvecast::cli {
 namespace {
 
 constexpr int kMostCameras = 16;
-// On a line Niederreiter's sequence in base 2 is van der Corput's: two names of one.
-constexpr std::array<std::string_view, 5> kSequences = {"jittered", "regular", "vandercorput", "golden", "niederreiter"};
-constexpr std::array<v1::Sequence, kSequences.size()> kSequenceValues = {v1::SEQUENCE_JITTERED, v1::SEQUENCE_REGULAR,
-                                                                         v1::SEQUENCE_VAN_DER_CORPUT, v1::SEQUENCE_GOLDEN_RATIO,
-                                                                         v1::SEQUENCE_VAN_DER_CORPUT};
-
-constexpr std::array<std::string_view, 2> kSamplers = {"equalised", "progressive"};
 constexpr char kProgressive[] = "progressive";
 
 /// What the flags say; where that is nothing, one camera of which nothing is said.
@@ -70,7 +60,7 @@ CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
               "equalised (the paper's: any sequence) or progressive (points with fixed ranks, evenly spread and apart: more "
               "points add to fewer, whatever the density); default: ",
               flags->usual_sampler, flags->usual_sampler == kProgressive ? ", with --sequence equalised" : ""))
-      ->check(validator([](const std::string& text) { return check_choice("sampler", text, kSamplers); }, ""))
+      ->check(validator([](const std::string& text) { return terms::parse_sampler(text).status(); }, ""))
       ->type_name("NAME");
   command
       ->add_option(
@@ -79,7 +69,7 @@ CLI::Option* add_sample_flags(CLI::App* command, SampleFlags* flags) {
           "regular, or endless sequences, of which more points add to fewer: vandercorput (or niederreiter, which in one "
           "dimension and base 2 is "
           "the same) or golden")
-      ->check(validator([](const std::string& text) { return check_choice("sequence", text, kSequences); }, ""))
+      ->check(validator([](const std::string& text) { return terms::parse_sequence(text).status(); }, ""))
       ->type_name("NAME");
   return count;
 }
@@ -132,9 +122,12 @@ absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::ui
     request.set_points(flags.points);
   }
   request.set_seed(seed);
-  request.set_sampler(sampler_of(flags) == kProgressive ? v1::SAMPLER_PROGRESSIVE : v1::SAMPLER_EQUALISED);
-  const auto choice = std::find(kSequences.begin(), kSequences.end(), sequence_of(flags)) - kSequences.begin();
-  request.set_sequence(kSequenceValues[static_cast<std::size_t>(choice)]);
+  const absl::StatusOr<v1::Sampler> sampler = terms::parse_sampler(sampler_of(flags));
+  if (!sampler.ok()) return sampler.status();
+  request.set_sampler(*sampler);
+  const absl::StatusOr<v1::Sequence> sequence = terms::parse_sequence(sequence_of(flags));
+  if (!sequence.ok()) return sequence.status();
+  request.set_sequence(*sequence);
   if (absl::Status status = add_density_terms(flags.density, request.mutable_density()); !status.ok()) return status;
   return request;
 }

@@ -20,6 +20,7 @@
 #include "proto/tls/certificate_name.h"
 #include "server/net/peer_name.h"
 #include "server/net/proxy_queue.h"
+#include "server/web/web_exchange_beast.h"
 #include "server/web/web_socket_beast.h"
 
 namespace curvecast::server {
@@ -32,7 +33,8 @@ using asio::ip::tcp;
 
 constexpr std::uint32_t kMaxHeader = 8 * 1024;        // bytes
 constexpr std::size_t kMaxBuffered = 2 * kMaxHeader;  // requests that come before the answer to the one before
-constexpr std::size_t kLeastRate = 16 * 1024;         // bytes a second at which an answer must be taken, after the first while
+constexpr std::size_t kMostLingering = 1 << 20;       // bytes that are read for nobody
+constexpr auto kLingering = std::chrono::seconds(2);
 
 constexpr char kPageField[] = "Curvecast-Page";  // of requests that are answered later: browsers let no foreign page send it
 
@@ -133,11 +135,7 @@ void WebConnection::shake_hands() {
   });
 }
 
-void WebConnection::abort() {
-  open_question_ = 0;
-  timer_.cancel();
-  stream_.next_layer().close();
-}
+void WebConnection::abort() { lose_client(); }
 
 void WebConnection::read() {
   waiting_since_ = Clock::now();
@@ -159,6 +157,9 @@ void WebConnection::receive(Error error) {
   if (error) return refuse(http::status::bad_request, "this is not HTTP/1.1\n");
   const bool has_body = !parser_->is_done();
   const Request& request = parser_->get();
+  asked_ = {request.version(), request.keep_alive(), request.method() == http::verb::head};
+  has_unread_body_ = has_body;
+  body_.reset();
   std::optional<Response> response;
   try {
     response = is_upgrade(request) ? upgrade(request) : answer(request, has_body);
@@ -173,10 +174,11 @@ void WebConnection::receive(Error error) {
 void WebConnection::answer_now(Response response) {
   open_question_ = 0;
   timer_.cancel();
-  const Request& request = parser_->get();
-  response.version(request.version());
-  response.keep_alive(request.keep_alive() && parser_->is_done());  // a body is not read, so that nothing can follow it
-  write(std::move(response), request.method() == http::verb::head);
+  on_lost_ = nullptr;
+  if (body_ != nullptr) has_unread_body_ = !body_->is_done();
+  response.version(asked_.version);
+  response.keep_alive(asked_.keeps_alive && !has_unread_body_);  // after a body that is not read nothing can follow
+  write(std::move(response), asked_.is_head);
 }
 
 std::optional<WebConnection::Response> WebConnection::answer(const Request& request, bool has_body) {
@@ -185,7 +187,11 @@ std::optional<WebConnection::Response> WebConnection::answer(const Request& requ
   const WebLateRoutes* const late_routes = hub_.options.sockets ? &hub_.options.sockets->late_routes : nullptr;
   const bool is_late = late_routes != nullptr && late_routes->count(path) > 0;
   const auto route = hub_.routes.find(path);
-  if (!is_late && route == hub_.routes.end()) return plain(http::status::not_found, "there is nothing of this name\n");
+  if (!is_late && route == hub_.routes.end()) {
+    const bool has_resources = hub_.options.sockets && hub_.options.sockets->resources.begin != nullptr;
+    if (has_resources && path.starts_with(hub_.options.sockets->resources.prefix)) return begin_exchange(request);
+    return plain(http::status::not_found, "there is nothing of this name\n");
+  }
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     Response response = plain(http::status::method_not_allowed, "only GET and HEAD are answered\n");
     response.set(http::field::allow, "GET, HEAD");
@@ -229,6 +235,42 @@ std::optional<WebConnection::Response> WebConnection::answer_later(const Request
     });
   });
   return std::nullopt;
+}
+
+std::optional<WebConnection::Response> WebConnection::begin_exchange(const Request& request) {
+  absl::StatusOr<Peer> known = peer_of(request);
+  if (!known.ok()) return plain(http::status::forbidden, absl::StrCat(known.status().message(), "\n"));
+  absl::string_view token = to_absl(text(request[http::field::authorization]));
+  if (absl::ConsumePrefix(&token, "Bearer ")) known->authorization = authorization_of(token);
+  const std::string_view target = text(request.target());
+  const std::size_t mark = target.find('?');
+  const auto field = [&](auto name) { return std::string(text(request[name])); };
+  WebRequest asked{.method = std::string(text(request.method_string())),
+                   .path = std::string(target.substr(0, mark)),
+                   .query = mark == std::string_view::npos ? "" : std::string(target.substr(mark + 1)),
+                   .host = field(http::field::host),
+                   .origin = field(http::field::origin),
+                   .fetch_site = field("Sec-Fetch-Site"),
+                   .content_type = field(http::field::content_type),
+                   .if_none_match = field(http::field::if_none_match),
+                   .request_id = field("X-Request-Id"),
+                   .preflight_method = field(http::field::access_control_request_method),
+                   .has_body = has_unread_body_,
+                   .peer = *std::move(known)};
+  if (const auto bytes = parser_->content_length()) asked.body_bytes = *bytes;
+  open_question_ = ++last_question_;
+  if (has_unread_body_) body_ = std::make_unique<WebBody>(stream_, buffer_, std::move(*parser_), hub_.options.time_out);
+  const auto exchange = std::make_shared<BeastExchange>(hub_.io, weak_from_this(), open_question_, std::move(asked));
+  keep_watch();
+  hub_.options.sockets->resources.begin(exchange);
+  return std::nullopt;
+}
+
+void WebConnection::answer_exchange(std::uint64_t number, WebAnswer answer) {
+  if (open_question_ != number) return;
+  if (body_ != nullptr && body_->is_reading()) return lose_client();  // nothing can follow what is still being read
+  held_ = std::move(answer.held);
+  answer_now(to_response(std::move(answer)));
 }
 
 bool WebConnection::is_upgrade(const Request& request) const {
@@ -290,13 +332,32 @@ void WebConnection::refuse(http::status status, std::string reason) {
 void WebConnection::write(Response response, bool is_head) {
   if (response.count(http::field::cache_control) == 0) response.set(http::field::cache_control, "no-store");
   response.set("X-Content-Type-Options", "nosniff");
-  if (response.result() != http::status::no_content) response.content_length(response.body().size());
+  if (response.result() != http::status::no_content && response.result() != http::status::not_modified) {
+    response.content_length(response.body().size());
+  }
   if (is_head) response.body().clear();
   response_ = std::move(response);
   stream_.next_layer().expires_after(hub_.options.time_out + std::chrono::seconds(response_.body().size() / kLeastRate));
   http::async_write(stream_, response_, [self = shared_from_this()](Error error, std::size_t /*bytes*/) {
+    self->held_.reset();
+    if (!error && self->has_unread_body_) return self->linger();
     if (error || self->response_.need_eof()) return self->close();
+    self->response_ = {};
     self->read();
+  });
+}
+
+void WebConnection::linger() {
+  if (stream_.tls() == nullptr && lingered_ == 0) {
+    Error ignored;
+    stream_.next_layer().socket().shutdown(tcp::socket::shutdown_send, ignored);
+  }
+  if (lingered_ == 0) stream_.next_layer().expires_after(kLingering);
+  buffer_.clear();
+  stream_.async_read_some(buffer_.prepare(kMaxBuffered), [self = shared_from_this()](Error error, std::size_t bytes) {
+    self->lingered_ += bytes;
+    if (error || self->lingered_ > kMostLingering) return self->close();
+    self->linger();
   });
 }
 

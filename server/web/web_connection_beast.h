@@ -15,6 +15,7 @@
 #include <set>
 
 #include "server/base/admission.h"
+#include "server/web/web_body_beast.h"
 #include "server/web/web_gateway.h"
 #include "server/web/web_stream_beast.h"
 
@@ -49,6 +50,11 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   void begin();
   /// Ends the connection, whatever is under way.
   void abort();
+  /// What a BeastExchange asks for; does nothing for one that is not the open question. watch() returns whether it is that one:
+  /// `gone` is called when its client goes before it has an answer.
+  void read_body(std::uint64_t number, WebExchange::Take take);
+  void answer_exchange(std::uint64_t number, WebAnswer answer);
+  bool watch(std::uint64_t number, std::function<void()> gone);
   /// When the connection began to wait for its other side: for its next request, or a handshake; null while it answers one.
   std::optional<Clock::time_point> waiting_since() const { return waiting_since_; }
 
@@ -65,6 +71,12 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   /// Null: the answer comes later.
   std::optional<Response> answer(const Request& request, bool has_body);
   std::optional<Response> answer_later(const Request& request, const WebLateRoutes::mapped_type& answer);
+  /// Has a resource answer; null but for a client whose certificate is wanted.
+  std::optional<Response> begin_exchange(const Request& request);
+  /// Looks now and then whether the client of the open question is still there.
+  void keep_watch();
+  /// The open question's client has gone.
+  void lose_client();
   void answer_now(Response response);
   bool is_upgrade(const Request& request) const;
   /// The client that asks for a WebSocket, or a late answer: its address and its certificate; Unauthenticated without one that is
@@ -75,6 +87,14 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   void refuse(boost::beast::http::status status, std::string reason);
   void write(Response response, bool is_head);
   void close();
+  /// Reads what a client goes on sending, for a while, so that it gets to read its answer.
+  void linger();
+
+  /// What the answer needs to know of the request, whose parser may have gone.
+  struct Asked {
+    unsigned version = 11;
+    bool keeps_alive = false, is_head = false;
+  };
 
   WebHub& hub_;
   WebStream stream_;
@@ -86,7 +106,13 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   std::optional<Clock::time_point> waiting_since_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;  // of the request that comes or is
                                                                                               // being answered
-  Response response_;                                                                         // being written
+  Asked asked_;
+  std::unique_ptr<WebBody> body_;  // of the request that is being answered; null: it has none, or nobody wants it
+  bool has_unread_body_ = false;
+  std::size_t lingered_ = 0;       // bytes that were read for nobody
+  std::function<void()> on_lost_;  // called when the client of the open question goes; may be null
+  Response response_;              // being written
+  std::shared_ptr<void> held_;     // WebAnswer::held of it
 };
 
 }  // namespace curvecast::server

@@ -10,11 +10,10 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "server/net/trusted_proxies.h"
 #include "server/web/credentials.h"
+#include "server/web/web_exchange.h"
 #include "server/web/web_origin.h"
 #include "server/web/web_socket.h"
 
@@ -23,14 +22,6 @@ class logger;
 }
 
 namespace curvecast::server {
-
-/// An answer to a request.
-struct WebAnswer {
-  int status = 200;
-  std::string body = {};
-  std::string type = "text/plain; charset=utf-8";
-  std::vector<std::pair<std::string, std::string>> header = {};  // further fields. Cache-Control is no-store without one
-};
 
 /// The functions that answer GET and HEAD, by path. Called on the gateway's thread, one at a time: one that takes long delays all
 /// others.
@@ -46,6 +37,14 @@ struct WebQuestion {
 using WebLateRoutes =
     std::map<std::string, std::function<void(const WebQuestion&, std::function<void(WebAnswer)> answer)>, std::less<>>;
 
+/// What requests below a path are given to, whatever their method. Called on the gateway's thread.
+struct WebResources {
+  std::string prefix = {};  // "/v1/"; a path of another kind that begins so goes before
+  std::function<void(std::shared_ptr<WebExchange>)> begin = {};
+  /// Whether there are any that have not ended. The gateway, once its connections are gone, goes when there are none.
+  std::function<bool()> are_open = {};
+};
+
 struct WebSocketOptions {
   std::string path;
   std::function<absl::StatusOr<Caller>(const Peer&)> identify;
@@ -55,6 +54,7 @@ struct WebSocketOptions {
   std::size_t max_sockets = 1000;           // at once
   std::size_t max_sockets_of_client = 250;  // of one caller, or one address where nobody knows who that is
   WebLateRoutes late_routes = {};           // for pages that may open a WebSocket, too
+  WebResources resources = {};              // for programs, and these pages
 };
 
 struct WebGatewayOptions {
@@ -66,7 +66,8 @@ struct WebGatewayOptions {
   std::optional<WebSocketOptions> sockets = {};
 };
 
-/// HTTP/1.1 with keep-alive, on one thread. Requests have at most 8 KiB of header and no body. Thread-safe.
+/// HTTP/1.1 with keep-alive, on one thread. Requests have at most 8 KiB of header, and a body only where they are for a resource.
+/// Thread-safe.
 class WebGateway {
  public:
   /// Listens, or fails with Unavailable (address in use, or not one of this machine's) or InvalidArgument (malformed address, TLS

@@ -26,6 +26,7 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr char kSessionContext[] = "curvecast";
+constexpr auto kEndOfResources = std::chrono::seconds(10);     // for calls that have been cancelled
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);  // when there are no descriptors left, say
 
 absl::StatusOr<std::shared_ptr<asio::ssl::context>> make_context(const ServerTls& tls) {
@@ -65,6 +66,7 @@ class BeastGateway final : public WebGateway {
     } else {
       hub_.io->run();
     }
+    end_resources();
   }
 
   absl::Status listen() {
@@ -177,6 +179,17 @@ class BeastGateway final : public WebGateway {
   void note_gone(WebConnection* connection) {
     connections_.erase(connection);
     accept_more();
+  }
+
+  /// Requests for resources have been cancelled, and may still ask for something that comes to nothing now.
+  void end_resources() {
+    if (!hub_.options.sockets || hub_.options.sockets->resources.are_open == nullptr) return;
+    const auto end = std::chrono::steady_clock::now() + kEndOfResources;
+    while (hub_.options.sockets->resources.are_open() && std::chrono::steady_clock::now() < end) {
+      hub_.io->restart();
+      hub_.io->poll();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
   }
 
   void end() {

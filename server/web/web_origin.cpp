@@ -41,4 +41,24 @@ bool is_allowed(const WebOrigins& origins, std::string_view origin, std::string_
   return is_own && (origins.any_name || is_local(name_of(host)));
 }
 
+absl::Status check_page(const WebOrigins& origins, const WebPage& page) {
+  if (!page.origin.empty()) {
+    if (is_allowed(origins, page.origin, page.host)) return absl::OkStatus();
+    return absl::PermissionDeniedError("pages of this origin may not ask; --web-origin allows others");
+  }
+  // Pictures, links and scripts of foreign pages name no origin.
+  if (page.fetch_site == "cross-site" || page.fetch_site == "same-site") {
+    return absl::PermissionDeniedError("pages of other sites may not ask without naming their origin");
+  }
+  // A page that asks its own server names none either: whoever asks counts as a page of the name by which it found us.
+  const bool is_found = std::any_of(kSchemes.begin(), kSchemes.end(), [&](std::string_view scheme) {
+    return is_allowed(origins, std::string(scheme) + std::string(page.host), page.host);
+  });
+  if (is_found) return absl::OkStatus();
+  return absl::PermissionDeniedError(
+      "a server that knows no callers answers by its address, a name without dots or one in .local, so that no foreign page can "
+      "pretend "
+      "to be its own; others name it with --web-origin, or have it know its callers with --tokens");
+}
+
 }  // namespace curvecast::server

@@ -1,6 +1,8 @@
 // Which pages may open a WebSocket: a browser sends the origin of the page, and lets any page try.
 #pragma once
 
+#include <absl/status/status.h>
+
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,5 +20,16 @@ struct WebOrigins {
 /// Whether a page may open a WebSocket. `origin` and `host` are as in the request's header; an empty origin, as programs that are
 /// no browsers send, is allowed.
 bool is_allowed(const WebOrigins& origins, std::string_view origin, std::string_view host);
+
+/// What a request says of the page that it comes from, as in its header.
+struct WebPage {
+  std::string_view origin;      // empty: a program, or a page that asks its own server
+  std::string_view host;        // by which it found us
+  std::string_view fetch_site;  // Sec-Fetch-Site; empty: a program, an old browser, or a connection that no browser trusts
+};
+
+/// Whether a request for a resource may come from there: from an allowed page or from a program, which found us by a name that
+/// nobody else can let point here. PermissionDenied says what to do.
+absl::Status check_page(const WebOrigins& origins, const WebPage& page);
 
 }  // namespace curvecast::server

@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/render/render_camera.h"
 #include "curvecast/v1/curvecast.grpc.pb.h"
 #include "server/convert/convert.h"
 #include "server/engine/caller.h"
+#include "server/web/web_camera.h"
 
 namespace curvecast::server {
 namespace {
@@ -55,21 +55,6 @@ bool read_part(absl::string_view name, absl::string_view value, v1::RenderReques
   if (name != "dark" || !read_flag(value, flag)) return false;
   request.set_background(flag ? v1::PICTURE_BACKGROUND_DARK : v1::PICTURE_BACKGROUND_LIGHT);
   return true;
-}
-
-/// The camera that the viewer begins with.
-v1::Camera first_camera(const v1::MeshInfo& mesh, double aspect) {
-  const auto corner = [](const v1::Vec3& v) { return Vec3d(v.x(), v.y(), v.z()); };
-  FitOptions fit;
-  fit.aspect = aspect;
-  fit.margin = kMargin;
-  const RenderCamera camera = fit_camera(Box3d{corner(mesh.box_min()), corner(mesh.box_max())}, fit);
-  v1::Camera made;
-  *made.mutable_eye() = to_proto(camera.eye);
-  *made.mutable_target() = to_proto(camera.target);
-  *made.mutable_up() = to_proto(camera.up);
-  made.set_vertical_fov_degrees(camera.vertical_fov_degrees);
-  return made;
 }
 
 /// One request's calls, one after the other. Their callbacks hold it.
@@ -111,8 +96,9 @@ class PosterCalls : public std::enable_shared_from_this<PosterCalls> {
   void look_at(const v1::Session& session) {
     request_.set_session_id(session.session_id());
     if (request_.sample().cameras().empty()) {
+      // As the viewer begins.
       const double aspect = static_cast<double>(request_.width()) / request_.height();
-      *request_.mutable_sample()->add_cameras() = first_camera(session.report().mesh(), aspect);
+      *request_.mutable_sample()->add_cameras() = whole_view(session.report().mesh(), aspect, terms::kDefaultFovDegrees, kMargin);
     }
     draw();
   }

@@ -1,75 +1,19 @@
 #include "client/cli/camera_option.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
-#include <string>
 
 namespace curvecast::cli {
 namespace {
 
-using ::testing::HasSubstr;
-
 const Box3d kBox{Vec3d(-1, 2, 3), Vec3d(5, 4, 9)};
 
-std::string error_of(const std::string& text) {
-  const absl::Status status = parse_camera(text).status();
-  EXPECT_TRUE(absl::IsInvalidArgument(status)) << text;
-  return std::string(status.message());
-}
-
-TEST(ParseCamera, ReadsAllParts) {
-  const auto option = parse_camera("eye=1,2.5,-3e2,target=0,0,1,up=0,0,2,fov=60");
-  ASSERT_TRUE(option.ok()) << option.status();
-  EXPECT_EQ(*option->eye, Vec3d(1, 2.5, -300));
-  EXPECT_EQ(*option->target, Vec3d(0, 0, 1));
-  EXPECT_EQ(*option->up, Vec3d(0, 0, 2));
-  EXPECT_EQ(*option->fov_degrees, 60);
-}
-
-TEST(ParseCamera, PartsAreOptionalAndInAnyOrder) {
-  const auto option = parse_camera("fov=10,eye=1,2,3");
-  ASSERT_TRUE(option.ok()) << option.status();
-  EXPECT_EQ(*option->eye, Vec3d(1, 2, 3));
-  EXPECT_FALSE(option->target || option->up);
-  EXPECT_TRUE(parse_camera("up=1,0,0").ok());
-  EXPECT_TRUE(parse_camera("up=0,1,0,eye=0,5,0").ok()) << "the target is not known yet";
-}
-
-TEST(ParseCamera, MayBeOrthographic) {
-  const auto option = parse_camera("eye=1,2,3,ortho=2.5");
-  ASSERT_TRUE(option.ok()) << option.status();
-  EXPECT_EQ(*option->height, 2.5);
-  EXPECT_EQ(resolve_camera(*option, kBox, 1)->orthographic_height(), 2.5);
+TEST(ResolveCamera, MayBeOrthographic) {
+  EXPECT_EQ(resolve_camera(*parse_camera("eye=1,2,3,ortho=2.5"), kBox, 1)->orthographic_height(), 2.5);
   EXPECT_EQ(resolve_camera({}, kBox, 1)->orthographic_height(), 0);
-}
-
-TEST(ParseCamera, MayHaveAnAspect) {
-  EXPECT_EQ(*parse_camera("aspect=1.5,fov=20")->aspect, 1.5);
-  EXPECT_FALSE(parse_camera("fov=20")->aspect);
-  EXPECT_THAT(error_of("aspect=0"), HasSubstr("aspect is 0; it must lie between 0.01 and 100"));
-  EXPECT_THAT(error_of("aspect=16,9"), HasSubstr("aspect takes 1 number"));
-}
-
-TEST(ParseCamera, RefusesWhatIsWrong) {
-  EXPECT_THAT(error_of("eye=1,2"), HasSubstr("eye takes 3 numbers, not 2"));
-  EXPECT_THAT(error_of("eye=1,2,3,4"), HasSubstr("not 4"));
-  EXPECT_THAT(error_of("fov=1,2"), HasSubstr("fov takes 1 number"));
-  EXPECT_THAT(error_of("eye=1,2,x"), HasSubstr("'x' is not a number"));
-  EXPECT_THAT(error_of("eye=1,2,3,eye=1,2,3"), HasSubstr("given twice"));
-  EXPECT_THAT(error_of("zoom=3"), HasSubstr("there are: eye, target, up, fov, ortho, aspect"));
-  EXPECT_THAT(error_of("1,2,3"), HasSubstr("does not begin"));
-  EXPECT_THAT(error_of("ortho=0"), HasSubstr("ortho is 0; it must be above 0"));
-  EXPECT_THAT(error_of("ortho=1,2"), HasSubstr("ortho takes 1 number"));
-  EXPECT_THAT(error_of("eye=1,2,3,target=1,2,3"), HasSubstr("same point"));
-  EXPECT_THAT(error_of("eye=0,5,0,target=0,0,0,up=0,1,0"), HasSubstr("along the view"));
-  EXPECT_THAT(error_of("up=0,0,0"), HasSubstr("up"));
-  for (const char* text : {"", ",", "eye", "eye=", "eye=nan,0,0", "eye=inf,0,0", "fov=0", "fov=180", "fov=-5", "fov=nan"}) {
-    EXPECT_FALSE(error_of(text).empty()) << text;
-  }
 }
 
 TEST(ResolveCamera, SeesTheWholeBoxByDefault) {
@@ -107,9 +51,9 @@ TEST(ResolveCamera, KeepsWhatTheUserSaid) {
 TEST(ResolveCamera, LooksStraightDownWithoutBeingToldAnUp) {
   const Vec3d above = kBox.center() + Vec3d(0, 10, 0);
   CameraOption option;
-  option.eye = above;
+  option.eye = {above.x(), above.y(), above.z()};
   EXPECT_TRUE(resolve_camera(option, kBox, 1).ok());
-  option.eye = kBox.center();
+  option.eye = {kBox.center().x(), kBox.center().y(), kBox.center().z()};
   EXPECT_TRUE(absl::IsInvalidArgument(resolve_camera(option, kBox, 1).status()));
 }
 

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "client/lib/file_bytes.h"
 #include "tests/client/sphere_points.h"
@@ -41,7 +44,41 @@ TEST(PointsIo, ReadsWhatItWrites) {
 }
 
 TEST(PointsIo, KnowsItsEndings) {
-  for (const char* path : {"a.obj", "a", "a.ply.gz", ".ply", "a.png"}) EXPECT_FALSE(check_points_ending(path).ok()) << path;
+  for (const char* path : {"a.obj", "a", "a.ply.gz", ".ply", "a.png"}) {
+    EXPECT_FALSE(check_points_ending(path).ok()) << path;
+    EXPECT_FALSE(check_output_ending(path).ok()) << path;
+  }
+  for (const char* path : {"a.npy", "a.npz", "a.glb", "a.spz", "a.las", "a.LAS"}) {
+    EXPECT_FALSE(check_points_ending(path).ok()) << path << " is not read";
+    EXPECT_TRUE(check_output_ending(path).ok()) << path;
+  }
+}
+
+TEST(PointsIo, WritesOtherEndings) {
+  client::Points points = client::sphere_points(50);
+  const std::vector<std::pair<std::string, std::string>> beginnings = {
+      {"a.npy", "\x93NUMPY"}, {"a.npz", "PK"}, {"a.glb", "glTF"}, {"a.spz", "\x1f\x8b"}, {"a.LAS", "LASF"}};
+  for (const auto& [name, beginning] : beginnings) {
+    const absl::Status saved = save_points(temporary(name), points, {});
+    ASSERT_TRUE(saved.ok()) << saved;
+    EXPECT_THAT(*client::read_bytes(temporary(name), 1 << 20), ::testing::StartsWith(beginning));
+    EXPECT_TRUE(is_in_order_of_rank(name, false)) << name;
+  }
+  EXPECT_TRUE(is_in_order_of_rank("a.ply", true));
+  for (const char* name : {"a.ply", "a.xyz", "a.pcd", "a.drc"}) EXPECT_FALSE(is_in_order_of_rank(name, false)) << name;
+  points.positions[7][1] = NAN;
+  EXPECT_THAT(std::string(save_points(temporary("a.las"), points, {}).message()),
+              ::testing::HasSubstr("a.las: the position of point 7"));
+}
+
+TEST(PointsIo, WritesSplatsWhereTheyBelong) {
+  const client::Points points = client::sphere_points(50);
+  for (const char* name : {"splats.ply", "splats.glb", "splats.spz"}) {
+    EXPECT_TRUE(save_points(temporary(name), points, {.splats = true}).ok()) << name;
+  }
+  for (const char* name : {"splats.drc", "splats.pcd", "splats.npz", "splats.las"}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(save_points(temporary(name), points, {.splats = true}))) << name;
+  }
 }
 
 TEST(PointsIo, TellsPointsFromMeshes) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "core/mesh_io/texture_image.h"
+#include "core/mesh_io/reading/texture_image.h"
 #include "server_fixture.h"
 
 namespace curvecast::server {

@@ -92,7 +92,7 @@ absl::StatusOr<Batch::Made> Batch::make(const PlannedMesh& mesh, const Wanted& w
                                         const std::stop_token& stop) const {
   const Clock::time_point start = Clock::now();
   const SamplingFlags& flags = wanted.settings.sampling;
-  const absl::StatusOr<SamplingRequests> requests = make_sampling_requests(flags, wanted.settings.seed);
+  const absl::StatusOr<SamplingRequests> requests = make_sampling_requests(flags, wanted.settings.seed, mesh.output);
   if (!requests.ok()) return requests.status();
   ProgressBar bar(progress_style(common_.quiet) == ProgressStyle::kBar ? ProgressStyle::kBar : ProgressStyle::kNone, title);
   const client::StageProgress on_progress = [&](std::string_view stage, double fraction) { bar.update(stage, fraction); };

@@ -52,7 +52,8 @@ Json record_of_making(const PlannedMesh& mesh) { return {{"mesh", mesh.mesh}, {k
 bool is_of_making(const Json& record) { return record.contains(kState) && record[kState] == kMaking; }
 
 absl::StatusOr<Json> settings_json(const BatchSettings& settings) {
-  const absl::StatusOr<SamplingRequests> requests = make_sampling_requests(settings.sampling, settings.seed);
+  const absl::StatusOr<SamplingRequests> requests =
+      make_sampling_requests(settings.sampling, settings.seed, settings.output_of("x"));
   if (!requests.ok()) return requests.status();
   absl::StatusOr<Json> session = to_json(requests->session);
   if (!session.ok()) return session;
@@ -65,6 +66,8 @@ absl::StatusOr<Json> settings_json(const BatchSettings& settings) {
   json["first_answer"] = settings.sampling.first_answer;
   json["position_bits"] = settings.sampling.position_bits.value_or(0);
   json["normal_bits"] = settings.sampling.drc.normal_bits;
+  json["splats"] = settings.sampling.splats;
+  json["glb"] = settings.sampling.glb;
   return json;
 }
 

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kNone[] = "none";
-constexpr std::array<std::string_view, 5> kFormats = {"ply", "xyz", "pcd", "drc", kNone};
+constexpr std::array<std::string_view, 10> kFormats = {"ply", "xyz", "pcd", "drc", "npy", "npz", "glb", "spz", "las", kNone};
 
 bool says_how_many(const SampleFlags& flags) { return flags.points > 0 || flags.pixel_error > 0 || flags.max_bytes > 0; }
 
@@ -33,7 +33,7 @@ std::string normal(const fs::path& path) { return fs::absolute(path).lexically_n
 
 PlannedMesh plan_mesh(ManifestEntry entry, const std::string& folder, const BatchSettings& settings) {
   PlannedMesh planned{.path = (fs::path(folder) / entry.mesh).string()};
-  planned.output = settings.has_points() ? absl::StrCat(entry.name, ".", settings.format) : "";
+  planned.output = settings.output_of(entry.name);
   planned.record = settings.has_points() ? absl::StrCat(planned.output, ".json") : absl::StrCat(entry.name, ".session.json");
   planned.mesh = std::move(entry.mesh);
   planned.name = std::move(entry.name);
@@ -45,6 +45,10 @@ PlannedMesh plan_mesh(ManifestEntry entry, const std::string& folder, const Batc
 
 bool BatchSettings::has_points() const { return format != kNone; }
 
+std::string BatchSettings::output_of(const std::string& name) const {
+  return has_points() ? absl::StrCat(name, ".", format) : "";
+}
+
 void add_batch_settings(CLI::App* command, BatchSettings* settings) {
   add_sampling_flags(command, &settings->sampling);
   command
@@ -53,8 +57,10 @@ void add_batch_settings(CLI::App* command, BatchSettings* settings) {
       ->check(point_count_range())
       ->type_name("N");
   command
-      ->add_option("--format", settings->format,
-                   "of the points' files: ply, xyz, pcd (lossless) or drc (Draco); none: only sessions, for --cache or --server")
+      ->add_option(
+          "--format", settings->format,
+          "of the points' files: ply, xyz, pcd (lossless), drc (Draco), npy, npz (NumPy), glb (glTF), spz (splats) or las, as "
+          "of sample; none: only sessions, for --cache or --server")
       ->check(validator([](const std::string& text) { return check_choice("format", text, kFormats); }, ""))
       ->type_name("NAME")
       ->capture_default_str();
@@ -93,7 +99,9 @@ absl::StatusOr<BatchSettings> EntryOptions::of(const std::vector<std::string>& a
   if (settings_.has_points() && !says_how_many(settings_.sampling.sample)) {
     return absl::InvalidArgumentError("how many points? say --points, --pixel-error or --max-bytes, for all or for this mesh");
   }
-  if (absl::Status status = make_sampling_requests(settings_.sampling, settings_.seed).status(); !status.ok()) return status;
+  if (absl::Status status = make_sampling_requests(settings_.sampling, settings_.seed, settings_.output_of("x")).status();
+      !status.ok())
+    return status;
   return settings_;
 }
 

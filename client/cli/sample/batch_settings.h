@@ -20,6 +20,8 @@ struct BatchSettings {
   std::uint64_t seed = 0;
 
   bool has_points() const;
+  /// Returns the name of an output; empty where there are no points.
+  std::string output_of(const std::string& name) const;
 };
 
 /// Adds all of them but the seed; values are checked while parsing.

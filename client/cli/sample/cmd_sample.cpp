@@ -58,7 +58,7 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   if (!flags.output.empty()) {
     if (absl::Status status = client::check_writable(flags.output); !status.ok()) return status;
   }
-  const absl::StatusOr<SamplingRequests> requests = make_sampling_requests(flags.sampling, options.seed);
+  const absl::StatusOr<SamplingRequests> requests = make_sampling_requests(flags.sampling, options.seed, flags.output);
   if (!requests.ok()) return requests.status();
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
@@ -82,17 +82,25 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
   CLI::App* app = add_command(
       root, options, "sample",
       "Places points on a mesh, exactly N or as many as a budget allows, evenly with respect to a density, and writes them with "
-      "normals and splat radii.",
+      "normals and splat radii.\n\n"
+      "Points stand along the curve in .ply, .xyz, .pcd and .drc. In all other files, and as --splats, they stand in the order "
+      "of "
+      "their ranks where --sampler progressive gives them ranks, so that the first points of a file are an even, coarser set; "
+      "with the "
+      "equalised sampler there are no ranks, and they stand along the curve.",
       {"curvecast sample bunny.obj -n 50000 -o bunny.ply", "curvecast sample igea.ply -n 100000 --density curvature -o igea.drc",
        "curvecast sample igea.ply -n 20000 --density view:s0=0.1 --camera eye=0,0,3 -o view.pcd",
        "curvecast sample igea.ply --pixel-error 3 --density screen --density frustum --camera fov=20 -o screen.ply",
+       "curvecast sample igea.ply -n 200000 --sampler progressive -o igea.glb",
+       "curvecast sample igea.ply -n 200000 --sampler progressive --splats -o splats.ply",
        "curvecast sample igea.ply -n 20000 --density 'expression:1 + 9 * (z > 0)' --density brush:0,0,1,0.2,4 -o painted.ply"});
   add_cache_flags(app, options);
   const auto flags = std::make_shared<Flags>();
   app->add_option("MESH", flags->mesh, kMeshHelp)->required();
   app->add_option("-o,--output", flags->output,
-                  "the points' file: .ply, .xyz, .pcd (lossless) or .drc (Draco); without it, only statistics")
-      ->check(validator(check_points_ending, ""))
+                  "the points' file: .ply, .xyz, .pcd (lossless), .drc (Draco), .npy, .npz (NumPy), .glb (glTF), .spz (splats) "
+                  "or .las; without it, only statistics")
+      ->check(validator(check_output_ending, ""))
       ->type_name("FILE");
   add_sampling_flags(app, &flags->sampling);
   require_budget(app);

@@ -11,14 +11,20 @@
 #include "client/cli/common.h"
 #include "client/cli/points_io.h"
 #include "client/cli/report.h"
+#include "proto/terms/sample_names.h"
 
 namespace curvecast::cli {
 namespace {
 
-constexpr std::array<std::string_view, 5> kAttributes = {"curvatures", "rank", "surface", "directions", "scalars"};
-constexpr std::array<v1::PointAttribute, kAttributes.size()> kAttributeValues = {
-    v1::POINT_ATTRIBUTE_CURVATURES, v1::POINT_ATTRIBUTE_RANK, v1::POINT_ATTRIBUTE_SURFACE, v1::POINT_ATTRIBUTE_DIRECTIONS,
-    v1::POINT_ATTRIBUTE_SCALARS};
+constexpr std::array<std::string_view, 3> kGlbNumbers = {"floats", "quantised", "meshopt"};
+constexpr std::array<formats::GlbOptions, kGlbNumbers.size()> kGlbValues = {
+    {{.quantise = false}, {.quantise = true}, {.quantise = true, .compress = true}}};
+
+/// Which of `names`, one of which it is.
+template <std::size_t N>
+std::size_t choice_of(const std::string& name, const std::array<std::string_view, N>& names) {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
 
 }  // namespace
 
@@ -28,14 +34,13 @@ void add_sampling_flags(CLI::App* command, SamplingFlags* flags) {
   add_camera_flag(command, &flags->sample, true);
   add_session_flags(command, &flags->session);
   command
-      ->add_option(
-          "--attributes", flags->attributes,
-          "more of each point, in a .ply file: curvatures (principal), directions (of the least curvature; across it runs the "
-          "largest), scalars (the mesh's named values), rank (of the progressive sampler), surface (face of the repaired mesh "
-          "and "
-          "place in it); separated by commas")
+      ->add_option("--attributes", flags->attributes,
+                   "more of each point, in .ply, .npz and .las files: curvatures (principal), directions (of the least "
+                   "curvature; across it runs the "
+                   "largest), scalars (the mesh's named values), rank (of the progressive sampler), surface (polygon of the "
+                   "mesh's file, and place in it); separated by commas")
       ->delimiter(',')
-      ->check(validator([](const std::string& text) { return check_choice("attribute", text, kAttributes); }, ""))
+      ->check(validator([](const std::string& text) { return terms::parse_attribute(text).status(); }, ""))
       ->type_name("NAME");
   command->add_flag("--first-answer", flags->first_answer,
                     "take the first point set, even where the curve is too coarse for the density and a finer one is being made");
@@ -46,17 +51,36 @@ void add_sampling_flags(CLI::App* command, SamplingFlags* flags) {
           "many as the camera's pixels ask for")
       ->check(CLI::Range(1, 30));
   command->add_option("--normal-bits", flags->drc.normal_bits, "of a .drc file")->check(CLI::Range(2, 30))->capture_default_str();
+  command->add_flag("--splats", flags->splats,
+                    "a .ply or .glb file holds flat Gaussians that close the surface, for renderers of 3D Gaussian splatting, as "
+                    ".spz does in any case");
+  command
+      ->add_option("--glb", flags->glb,
+                   "numbers of a .glb file of points: floats, quantised (16 bits in the box: KHR_mesh_quantization) or meshopt "
+                   "(these, compressed: EXT_meshopt_compression)")
+      ->check(validator([](const std::string& text) { return check_choice("kind of numbers", text, kGlbNumbers); }, ""))
+      ->type_name("NAME")
+      ->capture_default_str();
 }
 
-absl::StatusOr<SamplingRequests> make_sampling_requests(const SamplingFlags& flags, std::uint64_t seed) {
+absl::StatusOr<SamplingRequests> make_sampling_requests(const SamplingFlags& flags, std::uint64_t seed,
+                                                        const std::string& output) {
+  if (flags.splats && !holds_splats(output)) {
+    return absl::InvalidArgumentError("splats are written to .ply, .glb and .spz");
+  }
   absl::StatusOr<v1::SampleRequest> sample = make_request(flags.sample, seed);
   if (!sample.ok()) return sample.status();
   const std::uint64_t points = flags.max_points > 0 ? flags.max_points : session_points(flags.sample.points);
   absl::StatusOr<v1::SessionOptions> session = make_session_options(flags.session, points, ranks_seed(flags.sample, seed));
   if (!session.ok()) return session.status();
   for (const std::string& attribute : flags.attributes) {
-    const auto choice = std::find(kAttributes.begin(), kAttributes.end(), attribute) - kAttributes.begin();
-    sample->add_attributes(kAttributeValues[static_cast<std::size_t>(choice)]);
+    const absl::StatusOr<v1::PointAttribute> parsed = terms::parse_attribute(attribute);
+    if (!parsed.ok()) return parsed.status();
+    sample->add_attributes(*parsed);
+  }
+  const bool asked = std::count(flags.attributes.begin(), flags.attributes.end(), "rank") > 0;
+  if (!asked && sampler_of(flags.sample) == "progressive" && is_in_order_of_rank(output, flags.splats)) {
+    sample->add_attributes(v1::POINT_ATTRIBUTE_RANK);
   }
   if (flags.sample.max_bytes == 0) {
     // Lossless on the way here, so that a .drc file is quantised once, on one lattice for all blocks.
@@ -85,9 +109,9 @@ absl::StatusOr<client::DecodedSample> sample_session(client::Client& client, con
 }
 
 absl::Status save_sample(const std::string& path, const client::Points& points, const SamplingFlags& flags) {
-  client::DrcOptions drc = flags.drc;
-  drc.position_bits = flags.position_bits.value_or(drc.position_bits);
-  return save_points(path, points, drc);
+  SaveOptions options{.drc = flags.drc, .splats = flags.splats, .glb = kGlbValues[choice_of(flags.glb, kGlbNumbers)]};
+  options.drc.position_bits = flags.position_bits.value_or(options.drc.position_bits);
+  return save_points(path, points, options);
 }
 
 }  // namespace curvecast::cli

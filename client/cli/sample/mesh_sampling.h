@@ -24,6 +24,8 @@ struct SamplingFlags {
   std::vector<std::string> attributes;
   std::optional<int> position_bits;
   client::DrcOptions drc;  // all but position_bits
+  bool splats = false;
+  std::string glb = "quantised";
   bool first_answer = false;
 };
 
@@ -36,8 +38,10 @@ struct SamplingRequests {
   v1::SampleRequest sample;  // all but cameras and viewport
 };
 
-/// Returns the requests that the flags, which have been checked, stand for.
-absl::StatusOr<SamplingRequests> make_sampling_requests(const SamplingFlags& flags, std::uint64_t seed);
+/// Returns the requests that the flags, which have been checked, stand for, for points that go to `output`, a file's name or only
+/// its ending; empty: to no file. InvalidArgument: splats for a file that cannot hold them.
+absl::StatusOr<SamplingRequests> make_sampling_requests(const SamplingFlags& flags, std::uint64_t seed,
+                                                        const std::string& output);
 
 /// Returns the points that a ready session gives: where its curve is too coarse for them those of a finer one, for which it
 /// waits, `patience` at most, unless the flags want the first answer.
@@ -45,7 +49,7 @@ absl::StatusOr<client::DecodedSample> sample_session(client::Client& client, con
                                                      const SamplingFlags& flags, v1::SampleRequest request,
                                                      std::chrono::milliseconds patience, const std::stop_token& stop);
 
-/// Writes the points as save_points() does, with the flags' bits.
+/// Writes the points as save_points() does, as the flags say.
 absl::Status save_sample(const std::string& path, const client::Points& points, const SamplingFlags& flags);
 
 }  // namespace curvecast::cli

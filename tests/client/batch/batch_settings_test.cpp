@@ -82,7 +82,9 @@ TEST(EntryOptions, AreCheckedAsTheCommandsAre) {
   expect_refused(options.of({"--points=0"}).status(), "points");
   expect_refused(options.of({"--points=1.5"}).status(), "points");
   expect_refused(options.of({"--density=blob"}).status(), "there are: uniform");
-  expect_refused(options.of({"--format=obj"}).status(), "ply, xyz, pcd, drc, none");
+  expect_refused(options.of({"--format=obj"}).status(), "ply, xyz, pcd, drc, npy, npz, glb, spz, las, none");
+  expect_refused(options.of({"--format=pcd", "--splats=true"}).status(), "splats are written to .ply, .glb and .spz");
+  expect_refused(options.of({"--glb=bytes"}).status(), "floats, quantised, meshopt");
   expect_refused(options.of({"--camera=eye=1"}).status(), "eye takes 3 numbers");
   EXPECT_TRUE(options.of({}).ok()) << "what was wrong leaves nothing behind";
 }
@@ -143,10 +145,28 @@ TEST(BatchRecord, SettingsTellWhatPointsDependOn) {
                                "--max-points=70000",
                                "--format=drc",
                                "--format=none",
+                               "--splats=true",
+                               "--glb=meshopt",
                                "--seed=1"}) {
     EXPECT_NE(json_of({argument}), usual) << argument;
   }
   EXPECT_EQ(json_of({"--points=100"}), usual);
+}
+
+TEST(BatchRecord, FilesInOrderOfRankAskForRanks) {
+  EntryOptions options(with_points(100));
+  const auto attributes_of = [&](const std::vector<std::string>& arguments) {
+    const Json json = *settings_json(*options.of(arguments));
+    return json["sample"].value("attributes", Json::array());
+  };
+  const Json rank = {"POINT_ATTRIBUTE_RANK"};
+  for (const char* format : {"npy", "npz", "glb", "spz", "las"}) {
+    EXPECT_EQ(attributes_of({absl::StrCat("--format=", format), "--sampler=progressive"}), rank) << format;
+    EXPECT_EQ(attributes_of({absl::StrCat("--format=", format), "--sampler=progressive", "--attributes=rank"}), rank) << "once";
+    EXPECT_TRUE(attributes_of({absl::StrCat("--format=", format)}).empty()) << "the equalised sampler has none";
+  }
+  EXPECT_EQ(attributes_of({"--splats=true", "--sampler=progressive"}), rank);
+  EXPECT_TRUE(attributes_of({"--format=ply", "--sampler=progressive"}).empty());
 }
 
 }  // namespace

@@ -298,7 +298,7 @@ TEST_F(BatchTest, SaysWhatIsWrongBeforeItBegins) {
   expect_failure({"batch", list_}, 2, "--out");
   expect_failure({"batch", "--out", out_}, 2, "MANIFEST");
   for (const char* shard : {"2/2", "x", "1"}) expect_failure(batch({"--shard", shard}), 2, "shard");
-  expect_failure(batch({"--format", "obj"}), 2, "there are: ply, xyz, pcd, drc, none");
+  expect_failure(batch({"--format", "obj"}), 2, "there are: ply, xyz, pcd, drc, npy, npz, glb, spz, las, none");
   expect_failure(batch({"--cache", "x", "--server", "127.0.0.1:1"}), 2, "--server");
   expect_failure({"batch", list_, "--out", out_}, 3, "line 1: a.off: how many points?");
   expect_failure(batch({"--format", "none"}), 3, "--cache or --server");

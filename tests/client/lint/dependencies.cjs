@@ -1,5 +1,5 @@
-// Which file of the viewer may import which, types included: no cycles; stream < view < app, and cloud beside view; each package behind
-// its own door.
+// Which file of the viewer may import which, types included: no cycles; stream < view < app < element, and cloud beside view; each package
+// behind its own door.
 // deploy/check_web runs it from the root of the sources.
 
 const source = "^client/web/src";
@@ -21,13 +21,24 @@ module.exports = {
       name: "stream-below-view-and-app",
       severity: "error",
       from: { path: `${source}/stream/` },
-      to: { path: `${source}/(view|cloud|app)/` },
+      to: { path: `${source}/(view|cloud|app|element)/` },
     },
-    { name: "view-below-app", severity: "error", from: { path: `${source}/view/` }, to: { path: `${source}/(cloud|app)/` } },
-    { name: "cloud-below-app", severity: "error", from: { path: `${source}/cloud/` }, to: { path: `${source}/(view|app)/` } },
+    {
+      name: "view-below-app",
+      severity: "error",
+      from: { path: `${source}/view/` },
+      to: { path: `${source}/(cloud|app|element)/` },
+    },
+    {
+      name: "cloud-below-app",
+      severity: "error",
+      from: { path: `${source}/cloud/` },
+      to: { path: `${source}/(view|app|element)/` },
+    },
+    { name: "app-below-element", severity: "error", from: { path: `${source}/app/` }, to: { path: `${source}/element/` } },
     onlyFrom("three", `${source}/(view/|example[.]ts)`),
     onlyFrom("lil-gui", `${source}/app/panel[.]ts`),
-    onlyFrom("draco3d", `${source}/stream/draco/library[.]ts`),
+    onlyFrom("draco3d", `${source}/stream/draco/(library|wasm)[.]ts`),
   ],
   options: {
     tsPreCompilationDeps: true, // types, too

@@ -13,7 +13,7 @@
 #include <span>
 #include <string>
 
-#include "core/mesh_io/texture_image.h"
+#include "core/mesh_io/reading/texture_image.h"
 #include "core/render/png_file.h"
 #include "server/convert/convert.h"
 #include "tests/server/ball_session.h"

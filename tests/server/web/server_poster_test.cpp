@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/mesh_io/texture_image.h"
+#include "core/mesh_io/reading/texture_image.h"
 #include "server/web/web_poster.h"
 #include "tests/server/server_fixture.h"
 #include "tests/server/web/http_client.h"

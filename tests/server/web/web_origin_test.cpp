@@ -39,5 +39,20 @@ TEST(WebOrigin, NamesOfOthersAreNotOursUnlessCallersAreKnown) {
   }
 }
 
+TEST(WebOrigin, APageMayAskWhereItIsOurOwnOrAllowed) {
+  const WebOrigins origins{.others = {"https://viewer.example"}};
+  const auto may = [&](const WebPage& page) { return check_page(origins, page).ok(); };
+  EXPECT_TRUE(may({.host = "localhost:8080"})) << "a program";
+  EXPECT_TRUE(may({.host = "192.168.0.7", .fetch_site = "same-origin"}));
+  EXPECT_TRUE(may({.origin = "https://viewer.example", .host = "localhost", .fetch_site = "cross-site"}));
+  EXPECT_TRUE(may({.host = "viewer.example"})) << "a name that is known to be ours";
+  EXPECT_FALSE(may({.origin = "https://evil.example", .host = "localhost"}));
+  EXPECT_FALSE(may({.host = "localhost", .fetch_site = "cross-site"}));
+  EXPECT_FALSE(may({.host = "localhost", .fetch_site = "same-site"}));
+  EXPECT_FALSE(may({.host = "evil.example"})) << "that its owner let point here";
+  EXPECT_FALSE(may({.host = ""}));
+  EXPECT_TRUE(check_page({.any_name = true}, {.host = "curvecast.example"}).ok());
+}
+
 }  // namespace
 }  // namespace curvecast::server

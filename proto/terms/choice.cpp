@@ -1,4 +1,5 @@
-#include "client/cli/choice.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "proto/terms/choice.h"
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
@@ -6,7 +7,7 @@
 #include <algorithm>
 #include <string>
 
-namespace curvecast::cli {
+namespace curvecast::terms {
 
 absl::Status check_choice(std::string_view what, std::string_view value, std::span<const std::string_view> available) {
   if (std::find(available.begin(), available.end(), value) != available.end()) return absl::OkStatus();
@@ -15,4 +16,4 @@ absl::Status check_choice(std::string_view what, std::string_view value, std::sp
                    "'; there are: ", absl::StrJoin(available, ", ", [](std::string* out, auto name) { out->append(name); })));
 }
 
-}  // namespace curvecast::cli
+}  // namespace curvecast::terms

@@ -1,0 +1,144 @@
+// splat-transform reads splats, and Spark and PlayCanvas draw them: deploy/check_formats fetches these programs.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, describe, it } from "node:test";
+
+import { curvecast, folder, Packages, rankedPoints, writeTorus } from "../coloured_points.mjs";
+import { coverage, maskOf, Studio } from "./drawn.mjs";
+
+const modules = process.env.CURVECAST_NODE_MODULES ?? "build/splats/node_modules";
+const packages = new Packages(modules);
+const { chromium } = packages.require("playwright-core");
+const { PNG } = packages.require("pngjs");
+const pictures = process.env.CURVECAST_SCREENSHOTS ?? join(folder, "pictures");
+mkdirSync(pictures, { recursive: true });
+
+const COUNT = 20_000;
+const [WIDTH, HEIGHT] = [720, 540];
+const SPLATS = { "splats.ply": ["--splats"], "splats.spz": [], "splats.glb": ["--splats"] };
+
+/** One sheet of relief, to look through which is to see the background. */
+function writeSheet(name) {
+  const side = 80;
+  const at = (i) => (2 * i) / side - 1;
+  let text = "";
+  for (let i = 0; i <= side; ++i) {
+    for (let k = 0; k <= side; ++k) {
+      text += `v ${at(i)} ${0.25 * Math.sin(5 * at(i)) * Math.cos(4 * at(k)) + 0.1 * Math.sin(19 * at(k))} ${at(k)}\n`;
+    }
+  }
+  const corner = (i, k) => i * (side + 1) + k + 1;
+  for (let i = 0; i < side; ++i) {
+    for (let k = 0; k < side; ++k) text += `f ${corner(i, k)} ${corner(i, k + 1)} ${corner(i + 1, k + 1)} ${corner(i + 1, k)}\n`;
+  }
+  const path = join(folder, name);
+  writeFileSync(path, text);
+  return path;
+}
+
+function sampleAll(mesh, prefix) {
+  for (const [name, flags] of Object.entries(SPLATS)) {
+    curvecast("sample", mesh, "-n", String(COUNT), "--sampler", "progressive", ...flags, "-o", join(folder, prefix + name));
+  }
+}
+
+/** The mesh's own picture, drawn once. */
+function drawOwn(mesh, name, { eye, up, fov }, target) {
+  const path = join(folder, name);
+  if (!existsSync(path)) {
+    const view = `eye=${eye},target=${target},up=${up},fov=${fov}`;
+    curvecast("render", mesh, "--what", "shaded", "--camera", view, "--size", `${WIDTH}x${HEIGHT}`, "-o", path);
+  }
+  return PNG.sync.read(readFileSync(path));
+}
+
+/** Splats as splat-transform reads them. */
+function transformed(file) {
+  const table = join(folder, "table.csv");
+  execFileSync(process.execPath, [
+    join(modules, "@playcanvas/splat-transform/bin/cli.mjs"),
+    "--quiet",
+    "--overwrite",
+    join(folder, file),
+    table,
+  ]);
+  const [head, ...rows] = readFileSync(table, "utf8").trim().split("\n");
+  const names = head.split(",");
+  return rows.map((row) => Object.fromEntries(row.split(",").map((value, i) => [names[i], Number(value)])));
+}
+
+const torus = writeTorus("torus.ply");
+const points = rankedPoints(torus, "-n", String(COUNT));
+sampleAll(torus, "");
+after(() => rmSync(folder, { recursive: true }));
+
+describe("splat-transform", () => {
+  // It turns .spz, whose y axis is up, about the x axis, into .ply, whose y axis it takes to be down.
+  for (const [file, turn, place, width] of [
+    ["splats.ply", 1, 1e-6, 1e-5],
+    ["splats.spz", -1, 4e-7, 0.033],
+  ]) {
+    it(`reads ${file}`, () => {
+      const splats = transformed(file);
+      assert.equal(splats.length, COUNT);
+      splats.forEach((splat, i) => {
+        const point = points[i];
+        assert.ok(Math.abs(splat.x - point.x) <= place && Math.abs(splat.y - turn * point.y) <= place, `splat ${i}`);
+        assert.ok(Math.abs(splat.z - turn * point.z) <= place, `splat ${i}`);
+        for (const name of ["scale_0", "scale_1"]) assert.ok(Math.abs(splat[name] - Math.log(0.75 * point.radius)) < width);
+        for (const [k, channel] of [point.red, point.green, point.blue].entries()) {
+          assert.ok(Math.abs(0.5 + 0.28209479 * splat[`f_dc_${k}`] - channel / 255) < 0.004);
+        }
+        // Where the rotation takes the z axis.
+        const { rot_0: w, rot_1: x, rot_2: y, rot_3: z } = splat;
+        const axis = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
+        const cosine = axis[0] * point.nx + turn * axis[1] * point.ny + turn * axis[2] * point.nz;
+        assert.ok(Math.abs(cosine) > 0.9999, `rotation ${i}: ${cosine}`);
+      });
+    });
+  }
+});
+
+const RENDERERS = [
+  ["splats/spark_page.js", "splats.ply"],
+  ["splats/spark_page.js", "splats.spz"],
+  ["splats/playcanvas_page.js", "splats.glb"],
+];
+const SCENES = [
+  ["torus", torus, "", { eye: [1.2, 2.1, 2.6], target: [0, 0, 0], up: [0, 1, 0], fov: 46 }],
+  ["sheet", writeSheet("sheet.obj"), "sheet_", { eye: [0.9, 1.9, 2.1], target: [0, 0, 0], up: [0, 1, 0], fov: 42 }],
+];
+
+describe("a surface of splats", () => {
+  let studio;
+  before(async () => {
+    sampleAll(SCENES[1][1], "sheet_");
+    studio = await Studio.open(chromium, PNG, modules, folder);
+  });
+  after(() => studio?.close());
+
+  for (const [scene, mesh, prefix, camera] of SCENES) {
+    for (const [script, file] of RENDERERS) {
+      it(`is closed: ${scene}, ${file}, ${script}`, async () => {
+        const own = drawOwn(mesh, `${scene}.png`, camera, camera.target);
+        const away = camera.eye.map((x, axis) => 2 * x - camera.target[axis]);
+        const background = drawOwn(mesh, `${scene}_background.png`, camera, away);
+        const { count, picture } = await studio.draw(script, prefix + file, camera, WIDTH, HEIGHT);
+        await studio.save(picture, join(pictures, `${scene}_${file.replace(".", "_")}.png`));
+        assert.equal(count, COUNT);
+        const { pixels, closed, least, beyond } = coverage(picture, maskOf(own, background));
+        console.log(
+          `${scene} ${file}: ${pixels} pixels of the mesh, ${(100 * closed).toFixed(3)} % closed, alpha ${least} at least, ` +
+            `${(100 * beyond).toFixed(2)} % beyond the outline`,
+        );
+        assert.ok(pixels > 60_000);
+        assert.ok(closed > 0.999);
+        assert.ok(least >= 200);
+        assert.ok(beyond < 0.02);
+      });
+    }
+  }
+});
