@@ -1,4 +1,8 @@
-"""Curvecast in Python: bring a mesh to a server, open a session, take point sets as numpy arrays.
+# SPDX-License-Identifier: Apache-2.0
+"""Curvecast in Python: point sets of meshes as numpy arrays, in this process or from a server.
+
+    points = curvecast.Surface(vertices, faces).sample(16_384, attributes=["surface"])
+    points.positions, points.faces, points.barycentric  # (16384, 3), (16384,), (16384, 2): of the faces given
 
     client = curvecast.connect("127.0.0.1:50051")
     session = client.open(client.upload("bunny.obj"))
@@ -13,23 +17,28 @@ from curvecast import density
 from curvecast.client import Client, connect
 from curvecast.curve import Curve, CurveDisc
 from curvecast.errors import Error
+from curvecast.frame import Frame
 from curvecast.mesh import Mesh
 from curvecast.neighbours import Neighbours
 from curvecast.parameter_mesh import ParameterDisc, ParameterMesh
 from curvecast.points import HAS_DRACO, Points
 from curvecast.session import Session
-from curvecast.surface import Surface
+from curvecast.surface import HAS_LOCAL, FeaturePoints, RepairedMesh, Surface, SurfaceStream, read
+from curvecast.surface_file import SurfaceFile
+from curvecast.training import SpacePoints, TrainingSet, nested, training_set
 from curvecast.triangle_mesh import TriangleMesh
 from curvecast.view import Camera, View
-from curvecast.view_stream import Frame, HeldFrame, ViewStream
+from curvecast.view_stream import HeldFrame, ViewStream
 
 __all__ = [
     "HAS_DRACO",
+    "HAS_LOCAL",
     "Camera",
     "Client",
     "Curve",
     "CurveDisc",
     "Error",
+    "FeaturePoints",
     "Frame",
     "HeldFrame",
     "Mesh",
@@ -37,11 +46,19 @@ __all__ = [
     "ParameterDisc",
     "ParameterMesh",
     "Points",
+    "RepairedMesh",
     "Session",
+    "SpacePoints",
     "Surface",
+    "SurfaceFile",
+    "SurfaceStream",
+    "TrainingSet",
     "TriangleMesh",
     "View",
     "ViewStream",
     "connect",
     "density",
+    "nested",
+    "read",
+    "training_set",
 ]

@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draco for Python: one function, from the bytes of a block to the bytes of its columns.
 #define PY_SSIZE_T_CLEAN
+#define Py_LIMITED_API 0x030a0000  // one module for all versions from 3.10 on
 #include <Python.h>
 #include <absl/status/statusor.h>
 
@@ -39,15 +41,15 @@ PyObject* to_bytes(const std::vector<T>& values) {
 }
 
 PyObject* decode(PyObject*, PyObject* arguments) {
-  Py_buffer data;
+  const char* data = nullptr;
+  Py_ssize_t size = 0;
   curvecast::client::RadiusRange radii;
   unsigned long long count = 0;
-  if (!PyArg_ParseTuple(arguments, "y*ffK:decode", &data, &radii.min, &radii.max, &count)) return nullptr;
+  if (!PyArg_ParseTuple(arguments, "y#ffK:decode", &data, &size, &radii.min, &radii.max, &count)) return nullptr;
   absl::StatusOr<DecodedPoints> points;
   Py_BEGIN_ALLOW_THREADS;
-  points = decode_points({static_cast<const char*>(data.buf), static_cast<std::size_t>(data.len)}, radii, count);
+  points = decode_points({data, static_cast<std::size_t>(size)}, radii, count);
   Py_END_ALLOW_THREADS;
-  PyBuffer_Release(&data);
   if (!points.ok()) {
     PyErr_SetString(PyExc_ValueError, std::string(points.status().message()).c_str());
     return nullptr;

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The client: uploads meshes, opens and lists sessions, measures points."""
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from curvecast.parameter_mesh import ParameterMesh, decode_parameter_mesh
 from curvecast.points import Points, as_points
 from curvecast.protocol import MAX_COMPANIONS
 from curvecast.session import Session
+from curvecast.session_options import session_options
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import Camera
 
@@ -149,17 +151,7 @@ class Client:
         clients wait for the same session.
         """
         mesh = as_mesh(mesh)
-        options = v1.SessionOptions(
-            max_points=points,
-            omega=omega,
-            density=density,
-            mapper=enum_name(v1.Mapper, "MAPPER", mapper),
-            parameteriser=enum_name(v1.Parameteriser, "PARAMETERISER", parameteriser),
-            area_element=enum_name(v1.AreaElement, "AREA_ELEMENT", area),
-            seed=seed,
-            chart_faces=chart_faces,
-            crease_degrees=crease_degrees,
-        )
+        options = session_options(points, omega, density, parameteriser, mapper, area, seed, chart_faces, crease_degrees)
         request = v1.CreateSessionRequest(mesh_id=mesh.id, options=options, companions=mesh.companions, without_preview=True)
         return Session(self._connection, self._connection.call_with_progress("CreateSession", request, "session", on_progress))
 

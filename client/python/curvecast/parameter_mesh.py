@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A surface cut into discs and mapped to the square."""
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ class ParameterDisc:
     positions: npt.NDArray[np.float64]  #: (V, 3), units
     uv: npt.NDArray[np.float64]  #: (V, 2), in [0, 1]
     triangles: npt.NDArray[np.uint32]  #: (T, 3): vertices of the disc
-    faces: npt.NDArray[np.uint32]  #: (T,): the face of the repaired mesh that holds the triangle
+    faces: npt.NDArray[np.uint32]  #: (T,): the polygon of the mesh's file that holds the triangle
     area_ratios: npt.NDArray[np.float64]  #: (T,): surface area over uv area
     border: npt.NDArray[np.uint32]  #: (B,): vertices of the border loop, counter-clockwise
     border_cuts: npt.NDArray[np.bool_]  #: (B,): whether the edge from there to the next is a cut

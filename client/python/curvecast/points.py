@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Point sets as arrays, and how the API's blocks become them."""
 
 from __future__ import annotations
@@ -59,8 +60,8 @@ class Points:
     colours: npt.NDArray[np.uint8] | None = None  #: (N, 3): red, green, blue (sRGB)
     curvatures: Float32s | None = None  #: (N, 2), 1/unit: least and largest principal curvature
     ranks: npt.NDArray[np.uint32] | None = None  #: (N,): of the progressive sampler
-    faces: npt.NDArray[np.uint32] | None = None  #: (N,): faces of the repaired mesh
-    barycentric: Float32s | None = None  #: (N, 2): weights of the face's second and third corner
+    faces: npt.NDArray[np.uint32] | None = None  #: (N,): polygons of the mesh's file, counted from 0
+    barycentric: Float32s | None = None  #: (N, 2): weights of that polygon's second and third corner
     #: (N, 3), unit tangents: of the least principal curvature, in one of their two senses; the largest is normals x directions
     directions: Float32s | None = None
     #: the mesh's numbers under their names, (N,) each, NaN and infinities as in the file; empty: not selected, or it has none

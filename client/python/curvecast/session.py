@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A prepared mesh on a server, from which points are taken."""
 
 from __future__ import annotations
@@ -14,10 +15,10 @@ from curvecast.errors import bad_answer
 from curvecast.neighbours import Neighbours, decode_neighbours
 from curvecast.points import Points, decode_blocks
 from curvecast.protocol import MAX_POINTS
-from curvecast.surface import Surface, join_surface
+from curvecast.surface_file import SurfaceFile, join_surface
 from curvecast.triangle_mesh import TriangleMesh, decode_mesh
 from curvecast.v1 import curvecast_pb2 as v1
-from curvecast.view import View
+from curvecast.view import View, as_view
 from curvecast.view_stream import HeldFrame, ViewStream
 
 POLL_SECONDS = 0.02  # between questions whether a curve is finer now
@@ -51,10 +52,7 @@ class Session:
         Where the curve is too coarse for the view, points.statistics.refining is set and the server makes a finer curve.
         `patience`: seconds that sample() waits for the finer curve, to ask again.
         """
-        if not isinstance(view, View):
-            view = View(points=view, **options)
-        elif options:
-            view = dataclasses.replace(view, **options)
+        view = as_view(view, options)
         request = v1.ResampleRequest(session_id=self.id, sample=view.to_proto())
         deadline = time.monotonic() + patience
         points = self._sample_once(request)
@@ -95,10 +93,7 @@ class Session:
         or, as the paper has it, parameter: in the square that the surface is mapped to. Error INVALID_ARGUMENT: too few points to
         bear the surface's topology.
         """
-        if not isinstance(view, View):
-            view = View(points=view, **options)
-        elif options:
-            view = dataclasses.replace(view, **options)
+        view = as_view(view, options)
         request = v1.RemeshRequest(
             session_id=self.id,
             sample=view.to_proto(),
@@ -125,10 +120,7 @@ class Session:
         """
         if (k is None) == (radius is None):
             raise ValueError("give one of k and radius")
-        if not isinstance(view, View):
-            view = View(points=view, **options)
-        elif options:
-            view = dataclasses.replace(view, **options)
+        view = as_view(view, options)
         request = v1.FindNeighboursRequest(session_id=self.id, sample=view.to_proto(), count=k, radius=radius)
         most = view.points if view.points is not None else MAX_POINTS
 
@@ -142,7 +134,7 @@ class Session:
         request = v1.GetCurveRequest(session_id=self.id)
         return self._connection.read_stream("GetCurve", request, self._connection.long_timeout, decode_curve)
 
-    def surface(self, position_bits: int = 14) -> Surface:
+    def surface(self, position_bits: int = 14) -> SurfaceFile:
         """Fetches the triangles themselves, the repaired mesh, as a file of Draco. position_bits: of each coordinate, of the box's
         longest side, 8 to 24. Errors FAILED_PRECONDITION: the surface has textures, or colours of faces; OUT_OF_RANGE: more than
         a million triangles."""

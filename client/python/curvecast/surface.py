@@ -1,48 +1,285 @@
-"""The surface of a session itself, as a file of Draco."""
+# SPDX-License-Identifier: Apache-2.0
+"""Surfaces in this process, without a server. They need the module _native, which `deploy/wheel` builds."""
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-from collections.abc import Iterator
+import os
+import pathlib
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from curvecast.errors import bad_answer
+from curvecast.connection import OnProgress
+from curvecast.density import enum_name
+from curvecast.errors import error_of
+from curvecast.frame import Frame, decode_frame
+from curvecast.mesh import find_companion, may_have_companions
+from curvecast.points import Points, as_points, decode_blocks, points_of
+from curvecast.session_options import session_options
+from curvecast.triangle_mesh import TriangleMesh, decode_mesh
 from curvecast.v1 import curvecast_pb2 as v1
+from curvecast.view import Camera, View, as_view
 
-MESH_HEADER = b"DRACO"
-MESH_KIND = 7  # of the byte that is 1 for a mesh
+with contextlib.suppress(ModuleNotFoundError):  # a module that is there and does not load is an error
+    from curvecast import _native
+
+#: Whether this copy can sample meshes without a server.
+HAS_LOCAL = "_native" in globals()
+
+REFERENCE_ROUNDS = 8  # a mesh names material libraries, these name textures: two, as a rule
+
+
+class Surface:
+    """A mesh, cut to charts, of which any number of point sets can be taken. Thread-safe: other threads of Python run meanwhile.
+    The same mesh, options and seed give the same points, as the command gives them, whatever was asked before. View.seed is that of
+    both samplers."""
+
+    def __init__(
+        self,
+        vertices: npt.ArrayLike,
+        faces: npt.ArrayLike,
+        *,
+        colours: npt.ArrayLike | None = None,
+        scalars: Mapping[str, npt.ArrayLike] | None = None,
+        name: str = "mesh",
+        points: int = 0,
+        omega: float = 0,
+        density: Sequence[v1.DensityTerm] = (),
+        chart_faces: int = 0,
+        crease_degrees: float | None = None,
+        threads: int = 0,
+        on_progress: OnProgress | None = None,
+    ) -> None:
+        """Repairs the mesh, cuts it and flattens it: what all samples of it share.
+
+        vertices: (V, 3) numbers. faces: (F, 3) integers. They are copied; what points say of faces is true of these, also where
+        repair turned or dropped some. colours: (V, 3), 0 to 255. scalars: (V,) numbers under names, for density.attribute() and the
+        attribute scalars. name: of messages. points: N for which the curve is made fine enough; 0 = 4,096, 16,384, 65,536 or as
+        many as a sample asks for. omega, density, chart_faces, crease_degrees: as of Client.open(). threads: 0 = one a core.
+        on_progress(stage, fraction) is called on this thread; an exception from it, and Ctrl-C, end the work. TypeError,
+        ValueError: arrays of another shape or kind. Error INVALID_ARGUMENT: no mesh; says which vertex or face is at fault.
+        ImportError: this copy has no _native."""
+        _check_native()
+        places = _array(vertices, "vertices", np.float64, np.number, (None, 3))
+        triangles = _array(faces, "faces", np.int64, np.integer, (None, 3))
+        paint = None if colours is None else _array(colours, "colours", np.uint8, np.uint8, (None, 3))
+        numbers = {
+            key: _array(value, f"scalars[{key!r}]", np.float32, np.number, (None,)) for key, value in (scalars or {}).items()
+        }
+        options = session_options(points, omega, density, "own", "exact", "exact", 0, chart_faces, crease_degrees)
+        with _translate_errors():
+            self._native = _native.Surface.make(
+                places, triangles, paint, numbers, name, options.SerializeToString(), threads, on_progress
+            )
+        self._set_up(threads)
+
+    def _set_up(self, threads: int) -> None:
+        self._threads = threads
+        self._stream = SurfaceStream(self)
+        #: curvecast.v1.MeshInfo: what the mesh holds, its topology, and what repair did
+        self.info = v1.MeshInfo.FromString(self._native.info())
+
+    def __repr__(self) -> str:
+        return f"<curvecast.Surface {self.info.name}, {self.info.faces} faces>"
+
+    def sample(self, view: View | int | None = None, **options: Any) -> Points:
+        """Samples one point set: sample(view), or the fields of a View as arguments: sample(50_000, density=[...], seed=1). Where
+        the curve is too coarse for the view it is made finer first. Errors as the server has them."""
+        request = as_view(view, options).to_proto()
+        with _translate_errors():
+            columns = self._native.sample(request.SerializeToString(), self._threads)
+        statistics = v1.FrameStatistics.FromString(columns.pop("statistics"))
+        return dataclasses.replace(points_of(columns.pop("origin"), columns), statistics=statistics)
+
+    def view(self, camera: Camera | View, points: int | None = None, **options: Any) -> Frame:
+        """Samples for a camera, as a difference to the view before: view(camera, 50_000, density=[density.picture()]). All points
+        are in .points, which are read-only; .added and .removed say how many came and went."""
+        view = camera if isinstance(camera, View) else View(points=points, camera=camera)
+        return self._stream.frame(dataclasses.replace(view, **options))
+
+    def stream(self) -> SurfaceStream:
+        """Begins views of their own, beside those of view()."""
+        return SurfaceStream(self)
+
+    def remesh(
+        self,
+        view: View | int | None = None,
+        *,
+        relaxations: int = 5,
+        fit: bool = False,
+        feature_degrees: float = 0,
+        method: str = "surface",
+        on_progress: OnProgress | None = None,
+        **options: Any,
+    ) -> TriangleMesh:
+        """Makes a triangle mesh of the points of a view, with exactly as many vertices: as Session.remesh()."""
+        request = v1.RemeshRequest(
+            sample=as_view(view, options).to_proto(),
+            relaxations=relaxations,
+            fit=fit,
+            feature_degrees=feature_degrees,
+            method=enum_name(v1.RemeshMethod, "REMESH_METHOD", method),
+        )
+        with _translate_errors():
+            answers = self._native.remesh(request.SerializeToString(), self._threads, on_progress)
+        return decode_mesh(map(v1.RemeshResponse.FromString, answers))
+
+    def measure(
+        self,
+        points: Points | npt.ArrayLike | Sequence[Points | npt.ArrayLike],
+        *,
+        density: Sequence[v1.DensityTerm] = (),
+        camera: Camera | Sequence[Camera] = (),
+        ring_seeds: int = 0,
+        ball_centres: int = 0,
+        seed: int = 0,
+        on_progress: OnProgress | None = None,
+    ) -> v1.Measures:
+        """Measures how evenly points lie on the mesh: as Client.measure()."""
+        sets = points if isinstance(points, (list, tuple)) else [points]
+        cameras = [camera] if isinstance(camera, Camera) else camera
+        request = v1.MeasureRequest(
+            density=density, cameras=[c.to_proto() for c in cameras], ring_seeds=ring_seeds, ball_centres=ball_centres, seed=seed
+        )
+        places = [one.world_positions() for one in map(as_points, sets)]
+        with _translate_errors():
+            return v1.Measures.FromString(self._native.measure(request.SerializeToString(), places, self._threads, on_progress))
+
+    def features(self, points: int, degrees: float = 30, seed: int = 0) -> FeaturePoints:
+        """Places points evenly on the sharp edges: those at which faces turn by more than `degrees`. None where there are no such
+        edges."""
+        with _translate_errors():
+            found = self._native.features(degrees, points, seed, self._threads)
+        sides = found["normals"].reshape(-1, 2, 3)
+        middle = sides.sum(axis=1)
+        middle /= np.maximum(np.linalg.norm(middle, axis=1, keepdims=True), np.finfo(np.float32).tiny)
+        placed = dataclasses.replace(
+            as_points(found["positions"]), normals=middle, faces=found["faces"], barycentric=found["barycentric"]
+        )
+        return FeaturePoints(placed, sides, found["length"])
+
+    def signed_distance(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """Finds how far (N, 3) places are from the surface, below 0 inside. Error FAILED_PRECONDITION: the mesh has borders, and so
+        no inside."""
+        places = _array(points, "points", np.float64, np.number, (None, 3))
+        if not np.isfinite(places).all():
+            raise ValueError("points has coordinates that are not finite")
+        with _translate_errors():
+            return self._native.distances(places, self._threads)
+
+    def mesh(self) -> RepairedMesh:
+        """Returns a copy of the mesh as repair made it of what was given."""
+        return RepairedMesh(**self._native.mesh())
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Surface:
-    """The repaired mesh that a session lies on."""
+class FeaturePoints:
+    """Points on sharp edges."""
 
-    drc: bytes  #: a mesh as Draco's decoders open it: positions, colours of vertices where there are any
-    vertices: int
-    triangles: int
-    origin: npt.NDArray[np.float64]  #: (3,), units: positions are relative to it
-    crease_degrees: float  #: edges between faces whose normals are further apart are sharp
+    points: Points  #: with normals between those of both sides, and their places on the faces given
+    side_normals: npt.NDArray[np.float32]  #: (N, 2, 3), unit vectors: of the faces on both sides
+    length: float  #: of all sharp edges, units
 
 
-def join_surface(messages: Iterator[v1.GetSurfaceResponse]) -> Surface:
-    """Joins the messages of an answer to the surface. Error DATA_LOSS: the messages break the protocol. What the file says is not
-    looked at."""
-    first = next(messages, v1.GetSurfaceResponse())
-    if not first.HasField("info"):
-        raise bad_answer("the server sent a surface without its beginning")
-    info = first.info
-    drc = bytearray()
-    for message in messages:
-        if message.HasField("info"):
-            raise bad_answer("the server sent a surface with two beginnings")
-        drc += message.chunk
-        if len(drc) > info.bytes:
+@dataclasses.dataclass(frozen=True, eq=False)
+class RepairedMesh:
+    """A manifold, oriented triangle mesh."""
+
+    vertices: npt.NDArray[np.float64]  #: (V, 3), units
+    triangles: npt.NDArray[np.uint32]  #: (T, 3): vertices, counter-clockwise seen from outside
+    faces: npt.NDArray[np.uint32]  #: (T,): the faces given that these are, or are parts of
+    turned: npt.NDArray[np.bool_]  #: (T,): whether second and third corner are in the other order there
+
+
+class SurfaceStream:
+    """Views of a surface, one after the other; each is a difference to the one before. For one thread at a time."""
+
+    def __init__(self, surface: Surface) -> None:
+        self._native = _native.Stream(surface._native)
+        self._threads = surface._threads
+        self._points = decode_blocks([])
+        self._sequence = 0
+
+    def frame(self, view: View, key_frame: bool = False) -> Frame:
+        """Samples a view. `key_frame`: without the points of the view before. The bytes are those that a server would send."""
+        request = view.to_proto(in_stream=True).SerializeToString()
+        self._sequence += 1
+        with _translate_errors():
+            message = v1.PointFrame.FromString(self._native.frame(request, key_frame, self._threads))
+        message.sequence = self._sequence
+        frame = decode_frame(message, self._points)
+        assert frame.points is not None
+        self._points = frame.points
+        return frame
+
+
+def read(
+    path: str | os.PathLike[str],
+    *,
+    points: int = 0,
+    omega: float = 0,
+    density: Sequence[v1.DensityTerm] = (),
+    parameteriser: str = "own",
+    mapper: str = "exact",
+    area: str = "exact",
+    chart_faces: int = 0,
+    crease_degrees: float | None = None,
+    threads: int = 0,
+    on_progress: OnProgress | None = None,
+) -> Surface:
+    """Reads a mesh file, and the files in its folder that it refers to; arguments as of Surface and of Client.open(). Files that
+    are missing are left out: see .info.warnings. OSError: the mesh cannot be read. Error INVALID_ARGUMENT: it is none."""
+    _check_native()
+    path = pathlib.Path(path)
+    data = path.read_bytes()
+    companions: dict[str, bytes] = {}
+    refused: dict[str, str] = {}
+    for _ in range(REFERENCE_ROUNDS if may_have_companions(path) else 0):
+        before = len(companions)
+        with _translate_errors():
+            names = _native.references(path.name, data, companions)
+        for name in names:
+            try:
+                if (companion := find_companion(path, name)) is not None:
+                    companions[name] = companion.read_bytes()
+            except (ValueError, OSError) as error:
+                refused[name] = f"{error}."
+        if len(companions) == before:
             break
-    if len(drc) != info.bytes:
-        raise bad_answer(f"the server sent {len(drc)} bytes of a surface of {info.bytes}")
-    if not drc.startswith(MESH_HEADER) or len(drc) <= MESH_KIND or drc[MESH_KIND] != 1:
-        raise bad_answer("the server sent a surface that is no mesh in Draco's form")
-    origin = np.array([info.origin.x, info.origin.y, info.origin.z])
-    return Surface(bytes(drc), info.vertices, info.triangles, origin, info.crease_degrees)
+    options = session_options(points, omega, density, parameteriser, mapper, area, 0, chart_faces, crease_degrees)
+    surface = Surface.__new__(Surface)
+    with _translate_errors():
+        surface._native = _native.Surface.read(path.name, data, companions, options.SerializeToString(), threads, on_progress)
+    surface._set_up(threads)
+    surface.info.warnings.extend(refused.values())
+    return surface
+
+
+def _check_native() -> None:
+    if not HAS_LOCAL:
+        raise ImportError("this copy of curvecast knows servers only: surfaces in this process take the wheel of deploy/wheel")
+
+
+def _array(values: npt.ArrayLike, name: str, kind: type, accepted: type, shape: tuple[int | None, ...]) -> npt.NDArray[Any]:
+    """Makes a contiguous array of `kind`. TypeError: numbers of another sort; ValueError: another shape."""
+    array = np.asarray(values)
+    if array.size and not np.issubdtype(array.dtype, accepted):
+        raise TypeError(f"{name} has values of type {array.dtype}")
+    if np.issubdtype(array.dtype, np.complexfloating):
+        raise TypeError(f"{name} has complex values")
+    if array.ndim != len(shape) or any(wanted not in (None, size) for wanted, size in zip(shape, array.shape, strict=True)):
+        wanted_shape = ", ".join("N" if size is None else str(size) for size in shape)
+        raise ValueError(f"{name} has shape {array.shape}, not ({wanted_shape}{',' if len(shape) == 1 else ''})")
+    return np.ascontiguousarray(array, dtype=kind)
+
+
+@contextlib.contextmanager
+def _translate_errors() -> Iterator[None]:
+    try:
+        yield
+    except _native.Error as error:
+        raise error_of(*error.args) from None

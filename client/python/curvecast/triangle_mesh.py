@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Triangle meshes that a server makes of points."""
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from curvecast.v1 import curvecast_pb2 as v1
 class TriangleMesh:
     """A manifold mesh of a surface."""
 
-    vertices: Points  #: with normals, colours where the surface has any, and places on the repaired mesh
+    vertices: Points  #: with normals, colours where the surface has any, and places on the file's mesh
     triangles: npt.NDArray[np.uint32]  #: (T, 3): vertices, counter-clockwise seen from outside
     info: v1.RemeshInfo  #: curvecast.v1.RemeshInfo: components, genus, boundary_loops
 

@@ -1,9 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
 """What determines a point set: how many points, with which density, seen from where."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import grpc
@@ -96,3 +97,10 @@ class View:
         if not HAS_DRACO:
             raise Error(grpc.StatusCode.UNIMPLEMENTED, "this copy of curvecast was built without Draco: use raw points")
         return v1.Encoding(draco=v1.DracoEncoding(position_bits=self.position_bits, normal_bits=self.normal_bits))
+
+
+def as_view(view: View | int | None, options: Mapping[str, Any]) -> View:
+    """Makes a View of a view or a number of points, with some fields replaced."""
+    if view is None:
+        return View(**options)
+    return dataclasses.replace(view, **options) if isinstance(view, View) else View(points=view, **options)

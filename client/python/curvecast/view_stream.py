@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A conversation with a session: views go to the server, frames come back."""
 
 from __future__ import annotations
@@ -5,38 +6,19 @@ from __future__ import annotations
 import collections
 import dataclasses
 import threading
-import time
 from collections.abc import Iterator
 
 import grpc
 
 from curvecast.connection import Connection
-from curvecast.errors import Error, bad_answer, error_of, error_of_call
-from curvecast.point_edits import apply_edits
-from curvecast.points import Points, decode_blocks, encoded_bytes
-from curvecast.protocol import MAX_POINTS
+from curvecast.errors import Error, error_of_call
+from curvecast.frame import Frame, decode_frame
+from curvecast.points import Points, decode_blocks
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import View
 
 MAX_REMEMBERED = 256  # views sent: a stream cannot resume from the frame of an older view
 MAX_QUEUED = 16  # frames: the server keeps two in flight; the others are refused views, which are small
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Frame:
-    """The answer to a view."""
-
-    sequence: int  #: number of the view; the same again when an improved frame follows by itself
-    curve_revision: int
-    points: Points | None  #: the whole list after this frame, read-only; with an error the list of the frame before
-    is_delta: bool  #: the frame changed the points of the frame before
-    added: int  #: number of points that came with the frame; a key frame adds all
-    removed: int  #: number of points that went with the frame; a key frame removes all
-    resized: int  #: number of steps of discs from one radius to the next
-    statistics: v1.FrameStatistics  #: the server's times, and .refining: a better frame follows
-    encoded_bytes: int  #: bytes of the points and edits on the wire
-    decode_seconds: float  #: time that decoding took, seconds
-    error: Error | None = None  #: why the server refused the view; the stream goes on
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -184,43 +166,16 @@ class ViewStream:
             self._changed.notify_all()
 
     def _decode(self, message: v1.PointFrame) -> Frame:
-        """Applies a frame to the list of points. Error DATA_LOSS: the frame breaks the protocol."""
-        start = time.perf_counter()
-        before, edits = self._points, message.edits
-        if message.HasField("error"):
-            refused = error_of(message.error.code, message.error.message, message.error.retry_after or None)
-            return Frame(message.sequence, message.curve_revision, before, False, 0, 0, 0, message.statistics, 0, 0, refused)
-        blocks = message.points
-        count = sum(block.count for block in blocks)
-        if count > MAX_POINTS:
-            raise bad_answer(f"it holds {count} points")
-        points = decode_blocks(blocks)
-        is_delta = message.kind == v1.FRAME_KIND_DELTA
-        if is_delta:
-            if before is None:
-                raise bad_answer("a delta to points that are not there")
-            points = apply_edits(before, edits, points)
-        elif message.kind != v1.FRAME_KIND_KEY:
-            raise bad_answer(f"kind {message.kind} is not known")
-        if len(points) != message.held_points:
-            raise bad_answer(f"there are {len(points)} points after it, not {message.held_points}")
-        for column in points.columns().values():  # the next delta builds on them
-            column.flags.writeable = False
-        self._points = points = dataclasses.replace(points, statistics=message.statistics)
+        """Applies a frame to the list of points, and remembers what the next stream can go on from. Error DATA_LOSS: the frame
+        breaks the protocol."""
+        frame = decode_frame(message, self._points)
+        if frame.error is not None:
+            return frame
+        assert frame.points is not None
+        self._points = points = frame.points
         with self._changed:
             while self._sent and self._sent[0].sequence < message.sequence:
                 self._sent.popleft()
             remembered = self._sent[0] if self._sent and self._sent[0].sequence == message.sequence else None
         self._resumable = HeldFrame(points, remembered.sample, message.digest) if remembered and message.digest else None
-        return Frame(
-            sequence=message.sequence,
-            curve_revision=message.curve_revision,
-            points=points,
-            is_delta=is_delta,
-            added=len(edits.added) if is_delta else len(points),
-            removed=len(edits.removed) if is_delta else len(before or ()),
-            resized=len(edits.resized),
-            statistics=message.statistics,
-            encoded_bytes=sum(map(encoded_bytes, blocks)) + (edits.ByteSize() if is_delta else 0),
-            decode_seconds=time.perf_counter() - start,
-        )
+        return frame

@@ -142,7 +142,7 @@ class SessionTest(ServerTest):
         self.assertEqual(len(np.unique(present(points.ranks))), 2000)
         self.assertEqual(present(points.curvatures).shape, (2000, 2))
         self.assertTrue((np.diff(present(points.curvatures), axis=1) >= 0).all())
-        self.assertLess(present(points.faces).max(), self.session.info.report.mesh.faces)
+        self.assertLess(present(points.faces).max(), self.session.info.report.mesh.file_polygons)
         self.assertGreaterEqual(present(points.barycentric).min(), -1e-5)
         self.assertLessEqual(present(points.barycentric).sum(axis=1).max(), 1 + 1e-5)
         fewer = self.session.sample(500, sampler="progressive", attributes=["rank"])

@@ -5,14 +5,14 @@ import unittest
 import numpy as np
 
 import curvecast
-from curvecast.surface import join_surface
+from curvecast.surface_file import join_surface
 from curvecast.v1 import curvecast_pb2 as v1
 from fixture import ServerTest, sphere_obj
 
 FILE = b"DRACO\2\2\1rest"
 
 
-class SurfaceTest(ServerTest):
+class SurfaceFileTest(ServerTest):
     def test_the_mesh_comes_whole(self) -> None:
         session = self.client.open(self.client.upload_bytes("ball.obj", sphere_obj(16).encode()), 2000)
         surface = session.surface()
