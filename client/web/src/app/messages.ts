@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the page says to its user: notices for a moment, a banner while something is wrong, a card where nothing can be shown.
 
 import type { CurvecastError } from "../stream";
@@ -96,7 +97,7 @@ export class Messages {
   invite(pick: () => void): void {
     this.showCard(
       "Drop a mesh here, or points",
-      "PLY, OBJ, OFF, STL, glTF or GLB, together with its materials and textures. It is prepared once; " +
+      "PLY, OBJ, OFF, STL, glTF, GLB or 3MF, together with its materials and textures. It is prepared once; " +
         "then its points follow your camera. Point clouds (PLY without faces, XYZ, PTS, LAS) are shown as they are, " +
         "and are not sent to the server.",
       () => [button("Choose files …", pick)],

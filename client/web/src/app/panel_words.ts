@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the panel calls the settings, and what it says about each where the pointer rests: the field's own terms among it.
 
 import type { Settings } from "./settings";
@@ -118,7 +119,7 @@ export const choiceWords = {
 export const actionWords = {
   upload: words(
     "Open a mesh or points … (U)",
-    "PLY, OBJ, OFF, STL, glTF or GLB, with its materials and textures. Point clouds (PLY without faces, XYZ, TXT, ASC, PTS, CSV, " +
+    "PLY, OBJ, OFF, STL, glTF, GLB or 3MF, with its materials and textures. Point clouds (PLY without faces, XYZ, TXT, ASC, PTS, CSV, " +
       "LAS) are shown as they are, and are not sent to the server. Or drop them on the page",
   ),
   fit: words("Show the whole surface (F)", "From the side that the camera is on"),

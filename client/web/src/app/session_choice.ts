@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Chooses the session that the page shows: the one of its address or the one that the user chose, as soon as it is ready; else the
 // first that is ready.
 
@@ -15,8 +16,8 @@ export interface ChoiceEvents {
   onReady(session: Session, camera: CameraState | null): void;
   /// There is no session to show, and none is prepared.
   onNone(): void;
-  /// Says what the page waits for; null: nothing any more.
-  onWaiting(text: string | null): void;
+  /// Says what the page waits for; null: nothing any more. `error`: why, where something is wrong.
+  onWaiting(text: string | null, error?: CurvecastError): void;
   /// The session that was asked for cannot be shown. No other is shown before the user chooses one.
   onFailure(sessionId: string, error: CurvecastError): void;
   /// The server refuses this caller. Nothing is asked any more before the user chooses a session.
@@ -70,6 +71,12 @@ export class SessionChoice {
     this.events.onWaiting(null);
   }
 
+  /// Asks nothing any more, and calls nothing.
+  stop(): void {
+    this.asking.stop();
+    this.listing.stop();
+  }
+
   /// Asks for the list now.
   refresh(): void {
     if (!this.isRefused) void this.listing.start();
@@ -103,7 +110,7 @@ export class SessionChoice {
 
   private askingFailed(id: string, error: CurvecastError): number | null {
     if (passing.includes(error.code)) {
-      this.events.onWaiting(tryingAgain(error));
+      this.events.onWaiting(tryingAgain(error), error);
       return secondsBetweenTries;
     }
     this.wanted = null;
@@ -139,7 +146,7 @@ export class SessionChoice {
     }
     // The question for the wanted session, or the stream of the shown one, reports the failure in these cases.
     if (this.wanted !== null || this.isShowing) return secondsBetweenLists;
-    this.events.onWaiting(tryingAgain(error));
+    this.events.onWaiting(tryingAgain(error), error);
     return secondsBetweenTries;
   }
 
@@ -154,13 +161,13 @@ export class SessionChoice {
   private refuse(error: CurvecastError): void {
     this.isRefused = true;
     this.wanted = null;
-    this.asking.stop();
-    this.listing.stop();
+    this.stop();
     this.events.onWaiting(null);
     this.events.onRefused(error);
   }
 }
 
-function tryingAgain(error: CurvecastError): string {
+/// Says that something is tried again after an error.
+export function tryingAgain(error: CurvecastError): string {
   return `${error.message}. Trying again …`;
 }

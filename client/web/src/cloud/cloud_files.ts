@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which files are point clouds, and which have a surface.
 
 import type { NamedFile } from "../stream/mesh_upload";
 import { bytesAt } from "./file_bytes";
 import { hasFaces, headerBytes, parsePlyHeader } from "./ply_header";
 
-const mesh = /\.(ply|obj|off|stl|gltf|glb)$/i; // PLY files may be either
+const mesh = /\.(ply|obj|off|stl|gltf|glb|3mf)$/i; // PLY files may be either
 const cloud = /\.(xyz|txt|asc|pts|csv|las|laz)$/i;
 
 /// Finds the point cloud among several files: a PLY file without faces, or one whose name says so, unless a mesh is among them. A PLY file

@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decodes blocks of points, Draco or raw, into the columns of a PointStore. Runs in a worker, and needs nothing of a browser.
 
 import type { PointAttributes, PointBlock, RawPoints } from "../gen/curvecast/v1/curvecast_pb";
 import { asFloats, writeColours, writeNormals, writePositions } from "./columns";
 import { badPoints, type DecodedPoints } from "./decoded_points";
 import { readHeader } from "./draco/header";
-import { DracoLibrary } from "./draco/library";
+import type { DracoLibrary } from "./draco/library";
 import { DracoReader } from "./draco/reader";
-import type { EncodedSurface, SurfaceMesh } from "./surface_decoder";
+import type { EncodedSurface, SurfaceMesh } from "./decoded_surface";
 
 /// A block in the form that goes to a worker: plain values, with copies of the message's bytes.
 export interface EncodedBlock {
@@ -49,12 +50,16 @@ export function buffersOf(holder: EncodedBlock | DecodedPoints | EncodedSurface 
   return [...new Set(viewsOf(holder).map((array) => array.buffer))].filter((buffer) => buffer instanceof ArrayBuffer);
 }
 
+/// Thrown for data that our reader does not read, where there is no library.
+export class NeedsLibrary extends Error {}
+
 /// Decodes blocks, one after the other. Rejects bad data with DATA_LOSS, and stays usable.
 export class BlockDecoder {
   private readonly reader = new DracoReader();
   private readonly radii = new RadiusTable();
 
-  constructor(private readonly library = new DracoLibrary()) {}
+  /// `library`: decodes what our reader does not. Without one such blocks are rejected with NeedsLibrary.
+  constructor(private readonly library: Pick<DracoLibrary, "read"> | null) {}
 
   async decode(block: EncodedBlock): Promise<DecodedPoints> {
     const points: DecodedPoints = {
@@ -83,7 +88,9 @@ export class BlockDecoder {
     if (header.points !== points.count) throw badPoints(`Draco data of ${header.points} points in a block of ${points.count}`);
     const radii = this.radii.of(radiusMin, radiusMax);
     makeColumns(points, header.hasColours);
-    if (!this.reader.read(data, header, radii, points)) await this.library.read(data, radii, points);
+    if (this.reader.read(data, header, radii, points)) return;
+    if (this.library === null) throw new NeedsLibrary();
+    await this.library.read(data, radii, points);
   }
 }
 

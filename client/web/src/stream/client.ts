@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The client that a page uses: one object for all calls of a server.
 
 import type { MessageInitShape } from "@bufbuild/protobuf";
@@ -20,7 +21,7 @@ import { uploadMesh, type NamedFile, type UploadedMesh, type UploadOptions } fro
 import { StreamedPoints } from "./point_store";
 import { repeat } from "./repeat";
 import { socketUrl, type Endpoint } from "./socket";
-import type { SurfaceMesh } from "./surface_decoder";
+import type { SurfaceMesh } from "./decoded_surface";
 import { readSurface } from "./surface_mesh";
 import { readMesh, type TriangleMesh } from "./triangle_mesh";
 

@@ -1,9 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 // A worker thread that decodes blocks of points, and surfaces.
 
 import { BlockDecoder, buffersOf, type EncodedBlock } from "./block_decoder";
 import type { DecodedPoints } from "./decoded_points";
+import { DracoLibrary } from "./draco/library";
 import { asCurvecastError, type ErrorCode } from "./errors";
-import { decodeSurface, type EncodedSurface, type SurfaceMesh } from "./surface_decoder";
+import type { EncodedSurface, SurfaceMesh } from "./decoded_surface";
+import { decodeSurface } from "./surface_decoder";
 
 /// The messages to the worker and back.
 export type DecodeRequest = { job: number } & ({ block: EncodedBlock } | { surface: EncodedSurface });
@@ -11,7 +14,7 @@ export type DecodeResponse = { job: number } & (
   { points: DecodedPoints } | { surface: SurfaceMesh } | { error: { code: ErrorCode; message: string } }
 );
 
-const decoder = new BlockDecoder();
+const decoder = new BlockDecoder(new DracoLibrary());
 
 self.onmessage = async ({ data }: MessageEvent<DecodeRequest>) => {
   const { job } = data;

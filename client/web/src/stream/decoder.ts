@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decodes the blocks of frames, and surfaces, on worker threads.
 
 import type { PointBlock } from "../gen/curvecast/v1/curvecast_pb";
-import { BlockDecoder, buffersOf, encodedBlock, type EncodedBlock } from "./block_decoder";
+import { BlockDecoder, buffersOf, encodedBlock, NeedsLibrary, type EncodedBlock } from "./block_decoder";
 import type { DecodeRequest, DecodeResponse } from "./decode_worker";
 import { badPoints, type DecodedPoints } from "./decoded_points";
 import { asCurvecastError, CurvecastError } from "./errors";
 import { maxPoints } from "./protocol";
-import type { EncodedSurface, SurfaceMesh } from "./surface_decoder";
+import type { EncodedSurface, SurfaceMesh } from "./decoded_surface";
 
 const fewPoints = 4096; // decoding them on this thread is faster than a message to another thread and back
 
@@ -33,7 +34,7 @@ export class WorkerDecoder implements Decoder {
   private workers: { worker: Worker; load: number }[] = []; // load: points or triangles that the worker has yet to decode
   private readonly jobs = new Map<number, Job>();
   private lastJob = 0;
-  private readonly here = new BlockDecoder();
+  private readonly here = new BlockDecoder(null); // draco3d is on the workers alone
   private isClosed = false;
 
   constructor(private readonly threads = 2) {
@@ -44,8 +45,7 @@ export class WorkerDecoder implements Decoder {
     if (this.isClosed) throw closed();
     const total = blocks.reduce((sum, block) => sum + block.count, 0);
     if (total > maxPoints) throw badPoints(`${total} in a frame`);
-    if (total <= fewPoints) return Promise.all(blocks.map((block) => this.here.decode(encodedBlock(block))));
-    return Promise.all(blocks.map((block) => this.run({ block: encodedBlock(block) }, block.count) as Promise<DecodedPoints>));
+    return Promise.all(blocks.map((block) => this.decodeBlock(encodedBlock(block), total <= fewPoints)));
   }
 
   async decodeSurface(surface: EncodedSurface): Promise<SurfaceMesh> {
@@ -61,6 +61,18 @@ export class WorkerDecoder implements Decoder {
     const jobs = [...this.jobs.values()];
     this.jobs.clear();
     for (const job of jobs) job.reject(closed());
+  }
+
+  private async decodeBlock(block: EncodedBlock, isHere: boolean): Promise<DecodedPoints> {
+    if (isHere) {
+      try {
+        return await this.here.decode(block);
+      } catch (thrown) {
+        if (!(thrown instanceof NeedsLibrary)) throw thrown;
+        if (this.isClosed) throw closed();
+      }
+    }
+    return (await this.run({ block }, block.count)) as DecodedPoints;
   }
 
   private run(task: Task, load: number): Promise<DecodedPoints | SurfaceMesh> {

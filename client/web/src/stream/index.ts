@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The streaming client: sessions, uploads, and points that follow a camera. It needs neither three.js nor a page.
 
 export type { PointChanges } from "./changed_slots";
@@ -10,7 +11,7 @@ export { meshAmong, type NamedFile, type UploadedMesh, type UploadOptions } from
 export { StreamedPoints, type PointDifference, type PointStore } from "./point_store";
 export { Socket, socketUrl, type Endpoint } from "./socket";
 export type { FrameReport, StatisticsSummary } from "./statistics";
-export type { SurfaceMesh } from "./surface_decoder";
+export type { SurfaceMesh } from "./decoded_surface";
 export type { TriangleMesh } from "./triangle_mesh";
 export {
   CurvatureKind,

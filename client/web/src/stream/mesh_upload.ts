@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Uploads a mesh file and the files that it refers to.
 
 import { CurvecastService, type UploadMeshResponse } from "../gen/curvecast/v1/curvecast_pb";
@@ -34,7 +35,7 @@ export interface UploadedMesh {
 /// Finds the mesh among several files: the first that can be one. Returns null where none can.
 export function meshAmong(files: readonly NamedFile[]): NamedFile | null {
   return (
-    files.find((file) => /\.(ply|obj|off|stl|gltf|glb)$/i.test(file.name)) ??
+    files.find((file) => /\.(ply|obj|off|stl|gltf|glb|3mf)$/i.test(file.name)) ??
     files.find((file) => !companion.test(file.name)) ??
     null
   );

@@ -1,27 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decodes a surface's file of Draco. Runs in a worker, and needs nothing of a browser.
 
 import { withNormals } from "./corner_normals";
+import type { EncodedSurface, SurfaceMesh } from "./decoded_surface";
 import { DracoLibrary } from "./draco/library";
 import { badSurface, checkMeshHeader } from "./draco/mesh_header";
-
-/// The triangles of a surface. Vertices at creases are there once for each of their normals.
-export interface SurfaceMesh {
-  readonly origin: [number, number, number]; // units; positions are relative to it
-  readonly positions: Float32Array<ArrayBuffer>; // 3 each
-  readonly normals: Float32Array<ArrayBuffer>; // 3 each, of unit length
-  readonly colours: Uint8Array<ArrayBuffer> | null; // 3 each
-  readonly triangles: Uint32Array<ArrayBuffer>; // 3 each: vertices, counter-clockwise seen from outside
-  readonly bytes: number; // of the file
-}
-
-/// A file in the form that goes to a worker, and what was said about it.
-export interface EncodedSurface {
-  file: Uint8Array<ArrayBuffer>;
-  vertices: number;
-  triangles: number;
-  origin: [number, number, number];
-  creaseDegrees: number;
-}
 
 /// Decodes a file. Rejects bad data with DATA_LOSS. Takes a decoder of its own by default, whose memory goes with it.
 export async function decodeSurface(encoded: EncodedSurface, library = new DracoLibrary()): Promise<SurfaceMesh> {

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 // The surface's own triangles, as a server sends them: checks its messages, and joins them.
 
 import type { GetSurfaceResponse, SurfaceInfo } from "../gen/curvecast/v1/curvecast_pb";
 import type { Decoder } from "./decoder";
 import { badSurface } from "./draco/mesh_header";
 import { maxSurfaceFaces } from "./protocol";
-import type { SurfaceMesh } from "./surface_decoder";
+import type { SurfaceMesh } from "./decoded_surface";
 
 const mostBytes = 64 << 20;
 const cornersOfTriangle = 3; // which has as many vertices of its own at most

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Moves a camera by pointer, wheel and keys. Left drag or one finger: orbit about what is under the pointer; right drag, shift or two
 // fingers: pan; wheel or pinch: zoom to the pointer; double click: look there; arrows: orbit, with shift pan; + and -: zoom.
 // Flying: W A S D Q E move, dragging looks around, shift is faster.
@@ -32,7 +33,8 @@ const turnsPerHeight = 0.8;
 const flyKeys = ["KeyW", "KeyA", "KeyS", "KeyD", "KeyQ", "KeyE"];
 const arrows: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
-/// Moves the camera of a host. Listens to the canvas and, for keys, to the window until dispose().
+/// Moves the camera of a host. Listens to the canvas until dispose(), for keys to the window: the page is the picture's. A canvas within
+/// a shadow tree is part of somebody else's page, and takes keys only while it has the focus.
 export class CameraControls {
   navigation: "orbit" | "fly" = "orbit";
   tool: PointerTool | null = null;
@@ -66,8 +68,9 @@ export class CameraControls {
     canvas.addEventListener("dblclick", (event) => this.lookAt(event), { signal });
     canvas.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
     // Keys on their way down: panels stop theirs on their way up.
-    window.addEventListener("keydown", (event) => this.keyDown(event), { signal, capture: true });
-    window.addEventListener("keyup", (event) => this.keys.delete(event.code), { signal, capture: true });
+    const pressed: GlobalEventHandlers = canvas.getRootNode() instanceof ShadowRoot ? canvas : window;
+    pressed.addEventListener("keydown", (event) => this.keyDown(event), { signal, capture: true });
+    pressed.addEventListener("keyup", (event) => this.keys.delete(event.code), { signal, capture: true });
     window.addEventListener("blur", () => this.keys.clear(), { signal });
   }
 

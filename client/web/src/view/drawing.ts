@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws the pictures of a canvas: points or a surface, a wireframe and lines over them.
 
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
-import type { SurfaceMesh } from "../stream/surface_decoder";
+import type { SurfaceMesh } from "../stream/decoded_surface";
 import type { TriangleMesh } from "../stream/triangle_mesh";
 import { type Bounds, boundsRadius } from "./camera_math";
 import { OverlayLines, type OverlayLine } from "./overlay_lines";

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // Places of a canvas that shows pictures beside each other, in CSS pixels, and what the pictures have there.
 
 import type { PointStore } from "../stream/point_store";
-import type { SurfaceMesh } from "../stream/surface_decoder";
+import type { SurfaceMesh } from "../stream/decoded_surface";
 import { type Bounds, boundsRadius, clipPlanes, halfHeight, placeInPicture, rayThrough } from "./camera_math";
 import { pick } from "./picking";
 import { pickSurface } from "./surface_picking";

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // Keeps the surface's own triangles on the graphics card.
 
 import * as THREE from "three";
-import type { SurfaceMesh } from "../stream/surface_decoder";
+import type { SurfaceMesh } from "../stream/decoded_surface";
 
 /// A surface on the graphics card.
 export class SurfaceGeometry {

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // Finds the surface's own triangles under the pointer by a search through all of them: Möller, Trumbore, "Fast, minimum storage
 // ray/triangle intersection", Journal of Graphics Tools 1997. A million of them take about 20 ms.
 
-import type { SurfaceMesh } from "../stream/surface_decoder";
+import type { SurfaceMesh } from "../stream/decoded_surface";
 import { localSection } from "./section";
 import type { Pick, Ray, Section, Vec } from "./types";
 import { along, normalise } from "./vector";

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 // The viewer's picture: the points of one or two stores, the lines over them, and the pointer's tools.
 
 import * as THREE from "three";
 import type { PointStore } from "../stream/point_store";
-import type { SurfaceMesh } from "../stream/surface_decoder";
+import type { SurfaceMesh } from "../stream/decoded_surface";
 import type { TriangleMesh } from "../stream/triangle_mesh";
 import { BrushTool } from "./brush_tool";
 import { CanvasPixels } from "./canvas_pixels";
@@ -57,7 +58,6 @@ export class Viewport {
   private readonly pixels: CanvasPixels;
   private readonly places: PicturePlaces;
   private readonly ended = new AbortController();
-
   private stores: (PointStore | null)[] = [null];
   private surface: SurfaceMesh | null = null;
   private styleNow: Style = { ...defaultStyle };

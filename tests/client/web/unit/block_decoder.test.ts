@@ -1,8 +1,10 @@
 import { create } from "@bufbuild/protobuf";
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 
 import { PointBlockSchema } from "../../../../client/web/src/gen/curvecast/v1/curvecast_pb";
 import { BlockDecoder, buffersOf, encodedBlock, type EncodedBlock } from "../../../../client/web/src/stream/block_decoder";
+import type { DecodeRequest, DecodeResponse } from "../../../../client/web/src/stream/decode_worker";
+import { WorkerDecoder } from "../../../../client/web/src/stream/decoder";
 import { CurvecastError } from "../../../../client/web/src/stream/errors";
 import { DracoLibrary } from "../../../../client/web/src/stream/draco/library";
 import { dracoBlock } from "./draco_block";
@@ -112,6 +114,37 @@ describe("Draco blocks of another kind", () => {
     expect(points.colours!.length).toBe(2000);
     expect(Math.hypot(...[0, 1, 2].map((axis) => points.positions[axis]! + 3))).toBeCloseTo(10, 1);
     expect(points.positions[3]).toBeCloseTo(dracoBlock.radius, 6);
+  });
+
+  it("go to a worker thread however few their points are, as no other thread has that decoder", async () => {
+    const sent: DecodeRequest[] = [];
+    vi.stubGlobal(
+      "Worker",
+      class {
+        onmessage: ((event: { data: DecodeResponse }) => void) | null = null;
+        postMessage(request: DecodeRequest) {
+          sent.push(request);
+          if (!("block" in request)) return;
+          void decoder.decode(request.block).then((points) => this.onmessage?.({ data: { job: request.job, points } }));
+        }
+        terminate() {}
+      },
+    );
+    const { radius } = dracoBlock;
+    const plain = { points: 500, positionBits: 11, normalBits: 7, speed: 5, noise: 0.1, colours: true };
+    const threads = new WorkerDecoder();
+    for (const others of [false, true]) {
+      const data = await encodedCloud({ ...plain, others });
+      const message = create(PointBlockSchema, {
+        count: 500,
+        data: { case: "draco", value: { data, radiusMin: radius, radiusMax: radius } },
+      });
+      const [points] = await threads.decode([message]);
+      expect(points).toEqual(await decoder.decode(encodedBlock(message)));
+      expect(sent.length).toBe(others ? 1 : 0);
+    }
+    threads.close();
+    vi.unstubAllGlobals();
   });
 });
 

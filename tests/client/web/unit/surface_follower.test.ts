@@ -2,7 +2,7 @@ import { beforeEach, describe, expect, it } from "vitest";
 
 import { SurfaceFollower } from "../../../../client/web/src/app/surface_follower";
 import { CurvecastError } from "../../../../client/web/src/stream/errors";
-import type { SurfaceMesh } from "../../../../client/web/src/stream/surface_decoder";
+import type { SurfaceMesh } from "../../../../client/web/src/stream/decoded_surface";
 import { settle } from "./fake_web_socket";
 
 interface Asked {

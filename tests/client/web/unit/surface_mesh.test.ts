@@ -9,7 +9,8 @@ import {
 import { Client } from "../../../../client/web/src/stream/client";
 import type { Decoder } from "../../../../client/web/src/stream/decoder";
 import { DracoLibrary } from "../../../../client/web/src/stream/draco/library";
-import { decodeSurface, type SurfaceMesh } from "../../../../client/web/src/stream/surface_decoder";
+import type { SurfaceMesh } from "../../../../client/web/src/stream/decoded_surface";
+import { decodeSurface } from "../../../../client/web/src/stream/surface_decoder";
 import { readSurface } from "../../../../client/web/src/stream/surface_mesh";
 import { encodedCloud, encodedMesh, loadDecoder } from "./draco_modules";
 import { FakeWebSocket, settle } from "./fake_web_socket";

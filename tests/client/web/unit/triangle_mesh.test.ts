@@ -17,7 +17,7 @@ import { FakeWebSocket, settle } from "./fake_web_socket";
 type Message = MessageInitShape<typeof RemeshResponseSchema>;
 type Block = Exclude<MessageInitShape<typeof PointBlockSchema>, MessageShape<typeof PointBlockSchema>>;
 
-const blocks = new BlockDecoder();
+const blocks = new BlockDecoder(null);
 const decoder: Decoder = {
   decode: (all) => Promise.all(all.map((block) => blocks.decode(encodedBlock(block)))),
   decodeSurface,

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import { withNormals } from "../../../../client/web/src/stream/corner_normals";
-import type { SurfaceMesh } from "../../../../client/web/src/stream/surface_decoder";
+import type { SurfaceMesh } from "../../../../client/web/src/stream/decoded_surface";
 import { pickSurface } from "../../../../client/web/src/view/surface_picking";
 import type { Ray, Vec } from "../../../../client/web/src/view/types";
 import { cube } from "../support/plain_meshes";

@@ -47,7 +47,7 @@ window.draw = async (name, { eye, target, up, fov, error, spacing }, width, heig
       count += node.geometry.getAttribute("position").count;
       // Discs as wide as neighbours of the points that are there are apart.
       node.material.sizeAttenuation = true;
-      node.material.size = spacing;
+      node.material.size = spacing / Math.tan((fov * Math.PI) / 360); // three.js takes an angle of 90 degrees
       box.expandByObject(node);
     });
     renderer.render(scene, camera);

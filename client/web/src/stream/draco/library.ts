@@ -1,7 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decodes any Draco point cloud, and meshes, with draco3d, Draco's own decoder in WebAssembly, which is loaded when data first needs it.
 
 import type { Decoder as DracoDecoder, DecoderBuffer, DracoModule, PointCloud } from "draco3d/draco_decoder_nodejs.js";
-import wasmUrl from "draco3d/draco_decoder.wasm?url";
 
 import { badPoints } from "../decoded_points";
 import { asCurvecastError, CurvecastError } from "../errors";
@@ -9,12 +9,11 @@ import { asFloats, writeColours, writeNormals, writePositions } from "../columns
 import { badSurface } from "./mesh_header";
 import { colour, normal, position, radius, type DracoAttribute } from "./header";
 import type { Columns } from "./reader";
+import { loadWasm } from "./wasm";
 
-/// Loads draco3d from the page's own server.
-async function loadFromPage(): Promise<DracoModule> {
-  const [response, { default: createDecoder }] = await Promise.all([fetch(wasmUrl), import("draco3d/draco_decoder_nodejs.js")]);
-  if (!response.ok) throw new CurvecastError("UNAVAILABLE", `the decoder cannot be loaded: HTTP status ${response.status}`);
-  return createDecoder({ wasmBinary: await response.arrayBuffer() });
+async function loadDecoder(): Promise<DracoModule> {
+  const [wasmBinary, { default: createDecoder }] = await Promise.all([loadWasm(), import("draco3d/draco_decoder_nodejs.js")]);
+  return createDecoder({ wasmBinary });
 }
 
 /// A mesh as it is in its file: 3 values each.
@@ -28,7 +27,7 @@ export interface DracoMesh {
 export class DracoLibrary {
   private loading: Promise<Decoding> | null = null;
 
-  constructor(private readonly load: () => Promise<DracoModule> = loadFromPage) {}
+  constructor(private readonly load: () => Promise<DracoModule> = loadDecoder) {}
 
   /// Writes the points of data whose header readHeader() has accepted; `radii` are those of the codes. Writes colours where `to` has them.
   read(bytes: Uint8Array, radii: Float32Array, to: Columns): Promise<void> {
