@@ -52,7 +52,7 @@ class CurveTest(ServerTest):
             self.assertAlmostEqual(twice.sum() / 2, 1, delta=1e-9)
             self.assertTrue(disc.border_cuts.all())  # a sphere has no border of its own
             self.assertEqual(len(np.unique(disc.border)), len(disc.border))
-        self.assertEqual(len(faces), parameter_mesh.info.mesh.faces)
+        self.assertEqual(len(faces), parameter_mesh.info.mesh.file_polygons)
 
     def test_answers_that_make_no_sense(self) -> None:
         def refused(decode: Callable[[Iterator[Any]], object], *messages: object) -> None:

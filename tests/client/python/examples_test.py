@@ -37,7 +37,8 @@ class ExamplesTest(ServerTest):
         return finished.stdout
 
     def test_the_readme(self) -> None:
-        program = (PACKAGE / "README.md").read_text().split("```python\n")[1].split("```")[0]
+        of_servers = (PACKAGE / "README.md").read_text().split("\n## With a server\n")[1]
+        program = of_servers.split("```python\n")[1].split("```")[0]
         for newcomer, here in (("127.0.0.1:50051", self.server.address), ("armadillo.off", str(self.mesh))):
             self.assertEqual(program.count(newcomer), 1)
             program = program.replace(newcomer, here)

@@ -272,6 +272,16 @@ class SurfaceTest(unittest.TestCase):
             with self.assertRaises(FileNotFoundError):
                 curvecast.read(path.with_name("none.ply"))
 
+    def test_the_readme(self) -> None:
+        text = pathlib.Path(__file__).parents[4].joinpath("client/python/README.md").read_text(encoding="utf-8")
+        blocks = text.split("\n## With a server\n")[0].split("```python\n")[1:]
+        vertices, faces = torus(40, 30)
+        with tempfile.TemporaryDirectory() as folder:
+            program = "".join(block.split("```")[0] for block in blocks).split("\ndata = ")[0]  # what follows takes PyTorch
+            program = program.replace('"scan.npz"', repr(os.path.join(folder, "scan.npz")))
+            exec(compile(program, "README.md", "exec"), {"vertices": vertices, "faces": faces})
+            self.assertTrue(os.path.exists(os.path.join(folder, "scan.npz")))
+
     def test_memory_is_given_back(self) -> None:
         vertices, faces = torus(100, 100)
 
