@@ -26,9 +26,7 @@ function sphere(times: number): string {
     [-1, -2, 3],
     [-1, -3, -2],
     [-1, 2, -3],
-  ].map((face) =>
-    face.map((axis) => [0, 1, 2].map((k) => (k === Math.abs(axis) - 1 ? Math.sign(axis) : 0))),
-  );
+  ].map((face) => face.map((axis) => [0, 1, 2].map((k) => (k === Math.abs(axis) - 1 ? Math.sign(axis) : 0))));
   const middle = (a: number[], b: number[]) => {
     const sum = a.map((x, k) => x + b[k]!);
     const length = Math.hypot(...sum);

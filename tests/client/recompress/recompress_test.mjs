@@ -78,7 +78,10 @@ function octantColours(file, middle) {
     ["red", "green", "blue"].forEach((name, k) => (sums[octant][k] += read(i, name)));
     ++sums[octant][3];
   }
-  return sums.map(([red, green, blue, points]) => ({ colour: [red, green, blue].map((sum) => sum / points), share: points / count }));
+  return sums.map(([red, green, blue, points]) => ({
+    colour: [red, green, blue].map((sum) => sum / points),
+    share: points / count,
+  }));
 }
 
 /// Fails unless the file's surface is that of the original, within the rounding of its coordinates: 14 bits at least, of which a step
@@ -113,7 +116,10 @@ describe("a textured torus", async () => {
       const before = await sampled(original, place("before.ply"));
       const now = await sampled(packed, place("now.ply"));
       for (let octant = 0; octant < 8; ++octant) {
-        assert.ok(Math.abs(now[octant].share - before[octant].share) < 0.002, `octant ${octant}: ${now[octant].share} of the points`);
+        assert.ok(
+          Math.abs(now[octant].share - before[octant].share) < 0.002,
+          `octant ${octant}: ${now[octant].share} of the points`,
+        );
         now[octant].colour.forEach((value, k) => {
           const was = before[octant].colour[k];
           assert.ok(Math.abs(value - was) < 4, `octant ${octant}: colour ${k} is ${value}, and was ${was}`);

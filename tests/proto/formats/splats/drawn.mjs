@@ -17,7 +17,13 @@ const IMPORTS = {
   playcanvas: "/packages/playcanvas/build/playcanvas.mjs",
   "3d-tiles-renderer/three": "/packages/3d-tiles-renderer/build/index.three.js",
 };
-const TYPES = { ".js": "text/javascript", ".mjs": "text/javascript", ".wasm": "application/wasm", ".html": "text/html", ".json": "application/json" };
+const TYPES = {
+  ".js": "text/javascript",
+  ".mjs": "text/javascript",
+  ".wasm": "application/wasm",
+  ".html": "text/html",
+  ".json": "application/json",
+};
 
 const pageOf = (script) =>
   `<!doctype html><link rel="icon" href="data:,"><script type="importmap">${JSON.stringify({ imports: IMPORTS })}</script>` +

@@ -26,9 +26,11 @@ window.draw = async (name, { eye, target, up, fov, error, size }, width, height)
   // The mesh's second axis becomes the third one of the set.
   const turned = ([x, y, z]) => new Cesium.Cartesian3(x, -z, y);
   const place = (p) => Cesium.Matrix4.multiplyByPoint(frame, turned(p), new Cesium.Cartesian3());
-  const direction = (a, b) => Cesium.Cartesian3.normalize(Cesium.Cartesian3.subtract(b, a, new Cesium.Cartesian3()), new Cesium.Cartesian3());
+  const direction = (a, b) =>
+    Cesium.Cartesian3.normalize(Cesium.Cartesian3.subtract(b, a, new Cesium.Cartesian3()), new Cesium.Cartesian3());
   const position = place(eye);
-  scene.camera.frustum.fov = ((width > height ? 2 * Math.atan(Math.tan((fov * Math.PI) / 360) * (width / height)) : (fov * Math.PI) / 180));
+  scene.camera.frustum.fov =
+    width > height ? 2 * Math.atan(Math.tan((fov * Math.PI) / 360) * (width / height)) : (fov * Math.PI) / 180;
   scene.camera.frustum.aspectRatio = width / height;
   scene.camera.frustum.near = 0.01;
   scene.camera.setView({

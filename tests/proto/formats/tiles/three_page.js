@@ -53,6 +53,12 @@ window.draw = async (name, { eye, target, up, fov, error, spacing }, width, heig
     renderer.render(scene, camera);
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
-  return { count, failed, low: box.min.toArray(), high: box.max.toArray(), pixels: readPixels(renderer.getContext(), width, height) };
+  return {
+    count,
+    failed,
+    low: box.min.toArray(),
+    high: box.max.toArray(),
+    pixels: readPixels(renderer.getContext(), width, height),
+  };
 };
 window.ready = true;
