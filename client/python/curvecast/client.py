@@ -16,7 +16,7 @@ import numpy.typing as npt
 from curvecast.connection import Connection, OnProgress
 from curvecast.density import enum_name, vec3
 from curvecast.errors import Error, bad_answer
-from curvecast.mesh import Mesh, as_mesh, find_companion, may_have_companions, mesh_id_of
+from curvecast.mesh import REFERENCE_ROUNDS, Mesh, as_mesh, find_companion, may_have_companions, mesh_id_of
 from curvecast.parameter_mesh import ParameterMesh, decode_parameter_mesh
 from curvecast.points import Points, as_points
 from curvecast.protocol import MAX_COMPANIONS
@@ -24,8 +24,6 @@ from curvecast.session import Session
 from curvecast.session_options import session_options
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import Camera
-
-REFERENCE_ROUNDS = 8  # a mesh names material libraries, these name textures: two, as a rule
 
 
 def connect(

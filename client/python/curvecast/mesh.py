@@ -10,6 +10,7 @@ import pathlib
 from collections.abc import Mapping
 from typing import BinaryIO
 
+REFERENCE_ROUNDS = 8  # a mesh names material libraries, these name textures: two, as a rule
 REFERRING_ENDINGS = {".obj", ".gltf", ".glb", ".ply"}
 # A server may name any file of the folder, but needs no others than these.
 COMPANION_ENDINGS = {".mtl", ".bin", ".png", ".jpg", ".jpeg", ".bmp", ".tga", ".gif", ".webp", ".ktx2"}

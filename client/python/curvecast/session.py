@@ -10,13 +10,12 @@ from typing import Any
 
 from curvecast.connection import Connection, OnProgress, told
 from curvecast.curve import Curve, decode_curve
-from curvecast.density import enum_name
 from curvecast.errors import bad_answer
 from curvecast.neighbours import Neighbours, decode_neighbours
 from curvecast.points import Points, decode_blocks
 from curvecast.protocol import MAX_POINTS
 from curvecast.surface_file import SurfaceFile, join_surface
-from curvecast.triangle_mesh import TriangleMesh, decode_mesh
+from curvecast.triangle_mesh import TriangleMesh, decode_mesh, remesh_request
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import View, as_view
 from curvecast.view_stream import HeldFrame, ViewStream
@@ -93,15 +92,8 @@ class Session:
         or, as the paper has it, parameter: in the square that the surface is mapped to. Error INVALID_ARGUMENT: too few points to
         bear the surface's topology.
         """
-        view = as_view(view, options)
-        request = v1.RemeshRequest(
-            session_id=self.id,
-            sample=view.to_proto(),
-            relaxations=relaxations,
-            fit=fit,
-            feature_degrees=feature_degrees,
-            method=enum_name(v1.RemeshMethod, "REMESH_METHOD", method),
-        )
+        request = remesh_request(as_view(view, options), relaxations, fit, feature_degrees, method)
+        request.session_id = self.id
         return self._connection.read_stream("Remesh", request, self._connection.long_timeout, decode_mesh)
 
     def neighbours(

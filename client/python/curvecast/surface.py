@@ -14,13 +14,12 @@ import numpy as np
 import numpy.typing as npt
 
 from curvecast.connection import OnProgress
-from curvecast.density import enum_name
 from curvecast.errors import error_of
 from curvecast.frame import Frame, decode_frame
-from curvecast.mesh import find_companion, may_have_companions
+from curvecast.mesh import REFERENCE_ROUNDS, find_companion, may_have_companions
 from curvecast.points import Points, as_points, decode_blocks, points_of
 from curvecast.session_options import session_options
-from curvecast.triangle_mesh import TriangleMesh, decode_mesh
+from curvecast.triangle_mesh import TriangleMesh, decode_mesh, remesh_request
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import Camera, View, as_view
 
@@ -29,8 +28,6 @@ with contextlib.suppress(ModuleNotFoundError):  # a module that is there and doe
 
 #: Whether this copy can sample meshes without a server.
 HAS_LOCAL = "_native" in globals()
-
-REFERENCE_ROUNDS = 8  # a mesh names material libraries, these name textures: two, as a rule
 
 
 class Surface:
@@ -117,13 +114,7 @@ class Surface:
         **options: Any,
     ) -> TriangleMesh:
         """Makes a triangle mesh of the points of a view, with exactly as many vertices: as Session.remesh()."""
-        request = v1.RemeshRequest(
-            sample=as_view(view, options).to_proto(),
-            relaxations=relaxations,
-            fit=fit,
-            feature_degrees=feature_degrees,
-            method=enum_name(v1.RemeshMethod, "REMESH_METHOD", method),
-        )
+        request = remesh_request(as_view(view, options), relaxations, fit, feature_degrees, method)
         with _translate_errors():
             answers = self._native.remesh(request.SerializeToString(), self._threads, on_progress)
         return decode_mesh(map(v1.RemeshResponse.FromString, answers))

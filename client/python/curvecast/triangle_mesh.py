@@ -10,9 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from curvecast.columns import read_column
+from curvecast.density import enum_name
 from curvecast.errors import bad_answer
 from curvecast.points import Points, decode_blocks
 from curvecast.v1 import curvecast_pb2 as v1
+from curvecast.view import View
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -25,6 +27,17 @@ class TriangleMesh:
 
     def __len__(self) -> int:
         return len(self.triangles)
+
+
+def remesh_request(view: View, relaxations: int, fit: bool, feature_degrees: float, method: str) -> v1.RemeshRequest:
+    """Makes the message of the API, of no session yet. ValueError: as of View.to_proto(), or a method that there is not."""
+    return v1.RemeshRequest(
+        sample=view.to_proto(),
+        relaxations=relaxations,
+        fit=fit,
+        feature_degrees=feature_degrees,
+        method=enum_name(v1.RemeshMethod, "REMESH_METHOD", method),
+    )
 
 
 def decode_mesh(messages: Iterator[v1.RemeshResponse]) -> TriangleMesh:
