@@ -17,7 +17,7 @@
 
 #include "client/lib/drc_mesh.h"
 #include "client/lib/file_bytes.h"
-#include "client/lib/ply_name.h"
+#include "proto/formats/ply_name.h"
 
 namespace curvecast::client {
 namespace {
@@ -61,7 +61,8 @@ absl::StatusOr<std::string> make_ply(const Mesh& mesh) {
   for (const char* axis : {"x", "y", "z"}) absl::StrAppendFormat(&out, "property %s %s\n", doubles ? "double" : "float", axis);
   if (!vertices.normals.empty()) out += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!vertices.colours.empty()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  for (const ScalarColumn& scalar : vertices.scalars) absl::StrAppendFormat(&out, "property float %s\n", ply_name(scalar.name));
+  for (const ScalarColumn& scalar : vertices.scalars)
+    absl::StrAppendFormat(&out, "property float %s\n", formats::ply_name(scalar.name));
   absl::StrAppendFormat(&out, "element face %d\nproperty list uchar uint vertex_indices\nend_header\n", mesh.triangles.size());
   out.reserve(out.size() + 40 * vertices.size() + 13 * mesh.triangles.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) {

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "client/lib/file_bytes.h"
-#include "client/lib/ply_name.h"
 #include "client/lib/point_headers.h"
 #include "client/lib/point_table.h"
+#include "proto/formats/ply_name.h"
 
 namespace curvecast::client {
 namespace {
@@ -69,7 +69,8 @@ std::vector<Extra> extras_of(const Points& points) {
   add(points.barycentric, "property float barycentric_2\nproperty float barycentric_3\n");
   add(points.directions, "property float direction_min_x\nproperty float direction_min_y\nproperty float direction_min_z\n");
   // As other programs name such columns.
-  for (const auto& [name, values] : points.scalars) add(values, absl::StrFormat("property float scalar_%s\n", ply_name(name)));
+  for (const auto& [name, values] : points.scalars)
+    add(values, absl::StrFormat("property float scalar_%s\n", formats::ply_name(name)));
   return extras;
 }
 

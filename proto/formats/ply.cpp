@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/formats/ply.h"
 
-#include <absl/strings/ascii.h>
 #include <absl/strings/str_format.h>
 
 #include <bit>
 #include <cstring>
 #include <utility>
 #include <vector>
+
+#include "proto/formats/ply_name.h"
 
 namespace curvecast::formats {
 namespace {
@@ -20,13 +21,6 @@ struct Values {
   std::size_t bytes;  // of a point
   std::string properties;
 };
-
-/// Nothing in a name may end a word of the header.
-std::string word_of(std::string_view name) {
-  std::string out;
-  for (const char c : name) out += absl::ascii_isgraph(static_cast<unsigned char>(c)) ? c : '_';
-  return out;
-}
 
 std::vector<Values> values_of(const PointColumns& columns) {
   std::vector<Values> all;
@@ -42,7 +36,7 @@ std::vector<Values> values_of(const PointColumns& columns) {
   add(columns.barycentric, "property float barycentric_2\nproperty float barycentric_3\n");
   add(columns.directions, "property float direction_min_x\nproperty float direction_min_y\nproperty float direction_min_z\n");
   // As other programs name such columns.
-  for (const auto& [name, values] : columns.scalars) add(values, absl::StrFormat("property float scalar_%s\n", word_of(name)));
+  for (const auto& [name, values] : columns.scalars) add(values, absl::StrFormat("property float scalar_%s\n", ply_name(name)));
   return all;
 }
 

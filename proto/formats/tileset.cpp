@@ -24,6 +24,15 @@ constexpr double kLatticeSteps = 65'535;  // as GlbOptions::quantise has them
 /// The axes of a tileset: viewers turn the second axis of a tile's glTF into the third one of the set.
 std::array<double, 3> to_set(const std::array<double, 3>& p) { return {p[0], -p[2], p[1]}; }
 
+/// Makes `all` hold another box, too; nothing: it holds none yet.
+void grow(std::optional<Box>& all, const Box& more) {
+  if (!all) all = more;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    all->low[axis] = std::min(all->low[axis], more.low[axis]);
+    all->high[axis] = std::max(all->high[axis], more.high[axis]);
+  }
+}
+
 /// One tile, made of the points [begin, end) of the curve order.
 struct Tile {
   std::size_t begin = 0, end = 0;
@@ -95,11 +104,7 @@ class Tileset {
         for (std::size_t i = tile.begin; i < tile.end; ++i) {
           if (level_of(columns_.ranks[i]) < level) continue;
           const std::array<float, 3>& p = columns_.positions[i];
-          if (!tile.box) tile.box = Box{p, p};
-          for (std::size_t axis = 0; axis < 3; ++axis) {
-            tile.box->low[axis] = std::min(tile.box->low[axis], p[axis]);
-            tile.box->high[axis] = std::max(tile.box->high[axis], p[axis]);
-          }
+          grow(tile.box, {p, p});
           if (!distances.empty()) tile.error = std::max(tile.error, distances[i]);
         }
       }
@@ -179,13 +184,7 @@ class Tileset {
   json below_volume(std::size_t level, std::size_t t) const {
     std::optional<Box> all;
     for (std::size_t child = 4 * t; child < 4 * t + 4; ++child) {
-      const std::optional<Box>& box = levels_[level + 1][child].box;
-      if (!box) continue;
-      if (!all) all = box;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        all->low[axis] = std::min(all->low[axis], box->low[axis]);
-        all->high[axis] = std::max(all->high[axis], box->high[axis]);
-      }
+      if (const std::optional<Box>& box = levels_[level + 1][child].box) grow(all, *box);
     }
     return volume(*all);
   }

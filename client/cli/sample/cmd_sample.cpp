@@ -18,8 +18,6 @@ struct Flags {
   SamplingFlags sampling;
 };
 
-constexpr std::chrono::minutes kPatience{5};  // with the refinement of the curve
-
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -62,18 +60,16 @@ absl::Status run(const Flags& flags, const CommonOptions& options, std::stop_tok
   if (!requests.ok()) return requests.status();
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
-  client::Client& client = (*host)->client();
-  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, requests->session, options.quiet, stop);
-  if (!opened.ok()) return opened.status();
-  absl::StatusOr<client::DecodedSample> sample =
-      sample_session(client, opened->session, flags.sampling, requests->sample, kPatience, stop);
-  if (!sample.ok()) return sample.status();
+  absl::StatusOr<SampledMesh> sampled =
+      open_and_sample((*host)->client(), flags.mesh, *requests, flags.sampling, options.quiet, stop);
+  if (!sampled.ok()) return sampled.status();
+  client::DecodedSample& sample = sampled->sample;
   if (!flags.output.empty()) {
     const Clock::time_point encode_start = Clock::now();
-    if (absl::Status status = save_sample(flags.output, sample->points, flags.sampling); !status.ok()) return status;
-    sample->statistics.set_encode_seconds(sample->statistics.encode_seconds() + seconds_since(encode_start));
+    if (absl::Status status = save_sample(flags.output, sample.points, flags.sampling); !status.ok()) return status;
+    sample.statistics.set_encode_seconds(sample.statistics.encode_seconds() + seconds_since(encode_start));
   }
-  return report(flags, options, *opened, *sample, seconds_since(start));
+  return report(flags, options, sampled->opened, sample, seconds_since(start));
 }
 
 }  // namespace

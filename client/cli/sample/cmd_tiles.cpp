@@ -93,15 +93,13 @@ absl::Status run(Flags flags, const CommonOptions& options, std::stop_token stop
   if (!requests.ok()) return requests.status();
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
-  client::Client& client = (*host)->client();
-  absl::StatusOr<OpenedMesh> opened = open_mesh(client, flags.mesh, requests->session, options.quiet, stop);
-  if (!opened.ok()) return opened.status();
-  absl::StatusOr<client::DecodedSample> sample =
-      sample_session(client, opened->session, flags.sampling, requests->sample, std::chrono::minutes(5), stop);
-  if (!sample.ok()) return sample.status();
-  const absl::StatusOr<Written> written = write_tiles(flags, sample->points, stop);
+  const absl::StatusOr<SampledMesh> sampled =
+      open_and_sample((*host)->client(), flags.mesh, *requests, flags.sampling, options.quiet, stop);
+  if (!sampled.ok()) return sampled.status();
+  const client::Points& points = sampled->sample.points;
+  const absl::StatusOr<Written> written = write_tiles(flags, points, stop);
   if (!written.ok()) return written.status();
-  return report(flags, options, sample->points.size(), *written, std::chrono::duration<double>(Clock::now() - start).count());
+  return report(flags, options, points.size(), *written, std::chrono::duration<double>(Clock::now() - start).count());
 }
 
 }  // namespace

@@ -108,6 +108,16 @@ absl::StatusOr<client::DecodedSample> sample_session(client::Client& client, con
   return sample;
 }
 
+absl::StatusOr<SampledMesh> open_and_sample(client::Client& client, const std::string& mesh, const SamplingRequests& requests,
+                                            const SamplingFlags& flags, bool quiet, const std::stop_token& stop) {
+  constexpr std::chrono::minutes kPatience{5};  // with the refinement of the curve
+  absl::StatusOr<OpenedMesh> opened = open_mesh(client, mesh, requests.session, quiet, stop);
+  if (!opened.ok()) return opened.status();
+  absl::StatusOr<client::DecodedSample> sample = sample_session(client, opened->session, flags, requests.sample, kPatience, stop);
+  if (!sample.ok()) return sample.status();
+  return SampledMesh{*std::move(opened), *std::move(sample)};
+}
+
 absl::Status save_sample(const std::string& path, const client::Points& points, const SamplingFlags& flags) {
   SaveOptions options{.drc = flags.drc, .splats = flags.splats, .glb = kGlbValues[choice_of(flags.glb, kGlbNumbers)]};
   options.drc.position_bits = flags.position_bits.value_or(options.drc.position_bits);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/common.h"
 #include "client/cli/sample_flags.h"
 #include "client/cli/session_flags.h"
 #include "client/lib/client.h"
@@ -48,6 +49,15 @@ absl::StatusOr<SamplingRequests> make_sampling_requests(const SamplingFlags& fla
 absl::StatusOr<client::DecodedSample> sample_session(client::Client& client, const v1::Session& session,
                                                      const SamplingFlags& flags, v1::SampleRequest request,
                                                      std::chrono::milliseconds patience, const std::stop_token& stop);
+
+struct SampledMesh {
+  OpenedMesh opened;
+  client::DecodedSample sample;
+};
+
+/// Opens a mesh and samples it, and shows progress unless `quiet`; waits some minutes for a finer curve.
+absl::StatusOr<SampledMesh> open_and_sample(client::Client& client, const std::string& mesh, const SamplingRequests& requests,
+                                            const SamplingFlags& flags, bool quiet, const std::stop_token& stop);
 
 /// Writes the points as save_points() does, as the flags say.
 absl::Status save_sample(const std::string& path, const client::Points& points, const SamplingFlags& flags);

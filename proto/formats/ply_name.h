@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace curvecast::client {
+namespace curvecast::formats {
 
 /// A name comes from a mesh, by way of a server: nothing in it may end a word of the header.
 inline std::string ply_name(std::string_view name) {
@@ -16,4 +16,4 @@ inline std::string ply_name(std::string_view name) {
   return out;
 }
 
-}  // namespace curvecast::client
+}  // namespace curvecast::formats
