@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import importlib.util
 import os
 import pathlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,11 +24,10 @@ from curvecast.triangle_mesh import TriangleMesh, decode_mesh, remesh_request
 from curvecast.v1 import curvecast_pb2 as v1
 from curvecast.view import Camera, View, as_view
 
-with contextlib.suppress(ModuleNotFoundError):  # a module that is there and does not load is an error
-    from curvecast import _native
-
 #: Whether this copy can sample meshes without a server.
-HAS_LOCAL = "_native" in globals()
+HAS_LOCAL = importlib.util.find_spec("curvecast._native") is not None
+if HAS_LOCAL:  # a module that is there and does not load is an error
+    from curvecast import _native
 
 
 class Surface:
