@@ -128,6 +128,7 @@ absl::StatusOr<v1::SampleRequest> make_request(const SampleFlags& flags, std::ui
   const absl::StatusOr<v1::Sequence> sequence = terms::parse_sequence(sequence_of(flags));
   if (!sequence.ok()) return sequence.status();
   request.set_sequence(*sequence);
+  request.set_relaxation_rounds(flags.relaxation_rounds);
   if (absl::Status status = add_density_terms(flags.density, request.mutable_density()); !status.ok()) return status;
   return request;
 }

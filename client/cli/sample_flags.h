@@ -24,6 +24,7 @@ struct SampleFlags {
   std::vector<std::string> density;
   std::string usual_sampler = "equalised";  // of the command, where the user names neither a sampler nor a sequence
   std::string sampler, sequence;            // empty: not given
+  std::uint32_t relaxation_rounds = 0;
   std::vector<std::string> cameras;
 };
 

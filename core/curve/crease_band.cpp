@@ -18,6 +18,8 @@ constexpr float kSameSide = 0.8F;
 constexpr double kSamplesInBand = 2;      // of an edge, in the band's width
 constexpr double kMostSamples = 500'000;  // of all edges together, but one at least of each
 constexpr std::size_t kLeaf = 16;
+constexpr std::size_t kFew =
+    32;  // places near a block of vertices, each of which is compared with all of them rather than search a tree
 constexpr std::size_t kGrain = 1024;
 
 /// A place on a crease.
@@ -121,8 +123,32 @@ class Nearest {
   std::uint32_t place_ = kNone;
 };
 
-Nearest nearest(const Tree& tree, const Vec3f& position, float reach) {
-  Nearest found(reach);
+/// Collects the places that are nearer than a reach, until they are more than kFew.
+class Few {
+ public:
+  using DistanceType = float;
+  using IndexType = std::uint32_t;
+
+  explicit Few(float reach) : square_(reach * reach) {}
+  std::size_t size() const { return size_; }
+  bool full() const { return true; }
+  float worstDist() const { return square_; }
+  bool addPoint(float /*square*/, std::uint32_t place) {
+    if (size_ < kFew) places_[size_] = place;
+    return ++size_ <= kFew;
+  }
+  bool are_too_many() const { return size_ > kFew; }
+  std::span<const std::uint32_t> places() const { return {places_.data(), size_}; }
+
+ private:
+  std::array<std::uint32_t, kFew> places_;
+  std::size_t size_ = 0;
+  float square_;
+};
+
+template <typename Found>
+Found find(const Tree& tree, const Vec3f& position, float reach) {
+  Found found(reach);
   tree.findNeighbors(found, position.data(), nanoflann::SearchParams());
   return found;
 }
@@ -154,9 +180,15 @@ void fill_crease_band(const SurfaceData& data, SurfaceCurve& curve, const Execut
       float radius = 0;
       for (std::size_t l = begin; l < end; ++l) radius = std::max(radius, (curve.position(l) - curve.position(begin)).norm());
       std::fill(curve.beside.begin() + begin, curve.beside.begin() + end, Direction8{});
-      if (!nearest(tree, curve.position(begin), band + 1.01F * radius).is_there()) continue;
+      const Few few = find<Few>(tree, curve.position(begin), band + 1.01F * radius);
+      if (few.size() == 0) continue;
       for (std::size_t l = begin; l < end; ++l) {
-        const Nearest found = nearest(tree, curve.position(l), band);
+        Nearest found(band);
+        if (few.are_too_many()) {
+          found = find<Nearest>(tree, curve.position(l), band);
+        } else {
+          for (const std::uint32_t p : few.places()) found.addPoint((places[p].position - curve.position(l)).squaredNorm(), p);
+        }
         if (found.is_there()) curve.beside[l] = Direction8(beyond(places[found.place()], curve.normal(l)));
         has_one = has_one || !curve.beside[l].is_none();
       }

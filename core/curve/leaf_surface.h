@@ -52,6 +52,9 @@ class LeafSurface {
   /// Returns what is known of the surface, for a face in the disc of leaf l; null where that cannot be used: see status().
   const SurfaceData* data_of(std::size_t l, std::uint32_t face) const;
 
+  /// Returns what is known of the surface, for any face; null where some of it cannot be used: see status().
+  const SurfaceData* data() const { return base_->is_all_sound() ? &base_->data : nullptr; }
+
   bool has_colour() const { return base_->data.colour != nullptr; }
   /// Returns the surface's colour at a place in leaf l, averaged over about a share of the whole surface, and over no more than
   /// the leaf. `weights`: of the face's second and third corner. Precondition: has_colour().

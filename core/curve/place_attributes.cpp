@@ -19,6 +19,18 @@ Vec3f normal_at(const SurfaceData& data, std::uint32_t face, const std::array<fl
   return sum.stableNormalized();
 }
 
+std::array<float, 2> curvatures_at(const SurfaceData& data, std::uint32_t face, const std::array<float, 2>& weights) {
+  const std::array<float, 3> w = all_weights(weights);
+  const Triangle& corners = data.mesh.triangles[face];
+  std::array<float, 2> mean = {};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const VertexGeometry& corner = data.geometry[corners[i]];
+    mean[0] += w[i] * corner.curvature_min;
+    mean[1] += w[i] * corner.curvature_max;
+  }
+  return mean;
+}
+
 Vec3f direction_min_at(const SurfaceData& data, std::uint32_t face, const std::array<float, 2>& weights, const Vec3f& normal) {
   constexpr std::uint16_t kQuarterTurn = 1 << 15;  // in codes of axes
   const std::array<float, 3> w = all_weights(weights);

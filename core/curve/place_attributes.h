@@ -14,6 +14,9 @@ namespace curvecast {
 /// where they cancel out.
 Vec3f normal_at(const SurfaceData& data, std::uint32_t face, const std::array<float, 2>& weights);
 
+/// Returns both principal curvatures, the smaller one first: the weighted means of those at the face's corners, 1/unit.
+std::array<float, 2> curvatures_at(const SurfaceData& data, std::uint32_t face, const std::array<float, 2>& weights);
+
 /// Returns the direction of the least principal curvature: a unit vector in the tangent plane of `normal`, across the weighted
 /// mean of the axes along which the surface bends most at the face's corners. Of its two senses the same place gets the same one;
 /// any tangent where the axes cancel out. Precondition: `normal` is of length 1, at least as a packed one is.

@@ -15,12 +15,12 @@
 namespace curvecast {
 
 struct MinimiseStretchOptions {
-  std::size_t coarsest = 64;   // count of vertices at which coarsening stops
-  double growth = 1.6;         // a level is relaxed when it has this many times the vertices of the last one that was
-  double good_enough = 0.005;  // relaxing a level ends when a sweep lowers the stretch energy by less than this part
-  int most_sweeps = 100;       // count, on the coarsest levels; fewer and fewer on finer ones
-  double work = 5e5;           // vertices in the sweeps of a level beyond the first, at most
-  double corner_play = 0;      // of the border's length: how far corners go for where it turns, see square_border()
+  std::size_t coarsest = 64;  // count of vertices at which coarsening stops
+  double growth = 1.6;        // a level is relaxed when it has this many times the vertices of the last one that was
+  double good_enough = 0.01;  // relaxing a level ends when a sweep lowers the stretch energy by less than this part
+  int most_sweeps = 100;      // count, on the coarsest levels; fewer and fewer on finer ones
+  double work = 5e5;          // vertices in the sweeps of a level beyond the first, at most
+  double corner_play = 0;     // of the border's length: how far corners go for where it turns, see square_border()
   std::span<const VertexHierarchy::Level> levels;  // of the mesh that the disc was cut from, see coarsen_like(); or empty
 };
 

@@ -13,7 +13,7 @@ constexpr float kNever = std::numeric_limits<float>::infinity();
 // Of the vertices that could go, the share that a level considers: the others wait, so that features outlive what is flat.
 constexpr double kShare = 0.7;
 // Vertices that are asked for their costs to find out what is cheap.
-constexpr std::size_t kProbes = 1000;
+constexpr std::size_t kProbes = 200;
 // Moving a vertex by its distance from the surface counts in full, along the surface by this much: keeps triangles even.
 constexpr double kTangential = 0.02;
 // Levels that take less than one vertex in so many are not worth their while.

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "core/base/execution_context.h"
+#include "core/mesh/surface_walk.h"
 #include "core/remesh/halfedge_mesh.h"
-#include "core/remesh/surface_walk.h"
 
 namespace curvecast {
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/memory_claim.h"
+#include "core/mesh/surface_walk.h"
 #include "core/mesh/topology.h"
 #include "core/remesh/angle_flips.h"
 #include "core/remesh/fit.h"
@@ -19,7 +20,6 @@
 #include "core/remesh/relax.h"
 #include "core/remesh/remove_vertices.h"
 #include "core/remesh/surface_lines.h"
-#include "core/remesh/surface_walk.h"
 
 namespace curvecast {
 namespace {

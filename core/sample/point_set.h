@@ -37,11 +37,12 @@ struct PointSet {
   std::vector<FacePlace> places;        // N; empty: each point lies at its curve vertex, or nobody asked
   std::vector<std::uint32_t> ranks;     // N; empty where the points have none (see core/progressive); 2^32 - 1: that or more
   std::vector<Rgba8> colours;           // N, or empty when the mesh has none
+  bool has_moved = false;               // away from their curve vertices: only `places` say where points are
 
   std::size_t size() const { return positions.size(); }
   /// Bytes allocated, in use or not.
   std::size_t byte_size() const {
-    const auto& [o, p, n, r, v, f, k, c] = *this;
+    const auto& [o, p, n, r, v, f, k, c, m] = *this;
     return capacity_bytes(p, n, r, v, f, k, c);
   }
 };

@@ -60,6 +60,7 @@ void gather(const SurfaceCurve& curve, std::span<const float> fixed, const ViewF
   const std::size_t n = vertices.size();
   points.ranks.clear();
   points.places.clear();
+  points.has_moved = false;
   points.origin = curve.origin;
   points.positions.resize(n);
   points.normals.resize(n);

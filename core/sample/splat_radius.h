@@ -23,6 +23,11 @@ class SplatRadius {
 
   /// Returns the radius of a point where the density has this value.
   float operator()(float density) const { return std::min(scale_ / std::sqrt(density), largest_); }
+  /// Returns the area for which a point with such a radius stands, unless that is the largest.
+  static double area_of_point(float radius) {
+    const double side = static_cast<double>(radius) / kOverArea;
+    return side * side;
+  }
   /// Returns the rung of that radius on RadiusLadder(largest(curve)).
   std::uint8_t rung(float density) const { return RadiusLadder::below(density * square_); }
 

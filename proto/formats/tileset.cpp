@@ -9,6 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <utility>
 
 #include "proto/formats/prefix_distance.h"
@@ -19,6 +20,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMostLevels = 12;
+constexpr std::size_t kLeastShare = 16;   // a part of root_points: on average no level's tiles have fewer points than that
 constexpr double kLatticeSteps = 65'535;  // as GlbOptions::quantise has them
 
 /// The axes of a tileset: viewers turn the second axis of a tile's glTF into the third one of the set.
@@ -36,8 +38,8 @@ void grow(std::optional<Box>& all, const Box& more) {
 /// One tile, made of the points [begin, end) of the curve order.
 struct Tile {
   std::size_t begin = 0, end = 0;
-  std::vector<std::uint32_t> own;                  // the points that it shows
-  std::optional<Box> box;                          // of those and all below; nothing: there are none
+  std::vector<std::uint32_t> own;  // the points that it shows
+  std::optional<Box> box;          // of those and all below; nothing: there are none
   float error = 0;
 };
 
@@ -48,8 +50,9 @@ class Tileset {
 
   absl::Status make() {
     divide();
-    find_boxes_and_errors();
-    for (std::size_t level = 0; level < levels_.size(); ++level) {
+    // Level by level, so that `emit` may end the work before all distances are known.
+    for (std::size_t level = levels_.size(); level-- > 0;) {
+      find_boxes_and_errors(level);
       for (std::size_t t = 0; t < levels_[level].size(); ++t) {
         if (levels_[level][t].own.empty()) continue;
         absl::Status status = emit_content(level, t);
@@ -63,7 +66,7 @@ class Tileset {
         if (!status.ok()) return status;
       }
     }
-    return emit_({"tileset.json", whole().dump(1)});
+    return emit_({kTilesetName, whole().dump(1)});
   }
 
  private:
@@ -75,7 +78,9 @@ class Tileset {
       const std::size_t count = std::size_t{1} << 2 * level;
       std::vector<Tile>& tiles = levels_.emplace_back(count);
       for (std::size_t t = 0; t < count; ++t) tiles[t].begin = n * t / count, tiles[t].end = n * (t + 1) / count;
-      if (prefix > last || level + 1 == kMostLevels) break;
+      // Where the density is far from even, ranks grow without end. Parts so small had better be shown as a whole.
+      const bool is_finest = kLeastShare * n < 4 * count * std::size_t{options_.root_points};
+      if (prefix > last || is_finest || level + 1 == kMostLevels) break;
     }
     for (std::size_t level = 0; level < levels_.size(); ++level) {
       for (Tile& tile : levels_[level]) {
@@ -93,20 +98,17 @@ class Tileset {
     return level;
   }
 
-  void find_boxes_and_errors() {
-    for (std::size_t level = levels_.size(); level-- > 0;) {
-      std::vector<float> distances;
-      if (level + 1 < levels_.size()) {
-        distances = distances_to_prefix(columns_.positions, columns_.ranks, std::uint64_t{options_.root_points} << 2 * level);
-      }
-      for (std::size_t t = 0; t < levels_[level].size(); ++t) {
-        Tile& tile = levels_[level][t];
-        for (std::size_t i = tile.begin; i < tile.end; ++i) {
-          if (level_of(columns_.ranks[i]) < level) continue;
-          const std::array<float, 3>& p = columns_.positions[i];
-          grow(tile.box, {p, p});
-          if (!distances.empty()) tile.error = std::max(tile.error, distances[i]);
-        }
+  void find_boxes_and_errors(std::size_t level) {
+    std::vector<float> distances;
+    if (level + 1 < levels_.size()) {
+      distances = distances_to_prefix(columns_.positions, columns_.ranks, std::uint64_t{options_.root_points} << 2 * level);
+    }
+    for (Tile& tile : levels_[level]) {
+      for (std::size_t i = tile.begin; i < tile.end; ++i) {
+        if (level_of(columns_.ranks[i]) < level) continue;
+        const std::array<float, 3>& p = columns_.positions[i];
+        grow(tile.box, {p, p});
+        if (!distances.empty()) tile.error = std::max(tile.error, distances[i]);
       }
     }
   }
@@ -157,26 +159,27 @@ class Tileset {
     return {{"box", {centre[0], centre[1], centre[2], half[0], 0, 0, 0, half[2], 0, 0, 0, half[1]}}};
   }
 
-  json describe(std::size_t level, std::size_t t) const {
+  /// `folder`: of the files that it names.
+  json describe(std::size_t level, std::size_t t, const std::string& folder) const {
     const Tile& tile = levels_[level][t];
     json out = {{"boundingVolume", volume(*tile.box)}, {"geometricError", tile.error}};
     if (level == 0) out["refine"] = "ADD";
-    if (!tile.own.empty()) out["content"] = {{"uri", content_name(level, t)}};
+    if (!tile.own.empty()) out["content"] = {{"uri", folder + content_name(level, t)}};
     if (!has_below(level, t)) return out;
     if (has_file(level)) {
       out["children"] = json::array({{{"boundingVolume", below_volume(level, t)},
                                       {"geometricError", tile.error},
-                                      {"content", {{"uri", json_name(level, t)}}}}});
+                                      {"content", {{"uri", folder + json_name(level, t)}}}}});
     } else {
-      out["children"] = children(level, t);
+      out["children"] = children(level, t, folder);
     }
     return out;
   }
 
-  json children(std::size_t level, std::size_t t) const {
+  json children(std::size_t level, std::size_t t, const std::string& folder) const {
     json out = json::array();
     for (std::size_t child = 4 * t; child < 4 * t + 4; ++child) {
-      if (levels_[level + 1][child].box) out.push_back(describe(level + 1, child));
+      if (levels_[level + 1][child].box) out.push_back(describe(level + 1, child, folder));
     }
     return out;
   }
@@ -198,11 +201,11 @@ class Tileset {
              {{"boundingVolume", below_volume(level, t)},
               {"geometricError", error},
               {"refine", "ADD"},
-              {"children", children(level, t)}}}};
+              {"children", children(level, t, "")}}}};
   }
 
   json whole() const {
-    json root = describe(0, 0);
+    json root = describe(0, 0, options_.folder);
     // Without a turn the second axis of the mesh points upwards.
     if (options_.z_up) root["transform"] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
     const double diagonal = std::sqrt(3.0) * levels_[0][0].box->extent();
@@ -232,7 +235,8 @@ absl::Status check(const PointColumns& columns, const TilesetOptions& options) {
     return absl::InvalidArgumentError(absl::StrCat("two points have the rank ", *twice));
   }
   if (sorted.front() >= options.root_points) {
-    return absl::InvalidArgumentError(absl::StrFormat("the least rank is %d: the root, of %d, would be empty", sorted.front(), options.root_points));
+    return absl::InvalidArgumentError(
+        absl::StrFormat("the least rank is %d: the root, of %d, would be empty", sorted.front(), options.root_points));
   }
   return absl::OkStatus();
 }
@@ -243,6 +247,11 @@ absl::Status make_tileset(const PointColumns& columns, const TilesetOptions& opt
                           const std::function<absl::Status(TileFile file)>& emit) {
   if (absl::Status status = check(columns, options); !status.ok()) return status;
   return Tileset(columns, options, emit).make();
+}
+
+bool is_tile_name(std::string_view name) {
+  static const std::regex tile("[0-9]{1,2}-[0-9]{1,8}[.](glb|json)");
+  return std::regex_match(name.begin(), name.end(), tile);
 }
 
 }  // namespace curvecast::formats

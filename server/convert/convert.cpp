@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/sample/move_apart.h"
 #include "server/base/hash.h"
 #include "server/base/protocol.h"
 #include "server/base/status_payload.h"
@@ -202,10 +203,22 @@ absl::StatusOr<PointSetRequest> to_point_set_request(const v1::SampleRequest& re
   }
   out.options.sequence = to_core(check, request.sequence());
   out.options.seed = request.seed();
+  out.relaxation_rounds = static_cast<int>(check.in_range("sample.relaxation_rounds", request.relaxation_rounds(),
+                                                          std::uint32_t{0}, std::uint32_t{kMaxRelaxationRounds}));
+  if (out.relaxation_rounds > 0 && out.sampler == Sampler::kProgressive) {
+    check.fail("sample.relaxation_rounds", "is for the equalised sampler: ranked points stay where they are");
+  }
   out.draco = to_core(check, request.encoding());
   if (!check.ok()) return check.status();
   out.fingerprint = hash_of(request.SerializeAsString());
   return out;
+}
+
+absl::StatusOr<PointSetRequest> to_streamed_request(const v1::SampleRequest& request) {
+  if (request.relaxation_rounds() > 0) {
+    return absl::InvalidArgumentError("sample.relaxation_rounds is not for streams: points would jump from view to view");
+  }
+  return to_point_set_request(request);
 }
 
 absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions& options) {

@@ -12,8 +12,10 @@
 
 namespace curvecast::server {
 
-// These three fill in defaults. InvalidArgument names the field at fault and its value.
+// These fill in defaults. InvalidArgument names the field at fault and its value.
 absl::StatusOr<PointSetRequest> to_point_set_request(const v1::SampleRequest& request);
+/// As to_point_set_request(), for a stream: InvalidArgument where points would jump from view to view.
+absl::StatusOr<PointSetRequest> to_streamed_request(const v1::SampleRequest& request);
 absl::StatusOr<PreprocessOptions> to_preprocess_options(const v1::SessionOptions& options);
 absl::StatusOr<Parameteriser> to_parameteriser(const std::string& field, v1::Parameteriser parameteriser);
 /// Errors go to `check`.

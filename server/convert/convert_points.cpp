@@ -62,7 +62,21 @@ v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::siz
     return little_endian(values, 0, count);
   };
   v1::PointAttributes out;
-  if (wanted.curvatures) {
+  // Zeros where the surface cannot be used.
+  const auto surface_column = [&](const auto& value_at) {
+    const SurfaceData* const all = points.has_moved ? surface->data() : nullptr;
+    return column([&](std::size_t i) {
+      const FacePlace& place = points.places[i];
+      const SurfaceData* const data = points.has_moved ? all : surface->data_of(points.vertices[i], place.face);
+      using Value = decltype(value_at(*data, place, i));
+      return data == nullptr ? Value{} : value_at(*data, place, i);
+    });
+  };
+  if (wanted.curvatures && points.has_moved) {
+    out.set_curvatures(surface_column([](const SurfaceData& data, const FacePlace& place, std::size_t /*i*/) {
+      return curvatures_at(data, place.face, weights_of(place));
+    }));
+  } else if (wanted.curvatures) {
     out.set_curvatures(column([&](std::size_t i) {
       const std::uint32_t l = points.vertices[i];
       return std::array<float, 2>{curve.curvature_min[l], curve.curvature_max[l]};
@@ -74,15 +88,6 @@ v1::PointAttributes to_proto(const PointSet& points, std::size_t begin, std::siz
     out.set_faces(column([&](std::size_t i) { return place(i).face; }));
     out.set_barycentric(column([&](std::size_t i) { return weights_of(place(i)); }));
   }
-  // Zeros where the surface cannot be used.
-  const auto surface_column = [&](const auto& value_at) {
-    return column([&](std::size_t i) {
-      const FacePlace& place = points.places[i];
-      const SurfaceData* const data = surface->data_of(points.vertices[i], place.face);
-      using Value = decltype(value_at(*data, place, i));
-      return data == nullptr ? Value{} : value_at(*data, place, i);
-    });
-  };
   if (wanted.directions) {
     out.set_directions(surface_column([&](const SurfaceData& data, const FacePlace& place, std::size_t i) {
       const Vec3f direction = direction_min_at(data, place.face, weights_of(place), points.normals[i]);

@@ -44,6 +44,7 @@ struct PointSetRequest {
   Sampler sampler = Sampler::kEqualised;
   PointAttributes attributes;
   ResampleOptions options;
+  int relaxation_rounds = 0;    // of the equalised sampler: see move_apart()
   double pixel_error = 0;       // pixels; 0: not set
   std::uint64_t max_bytes = 0;  // 0: not set
   std::optional<AutomaticBudget> automatic;

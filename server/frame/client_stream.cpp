@@ -124,7 +124,7 @@ void ClientStream::receive_open(const v1::OpenView& request) {
   accepts_deltas_ = request.accept_deltas();
   change_link(LinkEvent::kOpened);
   if (!accepts_deltas_ || request.held().digest() == 0) return;
-  absl::StatusOr<PointSetRequest> held = to_point_set_request(request.held().sample());
+  absl::StatusOr<PointSetRequest> held = to_streamed_request(request.held().sample());
   if (!held.ok()) return fail(absl::InvalidArgumentError(absl::StrCat("open.held: ", held.status().message())));
   claim_ = ResumeClaim{*std::move(held), request.held().points(), request.held().digest()};
   claimed_ = Clock::now();
@@ -138,7 +138,7 @@ void ClientStream::receive_view(const v1::ViewUpdate& update) {
   newest_sequence_ = update.sequence();
   hurry_answer();
   wants_key_ = wants_key_ || update.key_frame();
-  view_ = View{update.sequence(), to_point_set_request(update.sample()), update.first_bytes()};
+  view_ = View{update.sequence(), to_streamed_request(update.sample()), update.first_bytes()};
   if (update.first_bytes() > 0 && update.first_bytes() < kMinBudgetBytes) {
     view_->request = absl::InvalidArgumentError(
         absl::StrCat("view.first_bytes is ", update.first_bytes(), "; it must be at least ", kMinBudgetBytes));

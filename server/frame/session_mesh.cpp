@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/curve/place_attributes.h"
-#include "core/remesh/surface_mesh.h"
+#include "core/mesh/surface_mesh.h"
 #include "core/sample/spread_in_leaves.h"
 
 namespace curvecast::server {

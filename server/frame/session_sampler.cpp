@@ -9,6 +9,7 @@
 #include "core/base/stopwatch.h"
 #include "core/progressive/sample_ranked.h"
 #include "core/refine/curve_resolution.h"
+#include "core/sample/move_apart.h"
 #include "core/sample/point_budget.h"
 #include "core/sample/spread_in_leaves.h"
 
@@ -42,7 +43,7 @@ RankDemand demand_of(std::shared_ptr<const SurfaceCurve> curve, std::shared_ptr<
 absl::StatusOr<SessionSampler> SessionSampler::open(const Session& session, const PointSetRequest& request, ViewCache& cache,
                                                     Wait wait, const ExecutionContext& context) {
   if (absl::Status status = check_density(request.options.density); !status.ok()) return status;
-  SessionSampler out(session, request, cache, wait, context.cancel);
+  SessionSampler out(session, request, cache, wait, context);
   out.curve_ = session.curve();
   if (request.sampler == Sampler::kProgressive) {
     const absl::StatusOr<RankedCurve> ranked = session.ranks({.cancel = context.cancel, .threads = 1});
@@ -89,7 +90,7 @@ absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
   out.statistics.equalise_seconds = report.equalise_seconds;
   out.statistics.wanted_points = points;
   PointSet& placed = out.points();
-  if (request_->attributes.need_places()) find_places(*curve_, placed);
+  if (request_->attributes.need_places() || request_->relaxation_rounds > 0) find_places(*curve_, placed);
   if (absl::Status found = find_surface(out); !found.ok()) return found;
   if (shares_vertices(placed)) {
     const absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = session_->leaf_surface(curve_);
@@ -97,9 +98,22 @@ absl::StatusOr<Sampled> SessionSampler::sample(std::uint64_t points) {
     spread_in_leaves(**leaves, placed);
     if (absl::Status damaged = (*leaves)->status(); !damaged.ok()) return damaged;
   }
+  if (absl::Status moved = relax(out); !moved.ok()) return moved;
   out.need = lattice_need(*request_, *curve_, placed);
   out.lattice = out.need.best;
   return out;
+}
+
+absl::Status SessionSampler::relax(Sampled& sampled) const {
+  if (request_->relaxation_rounds == 0) return absl::OkStatus();
+  Stopwatch watch;
+  WorkLimit limit(kMostRelaxationWork);
+  const ExecutionContext context{.cancel = cancel_, .limit = &limit, .memory = memory_};
+  const absl::StatusOr<std::shared_ptr<const CurveBase>> base = session_->surface->base(context);
+  if (!base.ok()) return base.status();
+  absl::Status status = move_apart(**base, request_->relaxation_rounds, sampled.points(), context);
+  sampled.statistics.equalise_seconds += watch.lap();
+  return status;
 }
 
 absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points, std::uint64_t whole) {
@@ -136,7 +150,9 @@ absl::StatusOr<Sampled> SessionSampler::select(std::uint64_t points, std::uint64
 }
 
 absl::Status SessionSampler::find_surface(Sampled& sampled) const {
-  if (!request_->attributes.need_surface()) return absl::OkStatus();
+  // Of points that have moved, all is asked of the surface.
+  const bool need_curvatures = request_->attributes.curvatures && request_->relaxation_rounds > 0;
+  if (!request_->attributes.need_surface() && !need_curvatures) return absl::OkStatus();
   absl::StatusOr<std::shared_ptr<const LeafSurface>> leaves = session_->leaf_surface(curve_, {.cancel = cancel_});
   if (!leaves.ok()) return leaves.status();
   sampled.surface = *std::move(leaves);

@@ -24,6 +24,8 @@ namespace curvecast::server {
 
 /// What the density of one answer may take of all processors together, where none is kept.
 inline constexpr WorkLimit::Nanoseconds kMostViewWork = std::chrono::seconds(2);
+/// What moving the points of one answer apart may take of all processors together: some 60 million moves.
+inline constexpr WorkLimit::Nanoseconds kMostRelaxationWork = std::chrono::seconds(30);
 
 /// Holds what views have in common, so that none makes it anew. Thread-safe.
 struct ViewCache {
@@ -94,8 +96,10 @@ class SessionSampler {
 
  private:
   SessionSampler(const Session& session, const PointSetRequest& request, ViewCache& cache, Wait wait,
-                 const std::atomic<bool>* cancel)
-      : session_(&session), request_(&request), cache_(&cache), wait_(wait), cancel_(cancel) {}
+                 const ExecutionContext& context)
+      : session_(&session), request_(&request), cache_(&cache), wait_(wait), cancel_(context.cancel), memory_(context.memory) {}
+  /// Moves the points apart as the request says.
+  absl::Status relax(Sampled& sampled) const;
   /// Sets sampled.surface where the request's attributes need it.
   absl::Status find_surface(Sampled& sampled) const;
   /// Returns why ranked points are fewer than wanted. What a caller does not wait for counts as being made.
@@ -108,6 +112,7 @@ class SessionSampler {
   ViewCache* cache_;
   Wait wait_;
   const std::atomic<bool>* cancel_;
+  MemorySource* memory_;
   std::shared_ptr<const SurfaceCurve> curve_;
   std::shared_ptr<const RankTree> ranks_;  // null: the equalised sampler
   std::shared_ptr<const FixedDensity> fixed_;

@@ -87,6 +87,7 @@ Command add_sample(CLI::App& root, CommonOptions& options) {
       {"curvecast sample bunny.obj -n 50000 -o bunny.ply", "curvecast sample igea.ply -n 100000 --density curvature -o igea.drc",
        "curvecast sample igea.ply -n 20000 --density view:s0=0.1 --camera eye=0,0,3 -o view.pcd",
        "curvecast sample igea.ply --pixel-error 3 --density screen --density frustum --camera fov=20 -o screen.ply",
+       "curvecast sample igea.ply -n 16384 --relax 10 --attributes surface -o blue_noise.npz",
        "curvecast sample igea.ply -n 200000 --sampler progressive -o igea.glb",
        "curvecast sample igea.ply -n 200000 --sampler progressive --splats -o splats.ply",
        "curvecast sample igea.ply -n 20000 --density 'expression:1 + 9 * (z > 0)' --density brush:0,0,1,0.2,4 -o painted.ply"});

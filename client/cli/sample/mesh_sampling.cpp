@@ -34,6 +34,12 @@ void add_sampling_flags(CLI::App* command, SamplingFlags* flags) {
   add_camera_flag(command, &flags->sample, true);
   add_session_flags(command, &flags->session);
   command
+      ->add_option("--relax", flags->sample.relaxation_rounds,
+                   "rounds, up to 100, in which points of the equalised sampler move along the surface, away from their "
+                   "neighbours, to blue noise; 10 are good")
+      ->check(CLI::Range(0, 100))
+      ->type_name("ROUNDS");
+  command
       ->add_option("--attributes", flags->attributes,
                    "more of each point, in .ply, .npz and .las files: curvatures (principal), directions (of the least "
                    "curvature; across it runs the "
@@ -67,6 +73,9 @@ absl::StatusOr<SamplingRequests> make_sampling_requests(const SamplingFlags& fla
                                                         const std::string& output) {
   if (flags.splats && !holds_splats(output)) {
     return absl::InvalidArgumentError("splats are written to .ply, .glb and .spz");
+  }
+  if (flags.sample.relaxation_rounds > 0 && sampler_of(flags.sample) != "equalised") {
+    return absl::InvalidArgumentError("--relax is for the equalised sampler: ranked points stay where they are");
   }
   absl::StatusOr<v1::SampleRequest> sample = make_request(flags.sample, seed);
   if (!sample.ok()) return sample.status();

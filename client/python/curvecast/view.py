@@ -53,6 +53,9 @@ class View:
     sampler: str | None = None
     sequence: str = "jittered"  #: or regular, van_der_corput (also: niederreiter), golden_ratio; of the equalised sampler
     seed: int = 0  #: of the equalised sampler; that of the progressive one is the session's
+    #: 0 to 100, of the equalised sampler: in so many rounds points move along the surface, away from their neighbours, to blue
+    #: noise as even at large as before; 10 are good. Not in a stream
+    relaxation_rounds: int = 0
     #: of curvatures, directions, scalars (the mesh's named values), rank (progressive sampler only), surface (faces, barycentric)
     attributes: Sequence[str] = ()
     encoding: str = "raw"  #: exactly as computed; or draco: a tenth of the bytes, rounded
@@ -74,6 +77,7 @@ class View:
             density=terms,
             cameras=[camera.to_proto() for camera in cameras],
             seed=self.seed,
+            relaxation_rounds=self.relaxation_rounds,
             encoding=self._encoding(),
             sequence=enum_name(v1.Sequence, "SEQUENCE", _OTHER_NAMES.get(self.sequence, self.sequence)),
             sampler=enum_name(v1.Sampler, "SAMPLER", self._sampler(in_stream)),

@@ -188,7 +188,7 @@ absl::StatusOr<std::vector<double>> LocalSurface::distances(std::span<const Vec3
 absl::StatusOr<v1::PointFrame> LocalSurface::frame(const v1::SampleRequest& request,
                                                    std::shared_ptr<const server::ReferenceFrame>& reference,
                                                    const ExecutionContext& context) {
-  const absl::StatusOr<server::PointSetRequest> point_set = server::to_point_set_request(request);
+  const absl::StatusOr<server::PointSetRequest> point_set = server::to_streamed_request(request);
   if (!point_set.ok()) return point_set.status();
   if (point_set->automatic) return absl::InvalidArgumentError("a budget in seconds is for what is sent");
   const absl::StatusOr<std::shared_ptr<const server::Session>> found = session(*point_set, context);

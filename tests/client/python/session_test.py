@@ -165,6 +165,32 @@ class SessionTest(ServerTest):
             np.testing.assert_allclose(np.abs(around[:, 0] * y - around[:, 1] * x), np.hypot(x, y), atol=0.05)
         self.assertEqual(session.sample(10).scalars, {})
 
+    def test_points_move_apart(self) -> None:
+        def nearest(points: curvecast.Points) -> float:
+            p = points.world_positions()
+            return min(float(np.sort(np.linalg.norm(p - p[i], axis=1))[1]) for i in range(len(p)))
+
+        attributes = ["curvatures", "directions", "surface"]
+        still = self.session.sample(1500, attributes=attributes)
+        apart = self.session.sample(1500, attributes=attributes, relaxation_rounds=10)
+        packed = np.sqrt(2 / np.sqrt(3) * 4 * np.pi * RADIUS**2 / 1500)
+        self.assertLess(nearest(still), 0.3 * packed)
+        self.assertGreater(nearest(apart), 0.6 * packed)
+        self.assertLess(np.abs(np.linalg.norm(apart.world_positions() - CENTRE, axis=1) - RADIUS).max(), 0.05)
+        # Attributes are those of the places where points have moved to.
+        np.testing.assert_allclose(present(apart.curvatures), 1 / RADIUS, atol=0.02)
+        turned = np.abs(np.einsum("ij,ij->i", present(apart.directions), present(apart.normals)))
+        self.assertLess(turned.max(), 0.01)
+        np.testing.assert_array_equal(
+            apart.positions, self.session.sample(1500, attributes=attributes, relaxation_rounds=10).positions
+        )
+        self.assert_refused("INVALID_ARGUMENT", "relaxation_rounds", self.session.sample, 10, relaxation_rounds=101)
+        ranked = View(10, sampler="progressive", relaxation_rounds=1)
+        self.assert_refused("INVALID_ARGUMENT", "equalised", self.session.sample, ranked)
+        with self.session.stream() as stream:
+            stream.send(View(10, relaxation_rounds=1))
+            self.assert_refused("INVALID_ARGUMENT", "not for streams", stream.frame)
+
     @unittest.skipUnless(WITH_DRACO, "built without Draco")
     def test_draco_rounds(self) -> None:
         view = View(3000, sampler="progressive", attributes=["rank"])

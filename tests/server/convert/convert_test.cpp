@@ -119,6 +119,21 @@ TEST(ToPointSetRequest, NamesTheFieldAtFault) {
   });
 }
 
+TEST(ToPointSetRequest, RelaxesEqualisedPointsOnly) {
+  v1::SampleRequest request = good_request();
+  request.set_relaxation_rounds(100);
+  ASSERT_TRUE(to_point_set_request(request).ok());
+  EXPECT_EQ(to_point_set_request(request)->relaxation_rounds, 100);
+  EXPECT_TRUE(absl::IsInvalidArgument(to_streamed_request(request).status()));
+  expect_refusals({{"sample.relaxation_rounds", [](auto& r) { r.set_relaxation_rounds(101); }},
+                   {"sample.relaxation_rounds is for the equalised sampler", [](auto& r) {
+                      r.set_relaxation_rounds(1);
+                      r.set_sampler(v1::SAMPLER_PROGRESSIVE);
+                    }}});
+  request.set_relaxation_rounds(0);
+  EXPECT_TRUE(to_streamed_request(request).ok());
+}
+
 TEST(ToPreprocessOptions, ChecksAndFillsIn) {
   const auto convert = [](std::uint64_t points, double omega) {
     v1::SessionOptions options;

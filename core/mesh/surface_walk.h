@@ -1,4 +1,4 @@
-// The nearest place of a surface to a point, found from a place near it.
+// Ways along a surface: to the place nearest to a point, found from a place near it, and straight on.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +30,16 @@ class SurfaceWalk {
   /// Goes from face to face, each nearer to the point than the one before, until none around is nearer. What lies on another
   /// sheet of the surface is never found, however near.
   WalkPlace nearest(std::uint32_t face, const Vec3d& point) const;
+
+  /// Where a walk ends.
+  struct End {
+    WalkPlace place;
+    bool is_on_border = false;  // before it was over
+  };
+  /// Goes straight on along the surface, over edges as if the faces beside them were one plane, as far as the part of `step` in
+  /// the first face's plane is long, but no farther than to a border, or to a face without an area. Source: Polthier, Schmies,
+  /// "Straightest geodesics on polyhedral surfaces" (1998).
+  End straight(const WalkPlace& from, const Vec3d& step) const;
 
  private:
   const TriangleMesh& mesh_;

@@ -1,4 +1,4 @@
-#include "core/remesh/surface_walk.h"
+#include "core/mesh/surface_walk.h"
 
 #include <algorithm>
 
@@ -80,6 +80,63 @@ WalkPlace SurfaceWalk::nearest(std::uint32_t face, const Vec3d& point) const {
     if (face == here) break;
   }
   return place(face, best.weight_1, best.weight_2);
+}
+
+SurfaceWalk::End SurfaceWalk::straight(const WalkPlace& from, const Vec3d& step) const {
+  constexpr int kMostFaces = 10'000;
+  std::uint32_t face = from.face;
+  double weights[3] = {1 - from.weight_1 - from.weight_2, from.weight_1, from.weight_2};
+  Vec3d left = step;
+  std::size_t entered_beside = 3;  // the corner opposite to the edge that the walk came over: it leads away from that
+  const auto here = [&](bool is_on_border) { return End{place(face, weights[1], weights[2]), is_on_border}; };
+  for (int i = 0; i < kMostFaces; ++i) {
+    const Triangle& corners = mesh_.triangles[face];
+    const Vec3d& a = mesh_.positions[corners[0]];
+    const Vec3d e1 = mesh_.positions[corners[1]] - a, e2 = mesh_.positions[corners[2]] - a;
+    const double g11 = e1.dot(e1), g12 = e1.dot(e2), g22 = e2.dot(e2), determinant = g11 * g22 - g12 * g12;
+    if (!(determinant > 0)) break;
+    const double r1 = left.dot(e1), r2 = left.dot(e2);
+    double change[3] = {0, (g22 * r1 - g12 * r2) / determinant, (g11 * r2 - g12 * r1) / determinant};
+    change[0] = -(change[1] + change[2]);
+    double part = 1;
+    std::size_t out = 3;  // the corner opposite to the edge that the walk leaves over
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (k == entered_beside || !(change[k] < 0)) continue;
+      if (const double until = std::max(0.0, weights[k]) / -change[k]; until < part) part = until, out = k;
+    }
+    for (std::size_t k = 0; k < 3; ++k) weights[k] = std::clamp(weights[k] + part * change[k], 0.0, 1.0);
+    if (out == 3) {
+      const double sum = weights[0] + weights[1] + weights[2];
+      for (double& weight : weights) weight /= sum;
+      return here(false);
+    }
+    const std::size_t begin = (out + 1) % 3, end = (out + 2) % 3;
+    weights[out] = 0;
+    weights[begin] = 1 - std::min(weights[end], 1.0);
+    weights[end] = 1 - weights[begin];
+    const std::uint32_t twin = mesh_.twins[3 * face + static_cast<std::uint32_t>(begin)];
+    if (twin == kNone) return here(true);
+    // What is left turns about the edge into the plane of the next face.
+    left = (1 - part) * (change[1] * e1 + change[2] * e2);
+    const Vec3d& origin = mesh_.positions[corners[begin]];
+    const Vec3d edge = mesh_.positions[corners[end]] - origin;
+    const double squared = edge.squaredNorm();
+    const std::size_t next_out = (twin % 3 + 2) % 3;
+    Vec3d inwards = mesh_.positions[mesh_.triangles[twin / 3][next_out]] - origin;
+    if (!(squared > 0)) break;
+    inwards -= inwards.dot(edge) / squared * edge;
+    const Vec3d along = left.dot(edge) / squared * edge;
+    const double length = inwards.norm();
+    if (!(length > 0)) break;
+    left = along + (left - along).norm() / length * inwards;
+    const double next[2] = {weights[end], weights[begin]};  // the twin goes the other way
+    face = twin / 3;
+    weights[next_out] = 0;
+    weights[twin % 3] = next[0];
+    weights[(twin % 3 + 1) % 3] = next[1];
+    entered_beside = next_out;
+  }
+  return here(false);
 }
 
 }  // namespace curvecast

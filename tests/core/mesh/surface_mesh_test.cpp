@@ -1,4 +1,4 @@
-#include "core/remesh/surface_mesh.h"
+#include "core/mesh/surface_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/remesh/surface_mesh.h"
+#include "core/mesh/surface_mesh.h"
 
 #include <absl/strings/str_format.h>
 
@@ -50,8 +50,8 @@ absl::StatusOr<TriangleMesh> surface_mesh(const MeshView& view, std::span<const 
     mesh.twins[h] = kNone;
   }
   if (const std::size_t alone = pair_rest(mesh, on_border); alone > 0) {
-    return absl::FailedPreconditionError(
-        absl::StrFormat("%d sides of triangles may have several neighbours: the surface cannot be remeshed", alone));
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "%d sides of triangles may have several neighbours: where the surface goes on there cannot be told", alone));
   }
   return mesh;
 }
