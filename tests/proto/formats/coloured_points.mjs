@@ -10,7 +10,7 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 const SKIPPED = 77; // what CTest takes for a skipped test
 
 const root = fileURLToPath(new URL("../../../", import.meta.url));
-const command = process.env.CURVECAST_COMMAND ?? join(root, "build/release/curvecast");
+export const command = process.env.CURVECAST_COMMAND ?? join(root, "build/release/curvecast");
 
 /** Ends the process as a skipped test. */
 export function skip(why) {
@@ -38,6 +38,10 @@ export class Packages {
     } catch (error) {
       return skip(`${error.message.split("\n")[0]}; deploy/fetch_packages fetches it`);
     }
+  }
+  /** A package's name and version. */
+  named(name, as = name) {
+    return `${as} ${JSON.parse(readFileSync(join(this.folder, name, "package.json"), "utf8")).version}`;
   }
   /** A module by its path within the packages. */
   async import(path) {

@@ -52,6 +52,7 @@ class SurfaceTest(unittest.TestCase):
             cases: list[tuple[dict[str, Any], list[str]]] = [
                 ({"density": density.curvature(), "seed": 3}, ["--density", "curvature", "--seed", "3"]),
                 ({"sampler": "progressive"}, ["--sampler", "progressive"]),
+                ({"relaxation_rounds": 3}, ["--relax", "3"]),
             ]
             for options, flags in cases:
                 flags += ["--attributes", "surface", "-n", "30000", "-o", out, "--quiet", "--no-cache"]
@@ -156,6 +157,7 @@ class SurfaceTest(unittest.TestCase):
             ("no attribute 'none'", {"points": 10, "density": density.attribute("none")}),
             ("budget in bytes", {"max_bytes": 10_000}),
             ("camera", {"points": 10, "density": density.screen()}),
+            ("relaxation_rounds", {"points": 10, "relaxation_rounds": 101}),
         ]
         for message, options in views:
             with self.subTest(message), self.assertRaisesRegex(curvecast.Error, message):
@@ -281,6 +283,25 @@ class SurfaceTest(unittest.TestCase):
             program = program.replace('"scan.npz"', repr(os.path.join(folder, "scan.npz")))
             exec(compile(program, "README.md", "exec"), {"vertices": vertices, "faces": faces})
             self.assertTrue(os.path.exists(os.path.join(folder, "scan.npz")))
+
+    def test_the_example(self) -> None:
+        example = pathlib.Path(__file__).parents[4] / "client/python/examples/ten_lines.py"
+        with tempfile.TemporaryDirectory() as folder:
+            mesh, out = (os.path.join(folder, "torus.off"), os.path.join(folder, "points.npz"))
+            write_off(mesh, *torus())
+            said = subprocess.run(
+                [sys.executable, "-B", example, mesh, out], check=True, capture_output=True, text=True, timeout=120
+            )
+            *_, even, first, second = said.stdout.splitlines()
+            self.assertLess(float(even.split()[1]), 0.3)
+            self.assertEqual(first, "view: 50000 points, 50000 came, 0 went")
+            came = int(second.split()[3])
+            self.assertEqual(second, f"view: 50000 points, {came} came, {came} went")
+            self.assertTrue(0 < came < 5000)
+            with np.load(out) as arrays:
+                self.assertEqual(arrays["positions"].shape, (50_000, 3))
+                self.assertEqual(arrays["vertices"].shape, (5000, 3))
+                self.assertEqual(len(arrays["triangles"]), 2 * 5000)  # of a torus
 
     def test_memory_is_given_back(self) -> None:
         vertices, faces = torus(100, 100)

@@ -60,7 +60,8 @@ export class Server {
     this.#exit = once(child, "exit").finally(() => process.off("exit", end));
     this.#log = "";
     child.stderr.on("data", (data) => (this.#log += data));
-    const { http, viewer, sessions } = await announcement(child, () => this.#log);
+    const { address: grpc, http, viewer, sessions } = await announcement(child, () => this.#log);
+    this.grpc = grpc; // its address
     this.http = http;
     this.url = viewer;
     this.sessions = sessions.map(({ session_id }) => session_id);

@@ -10,6 +10,8 @@ const pages = fileURLToPath(new URL("..", import.meta.url));
 const browserPath = process.env.CURVECAST_CHROMIUM ?? "/usr/bin/chromium";
 const flags = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
 
+const EVENING = Date.parse("2026-06-21T18:00:00Z"); // the sun of Cesium stands where it stood then, whenever pictures are made
+
 const IMPORTS = {
   three: "/packages/three/build/three.module.js",
   "three/addons/": "/packages/three/examples/jsm/",
@@ -50,6 +52,19 @@ async function serve(packages, files, count) {
   return server;
 }
 
+/** In a page: all dates of now are of this time. Timers go on. */
+function stopDate(now) {
+  const Real = Date;
+  window.Date = class extends Real {
+    constructor(...words) {
+      super(...(words.length > 0 ? words : [now]));
+    }
+    static now() {
+      return now;
+    }
+  };
+}
+
 /** Draws with Chromium; `packages` and `files` are folders. */
 export class Studio {
   static async open(chromium, PNG, packages, files) {
@@ -66,6 +81,7 @@ export class Studio {
     const page = await this.browser.newPage({ viewport: { width, height } });
     const faults = [];
     page.on("pageerror", (error) => faults.push(String(error)));
+    await page.addInitScript(stopDate, EVENING);
     await page.goto(`http://127.0.0.1:${this.server.address().port}/page/${script}`);
     await page.waitForFunction("window.ready", null, { timeout: 60_000 });
     const { pixels, ...said } = await page.evaluate((of) => window.draw(...of), [file, camera, width, height]);
@@ -118,25 +134,25 @@ function shrink(mask, width, height, reach) {
 
 /**
  * How a picture of splats covers the pixels of a mesh: of those that lie a pixel within the outline, the share that is opaque to
- * the eye (alpha of 250 of 255 and more) and the least alpha; beyond two pixels outside, those that are half covered and more, as
- * a share of the mesh's.
+ * the eye (alpha of 250 of 255 and more) and the least alpha; of those outside, half covered and more, more than two pixels from the
+ * outline and more than `reach`, as shares of the mesh's.
  */
-export function coverage(picture, mask) {
+export function coverage(picture, mask, reach) {
   const { width, height } = picture;
   const inside = shrink(mask, width, height, 1);
-  const outside = shrink(
-    mask.map((is) => !is),
-    width,
-    height,
-    2,
-  );
+  const outside = mask.map((is) => !is);
   const count = (predicate) => mask.reduce((sum, _, i) => sum + (predicate(i, picture.data[4 * i + 3]) ? 1 : 0), 0);
   const within = count((i) => inside[i]);
   const pixels = count((i) => mask[i]);
+  const half = (pixelsAway) => {
+    const away = shrink(outside, width, height, pixelsAway);
+    return count((i, alpha) => away[i] && alpha >= 128) / pixels;
+  };
   return {
     pixels,
     closed: count((i, alpha) => inside[i] && alpha >= 250) / within,
     least: mask.reduce((least, _, i) => (inside[i] ? Math.min(least, picture.data[4 * i + 3]) : least), 255),
-    beyond: count((i, alpha) => outside[i] && alpha >= 128) / pixels,
+    near: half(2),
+    beyond: half(reach),
   };
 }
