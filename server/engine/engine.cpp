@@ -40,6 +40,8 @@ constexpr double kLeftToViews = 1.0 / 32;  // by what waits for memory, such as 
 // Densities that are the same in many views.
 constexpr std::uint64_t kDensityShare = 16, kMostDensityBytes = std::uint64_t{256} << 20;
 constexpr std::size_t kMostDensities = 16;
+// Tiles that viewers may still come for.
+constexpr std::uint64_t kTilesetShare = 16, kMostTilesetBytes = std::uint64_t{512} << 20;
 
 int core_count(int threads) { return threads > 0 ? threads : machine_cores(); }
 
@@ -66,8 +68,12 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
               .held = [this] { return held_bytes(); },
               .make_room =
                   [this](std::uint64_t bytes) {
-                    const std::uint64_t kept = view_cache.byte_size();
+                    std::uint64_t kept = view_cache.byte_size();
                     view_cache.clear();
+                    if (kept < bytes) {
+                      kept += tilesets.byte_size();
+                      tilesets.clear();
+                    }
                     sessions.make_room(bytes - std::min(bytes, kept));
                   },
               .left_by_waiting = kLeftToViews}),
@@ -76,6 +82,7 @@ Engine::Engine(const ServerOptions& options, std::shared_ptr<spdlog::logger> log
           "you have not read what was sent to you for too long, and the server needs its memory; read faster")),
       receipts(absl::UnavailableError("nothing has come of the upload for too long; go on with it")),
       view_cache{FixedDensityCache(kMostDensities, std::min(kMostDensityBytes, memory_share_ / kDensityShare)), {}},
+      tilesets(std::min(kMostTilesetBytes, memory_share_ / kTilesetShare)),
       views({.workers = threads,
              .max_waiting = kMaxWaiting,
              .max_waiting_of_one = kMaxWaitingOfOne,
@@ -262,7 +269,7 @@ ImprovementRequests Engine::improvement_requests(const std::shared_ptr<const Ses
 std::uint64_t Engine::held_bytes() { return held_bytes(sessions.memory_bytes()); }
 
 std::uint64_t Engine::held_bytes(std::uint64_t session_bytes) const {
-  return session_bytes + queued.bytes() + view_cache.byte_size();
+  return session_bytes + queued.bytes() + view_cache.byte_size() + tilesets.byte_size();
 }
 
 Gauges Engine::gauges() {
@@ -306,6 +313,7 @@ Gauges Engine::gauges() {
 absl::Status Engine::close_session(const std::string& id, const std::string& who) {
   const absl::StatusOr<SessionInfo> info = sessions.info(id, who);
   absl::Status closed = sessions.close(id, who);
+  if (closed.ok()) tilesets.forget(id);
   if (closed.ok() && info.ok() && info->session != nullptr) refiner.forget(*info->session);
   return closed;
 }

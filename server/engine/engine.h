@@ -26,6 +26,7 @@
 #include "server/frame/frame_cache.h"
 #include "server/frame/point_blocks.h"
 #include "server/frame/surface_file.h"
+#include "server/frame/tileset_cache.h"
 #include "server/net/connection_table.h"
 #include "server/net/trusted_proxies.h"
 #include "server/session/making_marks.h"
@@ -102,6 +103,7 @@ class Engine {
   ViewCache view_cache;                       // of the jobs in `views` and `calls`
   FrameCache frame_cache;                     // of streams
   SurfaceFiles surface_files;                 // of all sessions
+  TilesetCache tilesets;                      // of all sessions
   ViewWorkers views;                          // of streams: each takes milliseconds
   JobQueue calls;                             // single point sets, neighbours, inspection: views go before them
   JobQueue chunks;                            // of uploads: each takes a millisecond, or waits for the disk

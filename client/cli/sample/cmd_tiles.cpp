@@ -6,7 +6,6 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
-#include <regex>
 #include <system_error>
 
 #include "client/cli/commands.h"
@@ -14,14 +13,13 @@
 #include "client/cli/sample/mesh_sampling.h"
 #include "client/lib/file_bytes.h"
 #include "proto/formats/tileset.h"
+#include "proto/terms/density_term.h"
 
 namespace curvecast::cli {
 namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-
-constexpr char kIndex[] = "tileset.json";
 
 struct Flags {
   std::string mesh, folder;
@@ -33,19 +31,17 @@ struct Flags {
 /// Makes the folder ready for a set: where there is one of ours already, that goes. FailedPrecondition: it holds something else.
 absl::Status clear(const std::string& folder) {
   if (absl::Status status = make_folder(folder); !status.ok()) return status;
-  const std::regex tile("[0-9]+-[0-9]+[.](glb|json)");
   std::vector<fs::path> old;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (name != kIndex && !std::regex_match(name, tile)) {
+    if (name != formats::kTilesetName && !formats::is_tile_name(name)) {
       return absl::FailedPreconditionError(absl::StrCat(folder, " holds ", name, ", which is no tile: name an empty folder"));
     }
     old.push_back(entry.path());
   }
   // The set's own file first: without it the others are no set.
-  std::sort(old.begin(), old.end(),
-            [](const fs::path& a, const fs::path& b) { return a.filename() == kIndex && b.filename() != kIndex; });
+  std::partition(old.begin(), old.end(), [](const fs::path& path) { return path.filename() == formats::kTilesetName; });
   for (const fs::path& path : old) {
     if (!error) fs::remove(path, error);
   }
@@ -77,20 +73,24 @@ absl::Status report(const Flags& flags, const CommonOptions& options, std::size_
                        {"files", written.files},
                        {"bytes", written.bytes},
                        {"seconds", seconds},
-                       {"output", (fs::path(flags.folder) / kIndex).string()}});
+                       {"output", (fs::path(flags.folder) / formats::kTilesetName).string()}});
   }
   return print_text(absl::StrFormat("%d points in %d tiles, %.1f MB, %.1f s\nwritten        %s\n", points, written.tiles,
                                     1e-6 * static_cast<double>(written.bytes), seconds,
-                                    (fs::path(flags.folder) / kIndex).string()));
+                                    (fs::path(flags.folder) / formats::kTilesetName).string()));
 }
 
 absl::Status run(Flags flags, const CommonOptions& options, std::stop_token stop) {
   const Clock::time_point start = Clock::now();
   flags.tileset.z_up = flags.up == "z";
   flags.tileset.content = {.quantise = flags.content != "floats", .compress = flags.content == "meshopt"};
-  if (absl::Status status = clear(flags.folder); !status.ok()) return status;
   const absl::StatusOr<SamplingRequests> requests = make_sampling_requests(flags.sampling, options.seed, "tiles.glb");
   if (!requests.ok()) return requests.status();
+  const auto& density = requests->sample.density();
+  if (std::any_of(density.begin(), density.end(), terms::is_camera_term)) {
+    return absl::InvalidArgumentError("--density: a term depends on a camera, and tiles are the same for all of them");
+  }
+  if (absl::Status status = clear(flags.folder); !status.ok()) return status;
   absl::StatusOr<std::unique_ptr<Host>> host = Host::open(options, SessionCaching::kKeep);
   if (!host.ok()) return host.status();
   const absl::StatusOr<SampledMesh> sampled =
@@ -126,6 +126,10 @@ Command add_tiles(CLI::App& root, CommonOptions& options) {
   app->add_option("-n,--points", flags->sampling.sample.points, "in all tiles together")
       ->check(point_count_range())
       ->capture_default_str();
+  add_density_flag(
+      app, &flags->sampling.sample,
+      "a factor of the density, one of no camera: curvature, attribute, brush, expression, as `curvecast sample --help` "
+      "has them; repeat to multiply");
   app->add_option("--root-points", flags->tileset.root_points, "in the coarsest tile; each level has four times as many")
       ->check(CLI::Range(64u, 1'000'000u))
       ->capture_default_str();

@@ -30,14 +30,13 @@ bool matches(const WebRequest& request, const std::string& tag) {
   return false;
 }
 
-WebAnswer not_modified(const std::string& tag) {
-  return {.status = 304, .header = {{"ETag", tag}, {"Cache-Control", "private, no-cache"}}};
+WebAnswer not_modified(const std::string& tag, const std::string& cache_control) {
+  return {.status = 304, .header = {{"ETag", tag}, {"Cache-Control", cache_control}}};
 }
 
 WebAnswer file_answer(std::string bytes, std::string type, const std::string& tag) {
   WebAnswer answer = {.body = std::move(bytes), .type = std::move(type)};
-  // Only for who asked, and never without asking again: the curve may have become finer.
-  if (!tag.empty()) answer.header = {{"ETag", tag}, {"Cache-Control", "private, no-cache"}};
+  if (!tag.empty()) answer.header = {{"ETag", tag}, {"Cache-Control", kAskAgain}};
   return answer;
 }
 

@@ -25,15 +25,11 @@ using Async = v1::CurvecastService::StubInterface::async_interface;
 using Part = std::pair<std::string, std::string>;
 
 constexpr char kParts[] =
-    "n, pixel_error, density, camera, seed, sampler, sequence, attributes, splats=true|false, glb=floats|quantised|meshopt, "
+    "n, pixel_error, density, camera, seed, sampler, sequence, relax, attributes, splats=true|false, "
+    "glb=floats|quantised|meshopt, "
     "position_bits, normal_bits";
 constexpr double kPictureHeight = 1024;     // pixels, for which pixel_error is meant
 constexpr std::uint64_t kBytesOfPoint = 3;  // copies of a point's columns: as they come, gathered, and in the file
-
-absl::Status bad_part(const Part& part, std::string_view want) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("query: '", printable(part.first + "=" + part.second), "': ", std::string(want)));
-}
 
 template <class Value, class Set>
 absl::Status set(absl::StatusOr<Value> value, const Set& set_value) {
@@ -50,42 +46,11 @@ absl::Status read_attributes(const Part& part, v1::SampleRequest& sample) {
   return absl::OkStatus();
 }
 
-/// Parts of a point set that matter to all files. Null: it is none of them.
-std::optional<absl::Status> read_sample_part(const Part& part, PointsTerms& terms) {
-  v1::SampleRequest& sample = terms.sample;
-  const auto& [name, value] = part;
-  if (name == "n") {
-    std::uint64_t n = 0;
-    if (!absl::SimpleAtoi(value, &n)) return bad_part(part, "must be a number of points");
-    return sample.set_points(n), absl::OkStatus();
-  }
-  if (name == "pixel_error") {
-    double pixels = 0;
-    if (!absl::SimpleAtod(value, &pixels)) return bad_part(part, "must be a number of pixels");
-    return sample.set_pixel_error(pixels), absl::OkStatus();
-  }
-  if (name == "seed") {
-    std::uint64_t seed = 0;
-    if (!absl::SimpleAtoi(value, &seed)) return bad_part(part, "must be a whole number");
-    return sample.set_seed(seed), absl::OkStatus();
-  }
-  if (name == "density") {
-    return set(terms::parse_density_term(value), [&](v1::DensityTerm term) { *sample.add_density() = std::move(term); });
-  }
-  if (name == "camera") {
-    return set(terms::parse_camera_term(value), [&](terms::CameraTerm camera) { terms.cameras.push_back(camera); });
-  }
-  if (name == "sampler") return set(terms::parse_sampler(value), [&](auto sampler) { sample.set_sampler(sampler); });
-  if (name == "sequence") return set(terms::parse_sequence(value), [&](auto sequence) { sample.set_sequence(sequence); });
-  if (name == "attributes") return read_attributes(part, sample);
-  return std::nullopt;
-}
-
 absl::Status read_file_part(const Part& part, const PointFileKind& kind, PointFileTerms& file) {
   const auto& [name, value] = part;
   const bool is_mesh_format = kind.ending == "ply" || kind.ending == "glb";
   if (name == "splats" && (value == "true" || value == "false")) {
-    if (!is_mesh_format) return bad_part(part, "splats are written to .ply, .glb and, always, .spz");
+    if (!is_mesh_format) return bad_query_part(part, "splats are written to .ply, .glb and, always, .spz");
     return file.splats = value == "true", absl::OkStatus();
   }
   if (name == "glb" && kind.ending == "glb" && (value == "floats" || value == "quantised" || value == "meshopt")) {
@@ -95,10 +60,11 @@ absl::Status read_file_part(const Part& part, const PointFileKind& kind, PointFi
   int bits = 0;
   if ((name == "position_bits" || name == "normal_bits") && kind.ending == "drc" && absl::SimpleAtoi(value, &bits)) {
     const bool is_position = name == "position_bits";
-    if (bits < (is_position ? 1 : 2) || bits > 30) return bad_part(part, is_position ? "must be 1 to 30" : "must be 2 to 30");
+    if (bits < (is_position ? 1 : 2) || bits > 30)
+      return bad_query_part(part, is_position ? "must be 1 to 30" : "must be 2 to 30");
     return (is_position ? file.position_bits : file.normal_bits) = bits, absl::OkStatus();
   }
-  return bad_part(part, absl::StrCat("is nothing that such a file has; there are: ", kParts));
+  return bad_query_part(part, absl::StrCat("is nothing that such a file has; there are: ", kParts));
 }
 
 /// One request, from the session to the file.
@@ -122,8 +88,8 @@ class PointsRequest : public std::enable_shared_from_this<PointsRequest> {
     }
     request_.set_session_id(session_.session_id());
     *request_.mutable_sample() = terms_.sample;
-    auto* const call = new WebReadCall<v1::ResampleResponse>(
-        resource_, [self = shared_from_this()](v1::ResampleResponse response) { return self->take(response); },
+    auto* const call = new ApiReadCall<v1::ResampleResponse>(
+        resource_->calls(), [self = shared_from_this()](v1::ResampleResponse response) { return self->take(response); },
         [self = shared_from_this()](const absl::Status& refused, const grpc::Status& status) {
           if (!refused.ok()) return self->resource_->fail(refused);
           status.ok() ? self->make() : self->resource_->fail(status);
@@ -184,6 +150,41 @@ class PointsRequest : public std::enable_shared_from_this<PointsRequest> {
 };
 
 }  // namespace
+
+std::optional<absl::Status> read_sample_part(const Part& part, PointsTerms& terms) {
+  v1::SampleRequest& sample = terms.sample;
+  const auto& [name, value] = part;
+  if (name == "n") {
+    std::uint64_t n = 0;
+    if (!absl::SimpleAtoi(value, &n)) return bad_query_part(part, "must be a number of points");
+    return sample.set_points(n), absl::OkStatus();
+  }
+  if (name == "pixel_error") {
+    double pixels = 0;
+    if (!absl::SimpleAtod(value, &pixels)) return bad_query_part(part, "must be a number of pixels");
+    return sample.set_pixel_error(pixels), absl::OkStatus();
+  }
+  if (name == "seed") {
+    std::uint64_t seed = 0;
+    if (!absl::SimpleAtoi(value, &seed)) return bad_query_part(part, "must be a whole number");
+    return sample.set_seed(seed), absl::OkStatus();
+  }
+  if (name == "density") {
+    return set(terms::parse_density_term(value), [&](v1::DensityTerm term) { *sample.add_density() = std::move(term); });
+  }
+  if (name == "camera") {
+    return set(terms::parse_camera_term(value), [&](terms::CameraTerm camera) { terms.cameras.push_back(camera); });
+  }
+  if (name == "sampler") return set(terms::parse_sampler(value), [&](auto sampler) { sample.set_sampler(sampler); });
+  if (name == "sequence") return set(terms::parse_sequence(value), [&](auto sequence) { sample.set_sequence(sequence); });
+  if (name == "relax") {
+    std::uint32_t rounds = 0;
+    if (!absl::SimpleAtoi(value, &rounds)) return bad_query_part(part, "must be a whole number of rounds");
+    return sample.set_relaxation_rounds(rounds), absl::OkStatus();
+  }
+  if (name == "attributes") return read_attributes(part, sample);
+  return std::nullopt;
+}
 
 absl::StatusOr<PointsTerms> read_points_query(const WebResource::Query& query, const PointFileKind& kind) {
   PointsTerms terms;

@@ -5,8 +5,10 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "curvecast/v1/curvecast.pb.h"
@@ -22,6 +24,9 @@ struct PointsTerms {
   std::vector<terms::CameraTerm> cameras;  // none: one of which nothing is said, where the density wants one
   PointFileTerms file;
 };
+
+/// Reads a part of a query that matters to all files of points. Null: it is none of them. InvalidArgument names it.
+std::optional<absl::Status> read_sample_part(const std::pair<std::string, std::string>& part, PointsTerms& terms);
 
 /// InvalidArgument names the part at fault.
 absl::StatusOr<PointsTerms> read_points_query(const WebResource::Query& query, const PointFileKind& kind);

@@ -52,6 +52,11 @@ absl::StatusOr<std::vector<std::pair<std::string, std::string>>> parse_query(std
   return parts;
 }
 
+absl::Status bad_query_part(const std::pair<std::string, std::string>& part, std::string_view want) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("query: '", printable(part.first + "=" + part.second), "': ", std::string(want)));
+}
+
 std::string header_name_of(std::string_view name) {
   std::string out;
   for (const char c : name.substr(0, kMostOfName)) {

@@ -17,6 +17,9 @@ absl::StatusOr<std::string> percent_decoded(std::string_view text, bool is_query
 /// The parts NAME=VALUE of a query, decoded, in their order. InvalidArgument as of percent_decoded(); more than 256 parts.
 absl::StatusOr<std::vector<std::pair<std::string, std::string>>> parse_query(std::string_view query);
 
+/// The error of a part of a query: "query: 'NAME=VALUE': WANT".
+absl::Status bad_query_part(const std::pair<std::string, std::string>& part, std::string_view want);
+
 /// Returns a name that may stand in a header: letters, digits, dots, underlines and hyphens of ASCII stay, "_" stands for all
 /// else; 64 bytes at most, and "points" instead of none.
 std::string header_name_of(std::string_view name);

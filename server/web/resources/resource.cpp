@@ -3,7 +3,6 @@
 #include <grpcpp/channel.h>
 
 #include "server/base/grpc_status.h"
-#include "server/engine/request_log.h"
 #include "server/web/resources/json.h"
 
 namespace curvecast::server {
@@ -11,7 +10,7 @@ namespace curvecast::server {
 WebResource::WebResource(Engine& engine, const std::shared_ptr<grpc::Channel>& channel, std::shared_ptr<WebExchange> exchange,
                          Caller caller, Query query, Fields fields, Admission::Ticket ticket)
     : engine_(engine),
-      stub_(v1::CurvecastService::NewStub(channel)),
+      calls_(channel, exchange->request().peer, exchange->request().request_id),
       exchange_(std::move(exchange)),
       caller_(std::move(caller)),
       query_(std::move(query)),
@@ -21,10 +20,27 @@ WebResource::WebResource(Engine& engine, const std::shared_ptr<grpc::Channel>& c
 void WebResource::watch() {
   exchange_->on_gone([weak = weak_from_this()] {
     if (const auto self = weak.lock()) {
-      self->gone_ = true;
-      self->cancel();
+      self->calls_.end();
+      self->tell_gone();
     }
   });
+}
+
+void WebResource::on_gone(std::function<void()> lost) {
+  {
+    const MutexLock lock(mutex_);
+    lost_ = std::move(lost);
+  }
+  if (gone()) tell_gone();  // before anybody knew whom to tell
+}
+
+void WebResource::tell_gone() {
+  std::function<void()> lost;
+  {
+    const MutexLock lock(mutex_);
+    lost.swap(lost_);
+  }
+  if (lost) lost();
 }
 
 void WebResource::answer(WebAnswer answer) {
@@ -35,19 +51,5 @@ void WebResource::answer(WebAnswer answer) {
 void WebResource::fail(const absl::Status& status) { fail(to_grpc(status)); }
 
 void WebResource::fail(const grpc::Status& status, int http_status) { answer(error_answer(status, http_status)); }
-
-grpc::ClientContext* WebResource::introduced() {
-  const MutexLock lock(mutex_);
-  context_ = std::make_unique<grpc::ClientContext>();
-  introduce(request().peer, *context_);
-  if (is_request_id(request().request_id)) context_->AddMetadata("x-request-id", request().request_id);
-  if (gone_) context_->TryCancel();
-  return context_.get();
-}
-
-void WebResource::cancel() {
-  const MutexLock lock(mutex_);
-  if (context_ != nullptr) context_->TryCancel();
-}
 
 }  // namespace curvecast::server

@@ -2,10 +2,7 @@
 #pragma once
 
 #include <absl/status/status.h>
-#include <grpcpp/client_context.h>
-#include <grpcpp/support/client_callback.h>
 
-#include <exception>
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,9 +10,9 @@
 #include <vector>
 
 #include "core/base/mutex.h"
-#include "curvecast/v1/curvecast.grpc.pb.h"
 #include "server/base/admission.h"
 #include "server/engine/engine.h"
+#include "server/web/resources/api_calls.h"
 #include "server/web/web_exchange.h"
 
 namespace curvecast::server {
@@ -35,14 +32,18 @@ class WebResource : public std::enable_shared_from_this<WebResource> {
 
   /// Has the calls cancelled when the client goes. To be called first.
   void watch();
+  /// Has `lost` called once, too, when the client goes, or at once where it has gone. Replaces what was given before.
+  void on_gone(std::function<void()> lost) ABSL_LOCKS_EXCLUDED(mutex_);
 
   Engine& engine() const { return engine_; }
   const WebRequest& request() const { return exchange_->request(); }
   const Query& query() const { return query_; }
   const Caller& caller() const { return caller_; }
-  v1::CurvecastService::Stub& stub() const { return *stub_; }
+  v1::CurvecastService::Stub& stub() const { return calls_.stub(); }
+  /// Its calls, which keep it.
+  std::shared_ptr<ApiCalls> calls() { return {shared_from_this(), &calls_}; }
   /// Whether the client has gone.
-  const std::atomic<bool>& gone() const { return gone_; }
+  const std::atomic<bool>& gone() const { return calls_.ended(); }
 
   /// Reads on in the body, as WebExchange::read_body().
   void read_body(WebExchange::Take take) { exchange_->read_body(std::move(take)); }
@@ -51,74 +52,35 @@ class WebResource : public std::enable_shared_from_this<WebResource> {
   /// `http_status`: 0 for the one that goes with the status.
   void fail(const grpc::Status& status, int http_status = 0);
   /// The context of the next call.
-  grpc::ClientContext* introduced();
+  grpc::ClientContext* introduced() { return calls_.introduced(); }
   /// Cancels the call that there is.
-  void cancel();
+  void cancel() { calls_.cancel(); }
 
   /// Makes a call of one request and one response, and hands that to `then`; what fails is the answer.
   template <class Request, class Response, class Then>
   void call(void (v1::CurvecastService::StubInterface::async_interface::*method)(grpc::ClientContext*, const Request*, Response*,
                                                                                  std::function<void(grpc::Status)>),
             Request request, Then then) {
-    const auto messages = std::make_shared<std::pair<Request, Response>>(std::move(request), Response());
-    (stub_->async()->*method)(introduced(), &messages->first, &messages->second,
-                              [self = shared_from_this(), messages, then = std::move(then)](const grpc::Status& status) {
-                                if (!status.ok()) return self->fail(status);
-                                then(std::move(messages->second));
-                              });
+    calls_.call<Request, Response>(
+        method, std::move(request),
+        [self = shared_from_this(), then = std::move(then)](const grpc::Status& status, Response response) mutable {
+          if (!status.ok()) return self->fail(status);
+          then(std::move(response));
+        });
   }
 
  private:
+  void tell_gone() ABSL_LOCKS_EXCLUDED(mutex_);
+
   Engine& engine_;
-  const std::unique_ptr<v1::CurvecastService::Stub> stub_;
+  ApiCalls calls_;
   const std::shared_ptr<WebExchange> exchange_;
   const Caller caller_;
   const Query query_;
   const Fields fields_;
   const Admission::Ticket ticket_;
-  std::atomic<bool> gone_ = false;
   Mutex mutex_;
-  std::unique_ptr<grpc::ClientContext> context_ ABSL_GUARDED_BY(mutex_);
-};
-
-/// A call with many responses. Deletes itself when it is over.
-template <class Response>
-class WebReadCall final : public grpc::ClientReadReactor<Response> {
- public:
-  /// `take` is called with each response; once it returns an error the call is cancelled, and ends with that. `done` is called
-  /// last.
-  using Take = std::function<absl::Status(Response)>;
-  using Done = std::function<void(const absl::Status& refused, const grpc::Status&)>;
-  WebReadCall(std::shared_ptr<WebResource> resource, Take take, Done done)
-      : resource_(std::move(resource)), take_(std::move(take)), done_(std::move(done)) {}
-
-  void start() {
-    this->StartRead(&response_);
-    this->StartCall();
-  }
-
- private:
-  void OnReadDone(bool ok) override {
-    if (!ok) return;
-    try {
-      if (refused_.ok()) refused_ = take_(std::exchange(response_, {}));
-    } catch (const std::exception&) {  // bad_alloc
-      refused_ = absl::ResourceExhaustedError("there is no memory for the answer");
-    }
-    if (!refused_.ok()) resource_->cancel();
-    this->StartRead(&response_);
-  }
-
-  void OnDone(const grpc::Status& status) override {
-    const std::unique_ptr<WebReadCall> self(this);
-    done_(refused_, status);
-  }
-
-  const std::shared_ptr<WebResource> resource_;
-  const Take take_;
-  const Done done_;
-  Response response_;
-  absl::Status refused_;
+  std::function<void()> lost_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace curvecast::server

@@ -21,6 +21,7 @@
 #include "server/web/resources/query.h"
 #include "server/web/resources/resource.h"
 #include "server/web/resources/sessions.h"
+#include "server/web/resources/tilesets.h"
 
 namespace curvecast::server {
 namespace {
@@ -40,7 +41,12 @@ struct Actions {
   }
 };
 
-Actions session_file(const std::string& id, const std::string& file) {
+using Tilesets = const std::shared_ptr<TilesetJobs>&;
+
+Actions session_file(const std::string& id, const std::string& file, Tilesets tilesets) {
+  if (file == formats::kTilesetName) {
+    return {{{"GET", [id, tilesets](Resource resource) { get_tileset(resource, tilesets, id); }}}};
+  }
   const std::pair<std::string, std::string> named = absl::StrSplit(file, absl::MaxSplits('.', 1));
   const auto& [stem, ending] = named;
   if (stem == "points") {
@@ -63,7 +69,7 @@ void get_document(Resource resource) {
 }
 
 /// What is there at a path, whose parts are decoded; nothing where there is no such resource.
-Actions find(const std::vector<std::string>& path) {
+Actions find(const std::vector<std::string>& path, Tilesets tilesets) {
   const std::string& first = path.front();
   if (path.size() == 1 && first == "openapi.json") return {{{"GET", get_document}}};
   if (path.size() == 2 && first == "meshes" && !path[1].empty()) {
@@ -76,7 +82,10 @@ Actions find(const std::vector<std::string>& path) {
     return {{{"GET", [id = path[1]](Resource resource) { get_session(resource, id); }},
              {"DELETE", [id = path[1]](Resource resource) { close_session(resource, id); }}}};
   }
-  return path.size() == 3 ? session_file(path[1], path[2]) : Actions();
+  if (path.size() == 5 && path[2] == "tiles") {
+    return {{{"GET", [path, tilesets](Resource resource) { get_tile(resource, tilesets, path[1], path[3], path[4]); }}}};
+  }
+  return path.size() == 3 ? session_file(path[1], path[2], tilesets) : Actions();
 }
 
 absl::StatusOr<std::vector<std::string>> split_path(std::string_view path) {
@@ -96,6 +105,7 @@ class Resources {
       : engine_(engine),
         channel_(std::move(channel)),
         origins_(std::move(origins)),
+        tilesets_(std::make_shared<TilesetJobs>(engine_, channel_)),
         admission_(std::make_shared<Admission>("requests for resources", limits.most, limits.most_of_client)) {}
 
   bool are_open() const { return admission_->count() > 0; }
@@ -107,7 +117,7 @@ class Resources {
     const WebResource::Fields fields = fields_for(request);
     absl::StatusOr<std::vector<std::string>> path = split_path(request.path);
     if (!path.ok()) return refuse(*exchange, path.status(), 0, fields);
-    const Actions actions = find(*path);
+    const Actions actions = find(*path, tilesets_);
     if (actions.by_method.empty()) return refuse(*exchange, absl::NotFoundError("there is nothing of this name"), 0, fields);
     if (request.method == "OPTIONS") return tell_options(*exchange, actions, fields);
     const std::string method = request.method == "HEAD" ? "GET" : request.method;
@@ -174,6 +184,7 @@ class Resources {
   Engine& engine_;
   const std::shared_ptr<grpc::Channel> channel_;
   const WebOrigins origins_;
+  const std::shared_ptr<TilesetJobs> tilesets_;
   const std::shared_ptr<Admission> admission_;
 };
 

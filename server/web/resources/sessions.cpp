@@ -38,8 +38,8 @@ void create(const std::shared_ptr<WebResource>& resource, const std::string& bod
   if (absl::Status status = parse_json(body, *request); !status.ok()) return resource->fail(status);
   request->set_without_preview(true);
   const auto session = std::make_shared<v1::Session>();
-  auto* const call = new WebReadCall<v1::CreateSessionResponse>(
-      resource,
+  auto* const call = new ApiReadCall<v1::CreateSessionResponse>(
+      resource->calls(),
       [session](v1::CreateSessionResponse response) {
         if (response.has_session()) session->Swap(response.mutable_session());
         return absl::OkStatus();

@@ -131,6 +131,21 @@ describe("a client from the description", () => {
     assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [80, 60]);
   });
 
+  it("takes tiles", async () => {
+    const query = { n: POINTS, density: ["curvature:floor=0.2"] };
+    const { data, error } = await client.GET("/v1/sessions/{session}/tileset.json", { params: { path: { session }, query } });
+    assert.ok(data, JSON.stringify(error));
+    assert.equal(data.asset.version, "1.1");
+    const [, set, file] = data.root.content!.uri.split("/");
+    const tile = await client.GET("/v1/sessions/{session}/tiles/{set}/{file}", {
+      params: { path: { session, set: set!, file: file! } },
+      parseAs: "arrayBuffer",
+    });
+    assert.ok(tile.data, JSON.stringify(tile.error));
+    assert.equal(Buffer.from(tile.data as ArrayBuffer).toString("latin1", 0, 4), "glTF");
+    assert.match(tile.response.headers.get("Cache-Control")!, /immutable/);
+  });
+
   it("is told what is wrong", async () => {
     const { error, response } = await client.GET("/v1/sessions/{session}/points.ply", {
       params: { path: { session }, query: { n: 0 } },

@@ -179,6 +179,41 @@ TEST(Tileset, TurnsMeshesWhoseThirdAxisPointsUpwards) {
   }
 }
 
+TEST(Tileset, MayHaveItsFilesInAFolder) {
+  const SpherePoints sphere(6000);
+  Files plain = tiles_of(sphere.columns(), {.root_points = 20, .json_levels = 2});
+  Files below = tiles_of(sphere.columns(), {.root_points = 20, .json_levels = 2, .folder = "tiles/x/"});
+  const json root = json::parse(below.at("tileset.json"))["root"];
+  EXPECT_EQ(root["content"]["uri"], "tiles/x/0-0.glb");
+  EXPECT_EQ(root["children"][3]["content"]["uri"], "tiles/x/1-3.glb");
+  EXPECT_EQ(root["children"][3]["children"][0]["content"]["uri"], "tiles/x/1-3.json");
+  plain.erase("tileset.json");
+  below.erase("tileset.json");
+  EXPECT_EQ(plain, below) << "which are beside each other there";
+  for (const auto& [name, bytes] : plain) EXPECT_TRUE(is_tile_name(name)) << name;
+  for (const char* name :
+       {"", "tileset.json", "0-0.png", "0-0.glb/", "../0-0.glb", "0-0.glb\n", "a-0.glb", "0-0xglb", "123-0.glb"}) {
+    EXPECT_FALSE(is_tile_name(name)) << name;
+  }
+}
+
+TEST(Tileset, HasNoTinyTilesWhereTheDensityIsFarFromEven) {
+  // Half of the points have ranks far beyond their number.
+  SpherePoints sphere(6000);
+  for (std::size_t i = 0; i < sphere.ranks.size(); ++i) {
+    if (sphere.ranks[i] >= 3000) sphere.ranks[i] *= 50'000;
+  }
+  const Files files = tiles_of(sphere.columns(), {.root_points = 100, .content = kFloats});
+  std::size_t points = 0, tiles = 0;
+  walk(files, json::parse(files.at("tileset.json"))["root"], 0, [&](const json&, int level, const std::vector<Place>& own) {
+    EXPECT_LE(level, 4);
+    points += own.size();
+    tiles += own.empty() ? 0 : 1;
+  });
+  EXPECT_EQ(points, 6000U);
+  EXPECT_LE(tiles, 1U + 4 + 16 + 64 + 256);
+}
+
 TEST(Tileset, IsTheSameEveryTime) {
   const SpherePoints sphere(3000);
   EXPECT_EQ(tiles_of(sphere.columns(), {.root_points = 64}), tiles_of(sphere.columns(), {.root_points = 64}));

@@ -1,4 +1,4 @@
-// Loads a tileset with Cesium, at a place on the globe. A page whose import map says where Cesium is.
+// Loads a tileset, a file beside the page or an address, with Cesium, at a place on the globe. A page whose import map says where Cesium is.
 
 window.CESIUM_BASE_URL = "/packages/cesium/Build/Cesium/";
 const Cesium = await import("/packages/cesium/Build/Cesium/index.js");
@@ -7,7 +7,7 @@ import { readPixels } from "../splats/pixels.js";
 
 const STILL = 12; // pictures without anything to load
 
-window.draw = async (name, { eye, target, up, fov, error, size }, width, height) => {
+window.draw = async (name, { eye, target, up, fov, error, headers, size }, width, height) => {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [width, height];
   [canvas.style.width, canvas.style.height] = [`${width}px`, `${height}px`];
@@ -18,7 +18,8 @@ window.draw = async (name, { eye, target, up, fov, error, size }, width, height)
   scene.skyBox = scene.skyAtmosphere = scene.sun = scene.moon = undefined;
   scene.highDynamicRange = false;
   const frame = Cesium.Transforms.eastNorthUpToFixedFrame(Cesium.Cartesian3.fromDegrees(10, 50, 1000));
-  const tileset = await Cesium.Cesium3DTileset.fromUrl(`/files/${name}`, { modelMatrix: frame, maximumScreenSpaceError: error });
+  const source = new Cesium.Resource({ url: new URL(name, `${location.origin}/files/`).href, headers });
+  const tileset = await Cesium.Cesium3DTileset.fromUrl(source, { modelMatrix: frame, maximumScreenSpaceError: error });
   tileset.style = new Cesium.Cesium3DTileStyle({ pointSize: size });
   scene.primitives.add(tileset);
   const failed = [];

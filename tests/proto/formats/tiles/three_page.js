@@ -1,4 +1,4 @@
-// Loads a tileset with 3d-tiles-renderer into a scene of three.js. A page whose import map says where both are.
+// Loads a tileset, a file beside the page or an address, with 3d-tiles-renderer into a scene of three.js. A page whose import map says where both are.
 
 import * as THREE from "three";
 import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
@@ -9,7 +9,7 @@ import { readPixels } from "../splats/pixels.js";
 
 const STILL = 12; // pictures without anything to load: then all that the view wants is there
 
-window.draw = async (name, { eye, target, up, fov, error, spacing }, width, height) => {
+window.draw = async (name, { eye, target, up, fov, error, headers, spacing }, width, height) => {
   const renderer = new THREE.WebGLRenderer({ alpha: true, antialias: false, preserveDrawingBuffer: true });
   renderer.setPixelRatio(1);
   renderer.setSize(width, height);
@@ -20,7 +20,8 @@ window.draw = async (name, { eye, target, up, fov, error, spacing }, width, heig
   camera.up.set(...up);
   camera.lookAt(...target);
   camera.updateMatrixWorld();
-  const tiles = new TilesRenderer(`/files/${name}`);
+  const tiles = new TilesRenderer(new URL(name, `${location.origin}/files/`).href);
+  if (headers) tiles.fetchOptions = { ...tiles.fetchOptions, headers };
   const loader = new GLTFLoader(tiles.manager);
   loader.setMeshoptDecoder(MeshoptDecoder);
   tiles.manager.addHandler(/\.gl(b|tf)$/, loader);

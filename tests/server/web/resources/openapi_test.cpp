@@ -99,14 +99,18 @@ TEST_F(OpenApi, IsWhatTheServerSays) {
 
 TEST_F(OpenApi, EveryOperationIsThere) {
   const std::string session = make_session();
+  const Json tileset = json_of(get("/v1/sessions/" + session + "/tileset.json"));
+  const std::vector<std::string> tile = absl::StrSplit(tileset["root"]["content"]["uri"].get<std::string>(), '/');
   std::set<std::string> seen;
   for (const auto& [path, item] : document_["paths"].items()) {
     for (const auto& [method, operation] : item.items()) {
       if (method == "parameters" || method == "delete") continue;
       const std::string where = method + " " + path;
       seen.insert(operation["operationId"]);
-      const std::string at =
-          absl::StrReplaceAll(path, {{"{session}", session}, {"{mesh}", method == "put" ? "a.off" : put_sphere(1)}});
+      const std::string at = absl::StrReplaceAll(path, {{"{session}", session},
+                                                        {"{mesh}", method == "put" ? "a.off" : put_sphere(1)},
+                                                        {"{set}", tile.at(1)},
+                                                        {"{file}", tile.at(2)}});
       Response response;
       if (method == "get") {
         response = get(at + query_of(operation));
@@ -123,7 +127,7 @@ TEST_F(OpenApi, EveryOperationIsThere) {
   const Json& closing = document_["paths"]["/v1/sessions/{session}"]["delete"];
   check_answer(ask("DELETE", "/v1/sessions/" + session), closing, "delete");
   check_answer(ask("DELETE", "/v1/sessions/" + session), closing, "delete again");
-  EXPECT_EQ(seen.size(), 16u);
+  EXPECT_EQ(seen.size(), 18u);
 }
 
 TEST_F(OpenApi, NothingElseIsAnswered) {

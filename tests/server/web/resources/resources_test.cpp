@@ -62,11 +62,15 @@ TEST_F(Resources, PointsAreThoseOfTheApi) {
   v1::SampleRequest sample;
   sample.set_points(500);
   sample.set_seed(7);
+  sample.set_relaxation_rounds(4);
   sample.mutable_encoding()->mutable_raw();
   const auto stub = client();
   const Resampled wanted = resample(*stub, session, sample);
   ASSERT_EQ(wanted.blocks.size(), 1u);
-  const auto points = json_of(get("/v1/sessions/" + session + "/points.json?n=500&seed=7"));
+  const std::string address = "/v1/sessions/" + session + "/points.json?n=500&seed=7";
+  EXPECT_EQ(get(address + "&relax=101").status, 400);
+  EXPECT_NE(json_of(get(address))["positions"], json_of(get(address + "&relax=4"))["positions"]);
+  const auto points = json_of(get(address + "&relax=4"));
   EXPECT_EQ(points["count"], 500);
   const std::string& positions = wanted.blocks[0].points().raw().positions();
   ASSERT_EQ(points["positions"].size() * sizeof(float), positions.size());
