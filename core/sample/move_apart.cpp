@@ -68,6 +68,8 @@ class Relaxation {
   /// `step`: of a push, in spacings.
   absl::Status move_all(double step) {
     set_all();
+    if (!is_begun_) repulsion_.expect_moves(static_cast<float>(kMostMove));
+    is_begun_ = true;
     for_blocks(context_, repulsion_.block_count(), kGrain, [&](std::size_t begin, std::size_t end) {
       WorkLimit::Meter meter(context_.limit);
       Repulsion::Scratch scratch;
@@ -191,6 +193,7 @@ class Relaxation {
   const ExecutionContext& context_;
   const Vec3d origin_;
   Repulsion repulsion_;
+  bool is_begun_ = false;
   std::vector<WalkPlace> places_;
   std::vector<Vec3d> first_;   // where they were
   std::vector<Vec3d> normal_;  // of their faces, when set_all() was called
